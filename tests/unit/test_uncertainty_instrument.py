@@ -11,7 +11,7 @@ from scipy.ndimage import grey_dilation
 import roughcontact as rc
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.maps import height_map, spacing
+from roughcontact.maps import height_map, refined, spacing
 from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.uncertainty.answers import headline_and_answers
@@ -134,7 +134,7 @@ def test_the_interval_of_a_noisy_map_reaches_the_true_one(surface):
 
 
 def test_noise_that_is_all_of_the_gradient_leaves_no_upper_end(surface):
-    smooth = without_shortest_waves(surface, 8)
+    smooth = without_shortest_waves(surface, 6.4e-6)
     noise = 0.5 * float(smooth.std())
     noisy, _ = with_noise(smooth, noise)
     pressures = loads(noisy, 0.05)
@@ -185,13 +185,50 @@ def test_the_reliability_length_is_that_of_the_tips_cusps(surface):
     assert reliability_length(traced, 20e-9) == 0.0
 
 
+def shortest_wave(height: xr.DataArray) -> float:
+    """Return the shortest wavelength of a map that is more than rounding."""
+    frequencies = [np.fft.fftfreq(n, step) for n, step in zip(height.shape, spacing(height), strict=True)]
+    amplitude = np.abs(np.fft.fft2(height.values))
+    return 1 / np.hypot.outer(*frequencies)[amplitude > 1e-9 * amplitude.max()].max()
+
+
 def test_coarser_maps_keep_the_longer_waves(surface):
-    coarse = without_shortest_waves(surface, 4)
-    assert spacing(coarse) == pytest.approx((1.6e-6, 1.6e-6))
+    coarse = without_shortest_waves(surface, 3.2e-6)
+    assert coarse.shape == (60, 60)  # three points to a wave
     q = np.abs(np.fft.fft2(surface.values))[:15, :15] / surface.size
     assert np.allclose(np.abs(np.fft.fft2(coarse.values))[:15, :15] / coarse.size, q, rtol=0, atol=1e-15)
-    profile = without_shortest_waves(surface[:1], 2)
-    assert profile.shape == (1, 80)
+    assert shortest_wave(coarse) == pytest.approx(3.2e-6, rel=0.02)  # in all directions
+    profile = without_shortest_waves(surface[:1], 1.6e-6)
+    assert profile.shape == (1, 120)
+    assert spacing(profile) == pytest.approx((160 / 120 * 0.4e-6,) * 2)
+
+
+@pytest.mark.parametrize(("shape", "pitch"), [((96, 96), (1e-6, 1e-6)), ((90, 128), (1.4e-6, 1e-6))])
+def test_the_cut_off_is_the_shortest_wave_that_is_kept(shape, pitch):
+    window = height_map(1e-7 * np.random.default_rng(2).standard_normal(shape), pitch)
+    problem = {"contact_modulus": MODULUS, "mean_pressure": loads(window, 0.2)}
+    curve = magnification_curve(window, contact=problem, solved=results(window, problem["mean_pressure"]))
+    cutoffs, gradients = curve["cutoff_wavelength"].values, curve["gradient_at_cutoff"].values
+    assert cutoffs[0] == pytest.approx(shortest_wave(window))  # along the diagonal
+    assert cutoffs.size == 3
+    for octave, (cutoff, gradient) in enumerate(zip(cutoffs, gradients, strict=True)):
+        if octave:
+            area = math.pi / (math.sqrt(math.pi * math.prod(pitch)) * 2**octave) ** 2
+            assert area == pytest.approx(1 / math.prod(pitch) / 4**octave)  # as many waves as of such pixels
+            kept = without_shortest_waves(window, cutoff)
+            assert shortest_wave(kept) == pytest.approx(cutoff, rel=1e-9)
+            assert rms_gradient(kept) == pytest.approx(gradient, rel=1e-12)
+            assert cutoff == pytest.approx(math.sqrt(math.pi * math.prod(pitch)) * 2**octave, rel=0.02)
+
+
+def test_a_band_that_the_settings_cut_off_begins_the_magnification_curve():
+    window = rc.periodic_window(rough_reference_surface(96), shortest_wavelength=5 / 96)
+    problem = {"contact_modulus": 1.0, "mean_pressure": loads(window, 0.1)}
+    problem["mean_pressure"] = [each / MODULUS for each in problem["mean_pressure"]]
+    solved = solve_contact(window, **problem, reduce=headline_and_answers)
+    curve = magnification_curve(window, contact=problem, solved=solved)
+    assert curve["cutoff_wavelength"].values[:2] == pytest.approx(5 / 96, rel=0.02)
+    assert curve["cutoff_wavelength"].values[2] > 6 / 96
 
 
 def test_the_magnification_curve_begins_with_the_result_and_ends_smoother(surface):
@@ -199,21 +236,44 @@ def test_the_magnification_curve_begins_with_the_result_and_ends_smoother(surfac
     solved = results(surface, pressures)
     problem = {"contact_modulus": MODULUS, "mean_pressure": pressures}
     curve = magnification_curve(surface, contact=problem, solved=solved)
-    assert curve["cutoff_wavelength"].values == pytest.approx(0.8e-6 * 2.0 ** np.arange(4))
     area = curve["relative_contact_area_at_cutoff"][0].values
     assert area[0] == solved["relative_contact_area"][0]
     assert (np.diff(area[1:]) > 0).all()
-    again = results(without_shortest_waves(surface, 4), pressures)
-    assert area[2] == pytest.approx(float(again["relative_contact_area"][0]), rel=0.02)
+
+
+@pytest.mark.parametrize("hurst", [0.5, 0.9])
+def test_results_by_wave_are_those_of_the_same_waves_on_a_fine_grid(hurst):
+    window = self_affine_surface(
+        (160, 160), 1e-6, hurst=hurst, shortest=2e-6, longest=50e-6, rms_gradient=0.1, seed=1
+    )
+    pressures = loads(window, 0.05, 0.2)
+    problem = {"contact_modulus": MODULUS, "mean_pressure": pressures}
+    curve = magnification_curve(window, contact=problem, solved=results(window, pressures))
+    q = np.hypot(np.fft.fftfreq(160, 1e-6)[:, None], np.fft.rfftfreq(160, 1e-6))
+    for entry, cutoff in enumerate(curve["cutoff_wavelength"].values[1:], start=1):
+        spectrum = np.fft.rfft2(window.values) * (q <= 1.0001 / cutoff)
+        fine = refined(window.copy(data=np.fft.irfft2(spectrum, s=window.shape)), 2)
+        expected = results(fine, pressures)
+        found = {name: curve[f"{name}_at_cutoff"][:, entry] for name in QUANTITIES}
+        pressure = expected["mean_pressure"] / expected["relative_contact_area"]
+        for name, value, tolerance in (
+            ("relative_contact_area", expected["relative_contact_area"], 0.05),
+            ("mean_contact_pressure", pressure, 0.05),
+            ("mean_gap", expected["mean_gap"], 0.03),
+            ("max_pressure", expected["max_pressure"], 0.1),
+        ):
+            assert found[name].values == pytest.approx(value.values, rel=tolerance), (name, entry)
 
 
 def test_white_noise_is_expected_to_grow_fourfold_or_more():
     window = height_map(np.random.default_rng(0).standard_normal((256, 256)), 1.0)
     solved = xr.Dataset({name: ("load", [0.1]) for name in QUANTITIES} | {"mean_pressure": ("load", [1.0])})
-    gradients = [rms_gradient(without_shortest_waves(window, 2**k)) for k in range(4)]
-    curve = xr.Dataset(
-        coords={"cutoff_wavelength": 2.0 ** np.arange(1, 5), "gradient_at_cutoff": ("c", gradients)}
-    )
+    cutoffs = math.sqrt(math.pi) * 2.0 ** np.arange(4)  # circles with a fourth of the waves of the last
+    gradients = [
+        rms_gradient(window),
+        *(rms_gradient(without_shortest_waves(window, c)) for c in cutoffs[1:]),
+    ]
+    curve = xr.Dataset(coords={"cutoff_wavelength": cutoffs, "gradient_at_cutoff": ("c", gradients)})
     assert solved.sizes["load"] == 1
     assert expected_growth(curve).gradient == pytest.approx(1.3 * math.log(4), rel=0.1)
 
@@ -223,7 +283,7 @@ def test_a_finer_spectrum_tells_the_true_gradient(patch):
     fine = self_affine_surface(
         (512, 512), 1e-6, hurst=0.6, shortest=4e-6, longest=128e-6, rms_gradient=0.1, seed=5
     )
-    coarse = without_shortest_waves(fine, 8)
+    coarse = without_shortest_waves(fine, 16e-6)
     true = math.log(rms_gradient(fine) / rms_gradient(coarse))
     lines = fine[patch] if patch.stop else fine[:256, :256]
     assert growth_by_finer_spectrum(coarse, lines) == pytest.approx(true, rel=0.25)

@@ -2,37 +2,46 @@
 
 A measured surface has no contact area as such, only one for the waves down to some length (Persson 2001): the
 shorter the waves that a map resolves, the smaller is the area and the larger the pressure. The window is
-solved again without its shortest octave of waves on a grid half as fine, then without two octaves, and so on;
-all these solutions together cost a third of that of the window.
+solved again without its shortest octave of waves, without two octaves, and so on, on grids of three points
+per shortest wave; all these solutions together cost about as much as that of the window.
+
+Waves are cut off by a circle in the plane of wavenumbers, in all directions at the same length. The first
+circle holds as many waves as the grid with pixels twice as large, so that it is an octave below those of the
+window; the few waves in the corners of a rectangle are shorter than two pixels.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import scipy
 import xarray as xr
 
-from roughcontact.maps import height_map, spacing
+from roughcontact.fourier import wavenumbers
+from roughcontact.maps import height_map, side_lengths, spacing
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.uncertainty.answers import counter_of, quantities_in
 from roughcontact.uncertainty.ensemble import solve_member
+from roughcontact.uncertainty.scaling import AREA, PRESSURE
 
 _TOLERANCE = 1e-2  # of the pressure, as of the members of the ensembles
-_MIN_POINTS_PER_SIDE = 16  # of the coarsest grid
+_POINTS_PER_WAVE = 3  # of the shortest: with two, areas of small loads are a tenth and peaks a quarter off
+_MIN_WAVES_PER_SIDE = 8  # of the shortest, in the last entry
 _MAX_OCTAVES = 4
 
 
-def without_shortest_waves(window: xr.DataArray, factor: int) -> xr.DataArray:
-    """Return a periodic map on a grid `factor` times as coarse, without the waves that it cannot hold.
+def without_shortest_waves(window: xr.DataArray, cutoff: float) -> xr.DataArray:
+    """Return a periodic map without waves shorter than a cut-off, on a grid of three points per such wave.
 
     The spectrum is cut off; neither aliasing nor attenuation changes the waves that stay.
 
     Parameters
     ----------
     window : DataArray (y, x), m
-        periodic. An axis of one point keeps it.
-    factor : int
-        1 or more.
+        periodic. An axis of one point keeps it; no grid becomes finer.
+    cutoff : float, m
+        the shortest wavelength that is kept, shorter than the map.
 
     Returns
     -------
@@ -42,26 +51,36 @@ def without_shortest_waves(window: xr.DataArray, factor: int) -> xr.DataArray:
     --------
     >>> import numpy as np
     >>> x = 2 * np.pi * np.arange(32) / 32
-    >>> coarse = without_shortest_waves(height_map((np.cos(x) + np.cos(14 * x))[None, :], 1.0), 4)
+    >>> coarse = without_shortest_waves(height_map((np.cos(x) + np.cos(14 * x))[None, :], 1.0), 12.0)
     >>> coarse.shape, bool(np.allclose(coarse, np.cos(x[None, ::4])))
     ((1, 8), True)
     """
-    kept = [n if n == 1 else n // factor for n in window.shape]
-    if factor == 1:
-        return window
-    spectrum = np.fft.rfft2(window.values)
-    ky, kx = (k // 2 for k in kept)
-    rows = np.r_[0 : kept[0] - ky, window.shape[0] - ky : window.shape[0]]
-    spectrum = spectrum[rows, : kx + 1]
-    if kept[0] % 2 == 0:  # the wave at the limit of the coarse grid is left out
-        spectrum[kept[0] - ky] = 0.0
-    if kept[1] % 2 == 0:
-        spectrum[:, kx] = 0.0
-    values = np.fft.irfft2(spectrum, s=kept) * (kept[0] * kept[1] / window.size)
-    steps = [s * n / k for s, n, k in zip(spacing(window), window.shape, kept, strict=True)]
-    if 1 in kept:  # the pitch across a profile is that along it
+    spectrum = np.where(_kept(window, cutoff), np.fft.rfft2(window.values), 0.0)
+    sides = side_lengths(window)
+    points = [
+        n
+        if n == 1
+        else min(n, scipy.fft.next_fast_len(math.ceil(_POINTS_PER_WAVE * side / cutoff), real=True))
+        for n, side in zip(window.shape, sides, strict=True)
+    ]
+    ky, kx = (n // 2 for n in points)
+    rows = np.r_[0 : points[0] - ky, window.shape[0] - ky : window.shape[0]]
+    values = np.fft.irfft2(spectrum[rows, : kx + 1], s=points) * (math.prod(points) / window.size)
+    steps = [side / n for side, n in zip(sides, points, strict=True)]
+    if 1 in points:  # the pitch across a profile is that along it
         steps = [max(steps)] * 2
     return height_map(values, steps)
+
+
+def _kept(window: xr.DataArray, cutoff: float) -> np.ndarray:
+    """Return which waves, in the layout of `rfft2`, are as long as a cut-off or longer."""
+    return wavenumbers(window.shape, spacing(window)) * cutoff <= 2 * np.pi * (1 + 1e-9)
+
+
+def _shortest_of_band(window: xr.DataArray) -> float:
+    """Return the shortest wavelength (m) that the settings left in a window, 0 where they cut off none."""
+    by_grid = window.attrs.get("band_reason", "the grid") == "the grid"
+    return 0.0 if by_grid else window.attrs["band_shortest"]
 
 
 def magnification_curve(
@@ -82,8 +101,10 @@ def magnification_curve(
     -------
     Dataset
         `{quantity}_at_cutoff` (load, cutoff), the first entry being the result of the window, with the
-        coordinates `cutoff_wavelength` (cutoff; m), the shortest wave, and `gradient_at_cutoff` (cutoff), the
-        rms gradient. A single entry where the window is too small to be coarsened.
+        coordinates `cutoff_wavelength` (cutoff; m), the shortest wave that is kept, and `gradient_at_cutoff`
+        (cutoff), the rms gradient. The pressure in contact is the load over the corrected area, which hardly
+        depends on the grid, and at most the hardness. A single entry where the window is too small to be
+        coarsened.
 
     Examples
     --------
@@ -94,29 +115,32 @@ def magnification_curve(
     >>> solved = solve_contact(window, **problem, reduce=headline)
     >>> curve = magnification_curve(window, contact=problem, solved=solved)
     >>> curve["relative_contact_area_at_cutoff"].round(2).values.tolist()
-    [[0.34, 0.35, 0.4]]
+    [[0.34, 0.34, 0.37]]
     """
     names, count = quantities_in(solved), counter_of(solved)
     levels = [{name: solved[name].values for name in names}]
-    maps = [window]
-    sides = [n for n in window.shape if n > 1]
-    for octave in range(1, _MAX_OCTAVES + 1):
-        if not sides or min(sides) // 2**octave < _MIN_POINTS_PER_SIDE:
+    maps, q = [window], wavenumbers(window.shape, spacing(window))
+    lengths = [max(2 * np.pi / q.max(), _shortest_of_band(window))]
+    sides = [side for side, n in zip(side_lengths(window), window.shape, strict=True) if n > 1]
+    octave = math.sqrt(math.pi * math.prod(spacing(window))) if len(sides) > 1 else 2 * max(spacing(window))
+    for cutoff in octave * 2.0 ** np.arange(1, _MAX_OCTAVES + 1):
+        if not sides or min(sides) < _MIN_WAVES_PER_SIDE * cutoff:
             break
-        maps.append(without_shortest_waves(window, 2**octave))
+        maps.append(without_shortest_waves(window, cutoff))
+        lengths.append(max(2 * np.pi / q[_kept(window, cutoff)].max(), lengths[0]))
         levels.append(
             solve_member(maps[-1], contact, tolerance=_TOLERANCE, count=count, result=solved).values
         )
-    wavelengths = [
-        2 * max(s for n, s in zip(m.shape, spacing(m), strict=True) if n > 1 or not sides) for m in maps
-    ]
+    limit = contact.get("hardness") or math.inf
+    for level in levels:
+        level[PRESSURE] = np.minimum(solved["mean_pressure"].values / level[AREA], limit)
     return xr.Dataset(
         {
             f"{n}_at_cutoff": (("load", "cutoff"), np.stack([each[n] for each in levels], axis=1))
             for n in names
         },
         coords={
-            "cutoff_wavelength": ("cutoff", wavelengths),
+            "cutoff_wavelength": ("cutoff", lengths),
             "gradient_at_cutoff": ("cutoff", [rms_gradient(m) for m in maps]),
         },
     )

@@ -97,7 +97,8 @@ def expected_growth(curve: xr.Dataset, *, resolved: float = 0.0, reference: floa
     wavelengths, gradients = curve["cutoff_wavelength"].values, curve["gradient_at_cutoff"].values
     if len(wavelengths) < 2 or not gradients.min() > 0:
         return Growth(0.0, 0.0, 0)
-    hidden = math.log2(max(resolved / wavelengths[0], 1.0))
+    # an octave below the next entry: of the waves of the window those in the corners of the grid are shorter
+    hidden = math.log2(max(2 * resolved / wavelengths[1], 1.0))
     level = min(math.ceil(hidden - 0.25), len(wavelengths) - 2)
     logarithms = np.log(gradients[level:])
     last = max(logarithms[0] - logarithms[1], _SMALLEST_GROWTH)
@@ -134,7 +135,7 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float
     >>> from roughcontact.references.synthetic import rough_reference_surface
     >>> from roughcontact.uncertainty.magnification import without_shortest_waves
     >>> finer = rough_reference_surface(128)
-    >>> coarse = without_shortest_waves(finer, 4)
+    >>> coarse = without_shortest_waves(finer, 1 / 16)
     >>> 0.0 < growth_by_finer_spectrum(coarse, finer) < 1.0
     True
     """
@@ -280,7 +281,7 @@ def waves_not_resolved(
     Dataset
         as of `unresolved_uncertainty`.
     """
-    shortest = float(curve["cutoff_wavelength"][0])
+    shortest = 2 * max(spacing(window))
     band = [settings.get("level", {}).get("s_filter"), settings.get("window", {}).get("shortest_wavelength")]
     if max(each or 0.0 for each in band) >= _CHOSEN_BAND * shortest:
         return xr.Dataset(dict.fromkeys(quantities_in(solved), ("load", np.zeros(solved.sizes["load"]))))
