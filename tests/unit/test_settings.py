@@ -281,6 +281,12 @@ def test_names_of_cases_are_names_of_folders(name, line):
     assert list(resolve({"contact": {"contact_modulus": 1e9}, "cases": {"Az-09": {}}})) == ["Az-09"]
 
 
+def test_cases_that_are_one_folder_on_other_systems_are_named():
+    found = mistakes({"contact": {"contact_modulus": 1e9}, "cases": {"soft": {}, "hard": {}, "Soft": {}}})
+    said = "another case has this name but for capitals; rename one"
+    assert found == [f"cases.soft: {said}", f"cases.Soft: {said}"]
+
+
 @pytest.mark.parametrize("key", ["surfaces", "composite", "report", "crosscheck", "validation", "cases"])
 def test_what_is_common_to_all_cases_is_set_at_the_top(key):
     (line,) = mistakes({"contact": {"contact_modulus": 1e9}, "cases": {"a": {key: {}}}})

@@ -2,6 +2,7 @@
 
 import json
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -119,6 +120,20 @@ def test_a_full_disk_is_named_and_what_was_there_stays(disk):
         write_text("a" * 100_000, small_disk / "a.txt")
     assert [path.name for path in small_disk.iterdir()] == ["gap.nc"]
     assert (small_disk / "gap.nc").read_bytes() == before
+
+
+def test_the_limit_of_the_size_of_files_is_named(tmp_path):
+    """As a shell sets it by `ulimit -f`; netCDF says of it that there is an error of HDF."""
+    large = xr.Dataset({"gap": (("y", "x"), np.random.default_rng(0).random((100, 200)))})
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))
+    try:
+        for write in (lambda path: write_dataset(large, path), lambda path: write_text("a" * 30_000, path)):
+            with pytest.raises(OutputFileError, match=r"gap.nc: cannot be written, a file may have 0.02 MB"):
+                write(tmp_path / "gap.nc")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_read_only_folder_is_named(disk):

@@ -189,6 +189,8 @@ def test_a_row_that_ends_early_is_named(table):
         ("a" * 20, "ends with a 19 times or more; Snakemake refuses it, change it"),
         ("seal" + "-1" * 19, "ends with -1 19 times or more"),
         ("0" * 64, "ends with 0 19 times or more"),
+        ("pages", "results/pages is the folder of the report's own pages; choose another name"),
+        ("Pages", "results/pages is the folder of the report's own pages; choose another name"),
     ],
 )
 def test_names_that_snakemake_cannot_take_are_named(table, name, said):
@@ -234,6 +236,12 @@ def test_pitches_may_carry_their_unit(table):
 def test_a_name_that_stands_twice_is_named_with_its_first_line(table):
     path = table("surface\tpath", "a\ta.txt", "a\tb.txt")
     assert f"line 3, surface = a: occurs twice (also {path}, line 2); rename one" in mistakes(path)
+
+
+def test_names_that_are_one_folder_on_other_systems_are_named(table):
+    path = table("surface\tpath", "Ab\ta.txt", "aB\tb.txt")
+    said = f"line 3, surface = aB: occurs twice but for capitals, as Ab (also {path}, line 2); rename one"
+    assert said in mistakes(path)
 
 
 def test_a_table_that_is_no_text_is_named(tmp_path):

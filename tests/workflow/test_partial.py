@@ -132,3 +132,20 @@ def test_the_command_says_what_is_missing(done):
     assert "results/report.html and results/summary.csv have the others" in run.stderr
     failed = json.loads(read_dataset(done.path("results/statistics.nc")).attrs["failed"])
     assert failed[0]["reason"] == "killed; out of memory"
+
+
+def test_a_file_that_is_gone_since_the_run_began_keeps_no_other_from_the_report(done):
+    done.path("measured/turned.txt").unlink()
+    stated = {"config": QUICK, "folders": ["."], "measured_in": ["."]}
+    run = subprocess.run(
+        [sys.executable, "-m", "roughcontact.command_line.unfinished"],
+        input=json.dumps(stated),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert run.stderr.startswith("Not finished: turned. ")
+    statistics = read_dataset(done.path("results/statistics.nc"))
+    assert statistics["surface_name"].values.tolist() == ["ground"]
+    (failed,) = json.loads(statistics.attrs["failed"])
+    assert failed["reason"] == "measured/turned.txt: is gone since the run began; put it back and run again"

@@ -367,3 +367,24 @@ def test_a_change_of_one_case_reruns_that_case(study):
     jobs = study.jobs()
     study.write(SETTINGS | {"cases": CASES}, TABLE[:2])
     assert jobs == {"contact_whole": 1, "report": 1}
+
+
+def test_braces_in_names_of_files_and_in_the_title_stay(project):
+    """Snakemake would take them for wildcards: `{surface}.npy` is neither a mistake nor ground.npy."""
+    rows = [
+        TABLE[0],
+        TABLE[1].replace("ground.npy", "{surface}.npy"),
+        TABLE[2].replace("turned.txt", "t{a,}.txt"),
+    ]
+    project.path("measured/turned.txt").rename(project.path("measured/t{a,}.txt"))
+    heights = np.load(project.path("measured/ground.npy"))
+    np.save(project.path("measured/{surface}.npy"), 2 * heights)
+    project.write(SETTINGS | {"report": {"title": "Ra {um} of {surface}"}}, rows)
+    run = project.run()
+    assert run.returncode == 0, run.stderr
+    assert "Ra {um} of {surface}" in project.path("results/report.html").read_text()
+    height = read_dataset(project.path("results/ground/height.nc"))["height"].values
+    assert np.ptp(height) == pytest.approx(2e-6 * np.ptp(heights))
+    assert project.jobs() == {}
+    np.save(project.path("measured/{surface}.npy"), heights)
+    assert project.jobs() == {"prepare": 1, "contact": 1, "report": 1}

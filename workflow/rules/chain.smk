@@ -144,7 +144,8 @@ rule report:
         runs=[list(run) for run in PLAN.runs],
         groups={name: [*group] for name, group in PLAN.groups.items()},
         repeats=PLAN.repeats,
-        title=PLAN.common["report"]["title"],
+        # of a function, in whose result braces stay
+        title=lambda wildcards: PLAN.common["report"]["title"],
         settings=PLAN.all_settings(),
         changed={case: changed_settings(own) for case, own in PLAN.cases.items()},
         settings_of_statistics=PLAN.all_settings(

@@ -8,6 +8,7 @@ import time
 from functools import cache
 from pathlib import Path
 
+from snakemake.io import contains_wildcard
 from snakemake.logging import logger
 
 from roughcontact.configuration.dependencies import PACKAGE, source_digest
@@ -102,15 +103,17 @@ def job(part, surface, case):
 def files_of(part):
     """Return the input function of a job of the chain: its files by name.
 
-    Files from outside are where they are: neither the prefix of a module nor a default storage is for them. Files from
-    the future, by a wrong clock, are left out, since every result would be older; their content counts all the same.
+    Files from outside are where they are: neither the prefix of a module nor a default storage is for them. Two kinds
+    are left out, whose content counts all the same, by its checksum: those from the future, by a wrong clock, since
+    every result would be older, and those with braces in their names, which Snakemake would take for wildcards.
     """
 
     def files(wildcards):
         asked = of(job, part)(wildcards)
         now = time.time()
         past = [path for path in asked.sources if os.path.getmtime(path) <= now]
-        return asked.inputs | {"sources": [local(path) for path in past]}
+        named = [path for path in past if not contains_wildcard(path)]
+        return asked.inputs | {"sources": [local(path) for path in named]}
 
     return files
 

@@ -46,6 +46,7 @@ _ASKED = (f"it had asked for {_MEMORY} MB; " if _MEMORY else "") + (
 _DISK = {
     errno.ENOSPC: "the disk is full; make room and run again, finished jobs are not repeated",
     errno.EDQUOT: "your disk quota is exceeded; make room and run again",
+    errno.EFBIG: "is larger than a file may be here; raise this limit (`ulimit -f`) and run again",
     errno.EROFS: "the folder is read-only; choose another one with --directory",
     errno.EACCES: "you may not read or write it; change its permissions",
 }

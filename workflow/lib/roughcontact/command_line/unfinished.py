@@ -21,7 +21,10 @@ def main() -> int:
     """
     stated = json.load(sys.stdin)
     try:
-        plan = Plan(*read_study(stated["config"], stated["folders"], measured_in=stated["measured_in"]))
+        study = read_study(
+            stated["config"], stated["folders"], measured_in=stated["measured_in"], checked=True
+        )
+        plan = Plan(*study)
         changed = {case: changed_settings(settings) for case, settings in plan.cases.items()}
         failures = write_partial_results(plan, changed=changed)
     except (RoughContactError, OSError) as error:

@@ -49,6 +49,8 @@ def name_mistake(name: str) -> str:
     """
     if re.fullmatch(r"[A-Za-z0-9-]+", name) is None:
         return _NAME_RULE
+    if name.lower() == "pages":
+        return "results/pages is the folder of the report's own pages; choose another name"
     if len(name) > _LONGEST_NAME:
         return f"a name has at most {_LONGEST_NAME} characters, this one has {len(name)}; shorten it"
     for length in range(1, _LONGEST_NAME // _REPETITIONS + 1):

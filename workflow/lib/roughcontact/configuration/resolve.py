@@ -1,5 +1,6 @@
 """From the content of a YAML file to checked settings of each case, or one error that lists all mistakes."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from typing import Any
@@ -120,7 +121,10 @@ def _mistakes_in_cases(cases: Any) -> list[str]:
     if not isinstance(cases, dict):
         return [f"cases = {cases!r}: must be a mapping from names to settings"]
     mistakes = []
+    small = Counter(str(name).lower() for name in cases)
     for name, overrides in cases.items():
+        if small[str(name).lower()] > 1:
+            mistakes.append(f"cases.{name}: another case has this name but for capitals; rename one")
         if wrong := name_mistake(str(name)):
             mistakes.append(f"cases.{name}: {wrong}")
         if not isinstance(name, str):

@@ -22,6 +22,7 @@ def read_study(
     *,
     measured_in: Sequence[str | Path],
     origin: str = "the settings",
+    checked: bool = False,
 ) -> tuple[dict[str, dict[str, Any]], dict[str, Surface]]:
     r"""Return the settings of every case and the table of surfaces.
 
@@ -35,6 +36,8 @@ def read_study(
         search path for the paths in the table.
     origin : str
         where the settings come from, for messages: "config/config.yaml".
+    checked : bool
+        whether the files were there when the run began: they may have gone since.
 
     Returns
     -------
@@ -72,13 +75,15 @@ def read_study(
     mistakes += [
         f"instrument.finer_spectrum = {path}: no such file; correct the path (from the working folder)"
         for path in finer
-        if path and not Path(path).is_file()
+        if path and not checked and not Path(path).is_file()
     ]
     table = config.get("surfaces", Settings.model_fields["surfaces"].default)
     if isinstance(table, str) and table:  # otherwise it is among the mistakes in the settings
         try:
             path, each = find(table, folders) or table, _members_each(config)
-            surfaces = read_surfaces(path, measured_in, check=_mistakes_in, members_each=each)
+            surfaces = read_surfaces(
+                path, measured_in, check=None if checked else _mistakes_in, members_each=each
+            )
         except SettingsError as error:
             mistakes.append(str(error))
     mistakes += [

@@ -150,11 +150,12 @@ def read_surfaces(
         mistakes.append("has no row; add one line with the name and the path of each surface")
     folders = [folders[0], table.parent, *folders[1:]]
     surfaces: dict[str, Surface] = {}
+    before: dict[str, Surface] = {}
     for line, cells in rows if readable else ():
         row = dict(zip(header, cells, strict=False))
         if any(cells[len(header) :]):
             mistakes.append(f"line {line}: {len(cells)} cells, the header has {len(header)}")
-        mistakes += _mistakes_in_row(row, line, surfaces)
+        mistakes += _mistakes_in_row(row, line, before)
         given: dict[str, Any] = {key: row[key] for key in TEXTS if row.get(key)}
         stated, wrong = _instrument(row, line)
         mistakes += wrong
@@ -177,6 +178,7 @@ def read_surfaces(
             row.get(PART, ""),
             row.get(REPEAT, ""),
         )
+        before[name.lower()] = surfaces[name]
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
     repeats = repeats_in(surfaces)
     mistakes += _link_repeats(surfaces, repeats)
@@ -234,15 +236,15 @@ def members(surfaces: Mapping[str, Surface], count: int) -> dict[str, Member]:
 
 def _names_of_parts(surfaces: Mapping[str, Surface], found: Mapping[str, Member]) -> list[str]:
     """Return the mistakes of surfaces and groups that have the name of a member or of a face of a pair."""
-    parts = {name: member.pair for name, member in found.items()}
-    parts |= {side: each.pair for each in found.values() for side in (each.face, each.counter_face)}
+    parts = {name.lower(): member.pair for name, member in found.items()}
+    parts |= {side.lower(): each.pair for each in found.values() for side in (each.face, each.counter_face)}
     named = [("surface", name, row) for name, row in surfaces.items()]
     named += [(GROUP, name, row) for name, row in first_rows(surfaces).items()]
     return [
-        f"{row.origin.rpartition(', ')[2]}, {column} = {name}: the pair {parts[name]} needs this name for "
-        "one of its parts; rename one"
+        f"{row.origin.rpartition(', ')[2]}, {column} = {name}: the pair {parts[name.lower()]} needs this "
+        "name for one of its parts; rename one"
         for column, name, row in named
-        if name in parts
+        if name.lower() in parts
     ]
 
 
@@ -286,7 +288,10 @@ def _mistakes_in_header(header: Sequence[str]) -> list[str]:
 
 
 def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Surface]) -> list[str]:
-    """Return the mistakes in the cells of one row; `before` are the surfaces of the rows above."""
+    """Return the mistakes in the cells of one row; `before` has the rows above by name in small letters.
+
+    Names that differ in capitals alone share one folder of results on most computers with macOS or Windows.
+    """
     name = row.get("surface", "")
     mistakes = [
         f"line {line}, {key} = {row[key]!r}: must be a number greater than 0 (decimal point), in `unit` or "
@@ -296,10 +301,9 @@ def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Sur
     ]
     if wrong := name_mistake(name):
         mistakes.append(f"line {line}, surface = {name!r}: {wrong}")
-    if name in before:
-        mistakes.append(
-            f"line {line}, surface = {name}: occurs twice (also {before[name].origin}); rename one"
-        )
+    if first := before.get(name.lower()):
+        how = "" if first.name == name else f" but for capitals, as {first.name}"
+        mistakes.append(f"line {line}, surface = {name}: occurs twice{how} (also {first.origin}); rename one")
     if not row.get("path"):
         mistakes.append(f"line {line}, path: is empty; give the file of surface {name}")
     return mistakes

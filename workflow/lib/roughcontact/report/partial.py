@@ -93,7 +93,7 @@ def _checksum(plan: Plan, surface: str) -> str:
 
 
 def _reason(plan: Plan, run: Run) -> str | None:
-    """Return the error message of the first of its jobs that failed; None where none has."""
+    """Return why its first job failed, or which file is gone; None where all is well."""
     for log in plan.log_files(run):
         if not Path(log).is_file():
             continue
@@ -102,7 +102,8 @@ def _reason(plan: Plan, run: Run) -> str | None:
             return said[-1]
         if not text.endswith("] done\n"):
             return f"ended without a word, as a job does that is killed: {log}"
-    return None
+    gone = [path for path in plan.sources(run) if not Path(path).exists()]
+    return f"{gone[0]}: is gone since the run began; put it back and run again" if gone else None
 
 
 def _text_of(log: str) -> str:
