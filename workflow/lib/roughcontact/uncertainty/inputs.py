@@ -20,7 +20,7 @@ unless it follows without a further solution:
 import json
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -41,6 +41,8 @@ _EXPLICIT_POWER = {
     **{(_LENGTHS, name): -1.0 for name in (PEAK, PRESSURE, CONDUCTANCE)},
 }
 _TOLERANCE = 1e-4  # of the pressure, as of the result
+# results with an input at one end, after the logarithm of the input (load) over its stated value
+_End = tuple[np.ndarray, dict[str, np.ndarray]]
 
 
 def input_uncertainty(
@@ -90,8 +92,14 @@ def input_uncertainty(
     -0.8
     """
     names, values = quantities_in(solved), {name: solved[name].values for name in quantities_in(solved)}
-    similar = _follow_the_law(solved, contact)
-    slopes = {name: np.full(similar[_LOAD].shape, np.nan) for name in names} | _slope_of_the_gap(solved)
+    elastic = values[PEAK] < (1 - NEAR_HARDNESS) * (contact.get("hardness") or math.inf)
+    similar = dict.fromkeys(_POWER_IN_LOAD, elastic) | {_LOAD: np.ones_like(elastic)}
+    if "bodies" in solved.attrs:
+        similar[_LENGTHS] = np.zeros_like(elastic)
+    slopes = {name: np.full(elastic.shape, np.nan) for name in names}
+    if STIFFNESS in solved:
+        np.divide(-solved[_LOAD].values, values[GAP], out=slopes[GAP], where=values[GAP] > 0)
+        slopes[GAP] /= solved[STIFFNESS].values
     between = {}
     for source, power in _POWER_IN_LOAD.items():
         ends = _ends(source, stated.get(source), window, contact, solved)
@@ -110,32 +118,6 @@ def input_uncertainty(
         {name: (("load", "input"), np.stack(columns, axis=1)) for name, columns in found.items()},
         coords={"input": list(_POWER_IN_LOAD)},
     )
-
-
-def _follow_the_law(solved: xr.Dataset, contact: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    """Return at which loads a change of each input is one of the load and of units."""
-    elastic = solved[PEAK].values < (1 - NEAR_HARDNESS) * (contact.get("hardness") or math.inf)
-    layered = "bodies" in solved.attrs
-    return {
-        source: elastic | (source == _LOAD) if source != _LENGTHS or not layered else np.zeros_like(elastic)
-        for source in _POWER_IN_LOAD
-    }
-
-
-def _slope_of_the_gap(solved: xr.Dataset) -> dict[str, np.ndarray]:
-    """Return d ln ū/d ln p̄ = -p̄/(K ū), NaN for a closed gap; nothing where K is not known."""
-    if STIFFNESS not in solved:
-        return {}
-    load, gap = solved[_LOAD].values, solved[GAP].values
-    relative = np.divide(-load, gap, out=np.full(load.shape, np.nan), where=gap > 0)
-    return {GAP: relative / solved[STIFFNESS].values}
-
-
-class _End(NamedTuple):
-    """Results with an input at one end, and the logarithm of the input (load) over its stated value."""
-
-    change: np.ndarray
-    values: dict[str, np.ndarray]
 
 
 def _ends(
@@ -174,7 +156,7 @@ def _end(
     if CONDUCTANCE in values:  # infinite, not unknown, in full contact
         infinite = np.isnan(values[CONDUCTANCE]) & np.isfinite(values[AREA])
         values[CONDUCTANCE] = np.where(infinite, np.inf, values[CONDUCTANCE])
-    return _End(change, values)
+    return change, values
 
 
 def _stiffer(bodies: Any, factor: float) -> Any:

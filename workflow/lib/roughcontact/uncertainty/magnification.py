@@ -57,12 +57,10 @@ def without_shortest_waves(window: xr.DataArray, cutoff: float) -> xr.DataArray:
     """
     spectrum = np.where(_kept(window, cutoff), np.fft.rfft2(window.values), 0.0)
     sides = side_lengths(window)
-    points = [
-        n
-        if n == 1
-        else min(n, scipy.fft.next_fast_len(math.ceil(_POINTS_PER_WAVE * side / cutoff), real=True))
-        for n, side in zip(window.shape, sides, strict=True)
-    ]
+    wanted = (
+        scipy.fft.next_fast_len(math.ceil(_POINTS_PER_WAVE * side / cutoff), real=True) for side in sides
+    )
+    points = [min(n, enough) for n, enough in zip(window.shape, wanted, strict=True)]
     ky, kx = (n // 2 for n in points)
     rows = np.r_[0 : points[0] - ky, window.shape[0] - ky : window.shape[0]]
     values = np.fft.irfft2(spectrum[rows, : kx + 1], s=points) * (math.prod(points) / window.size)
@@ -75,12 +73,6 @@ def without_shortest_waves(window: xr.DataArray, cutoff: float) -> xr.DataArray:
 def _kept(window: xr.DataArray, cutoff: float) -> np.ndarray:
     """Return which waves, in the layout of `rfft2`, are as long as a cut-off or longer."""
     return wavenumbers(window.shape, spacing(window)) * cutoff <= 2 * np.pi * (1 + 1e-9)
-
-
-def _shortest_of_band(window: xr.DataArray) -> float:
-    """Return the shortest wavelength (m) that the settings left in a window, 0 where they cut off none."""
-    by_grid = window.attrs.get("band_reason", "the grid") == "the grid"
-    return 0.0 if by_grid else window.attrs["band_shortest"]
 
 
 def magnification_curve(
@@ -120,7 +112,8 @@ def magnification_curve(
     names, count = quantities_in(solved), counter_of(solved)
     levels = [{name: solved[name].values for name in names}]
     maps, q = [window], wavenumbers(window.shape, spacing(window))
-    lengths = [max(2 * np.pi / q.max(), _shortest_of_band(window))]
+    by_grid = window.attrs.get("band_reason", "the grid") == "the grid"
+    lengths = [max(2 * np.pi / q.max(), 0.0 if by_grid else window.attrs["band_shortest"])]
     sides = [side for side, n in zip(side_lengths(window), window.shape, strict=True) if n > 1]
     octave = math.sqrt(math.pi * math.prod(spacing(window))) if len(sides) > 1 else 2 * max(spacing(window))
     for cutoff in octave * 2.0 ** np.arange(1, _MAX_OCTAVES + 1):
