@@ -19,7 +19,7 @@ from unittest import SkipTest
 import pytest
 import yaml
 from sybil import Sybil
-from sybil.evaluators.doctest import NUMBER, OutputChecker
+from sybil.evaluators.doctest import OutputChecker
 from sybil.parsers.myst import CodeBlockParser, PythonCodeBlockParser, SkipParser
 
 from roughcontact.configuration.resolve import resolve
@@ -44,7 +44,7 @@ SKIPPED = {
     "docs/maintainers.md": 1,
     "docs/tutorial/index.md": 2,
 }
-OPTIONS = doctest.ELLIPSIS | NUMBER
+OPTIONS = doctest.ELLIPSIS
 COMMAND = re.compile(r"\$ |(python3?|pip|snakemake|roughcontact|git|bash) ")
 
 

@@ -12,6 +12,7 @@ from test_load_plots import AREAS, LOADS, numbers
 import roughcontact as rc
 from roughcontact.errors import SettingsError
 from roughcontact.maps import height_map
+from roughcontact.references.synthetic import rough_reference_surface
 
 
 @pytest.fixture(autouse=True)
@@ -49,6 +50,17 @@ def test_pressures_end_at_the_hardness_and_loads_are_in_order():
     assert line(ax, "largest").get_xydata() == pytest.approx(np.c_[LOADS / 1e6, [800, 900, 1000]])
     highest = [one for one in ax.containers if one.lines[2][0].get_segments()[0][1, 1] > 900]
     assert max(one[1, 1] for c in highest for one in c.lines[2][0].get_segments()) == pytest.approx(1000)
+
+
+def test_no_line_of_the_budget_lies_under_the_legend():
+    surface = rough_reference_surface(64)
+    contact = {"contact_modulus": 1e9, "relative_pressure": [0.02, 0.1, 0.5]}
+    ax = rc.plot.budget(rc.evaluate(surface, contact=contact, uncertainty={"windows": 4}))
+    ax.figure.canvas.draw()
+    legend = ax.get_legend().get_window_extent()
+    for one in ax.get_lines():
+        drawn = ax.transData.transform(one.get_xydata())
+        assert not any(legend.contains(*point) for point in drawn[np.isfinite(drawn).all(axis=1)])
 
 
 def test_an_end_that_is_not_known_reaches_the_edge():

@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 
 import pytest
 from small_project import SETTINGS, Project, counted, write_maps
@@ -52,6 +53,7 @@ def test_what_is_mended_is_in_the_next_report_though_it_is_as_before(done):
     """Snakemake compares contents of small files with those of the last report that it has made itself."""
     complete, measured = contents(done), done.path("measured/turned.txt")
     times, text = measured.stat(), measured.read_bytes()
+    start = time.time()
     measured.write_bytes(b"")
     failed = done.run("--keep-going")
     assert failed.returncode != 0
@@ -59,6 +61,7 @@ def test_what_is_mended_is_in_the_next_report_though_it_is_as_before(done):
     changed = "; contact.tolerance: 1.0e-06; uncertainty.sources: []</p>"
     assert changed in complete[REPORT[-1]].decode()
     assert changed in contents(done)[REPORT[-1]].decode()
+    assert done.path("results/report.html").stat().st_mtime > start - 1
     partial = read_dataset(done.path("results/statistics.nc"))
     assert partial["surface"].values.tolist() == ["ground"]
     (failure,) = json.loads(partial.attrs["failed"])

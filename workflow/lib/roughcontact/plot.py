@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 Quantity = Literal["relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure"]
 Map = Literal["pressure", "gap", "height"]
 _POINTS = 0.75  # of a typographer, in a pixel
+_LEGEND = 0.6  # room for a long legend above the lines, over the height of these
+_LEGEND_STYLE: Any = {"fontsize": "small", "framealpha": 0.75, "edgecolor": "none"}
 
 
 def area(dataset: xr.Dataset, ax: "Axes | None" = None) -> "Axes":
@@ -197,7 +199,11 @@ def budget(
     """
     check_choice("quantity", quantity, Quantity)
     loads = _loads_of(dataset, "relative_contact_area_uncertainty", f"{quantity}_uncertainty")
-    return _drawn(budget_plots.budget_against_load(loads, quantity), ax)
+    ax = _drawn(budget_plots.budget_against_load(loads, quantity), ax)
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high * (high / low) ** _LEGEND)
+    ax.legend(loc="upper center", ncols=2, **_LEGEND_STYLE)
+    return ax
 
 
 def _loads_of(dataset: xr.Dataset, *needed: str) -> xr.Dataset:
@@ -244,7 +250,7 @@ def _drawn(chart: Chart, ax: "Axes | None") -> "Axes":
     else:
         ax.grid(visible=False)
     if ax.get_legend_handles_labels()[1]:
-        ax.legend(fontsize="small", framealpha=0.75, edgecolor="none")
+        ax.legend(**_LEGEND_STYLE)
     return ax
 
 

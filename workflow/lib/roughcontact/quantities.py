@@ -9,6 +9,7 @@ _ROUNDING = 1e-12
 _AS_FAR = 0.1  # largest relative difference of the two half-widths that are written as ±
 _UNEVEN = 0.1  # the wider of two half-widths carries one digit less than the narrower at most
 _BY_ENDS = 9.0  # half-width upwards over the value from which on an interval is written by its ends
+_NOTHING = 1e-9  # of a unit: a half-width about zero that is not worth writing
 _FINEST = 1e-3  # of a value: half-width of which two digits are shown, of narrower ones less
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # units that take a prefix; composed ones are given in powers of ten
@@ -256,7 +257,7 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
         ends = _by_ends(*(_end(end, max(abs(end - value), finest), 2) for end in (lower, upper)))
         interval = ends.partition(" ")[2] if carried == 0 else f"({ends})"
         return f"{text or number(value, digits=digits)} {interval}"
-    if not math.isfinite(wider) or wider <= 0:
+    if not math.isfinite(wider) or wider <= (0 if value else _NOTHING):
         return number(value)
     if narrower < 0 or narrower >= (1 - _AS_FAR) * wider:
         return _with_half_widths(value, {" ± ": wider}, max(wider, finest))

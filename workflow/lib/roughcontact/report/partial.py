@@ -16,7 +16,8 @@ from roughcontact.report.gather import Finished, write_results
 from roughcontact.results.collect import Failure
 from roughcontact.results.storage import read_arrays
 
-# date of partial results: older than the script that makes them, so that Snakemake makes them again
+# of partial results one is older than the script that makes them: Snakemake, by the oldest, makes all again
+_DATED_BACK = "uncertainty.csv"
 _LONG_AGO = 315_532_800  # 1980-01-01, s
 
 
@@ -28,7 +29,7 @@ def write_partial_results(
     A result counts as finished where all its files exist, are not older than those they are made of, record
     the settings of this run and the current checksum of the measured file, and where its jobs have logged
     that they are done, and the checksums of all files from outside, since a job that fails may leave its
-    previous files. The files are dated long ago, so that the next run makes them again; they are complete
+    previous files. One of them is dated long ago, so that the next run makes all again; they are complete
     before they are moved to `folder`. Nothing is written where all or none is finished. `changed` is as of
     `write_results`.
     """
@@ -62,7 +63,8 @@ def write_partial_results(
     )
     shutil.rmtree(folder / "pages", ignore_errors=True)
     for path in staging.iterdir():
-        os.utime(path, (_LONG_AGO, _LONG_AGO))
+        if path.name == _DATED_BACK:
+            os.utime(path, (_LONG_AGO, _LONG_AGO))
         path.replace(folder / path.name)
     staging.rmdir()
     return failures
