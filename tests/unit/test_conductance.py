@@ -146,7 +146,7 @@ def test_the_mean_free_path_counts_for_spots_of_its_size():
     large, small = (mean_free_path(one_spot(radius, copper))[0] for radius in (100 * path, path))
     assert (large.outcome, small.outcome) == ("passed", "look")
     assert "a radius of 41 nm at the least" in small.sentence
-    assert "go 41 nm without a collision (Knudsen number 1.0): that adds up to 63.4 %" in small.sentence
+    assert "go 41 nm without a collision (Knudsen number 1.0), which adds up to 63.4 % to" in small.sentence
     # Sharvin: 4ρλ/(3πa²) over ρ/(2a)
     sharvin = 4 * copper * path / (3 * np.pi * path**2) / (copper / (2 * path))
     assert over_holms_resistance(1.0) - 1.83 / 2.33 == pytest.approx(sharvin)

@@ -256,7 +256,7 @@ def _charts(
 ) -> list[tuple[str, str, str, str]]:
     """Return (title, image, result, reading) of the charts of a window that is not flat."""
     bars = partial(captions.reading_of, numbers)
-    of_gap = bars("mean_gap")
+    gap = bars("mean_gap")
     charts = [
         (
             "Contact area against load",
@@ -270,12 +270,7 @@ def _charts(
             captions.pressure_caption(numbers),
             bars("mean_contact_pressure", "max_pressure"),
         ),
-        (
-            "Mean gap against load",
-            load_plots.gap_against_load(numbers),
-            captions.gap_caption(numbers),
-            of_gap,
-        ),
+        ("Mean gap against load", load_plots.gap_against_load(numbers), captions.gap_caption(numbers), gap),
         (
             "Distribution of the contact pressure",
             load_plots.pressure_distribution(numbers, shown),

@@ -359,13 +359,13 @@ def mean_free_path(statistics: xr.Dataset) -> list[Check]:
     more = float(over_holms_resistance(knudsen)) - 1
     length, radius = (quantity(each, "m", digits=2) for each in (path, path / knudsen))
     text = (
-        f"The spots conduct like round ones of a radius of {radius} at the least, electrons of a metal of "
-        f"this resistivity go {length} without a collision (Knudsen number {number(knudsen, digits=2)}): "
-        f"that adds up to {percent(more)} to the resistance"
+        f"The spots conduct like round ones of a radius of {radius} at the least; electrons of a metal of "
+        f"this resistivity go {length} without a collision (Knudsen number {number(knudsen, digits=2)}), "
+        f"which adds up to {percent(more)} to the resistance"
     )
     if more < _BALLISTIC:
         return [Check("Mean free path", PASSED, f"{text}.")]
-    return [Check("Mean free path", LOOK, f"{text}, which the ± leaves out. Take it into account.")]
+    return [Check("Mean free path", LOOK, f"{text} and is not in the ±. Add it.")]
 
 
 def load_range(statistics: xr.Dataset) -> Check:
