@@ -21,10 +21,7 @@ def main() -> int:
     """
     stated = json.load(sys.stdin)
     try:
-        study = read_study(
-            stated["config"], stated["folders"], measured_in=stated["measured_in"], checked=True
-        )
-        plan = Plan(*study)
+        plan = Plan(*read_study(**stated, checked=True))
         changed = {case: changed_settings(settings) for case, settings in plan.cases.items()}
         failures = write_partial_results(plan, changed=changed)
     except (RoughContactError, OSError) as error:

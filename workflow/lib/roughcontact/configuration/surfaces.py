@@ -288,10 +288,7 @@ def _mistakes_in_header(header: Sequence[str]) -> list[str]:
 
 
 def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Surface]) -> list[str]:
-    """Return the mistakes in the cells of one row; `before` has the rows above by name in small letters.
-
-    Names that differ in capitals alone share one folder of results on most computers with macOS or Windows.
-    """
+    """Return the mistakes in the cells of one row; `before` has the rows above by name in small letters."""
     name = row.get("surface", "")
     mistakes = [
         f"line {line}, {key} = {row[key]!r}: must be a number greater than 0 (decimal point), in `unit` or "
@@ -301,7 +298,7 @@ def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Sur
     ]
     if wrong := name_mistake(name):
         mistakes.append(f"line {line}, surface = {name!r}: {wrong}")
-    if first := before.get(name.lower()):
+    if first := before.get(name.lower()):  # names that differ in capitals are one folder on macOS and Windows
         how = "" if first.name == name else f" but for capitals, as {first.name}"
         mistakes.append(f"line {line}, surface = {name}: occurs twice{how} (also {first.origin}); rename one")
     if not row.get("path"):

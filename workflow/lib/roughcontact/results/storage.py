@@ -2,7 +2,6 @@
 
 import errno
 import json
-import math
 import os
 import platform
 import shutil
@@ -43,7 +42,6 @@ _PIECE = (1, 512, 1024)  # chunk of a map: loads are read one by one
 _AS_NOISE = ("gap",)  # nearly random digits: compression takes longer than the solution, and saves a sixth
 _CACHE = 2**20  # bytes of a variable that are kept in memory: less than a chunk
 _BYTES_OF_MAPS = 17  # at most, of a point under one load: pressure, gap and contact
-_BESIDE_DATA = 1e6  # bytes of a file beside its data, at most: attributes, tables of HDF5
 _SEALED = "CRC-32 in the last line of the file"  # the attribute `digest`: without that line the file is cut
 
 
@@ -508,19 +506,8 @@ def _why_not_written(folder: Path, error: Exception, size: int) -> str | None:
     if code in (errno.ENOSPC, errno.EDQUOT) or (may_write and free < size):
         left = f"the disk is full ({free / 1e6:.3g} MB free)"
         return f"{left}: make room and run again, what is done is not done again"
-    if code == errno.EFBIG or _largest_file() < size + _BESIDE_DATA:
-        largest = f"a file may have {_largest_file() / 1e6:.3g} MB at most here"
-        return f"{largest}: raise this limit (`ulimit -f`) and run again, what is done is not done again"
+    if code == errno.EFBIG or "NetCDF: HDF error" in str(error):
+        return "a limit of the size of files (`ulimit -f`) or a quota is reached: raise it and run again"
     if code in (errno.EROFS, errno.EACCES, errno.EPERM) or not may_write:
         return f"the folder {there} is read-only for you: choose another one (with the workflow: --directory)"
     return None
-
-
-def _largest_file() -> float:
-    """Return how many bytes a file may have for this process, infinite without a limit."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return math.inf
-    limit, _ = resource.getrlimit(resource.RLIMIT_FSIZE)
-    return math.inf if limit == resource.RLIM_INFINITY else limit
