@@ -160,7 +160,7 @@ def test_a_column_of_depths_is_named(tmp_path):
 def test_points_with_a_fourth_column_are_no_map(tmp_path):
     rows = [f"{i} {j} {HEIGHTS[j, i]} {7 * i + j}" for j in range(3) for i in range(4)]
     path = saved(tmp_path, "\n".join(rows))
-    with pytest.raises(InputFileError, match=r"positions on a grid of 4 x 3 points.*name the columns"):
+    with pytest.raises(InputFileError, match=r"begin anew at line 5.*name the columns"):
         read_height_map(path, dx=1, dy=1, unit="um")
     height = read_height_map(saved(tmp_path, "x y z intensity\n" + "\n".join(rows)), unit="um")
     np.testing.assert_allclose(height.values, HEIGHTS * 1e-6, rtol=1e-15)

@@ -26,7 +26,10 @@ BROKEN = {
     "cut": ("measured/cut.npy\tum\t1\t1", ["measured/cut.npy", "line 5"]),
     "nan": ("measured/nan.npy\tum\t1\t1", ["measured/nan.npy", "line 6"]),
     "dot": ("measured/dot.npy\tum\t1\t1", ["measured/dot.npy", "single point"]),
-    "flat": ("measured/flat.npy\tum\t1\t1", ["flat.npy: the map is flat", "mean_pressure"]),
+    "flat": (
+        "measured/flat.npy\tum\t1\t1",
+        ["measured/flat.npy: the map is flat", "mean_pressure", "line 8"],
+    ),
 }
 
 # what Snakemake says about a script that failed: nothing of use beside the sentence

@@ -24,7 +24,13 @@ from __main__ import snakemake  # the global of the script; only few versions ha
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 
 from roughcontact.configuration.places import check_dates
-from roughcontact.errors import InputFileError, RoughContactError
+from roughcontact.errors import (
+    HeightMapError,
+    InputFileError,
+    RoughContactError,
+    SettingsError,
+    with_place,
+)
 from roughcontact.garbage import collect_rarely
 from roughcontact.io.checksums import checksum
 
@@ -131,7 +137,10 @@ def _report_error(kind: type[BaseException], error: BaseException, trace: Traceb
     _record("".join(traceback.format_exception(kind, error, trace)))
     if kind is KeyboardInterrupt:  # by the user, who knows
         return
-    if isinstance(error, RoughContactError):
+    file = snakemake.params.get("file")
+    if isinstance(error, HeightMapError | SettingsError) and file:
+        text = with_place(error, file["path"], file["origin"])
+    elif isinstance(error, RoughContactError):
         text = str(error)
     elif isinstance(error, MemoryError):
         text = f"out of memory ({error or 'no room for more arrays'}): {_ASKED}"

@@ -11,7 +11,7 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.command_line import saving
-from roughcontact.errors import RoughContactError
+from roughcontact.errors import HeightMapError, RoughContactError, with_place
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.pipeline import SECTIONS, run_chain
@@ -129,7 +129,10 @@ def _solved(
         show(0, None, "reading")
         height = read_height_map(path, **given)
         fields = Path(folder, "contact.nc") if output and saving.needs_maps(output) else None
-        chain = run_chain(height, settings, threads=threads, progress=show, fields=fields)
+        try:
+            chain = run_chain(height, settings, threads=threads, progress=show, fields=fields)
+        except HeightMapError as error:
+            raise HeightMapError(with_place(error, str(path))) from error
         if output:
             show(0, None, "writing")
             saving.save(output, Path(folder), chain, source=path, height=height, settings=dict(settings))

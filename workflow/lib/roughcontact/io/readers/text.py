@@ -25,10 +25,17 @@ from roughcontact.io.guards import check_memory
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.markers import remove_marker_values
 from roughcontact.io.metadata import instrument_metadata
-from roughcontact.io.text.axes import Axes, axes_of
+from roughcontact.io.text.axes import Axes, axes_of, begins_anew
 from roughcontact.io.text.columns import Column, headed, layout, of_a_map, unit_of_heights
 from roughcontact.io.text.doubts import cut_number, refuse_lost_row, thousands
-from roughcontact.io.text.header import Stated, Statement, contradiction, first_of, statements
+from roughcontact.io.text.header import (
+    Stated,
+    Statement,
+    contradiction,
+    disagreeing,
+    first_of,
+    statements,
+)
 from roughcontact.io.text.lines import lines_of, looks_like_text
 from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import (
@@ -122,6 +129,8 @@ def _parsed(
         "write NaN if the point is missing, or correct it"
         for word, count in table.spoken.items()
     ]
+    if wrong := disagreeing(stated):
+        raise InputFileError(f"{path}: {wrong}; correct one of them")
     said = first_of(stated)
     remove_marker_values(table.values, said.get("missing", []))
     doubts += thousands(rows.heading, rows.texts, table.values, delimiter, decimal_comma, path)
@@ -156,8 +165,9 @@ def _together(texts: list[_Text], files: list[MeasuredFile], path: Path) -> Meas
         number = texts[1 + stated[1:].index(False)].rows.start
         raise InputFileError(f"{path}: {_second_table(number)}, or give each a heading of its own")
     channels = []
-    for number, (text, file) in enumerate(zip(texts, files, strict=True), start=1):
-        title = text.said.get("channel") or _title(text) or f"table {number}"
+    titles = [text.said.get("channel") or _title(text) for text in texts]
+    for number, file in enumerate(files):
+        title = titles[number] or f"table {number + 1}"
         for channel in file.channels:
             channel.name = title if len(file.channels) == 1 else f"{title}, {channel.name}"
             channel.notes = file.warnings + channel.notes
@@ -170,7 +180,7 @@ def _together(texts: list[_Text], files: list[MeasuredFile], path: Path) -> Meas
             channel.name = f"{channel.name} ({number})"
     file = replace(files[0], channels=channels, warnings=[])
     profiles = [channel for channel in channels if channel.shape[0] == 1 and not channel.no_height]
-    if file.question or len(profiles) > 1:
+    if file.question or len(profiles) > 1 or not any(titles):
         shown = "; ".join(
             f"{text.rows.heading[text.rows.start - text.rows.first].strip()!r} at line {text.rows.start}"
             for text in texts[1:4]
@@ -213,13 +223,12 @@ def _file(text: _Text) -> MeasuredFile:
     if found and not text.table.empty_corner:
         return _lists(text, columns or [], found.positions, found.heights)
     if count == 1 and rows > 1 and not _SIZES & set(said):
-        return _one_column(values, columns, said, text)
+        return _one_column(values, columns[0] if columns else None, text)
     if count in (2, 3) and rows > 2 and not text.table.empty_corner and not _is_stated_matrix(values, said):
         unnamed = columns or [Column("", None, "")] * count
         return _lists(text, unnamed, [[*range(count - 1)]], [count - 1], named=False)
     if text.rows.broken:
         raise text.refuse(_second_table(text.rows.broken) + ", or write NaN where a row is missing")
-    _refuse_unnamed_points(values, said, text.path)
     return _matrix_beside(text)
 
 
@@ -227,6 +236,18 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
     """Return a matrix of heights without the positions in its first row and column."""
     values, said = text.table.values, text.said
     ny, nx = values.shape
+    if row := begins_anew(values):
+        raise text.refuse(
+            f"positions begin anew at line {text.rows.lines[row]}: points, then name the columns in a line "
+            "above them (x, y, z), or a second table, then leave one of them in the file"
+        )
+    cells = text.rows.texts[0].split(text.delimiter)[text.table.empty_left :]
+    empty = [not cell.strip() and np.isnan(values[:, place]).all() for place, cell in enumerate(cells[:nx])]
+    if begins_anew(values.T) or any(empty[1:-1]):
+        raise text.refuse(
+            f"line {text.rows.lines[0]} begins anew, or has an empty column: maps beside one another; leave "
+            "one of them in the file, or write NaN where a column is missing"
+        )
     axes = axes_of(values, corner=text.table.empty_corner and not text.table.empty_left)
     if axes is None or (said.get("ny"), said.get("nx")) == (ny, nx):
         if text.table.short:
@@ -286,7 +307,10 @@ def _lists(
         units = [columns[place].unit for place in (*places, height)]
         lines = [line for line, keep in zip(text.rows.lines, kept, strict=True) if keep]
         whole = None if named or text.rows.broken else values
-        file = (_points if len(places) == 2 else _profile)(listed[kept], units, lines, text, whole)
+        if places:
+            file = (_points if len(places) == 2 else _profile)(listed[kept], units, lines, text, whole)
+        else:
+            file = _one_column(listed[kept], columns[height], text)
         name = columns[height].name
         for channel in file.channels:
             if len(heights) > 1:
@@ -300,19 +324,19 @@ def _lists(
                 )
         files.append(file)
         if not all(channel.no_height for channel in file.channels):
-            chosen.append((columns[height].role == "z", file))
-    file = files[0]
+            chosen.append((columns[height], file))
     if len(files) == 1:
-        return file
-    by_name = [each for is_height, each in chosen if is_height]
-    file = next(iter(by_name or [each for _, each in chosen]), file)
+        return files[0]
+    by_name = [each for column, each in chosen if column.role == "z"]
+    likely = [each for column, each in chosen if column.role == "z" or is_length(column.unit)]
+    likely = likely or [each for _, each in chosen]
+    file = (by_name or likely or files)[0]
     ordered = [file, *(each for each in files if each is not file)]
-    everything = [channel for each in ordered for channel in each.channels]
     asked = file.question
-    if len(by_name or chosen) > 1:
+    if len(likely) > 1:
         names = ", ".join(repr(columns[height].name) for height in heights)
         asked = f"{several(len(heights), 'column')} that may be heights: {names}"
-    return replace(file, channels=everything, question=asked)
+    return replace(file, channels=[channel for each in ordered for channel in each.channels], question=asked)
 
 
 def _is_stated_matrix(values: np.ndarray, said: dict[str, Any]) -> bool:
@@ -338,20 +362,6 @@ def _is_stated_matrix(values: np.ndarray, said: dict[str, Any]) -> bool:
     return min(lines) < 3 or lines[0] * lines[1] != rows
 
 
-def _refuse_unnamed_points(values: np.ndarray, said: dict[str, Any], path: Path) -> None:
-    """Refuse a table whose first two columns are the positions of a grid, with more than one column after."""
-    rows, count = values.shape
-    if not 3 < count < 10 or _SIZES & set(said) or not np.isfinite(values[:, :2]).all():
-        return
-    lines = [np.unique(values[:, place]).size for place in (0, 1)]
-    if min(lines) >= 3 and lines[0] * lines[1] == rows:
-        raise InputFileError(
-            f"{path}: the first two of {count} columns are positions on a grid of {lines[0]} x {lines[1]} "
-            "points, and nothing says which of the others are the heights; name the columns in a line above "
-            "them (x, y, z), or leave these three alone"
-        )
-
-
 def _refuse_cut_table(shape: tuple[int, ...], said: dict[str, Any], counts: list[int], path: Path) -> None:
     """Refuse a table with fewer rows than the file states."""
     rows, columns = shape
@@ -371,19 +381,18 @@ def _refuse_cut_table(shape: tuple[int, ...], said: dict[str, Any], counts: list
         )
 
 
-def _one_column(
-    values: np.ndarray, columns: list[Column] | None, said: dict[str, Any], text: _Text
-) -> MeasuredFile:
+def _one_column(values: np.ndarray, column: Column | None, text: _Text) -> MeasuredFile:
     """Return one height per line: a profile, or a map of one column if the user gives both steps."""
     if text.rows.broken:
         raise text.refuse(_second_table(text.rows.broken) + ", or write NaN where a height is missing")
-    unit = said.get("height_unit", columns[0].unit if columns else said.get("unit"))
+    said = text.said
+    unit = said.get("height_unit", column.unit if column else said.get("unit"))
     heights, attributes = _heights(values.T, said, unit)
-    matrix = _matrix(values, text)
     channel = Channel(
         shape=heights.shape, read=lambda: heights, lateral_unit=said.get("lateral_unit"), **attributes
     )
-    channel.otherwise = matrix.channels[0]
+    if column is None or not column.name:
+        channel.otherwise = _matrix(values, text).channels[0]
     return MeasuredFile("text matrix", [channel], first_row="top")
 
 

@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from roughcontact.io.text.traces import are_traces, runs
+
 _FEW = 6  # positions in a row or column alone; fewer are even by chance, unless they begin at 0
 _LEAST = 4
 _MANY = 12  # positions
@@ -11,6 +13,7 @@ _CLOSE, _ROUNDED = (
     0.02,
     0.06,
 )  # of a step: largest deviation of few positions, and of many, which may be rounded
+_ALIKE = 2.0  # ratio of the steps of lines of heights, which are even on a tilted plane
 _COMPARED = 50  # rows or columns that would be even as well if the first one were heights
 
 
@@ -87,11 +90,32 @@ def axes_of(values: np.ndarray, *, corner: bool = False) -> Axes | None:
     return Axes(heights, steps, "; ".join(notes), turned, rows, columns)
 
 
+def begins_anew(values: np.ndarray) -> int:
+    """Return the row at which even positions in the first columns, or a first row of positions, repeat; or 0.
+
+    Examples
+    --------
+    >>> heights = np.random.default_rng(1).normal(size=(15, 4))
+    >>> begins_anew(np.column_stack([np.tile(np.arange(5), 3), heights]))
+    5
+    """
+    if min(values.shape) < _LEAST:
+        return 0
+    for first, column in ((0, values[:, 0]), (0, values[:, 1]), (1, values[1:, 0])):
+        pieces = runs(column)
+        even = all(_step(column[piece]) is not None for piece in pieces)
+        if len(pieces) > 1 and even and are_traces(column, pieces):
+            return first + pieces[1].start
+    again = np.flatnonzero(np.all(values[1:, 1:] == values[0, 1:], axis=1))
+    return int(again[0]) + 1 if again.size and _progression(values[0, 1:], values[1:, 1:]) is not None else 0
+
+
 def _progression(line: np.ndarray, others: np.ndarray) -> float | None:
     """Return the step of an even progression that most of the others are not, else None."""
     step = _step(line) if np.isfinite(line).all() else None
-    even = [_step(other) is not None for other in others[:_COMPARED]]
-    return None if step is None or 2 * sum(even) > len(even) else step
+    even = [abs(other) for row in others[:_COMPARED] if (other := _step(row)) is not None]
+    alike = step is not None and even and min(even) / _ALIKE <= abs(step) <= max(even) * _ALIKE
+    return None if alike and 2 * len(even) > len(others[:_COMPARED]) else step
 
 
 def _step(line: np.ndarray) -> float | None:

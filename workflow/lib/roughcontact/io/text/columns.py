@@ -77,7 +77,12 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
     nearest = None
     for line in reversed(lines[-_MAX_DISTANCE:]):
         cells = _cells(line, count, delimiter)
-        if cells is None or _ENTRY.search(line) or statements([line]):
+        if (
+            cells is None
+            or sum(map(bool, cells)) < min(count, 2)
+            or _ENTRY.search(line)
+            or statements([line])
+        ):
             continue
         found = [_column(cell) for cell in cells]
         if not any(column.name for column in found):  # a line of units, below the names
@@ -97,8 +102,8 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
 def layout(columns: Sequence[Column]) -> Layout | None:
     """Return which columns hold positions and heights; None where the headings do not say it.
 
-    Without names of positions, two or three columns are positions and heights unless one of the first is
-    named a height.
+    Without names of positions, a few columns of heights are profiles without positions, and two or three
+    others are positions and heights.
 
     Examples
     --------
@@ -116,6 +121,8 @@ def layout(columns: Sequence[Column]) -> Layout | None:
         return Layout([x + y] * len(heights), heights) if heights else None
     if len(x) > 1 and x == data[::2] and not y and len(data) == 2 * len(x):  # a pair for each profile
         return Layout([[place] for place in x], data[1::2])
+    if data and all(columns[place].role == "z" for place in data) and len(data) < _WIDE:
+        return Layout([[]] * len(data), data)
     unnamed = not x and not y and not any(columns[place].role for place in data[:-1])
     return Layout([data[:-1]], data[-1:]) if unnamed and len(data) in (2, 3) else None
 

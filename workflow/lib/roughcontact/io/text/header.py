@@ -65,6 +65,8 @@ _HEADER_WORDS = {
 }
 # those with a text as value
 _WORDS = ("channel", "height_unit", "lateral_unit", "unit", "instrument", "serial", "lens", "date")
+_LENGTHS = ("length_x", "length_y", "dx", "dy", "step")
+_COUNTS = ("nx", "ny", "count")
 _REPEATED = ("channel", "instrument", "serial", "lens", "date", "missing", "height_range", "count")
 _UNIT_IN_NAME = {"bit2nm": "nm"}  # keys that imply the unit of their value: counts to nanometres
 _BOTH = {"size": ("length_x", "length_y"), "step": ("dx", "dy")}  # entries with two values in one line
@@ -150,6 +152,12 @@ def first_of(stated: Stated) -> dict[str, Any]:
     return said
 
 
+def disagreeing(stated: Stated) -> str:
+    """Return a sentence on repeated units and numbers of points that do not agree; empty where they do."""
+    others = {meaning: found for meaning, found in stated.items() if meaning not in _LENGTHS}
+    return next(_repeated(others), "")
+
+
 def contradiction(stated: Stated, shape: tuple[int, int]) -> str:
     """Return a sentence on statements that contradict each other or the table (ny, nx); empty where none do.
 
@@ -164,7 +172,8 @@ def contradiction(stated: Stated, shape: tuple[int, int]) -> str:
     ''
     """
     first = {meaning: repeated[0] for meaning, repeated in stated.items()}
-    return next(chain(_repeated(stated), _units_apart(first), _lengths_apart(stated, first, shape)), "")
+    lengths = {meaning: found for meaning, found in stated.items() if meaning in _LENGTHS}
+    return next(chain(_repeated(lengths), _units_apart(first), _lengths_apart(stated, first, shape)), "")
 
 
 def _repeated(stated: Stated) -> Iterator[str]:
@@ -181,7 +190,7 @@ def _repeated(stated: Stated) -> Iterator[str]:
 
 def _units_apart(first: dict[str, Statement]) -> Iterator[str]:
     """Yield sentences on lengths in another unit than the one that is stated for all of them."""
-    for meaning in ("length_x", "length_y", "dx", "dy", "step"):
+    for meaning in _LENGTHS:
         one, other = first.get(meaning), first.get("lateral_unit")
         if one and other and is_length(one.unit) and not same_length(one.unit, other.value):
             yield f"{one}, {other}: their units do not agree"
@@ -274,6 +283,8 @@ def _statements_of(key: str, value: str, sign: str) -> Iterator[tuple[str, State
     if not match or meaning == "size":
         return
     number, rounding = _number(match[0].rstrip(".,"), sign)
+    if meaning in _COUNTS and math.isnan(number):
+        number = float(re.sub(r"\D", "", match[0]))
     after = value[match.end() :].strip().strip("()[]")
     own = _PER_PIXEL.sub("", after) if _PER_PIXEL.search(after) else after.partition(" ")[0].strip("()[],;")
     if meaning == "per_pixel":

@@ -1,0 +1,325 @@
+"""Texts that hold more than one thing: tables, traces, named columns, statements, positions."""
+
+import json
+
+import numpy as np
+import pytest
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.inspection import inspect_file
+from roughcontact.io.read import read_height_map
+
+RNG = np.random.default_rng(3)
+ONE, TWO = (np.round(RNG.normal(size=(8, 10)), 3) for _ in range(2))  # nm
+X, Y = 0.5 * np.arange(10), 0.25 * np.arange(8)  # µm
+GIVEN = {"dx": 0.5, "dy": 0.25, "unit": "um", "height_unit": "nm"}
+NM = {"unit": "um", "height_unit": "nm"}
+
+
+def table(*columns, separator="\t"):
+    rows = np.column_stack(columns)
+    return "".join(separator.join(f"{value:g}" for value in row) + "\n" for row in rows)
+
+
+def grid(heights):
+    return np.tile(X, 8), np.repeat(Y, 10), heights.ravel()
+
+
+@pytest.fixture
+def read(tmp_path):
+    def _read(text, **arguments):
+        path = tmp_path / "map.txt"
+        path.write_text(text, encoding="utf-8")
+        return read_height_map(path, **arguments)
+
+    return _read
+
+
+def notes(height):
+    return height.attrs["ingest_warnings"]
+
+
+def assert_heights(height, heights, step=0.5e-6):
+    np.testing.assert_allclose(height.values, 1e-9 * heights, rtol=1e-12)
+    assert float(height.x[1] - height.x[0]) == pytest.approx(step, rel=1e-9)
+
+
+# ---------------------------------------------------------------- tables
+
+
+@pytest.mark.parametrize(
+    ("between", "words"),
+    [
+        ("\n", "a second table begins at line 10"),
+        ("\n\n\n", "a second table begins at line 12"),
+        ("# second scan\n", "a second table begins at line 10"),
+        ("\t" * 9 + "\n", "a second table begins at line 10"),
+        ("Scan 2\n", "a second table begins at line 9"),
+    ],
+)
+def test_a_second_table_without_headings_is_refused(read, between, words):
+    with pytest.raises(InputFileError, match=words):
+        read(table(ONE) + between + table(TWO), **GIVEN)
+
+
+def test_tables_with_headings_are_channels_in_their_units(read, tmp_path):
+    head = "# Channel: {}\n# Width: 5 µm\n# Height: 2 µm\n# Value units: {}\n"
+    text = head.format("Phase", "deg") + table(TWO) + "\n" + head.format("Topography", "nm") + table(ONE)
+    height = read(text)
+    assert_heights(height, ONE[::-1])
+    assert height.attrs["channel"] == "Topography"
+    assert json.loads(height.attrs["channels"]) == ["Phase", "Topography"]
+    with pytest.raises(InputFileError, match="channel 'Phase' holds no heights"):
+        read(text, channel="Phase")
+    found = inspect_file(tmp_path / "map.txt")["channels"]
+    assert [each["height_unit"] for each in found] == ["deg", "nm"]
+    words = "Forward\n" + table(ONE) + "\nBackward\n" + table(TWO)
+    assert_heights(read(words, **GIVEN), ONE[::-1])
+    assert_heights(read(words, **GIVEN, channel="Backward"), TWO[::-1])
+
+
+def test_empty_lines_between_all_rows_or_scan_lines_are_no_tables(read):
+    assert_heights(read(table(ONE).replace("\n", "\n\n"), **GIVEN), ONE[::-1])
+    blocks = table(*grid(ONE)).splitlines(keepends=True)
+    for between in ("\n", "\n\n", "# scan line\n"):
+        text = between.join("".join(blocks[10 * row : 10 * row + 10]) for row in range(8))
+        assert_heights(read(text, **NM), ONE)
+
+
+def test_points_at_the_positions_of_others_name_the_line(read):
+    with pytest.raises(InputFileError, match="the first is that in line 81"):
+        read(table(*grid(ONE)) + table(*grid(TWO)), **NM)
+    headed = "x [um]\ty [um]\tz [nm]\n"
+    with pytest.raises(InputFileError, match=r"2 tables below one another .*line 82.*channel"):
+        read((headed + table(*grid(ONE))) + (headed + table(*grid(TWO))))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (table(np.vstack([np.r_[X, X], np.hstack([ONE, TWO])])), "line 1 begins anew"),
+        (table(np.vstack([X, ONE, X, TWO])), "positions begin anew at line 10"),
+        (table(np.r_[Y, Y], np.vstack([ONE, TWO])), "positions begin anew at line 9"),
+        (table(np.r_[0, Y, Y], np.vstack([X, ONE, TWO])), "positions begin anew at line 10"),
+        (table(ONE, np.full(8, np.nan), TWO).replace("nan", ""), "line 1 .* has an empty column"),
+    ],
+)
+def test_maps_beside_and_below_one_another_are_told_by_their_positions(read, text, words):
+    with pytest.raises(InputFileError, match=words):
+        read(text, **GIVEN)
+
+
+# ---------------------------------------------------------------- traces
+
+
+@pytest.mark.parametrize("named", [True, False])
+@pytest.mark.parametrize("extra", [{}, {"resample": "linear"}])
+@pytest.mark.parametrize(
+    ("second", "words"),
+    [(X, "restarts at line"), (X[::-1], "repeats at line"), (X[-2::-1], "restarts at line")],
+)
+def test_traces_below_one_another_are_profiles(read, named, extra, second, words):
+    text = ("x (um)\tz (nm)\n" if named else "") + table(X, ONE[0]) + table(second, TWO[0][: second.size])
+    given = ({} if named else NM) | extra
+    with pytest.raises(InputFileError, match=rf"{words} {12 if named else 11}.*2 profiles.*channel"):
+        read(text, **given)
+    if not extra:
+        assert_heights(read(text, **given, channel="profile 1"), ONE[:1])
+        right = TWO[0][: second.size][:: 1 if second[0] < second[-1] else -1]
+        assert_heights(read(text, **given, channel="profile 2"), right[None])
+
+
+@pytest.mark.parametrize("extra", [{}, {"resample": "linear"}])
+def test_a_profile_that_turns_back_is_refused_with_the_place(read, extra):
+    positions = np.r_[X[:6], X[4], X[5:8], 4.5]
+    text = table(positions, np.r_[ONE[0], 0.5])
+    for head, given in (("x (um)\tz (nm)\n", {}), ("", NM)):
+        with pytest.raises(InputFileError, match=f"x turns back at line {8 if head else 7}, from 2.5 to 2"):
+            read(head + text, **given, **extra)
+
+
+def test_a_falling_profile_is_turned(read):
+    assert_heights(read(table(X[::-1], ONE[0]), **NM), ONE[:1, ::-1])
+
+
+# ---------------------------------------------------------------- named columns
+
+
+@pytest.mark.parametrize(
+    ("heading", "columns"),
+    [
+        ("Posición [mm];Altura [nm]", (X / 1e3, ONE[0])),
+        ("Nr;Messweg [µm];Höhe [nm]", (np.arange(10), X, ONE[0])),
+        ("Counter;Altitude (nm);Encoder (µm)", (np.arange(10) + 37, ONE[0], X)),
+        ("位置 [µm];高さ [nm]", (X, ONE[0])),
+        (";x (µm);z (nm)", (np.arange(10), X, ONE[0])),
+        ("Zeit (s);Weg (mm);Höhe (µm)", (3 * X, X / 1e3, ONE[0] / 1e3)),
+    ],
+)
+def test_profiles_by_the_names_of_their_columns(read, heading, columns):
+    assert_heights(read(f"{heading}\n{table(*columns, separator=';')}"), ONE[:1])
+
+
+@pytest.mark.parametrize(
+    ("heading", "columns", "wanted"),
+    [
+        ("Position [mm];Profil 1 [nm];Profil 2 [µm]", (X / 1e3, ONE[0], TWO[0] / 1e3), "Profil 2"),
+        ("X1 (um);Z1 (nm);X2 (um);Z2 (nm)", (X, ONE[0], X, TWO[0]), "Z2"),
+        ("Distance (mm);Total (nm);Roughness (nm)", (X / 1e3, ONE[0], TWO[0]), "Roughness"),
+    ],
+)
+def test_several_columns_of_heights_are_asked_about(read, heading, columns, wanted):
+    text = f"{heading}\n{table(*columns, separator=';')}"
+    for given in ({}, GIVEN):
+        with pytest.raises(InputFileError, match=rf"2 columns that may be heights: .*{wanted}.*channel"):
+            read(text, **given)
+    assert_heights(read(text, channel=wanted), TWO[:1])
+
+
+def test_columns_without_positions_are_profiles(read):
+    text = "Profil 1 [nm];Profil 2 [nm];Profil 3 [nm]\n" + table(ONE[0], TWO[0], ONE[1], separator=";")
+    with pytest.raises(InputFileError, match="3 columns that may be heights"):
+        read(text, **GIVEN)
+    assert_heights(read(text, channel="Profil 2", dx=0.5, unit="um"), TWO[:1])
+
+
+def test_unknown_names_are_no_map(read):
+    with pytest.raises(InputFileError, match=r"which of the 4 columns 'a', 'b', 'c', 'd \(V\)'.*name them x"):
+        read("a;b;c;d (V)\n" + table(X, ONE[0], ONE[1], ONE[2], separator=";"), **GIVEN)
+
+
+def test_columns_of_points_in_several_units(read):
+    text = "x [mm]\ty [um]\tz [nm]\tI\n" + table(
+        X.repeat(8) / 1e3, np.tile(Y, 10), ONE.T.ravel(), ONE.T.ravel()
+    )
+    height = read(text)
+    assert_heights(height, ONE)
+    assert float(height.y[1] - height.y[0]) == pytest.approx(0.25e-6, rel=1e-9)
+    assert json.loads(height.attrs["channels"]) == ["z", "I"]
+
+
+def test_double_tabs_separate_cells(read):
+    text = "WSxM file copyright UAM\nWSxM ASCII XYZ file\nX[um]\t\tY[um]\t\tZ[nm]\n"
+    assert_heights(read(text + table(*grid(ONE), separator="\t\t")), ONE)
+
+
+@pytest.mark.parametrize("word", ["n/d", "Foo"])
+def test_a_first_row_of_an_unknown_word_is_not_dropped(read, word):
+    with pytest.raises(InputFileError, match=f"line 1 has as many cells.*'{word}'"):
+        read("\t".join([word] * 10) + "\n" + table(ONE), **GIVEN)
+
+
+# ---------------------------------------------------------------- headers
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        (["Pixel size: 0.5 µm", "Width: 10 µm"], "line 1 says .*, line 2 says .*10 columns"),
+        (["Width: 5 µm", "Width: 6 µm", "Height: 2 µm"], "line 1 says .*, line 2 says"),
+        (["dx = 0.5 µm", "dy = 0.25 µm", "XY unit: mm"], "line 1 says .*, line 3 says .*units do not agree"),
+        (["Width: 5 mm", "Height: 2 µm"], "line 1 says .*, line 2 says .*units make pixels"),
+        (["Width: 1,234 µm", "Height: 2 µm"], "line 1 says 'Width: 1,234 µm'.*separate thousands"),
+        (["Width (mm): 5 µm", "Height: 2 µm"], r"line 1 says 'Width \(mm\): 5 µm'"),
+        (["Width: 10", "Height: 8", "Unit: µm"], "line 1 says 'Width: 10', and there are 10 columns"),
+        (["Resolution: 0.35 µm"], "give dx, dy, unit"),
+        (["Step: 0.5 µm"], "give dx, dy, unit"),
+    ],
+)
+def test_statements_that_do_not_agree_are_asked_about(read, lines, words):
+    text = "\n".join([*lines, "Z unit: nm"]) + "\n" + table(ONE)
+    with pytest.raises(InputFileError, match=f"{words}.*give dx, dy|{words}"):
+        read(text)
+    assert_heights(read(text, dx=0.5, dy=0.25, unit="um"), ONE[::-1])
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        (["Z unit: nm", "Value units: µm"], "line 1 says .*, line 2 says .*correct one"),
+        (["Z unit: µm", "Height (nm)"], "line 1 says 'Z unit: µm', and a heading of the heights 'nm'"),
+        (["nx: 10", "Columns: 11"], "line 1 says .*, line 2 says"),
+        (["Width: 12 px", "Height: 8 px"], "the header says 12 columns, the file has 10"),
+    ],
+)
+def test_other_statements_that_do_not_agree_are_refused(read, lines, words):
+    with pytest.raises(InputFileError, match=words):
+        read("\n".join(lines) + "\n" + table(ONE), **GIVEN)
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ["Width: 5 µm", "Height: 2 µm", "Pixel size: 0.5 µm x 0.25 µm", "nx: 10"],
+        ["dx=0.0005 mm, dy=0.00025 mm", "Width: 5 µm"],
+        ["Width: 5 µm", "Height: 1.75 µm"],  # from the first line to the last one
+        ["dx = 0,5 µm; dy = 0,25 µm"],
+        ["Width (µm): 5", "Height (µm): 2", "Resolution: 0.5 µm/pixel"][:2],
+        ["幅： 5 µm", "高さ： 2 µm"],
+        ["X Amplitude: 5000nm", "Y Amplitude: 2000nm", "Lens resolution: 0.35 µm"],
+    ],
+)
+def test_statements_that_agree_are_used(read, lines):
+    height = read("\n".join([*lines, "Z unit: nm"]) + "\n" + table(ONE))
+    assert_heights(height, ONE[::-1])
+
+
+def test_a_heading_that_contradicts_the_positions_is_said(read):
+    said = notes(read("dx: 2 µm\nx (µm);z (nm)\n" + table(X, ONE[0], separator=";")))
+    assert "line 1 says 'dx: 2 µm'" in said
+    assert "the positions are used" in said
+    with pytest.raises(InputFileError, match="a column is in 'nm', and the header says 'µm'"):
+        read("Z unit: µm\nx (µm);z (nm)\n" + table(X, ONE[0], separator=";"))
+
+
+# ---------------------------------------------------------------- positions beside a matrix
+
+
+@pytest.mark.parametrize("corner", ["0", "", "NaN"])
+@pytest.mark.parametrize(("down", "left"), [(1, 1), (-1, 1), (1, -1), (-1, -1)])
+def test_positions_in_row_and_column_with_a_corner(read, corner, down, left):
+    text = corner + table(np.r_[7, Y[::down] + 3], np.vstack([X[::left] - 1, ONE]))[1:]
+    height = read(text, **NM)
+    assert_heights(height, ONE[::down, ::left])
+    assert height.attrs["first_row"] == "bottom"
+    assert "taken as positions along x" in notes(height)
+    assert "taken as positions along y" in notes(height)
+
+
+def test_positions_without_a_corner(read):
+    text = " ".join(f"{x:g}" for x in X) + "\n" + table(Y, ONE, separator=" ")
+    assert_heights(read(text, **NM), ONE)
+    with pytest.raises(InputFileError, match="line 1 has 10 numbers where the others have 11"):
+        read(text.replace("1.5", "1.9", 1), **NM)
+
+
+def test_positions_in_the_first_row_or_column_alone(read):
+    first_row, first_column = table(np.vstack([X, ONE])), table(Y, ONE)
+    assert_heights(read(first_row, **GIVEN), ONE[::-1])
+    assert_heights(read(first_row, dy=0.25, **NM), ONE[::-1])
+    with pytest.raises(InputFileError, match="give dy, unit"):
+        read(first_row, **NM)
+    assert_heights(read(first_column, **GIVEN), ONE)
+    header = "Width: 5 µm\nHeight: 2 µm\nZ unit: nm\n"
+    assert_heights(read(header + first_row), ONE[::-1])
+    with pytest.raises(
+        InputFileError, match=r"taken as positions along x: line 4 says .*, line 1 says 'Width"
+    ):
+        read(header.replace("5", "50") + first_row)
+    assert read("nx: 10\nny: 9\n" + first_row, **GIVEN).shape == (9, 10)
+    assert "may be positions along x" in notes(read("nx: 10\nny: 9\n" + first_row, **GIVEN))
+
+
+def test_a_column_of_positions_beside_few_others_is_asked_about(read):
+    with pytest.raises(
+        InputFileError, match=r"first of 4 columns holds positions: of 3 profiles.*or .* a map"
+    ):
+        read(table(X, *ONE[:3]), **NM)
+
+
+def test_lines_of_a_tilted_plane_are_heights(read):
+    plane = np.add.outer(0.3 * np.arange(8), 0.2 * np.arange(10))
+    height = read(table(plane), **GIVEN)
+    assert height.shape == (8, 10)
+    assert "positions" not in notes(height)
+    assert_heights(read(table(np.vstack([X, plane])), **GIVEN), plane[::-1])
