@@ -464,3 +464,12 @@ def test_lens_date_and_serial_are_printed(capsys):
     _, out, _ = said(capsys, "inspect", str(DATA / "mi-1.mi"))
     assert "'Topography', the first height channel of 4" in out
     assert "values in V, no length" in out
+
+
+@pytest.mark.parametrize("words", [["inspect"], ["init"], ["run", "--configfile"], ["run", "-d"], ["crate"]])
+def test_a_path_too_long_for_any_file_is_one_sentence(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main([*words, "a" * 5000]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"roughcontact: {'a' * 60}...: ")
+    assert len(line) < 300

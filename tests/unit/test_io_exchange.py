@@ -106,6 +106,22 @@ def test_x3p_with_another_root_element(tmp_path):
         read_height_map(saved(tmp_path, repacked(data, damaged)))
 
 
+@pytest.mark.parametrize("encoding", [b"UTF-1.0", b"hex", b"rot13"])
+def test_x3p_of_an_unknown_encoding_or_of_one_that_is_no_text_is_refused(tmp_path, encoding):
+    main = dict(members(x3p_bytes()))["main.xml"]
+    other = b'<?xml version="1.0" encoding="' + encoding + b'"?>' + main.partition(b"?>")[2]
+
+    def encoded(name, content):
+        if name == "md5checksum.hex":
+            content = hashlib.md5(other).hexdigest().encode() + b" *main.xml"
+        return name, other if name == "main.xml" else content
+
+    path = saved(tmp_path, repacked(x3p_bytes(), encoded))
+    for read in (read_height_map, inspect_file):
+        with pytest.raises(InputFileError, match=r"map\.bin: not readable as X3P: .*encoding"):
+            read(path)
+
+
 def test_x3p_infinite_heights_are_missing(tmp_path):
     def infinite(name, content):
         if name.endswith("data.bin"):

@@ -184,6 +184,20 @@ def test_a_mistake_names_key_value_and_way_out(config, said):
         assert part in line
 
 
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("{1: 2, contact: {contact_modulus: 1 GPa}}", "the settings: the key 1 is no text, valid are surf"),
+        ("{true: 2, contact: {contact_modulus: 1 GPa}}", "the settings: the key True is no text, valid are"),
+        ("{contact: {contact_modulus: 1 GPa}, level: {1: 2}}", "level: the key 1 is no text, valid are form"),
+        ("{contact: {contact_modulus: 1 GPa, null: 2}}", "contact: the key None is no text, valid are cont"),
+    ],
+)
+def test_a_key_that_is_no_text_is_named(text, line):
+    (mistake,) = mistakes(yaml.safe_load(text))
+    assert mistake.startswith(line)
+
+
 def test_all_mistakes_at_once():
     lines = mistakes({"level": {"form": 3, "ordr": 2}, "contact": {"tolerance": 7}, "windows": {}})
     assert sorted(line.split(":")[0].split(" ")[0] for line in lines) == [

@@ -5,6 +5,7 @@ import inspect
 import pytest
 
 from roughcontact.command_line.program import _FILE_OPTIONS
+from roughcontact.configuration.study import _mistakes_in
 from roughcontact.configuration.surfaces import (
     COLUMNS,
     GROUP,
@@ -246,10 +247,29 @@ def test_names_that_are_one_folder_on_other_systems_are_named(table):
 
 def test_a_table_that_is_no_text_is_named(tmp_path):
     path = tmp_path / "surfaces.tsv"
-    path.write_bytes(b"\xff\xfe\x00")
-    said = mistakes(path)
-    assert said.startswith(f"table of surfaces {path}: not readable (")
-    assert said.endswith("name a tab-separated text as `surfaces`")
+    for content, line in (
+        (b"\xff\xfe\x00", 1),  # half a letter of UTF-16
+        ("surface\tpath\na\ta.txt\nb\tmäß.txt\n".encode("cp1252"), 3),
+    ):
+        path.write_bytes(content)
+        said = mistakes(path)
+        assert said.startswith(f"table of surfaces {path}, line {line}: is no text in UTF-8 (")
+        assert said.endswith("save it as UTF-8")
+    path.unlink()
+    path.mkdir()
+    assert mistakes(path).endswith("name a tab-separated text as `surfaces`")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
+def test_a_table_is_read_in_the_encoding_that_it_marks(tmp_path, encoding):
+    mark = "\ufeff" if encoding.endswith("e") else ""
+    (tmp_path / "t.tsv").write_bytes((mark + "surface\tpath\r\na\tmäß-µ.txt\r\n").encode(encoding))
+    assert str(read_surfaces(tmp_path / "t.tsv")["a"].path) == "mäß-µ.txt"
+
+
+def test_a_path_too_long_for_any_file_is_no_such_file(table):
+    path = table("surface\tpath", f"a\t{'a' * 5000}.txt")
+    assert f"path = {'a' * 5000}.txt: no such file" in "\n".join(_mistakes_in(read_surfaces(path)["a"]))
 
 
 @pytest.mark.parametrize("name", ["seal-counter-face", "seal-face", "seal-1"])

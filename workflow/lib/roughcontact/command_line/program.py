@@ -5,6 +5,7 @@ error), 130 interrupted, 143 terminated, 141 the reader of the output has closed
 """
 
 import argparse
+import errno
 import os
 import sys
 from pathlib import Path
@@ -76,11 +77,15 @@ def main(arguments: list[str] | None = None) -> int:
         return _failed(error, 1)
     except RoughContactError as error:
         return _failed(error, 2)
-    except KeyboardInterrupt:
-        return _failed("interrupted", 130)
     except BrokenPipeError:  # the reader has closed the output, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the final flush
         return _BROKEN_PIPE
+    except OSError as error:
+        if error.errno != errno.ENAMETOOLONG:
+            raise
+        return _failed(f"{str(error.filename)[:60]}...: longer than the path of any file; check the path", 2)
+    except KeyboardInterrupt:
+        return _failed("interrupted", 130)
 
 
 def _failed(error: RoughContactError | str, code: int) -> int:

@@ -92,6 +92,10 @@ def mistake(case: str, overrides: Mapping[str, Any], detail: ErrorDetails) -> Se
     >>> str(mistake("", {}, detail)).split(" (")[0]
     'level.s_filter = -1: must be greater than 0'
     """
+    if detail["type"] == "invalid_key":
+        above, key = detail["loc"][:-1], detail["input"]
+        hint = nearest(key, fields_at(above))
+        return SettingsError(f"{_dotted(above) or 'the settings'}: the key {key!r} is no text, {hint}")
     return _named(case, overrides, detail["loc"], reason(detail))
 
 

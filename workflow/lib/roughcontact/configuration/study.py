@@ -75,7 +75,7 @@ def read_study(
     mistakes += [
         f"instrument.finer_spectrum = {path}: no such file; correct the path (from the working folder)"
         for path in finer
-        if path and not checked and not Path(path).is_file()
+        if path and not checked and find(path, ["."]) is None
     ]
     table = config.get("surfaces", Settings.model_fields["surfaces"].default)
     if isinstance(table, str) and table:  # otherwise it is among the mistakes in the settings
@@ -128,7 +128,7 @@ def _mistakes_in(row: Surface) -> list[str]:
     mistakes = [
         f"{key} = {path}: no such file; correct the path or put # before the row"
         for key, path in paths.items()
-        if path is not None and path != Path() and not path.is_file()
+        if path is not None and path != Path() and find(path, ["."]) is None
     ]
     mistakes += [
         f"{key}: {unknown_unit(row.given[key], 'm')}"

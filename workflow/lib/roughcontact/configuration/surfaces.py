@@ -9,7 +9,9 @@ A row that names a `counter_face` is a pair: two measured files that touch. Its 
 positions of the faces (`roughcontact.faces.positions`), are solved.
 """
 
+import codecs
 import math
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -103,7 +105,7 @@ def find(path: str | Path, folders: Iterable[str | Path]) -> Path | None:
     """
     for folder in folders:
         candidate = Path(folder) / path
-        if candidate.is_file():
+        if os.path.isfile(candidate):  # noqa: PTH113 - false also of a path that is too long
             return candidate
     return None
 
@@ -251,13 +253,20 @@ def _names_of_parts(surfaces: Mapping[str, Surface], found: Mapping[str, Member]
 def read_table(table: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """Return the header, and the cells of each further row with the number of its line, unchecked."""
     try:
-        lines = table.read_text(encoding="utf-8-sig").splitlines()
+        content = table.read_bytes()
+        marked = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))  # as spreadsheets write it
+        lines = content.decode("utf-16" if marked else "utf-8-sig").splitlines()
     except FileNotFoundError as error:
         raise SettingsError(
             f"table of surfaces {table}: no such file; correct `surfaces` in the settings, or write the "
             "table (`roughcontact init` writes one to change)"
         ) from error
-    except (OSError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise SettingsError(
+            f"table of surfaces {table}, line {line}: is no text in UTF-8 ({error.reason}); save it as UTF-8"
+        ) from error
+    except OSError as error:
         raise SettingsError(
             f"table of surfaces {table}: not readable ({error}); name a tab-separated text as `surfaces`"
         ) from error

@@ -51,7 +51,7 @@ def read(path: Path) -> MeasuredFile:
         file, stale = _parsed(path, name, main)
     except InputFileError:
         raise
-    except (x3pio.X3pError, ValueError, *ARCHIVE_ERRORS) as error:
+    except (x3pio.X3pError, ValueError, LookupError, *ARCHIVE_ERRORS) as error:  # of encodings
         raise InputFileError(f"{path}: not readable as X3P: {brief(error)}") from error
     channels = _channels(file, path)
     for channel in channels:

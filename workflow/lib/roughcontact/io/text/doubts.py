@@ -81,13 +81,14 @@ def thousands(
     sign = "," if decimal_comma else "."
     mark = re.escape(sign)
     decimal = re.compile(rf"(?<!\d)0+{mark}|(?<!\d){mark}\d|\d{{4}}|\d[eEdD][-+]?\d|\d{mark}\d{{0,2}}(?!\d)")
-    body = body[: 1 + _MAX_CELLS // values.shape[1]]
+    body = [_first_cells(line, delimiter) for line in body[: 1 + _MAX_CELLS // values.shape[1]]]
     lengths = (line for line in header if decimal.search(line) and _LENGTHS & set(statements([line])))
     if any(map(decimal.search, body)) or any(lengths):
         return []
     grouped = re.compile(rf"[-+]?[1-9]\d{{0,2}}{mark}\d{{3}}")
     marked: dict[int, int] = defaultdict(int)
     whole: dict[int, str] = {}
+    below_thousand = re.compile(r"[-+]?[1-9]\d{0,2}")
     example = ""
     rows = (chain.from_iterable(pieces(line.strip(), delimiter)) for line in body)
     for column, cell in islice((cell for row in rows for cell in enumerate(row)), _MAX_CELLS):
@@ -95,7 +96,7 @@ def thousands(
         if grouped.fullmatch(text):
             marked[column] += 1
             example = example or text
-        elif re.fullmatch(r"[-+]?[1-9]\d{0,2}", text):
+        elif below_thousand.fullmatch(text):
             whole.setdefault(column, text)
     if sum(marked.values()) < _MIN_CELLS:
         return []
@@ -111,6 +112,12 @@ def thousands(
             f"decimal sign; if it separates thousands, {way_out}"
         )
     ]
+
+
+def _first_cells(line: str, delimiter: str | None) -> str:
+    """Return a line up to the last cell that is compared: there are lines of 40 MB."""
+    cells = line.split(delimiter, _MAX_CELLS)
+    return line if len(cells) <= _MAX_CELLS else line[: -len(cells[-1])]
 
 
 def _in_thousandths(values: np.ndarray) -> bool:
