@@ -270,16 +270,17 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
     if is_profile(numbers):
         return Cell(NOT_JUDGED, "a profile does not tell")
     is_open = [axis for axis in ("x", "y") if float(numbers[f"gap_percolates_{axis}"][place])]
-    doubt = " (in doubt)" if any(_in_doubt(numbers, axis, place) for axis in ("x", "y")) else ""
-    if not is_open:
-        return Cell(f"seals{doubt}", "gap closed along x and y")
-    more = []
+    doubted = [axis for axis in ("x", "y") if _in_doubt(numbers, axis, place)]
+    shown = [axis for axis in ("x", "y") if axis in is_open + doubted]
+    doubt, more = " (in doubt)" if doubted else "", [] if is_open else ["gap closed along x and y"]
     for words, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
-        if _known(numbers, f"{name}_x"):
-            found = {axis: _unbroken(numbers, f"{name}_{axis}", units, place) for axis in is_open}
-            if len(is_open) == 2 and len(set(found.values())) == 1:  # one place decides both ways
+        if shown and _known(numbers, f"{name}_x"):
+            found = {axis: _unbroken(numbers, f"{name}_{axis}", units, place) for axis in shown}
+            if len(shown) == 2 and len(set(found.values())) == 1:  # one place decides both ways
                 found = {"x and y": found["x"]}
             more.append(f"{words} {', '.join(f'{text} ({axis})' for axis, text in found.items())}")
+    if not is_open:
+        return Cell(f"seals{doubt}", "; ".join(more))
     closed = {"x": "y", "y": "x"}[is_open[0]]
     answer = "leaks" if len(is_open) == 2 else f"seals along {closed}, leaks along {is_open[0]}"
     return Cell(answer + doubt, "; ".join(more))
