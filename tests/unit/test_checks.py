@@ -8,7 +8,8 @@ import xarray as xr
 
 import roughcontact as rc
 from roughcontact import materials
-from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics import checks, contact_checks, map_checks
 from roughcontact.statistics.outcome import FAILED, LOOK, NOTE, PASSED
 
@@ -127,6 +128,45 @@ def test_limits_of_the_slope(gradient, outcome):
 def test_five_autocorrelation_lengths_are_enough(length_y, aspect, outcome):
     statistics = xr.Dataset({"Sal": 1.0, "Str": aspect, "window_length_x": 9.0, "window_length_y": length_y})
     assert map_checks.longest_wave(statistics).outcome == outcome
+
+
+PAIR = {"face_pitches": [1e-6, 2e-6], "covered_share_of_larger": 0.25}
+
+
+@pytest.mark.parametrize(
+    ("levelled", "shortest", "outcome", "said"),
+    [
+        (PAIR, 2e-6, PASSED, "pixels of 1.00 µm and 2.00 µm, and 25.0 % of the larger one"),
+        (PAIR | {"face_pitches": [2.01e-6, 1e-6]}, 2e-6, LOOK, "2.01 µm and 1.00 µm: the coarser"),
+        (PAIR | {"face_pitches": [1e-6, 9.99e-6]}, 2e-6, LOOK, "areas are 19.6 % or more too large"),
+        (
+            PAIR | {"face_pitches": [1e-6, 1e-3]},
+            2e-6,
+            FAILED,
+            "1.00 µm and 1.00 mm: the coarser one has no wave",
+        ),
+        (PAIR | {"face_pitches": [1e-6, 1e-3]}, 2e-3, PASSED, "pixels of 1.00 µm and 1.00 mm, and"),
+        # 8 of 48 µm
+        (PAIR | {"covered_share_of_larger": 1 / 36}, 2e-6, LOOK, "Only 2.78 % of the larger face is solved"),
+    ],
+)
+def test_faces_of_unlike_pixels_or_sizes_are_named(levelled, shortest, outcome, said):
+    (check,) = map_checks.faces(levelled, {"band_shortest": shortest})
+    assert check.outcome == outcome
+    assert said in check.sentence
+    assert ("window.shortest_wavelength: " in check.sentence) == ("coarser" in check.sentence)
+
+
+def test_two_equally_rough_faces_are_as_much_too_smooth_as_the_check_says():
+    """The area goes as 1 / g (Persson 2001), the mean square gradient of both faces adds up."""
+    waves = {"hurst": 0.8, "longest": 1024e-6, "rms_height": 1e-6}
+    square = {
+        ratio: rms_gradient(self_affine_surface((1024, 1024), 1e-6, **waves, shortest=2e-6 * ratio)) ** 2
+        for ratio in (1, 2, 10)
+    }
+    for ratio, claimed in ((2, 0.07), (10, 0.2)):
+        excess = np.sqrt(2 * square[1] / (square[1] + square[ratio])) - 1
+        assert claimed <= round(excess, 2) < 1.3 * claimed
 
 
 def test_words_of_a_load_at_each_limit():

@@ -177,6 +177,15 @@ def test_parts_that_overlap_in_part_leave_that_part():
         composite(face, other, shift=(45e-6, 0))
 
 
+@pytest.mark.parametrize("larger", ["face", "counter-face"])
+def test_pixels_and_sizes_of_both_faces_are_known(larger):
+    whole, small = rough(1, (128, 128), STEP), cut(rough(2, (128, 128), STEP / 2), slice(40), slice(60))
+    together = composite(*((whole, small) if larger == "face" else (small, whole)))
+    assert sorted(together.attrs["face_pitches"]) == pytest.approx([STEP / 2, STEP])
+    share = 40 * 60 / 4 / 128**2  # within half a pixel at each end
+    assert together.attrs["covered_share_of_larger"] == pytest.approx(share, rel=0.06)
+
+
 def test_missing_and_filled_points_of_either_face_count():
     face, other = (cut(rough(seed), slice(60), slice(50)) for seed in (1, 2))
     face.values[20, 10] = np.nan

@@ -1,6 +1,7 @@
 """Composite height map of two measured faces in a given relative position."""
 
 import json
+import math
 
 import numpy as np
 import xarray as xr
@@ -68,7 +69,8 @@ def composite(
         Attributes of `face`, with those of levelling for the sum (form, filled and rejected points of both,
         height parameters), `source_file` and `source_sha256` of both, `instrument` of the one with the lower
         resolution, and `counter_face` (file), `shift_y`, `shift_x` (m), `rotation` (degree), `covered_share`
-        (of the face).
+        (of the face), `covered_share_of_larger` (of the larger face), `face_pitches` (m; of face and
+        counter-face, the coarser of x and y).
 
     Raises
     ------
@@ -113,6 +115,10 @@ def composite(
     values = values - form
     filled = (own[1] | other[1]) & measured
     attrs = _attributes(lower, upper, filled)
+    covered = float(measured.mean() * covered_share(lower, positions))
+    axes = [axis for axis, n in enumerate(lower.shape) if n > 1]
+    pitches = [max(each.step[axis] for axis in axes) for each in (lower, upper)]
+    sizes = [math.prod(each.lengths[axis] for axis in axes) for each in (lower, upper)]
     attrs |= {
         "source_file": pair_name(lower, upper),
         "form": "mean" if whole else "plane",
@@ -120,7 +126,9 @@ def composite(
         "shift_y": float(shift[0]),
         "shift_x": float(shift[1]),
         "rotation": float(rotation),
-        "covered_share": float(measured.mean() * covered_share(lower, positions)),
+        "covered_share": covered,
+        "covered_share_of_larger": covered * sizes[0] / max(sizes),
+        "face_pitches": pitches,
     }
     coords = {
         "y": ("y", coordinates[0], {"units": "m"}),

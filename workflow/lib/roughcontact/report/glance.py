@@ -53,6 +53,7 @@ _WEIGHT = (
     "Units",
     "Height unit",
     "Pixel size",
+    "Faces",
     "Solver",
     "Outliers",
     "Isolated peak",

@@ -136,6 +136,7 @@ def surface_checks(
         map_checks.form(levelled, window),
         map_checks.periodicity(window),
         map_checks.window_share(window),
+        *map_checks.faces(levelled, window),
         map_checks.longest_wave(statistics),
         map_checks.sample(statistics),
         map_checks.band(window),

@@ -29,6 +29,11 @@ STEEP_PLACES = 0.5  # share of the mean square gradient that the steepest 1 % of
 # 0.22 of its length, so that a window of fewer holds less than one of the longest waves.
 LENGTHS = 5
 WINDOW_SHARE = 0.5  # share of the measured area that was used
+# Ratio of the pixels of two faces: look, fail. The coarser one lacks the waves in between: with H = 0.8 (mean
+# square gradient ~ pixel^-0.4, area ~ 1 / gradient) two faces of the same roughness have areas 7 % too large
+# with a ratio of 2, and 20 % with 10, beyond which the finer face decides alone, or a unit is wrong.
+FACE_PITCHES = (2.0, 10.0)
+FACE_SHARE = 0.25  # of the larger face: half of each side
 STEEP = (0.3, 0.6)  # rms gradient: small-slope elasticity is an approximation, a rough one
 
 Attributes = Mapping[str, Any]
@@ -201,6 +206,40 @@ def window_share(window: Attributes) -> Check:
         text += " The rest was cropped away. See the frame on the levelled map."
         return Check("Window", LOOK, text)
     return Check("Window", PASSED, text)
+
+
+def faces(levelled: Attributes, window: Attributes) -> list[Check]:
+    """Check that two faces have about the same pixels and sizes; none for a single face.
+
+    Examples
+    --------
+    >>> faces({}, {})
+    []
+    >>> pair = {"face_pitches": [1e-6, 3e-6], "covered_share_of_larger": 0.8}
+    >>> [faces(pair, {"band_shortest": limit})[0].outcome for limit in (2e-6, 6e-6)]
+    ['look', 'passed']
+    """
+    if "face_pitches" not in levelled:
+        return []
+    pitches, share = levelled["face_pitches"], float(levelled["covered_share_of_larger"])
+    ratio, limit = max(pitches) / min(pitches), 2 * max(pitches)
+    pixels = "The faces have pixels of " + " and ".join(quantity(float(pitch), "m") for pitch in pitches)
+    outcome, text = PASSED, f"{pixels}, and {percent(share)} of the larger one is solved."
+    if ratio > FACE_PITCHES[0] and window.get("band_shortest", 0.0) < limit * (1 - 1e-6):
+        outcome = FAILED if ratio > FACE_PITCHES[1] else LOOK
+        too_large = percent(float(np.sqrt(2 / (1 + ratio**-0.4))) - 1)
+        text = (
+            f"{pixels}: the coarser one has no wave shorter than {quantity(limit, 'm')}, so that areas are "
+            f"{too_large} or more too large if both are equally rough. Check the unit of dx and dy, measure "
+            f"both alike, or solve the waves of both (window.shortest_wavelength: {quantity(limit, 'm')})."
+        )
+    elif share < FACE_SHARE:
+        outcome = LOOK
+        text = (
+            f"Only {percent(share)} of the larger face is solved, as far as the smaller one reaches: longer "
+            "waves, which make gaps larger, are missing. Check the unit of dx and dy, or measure more of it."
+        )
+    return [Check("Faces", outcome, text)]
 
 
 def longest_wave(statistics: xr.Dataset) -> Check:
