@@ -15,24 +15,12 @@ _COMPARED = ("ratio", "ratio_lower", "ratio_upper", "p_value", "outcome")
 
 
 class NamedGroup(NamedTuple):
-    """The answer of a group, under a case.
+    """The answer of a group, under a case."""
 
-    Attributes
-    ----------
-    name : str
-        of the group, or of the pair of faces.
-    case : str or None
-        None in a run without cases.
-    answer : Dataset
-        from `group_statistics`.
-    placements : bool
-        whether its maps are placements of the same two faces.
-    """
-
-    name: str
-    case: str | None
-    answer: xr.Dataset
-    placements: bool = False
+    name: str  # of the group, or of the pair of faces
+    case: str | None  # None in a run without cases
+    answer: xr.Dataset  # from `group_statistics`
+    placements: bool = False  # whether its maps are placements of the same two faces
 
     @property
     def label(self) -> str:
@@ -43,23 +31,16 @@ class NamedGroup(NamedTuple):
 def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
     """Return the answers of several groups in one dataset.
 
-    Parameters
-    ----------
-    groups : sequence of NamedGroup
-
-    Returns
-    -------
-    Dataset
-        dims (group, load, map, source, component), or (case, group, ...) where there are cases; groups of
-        fewer maps or loads are padded with NaN. Coordinates `group` (`group_name` is the same), `case`,
-        `mean_pressure` (group, load), `map_name` and `part` (group, map). The attribute `remarks` is JSON: by
-        case ("" where there are none) and group.
+    Its dims are (group, load, map, source, component), or (case, group, ...) where there are cases; groups of
+    fewer maps or loads are padded with NaN. Coordinates are `group` (`group_name` is the same), `case`,
+    `mean_pressure` (group, load), `map_name` and `part` (group, map). The attribute `remarks` is JSON: by
+    case ("" where there are none) and group.
 
     Examples
     --------
     >>> from roughcontact.uncertainty.groups import group_statistics
     >>> one = xr.Dataset({"mean_gap": ("load", [2e-6]), "mean_pressure": ("load", [1e6])})
-    >>> found = joined_groups([NamedGroup("ground", None, group_statistics([one, one]))])
+    >>> found = joined_groups([NamedGroup("ground", None, group_statistics([one, one * 2]))])
     >>> found["mean_gap_of_maps"].dims, found["maps"].values.tolist()
     (('group', 'load', 'map'), [2.0])
     """
@@ -74,7 +55,7 @@ def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
         place = cases.index(group.case), names.index(group.name)
         remarks[group.case or ""][group.name] = json.loads(group.answer.attrs["remarks"])
         numbers = group.answer.reset_coords()
-        numbers = numbers.drop_vars(["source", "component", "map"]).assign(
+        numbers = numbers.drop_vars(["source", "component", "map", "content"]).assign(
             map_name=("map", group.answer["map"].values), maps=group.answer.sizes["map"]
         )
         for name, variable in numbers.transpose("load", "map", "source", "component").data_vars.items():
@@ -97,23 +78,15 @@ def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
 def groups_table(groups: Sequence[NamedGroup]) -> pd.DataFrame:
     """Return one row for each group (, case) and load, in SI units.
 
-    Parameters
-    ----------
-    groups : sequence of NamedGroup
-
-    Returns
-    -------
-    DataFrame
-        `case` where there are cases, `group`, `maps`, `parts` (numbers of them), `mean_pressure_Pa`, and of
-        each quantity `{quantity}`, `{quantity}_lower`, `{quantity}_upper`, for the next map
-        `{quantity}_next_lower` and `{quantity}_next_upper`, and for the next part
-        `{quantity}_next_part_lower` and `{quantity}_next_part_upper`.
+    Its columns are `case` where there are cases, `group`, `maps`, `parts` (numbers of them),
+    `mean_pressure_Pa`, and of each quantity `{quantity}`, `{quantity}_lower`, `{quantity}_upper`, as well for
+    the next map (`{quantity}_next_lower` ...) and the next part (`{quantity}_next_part_lower` ...).
 
     Examples
     --------
     >>> from roughcontact.uncertainty.groups import group_statistics
     >>> one = xr.Dataset({"mean_gap": ("load", [2e-6]), "mean_pressure": ("load", [1e6])})
-    >>> table = groups_table([NamedGroup("ground", None, group_statistics([one, one]))])
+    >>> table = groups_table([NamedGroup("ground", None, group_statistics([one, one * 2]))])
     >>> table.columns[:6].tolist()
     ['group', 'maps', 'parts', 'mean_pressure_Pa', 'mean_gap', 'mean_gap_lower']
     """
@@ -134,18 +107,7 @@ def groups_table(groups: Sequence[NamedGroup]) -> pd.DataFrame:
 
 
 def comparisons_table(found: Mapping[tuple[str, str], xr.Dataset]) -> pd.DataFrame:
-    """Return one row for each comparison of `compare_all`, quantity and load.
-
-    Parameters
-    ----------
-    found : mapping
-        (name of the first, of the second) -> as of `compare_groups`.
-
-    Returns
-    -------
-    DataFrame
-        `first`, `second`, `quantity`, `mean_pressure_Pa`, `ratio` (of the second to the first),
-        `ratio_lower`, `ratio_upper`, `p_value`, `outcome`.
+    """Return one row for each comparison (by the names of both, as of `compare_all`), quantity and load.
 
     Examples
     --------

@@ -19,6 +19,7 @@ References
 .. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement.
 """
 
+import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
@@ -148,14 +149,14 @@ def group_statistics(
         `{quantity}_between`, `{quantity}_within`: standard deviations on the scale, between parts and within
         one; `{quantity}_shared` (load, source, component): half-widths and shifts on the scale, mean of the
         maps; `stands_off` (map, load): 1 for a map that stands off the others in any quantity. Coordinates
-        `map`, `part` (map), `mean_pressure` (load; Pa). Attributes: `group`, `remarks` (JSON: list of
-        sentences).
+        `map`, `part` (map), `content` (map; equal for copies), `mean_pressure` (load; Pa). Attributes:
+        `group`, `remarks` (JSON: list of sentences).
 
     Raises
     ------
     SettingsError
-        for no map, for different contact moduli, bands or kinds of instrument, and for maps without a common
-        load.
+        for no map, for copies of one, for different contact moduli, bands or kinds of instrument, and for
+        maps without a common load.
 
     References
     ----------
@@ -186,8 +187,15 @@ def group_statistics(
                 f"{words}: {name} holds several surfaces; select one of them for each map (.sel(surface=...))"
             )
     datasets = [one.isel(load=np.isfinite(one["mean_pressure"].values)) for one in datasets]
+    contents = [_content(one) for one in datasets]
+    for name, content in () if placements else zip(names, contents, strict=True):
+        if content and (copied := names[contents.index(content)]) != name:
+            raise SettingsError(
+                f"{words}: {copied} and {name} have the same results, as copies of one map have, which says "
+                "nothing new; leave one out"
+            )
     if len(datasets) > 1:
-        _check_alike(words, names, datasets)
+        check_alike(words, names, datasets)
     loads = common_loads(words, names, datasets)
     found = [name for name in quantities_in(datasets[0]) if all(name in one for one in datasets)]
     columns: dict[str, tuple] = {}
@@ -216,6 +224,7 @@ def group_statistics(
         "mean_pressure": ("load", loads),
         "map": np.array(names, object),
         "part": ("map", np.array(parts, object)),
+        "content": ("map", np.array(contents, object)),
     }
     remarks = _remarks(datasets, names, parts, loads, off, placements=placements)
     return xr.Dataset(
@@ -233,6 +242,16 @@ def is_range(answer: xr.Dataset) -> bool:
     """
     parts = len(set(answer["part"].values))
     return 1 < (answer.sizes["map"] if parts == 1 else parts) < FEW
+
+
+def _content(dataset: xr.Dataset) -> str:
+    """Return a digest of the numbers of a map, to nine digits; empty where its rms height is not known."""
+    if "rms_height" not in dataset:
+        return ""
+    names = ["rms_height", "mean_pressure", *(name for name in quantities_in(dataset) if name in dataset)]
+    data = dataset[names].sortby("mean_pressure")
+    digits = " ".join(f"{value:.8e}" for name in names for value in data[name].values.flat)
+    return hashlib.sha256(digits.encode()).hexdigest()[:16]
 
 
 def _of_several(
@@ -323,19 +342,10 @@ def _ends(
 
 
 def scaled_components(name: str, dataset: xr.Dataset) -> np.ndarray:
-    """Return the components (load, source, component) of a quantity of a map on its scale.
+    """Return the components (load, source, component) of a quantity of a map on its scale; 0 where unknown.
 
-    Parameters
-    ----------
-    name : str
-        of the quantity.
-    dataset : Dataset
-        statistics of one map; without `{name}_components` all are 0.
-
-    Returns
-    -------
-    array
-        half-widths down and up, shifts down and up, a known bias among the latter; infinite where unbounded.
+    These are half-widths down and up, shifts down and up, a known bias among the latter; infinite where
+    unbounded.
     """
     values = dataset[name].values.astype(float)
     found = np.zeros((values.size, len(SOURCES), 4))
@@ -407,7 +417,7 @@ def common_loads(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset
     return np.geomspace(low, high, most)
 
 
-def _check_alike(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:
+def check_alike(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:
     """Reject maps that do not answer the same question, in one sentence."""
     for key, symbol in (("contact_modulus", "E*"), ("hardness", "H")):
         known = [float(one.get(key, np.nan)) for one in datasets]

@@ -64,17 +64,7 @@ class Effects(NamedTuple):
 
 
 def random_effects(values: np.ndarray, parts: Sequence[str]) -> Effects:
-    """Return mean and scatter of the numbers of maps, each of a part.
-
-    Parameters
-    ----------
-    values : array (map, load)
-    parts : sequence of str
-        the part of each map.
-
-    Returns
-    -------
-    Effects
+    """Return mean and scatter of the numbers of maps (map, load), each of a part.
 
     Examples
     --------
@@ -133,18 +123,9 @@ def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
 
 
 def welch(first: Effects, second: Effects) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the difference of two means, its standard uncertainty, and its degrees of freedom.
+    """Return the difference of two means, second less first, its standard uncertainty, degrees of freedom.
 
     The two may scatter differently (Welch 1947, Biometrika 34, 28).
-
-    Parameters
-    ----------
-    first, second : Effects
-
-    Returns
-    -------
-    difference, error, freedom : array (load,)
-        second less first.
 
     Examples
     --------
@@ -175,18 +156,10 @@ def p_value(difference: np.ndarray, error: np.ndarray, freedom: np.ndarray) -> n
 
 
 def correlation_at_least(residuals: np.ndarray, freedom: float) -> np.ndarray:
-    """Return the lower 95 % limits of the correlations of loads, not below 0, by Fisher's z.
+    """Return the lower 95 % limits (load, load) of the correlations of loads, not below 0, by Fisher's z.
 
-    Parameters
-    ----------
-    residuals : array (map, load)
-        deviations of the numbers of maps (or parts) from their means.
-    freedom : float
-        their degrees of freedom.
-
-    Returns
-    -------
-    array (load, load)
+    `residuals` (map, load) are the deviations of maps, or parts, from their means, of so many degrees of
+    `freedom`.
 
     Examples
     --------
@@ -210,13 +183,8 @@ def over_loads(p_values: np.ndarray, correlation: np.ndarray) -> np.ndarray:
     """Return p-values (load,) adjusted for all loads of a pair of groups, whose tests go together.
 
     Step-down: the smallest counts for as many independent tests as all loads make, the next for as many as
-    the others make, and so on: (Σ √λ)² / Σ λ of the eigenvalues λ of their correlation [1]_.
-
-    Parameters
-    ----------
-    p_values : array (load,)
-        those that are NaN do not count.
-    correlation : array (load, load)
+    the others make, and so on: (Σ √λ)² / Σ λ of the eigenvalues λ of their correlation (load, load) [1]_.
+    Those that are NaN do not count.
 
     References
     ----------
@@ -247,11 +215,6 @@ def holm(p_values: Sequence[np.ndarray]) -> list[np.ndarray]:
     Holm's procedure [1]_ where each family is a single number. Of a family with more of them, adjusted for
     one another, any may be true while another is not: it stays among those that count up to its largest.
 
-    Parameters
-    ----------
-    p_values : sequence of array
-        of each family, adjusted within it.
-
     References
     ----------
     .. [1] Holm (1979), A simple sequentially rejective multiple test procedure, Scand. J. Statist. 6, 65.
@@ -273,21 +236,9 @@ def holm(p_values: Sequence[np.ndarray]) -> list[np.ndarray]:
 
 
 def maps_needed(spread: float, difference: float, *, paired: bool = False) -> int:
-    """Return how many maps of each of two groups show a difference with a probability of `POWER`.
+    """Return how many maps of each of two groups, 2 to 1000, show a difference with a probability of `POWER`.
 
-    Parameters
-    ----------
-    spread : float
-        standard deviation between maps; of the differences map by map where these are `paired`.
-    difference : float
-        that is to be found, on the same scale.
-    paired : bool
-        whether both groups are of the same maps.
-
-    Returns
-    -------
-    int
-        2 or more, at most 1000.
+    `spread` is the standard deviation between maps; of the differences map by map where these are `paired`.
 
     References
     ----------
