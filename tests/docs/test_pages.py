@@ -29,7 +29,10 @@ PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "config/README.md")),
     *sorted(p for p in (ROOT / "docs").rglob("*.md") if not {"generated", "api"} & set(p.parts)),
 ]
-LONG = ("docs/how-to/install.md", "docs/how-to/studies.md", "docs/tutorial/index.md")
+LONG = (
+    *(f"docs/how-to/{page}.md" for page in ("before-and-after", "install", "studies")),
+    "docs/tutorial/index.md",
+)
 # blocks that do not run here, page by page; the comment before each of them says why
 SKIPPED = {
     "README.md": 1,

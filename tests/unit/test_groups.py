@@ -223,6 +223,34 @@ def test_maps_that_do_not_answer_the_same_question(second, said):
     assert said in str(caught.value)
 
 
+def of_map(gap, rms_height):
+    return one_map([gap, 0.8 * gap], load=(1e6, 2e6)).assign(rms_height=rms_height)
+
+
+def test_copies_are_no_further_maps_of_a_group():
+    maps = [of_map(1.0, 0.3), of_map(1.1, 0.31), of_map(1.0, 0.3).isel(load=[1, 0])]
+    with pytest.raises(
+        rc.SettingsError, match="group g: a and c have the same results, as copies of one map"
+    ):
+        rc.group_statistics(maps, names=["a", "b", "c"], group="g")
+    # the numbers of another map may meet them at a load
+    maps[2] = of_map(1.0, 0.29)
+    assert rc.group_statistics(maps, names=["a", "b", "c"]).sizes["map"] == 3
+    # two placements of a face on a smooth one are no copies
+    assert rc.group_statistics([maps[0]] * 2, placements=True).sizes["map"] == 2
+
+
+def test_groups_that_share_a_map_are_not_compared():
+    first = rc.group_statistics([of_map(1.0, 0.3), of_map(1.1, 0.31)], names=["a", "b"])
+    second = rc.group_statistics([of_map(2.0, 0.6), of_map(1.1, 0.31)], names=["c", "d"])
+    with pytest.raises(rc.SettingsError, match="b of the first and d of the second have the same results"):
+        rc.compare_groups(first, second)
+    found, left_out = compare_all({"one": first, "other": second})
+    assert found == {}
+    assert left_out[0].startswith("compare_groups: b of one and d of other have the same results")
+    assert rc.compare_groups(first, first, paired=True)["outcome"].size  # the same maps under two cases
+
+
 def test_different_instruments_in_a_stated_band_are_a_group():
     known = {"band_shortest": 1e-6, "band_reason": "window.shortest_wavelength"}
     maps = [one_map(1e-6, **known, measured_by=kind) for kind in ("optical profiler", "stylus profiler")]
@@ -340,11 +368,11 @@ def test_groups_of_the_same_places_are_compared_place_by_place():
         "new": group_of(gaps, names=["a", "b", "c"]),
         "worn": group_of((gaps * factors)[::-1], names=["c2", "b2", "a2"]),
     }
-    repeats = {"a2": "a", "b2": "b", "c": "c2"}  # in either direction
+    pairs = [("a", "a2"), ("b", "b2"), ("c2", "c")]  # in either direction
     known = stats.ttest_1samp(np.log(factors), 0.0).pvalue
-    found, _ = compare_all(groups, repeats=repeats)
+    found, _ = compare_all(groups, same_places=pairs)
     assert found["new", "worn"]["p_value"].item() == pytest.approx(known)
-    apart, _ = compare_all(groups, repeats={"a2": "a", "b2": "b"})
+    apart, _ = compare_all(groups, same_places=pairs[:2])
     assert apart["new", "worn"]["p_value"].item() > 10 * known
 
 
@@ -403,7 +431,9 @@ def repeats():
 
 def test_a_repeat_differs_by_nothing_that_both_share(repeats):
     first, again, rougher = repeats
-    found = compare_maps({("first", "again"): (first, again), ("first", "rougher"): (first, rougher)})
+    pairs = {("first", "again"): (first, again), ("first", "rougher"): (first, rougher)}
+    found, left_out = compare_maps(pairs)
+    assert left_out == []
     same, other = (one.sel(quantity="relative_contact_area") for one in found.values())
     alone = np.log(first["relative_contact_area_upper"] / first["relative_contact_area_lower"]).values
     assert (np.log(same["ratio_upper"] / same["ratio_lower"]).values < alone / 4).all()
@@ -412,6 +442,28 @@ def test_a_repeat_differs_by_nothing_that_both_share(repeats):
     # the area goes with the inverse of the gradient where it is small
     assert other["ratio_lower"].values[0] < 1 / 1.2 < other["ratio_upper"].values[0]
     assert other["outcome"].values[-1] == "differ"
+
+
+def test_maps_of_a_place_are_compared_at_the_same_mean_pressures():
+    def solved(loads, factor):
+        """Gaps go with the load to the -1/2, which the logarithms interpolate without error."""
+        gap, wide = factor * np.asarray(loads, float) ** -0.5, {"solver": 0.02 * factor}
+        return one_map(gap, load=loads, gap_parts=wide)
+
+    one, other = solved([1e6, 4e6, 8e6], 1.0), solved([1.5e6, 3e6, 6e6], 1.2)
+    pairs = {("new", "worn"): (one, other), ("new", "far"): (one, solved([1e7, 2e7], 1.0))}
+    found, left_out = compare_maps(pairs)
+    (table,) = found.values()
+    assert 1.5e6 <= table["mean_pressure"].values.min() < table["mean_pressure"].values.max() <= 6e6
+    assert table["ratio"].values.ravel() == pytest.approx(1.2, rel=1e-9)
+    assert left_out[0].startswith("new and far: no load in common, far begins at 10")
+
+
+def test_maps_of_a_place_with_other_waves_are_not_compared():
+    fine, coarse = (one_map(1e-6, band_shortest=shortest) for shortest in (1e-6, 4e-6))
+    found, left_out = compare_maps({("new", "worn"): (fine, coarse)})
+    assert found == {}
+    assert "the shortest of new is 1.00 µm, that of worn 4.00 µm" in left_out[0]
 
 
 def test_choices_go_together_by_their_names(repeats):

@@ -1,12 +1,14 @@
 """The table of surfaces: what it says is read, what is wrong is listed at once."""
 
 import inspect
+import re
 
 import pytest
 
 from roughcontact.command_line.program import _FILE_OPTIONS
 from roughcontact.configuration.study import _mistakes_in
 from roughcontact.configuration.surfaces import (
+    BEFORE,
     COLUMNS,
     GROUP,
     INSTRUMENT,
@@ -19,6 +21,7 @@ from roughcontact.configuration.surfaces import (
     measured,
     members,
     read_surfaces,
+    same_places,
 )
 from roughcontact.errors import SettingsError
 from roughcontact.io.inspection import inspect_file
@@ -157,7 +160,7 @@ def test_a_missing_table_is_named(tmp_path):
 @pytest.mark.parametrize("verb", [read_height_map, inspect_file])
 def test_columns_and_options_are_the_arguments_of_reading(verb):
     arguments = [name for name in inspect.signature(verb).parameters if name not in ("path", "instrument")]
-    assert set(COLUMNS) - {*REQUIRED, GROUP, PART, PAIR, PAIR_FIRST_ROW, REPEAT, *INSTRUMENT} == set(
+    assert set(COLUMNS) - {*REQUIRED, GROUP, PART, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT, *INSTRUMENT} == set(
         arguments
     )
     assert [name.replace("-", "_") for name in _FILE_OPTIONS] == arguments
@@ -295,8 +298,9 @@ def test_an_unknown_column_hides_no_mistake_in_the_rows(table):
 
 def test_repeats_know_each_other(table):
     surfaces = read_surfaces(table("surface\tpath\trepeat_of\tnoise", "a\ta.npy\tb\t", "b\tb.npy\t\t2 nm"))
-    assert surfaces["a"].given["repeat"] == {"path": "b.npy", "instrument": {"noise": pytest.approx(2e-9)}}
-    assert surfaces["b"].given["repeat"] == {"path": "a.npy"}
+    of_b = {"name": "b", "path": "b.npy", "instrument": {"noise": pytest.approx(2e-9)}}
+    assert surfaces["a"].given["repeat"] == of_b
+    assert surfaces["b"].given["repeat"] == {"name": "a", "path": "a.npy"}
 
 
 def test_repeats_in_a_group_are_of_one_part(table):
@@ -308,10 +312,48 @@ def test_repeats_in_a_group_are_of_one_part(table):
     assert [each.part for each in surfaces.values()] == ["left", "", ""]
 
 
-@pytest.mark.parametrize("other", ["a", "nobody"])
-def test_a_repeat_of_nothing_is_refused(table, other):
-    with pytest.raises(SettingsError, match=f"line 2, repeat_of = '{other}': is no other single surface"):
-        read_surfaces(table("surface\tpath\trepeat_of", f"a\ta.npy\t{other}", "b\tb.npy\t"))
+def test_every_repeat_of_a_place_is_of_one_part(table):
+    rows = ["a\ta.npy\t\tground", "b\tb.npy\ta\tground", "c\tc.npy\tb\tground", "d\td.npy\t\tground"]
+    surfaces = read_surfaces(table("surface\tpath\trepeat_of\tgroup", *rows))
+    assert [row.part for row in surfaces.values()] == ["a", "a", "a", ""]
+
+
+@pytest.mark.parametrize("column", ["repeat_of", "before"])
+@pytest.mark.parametrize("other", ["a", "nobody", "pair"])
+def test_a_place_that_is_no_other_surface_is_refused(table, column, other):
+    rows = f"a\ta.npy\t{other}\t", "b\tb.npy\t\t", "pair\tp.npy\t\tq.npy"
+    with pytest.raises(SettingsError, match=f"line 2, {column} = '{other}': is no other single surface"):
+        read_surfaces(table(f"surface\tpath\t{column}\tcounter_face", *rows))
+
+
+def test_a_place_before_pairs_surfaces_and_gives_no_noise(table):
+    rows = "new\ta.npy\t\t", "worn\tb.npy\tnew\t", "again\tc.npy\t\tworn"
+    surfaces = read_surfaces(table("surface\tpath\tbefore\trepeat_of", *rows))
+    assert same_places(surfaces) == [("new", "worn"), ("worn", "again")]
+    assert "repeat" not in surfaces["new"].given
+    assert surfaces["worn"].given["repeat"]["name"] == "again"
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        (("a\ta\tb\t\t", "b\tb\ta\t\t"), r"repeat_of, before: (a -> b -> a|b -> a -> b) is a circle"),
+        (("a\ta\t\tb\t", "b\tb\t\ta\t"), r"repeat_of, before: (a -> b -> a|b -> a -> b) is a circle"),
+        (("a\ta\t\tb\t", "b\tb\ta\t\t"), r"repeat_of, before: (a -> b -> a|b -> a -> b) is a circle"),
+        (("a\ta\t\t\t", "b\tb\ta\ta\t"), "line 3, before = a: b and a are repeats as well (repeat_of)"),
+        # by way of another repeat
+        (
+            ("a\ta\t\t\t", "b\tb\ta\t\t", "c\tc\tb\ta\t"),
+            "line 4, before = a: c and a are repeats as well (repeat_of)",
+        ),
+        (("a\ta\t\t\tg", "b\tb\t\ta\tg"), "line 3, before = a: b and a are both in group g; give before"),
+        (("a\ta\t\t\t", "b\ta\t\ta\t"), "line 3, before = a: b and a are the same file, a; name the file"),
+        (("a\ta\t\t\tg", "b\ta\t\t\tg"), "line 2, group = g: a and b are the same file, a; leave one out"),
+    ],
+)
+def test_places_that_contradict_one_another_are_refused_with_their_names(table, rows, said):
+    found = mistakes(table("surface\tpath\trepeat_of\tbefore\tgroup", *rows))
+    assert re.search(said if "->" in said else re.escape(said), found)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,6 @@ from roughcontact.uncertainty.combination import uncertainty_table
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.uncertainty.instrument import instrument_uncertainty
 from roughcontact.uncertainty.magnification import magnification_curve, without_shortest_waves
-from roughcontact.uncertainty.repeats import noise_of_repeats
 from roughcontact.uncertainty.scaling import half_widths
 from roughcontact.uncertainty.unresolved import (
     expected_growth,
@@ -372,13 +371,6 @@ def test_a_map_that_was_not_levelled_is_named(surface):
     problem = {"level": {}, "window": {}, "contact": {"contact_modulus": 1e9, "mean_pressure": [1e6]}}
     with pytest.raises(HeightMapError, match="as `level` returns it"):
         error_budget(surface, window, problem)
-
-
-def test_repeats_of_another_size_or_place_are_refused(surface):
-    with pytest.raises(HeightMapError, match="differ in size or pitch"):
-        noise_of_repeats(surface, surface[:100])
-    with pytest.raises(HeightMapError, match="do not show the same place"):
-        noise_of_repeats(surface, surface.roll(x=40, roll_coords=False))
 
 
 def test_an_instrument_that_hides_more_than_two_octaves_leaves_the_area_without_a_lower_end():

@@ -102,7 +102,7 @@ rule report:
             if PLAN.members
             else {}
         ),
-        **(outputs_of_groups() if PLAN.groups or PLAN.repeats else {}),
+        **(outputs_of_groups() if PLAN.groups or PLAN.same_places else {}),
         **({"pages": directory("results/pages")} if len(PLAN.runs) > ONE_PAGE else {}),
         statistics=for_report(
             "results/statistics.nc",
@@ -143,7 +143,7 @@ rule report:
     params:
         runs=[list(run) for run in PLAN.runs],
         groups={name: [*group] for name, group in PLAN.groups.items()},
-        repeats=PLAN.repeats,
+        same_places=[list(pair) for pair in PLAN.same_places],
         # of a function, in whose result braces stay
         title=lambda wildcards: PLAN.common["report"]["title"],
         settings=PLAN.all_settings(),

@@ -1,6 +1,7 @@
 """The steps of `prepare`: each makes one file of a surface from those before it."""
 
 import json
+import math
 
 from _job import FILES, save, say, snakemake
 
@@ -18,12 +19,19 @@ from roughcontact.window.periodic_window import periodic_window
 def height(settings: dict) -> None:
     """Read the measured file: metres, NaN where not measured, metadata and checksum of the file."""
     file = snakemake.params.file
-    given = {key: value for key, value in settings["surface"].items() if key not in ("name", "repeat")}
-    repeat = settings["surface"].get("repeat")
+    given = dict(settings["surface"])
+    name, repeat = given.pop("name"), dict(given.pop("repeat", {}))
     try:
         found = read_height_map(file["path"], **given)
         if repeat and "instrument_noise" not in found.attrs:
-            found.attrs["instrument_noise"] = noise_of_repeats(found, read_height_map(**repeat))
+            other = repeat.pop("name")
+            noise, remark = noise_of_repeats(found, read_height_map(**repeat))
+            # what the noise leaves out is a fact, what is no noise a warning
+            known = {} if math.isnan(noise) else {"instrument_noise": noise}
+            for key in ("ingest_warnings", *(["ingest_facts"] if known else [])) if remark else ():
+                sentences = [*json.loads(found.attrs[key]), f"the repeats {name} and {other} differ {remark}"]
+                known[key] = json.dumps(sentences, ensure_ascii=False)
+            found.attrs |= known
     except RoughContactError as error:
         raise type(error)(f"{error} ({file['origin']})") from error
     for warning in json.loads(found.attrs["ingest_warnings"]):

@@ -18,7 +18,7 @@ left_out = write_results(
     changed=params.changed,
     settings_of_statistics=params.settings_of_statistics,
     groups=params.groups,
-    repeats=params.repeats,
+    same_places=params.same_places,
 )
 for text in left_out:
     say(f"warning: {text}")

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from roughcontact.configuration.stages import SECTIONS, owner, settings_of
-from roughcontact.configuration.surfaces import Member, Surface, measured, members, repeats_in
+from roughcontact.configuration.surfaces import Member, Surface, measured, members, same_places
 
 Kind = Literal["single", "face", "member"]
 Part = Literal["prepare", "contact", "crosscheck"]
@@ -156,9 +156,9 @@ class Plan:
         return found
 
     @cached_property
-    def repeats(self) -> dict[str, str]:
-        """Name of a surface -> of the one that is the same place measured before."""
-        return repeats_in(self.table)
+    def same_places(self) -> list[tuple[str, str]]:
+        """The names of every two surfaces that are the same place, the earlier one first."""
+        return same_places(self.table)
 
     @cached_property
     def runs(self) -> list[Run]:
@@ -332,7 +332,7 @@ class Plan:
         if part == "prepare" and surface in self.members:
             return BASE_MEMORY + 400 * millions
         reading = 0.0 if surface in self.members else reading_memory(self.row(surface).path)
-        prepare = max(reading, 90 * millions)
+        prepare = max(reading, (130 if "repeat" in self.row(surface).given else 90) * millions)
         if part == "prepare":
             return BASE_MEMORY + prepare
         if part == "crosscheck":

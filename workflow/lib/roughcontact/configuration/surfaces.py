@@ -14,6 +14,7 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any
 
@@ -32,9 +33,10 @@ PAIR_FIRST_ROW = "counter_face_first_row"
 INSTRUMENT = tuple(
     key for key in Instrument.model_fields if key not in ("finer_spectrum", "correct")
 )  # prevail over the settings
-REPEAT = "repeat_of"  # name of a surface that is the same place measured before: the noise of both follows
+REPEAT = "repeat_of"  # the same place measured with nothing done in between: the noise of both follows
+BEFORE = "before"  # the same place before something was done to it: their difference is the result
 GROUP, PART = "group", "part"
-COLUMNS = (*REQUIRED, GROUP, PART, PAIR, PAIR_FIRST_ROW, REPEAT, *TEXTS, *NUMBERS, *INSTRUMENT)
+COLUMNS = (*REQUIRED, GROUP, PART, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT, *TEXTS, *NUMBERS, *INSTRUMENT)
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,9 @@ class Surface:
     group, part : str
         the finish and the part that the map is of; empty where it is of none, or of a part of its own.
     repeat_of : str
-        name of the surface that is the same place measured before; empty where there is none.
+        name of the surface that is the same place, measured with nothing done in between; or empty.
+    before : str
+        name of the surface that is the same place before something was done to it; or empty.
     """
 
     name: str
@@ -70,6 +74,7 @@ class Surface:
     group: str = ""
     part: str = ""
     repeat_of: str = ""
+    before: str = ""
 
 
 @dataclass(frozen=True)
@@ -179,20 +184,19 @@ def read_surfaces(
             row.get(GROUP, ""),
             row.get(PART, ""),
             row.get(REPEAT, ""),
+            row.get(BEFORE, ""),
         )
         before[name.lower()] = surfaces[name]
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
-    repeats = repeats_in(surfaces)
-    mistakes += _link_repeats(surfaces, repeats)
+    mistakes += _mistakes_in_places(surfaces)
     mistakes += _mistakes_in_groups(surfaces)
-    _join_repeats(surfaces, repeats)
     if members_each:
         mistakes += _names_of_parts(surfaces, members(surfaces, members_each))
     if mistakes:
         raise SettingsError(
             "\n".join([f"mistakes in the table of surfaces {table}:", *(f"  {m}" for m in mistakes)])
         )
-    return surfaces
+    return _with_repeats(surfaces)
 
 
 def measured(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
@@ -243,8 +247,8 @@ def _names_of_parts(surfaces: Mapping[str, Surface], found: Mapping[str, Member]
     named = [("surface", name, row) for name, row in surfaces.items()]
     named += [(GROUP, name, row) for name, row in first_rows(surfaces).items()]
     return [
-        f"{row.origin.rpartition(', ')[2]}, {column} = {name}: the pair {parts[name.lower()]} needs this "
-        "name for one of its parts; rename one"
+        f"{_line(row)}, {column} = {name}: the pair {parts[name.lower()]} needs this name for one of its "
+        "parts; rename one"
         for column, name, row in named
         if name.lower() in parts
     ]
@@ -329,17 +333,24 @@ def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> list[str]:
     groups: dict[str, list[Surface]] = {}
     mistakes = []
     for row in surfaces.values():
-        place = row.origin.rpartition(", ")[2]
+        place = _line(row)
         if row.group:
             groups.setdefault(row.group, []).append(row)
         elif row.part:
             mistakes.append(f"{place}, {PART} = {row.part}: is in no group; name its {GROUP} as well")
     for name, rows in groups.items():
-        place = f"{rows[0].origin.rpartition(', ')[2]}, {GROUP} = {name}"
+        place = f"{_line(rows[0])}, {GROUP} = {name}"
         if wrong := name_mistake(name):
             mistakes.append(f"{place}: {wrong}")
         if name in surfaces:
             mistakes.append(f"{place}: a surface has this name as well; rename one")
+        read: dict[str, Surface] = {}
+        for row in rows:
+            first = read.setdefault(f"{row.path} {row.counter_face} {row.given}", row)
+            if first is not row:
+                mistakes.append(
+                    f"{place}: {first.name} and {row.name} are the same file, {row.path}; leave one out"
+                )
         if len(rows) == 1 and rows[0].counter_face is None:
             mistakes.append(
                 f"{place}: has {rows[0].name} alone; name further maps of the finish, or leave the cell empty"
@@ -347,36 +358,68 @@ def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> list[str]:
     return mistakes
 
 
-def repeats_in(surfaces: Mapping[str, Surface]) -> dict[str, str]:
-    """Return the name of each surface that is a repeat -> of that of the same place measured before."""
-    return {name: row.repeat_of for name, row in surfaces.items() if row.repeat_of}
+def same_places(surfaces: Mapping[str, Surface]) -> list[tuple[str, str]]:
+    """Return the names of every two surfaces that are the same place, the earlier one first."""
+    return [(other, name) for name, row in surfaces.items() for other in (row.repeat_of, row.before) if other]
 
 
-def _join_repeats(surfaces: dict[str, Surface], repeats: Mapping[str, str]) -> None:
-    """Let repeats of a place, which are no independent maps, be of one part, where none is stated."""
-    for name, other in repeats.items():
-        pair = [surfaces[each] for each in (name, other) if each in surfaces]
-        if len({each.group for each in pair}) == 1 and pair[0].group and not any(each.part for each in pair):
-            surfaces |= {each.name: replace(each, part=other) for each in pair}
-
-
-def _link_repeats(surfaces: dict[str, Surface], repeats: Mapping[str, str]) -> list[str]:
-    """Let each of two repeats know the file of the other, and return what is wrong with them."""
-    mistakes = []
-    for name, other in repeats.items():
-        pair = [surfaces.get(each) for each in (name, other)]
-        if name == other or None in pair or any(each and each.counter_face for each in pair):
-            place = surfaces[name].origin.rpartition(", ")[2]
-            hint = nearest(other, [each for each in surfaces if each != name])
-            mistakes.append(f"{place}, {REPEAT} = {other!r}: is no other single surface of the table; {hint}")
-            continue
-        own = [dict(each.given) for each in pair if each]
-        for each, of_other, given in zip((name, other), (other, name), reversed(own), strict=True):
-            if "repeat" not in surfaces[each].given:
-                repeat = {"path": str(surfaces[of_other].path), **given}
-                repeat.pop("repeat", None)
-                surfaces[each].given["repeat"] = repeat
+def _mistakes_in_places(surfaces: Mapping[str, Surface]) -> list[str]:
+    """Return what is wrong with the names of the surfaces that are the same place."""
+    single = {name for name, row in surfaces.items() if row.counter_face is None}
+    mistakes = [
+        f"{_line(row)}, {column} = {other!r}: is no other single surface of the table; "
+        + nearest(other, [known for known in surfaces if known != name])
+        for name, row in surfaces.items()
+        for column, other in ((REPEAT, row.repeat_of), (BEFORE, row.before))
+        if other and (name == other or not {name, other} <= single)
+    ]
+    if mistakes:
+        return mistakes
+    try:
+        TopologicalSorter(
+            {name: {row.repeat_of, row.before} - {""} for name, row in surfaces.items()}
+        ).prepare()
+    except CycleError as error:
+        circle = " -> ".join(error.args[1])
+        return [f"columns {REPEAT}, {BEFORE}: {circle} is a circle; name in each row what is earlier"]
+    for name, row in surfaces.items():
+        both = f"{_line(row)}, {BEFORE} = {row.before}: {name} and {row.before} are"
+        if row.before and _first_repeated(surfaces, name) == _first_repeated(surfaces, row.before):
+            mistakes.append(f"{both} repeats as well ({REPEAT}), with nothing done in between; choose one")
+        elif row.before and (row.path, row.given) == (surfaces[row.before].path, surfaces[row.before].given):
+            mistakes.append(f"{both} the same file, {row.path}; name the file of each")
+        elif row.before and row.group and row.group == surfaces[row.before].group:
+            mistakes.append(f"{both} both in group {row.group}; give before and after a group of their own")
     return mistakes
+
+
+def _first_repeated(surfaces: Mapping[str, Surface], name: str) -> str:
+    """Return the first of the measurements that a surface repeats, which may be its own."""
+    while surfaces[name].repeat_of:
+        name = surfaces[name].repeat_of
+    return name
+
+
+def _line(row: Surface) -> str:
+    """Return where a row stands in the table."""
+    return row.origin.rpartition(", ")[2]
+
+
+def _with_repeats(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
+    """Return the rows; each of two repeats knows name and file of the other, and both are of one part.
+
+    Repeats of a place are no independent maps of a group. A part that the table states stays.
+    """
+    linked = dict(surfaces)
+    pairs = [(name, row.repeat_of) for name, row in surfaces.items() if row.repeat_of]
+    for name, other in [*pairs, *(pair[::-1] for pair in pairs)]:
+        row, again = surfaces[name], surfaces[other]
+        repeat = {"name": other, "path": str(again.path), **again.given}
+        part = row.part
+        if row.group == again.group and row.group and not (row.part or again.part):
+            part = _first_repeated(surfaces, name)
+        linked[name] = replace(linked[name], given={"repeat": repeat, **linked[name].given}, part=part)
+    return linked
 
 
 def _instrument(row: Mapping[str, str], line: int) -> tuple[dict[str, float], list[str]]:

@@ -40,7 +40,7 @@ def write_results(
     settings: dict[str, Any],
     settings_of_statistics: dict[str, Any],
     groups: Mapping[str, tuple[Mapping[str, str], bool]],
-    repeats: Mapping[str, str] | None = None,
+    same_places: Sequence[Sequence[str]] = (),
     changed: Mapping[str, Sequence[str]] | None = None,
     failures: Sequence[Failure] = (),
     seen_from: str | Path | None = None,
@@ -48,8 +48,8 @@ def write_results(
     """Write the datasets, tables and page of all surfaces of a run, and return why groups were left out.
 
     These are `statistics.nc`, `summary.csv`, `uncertainty.csv` and `report.html`; with groups also
-    `groups.nc`, `groups.csv` and `comparisons.csv`, with repeats of a place as well, with pairs of faces
-    `pairs.csv`.
+    `groups.nc`, `groups.csv` and `comparisons.csv`, with surfaces of the same place as well, with pairs of
+    faces `pairs.csv`.
 
     Parameters
     ----------
@@ -64,8 +64,8 @@ def write_results(
     groups : mapping
         name -> (name of a solved surface -> its part, whether these are placements of a pair of faces), as of
         `Plan.groups`; empty where there are none.
-    repeats : mapping, optional
-        name of a surface -> of the one that is the same place measured before.
+    same_places : sequence of (str, str)
+        names of every two surfaces that are the same place, the earlier one first.
     changed : mapping, optional
         case ("" where there are none) -> its settings that differ from their defaults, in words.
     failures : sequence of dict
@@ -93,14 +93,15 @@ def write_results(
     }
     if members:
         write_table(pairs_table(summary, members), folder / "pairs.csv")
-    repeats = repeats or {}
-    wanted = {*repeats, *repeats.values()}.union(*(parts for parts, _ in groups.values()))
+    wanted = {name for pair in same_places for name in pair}.union(*(parts for parts, _ in groups.values()))
     solved = _by_map(statistics, wanted)
     answers, left_out = group_answers(solved, groups)
-    compared, not_compared = comparisons(answers, repeats)
+    compared, not_compared = comparisons(answers, same_places)
     left_out += not_compared
-    compared |= compare_maps(_shared_maps(solved, groups, repeats))
-    if groups or repeats:
+    of_maps, not_shared = compare_maps(_shared_maps(solved, groups, same_places))
+    compared |= of_maps
+    left_out += not_shared
+    if groups or same_places:
         attrs["left_out"] = json.dumps(left_out, ensure_ascii=False)
         attrs = {key: text for key, text in attrs.items() if key != "comment"} | {"title": "Groups of maps"}
         write_dataset(joined_groups(answers).assign_attrs(attrs), folder / "groups.nc")
@@ -153,11 +154,11 @@ def group_answers(
 
 
 def comparisons(
-    answers: Sequence[NamedGroup], repeats: Mapping[str, str] | None = None
+    answers: Sequence[NamedGroup], same_places: Sequence[Sequence[str]] = ()
 ) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
     """Return the comparisons of every two groups under a case, and of the cases (`case_pairs`) of a group.
 
-    Groups of the same places (`repeats`, as of `write_results`) are compared place by place. With them comes
+    Groups of the same places (as of `write_results`) are compared place by place. With them comes
     a sentence for each that cannot be made. The placements of a pair are compared under two cases alone: of
     other faces they say nothing.
     """
@@ -165,7 +166,7 @@ def comparisons(
     left_out: list[str] = []
     for case in dict.fromkeys(one.case for one in answers):
         own = {one.label: one.answer for one in answers if one.case == case and not one.placements}
-        compared, reasons = compare_all(own, repeats=repeats)
+        compared, reasons = compare_all(own, same_places=same_places)
         found, left_out = found | compared, left_out + reasons
     for name in dict.fromkeys(one.name for one in answers):
         own = {one.label: one.answer for one in answers if one.name == name}
@@ -178,10 +179,10 @@ def comparisons(
 def _shared_maps(
     solved: Mapping[tuple[str, str], xr.Dataset],
     groups: Mapping[str, tuple[Mapping[str, str], bool]],
-    repeats: Mapping[str, str],
+    same_places: Sequence[Sequence[str]],
 ) -> dict[tuple[str, str], tuple[xr.Dataset, xr.Dataset]]:
-    """Return the statistics of each place and of its repeat, of the first placement and of each other."""
-    pairs = [(place, again) for again, place in repeats.items()]
+    """Return the statistics of every two maps of a place, of the first placement and of each other."""
+    pairs = [(earlier, later) for earlier, later in same_places]
     for first, *others in (list(parts) for parts, placements in groups.values() if placements):
         pairs += [(first, other) for other in others]
     shared = {}

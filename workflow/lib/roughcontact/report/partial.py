@@ -57,7 +57,7 @@ def write_partial_results(
         changed=changed,
         settings_of_statistics=plan.all_settings(lambda settings: settings_of(settings, "statistics")),
         groups=plan.groups,
-        repeats=plan.repeats,
+        same_places=plan.same_places,
         failures=failures,
         seen_from=folder,
     )

@@ -27,8 +27,10 @@ from roughcontact.uncertainty.groups import (
     SAME_LOAD,
     SHARED,
     at_loads,
+    check_alike,
     common_loads,
     from_scale,
+    needed_for_groups,
     scaled_components,
     to_scale,
 )
@@ -63,7 +65,7 @@ def compare_groups(
     relevant : float
         relative difference that matters: smaller ones need not be found.
     paired : bool
-        whether both are of the same maps, by name, under two cases (or of the same places, measured twice):
+        whether both are of the same maps, by name, under two cases (or of the same places, before and after):
         they are then compared map by map, at the loads that `shared_loads` finds, if any.
 
     Returns
@@ -78,7 +80,7 @@ def compare_groups(
     Raises
     ------
     SettingsError
-        for groups of a single part, groups without a common load, and paired ones of different maps.
+        for groups of a single part, of the same map, without a common load, and for paired ones of others.
 
     References
     ----------
@@ -105,38 +107,26 @@ def compare_all(
     *,
     relevant: float = RELEVANT,
     cases: Sequence[tuple[str, str]] = (),
-    repeats: Mapping[str, str] | None = None,
+    same_places: Sequence[Sequence[str]] = (),
 ) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
-    """Return the comparisons of every two groups, p-values adjusted for all loads and pairs together.
+    """Return the comparisons of every two groups by their names, and a sentence for each that is left out.
 
-    Parameters
-    ----------
-    groups : mapping
-        name -> result of `group_statistics`, those that are compared with one another.
-    relevant : float
-        as of `compare_groups`.
-    cases : sequence of (str, str)
-        pairs of names of the same maps under two cases; instead of every two groups.
-    repeats : mapping, optional
-        name of a map -> of the map of the same place measured before: two groups of the same places are
-        compared map by map.
-
-    Returns
-    -------
-    compared : dict
-        (name of the first, of the second) -> as of `compare_groups`.
-    left_out : list of str
-        a sentence for each pair that cannot be compared.
+    The p-values are adjusted for all loads and pairs together. `cases` are pairs of names of the same maps
+    under two cases, compared instead of every two groups; `same_places` are names of every two maps of the
+    same place: two groups of the same places are compared map by map.
     """
     found, left_out = {}, []
-    again = {other: name for name, other in (repeats or {}).items()} | {**(repeats or {})}
+    both = {*map(tuple, same_places), *(tuple(pair)[::-1] for pair in same_places)}
     for pair in cases or combinations(groups, 2):
         one, two = (groups[name].assign_attrs(group=name) for name in pair)
-        before = [again.get(name, "") for name in two["map"].values]
-        paired = bool(cases) or sorted(before) == sorted(one["map"].values)
+        earlier = [
+            "".join(other for other in one["map"].values if (other, name) in both)
+            for name in two["map"].values
+        ]
+        paired = bool(cases) or sorted(earlier) == sorted(one["map"].values)
         try:
             found[pair] = _compared(
-                one, two if cases or not paired else two.assign_coords(map=before), paired=paired
+                one, two if cases or not paired else two.assign_coords(map=earlier), paired=paired
             )
         except SettingsError as error:
             left_out.append(str(error))
@@ -194,16 +184,8 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     parts of the window (`window`) and of the same choices (`processing`) are; those of the solver are
     independent, those of the material where the moduli differ; all others are the same.
 
-    Parameters
-    ----------
-    first, second : Dataset
-        statistics of the map, with their components, parts and choices.
-
-    Returns
-    -------
-    Dataset
-        dims (quantity, load): `ratio` of the second to the first, `ratio_lower`, `ratio_upper`; NaN where a
-        number is not positive, has no uncertainty, or nothing bounds the difference.
+    `ratio`, `ratio_lower` and `ratio_upper` (quantity, load) are those of the second to the first; NaN where
+    a number is not positive, has no uncertainty, or nothing bounds the difference.
 
     Examples
     --------
@@ -216,21 +198,12 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
 
 def compare_maps(
     pairs: Mapping[tuple[str, str], tuple[xr.Dataset, xr.Dataset]], *, relevant: float = RELEVANT
-) -> dict[tuple[str, str], xr.Dataset]:
-    """Return the comparisons of maps of the same place, or of placements of the same faces.
+) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
+    """Return the comparisons of maps of the same place, or of placements of the same faces, by their names.
 
-    Parameters
-    ----------
-    pairs : mapping
-        names of both maps -> their statistics, as of `case_differences`.
-    relevant : float
-        as of `compare_groups`.
-
-    Returns
-    -------
-    dict
-        names of both maps -> `case_differences`, with `p_value` (that the ratio is 1, of a normal error of
-        this interval, adjusted for all loads and pairs) and `outcome`, as of `compare_groups`.
+    Each is `case_differences` at the mean pressures that both have, or reach by interpolation, with `p_value`
+    (that the ratio is 1, of a normal error of this interval, adjusted for all loads and pairs) and `outcome`,
+    as of `compare_groups`. With them comes a sentence for each pair that cannot be compared.
 
     Examples
     --------
@@ -238,12 +211,34 @@ def compare_maps(
     ...     sides = {"mean_gap": 1.0, "mean_gap_lower": 0.98, "mean_gap_upper": 1.02}
     ...     numbers = {name: ("load", [value * by]) for name, by in sides.items()}
     ...     return xr.Dataset({"mean_pressure": ("load", [1e6]), **numbers})
-    >>> found = compare_maps({("a", "b"): (gap(1.0), gap(1.5))})
+    >>> found, _ = compare_maps({("a", "b"): (gap(1.0), gap(1.5))})
     >>> found["a", "b"]["outcome"].item()
     'differ'
     """
-    found = [_of_two(*pair) for pair in pairs.values()]
-    return dict(zip(pairs, _judged(found, relevant), strict=True))
+    found, left_out = {}, []
+    for pair, maps in pairs.items():
+        try:
+            check_alike(" and ".join(pair), pair, maps)
+            found[pair] = _of_two(*_at_common_loads(pair, maps))
+        except SettingsError as error:
+            left_out.append(str(error))
+    return dict(zip(found, _judged(list(found.values()), relevant), strict=True)), left_out
+
+
+def _at_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[xr.Dataset]:
+    """Return what comparisons need of two maps, loads rising, at the mean pressures that both reach."""
+    loads = common_loads(" and ".join(names), names, maps)
+    found = []
+    for data in maps:
+        own, quantities = data["mean_pressure"].values, quantities_in(data)
+        kept, columns = data[needed_for_groups(map(str, data.variables))], {}
+        for name in [name for name, variable in kept.variables.items() if "load" in variable.dims]:
+            known = kept[name].transpose("load", ...)
+            values = to_scale(name, known.values) if name in quantities else known.values
+            values = at_loads(own, loads, values)
+            columns[name] = known.dims, from_scale(name, values) if name in quantities else values
+        found.append(kept.drop_vars([*columns]).assign(columns).assign(mean_pressure=("load", loads)))
+    return found
 
 
 def _widths(name: str, data: xr.Dataset) -> np.ndarray:
@@ -307,6 +302,13 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
         raise SettingsError(
             f"compare_groups: {words[0]} and {words[1]} are not of the same maps; leave `paired` out"
         )
+    for name, content in () if paired else zip(first["map"].values, first["content"].values, strict=True):
+        if content and content in second["content"]:
+            copied = second["map"].values[second["content"].values == content][0]
+            raise SettingsError(
+                f"compare_groups: {name} of {words[0]} and {copied} of {words[1]} have the same results, as "
+                "copies of one map have; leave one out"
+            )
     if paired:
         second = second.sel(map=first["map"].values)
         same = shared_loads([first, second])

@@ -1,0 +1,110 @@
+"""The same place measured twice: before and after something was done to it, or as a repeat, in a run."""
+
+import csv
+import json
+import shutil
+
+import numpy as np
+import pytest
+from small_project import SETTINGS, Project
+
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.results.storage import read_dataset
+
+NOISE = 2e-9  # m
+HEADER = "surface\tpath\tunit\tdx\tdy\tbefore\trepeat_of"
+ROWS = {name: f"{name}\tmeasured/{name}.npy\tum\t1\t1\t" for name in ("new", "again", "worn")}
+PLACES = [HEADER, f"{ROWS['new']}\t", f"{ROWS['again']}\tnew", f"{ROWS['worn']}new\t"]
+AS_REPEAT = [HEADER, f"{ROWS['new']}\t", f"{ROWS['worn']}\tnew"]
+LOADS = SETTINGS | {"contact": {"contact_modulus": "10 MPa", "mean_pressure": ["20 kPa", "100 kPa"]}}
+
+
+@pytest.fixture(scope="module")
+def worn(tmp_path_factory, checkout):
+    """A finished project: a place, measured twice, and once more after its top 10 % were flattened."""
+    project = Project(tmp_path_factory.mktemp("project"), checkout)
+    waves = {"hurst": 0.8, "shortest": 4e-6, "longest": 48e-6, "rms_height": 300e-9}
+    surface = self_affine_surface((128, 128), 1e-6, **waves, seed=3)
+    generator = np.random.default_rng(1)
+    flattened = surface.clip(max=float(surface.quantile(0.9)))
+    for name, height in {"new": surface, "again": surface, "worn": flattened}.items():
+        noise = NOISE * generator.standard_normal(height.shape)
+        np.save(project.path(f"measured/{name}.npy"), 1e6 * (height.values + noise))
+    project.write(LOADS, PLACES)
+    run = project.run()
+    assert run.returncode == 0, run.stderr
+    return project
+
+
+def table(project, name):
+    with project.path(f"results/{name}").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def areas(project):
+    """Return the area of the worn surface at each load, with the ends of its interval."""
+    keys = [f"relative_contact_area{end}" for end in ("_lower", "", "_upper")]
+    rows = [row for row in table(project, "summary.csv") if row["surface"] == "worn"]
+    return [[float(row[key]) for key in keys] for row in rows]
+
+
+def stated(project, name):
+    return read_dataset(project.path(f"results/{name}/height.nc"))["height"].attrs
+
+
+@pytest.mark.slow
+def test_wear_is_a_difference_and_no_noise(worn):
+    compared = table(worn, "comparisons.csv")
+    outcomes = {
+        (row["first"], row["second"], float(row["mean_pressure_Pa"])): row["outcome"]
+        for row in compared
+        if row["quantity"] == "relative_contact_area"
+    }
+    assert outcomes["new", "worn", 2e4] == "differ"
+    assert outcomes["new", "again", 2e4].startswith("do not differ by more than ")
+    for name in ("new", "again"):
+        assert stated(worn, name)["instrument_noise"] == pytest.approx(NOISE, rel=0.1)
+    assert "instrument_noise" not in stated(worn, "worn")
+    worn.write(LOADS, [*PLACES[:3], f"{ROWS['worn']}again\t"])
+    assert worn.jobs() == {"report": 1}
+    worn.write(LOADS, [*PLACES[:2], f"{ROWS['again']}\t", PLACES[3]])
+    assert worn.jobs() == {"prepare": 2, "contact": 2, "report": 1}
+    with_before = areas(worn)
+    # as if nothing were known of another map of this place
+    worn.write(LOADS, [HEADER, f"{ROWS['worn']}\t"])
+    assert worn.jobs() == {"report": 1}
+    assert worn.run().returncode == 0
+    assert areas(worn) == with_before
+
+
+@pytest.mark.slow
+def test_wear_that_is_called_a_repeat_is_named_and_gives_no_noise(worn):
+    worn.write(LOADS, AS_REPEAT)
+    assert worn.jobs() == {"prepare": 2, "contact": 2, "report": 1}
+    run = worn.run()
+    assert run.returncode == 0, run.stderr
+    for name, other in (("new", "worn"), ("worn", "new")):
+        attrs = stated(worn, name)
+        assert "instrument_noise" not in attrs
+        (said,) = json.loads(attrs["ingest_warnings"])
+        assert said.startswith(f"the repeats {name} and {other} differ by ")
+        assert "not as by noise: " in said
+        assert f"warning: {said}" in run.stderr
+    (reason,) = {row["reasons"] for row in table(worn, "summary.csv") if row["surface"] == "worn"}
+    assert reason.startswith("Reading the file: The repeats worn and new differ by ")
+    assert "The repeats worn and new differ by " in worn.path("results/report.html").read_text()
+
+
+@pytest.mark.slow
+def test_copies_in_a_group_have_no_answer(worn):
+    header = HEADER.replace("before\trepeat_of", "group")
+    for name in "abcd":
+        shutil.copy(worn.path("measured/new.npy"), worn.path(f"measured/{name}.npy"))
+    rows = [f"{name}\tmeasured/{name}.npy\tum\t1\t1\tfinish" for name in "abcd"]
+    worn.write(LOADS | {"uncertainty": {"sources": ["solver"]}}, [header, *rows])
+    run = worn.run()
+    assert run.returncode == 0, run.stderr
+    said = "group finish: a and b have the same results, as copies of one map have"
+    assert said in run.stderr
+    assert said in worn.path("results/report.html").read_text()
+    assert table(worn, "groups.csv") == []
