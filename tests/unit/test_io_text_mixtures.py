@@ -222,6 +222,7 @@ def test_a_first_row_of_an_unknown_word_is_not_dropped(read, word):
         (["Width: 1,234 µm", "Height: 2 µm"], "line 1 says 'Width: 1,234 µm'.*separate thousands"),
         (["Width (mm): 5 µm", "Height: 2 µm"], r"line 1 says 'Width \(mm\): 5 µm'"),
         (["Width: 10", "Height: 8", "Unit: µm"], "line 1 says 'Width: 10', and there are 10 columns"),
+        (["Scan size: 20 µm", "Width: 5 µm", "Height: 2 µm"], "line 1 says .*, line 2 says"),
         (["Resolution: 0.35 µm"], "give dx, dy, unit"),
         (["Step: 0.5 µm"], "give dx, dy, unit"),
     ],
@@ -240,6 +241,7 @@ def test_statements_that_do_not_agree_are_asked_about(read, lines, words):
         (["Z unit: µm", "Height (nm)"], "line 1 says 'Z unit: µm', and a heading of the heights 'nm'"),
         (["nx: 10", "Columns: 11"], "line 1 says .*, line 2 says"),
         (["Width: 12 px", "Height: 8 px"], "the header says 12 columns, the file has 10"),
+        (["Image size: 10 x 9 pixels"], "the header says 9 rows, the file has 8"),
     ],
 )
 def test_other_statements_that_do_not_agree_are_refused(read, lines, words):
@@ -254,7 +256,8 @@ def test_other_statements_that_do_not_agree_are_refused(read, lines, words):
         ["dx=0.0005 mm, dy=0.00025 mm", "Width: 5 µm"],
         ["Width: 5 µm", "Height: 1.75 µm"],  # from the first line to the last one
         ["dx = 0,5 µm; dy = 0,25 µm"],
-        ["Width (µm): 5", "Height (µm): 2", "Resolution: 0.5 µm/pixel"][:2],
+        ["Width (µm): 5", "Height (µm): 2", "Image size: 10 x 8 pixels", "Scan size: 5 µm"],
+        ["Pixel size (µm): 0.5 x 0.25", "Resolution: 0.35 µm"],
         ["幅： 5 µm", "高さ： 2 µm"],
         ["X Amplitude: 5000nm", "Y Amplitude: 2000nm", "Lens resolution: 0.35 µm"],
     ],
@@ -315,6 +318,8 @@ def test_a_column_of_positions_beside_few_others_is_asked_about(read):
         InputFileError, match=r"first of 4 columns holds positions: of 3 profiles.*or .* a map"
     ):
         read(table(X, *ONE[:3]), **NM)
+    with pytest.raises(InputFileError, match="holds positions: of 3 profiles"):
+        read("dx: 0.5 µm\n" + table(X, *ONE[:3]), **NM)
 
 
 def test_lines_of_a_tilted_plane_are_heights(read):

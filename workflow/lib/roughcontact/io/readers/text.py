@@ -25,7 +25,7 @@ from roughcontact.io.guards import check_memory
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.markers import remove_marker_values
 from roughcontact.io.metadata import instrument_metadata
-from roughcontact.io.text.axes import Axes, axes_of, begins_anew
+from roughcontact.io.text.axes import axes_of, begins_anew
 from roughcontact.io.text.columns import Column, headed, layout, of_a_map, unit_of_heights
 from roughcontact.io.text.doubts import cut_number, refuse_lost_row, thousands
 from roughcontact.io.text.header import (
@@ -262,9 +262,9 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
         file.first_row, file.first_row_assumed = "bottom", False
     if channel.doubt:
         return file
-    if wrong := _disagreeing(axes, text):
+    if wrong := _against(text, axes.steps, None, axes.values.shape):
         channel.doubt = f"{axes.note}: {wrong}; {_SCALE_ADVICE}"
-    elif not axes.rows and nx < _MANY_PROFILES and not _SIZES & {*said}:
+    elif not axes.rows and nx < _MANY_PROFILES and not {"length_y", "dy", "step", "ny"} & {*said}:
         channel.doubt = (
             f"the first of {nx} columns holds positions: of {several(nx - 1, 'profile')}, then name the "
             "columns in a line above them (x, z1, ...), or of the rows of a map, then give dx, dy and unit"
@@ -274,15 +274,16 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
     return file
 
 
-def _disagreeing(axes: Axes, text: _Text) -> str:
-    """Return what of the header the positions beside a matrix contradict; they have no unit."""
-    for key, step in axes.steps.items():
-        one = {
-            word: text.stated[word][:1] for word in (key, "step", f"length_{key[1]}") if word in text.stated
-        }
-        bare = {word: [each._replace(unit="") for each in found] for word, found in one.items()}
-        position = Statement(step, "", 0.01 * step, text.rows.lines[0], f"{key} = {step:g} by positions")
-        if wrong := contradiction(bare | {key: [position, *bare.get(key, [])]}, axes.values.shape):
+def _against(text: _Text, steps: dict[str, float], unit: str | None, shape: tuple[int, ...]) -> str:
+    """Return what of the header the steps of positions contradict; without a unit they have its unit."""
+    for key, step in steps.items():
+        words = [word for word in (key, "step", f"length_{key[1]}") if word in text.stated]
+        one = {word: text.stated[word][:1] for word in words}
+        if not unit:
+            one = {word: [found._replace(unit="")] for word, (found,) in one.items()}
+        name = f"the positions have {key} = {step:.6g} {unit or ''}".strip()
+        position = Statement(step, unit or "", 0.01 * step, text.rows.lines[0], name)
+        if wrong := contradiction(one | {key: [position, *one.get(key, [])]}, (shape[0], shape[1])):
             return wrong
     return ""
 
@@ -478,30 +479,11 @@ def _trace(table: np.ndarray, units: list[str | None], text: _Text, whole: np.nd
         channel = scattered(x=x, y=None, z=heights, error=error, **attributes)
         channel.otherwise = None if whole is None else _as_matrix(whole, said)
         return channel
-    notes += _unlike(text, {"dx": step}, lateral_unit, heights.shape)
+    if wrong := _against(text, {"dx": step}, lateral_unit, heights.shape):
+        notes = [*notes, f"{wrong}; the positions are used"]
     return Channel(
         shape=heights.shape, read=lambda: heights, dx=step, first_x=float(x[0]), notes=notes, **attributes
     )
-
-
-def _unlike(
-    text: _Text, steps: dict[str, float | None], unit: str | None, shape: tuple[int, int]
-) -> list[str]:
-    """Return a warning where the header contradicts itself, or the positions of a list."""
-    line = text.rows.lines[0]
-    positions = {
-        key: [
-            Statement(
-                step, unit or "", 0.01 * step, line, f"the positions have {key} = {step:.6g} {unit or ''}"
-            )
-        ]
-        for key, step in steps.items()
-        if step
-    }
-    stated = {key: each for key, each in text.stated.items() if key not in positions}
-    again = {key: [*positions[key], *text.stated.get(key, [])] for key in positions}
-    wrong = contradiction(again | stated, shape)
-    return [f"{wrong}; the positions are used"] if wrong else []
 
 
 def _even_step(x: np.ndarray) -> tuple[float, list[str]]:
@@ -535,6 +517,9 @@ def _points(
         _refuse_repeated(x, y, lines, text)
         heights, steps, (first_x, first_y), notes = points_on_grid(x, y, z, path)
         _refuse_lost_lines(heights.shape, said, path)
+        found = {"d" + axis: step for axis, step in steps.items() if step}
+        if wrong := _against(text, found, lateral_unit, heights.shape):
+            notes = [*notes, f"{wrong}; the positions are used"]
         channel = Channel(
             shape=heights.shape,
             read=lambda: heights,
@@ -542,7 +527,7 @@ def _points(
             dy=steps["y"],
             first_x=first_x,
             first_y=first_y,
-            notes=notes + _unlike(text, {"dx": steps["x"], "dy": steps["y"]}, lateral_unit, heights.shape),
+            notes=notes,
             **attributes,
         )
     except UnevenPositionsError as error:
@@ -559,7 +544,7 @@ def _points(
             shape=matrix.shape,
             read=unreadable(str(error)),
             otherwise=matrix,
-            doubt=f"{_without_path(error, path)}; if these are not points x, y, z but a map of "
+            doubt=f"{str(error).removeprefix(f'{path}: ')}; if these are not points x, y, z but a map of "
             f"{matrix.shape[1]} columns, give dx, dy and unit",
             **attributes,
         )
@@ -587,11 +572,6 @@ def _refuse_lost_lines(shape: tuple[int, ...], said: dict[str, Any], path: Path)
                 f"{path}: the header says {said[word]:g} {name}, the points make {found}; "
                 "the list was cut off or changed"
             )
-
-
-def _without_path(error: Exception, path: Path) -> str:
-    """Return a message without the path at its beginning."""
-    return str(error).removeprefix(f"{path}: ")
 
 
 def _as_matrix(table: np.ndarray, said: dict[str, Any]) -> Channel | None:

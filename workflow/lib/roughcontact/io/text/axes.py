@@ -18,20 +18,9 @@ _COMPARED = 50  # rows or columns that would be even as well if the first one we
 
 
 class Axes(NamedTuple):
-    """Positions beside heights.
+    """Heights by rising positions, the steps `dx`, `dy` of these, and what was taken for positions.
 
-    Attributes
-    ----------
-    values : array
-        The heights alone, by rising positions.
-    steps : dict
-        `dx`, `dy`: steps of the positions; none of numbers that count.
-    note : str
-        What was taken for positions.
-    turned : bool
-        Whether the rows of `values` begin at the smallest y, by their positions.
-    rows, columns : int
-        Rows and columns that hold positions.
+    `turned`: the rows begin at the smallest y; `rows`, `columns`: how many hold positions.
     """
 
     values: np.ndarray

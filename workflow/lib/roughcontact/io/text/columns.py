@@ -128,13 +128,7 @@ def layout(columns: Sequence[Column]) -> Layout | None:
 
 
 def of_a_map(columns: Sequence[Column]) -> bool:
-    """Return whether headings are those of the columns of a map: many, and equal but for numbers.
-
-    Examples
-    --------
-    >>> of_a_map([Column(f"c{place}", None, "") for place in range(16)])
-    True
-    """
+    """Return whether headings are those of the columns of a map: many, and equal but for numbers."""
     alike = {(re.sub(r"[\W\d_]", "", column.name), column.unit) for column in columns}
     return len(alike) == 1 and len(columns) >= _WIDE
 
@@ -143,11 +137,6 @@ def unit_of_heights(lines: Sequence[str]) -> str | None:
     """Return the unit in a heading above a matrix, as ``Height (nm)``.
 
     None where no line among the last ones of the header is such a heading.
-
-    Examples
-    --------
-    >>> unit_of_heights(["Monday", "Height Sensor(nm)"]), unit_of_heights(["Height: 12 nm"])
-    ('nm', None)
     """
     for line in reversed(lines[-_MAX_DISTANCE:]):
         text = line.strip(' \r\n\t"#%')

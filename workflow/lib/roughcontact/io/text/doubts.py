@@ -21,17 +21,7 @@ _MAX_ENDS = 50  # rows whose decimals are compared with those of the last one
 def refuse_lost_row(
     header: list[str], width: int, delimiter: str | None, decimal_comma: bool, path: Path, first: int = 1
 ) -> None:
-    """Refuse a table of `width` columns below a line that is one of its rows except for a word.
-
-    Examples
-    --------
-    >>> refuse_lost_row(["Width: 2 mm"], 4, None, False, Path("map.txt"))
-    >>> refuse_lost_row(["trace", "1.5 hole 2.5 3.5"], 4, None, False, Path("map.txt"))
-    Traceback (most recent call last):
-    roughcontact.errors.InputFileError: map.txt: line 2 has as many cells as the rows of the table below it, \
-and 'hole' in place of a number: correct it, write NaN for a missing point, or delete the line if it is no \
-row of the map
-    """
+    """Refuse a table of `width` columns below a line that is one of its rows except for a word."""
     number = next((place for place in reversed(range(len(header))) if header[place].strip()), None)
     if number is None:
         return
@@ -145,17 +135,7 @@ def _refuse_both_marks(body: list[str], path: Path) -> None:
 
 
 def cut_number(rows: list[str], delimiter: str | None, path: Path) -> list[str]:
-    r"""Return a warning where a text ends, without a line end, in a number shorter than all above it.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> path = Path(tempfile.mkdtemp()) / "map.txt"
-    >>> rows = ["1.250 2.500"] * 5 + ["0.250 2.5"]
-    >>> _ = path.write_text("\n".join(rows))
-    >>> cut_number(rows, None, path)[0][:64]
-    "the text ends in '2.5', where the numbers above have 3 decimals:"
-    """
+    r"""Return a warning where a text ends, without a line end, in a number shorter than all above it."""
     ends = [cells[-1].strip() for line in rows[-_MAX_ENDS:] if (cells := [*chain(*pieces(line, delimiter))])]
     marked = [re.fullmatch(r"[-+]?\d+[.,](\d*)", end) for end in ends]
     decimals = {len(found[1]) for found in marked[:-1] if found}

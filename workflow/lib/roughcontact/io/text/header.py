@@ -37,7 +37,7 @@ _HEADER_WORDS = {
     ),
     # only per pixel: a resolution may be that of the lens, a step that of a motor
     "per_pixel": "resolution, step, auflösung, schrittweite, résolution, pas, resolución",
-    "size": "size, scan size, image size, field, field size, field of view, measured area",
+    "size": "size, scan size, image size, field, field size, measured area",
     "dx": "dx, x step, step x, xstep, pixel width, x spacing, spacing x, x increment, xscale",
     "dy": "dy, y step, step y, ystep, pixel height, y spacing, spacing y, y increment, yscale",
     "nx": "w, nx, columns, ncols, x pixels, xpixels, x points, samples, points per line, horizontal",
@@ -65,12 +65,13 @@ _HEADER_WORDS = {
 }
 # those with a text as value
 _WORDS = ("channel", "height_unit", "lateral_unit", "unit", "instrument", "serial", "lens", "date")
-_LENGTHS = ("length_x", "length_y", "dx", "dy", "step")
+_LENGTHS = ("length_x", "length_y", "dx", "dy", "step", "size")
 _COUNTS = ("nx", "ny", "count")
 _REPEATED = ("channel", "instrument", "serial", "lens", "date", "missing", "height_range", "count")
 _UNIT_IN_NAME = {"bit2nm": "nm"}  # keys that imply the unit of their value: counts to nanometres
 _BOTH = {"size": ("length_x", "length_y"), "step": ("dx", "dy")}  # entries with two values in one line
 _PIXELS = {"length_x": "nx", "length_y": "ny"}  # a size in pixels is a number of them
+_PIXEL_WORDS = ("px", "pixel", "pixels", "points", "pts", "samples")
 _MEANING = {word: meaning for meaning, words in _HEADER_WORDS.items() for word in words.split(", ")}
 _NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|px|point|pt|sample)s?$", re.IGNORECASE)
@@ -209,6 +210,11 @@ def _lengths_apart(stated: Stated, first: dict[str, Statement], shape: tuple[int
         bare = keys == ["length_" + axis] and not first[keys[0]].unit
         if bare and first[keys[0]].value == count > 1 and not {"n" + axis, "lateral_unit"} & {*first}:
             yield f"{first[keys[0]]}, and there are {count} {name}: a size without a unit, or their number"
+    side = first.get("size")  # of one side, or of both
+    if side and len(used) == 2:
+        sides = zip(used, shape[::-1], strict=True)
+        if not any(_equal(side, one, stated, (count, points)) for (one, points), count in sides):
+            yield f"{side}, {used[0][0]}: they do not agree for {shape[1]} columns and {shape[0]} rows"
     if len(used) == 2 and all(is_length(length.unit) and length.value > 0 for length, _ in used):
         x, y = (length.value / points for length, points in used)
         units = metres(used[0][0].unit) / metres(used[1][0].unit)
@@ -273,14 +279,14 @@ def _statements_of(key: str, value: str, sign: str) -> Iterator[tuple[str, State
         return
     both = re.split(r" x |(?<=\d)x(?=\d)", value.replace("×", "x").replace("*", "x"))
     if len(both) == 2 and meaning in _BOTH:
-        own = _NUMBER.sub("", both[1], count=1).strip()
-        if is_length(own):
+        own = _NUMBER.sub("", both[1], count=1).strip() or unit
+        if is_length(own) or (own.lower() in _PIXEL_WORDS and meaning == "size"):
             for axis, part in zip(_BOTH[meaning], both, strict=True):
                 length = part if _NUMBER.sub("", part, count=1).strip() else f"{part} {own}"
                 yield from _statements_of(_HEADER_WORDS[axis].partition(",")[0], length, sign)
         return
     match = _NUMBER.match(value)
-    if not match or meaning == "size":
+    if not match:
         return
     number, rounding = _number(match[0].rstrip(".,"), sign)
     if meaning in _COUNTS and math.isnan(number):
@@ -293,7 +299,7 @@ def _statements_of(key: str, value: str, sign: str) -> Iterator[tuple[str, State
         meaning = "step"
     own, unit = own or _PER_PIXEL.sub("", unit), _PER_PIXEL.sub("", unit)
     own = own or _UNIT_IN_NAME.get(name.strip().lower(), "")
-    if meaning in _PIXELS and own.lower() in ("px", "pixel", "pixels", "points", "pts", "samples"):
+    if meaning in _PIXELS and own.lower() in _PIXEL_WORDS:
         meaning, own = _PIXELS[meaning], ""
     yield meaning, Statement(number, own, rounding, 0, "")
     if is_length(own) and is_length(unit) and not same_length(own, unit):  # both are named as they differ

@@ -38,13 +38,7 @@ def _unmarked_utf16(head: bytes) -> str | None:
 
 
 def lines_of(path: Path) -> list[str]:
-    """Return the lines of a text file, with plain minus signs.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is larger than 1 GiB or damaged, and for binary data after a beginning of text.
-    """
+    """Return the lines of a text file, with plain minus signs."""
     return _decode(path.read_bytes(), path).replace("−", "-").splitlines()
 
 

@@ -33,7 +33,7 @@ def points_on_grid(
     UnevenPositionsError
         Where they form no even grid.
     InputFileError
-        Where several points have one position, or the list ends in the middle of a line.
+        Where several points are at one node of the grid, or the list ends in the middle of a line.
 
     Examples
     --------
@@ -45,16 +45,6 @@ def points_on_grid(
     >>> steps
     {'x': 2.0, 'y': 3.0}
     """
-    try:
-        return _on_grid(x, y, z, path)
-    except UnevenPositionsError as error:
-        if np.unique(x + 1j * y).size != z.size:
-            raise _same_position(path) from error
-        raise
-
-
-def _on_grid(x, y, z, path):
-    """Return the result of `points_on_grid`, for points that form a grid."""
     along_x, column = _grid_lines(x, "x")
     along_y, row = _grid_lines(y, "y")
     nx, ny = along_x.size, along_y.size
@@ -64,18 +54,13 @@ def _on_grid(x, y, z, path):
         )
     check_points((ny, nx), path)
     if np.unique(row * nx + column).size != z.size:
-        raise _same_position(path)
+        raise InputFileError(f"{path}: several points of the list have the same position")
     _refuse_cut_list(row, column, path)
     heights = np.full((ny, nx), np.nan)
     heights[row, column] = z
     lines = {"x": along_x, "y": along_y}
     steps = {name: even_step(along, name) if along.size > 1 else None for name, along in lines.items()}
     return heights, steps, (float(along_x[0]), float(along_y[0])), _lost_lines(row, column)
-
-
-def _same_position(path: Path) -> InputFileError:
-    """Return the error for a list with several points at the same position."""
-    return InputFileError(f"{path}: several points of the list have the same position")
 
 
 def _refuse_cut_list(row: np.ndarray, column: np.ndarray, path: Path) -> None:

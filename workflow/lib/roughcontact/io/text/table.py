@@ -33,20 +33,11 @@ _FEW_CELLS = 32  # at the beginning of a line, which tell a row with words from 
 
 
 class Table(NamedTuple):
-    """The numbers of a text file.
+    """The numbers of a table; NaN for missing points and empty cells.
 
-    Attributes
-    ----------
-    values : array (rows, columns)
-        NaN for missing points and empty cells. Rows of empty cells below the last number are left out.
-    empty_left, empty_right : int
-        Columns of nothing but empty cells on both sides.
-    empty_corner : bool
-        Whether the first cell of the first row is empty.
-    spoken : dict
-        Words that were taken as missing, with a meaning besides -> how often.
-    short : bool
-        Whether an empty cell was put before the first row, which had one less than all others.
+    `empty_left`, `empty_right`: columns of nothing but empty cells on both sides; `empty_corner`: the first
+    cell is empty, of a `short` first row because it had one less than all others; `spoken`: words that were
+    taken as missing, with another meaning as well -> how often.
     """
 
     values: np.ndarray
@@ -58,16 +49,9 @@ class Table(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Rows of a table, with the lines above them and the numbers of lines.
+    """Rows of a table and their numbers in the file, below `heading`, whose first line is number `first`.
 
-    Attributes
-    ----------
-    heading, first : list of str, int
-        Lines above the rows, and the number of the first of them.
-    texts, lines : list of str, list of int
-        The rows.
-    broken : int
-        Number of the first row behind an empty line between the rows; 0 where there is none.
+    `broken` is the number of the first row behind an empty line between the rows; 0 where there is none.
     """
 
     heading: list[str]
@@ -84,18 +68,7 @@ class Rows(NamedTuple):
 
 
 def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
-    """Return the lines of the header and those of the table.
-
-    Raises
-    ------
-    InputFileError
-        Where no line holds numbers.
-
-    Examples
-    --------
-    >>> split_header(["Width: 2 mm", "1 2", "3 4"], Path("map.txt"))
-    (['Width: 2 mm'], ['1 2', '3 4'])
-    """
+    """Return the lines of the header and those of the table."""
     filled = 0
     for number, line in enumerate(lines):
         if not line or line.isspace():
@@ -115,11 +88,6 @@ def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str
 
     They count the points, as a line ``23`` above 23 rows, or ``256 192`` above a map. There are one or two;
     none where the first line is a row as the others are. A `delimiter` of None stands for white space.
-
-    Examples
-    --------
-    >>> counted(["2", "1.5 2.5", "3.5 4.5"], None)
-    ([2], ['1.5 2.5', '3.5 4.5'])
     """
     filled = [number for number, line in enumerate(body[:50]) if line.strip()][:2]
     if len(filled) < 2:
@@ -137,11 +105,6 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
     """Return header and table without the quotes that spreadsheets put around cells.
 
     Where there were quotes, semicolons separate the cells.
-
-    Examples
-    --------
-    >>> unquoted(['"x","z"'], ['"1,5","2,5"'])
-    (['x;z'], ['1,5;2,5'])
     """
     first = next((line for line in body if line.strip()), "")
     if '"' not in first[:_MAX_PREFIX]:
@@ -156,18 +119,7 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
 
 
 def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
-    """Return the delimiter of the columns (None for white space), and whether the decimal sign is a comma.
-
-    Raises
-    ------
-    InputFileError
-        Where a comma may be both.
-
-    Examples
-    --------
-    >>> separators(["1,5;2,5"], Path("map.txt")), separators(["1.5, 2.5", "3.0, 4.0"], Path("map.txt"))
-    ((';', True), (',', False))
-    """
+    """Return the delimiter of the columns (None for white space), and whether the decimal sign is a comma."""
     sample = [line.strip() for line in body[:50] if is_row(line)]
     joined = "\n".join(sample)
     for sign in ";\t":
@@ -371,11 +323,6 @@ def word_in_row(line: str, width: int, delimiter: str | None, decimal_comma: boo
 
     The line has the `width` of the table. In eight columns and more, a lost separator or a blank in a word
     may make one cell fewer or more, and one repeated word may fill most of the cells. None for other lines.
-
-    Examples
-    --------
-    >>> word_in_row("1.5 hole 2.5 3", 4, None, False), word_in_row("# 1 2 3", 3, None, False)
-    ('hole', None)
     """
     if not width or len(line) > width * _MAX_CELL:
         return None

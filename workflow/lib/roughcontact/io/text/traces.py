@@ -31,14 +31,7 @@ def runs(x: np.ndarray) -> list[slice]:
 
 
 def are_traces(x: np.ndarray, pieces: Sequence[slice]) -> bool:
-    """Return whether pieces of a list are traces over the same positions.
-
-    Examples
-    --------
-    >>> there_and_back = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 3.0, 2.0, 1.0, 0.0])
-    >>> are_traces(there_and_back, runs(there_and_back))
-    True
-    """
+    """Return whether pieces of a list are traces over the same positions."""
     sizes = [piece.stop - piece.start for piece in pieces]
     if min(sizes) < max(_FEW, _SHORTEST * max(sizes)):
         return False
@@ -48,14 +41,7 @@ def are_traces(x: np.ndarray, pieces: Sequence[slice]) -> bool:
 
 
 def turn(x: np.ndarray, pieces: Sequence[slice], lines: Sequence[int]) -> str:
-    """Return a sentence on the place where positions do not go on; `lines` are those of the file.
-
-    Examples
-    --------
-    >>> x = np.array([0.0, 1.0, 2.0, 1.5, 3.0])
-    >>> turn(x, runs(x), [2, 3, 4, 5, 6])
-    'x turns back at line 5, from 2 to 1.5'
-    """
+    """Return a sentence on the place where positions do not go on; `lines` are those of the file."""
     place = pieces[1].start
     before, after = x[place - 1], x[place]
     how = "repeats" if before == after else "restarts" if are_traces(x, pieces) else "turns back"
