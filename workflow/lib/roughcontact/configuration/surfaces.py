@@ -79,21 +79,11 @@ class Surface:
 
 @dataclass(frozen=True)
 class Member:
-    """One relative position of the faces of a pair.
+    """One relative position of the faces of a pair."""
 
-    Attributes
-    ----------
-    pair : str
-        its name in the table.
-    number : int
-        from 1.
-    face, counter_face : str
-        names of the two measured surfaces.
-    """
-
-    pair: str
-    number: int
-    face: str
+    pair: str  # its name in the table
+    number: int  # from 1
+    face: str  # names of the two measured surfaces
     counter_face: str
 
 
