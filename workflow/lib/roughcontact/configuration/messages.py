@@ -96,28 +96,11 @@ def mistake(case: str, overrides: Mapping[str, Any], detail: ErrorDetails) -> Se
         above, key = detail["loc"][:-1], detail["input"]
         hint = nearest(key, fields_at(above))
         return SettingsError(f"{_dotted(above) or 'the settings'}: the key {key!r} is no text, {hint}")
-    return _named(case, overrides, detail["loc"], reason(detail))
+    return named(case, overrides, detail["loc"], reason(detail))
 
 
-def implausible(
-    case: str, overrides: Mapping[str, Any], location: Sequence[str | int], value: Any, question: str
-) -> SettingsError:
-    """Return the error for an implausible value, as written at a location, with a question.
-
-    `case` and `overrides` are those of `mistake`.
-
-    Examples
-    --------
-    >>> str(implausible("", {}, ("contact", "mean_pressure", 0), 1, "did you mean 1 MPa?"))
-    'contact.mean_pressure[0] = 1: did you mean 1 MPa?'
-    """
-    return _named(case, overrides, location, f" = {value!r}: {question}")
-
-
-def _named(
-    case: str, overrides: Mapping[str, Any], location: Sequence[str | int], text: str
-) -> SettingsError:
-    """Return an error with the name of its setting before the text."""
+def named(case: str, overrides: Mapping[str, Any], location: Sequence[str | int], text: str) -> SettingsError:
+    """Return an error with the name of its setting before the text; the first two are those of `mistake`."""
     setting = _dotted([part for part in location if not isinstance(part, int)][:2])
     key = _dotted(location)
     if case and location[0] in overrides and _given(overrides, location):

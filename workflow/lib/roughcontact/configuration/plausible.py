@@ -21,18 +21,8 @@ _WAY_OUT = "A bare number is in {unit}: write the unit behind it, even if the nu
 class Range:
     """The values of a quantity that are plausible as bare numbers; a validator of a field type.
 
-    Attributes
-    ----------
-    base : str
-        the base unit.
-    least, most : float
-        the ends of the range.
-    below, above : str
-        what a value beyond them is.
-    rigid : float
-        a value from which on it stands for something else, and is plausible again.
-    meant : tuple of float
-        factors by which a value below the range may have been meant, the most likely first.
+    A value is in doubt below `least` and above `most`, where it is what `below` and `above` say; from `rigid`
+    on it stands for something else. `meant` are factors of a value that is too low, the likeliest first.
 
     Examples
     --------
@@ -82,18 +72,11 @@ def bare_number(value: object) -> float:
 
 def implausible_together(
     given: Mapping[str, Any], contact: Mapping[str, Any]
-) -> Iterator[tuple[Location, Any, str]]:
-    """Yield location, value and question for each modulus, hardness and load that the others contradict.
+) -> Iterator[tuple[Location, str]]:
+    """Yield location, and value with question, for each modulus, hardness and load that others contradict.
 
     `given` is the configuration as it was written, `contact` its section `contact` in SI units. A number is
     not judged beside a modulus that is in doubt itself.
-
-    Examples
-    --------
-    >>> given = {"contact": {"contact_modulus": 115e9, "mean_pressure": 200}}
-    >>> contact = {"bodies": None, "contact_modulus": 115e9, "mean_pressure": [200.0], "hardness": None}
-    >>> [(location, value) for location, value, _ in implausible_together(given, contact)]
-    [(('contact', 'mean_pressure', 0), 200)]
     """
     loads, hardness = contact["mean_pressure"] or (), contact["hardness"]
     doubts: list[tuple[Location, Doubt | None]] = []
@@ -119,7 +102,7 @@ def implausible_together(
     for where, doubt in doubts:
         location: Location = ("contact", *where)
         if doubt and not carries_unit(written := _at(given, location)):
-            yield location, written, f"{doubt.question()} {_WAY_OUT.format(unit='Pa')}"
+            yield location, f" = {written!r}: {doubt.question()} {_WAY_OUT.format(unit='Pa')}"
 
 
 def _at(given: Any, location: Location) -> Any:

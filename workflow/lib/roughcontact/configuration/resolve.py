@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from roughcontact.bodies import check_bodies, have_layers, sheet_on_rigid_base
-from roughcontact.configuration.messages import implausible, mistake, name_mistake
+from roughcontact.configuration.messages import mistake, name_mistake, named
 from roughcontact.configuration.models import Settings
 from roughcontact.configuration.plausible import implausible_together
 from roughcontact.errors import SettingsError
@@ -87,7 +87,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         return settings, [*mistakes, error]
     if not mistakes:
         together = implausible_together(merged, settings["contact"])
-        mistakes += [implausible(name, overrides, *doubtful) for doubtful in together]
+        mistakes += [named(name, overrides, *doubtful) for doubtful in together]
     crosscheck = settings["crosscheck"]
     if crosscheck["code"] != "none" and not crosscheck["python"]:
         text = f"crosscheck.python: missing (path of the Python that has {crosscheck['code']})"

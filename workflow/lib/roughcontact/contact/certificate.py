@@ -77,7 +77,7 @@ def rounding_floor(halfspace: HalfSpace, state: State, precision: str | None = N
     if state.norm == 0:
         return 0.0
     precision = precision or precision_of(state.separation)
-    of_pressure = state.pressure_size * sqrt(halfspace.mean_compliance)
+    of_pressure = state.pressure_size * sqrt(halfspace.compliances[0])
     of_separation = state.size * sqrt(halfspace.mean_stiffness)
     of_transforms = sqrt(log2(count_of(state.pressure))) * (of_pressure + of_separation) / state.norm
     return _EPS[precision] * of_transforms + rounding_by_unit(halfspace, state, precision)
@@ -92,5 +92,5 @@ def rounding_by_unit(halfspace: HalfSpace, state: State, precision: str) -> floa
     the points at it bear more or less, the k free ones of n make up for, each by up to eps mean(p) n/k; the
     root mean square of that over the grid is sqrt(n/k) times as much.
     """
-    of_values = state.pressure_size * sqrt(halfspace.largest_compliance / state.free_share)
+    of_values = state.pressure_size * sqrt(halfspace.compliances[1] / state.free_share)
     return _EPS[precision] * of_values / state.norm

@@ -105,14 +105,11 @@ class HalfSpace:
         return 1 / self._kernels.extent(self._symbol(SINGLE))[0]
 
     @cached_property
-    def mean_compliance(self) -> float:
-        """The mean of the symbol 2/|q| of G over the half-plane, without q = 0, for the same."""
-        return float(namespace(self._like).mean(self._compliances()))
-
-    @cached_property
-    def largest_compliance(self) -> float:
-        """The largest value of the symbol 2/|q| of G."""
-        return float(namespace(self._like).max(self._compliances()))
+    def compliances(self) -> tuple[float, float]:
+        """The mean and the largest value of the symbol 2/|q| of G over the half-plane without q = 0."""
+        values, xp = self._symbol(SINGLE), namespace(self._like)
+        values = xp.where(xp.isfinite(values), values, xp.zeros_like(values))
+        return float(xp.mean(values)), float(xp.max(values))
 
     def displacement(self, pressure: Array, *, out: Array | None = None) -> Array:
         """Return u = G p with zero mean, in the array `out` if it is given."""
@@ -175,11 +172,6 @@ class HalfSpace:
             values = symbol(self._influence, qy, qx, spacing, self.layers)
             self._symbols[precision] = like_array(values, self._like)
         return self._symbols[precision]
-
-    def _compliances(self) -> Array:
-        """Return the symbol of G with 0 for q = 0."""
-        values, xp = self._symbol(SINGLE), namespace(self._like)
-        return xp.where(xp.isfinite(values), values, xp.zeros_like(values))
 
     def _counts_in(self, precision: str) -> Array:
         """Return the number of waves of the full plane that each column of a spectrum represents."""
