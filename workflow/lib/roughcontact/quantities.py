@@ -38,20 +38,7 @@ class Unit(NamedTuple):
         >>> Unit(1e-6, "MPa").text(1.43e10)
         '14300 MPa'
         """
-        return f"{self.number(value)} {self.shown}"
-
-    def number(self, value: float) -> str:
-        """Return a value (SI) in this unit, three significant digits.
-
-        Parameters
-        ----------
-        value : float
-
-        Returns
-        -------
-        str
-        """
-        return number(value * self.factor)
+        return f"{number(value * self.factor)} {self.shown}"
 
     def interval(self, value: float, lower: float, upper: float) -> str:
         """Return a value (SI) with its interval in this unit, as `with_interval` writes it.
@@ -255,7 +242,7 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
         digits = 2 if _is_long(value) else 3
         text = _with_half_widths(value, {}, carried) if 0 < carried < math.inf and digits > 2 else ""
         ends = _by_ends(*(_end(end, max(abs(end - value), finest), 2) for end in (lower, upper)))
-        interval = ends.partition(" ")[2] if carried == 0 else f"({ends})"
+        interval = f"({ends})" if carried or " to " in ends else ends.partition(" ")[2]
         return f"{text or number(value, digits=digits)} {interval}"
     if not math.isfinite(wider) or wider <= (0 if value else _NOTHING):
         return number(value)

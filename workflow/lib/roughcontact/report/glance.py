@@ -272,7 +272,7 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
         return Cell(NOT_JUDGED, "a profile does not tell")
     is_open = [axis for axis in ("x", "y") if float(numbers[f"gap_percolates_{axis}"][place])]
     doubted = [axis for axis in ("x", "y") if _in_doubt(numbers, axis, place)]
-    shown = [axis for axis in ("x", "y") if axis in is_open + doubted]
+    shown = [axis for axis in "xy" if axis in is_open + doubted]
     doubt, more = " (in doubt)" if doubted else "", [] if is_open else ["gap closed along x and y"]
     for words, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
         if shown and _known(numbers, f"{name}_x"):

@@ -161,7 +161,7 @@ def _column(
         return (f"{title}, no ±", *head[1:]), cells
     if name == "contact_clusters":  # a whole number
         return head, [f"{value:.0f}" for value in values]
-    return head, [own.number(value) for value in values]
+    return head, [number(value * own.factor) for value in values]
 
 
 def as_the_area(numbers: Numbers, name: str, unit: Unit, place: int) -> str:
