@@ -153,13 +153,7 @@ def _parsed(
 
 
 def _together(texts: list[_Text], files: list[MeasuredFile], path: Path) -> MeasuredFile:
-    """Return the tables of one text as channels of one file.
-
-    Raises
-    ------
-    InputFileError
-        Where the headings do not show that each is a table of its own.
-    """
+    """Return the tables of one text as channels of one file."""
     stated = [bool(text.stated or text.columns) for text in texts]
     if not all(stated[1:]) and (stated[0] or not any(line.strip() for line in texts[0].rows.heading)):
         number = texts[1 + stated[1:].index(False)].rows.start

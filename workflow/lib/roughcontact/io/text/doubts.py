@@ -52,11 +52,6 @@ def thousands(
     header, shows that the mark is a decimal sign. `values` are the numbers of the whole table; their text is
     compared in the first cells.
 
-    Raises
-    ------
-    InputFileError
-        Where a column has whole numbers below a thousand, too, or numbers have commas and others such points.
-
     Examples
     --------
     >>> thousands([], ["1.250 2.500"] * 5, np.array([[1.25, 2.5]] * 5), None, False, Path("map.txt"))[0][:60]

@@ -280,18 +280,22 @@ def _statements_of(key: str, value: str, sign: str) -> Iterator[tuple[str, State
     both = re.split(r" x |(?<=\d)x(?=\d)", value.replace("×", "x").replace("*", "x"))
     if len(both) == 2 and meaning in _BOTH:
         own = _NUMBER.sub("", both[1], count=1).strip() or unit
-        if is_length(own) or (own.lower() in _PIXEL_WORDS and meaning == "size"):
-            for axis, part in zip(_BOTH[meaning], both, strict=True):
-                length = part if _NUMBER.sub("", part, count=1).strip() else f"{part} {own}"
-                yield from _statements_of(_HEADER_WORDS[axis].partition(",")[0], length, sign)
-        return
-    match = _NUMBER.match(value)
-    if not match:
-        return
+        known = is_length(own) or (own.lower() in _PIXEL_WORDS and meaning == "size")
+        for axis, part in zip(_BOTH[meaning], both, strict=True) if known else ():
+            length = part if _NUMBER.sub("", part, count=1).strip() else f"{part} {own}"
+            yield from _statements_of(_HEADER_WORDS[axis].partition(",")[0], length, sign)
+    elif match := _NUMBER.match(value):
+        yield from _numbers_of(name, meaning, match, unit, sign)
+
+
+def _numbers_of(
+    name: str, meaning: str, match: re.Match[str], unit: str, sign: str
+) -> Iterator[tuple[str, Statement]]:
+    """Yield the meaning and statement of a number at the beginning of a value; two where its units differ."""
     number, rounding = _number(match[0].rstrip(".,"), sign)
     if meaning in _COUNTS and math.isnan(number):
         number = float(re.sub(r"\D", "", match[0]))
-    after = value[match.end() :].strip().strip("()[]")
+    after = match.string[match.end() :].strip().strip("()[]")
     own = _PER_PIXEL.sub("", after) if _PER_PIXEL.search(after) else after.partition(" ")[0].strip("()[],;")
     if meaning == "per_pixel":
         if not _PER_PIXEL.search(after or unit):
@@ -299,6 +303,8 @@ def _statements_of(key: str, value: str, sign: str) -> Iterator[tuple[str, State
         meaning = "step"
     own, unit = own or _PER_PIXEL.sub("", unit), _PER_PIXEL.sub("", unit)
     own = own or _UNIT_IN_NAME.get(name.strip().lower(), "")
+    if meaning == "size" and not is_length(own):
+        return
     if meaning in _PIXELS and own.lower() in _PIXEL_WORDS:
         meaning, own = _PIXELS[meaning], ""
     yield meaning, Statement(number, own, rounding, 0, "")

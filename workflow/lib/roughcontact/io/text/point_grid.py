@@ -28,13 +28,6 @@ def points_on_grid(
     notes : list of str
         A warning where the absent points follow one another in the order of the file.
 
-    Raises
-    ------
-    UnevenPositionsError
-        Where they form no even grid.
-    InputFileError
-        Where several points are at one node of the grid, or the list ends in the middle of a line.
-
     Examples
     --------
     >>> x, y, z = np.array([[0, 0, 1], [2, 0, 2], [0, 3, 4], [2, 3, 5]]).T

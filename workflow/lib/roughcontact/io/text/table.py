@@ -175,11 +175,6 @@ def split_tables(
     Empty lines and comments between rows are no headings, and an empty line between all rows says nothing;
     comments with entries are headings. `first` is the number of the first line of the body.
 
-    Raises
-    ------
-    InputFileError
-        For a line of words below the last row.
-
     Examples
     --------
     >>> body = ["1 2", "3 4", "", "Phase", "5 6", "7 8"]
@@ -227,11 +222,6 @@ def parse_table(
 
     A `delimiter` of None stands for white space; `lines` are the numbers of the rows in the file, for the
     messages.
-
-    Raises
-    ------
-    InputFileError
-        For a line that is no row of numbers, and for rows of different lengths.
 
     Examples
     --------
@@ -372,13 +362,7 @@ def _append(numbers: array, text: str, delimiter: str | None, spoken: Counter[st
 
 
 def pieces(text: str, delimiter: str | None) -> Iterator[list[str]]:
-    """Yield the cells of a line, in chunks for a long line.
-
-    Yields
-    ------
-    list of str
-        Up to a million characters of the line: a list of all its cells takes 30 times its memory.
-    """
+    """Yield the cells of a line by the million characters: a list of all takes 30 times its memory."""
     start = 0
     while len(text) - start > _CHUNK_CHARACTERS:
         if delimiter is None:
