@@ -12,6 +12,7 @@ import x3pio
 import xarray as xr
 
 from roughcontact.errors import HeightMapError, InputFileError, RoughContactError
+from roughcontact.faces.composite import composite
 from roughcontact.io import guards, instrument_kinds
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
@@ -163,8 +164,20 @@ def test_heights_larger_than_the_field():
 def test_pixels_that_are_not_square():
     assert "the pixels are not square" in words(rough(), dy=1.02e-6)
     assert "dx = 1.000 µm, dy = 1.020 µm" in words(rough(), dy=1.02e-6)
-    for dy in (1.005e-6, 2e-6, 0.125e-6):
+    for dy in (1.005e-6, 2e-6, 0.25e-6):
         assert suspicions(rough(), 1e-6, dy) == []
+
+
+@pytest.mark.parametrize("ratio", [5, 8, 1000, 1234])
+def test_long_pixels_are_named_whatever_their_ratio(ratio, tmp_path):
+    """Whole ratios too: a width in mm beside a height in µm. In a pair each face says it."""
+    np.save(tmp_path / "map.npy", 1e-6 * rough())
+    read = read_height_map(tmp_path / "map.npy", dx=f"{ratio} um", dy="1 um", height_unit="m")
+    (said,) = [note for note in json.loads(read.attrs["ingest_warnings"]) if "not square" in note]
+    assert f"one is {ratio}" in said.replace(".00 times", "")
+    assert said not in json.loads(read.attrs["ingest_facts"])  # a warning, no mere note
+    pair = composite(read, read)
+    assert sum(said in note for note in json.loads(pair.attrs["ingest_warnings"])) == 2
 
 
 def test_sentinels_and_spikes():

@@ -7,6 +7,7 @@ from roughcontact.io.instrument_kinds import ANY, Kind
 from roughcontact.quantities import number, percent, quantity
 
 _SAMPLE = 2**18  # quantiles and distinct values are estimated from about this many points
+_LONGEST_PIXEL = 4.04  # ratio of the steps above which a slip is more likely than a choice
 _FLATTEST = 1e-8  # rms gradient below that of polished optics
 _PLATEAU = 0.005  # share of the points at one height
 _FEW_LEVELS = 64
@@ -123,9 +124,9 @@ def _sample(measured: np.ndarray) -> np.ndarray:
 def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[str]:
     """Suspect pixels that are not square."""
     ny, nx = shape
-    # one step a multiple of the other is a user's choice; an odd ratio suggests a file that was cut off
     ratio = max(dx / dy, dy / dx)
-    if ny == 1 or abs(ratio / round(ratio) - 1) <= 0.01:
+    # one step a small multiple of the other is a user's choice; an odd ratio suggests a file that was cut off
+    if ny == 1 or (ratio < _LONGEST_PIXEL and abs(ratio / round(ratio) - 1) <= 0.01):
         return []
     found = (
         f"the pixels are not square: dx = {quantity(dx, 'm', digits=4)}, dy = {quantity(dy, 'm', digits=4)}: "
@@ -137,6 +138,8 @@ def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[str]:
                 "rows and columns, or the two sizes, were exchanged"
             )
         ]
+    if ratio > _LONGEST_PIXEL:
+        return [f"{found}one is {number(ratio)} times the other: check both, and their units"]
     return [found + SIZE_ADVICE]
 
 

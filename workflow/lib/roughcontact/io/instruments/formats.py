@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from roughcontact.io.instrument_kinds import ANY, OPTICAL, PROBE, STYLUS, Kind
-from roughcontact.io.instruments import containers
+from roughcontact.io.instruments import containers, nanoscope
 from roughcontact.io.instruments.containers import OLE, TIFF, ZIP
 from roughcontact.io.interface import RecognisedBy
 from roughcontact.io.text.lines import looks_like_text
@@ -67,6 +67,10 @@ class Format:
         """Return whether a header from the library can be of this format: guards against chance matches."""
         return True
 
+    def corrected(self, channels: list[Any], path: Path) -> list[str]:
+        """Correct the channels that the library found, in place, and return what was changed."""
+        return []
+
     def steps(self, header: Header, steps: np.ndarray) -> np.ndarray:
         """Return the steps (dx, dy), from those that the library found."""
         return steps
@@ -91,16 +95,10 @@ class Format:
         return []
 
 
-_INVERTED = "the header says that the map was inverted or mirrored: check that peaks point up"
-_IMPRINT = (
+INVERTED = "the header says that the map was inverted or mirrored: check that peaks point up"
+IMPRINT = (
     "the header says that an imprint (replica) was measured: hills of the map are valleys of the surface"
 )
-
-
-class _DigitalSurf(Format):
-    def sign_notes(self, header):
-        notes = [_IMPRINT] if int(header.get("imprint") or 0) else []
-        return [*notes, _INVERTED] if int(header.get("inversion") or 0) else notes
 
 
 class _Igor(Format):
@@ -120,7 +118,7 @@ class _MetroPro(Format):
         return f"its header counts {header['cn_n_bytes']} bytes of heights, which are no {points} points"
 
     def sign_notes(self, header):
-        return [_INVERTED] if int(header.get("sign") or 0) else []
+        return [INVERTED] if int(header.get("sign") or 0) else []
 
 
 class _MicroProf(Format):
@@ -155,6 +153,11 @@ class _NanoFocus(Format):
         return {"acquisition_time": date and date[0].decode()}
 
 
+class _Nanoscope(Format):
+    def corrected(self, channels, path):
+        return nanoscope.corrected(channels, path)
+
+
 class _Park(Format):
     def contradiction(self, path, header):
         points = header["nb_grid_pts_x"] * header["nb_grid_pts_y"]
@@ -185,17 +188,16 @@ class _Wyko(Format):
 
     def sign_notes(self, header):
         inverted = str(header.get("Data_Invert", "No")).strip().lower() not in ("no", "")
-        return [_INVERTED] if inverted else []
+        return [INVERTED] if inverted else []
 
 
 _BCR = ("fileformat".encode("utf-16-le"), "\ufefffileformat".encode("utf-16-le"))
 
 # Formats with the same mark, or without one, are tried in this order.
 FORMATS = (
-    Format("di", (b"\\*",), PROBE, "Bruker", text_header=True, binary_data=True),
+    _Nanoscope("di", (b"\\*",), PROBE, "Bruker", text_header=True, binary_data=True),
     Format("ezd", (b"[DataSet]",), PROBE, "Nanosurf", text_header=True),
     Format("mi", (b"fileType",), PROBE, "Molecular Imaging", text_header=True),
-    _DigitalSurf("sur", (b"DIGITAL SURF",)),
     Format("al3d", (b"AliconaImaging",), OPTICAL, "Alicona"),
     _MicroProf("frt", (b"FRTM_GLIDERV",), OPTICAL, "FRT"),
     Format("wsxm", (b"WSxM",), PROBE, "Nanotec", text_header=True, binary_data=True),

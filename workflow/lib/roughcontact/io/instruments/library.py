@@ -143,18 +143,19 @@ def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
     """Return the content of a file as read by the library."""
     from SurfaceTopography.Exceptions import FileFormatMismatch
 
-    infos = list(reader.channels)
+    infos = reader.channels
     if not infos and file_format.marks == containers.TIFF:
         raise FileFormatMismatch  # a picture
     if not infos:
         raise InputFileError(f"{path}: this {reader.name()} file holds no map")
     if not file_format.is_plausible(_header(infos[0])):
         raise FileFormatMismatch
+    notes = file_format.corrected(infos, path)
     # Heights are read once here: an incomplete channel shows that the file was cut off.
     channels = [_channel(info, file_format, path) for info in infos]
-    stale, notes = _compared(infos[0], file_format, path)
+    stale, padding = _compared(infos[0], file_format, path)
     instrument = _instrument(infos[0], file_format, path)
-    return MeasuredFile(reader.name(), channels, "top", instrument, notes, stale)
+    return MeasuredFile(reader.name(), channels, "top", instrument, notes + padding, stale)
 
 
 def _channel(info: Any, file_format: Format, path: Path) -> Channel:

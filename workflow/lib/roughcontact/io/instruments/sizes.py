@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from roughcontact.io.instruments import nanoscope
 from roughcontact.io.instruments.containers import tiff_end
 
 Header = Mapping[str, Any]
@@ -29,12 +30,6 @@ class Stated(NamedTuple):
 
     size: int
     more: bool = False
-
-
-def _digital_surf(data: mmap.mmap, header: Header, points: int) -> Stated:
-    """Count header, comment, private zone and points; further objects (a series, colours) follow."""
-    size = 512 + header["comment_size"] + header["private_size"] + header["itemsize"] // 8 * points
-    return Stated(size, more=header["nb_objects"] != 1 or header["type"] != 2)
 
 
 def _metropro(data: mmap.mmap, header: Header, points: int) -> Stated:
@@ -112,13 +107,9 @@ def _wyko(data: mmap.mmap, header: Header, points: int) -> Stated:
 
 def _nanoscope(data: mmap.mmap, header: Header, points: int) -> Stated | None:
     """Count up to the end of the last block that a section of the header places."""
-    text = data[: max(0, data.find(b"\\*File list end"))]
-    ends = []
-    for section in text.split(b"\\*"):
-        place = re.search(rb"^\\Data offset: (\d+)", section, re.MULTILINE)
-        length = re.search(rb"^\\Data length: (\d+)", section, re.MULTILINE)
-        if place and length:
-            ends.append(int(place[1]) + int(length[1]))
+    text = data[: max(0, data.find(nanoscope.END))]
+    blocks = [each for each in nanoscope.sections(text) if "data offset" in each]
+    ends = [int(each["data offset"]) + int(each["data length"]) for each in blocks]
     return Stated(max(ends)) if ends else None
 
 
@@ -165,7 +156,6 @@ _SIZES: dict[str, Callable[[mmap.mmap, Header, int], Stated | None]] = {
     "opd": _wyko,
     "plu": _sensofar,
     "ps": _park,
-    "sur": _digital_surf,
     "wsxm": _wsxm,
 }
 

@@ -1,0 +1,89 @@
+"""Lines and sizes of Nanoscope's channels, from all that its header states of them.
+
+The number of lines of an image may be that of the scan that was planned, and its second size that of a whole
+scan, or just the first size. The length of the data says how many lines there are.
+"""
+
+import re
+from pathlib import Path
+from typing import Any
+
+from roughcontact.quantities import number
+
+END = b"\\*File list end"
+_HEADER = 2**20  # bytes in which it ends
+
+
+def sections(header: bytes) -> list[dict[str, str]]:
+    r"""Return the sections of a header, each with its entries by lower-case names, and its ``name``.
+
+    Examples
+    --------
+    >>> sections(b"\\*Ciao scan list\r\n\\Samps/line: 512\r\n\\*File list end")
+    [{'name': 'ciao scan list', 'samps/line': '512'}]
+    """
+    text = header.partition(END)[0].decode("latin-1")
+    return [
+        {"name": body.partition("\n")[0].strip().lower()}
+        | {key.lower(): value.strip() for key, value in re.findall(r"^\\([^:\r\n]+): ?(.*)$", body, re.MULTILINE)}
+        for body in text.split("\\*")[1:]
+    ]
+
+
+def corrected(channels: list[Any], path: Path) -> list[str]:
+    """Give the library's channels, in place, the lines and sizes that the file has; return what was changed.
+
+    The length of y is that of the lines that were scanned: of the planned scan (size over aspect ratio, in so
+    many lines) those that the file has; with pixels as long as wide where more are there than were planned.
+    """
+    from SurfaceTopography.IO.Reader import ChannelInfo
+
+    with path.open("rb") as stream:
+        scan = next((part for part in sections(stream.read(_HEADER)) if "lines" in part), {})
+    notes = []
+    for place, info in enumerate(channels):
+        image = info.info["raw_metadata"]
+        (nx, ny), (x, y) = info.nb_grid_pts, info.physical_sizes
+        stored, bytes_of_line = int(image["data length"]), nx * info.tags["elsize"]
+        lines = stored // bytes_of_line
+        if lines * bytes_of_line != stored or lines != int(image.get("valid data len y", lines)):
+            lines = ny
+        length = y * lines / ny if "slow axis size" in scan else x * _aspect(scan, nx, lines, image)
+        if unread := stored - lines * bytes_of_line:
+            notes.append(f"{unread} of the {stored} bytes of channel {info.name!r} are no part of its {lines} lines")
+        if lines == ny and abs(length / y - 1) < 1e-9:
+            continue
+        unit = info.unit[0] if isinstance(info.unit, tuple) else info.unit
+        notes.append(
+            f"the header states {image['samps/line']} x {image['number of lines']} points on "
+            f"{image['scan size']}; the data are {lines} lines of {nx}, on {number(x)} x {number(length)} {unit}"
+        )
+        channels[place] = ChannelInfo(
+            info.reader,
+            place,
+            name=info.name,
+            dim=2,
+            nb_grid_pts=(nx, lines),
+            physical_sizes=(x, length),
+            height_scale_factor=info.height_scale_factor,
+            periodic=False,
+            uniform=True,
+            unit=info.unit,
+            info=info.info,
+            tags=info.tags,
+        )
+    return list(dict.fromkeys(notes))
+
+
+def _aspect(scan: dict[str, str], nx: int, lines: int, image: dict[str, str]) -> float:
+    """Return the length along y over that along x."""
+    sizes = re.match(r"([\d.]+) +([\d.]+)", image["scan size"])
+    stated = float(sizes[2]) / float(sizes[1]) if sizes else 1.0
+    if int(scan.get("samps/line", 0)) != nx:
+        return stated
+    ratio = re.match(r"([\d.]+):([\d.]+)", scan.get("aspect ratio", ""))
+    whole = float(ratio[2]) / float(ratio[1]) if ratio else 1.0
+    planned = int(scan["lines"])
+    if lines == planned:
+        return whole if stated == 1 else stated
+    return whole * lines / planned if lines < planned else lines / nx

@@ -1,0 +1,196 @@
+"""Digital Surf's SUR and PRO (MountainsMap): surfaces, profiles, and series of them.
+
+A file is one object or several, one behind the other: a header of 512 bytes, a comment, a private zone, and
+the points, row by row from the top, as integers. A series has all its objects alike; in a series of profiles
+the rows of one object are the profiles. The offset of the heights is left out.
+"""
+
+import datetime
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import partial
+from math import prod
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights
+from roughcontact.io.guards import check_line_ends, check_points
+from roughcontact.io.instruments.formats import IMPRINT, INVERTED
+from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.lengths import compare_size
+from roughcontact.io.metadata import instrument_metadata
+from roughcontact.io.units import is_length, metres, same_length
+
+_MARK = b"DIGITAL SURF"
+_HEADER_BYTES = 512
+# name -> type, and position in the header
+_FIELDS = {
+    "objects": ("<u2", 14),
+    "type": ("<u2", 18),
+    "object_name": ("S30", 20),
+    "instrument_name": ("S30", 50),
+    "channels": ("<u2", 80),
+    "special_points": ("<u2", 86),
+    "bits": ("<u2", 98),
+    "lowest": ("<i4", 100),
+    "shape": (("<i4", 2), 108),  # points of a row, rows
+    "points": ("<u4", 116),
+    "steps": (("<f4", 3), 120),  # x, y, z
+    "step_units": (("S16", 3), 180),
+    "imprint": ("<u2", 288),
+    "inversion": ("<u2", 290),
+    "time": (("<u2", 6), 306),  # second, minute, hour, day, month, year
+    "sizes": (("<u2", 2), 334),  # comment, private zone
+}
+_LAYOUT = np.dtype(
+    {
+        "names": list(_FIELDS),
+        "formats": [kind for kind, _ in _FIELDS.values()],
+        "offsets": [position for _, position in _FIELDS.values()],
+        "itemsize": _HEADER_BYTES,
+    }
+)
+# types of objects; behind those of other types may lie colours
+_PROFILE, _SURFACE, _PROFILES, _SURFACES = 1, 2, 4, 5
+_SERIES = (_PROFILES, _SURFACES)
+_WHOLE = (_PROFILE, _SURFACE, *_SERIES)
+_MIRRORED_X, _MIRRORED_Y = 2, 3  # inversions; 1 changes the sign alone, and so do these
+_MISSING = -2  # beside the lowest integer
+
+
+class _Object(NamedTuple):
+    """One object of a file: its header, and where its points begin and end (bytes)."""
+
+    header: np.void
+    begin: int
+    end: int
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    r"""Return whether a file begins with Digital Surf's mark.
+
+    Examples
+    --------
+    >>> recognises(Path("map.sur"), b"DIGITAL SURF\0\0"), recognises(Path("map.sur"), b"DSCOMPRESSED\0\0")
+    (True, False)
+    """
+    return head.startswith(_MARK + b"\0")
+
+
+def read(path: Path) -> MeasuredFile:
+    """Open a file; each object is a channel, in a series of profiles each row."""
+    check_line_ends(path)
+    objects = _objects(path)
+    first = objects[0].header
+    stale, notes = compare_size(path, objects[-1].end) if first["type"] in _WHOLE else ("", [])
+    channels = [channel for item in objects for channel in _channels(item, path)]
+    if len(channels) > 1:
+        for number, channel in enumerate(channels, 1):
+            channel.name = f"{_text(first['object_name']) or 'object'} {number}"
+    return MeasuredFile("Digital Surf SUR", channels, "top", _instrument(first), notes, stale)
+
+
+def _objects(path: Path) -> list[_Object]:
+    """Return all objects of a file, which lie one behind the other."""
+    found: list[_Object] = []
+    size, end = path.stat().st_size, 0
+    with path.open("rb") as stream:
+        while not found or (found[0].header["type"] != _SURFACE and stream.read(len(_MARK)) == _MARK):
+            stream.seek(end)
+            data = stream.read(_HEADER_BYTES)
+            if len(data) < _HEADER_BYTES:
+                raise InputFileError(f"{path}: a header of this Digital Surf file is cut off")
+            header = np.frombuffer(data, _LAYOUT)[0]
+            nx, ny = map(int, header["shape"])
+            if min(nx, ny) < 1 or nx * ny != header["points"] or header["bits"] not in (16, 32):
+                raise InputFileError(
+                    f"{path}: damaged Digital Surf file: a header states {header['points']} points of "
+                    f"{header['bits']} bits in {ny} rows of {nx}"
+                )
+            check_points((ny, nx), path)
+            begin = end + _HEADER_BYTES + int(header["sizes"].sum())
+            end = begin + nx * ny * int(header["bits"]) // 8
+            if end > size:
+                raise InputFileError(
+                    f"{path}: {size} bytes where its headers need {end}: it was cut off, or lost bytes on the "
+                    "way; copy or export it again"
+                )
+            found.append(_Object(header, begin, end))
+            stream.seek(end)
+    stated = int(found[0].header["objects"])
+    if found[0].header["type"] in _SERIES and len(found) < stated:
+        raise InputFileError(f"{path}: {len(found)} objects where its header states {stated}: it was cut off")
+    return found
+
+
+def _channels(item: _Object, path: Path) -> Iterator[Channel]:
+    """Yield the channels of one object."""
+    header = item.header
+    nx, ny = map(int, header["shape"])
+    dx, dy = (float(step) if 0 < step < np.inf else None for step in header["steps"][:2])
+    unit, unit_y, height_unit = map(_unit, header["step_units"])
+    notes = [IMPRINT] if header["imprint"] else []
+    notes += [INVERTED] if header["inversion"] else []
+    rows = [slice(row, row + 1) for row in range(ny)] if header["type"] == _PROFILES else [slice(0, ny)]
+    if rows[0].stop > 1 and dy and unit and not same_length(unit, unit_y):
+        notes.append(f"the axes have different units, {unit} along x and {unit_y or 'none'} along y")
+        dy = dy * metres(unit_y) / metres(unit) if is_length(unit) and is_length(unit_y) else None
+    for wanted in rows:
+        shape = wanted.stop - wanted.start, nx
+        yield Channel(
+            "Default",
+            shape,
+            partial(_read, item, wanted, path),
+            height_unit=height_unit or None,
+            dx=dx,
+            dy=dy if shape[0] > 1 else None,
+            lateral_unit=unit or None,
+            no_height=f"values in {height_unit}, no length" if height_unit and not is_length(height_unit) else "",
+            notes=list(notes),
+        )
+
+
+def _read(item: _Object, rows: slice, path: Path) -> np.ndarray:
+    """Return the heights of some rows of an object."""
+    header = item.header
+    nx, ny = map(int, header["shape"])
+    counts = np.fromfile(path, f"<i{header['bits'] // 8}", nx * ny, offset=item.begin).reshape(ny, nx)
+    heights = as_heights(counts, str(path))
+    if header["special_points"] == 1:
+        heights[counts == int(header["lowest"]) + _MISSING] = np.nan
+    inversion = int(header["inversion"])
+    heights *= float(header["steps"][2]) * (-1 if inversion in (1, _MIRRORED_X, _MIRRORED_Y) else 1)
+    turned = heights[:: -1 if inversion == _MIRRORED_Y else 1, :: -1 if inversion == _MIRRORED_X else 1]
+    return turned[rows].copy()
+
+
+def _instrument(header: np.void) -> dict[str, Any]:
+    """Return name, sample and date that a header states."""
+    stated = {
+        "vendor": "Digital Surf",
+        "name": _text(header["instrument_name"]),
+        "sample": _text(header["object_name"]),
+    }
+    with suppress(ValueError):  # no date
+        stated["acquisition_time"] = datetime.datetime(*map(int, header["time"][::-1])).isoformat()
+    return instrument_metadata(stated)
+
+
+def _unit(data: bytes) -> str:
+    """Return a unit; the micro sign may be that of Latin-1, of UTF-8, or of a code page of MS-DOS."""
+    return "µm" if data.strip(b"\0 ") == b"\xe6m" else _text(data)
+
+
+def _text(data: bytes) -> str:
+    """Return a text of a header, in UTF-8 or Latin-1."""
+    data = data.partition(b"\0")[0].strip()
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
+READER = Reader(RecognisedBy.MARK, recognises, read)
