@@ -125,7 +125,7 @@ def locked(packed):
         (gzip.compress(b"1 2 3", mtime=0), "packed file; unpack it first"),
         (b"Wyko ASCII Data File Format\t0\t0\t1\nX Size\t2\n1\t2\n", "counted in waves.*take the OPD file"),
         (b"Zygo ASCII Data File - Format 2\n0 1 1 20\n", "counts of the phase.*take the DAT or DATX file"),
-        (b"Zygo XYZ Data File - Format 2\n0 1 1 20\n", "MetroPro file in ASCII"),
+        (b"Zygo XYZ Data File - Format 2\n0 1 1 20\n", "export it as format 1"),
         (b"DSAA\n2 2\n0 1\n0 1\n0 1\n1 2\n3 4\n", "grid of Surfer.*save it as ASCII XYZ"),
         (b"DSBB" + bytes(50), "grid of Surfer"),
         (b"ISO 5436 - 2000\r\n\x03\r\n1.0\r\n\x03", "a profile in the form of ISO 5436-2"),

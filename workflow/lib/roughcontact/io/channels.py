@@ -12,6 +12,7 @@ from roughcontact.io import instrument_kinds
 from roughcontact.io.markers import remove_marker_values
 
 _LEAST_MARKER = 1e36  # no unit makes a height so large
+_LISTED = 20  # names in a message
 _LONGEST = 1e100  # of positions, whose squares must be finite
 
 
@@ -181,7 +182,7 @@ def choose_channel(
     "'Topography back', named by the user"
     """
     names = [channel.name for channel in file.channels]
-    listing = ", ".join(repr(name) for name in names)
+    listing = ", ".join(map(repr, names[:_LISTED])) + (", ..." if len(names) > _LISTED else "")
     if wanted is None and file.question:
         raise InputFileError(
             f"{where}: {file.question}; name one with channel (table of surfaces or argument), of {listing}; "

@@ -1,6 +1,8 @@
 """Containers of many formats (TIFF, ZIP, OLE): checks before opening, and names of unsupported ones."""
 
+import html
 import mmap
+import re
 import struct
 import zipfile
 from collections.abc import Iterator
@@ -14,6 +16,7 @@ TIFF = (b"II*\0", b"MM\0*")
 ZIP = (b"PK\x03\x04",)
 OLE = (b"\xd0\xcf\x11\xe0",)
 _MOST_PAGES = 10_000
+_WORKBOOK = 2**20  # bytes of the list of sheets that are read
 _TIFF_TYPES = {3: "H", 4: "I", 5: "Q", 8: "h", 9: "i", 10: "q", 11: "f", 12: "d"}  # all others: bytes
 _STRIPS, _STRIP_LENGTHS = 273, 279  # tags
 # member of an archive -> its format in SurfaceTopography
@@ -105,7 +108,8 @@ def _number(data: bytes, layout: str) -> int:
 def formats_within(path: Path) -> set[str]:
     """Return the formats whose members a ZIP archive has; empty for an archive of another kind."""
     names = [name.lower() for name in _members(path)]
-    return {each for end, each in _MEMBERS.items() if any(name.endswith(end) for name in names)}
+    within = {each for end, each in _MEMBERS.items() if any(name.endswith(end) for name in names)}
+    return within if "DATA" in _sheets(path) else within - {"mitutoyo"}
 
 
 def foreign(path: Path, head: bytes) -> str:
@@ -117,6 +121,12 @@ def foreign(path: Path, head: bytes) -> str:
         )
     if head.startswith(OLE) and "Workbook".encode("utf-16-le") in path.read_bytes():
         return "an Excel workbook; save the sheet as CSV or text"
+    if sheets := _sheets(path):
+        named = ", ".join(map(repr, sheets[:5])) + (", ..." if len(sheets) > 5 else "")
+        return (
+            "an Excel workbook, but not one of Mitutoyo's profiles; save the sheet with the heights as CSV or "
+            f"text (its sheets: {named})"
+        )
     return _archive(_members(path)) if head.startswith(ZIP) else ""
 
 
@@ -133,6 +143,16 @@ def _archive(names: list[str]) -> str:
         "a ZIP archive of none of the formats that are known (X3P, PLUX, NMM, POIR, QEP, Mitutoyo); it holds "
         f"{listed or 'nothing'}; if one of these is the measured file, unpack it"
     )
+
+
+def _sheets(path: Path) -> list[str]:
+    """Return the names of the sheets of an Excel workbook; none for other files."""
+    try:
+        with zipfile.ZipFile(path) as archive, archive.open("xl/workbook.xml") as stream:
+            text = stream.read(_WORKBOOK).decode("utf-8", "replace")
+    except (KeyError, *ARCHIVE_ERRORS):
+        return []
+    return [html.unescape(name) for name in re.findall(r"<(?:\w+:)?sheet\s[^>]*?name=\"([^\"]*)\"", text)]
 
 
 def _members(path: Path) -> list[str]:

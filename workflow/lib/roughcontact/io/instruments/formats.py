@@ -201,7 +201,6 @@ FORMATS = (
     Format("al3d", (b"AliconaImaging",), OPTICAL, "Alicona"),
     _MicroProf("frt", (b"FRTM_GLIDERV",), OPTICAL, "FRT"),
     Format("wsxm", (b"WSxM",), PROBE, "Nanotec", text_header=True, binary_data=True),
-    Format("gwy", (b"GWYP",)),
     Format("mdt", (b"\x01\xb0\x93\xff",), PROBE, "NT-MDT"),
     Format("zmg", (b"Zeta-Instruments",), OPTICAL, "KLA Zeta"),
     Format("zon", (b"KPK0", b"KPK1"), OPTICAL, "Keyence"),
@@ -235,7 +234,7 @@ def marked(head: bytes) -> list[Format]:
     --------
     >>> [each.name for each in marked(b"II*" + bytes(100))]
     ['ps', 'jpk', 'lext']
-    >>> marked(b"GWYP is how this text begins")
+    >>> marked(b"KPK0 is how this text begins")
     []
     """
     return [each for each in FORMATS if each.marks and each.has_mark(head)]

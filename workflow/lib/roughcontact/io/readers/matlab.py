@@ -5,6 +5,7 @@ Row j is the j-th y; row 0 is the lowest line.
 
 import zlib
 from functools import partial
+from math import prod
 from pathlib import Path
 from typing import Literal
 
@@ -17,6 +18,7 @@ from roughcontact.io.interface import Reader, RecognisedBy
 
 _MARK = b"MATLAB 5.0 MAT-file"
 _HEADER_BYTES = 128
+_FIRST = ("height", "heights", "z")
 _MATRIX, _COMPRESSED = 14, 15  # types of a variable
 _NUMBERS = ("double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
 
@@ -35,7 +37,8 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a file; only names and sizes of its variables are read.
 
-    There is one channel for each real matrix or vector; those named height, heights or z come first.
+    There is one channel for each real matrix or vector, and for each matrix of an array of three axes; those
+    named height, heights or z come first.
     """
     from scipy.io import whosmat
 
@@ -48,25 +51,27 @@ def read(path: Path) -> MeasuredFile:
         raise InputFileError(f"{path}: damaged or cut off MATLAB file ({brief(error)})") from error
     channels = []
     for name, shape, kind in variables:
-        if kind not in _NUMBERS or len(shape) != 2 or shape[0] * shape[1] < 2:
+        if kind not in _NUMBERS or len(shape) not in (2, 3) or shape[0] * shape[1] < 2:
             continue
-        ny, nx = (1, max(shape)) if min(shape) == 1 else shape
-        if ny * nx > MAX_POINTS:
-            why = f"{ny} x {nx} points, more than the {MAX_POINTS} that are read; crop the map"
+        ny, nx = (1, max(shape[:2])) if min(shape[:2]) == 1 else shape[:2]
+        if prod(shape) > MAX_POINTS:
+            why = f"{' x '.join(map(str, shape))} points, more than the {MAX_POINTS} that are read; crop the map"
             channels.append(Channel(name, (ny, nx), unreadable(f"{path}: {why}"), no_height=why, doubt=why))
             continue
-        channels.append(Channel(name, (ny, nx), partial(_read, path, name, (ny, nx))))
+        for index in range(*shape[2:]) if len(shape) == 3 else [None]:
+            label = name if index is None else f"{name}(:,:,{index + 1})"
+            channels.append(Channel(label, (ny, nx), partial(_read, path, name, (ny, nx), index)))
     if not channels:
         listed = ", ".join(f"{name} ({kind})" for name, _, kind in variables[:8])
         raise InputFileError(
             f"{path}: no matrix of real numbers in this MATLAB file; it has {listed or 'nothing'}"
         )
-    channels.sort(key=lambda channel: channel.name.lower() not in ("height", "heights", "z"))
+    channels.sort(key=lambda channel: channel.name.lower().partition("(")[0] not in _FIRST)
     return MeasuredFile("MATLAB matrix", channels, first_row="bottom", first_row_assumed=True)
 
 
-def _read(path: Path, name: str, shape: tuple[int, int]) -> np.ndarray:
-    """Return one variable."""
+def _read(path: Path, name: str, shape: tuple[int, int], index: int | None) -> np.ndarray:
+    """Return one variable, or one matrix of it."""
     from scipy.io import loadmat
 
     check_points(shape, path)
@@ -74,7 +79,7 @@ def _read(path: Path, name: str, shape: tuple[int, int]) -> np.ndarray:
         values = np.asarray(loadmat(str(path), variable_names=[name])[name])
     except Exception as error:  # as above
         raise InputFileError(f"{path}: variable {name!r} is damaged ({brief(error)})") from error
-    return as_heights(values.reshape(shape), str(path))
+    return as_heights((values if index is None else values[:, :, index]).reshape(shape), str(path))
 
 
 def _check_unpacked_size(path: Path) -> None:

@@ -10,10 +10,6 @@ from roughcontact.io.text.lines import looks_like_text
 _PICTURE = "a picture, whose colours are no heights; export the map itself as X3P, SDF or text"
 _PACKED = "a packed file; unpack it first"
 _SURFER = "a grid of Surfer, which is not read; save it as ASCII XYZ, or as an Arc/Info ASCII grid"
-_ZYGO = (
-    "a MetroPro file in ASCII, whose heights may be counts of the phase, which is not read; take the DAT or "
-    "DATX file itself"
-)
 # first bytes -> kind of file, and advice
 _KNOWN = {
     b"DSCOMPRESSED": (
@@ -44,8 +40,11 @@ _KNOWN_TEXTS = {
         "a Wyko file in ASCII, whose heights are counted in waves, which is not read; take the OPD file "
         "itself"
     ),
-    b"Zygo ASCII Data File": _ZYGO,
-    b"Zygo XYZ Data File": _ZYGO,
+    b"Zygo ASCII Data File": (
+        "a MetroPro file in ASCII, whose heights may be counts of the phase, which is not read; take the DAT or "
+        "DATX file itself"
+    ),
+    b"Zygo XYZ Data File - Format 2": "a Zygo XYZ data file of another format than 1; export it as format 1",
     b"DSAA": _SURFER,
 }
 

@@ -51,8 +51,8 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a netCDF file; a map that this project wrote is restored unchanged.
 
-    There is one channel for each variable over two axes (y, x), or over one that is no time or load; those
-    named height, heights or z come first.
+    There is one channel for each variable over two axes (y, x), or over one that is no time or load, and one
+    for each index of a third axis; those named height, heights or z come first.
     """
     head = head_of(path)
     sealed = check_seal(path)
@@ -63,15 +63,18 @@ def read(path: Path) -> MeasuredFile:
     too_long = {} if engine == "scipy" else _oversized_variables(path)
     with _opened(path, engine, too_long) as dataset:
         opener = partial(_opened, path, engine, too_long)
-        variables = (_variable(dataset, name, path, opener) for name in dataset.data_vars)
-        channels = [channel for channel in variables if channel is not None]
+        channels = [
+            _variable(dataset, name, axes, at, path, opener)
+            for name in dataset.data_vars
+            for axes, at in _maps(dataset[name])
+        ]
         attributes = dict(dataset.attrs)
         own = dict(dataset["height"].attrs) if "height" in dataset else {}
         names = sorted(map(str, dataset.variables))
     channels += [_oversized_channel(name, shape) for name, shape in too_long.items()]
     if not channels:
         raise InputFileError(_no_map_message(path, arrays, names))
-    channels.sort(key=lambda channel: channel.name not in ("height", "heights", "z"))
+    channels.sort(key=lambda channel: channel.name.partition("[")[0] not in ("height", "heights", "z"))
     return MeasuredFile(
         "netCDF",
         channels,
@@ -150,16 +153,21 @@ def _instrument(own: Any, attributes: dict) -> dict:
     return stated if isinstance(stated, dict) else instrument_metadata({}, attributes)
 
 
-def _variable(dataset: Any, name: Any, path: Path, opener: Callable[[], Any]) -> Channel | None:
-    """Return one variable as a channel that is read on demand, or None if it is no map or profile."""
+def _variable(
+    dataset: Any,
+    name: Any,
+    dims: tuple[str | None, str],
+    at: dict[str, int],
+    path: Path,
+    opener: Callable[[], Any],
+) -> Channel:
+    """Return one variable, at some index of its other axes, as a channel that is read on demand."""
     variable = dataset[name]
-    dims = _axes(variable)
-    if dims is None:
-        return None
+    label = str(name) + "".join(f"[{axis}={index}]" for axis, index in at.items() if variable.sizes[axis] > 1)
     y, x = dims
     ny, nx = variable.sizes[y] if y else 1, variable.sizes[x]
     if ny * nx > MAX_POINTS:
-        return _oversized_channel(str(name), (ny, nx))
+        return _oversized_channel(label, (ny, nx))
     unit = unit_of(variable.attrs)
     no_height = ""
     if variable.dtype.kind not in "iuf":
@@ -176,21 +184,21 @@ def _variable(dataset: Any, name: Any, path: Path, opener: Callable[[], Any]) ->
     }
     if variable.dtype.kind not in "iuf":
         refused = f"{path}: variable {name!r} holds {no_height}, not real numbers"
-        return Channel(str(name), (ny, nx), unreadable(refused), **attributes)
+        return Channel(label, (ny, nx), unreadable(refused), **attributes)
     down = str(variable.attrs.get("positive", "")).lower() == "down"  # the CF convention for depths
     if down:
         attributes["notes"] = [f"the file counts {name!r} positive downwards: its sign was changed"]
-    read = partial(_values, opener, name, dims, path, down)
+    read = partial(_values, opener, name, dims, at, path, down)
     try:
         dx, first_x, backwards_x = _axis(dataset, x)
         dy, first_y, backwards_y = _axis(dataset, y)
     except UnevenPositionsError as error:
         if no_height:
-            return Channel(str(name), (ny, nx), read, **attributes)
-        return _off_grid(dataset, str(name), dims, read(), error, path, attributes)
+            return Channel(label, (ny, nx), read, **attributes)
+        return _off_grid(dataset, label, dims, read(), error, path, attributes)
     turned = np.s_[:: -1 if backwards_y else 1, :: -1 if backwards_x else 1]
     return Channel(
-        str(name),
+        label,
         (ny, nx),
         partial(_flipped, read, turned),
         dx=dx,
@@ -208,31 +216,46 @@ def _flipped(read: Callable[[], np.ndarray], turned: tuple[slice, slice]) -> np.
 
 
 def _values(
-    opener: Callable[[], Any], name: Any, dims: tuple[str | None, str], path: Path, down: bool
+    opener: Callable[[], Any],
+    name: Any,
+    dims: tuple[str | None, str],
+    at: dict[str, int],
+    path: Path,
+    down: bool,
 ) -> np.ndarray:
     """Return the values of a variable over its axes, with the sign of heights."""
     kept = [axis for axis in dims if axis is not None]
     with opener() as dataset:
-        variable = dataset[name]
+        variable = dataset[name].isel(at)
         check_points((1, prod(variable.shape)), path)
-        rest = [axis for axis in variable.dims if axis not in kept]
-        values = as_heights(variable.squeeze(rest).transpose(*kept).values, str(path))
+        values = as_heights(variable.transpose(*kept).values, str(path))
     return -values if down else values
 
 
-def _axes(variable: Any) -> tuple[str | None, str] | None:
-    """Return the axes (y, x) of a variable, y None for a profile; None where it is neither."""
+def _maps(variable: Any) -> Iterator[tuple[tuple[str | None, str], dict[str, int]]]:
+    """Yield the axes (y, x) of each map or profile of a variable, y None for a profile, and its index.
+
+    An axis of one entry is none of a map, and so is one of loads; of three axes the others than y and x, by
+    their names or as the last two, count the maps.
+    """
     dims = list(variable.dims)
-    for axis in variable.dims:  # a time or load axis of one entry is no axis of a map
+    at = {}
+    for axis in variable.dims:
         if len(dims) > 2 and variable.sizes[axis] == 1:
             dims.remove(axis)
-    if len(dims) not in (1, 2) or 0 in variable.shape or (len(dims) == 1 and dims[0] in ("load", "time")):
-        return None
+            at[axis] = 0
+    if len(dims) not in (1, 2, 3) or 0 in variable.shape or "load" in dims or dims == ["time"]:
+        return
     if len(dims) == 1:
-        return None, dims[0]
-    if dims[0].lower().startswith("x") and dims[1].lower().startswith("y"):
-        dims.reverse()
-    return dims[0], dims[1]
+        yield (None, dims[0]), at
+        return
+    named = [axis for axis in dims if str(axis).lower().startswith(("x", "y"))]
+    plane = named if len(named) == 2 else dims[-2:]
+    if plane[0].lower().startswith("x") and plane[1].lower().startswith("y"):
+        plane = plane[::-1]
+    count = next((axis for axis in dims if axis not in plane), None)
+    for index in range(variable.sizes[count] if count else 1):
+        yield (plane[0], plane[1]), at | ({count: index} if count else {})
 
 
 def _off_grid(

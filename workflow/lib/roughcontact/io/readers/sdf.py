@@ -4,6 +4,8 @@ In the standard y increases from row to row in a right-handed system, so that ro
 map and is drawn at the bottom.
 """
 
+import io
+import re
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,7 @@ from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
 
 _MARKS = (b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"\xef\xbb\xbfaISO-")
+_SOFTGAUGE = re.compile(rb"\A([ab])NPL-(V?\d\.\d)")  # of NPL's softgauges: as BCR-1.0, but for the name
 _TEXT = bytes([*b"\t\n\r", *range(32, 127)])
 _MEMORY_PER_BYTE = 12  # memory for each byte of a file: numbers as text, their pieces, in double precision
 
@@ -28,7 +31,7 @@ def recognises(path: Path, head: bytes) -> bool:
     >>> recognises(Path("map.dat"), b"aISO-1.0"), recognises(Path("map.sdf"), b"1.0 2.0")
     (True, False)
     """
-    return head.startswith(_MARKS)
+    return head.startswith(_MARKS) or _SOFTGAUGE.match(head) is not None
 
 
 def read(path: Path) -> MeasuredFile:
@@ -38,7 +41,7 @@ def read(path: Path) -> MeasuredFile:
     size = path.stat().st_size
     check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of SDF", path)
     try:
-        file = sdfio.read(path)
+        file = sdfio.read(io.BytesIO(_SOFTGAUGE.sub(rb"\1BCR-1.0", path.read_bytes(), count=1)))
     except (sdfio.SdfError, ValueError, ArithmeticError) as error:
         raise InputFileError(f"{path}: not readable as SDF: {brief(error)}") from error
     header = file.header

@@ -1,0 +1,62 @@
+"""Zygo's XYZ data files (Format 1): the phase as heights in micrometres, a line for each pixel.
+
+Below the mark come lines of numbers and texts, then, between two lines with ``#``, column, row and height of
+each pixel, or ``No Data``. The fourth line has the numbers of columns and rows, the eighth the side of a pixel
+in m, 0 where the instrument was not calibrated. The rows are counted upwards.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.channels import Channel, MeasuredFile
+from roughcontact.io.guards import check_memory, check_points
+from roughcontact.io.instrument_kinds import OPTICAL
+from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.text.lines import lines_of
+
+_MARK = b"Zygo XYZ Data File - Format 1"
+_MEMORY_PER_BYTE = 12  # lines, their cells, numbers
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Return whether a file begins with the mark.
+
+    Examples
+    --------
+    >>> recognises(Path("map.xyz"), b"Zygo XYZ Data File - Format 1"), recognises(Path("map.xyz"), b"Zygo")
+    (True, False)
+    """
+    return head.startswith(_MARK)
+
+
+def read(path: Path) -> MeasuredFile:
+    """Open a file of one map."""
+    size = path.stat().st_size
+    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text", path)
+    lines = [line.strip() for line in lines_of(path)]
+    ends = [number for number, line in enumerate(lines) if line == "#"]
+    try:
+        nx, ny = map(int, lines[3].split()[2:4])
+        pixel = float(lines[7].split()[6])
+        check_points((ny, nx), path)
+        if len(ends) != 2 or ends[1] - ends[0] - 1 != nx * ny:
+            raise InputFileError(
+                f"{path}: {len(lines[ends[0] + 1 : ends[1]]) if len(ends) == 2 else 'no end of the'} points where "
+                f"the header of this Zygo file needs {nx} x {ny}: it was cut off or changed"
+            )
+        points = [line.split()[:3] for line in lines[ends[0] + 1 : ends[1]]]
+        x, y = np.array([point[:2] for point in points], dtype=int).T
+        heights = np.full((ny, nx), np.nan)
+        heights[y - y.min(), x - x.min()] = [float("nan" if z == "No" else z) for _, _, z in points]
+    except (IndexError, ValueError) as error:
+        raise InputFileError(f"{path}: looks like a Zygo XYZ data file, but is damaged ({error})") from error
+    channel = Channel("height", (ny, nx), heights.copy, height_unit="um")
+    if pixel > 0:
+        channel.dx = channel.dy = pixel
+        channel.lateral_unit = "m"
+    return MeasuredFile("Zygo XYZ", [channel], "bottom", {"kind": OPTICAL.name, "vendor": "Zygo"})
+
+
+READER = Reader(RecognisedBy.MARK, recognises, read)
