@@ -8,11 +8,20 @@ import argparse
 import errno
 import os
 import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from roughcontact import __version__
-from roughcontact.errors import ConvergenceError, InputFileError, RoughContactError, SettingsError
+from roughcontact.errors import (
+    ConvergenceError,
+    HeightMapWarning,
+    InputFileError,
+    RoughContactError,
+    SettingsError,
+)
 from roughcontact.garbage import collect_rarely
 
 if TYPE_CHECKING:
@@ -254,12 +263,24 @@ def _solve(options: argparse.Namespace) -> int:
         if options.output:
             check_output(options.output, options.files)
             given["output"] = options.output
-        result = solve_files(options.files, **given) if together else solve_file(options.files[0], **given)
+        with _warnings_in_words():
+            result = (
+                solve_files(options.files, **given) if together else solve_file(options.files[0], **given)
+            )
     except SettingsError as error:
         raise SettingsError(in_options(error)) from error
     print(as_json(result) if options.json else group(result) if together else solution(result))
     maps = result["maps"] if together else [result]
     return 0 if all(load["converged"] for each in maps for load in each["loads"]) else 1
+
+
+@contextmanager
+def _warnings_in_words() -> Iterator[None]:
+    """Print each warning once on standard error, as errors are, without the place in the source."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("once", HeightMapWarning)
+        warnings.showwarning = lambda message, *_: print(f"roughcontact: warning: {message}", file=sys.stderr)
+        yield
 
 
 def _init(options: argparse.Namespace) -> int:

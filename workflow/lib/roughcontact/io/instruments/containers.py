@@ -124,8 +124,8 @@ def foreign(path: Path, head: bytes) -> str:
     if sheets := _sheets(path):
         named = ", ".join(map(repr, sheets[:5])) + (", ..." if len(sheets) > 5 else "")
         return (
-            "an Excel workbook, but not one of Mitutoyo's profiles; save the sheet with the heights as CSV or "
-            f"text (its sheets: {named})"
+            "an Excel workbook, but not one of Mitutoyo's profiles; save the sheet with the heights as CSV "
+            f"or text (its sheets: {named})"
         )
     return _archive(_members(path)) if head.startswith(ZIP) else ""
 

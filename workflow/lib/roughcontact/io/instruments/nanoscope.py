@@ -25,7 +25,10 @@ def sections(header: bytes) -> list[dict[str, str]]:
     text = header.partition(END)[0].decode("latin-1")
     return [
         {"name": body.partition("\n")[0].strip().lower()}
-        | {key.lower(): value.strip() for key, value in re.findall(r"^\\([^:\r\n]+): ?(.*)$", body, re.MULTILINE)}
+        | {
+            key.lower(): value.strip()
+            for key, value in re.findall(r"^\\([^:\r\n]+): ?(.*)$", body, re.MULTILINE)
+        }
         for body in text.split("\\*")[1:]
     ]
 
@@ -50,13 +53,16 @@ def corrected(channels: list[Any], path: Path) -> list[str]:
             lines = ny
         length = y * lines / ny if "slow axis size" in scan else x * _aspect(scan, nx, lines, image)
         if unread := stored - lines * bytes_of_line:
-            notes.append(f"{unread} of the {stored} bytes of channel {info.name!r} are no part of its {lines} lines")
+            notes.append(
+                f"{unread} of the {stored} bytes of channel {info.name!r} are no part of its {lines} lines"
+            )
         if lines == ny and abs(length / y - 1) < 1e-9:
             continue
         unit = info.unit[0] if isinstance(info.unit, tuple) else info.unit
         notes.append(
             f"the header states {image['samps/line']} x {image['number of lines']} points on "
-            f"{image['scan size']}; the data are {lines} lines of {nx}, on {number(x)} x {number(length)} {unit}"
+            f"{image['scan size']}; the data are {lines} lines of {nx}, on {number(x)} x "
+            f"{number(length)} {unit}"
         )
         channels[place] = ChannelInfo(
             info.reader,

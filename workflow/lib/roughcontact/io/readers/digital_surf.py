@@ -9,7 +9,6 @@ import datetime
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import partial
-from math import prod
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -115,8 +114,8 @@ def _objects(path: Path) -> list[_Object]:
             end = begin + nx * ny * int(header["bits"]) // 8
             if end > size:
                 raise InputFileError(
-                    f"{path}: {size} bytes where its headers need {end}: it was cut off, or lost bytes on the "
-                    "way; copy or export it again"
+                    f"{path}: {size} bytes where its headers need {end}: it was cut off, or lost bytes on "
+                    "the way; copy or export it again"
                 )
             found.append(_Object(header, begin, end))
             stream.seek(end)
@@ -148,7 +147,9 @@ def _channels(item: _Object, path: Path) -> Iterator[Channel]:
             dx=dx,
             dy=dy if shape[0] > 1 else None,
             lateral_unit=unit or None,
-            no_height=f"values in {height_unit}, no length" if height_unit and not is_length(height_unit) else "",
+            no_height=f"values in {height_unit}, no length"
+            if height_unit and not is_length(height_unit)
+            else "",
             notes=list(notes),
         )
 
@@ -175,7 +176,8 @@ def _instrument(header: np.void) -> dict[str, Any]:
         "sample": _text(header["object_name"]),
     }
     with suppress(ValueError):  # no date
-        stated["acquisition_time"] = datetime.datetime(*map(int, header["time"][::-1])).isoformat()
+        year, month, day, hour, minute, second = map(int, header["time"][::-1])
+        stated["acquisition_time"] = datetime.datetime(year, month, day, hour, minute, second).isoformat()
     return instrument_metadata(stated)
 
 

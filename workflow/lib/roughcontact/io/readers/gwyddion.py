@@ -74,12 +74,16 @@ def _channel(number: int, container: dict[str, Any], path: Path, *, measured: bo
     shape = int(image["yres"]), int(image["xres"])
     check_points(shape, path)
     if image["data"].size != shape[0] * shape[1]:
-        raise ValueError(f"image {number} has {image['data'].size} points, and states {shape[0]} x {shape[1]}")
+        raise ValueError(
+            f"image {number} has {image['data'].size} points, and states {shape[0]} x {shape[1]}"
+        )
     mask = container.get(f"/{number}/mask", {}).get("data")
     hidden = None if mask is None or mask.size != image["data"].size else mask.reshape(shape) > 0.5
     notes = []
     if hidden is not None and hidden.any():
-        notes.append(f"the mask in the file covers {np.count_nonzero(hidden)} points, which are taken as missing")
+        notes.append(
+            f"the mask in the file covers {np.count_nonzero(hidden)} points, which are taken as missing"
+        )
     unit = _unit(image, "z") or None
     no_height = f"values in {unit}, no length" if unit and not is_length(unit) else ""
     return Channel(

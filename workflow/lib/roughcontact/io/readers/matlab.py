@@ -55,7 +55,8 @@ def read(path: Path) -> MeasuredFile:
             continue
         ny, nx = (1, max(shape[:2])) if min(shape[:2]) == 1 else shape[:2]
         if prod(shape) > MAX_POINTS:
-            why = f"{' x '.join(map(str, shape))} points, more than the {MAX_POINTS} that are read; crop the map"
+            count = " x ".join(map(str, shape))
+            why = f"{count} points, more than the {MAX_POINTS} that are read; crop the map"
             channels.append(Channel(name, (ny, nx), unreadable(f"{path}: {why}"), no_height=why, doubt=why))
             continue
         for index in range(*shape[2:]) if len(shape) == 3 else [None]:

@@ -41,8 +41,8 @@ _KNOWN_TEXTS = {
         "itself"
     ),
     b"Zygo ASCII Data File": (
-        "a MetroPro file in ASCII, whose heights may be counts of the phase, which is not read; take the DAT or "
-        "DATX file itself"
+        "a MetroPro file in ASCII, whose heights may be counts of the phase, which is not read; take the DAT "
+        "or DATX file itself"
     ),
     b"Zygo XYZ Data File - Format 2": "a Zygo XYZ data file of another format than 1; export it as format 1",
     b"DSAA": _SURFER,

@@ -1,10 +1,11 @@
-"""WSxM's exports as text: a matrix below its amplitudes (lengths), or points below the names of three columns.
+"""WSxM's exports as text: a matrix below its amplitudes (lengths), or points below names of three columns.
 
 The first line of a matrix is the upper one. The heights of a matrix are in the unit of the amplitude of z.
 """
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +44,7 @@ def read(path: Path) -> MeasuredFile:
     try:
         values = np.array([line.split() for line in lines[start:]], dtype=float)
     except ValueError as error:
-        raise InputFileError(f"{path}: the rows of this WSxM file are not alike, or no numbers ({error})") from error
+        raise InputFileError(f"{path}: the rows of this WSxM file are not alike ({error})") from error
     header = "\n".join(lines[2:start])
     if not values.size or (not is_matrix and values.shape[1] != 3):
         raise InputFileError(f"{path}: this WSxM file has no {'matrix' if is_matrix else 'list of points'}")
@@ -75,18 +76,22 @@ def _matrix(values: np.ndarray, sizes: dict[str, tuple[float, str | None]], path
 
 def _points(values: np.ndarray, columns: list[tuple[str, str]], path: Path) -> Channel:
     """Return the map of a list of points; the columns have names and units."""
-    name, units = "height", [None, None, None]
-    if len(columns) == 3:
-        name, units = columns[2][0], [unit or None for _, unit in columns]
-    if units[0] and units[1] and not same_length(units[0], units[1]):
-        raise InputFileError(f"{path}: the positions have different units, {units[0]} and {units[1]}")
-    stated = {"lateral_unit": units[0], "height_unit": units[2], "no_height": _no_height(units[2])}
+    named = columns if len(columns) == 3 else [("", ""), ("", ""), ("height", "")]
+    (_, unit), (_, unit_y), (name, height_unit) = named
+    if unit and unit_y and not same_length(unit, unit_y):
+        raise InputFileError(f"{path}: the positions have different units, {unit} and {unit_y}")
+    stated: dict[str, Any] = {
+        "lateral_unit": unit or unit_y or None,
+        "height_unit": height_unit or None,
+        "no_height": _no_height(height_unit),
+    }
+    x, y, z = values.T
     try:
-        heights, steps, first, notes = points_on_grid(*values.T, path)
+        heights, steps, (first_x, first_y), notes = points_on_grid(x, y, z, path)
     except UnevenPositionsError as error:
-        return scattered(name, *values.T, error, **stated)
-    shown = {"dx": steps["x"], "dy": steps["y"], "first_x": first[0], "first_y": first[1], "notes": notes}
-    return Channel(name, heights.shape, heights.copy, **shown, **stated)
+        return scattered(name, x, y, z, error, **stated)
+    stated |= {"dx": steps["x"], "dy": steps["y"], "first_x": first_x, "first_y": first_y, "notes": notes}
+    return Channel(name, heights.shape, heights.copy, **stated)
 
 
 def _no_height(unit: str | None) -> str:

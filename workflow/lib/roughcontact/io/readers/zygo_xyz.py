@@ -1,8 +1,8 @@
 """Zygo's XYZ data files (Format 1): the phase as heights in micrometres, a line for each pixel.
 
-Below the mark come lines of numbers and texts, then, between two lines with ``#``, column, row and height of
-each pixel, or ``No Data``. The fourth line has the numbers of columns and rows, the eighth the side of a pixel
-in m, 0 where the instrument was not calibrated. The rows are counted upwards.
+Below the mark come lines of numbers and texts, then, between two lines with ``#``, column, row and height (or
+``No Data``) of each pixel. The fourth line has the numbers of columns and rows, the eighth the side of a
+pixel in m, 0 where the instrument was not calibrated. The rows are counted upwards.
 """
 
 from pathlib import Path
@@ -41,12 +41,12 @@ def read(path: Path) -> MeasuredFile:
         nx, ny = map(int, lines[3].split()[2:4])
         pixel = float(lines[7].split()[6])
         check_points((ny, nx), path)
-        if len(ends) != 2 or ends[1] - ends[0] - 1 != nx * ny:
+        points = [line.split()[:3] for line in lines[ends[0] + 1 : [*ends, None][1]]]
+        if len(ends) != 2 or len(points) != nx * ny:
             raise InputFileError(
-                f"{path}: {len(lines[ends[0] + 1 : ends[1]]) if len(ends) == 2 else 'no end of the'} points where "
-                f"the header of this Zygo file needs {nx} x {ny}: it was cut off or changed"
+                f"{path}: {len(points)} lines of points where the header needs {nx} x {ny}: "
+                "it was cut off or changed"
             )
-        points = [line.split()[:3] for line in lines[ends[0] + 1 : ends[1]]]
         x, y = np.array([point[:2] for point in points], dtype=int).T
         heights = np.full((ny, nx), np.nan)
         heights[y - y.min(), x - x.min()] = [float("nan" if z == "No" else z) for _, _, z in points]
