@@ -125,7 +125,7 @@ def _outside_storage(file: h5py.File) -> None:
 
 
 def _outside_link(file: h5py.File) -> None:
-    file["z"] = h5py.ExternalLink("/etc/passwd", "/z")
+    file.create_group("deep/deeper")["z"] = h5py.ExternalLink("/etc/passwd", "/z")
 
 
 def _outside_array(file: h5py.File) -> None:

@@ -325,7 +325,7 @@ def test_memory_is_asked_for_before_reading(tmp_path, monkeypatch):
     with pytest.raises(InputFileError, match=r"bytes of SDF need"):
         read_height_map(saved(tmp_path, b"aISO-1.0" + bytes(20000), "map.sdf"))
     with pytest.raises(InputFileError, match=r"bytes of this format need"):
-        read_height_map(saved(tmp_path, b"DIGITAL SURF" + bytes(20000), "map.sur"))
+        read_height_map(saved(tmp_path, b"AliconaImaging\0" + bytes(20000), "map.al3d"))
     monkeypatch.undo()
     assert guards.memory_bytes() > 2**20
     assert read_height_map(tmp_path / "map.npy", dx=1, dy=1, unit="um").shape == (128, 128)

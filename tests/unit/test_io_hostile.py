@@ -1,6 +1,7 @@
 """Files made to hang a reader, to fill the memory, or to bring in what lies elsewhere."""
 
 import json
+import sys
 from pathlib import Path
 
 import h5py
@@ -12,6 +13,9 @@ import xarray as xr
 from roughcontact.errors import InputFileError
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
+
+sys.path.append(str(Path(__file__).parents[1] / "faults"))
+from hostile import FILES
 
 HEIGHTS = 1e-7 * np.random.default_rng(0).standard_normal((16, 16))
 
@@ -95,39 +99,14 @@ def test_deep_brackets_in_an_attribute(tmp_path):
     assert json.loads(read_height_map(path).attrs["instrument"]) == {}
 
 
-def outside_storage(path, secret):
-    with h5py.File(path, "w") as file:
-        file.create_dataset("z", (16, 16), "f8", external=[(str(secret), 0, 2048)]).attrs["units"] = "m"
+OUTSIDE = ("HDF5: external storage", "HDF5: link into another file", "HDF5: virtual array")
 
 
-def outside_link(path, secret):
-    with h5py.File(secret, "w") as file:
-        file["z"] = HEIGHTS
-    with h5py.File(path, "w") as file:
-        file["z"] = h5py.ExternalLink(str(secret), "/z")
-
-
-def outside_link_in_a_group(path, secret):
-    with h5py.File(path, "w") as file:
-        file["z"] = HEIGHTS
-        file.create_group("deep/deeper")["z"] = h5py.ExternalLink(str(secret), "/z")
-
-
-def outside_array(path, secret):
-    with h5py.File(secret, "w") as file:
-        file["z"] = HEIGHTS
-    layout = h5py.VirtualLayout((16, 16), "f8")
-    layout[:] = h5py.VirtualSource(str(secret), "z", (16, 16))
-    with h5py.File(path, "w") as file:
-        file.create_virtual_dataset("z", layout)
-
-
-@pytest.mark.parametrize("made", [outside_storage, outside_link, outside_link_in_a_group, outside_array])
+@pytest.mark.parametrize("name", OUTSIDE)
 @pytest.mark.parametrize("kind", ["plain", "zygo", "jpk"])
-def test_numbers_of_other_files_are_refused(tmp_path, made, kind):
-    secret, path = tmp_path / "secret", tmp_path / "map.h5"
-    secret.write_bytes(HEIGHTS.tobytes())
-    made(path, secret)
+def test_numbers_of_other_files_are_refused(tmp_path, name, kind):
+    path = tmp_path / "map.h5"
+    FILES[name][0](path)
     with h5py.File(path, "a") as file:
         if kind == "zygo":
             file.create_group("MetaData")
@@ -137,34 +116,19 @@ def test_numbers_of_other_files_are_refused(tmp_path, made, kind):
         read_height_map(path, dx=1, dy=1, unit="um", height_unit="m")
 
 
-def circle(file):
-    file.create_group("a")["b"] = file["/"]
+ENDLESS = (
+    "a group that contains itself",
+    "a link in a circle",
+    "groups doubled 40 times",
+    "5000 groups deep",
+)
 
 
-def circle_of_names(file):
-    file.create_group("a")["b"] = h5py.SoftLink("/")
-
-
-def doubled(file):
-    group = file.create_group("g0")
-    for number in range(40):
-        inner = file.create_group(f"g{number + 1}")
-        group["left"] = group["right"] = inner
-        group = inner
-
-
-def deep(file):
-    group = file
-    for _ in range(5000):
-        group = group.create_group("g")
-
-
-@pytest.mark.parametrize("groups", [circle, circle_of_names, doubled, deep])
-def test_groups_without_an_end(tmp_path, groups):
+@pytest.mark.parametrize("name", ENDLESS)
+def test_groups_without_an_end(tmp_path, name):
     """Each of these ends a process that hands it to the netCDF library."""
-    path = good(tmp_path / "map.nc")
-    with h5py.File(path, "a") as file:
-        groups(file)
+    path = tmp_path / "map.nc"
+    FILES[f"HDF5: {name}"][0](path)
     with pytest.raises(InputFileError, match=r"which is refused: the file may have no end"):
         read_height_map(path)
 

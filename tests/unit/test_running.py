@@ -125,10 +125,14 @@ def test_init_refuses_materials_that_a_run_would_refuse(folder, capsys, options,
 
 def test_init_takes_all_files_of_a_folder(folder, capsys):
     (folder / "measured").mkdir()
-    for name in ("two.txt", "one.txt", ".hidden"):
+    for name in ("two.txt", "one.txt", ".hidden", "README.md", "values.json"):
         (folder / "measured" / name).write_text("1 2")
+    (folder / "measured/CATALOG.tsv").write_text("file\tnx\none.txt\t2\n")
     assert main(["init", "measured"]) == 0
-    assert "2 surfaces" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "2 surfaces" in said
+    others = (f"measured{os.sep}{name}" for name in ("CATALOG.tsv", "README.md", "values.json"))
+    assert f"left out, as no measurements: {', '.join(others)}" in said
     rows = (folder / "config/surfaces.tsv").read_text().splitlines()[-2:]
     assert rows == [f"{name}\tmeasured{os.sep}{name}.txt" for name in ("one", "two")]
 

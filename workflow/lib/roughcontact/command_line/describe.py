@@ -4,6 +4,7 @@ import json
 import math
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from roughcontact.io.metadata import labelled
@@ -67,6 +68,39 @@ def inspection(found: Mapping[str, Any], file: str) -> str:
     return "\n".join([str(file), *(_line(label, text) for label, text in lines)])
 
 
+def overview(contents: Sequence[Mapping[str, Any]], folder: str) -> str:
+    """Return a line for each file of a folder, by the results of `inspect_file`.
+
+    It has format, points, field, rms height off the mean plane (Sq), and what is to be given, or the first of
+    the warnings.
+    """
+    cells = [("file", "format", "points", "field", "Sq", "to be given, or suspected")]
+    for found in contents:
+        size = dict(_map_lines(found["map"]) if found["map"] else _silent_lines(found))
+        problem = str(found["problem"] or "").removeprefix(f"{Path(folder, found['file'])}: ")
+        warnings = found["warnings"] if found["map"] else []
+        more = f" (and {len(warnings) - 1} more)" if len(warnings) > 1 else ""
+        cells.append(
+            (
+                found["file"],
+                found["format"] or "–",
+                size.get("size", "–").removesuffix(" points (x, y)"),
+                size.get("field", "–"),
+                quantity(found["map"]["rms_height"], "m") if found["map"] else "–",
+                problem or (warnings[0] + more if warnings else "nothing"),
+            )
+        )
+    return "\n".join([str(folder), *(f"  {line}" for line in _columns(cells))])
+
+
+def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return rows of cells as lines, the cells of each column to the left."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    ]
+
+
 def _line(label: str, text: str) -> str:
     """Return a label and its text, long texts wrapped beside the label."""
     return textwrap.fill(
@@ -105,7 +139,8 @@ def _map_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 def _silent_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the properties of a map whose size or unit is not in the file."""
-    channel = next((each for each in found["channels"] if each["name"] == found["channel"]), None)
+    channels = found.get("channels", [])
+    channel = next((each for each in channels if each["name"] == found["channel"]), None)
     if channel is None:
         return []
     lines = [("size", f"{channel['nx']} × {channel['ny']} points (x, y)")]
@@ -124,7 +159,8 @@ def _silent_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
 def _channel(channel: Mapping[str, Any]) -> str:
     """Return name, size and unit of a channel, or the reason why it holds no heights."""
     what = f"in {channel['height_unit'] or 'a unit not said'}" if channel["is_height"] else channel["reason"]
-    return f"{channel['name']!r}: {channel['nx']} × {channel['ny']} points, {what}"
+    size = f"{channel['nx']} × {channel['ny']} points" if channel["ny"] > 1 else f"{channel['nx']} points"
+    return f"{channel['name']!r}: {size}, {what}"
 
 
 def solution(result: Mapping[str, Any]) -> str:
@@ -263,11 +299,7 @@ def comparison(rows: Sequence[Mapping[str, Any]], *, share: float | None = None)
     1 of 1 numbers differs by more than its ±
     """
     cells = [_difference(row) for row in rows if row["differs"]]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    lines = [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in cells
-    ]
+    lines = _columns(cells)
     verb, whose = ("differs", "its") if len(cells) == 1 else ("differ", "their")
     allowed = f"{whose} ±" if share is None else percent(share)
     return "\n".join([*lines, f"{len(cells)} of {len(rows)} numbers {verb} by more than {allowed}"])

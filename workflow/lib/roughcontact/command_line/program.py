@@ -109,8 +109,10 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
     verbs = parser.add_subparsers(required=True, metavar="inspect | solve | init | run | compare | crate")
 
-    inspect = verbs.add_parser("inspect", help="describe the contents of a file")
-    inspect.add_argument("files", nargs="+", metavar="FILE", help="measured height maps, any format")
+    inspect = verbs.add_parser("inspect", help="describe the contents of a file, or of all in a folder")
+    inspect.add_argument(
+        "files", nargs="+", metavar="FILE", help="measured height maps, any format, or folders of them"
+    )
     _add_file_options(inspect)
     inspect.set_defaults(run=_inspect)
 
@@ -230,12 +232,20 @@ def _given(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _inspect(options: argparse.Namespace) -> int:
-    """Print the contents of each file; files that cannot be read are reported and skipped."""
-    from roughcontact.command_line.describe import as_json, inspection
+    """Print the contents of each file, of those in a folder a line; what cannot be read is reported."""
+    from roughcontact.command_line.describe import as_json, inspection, overview
+    from roughcontact.io.folder import is_folder, measurements_in
     from roughcontact.io.inspection import inspect_file
 
-    found, code = [], 0
+    found: list[dict[str, Any]] = []
+    code = 0
     for file in options.files:
+        if is_folder(file):
+            within = [_contents(path, options) for path in measurements_in(Path(file))[0]]
+            found += within
+            if not options.json:
+                print(overview(within, file))
+            continue
         try:
             contents = inspect_file(file, **_given(options))
         except RoughContactError as error:
@@ -247,6 +257,16 @@ def _inspect(options: argparse.Namespace) -> int:
     if options.json:
         print(as_json(found))
     return code
+
+
+def _contents(path: Path, options: argparse.Namespace) -> dict[str, Any]:
+    """Return the contents of a file of a folder, of one that cannot be read its name and the reason."""
+    from roughcontact.io.inspection import inspect_file
+
+    try:
+        return inspect_file(path, **_given(options))
+    except RoughContactError as error:
+        return {"file": path.name, "format": None, "map": None, "problem": str(error), "warnings": []}
 
 
 def _solve(options: argparse.Namespace) -> int:
@@ -288,7 +308,7 @@ def _init(options: argparse.Namespace) -> int:
     from roughcontact.command_line.options import bodies_of, in_options
     from roughcontact.command_line.running import files_in, write_project
 
-    files = files_in(options.files)
+    files, left_out = files_in(options.files)
     contact = {"bodies": bodies_of(options.body)} if options.body else {}
     contact |= {"mean_pressure": options.mean_pressure} if options.mean_pressure else {}
     try:
@@ -298,6 +318,8 @@ def _init(options: argparse.Namespace) -> int:
     if not options.body:
         print(f"{settings}: state your materials and loads under `contact` (or here, with --body twice)")
     print(f"{table}: {len(files) or 'no'} surface{'s' * (len(files) != 1)}, a row each")
+    if left_out:
+        print(f"left out, as no measurements: {', '.join(left_out)}")
     print("then: roughcontact run")
     return 0
 

@@ -17,6 +17,7 @@ from roughcontact.command_line.hold import Hold, held, left_locked, remove_scrip
 from roughcontact.configuration.places import check_places, check_writable
 from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import InputFileError, SettingsError
+from roughcontact.io.folder import is_folder, measurements_in
 from roughcontact.io.seal import check_seal
 
 PACKAGE = Path(__file__).parents[1]
@@ -115,27 +116,29 @@ def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | N
     return list(_FILES)
 
 
-def files_in(paths: Sequence[str]) -> list[str]:
-    """Return the given files, and in the place of a folder those in it, by name.
+def files_in(paths: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Return the given files, and in the place of a folder those in it that can be measurements, by name.
 
     Parameters
     ----------
     paths : sequence of str
-        files and folders; hidden files of a folder are left out.
+        files and folders.
 
     Returns
     -------
-    list of str
+    tuple of list of str
+        these files, and those of the folders that were left out, but for hidden ones.
     """
-    return [
-        str(file)
-        for path in paths
-        for file in (
-            sorted(each for each in Path(path).iterdir() if each.is_file() and not each.name.startswith("."))
-            if Path(path).is_dir()
-            else [path]
-        )
-    ]
+    files: list[str] = []
+    left_out: list[str] = []
+    for path in paths:
+        if is_folder(path):
+            measured, others = measurements_in(Path(path))
+            files += map(str, measured)
+            left_out += map(str, others)
+        else:
+            files.append(path)
+    return files, left_out
 
 
 def surface_names(files: Sequence[str | Path]) -> list[str]:

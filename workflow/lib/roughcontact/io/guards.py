@@ -69,7 +69,7 @@ def check_file(path: Path) -> None:
     except (OSError, ValueError):
         pass  # reported below
     if path.is_dir():
-        raise InputFileError(f"{path}: is a folder; name one file in it")
+        raise InputFileError(f"{path}: is a folder; name one file in it (roughcontact inspect lists them)")
     if not path.exists():
         raise InputFileError(
             f"{path}: no such file; check the path (relative paths start at the working folder)"

@@ -1,0 +1,47 @@
+"""Files of a folder that can be measurements."""
+
+import re
+from pathlib import Path
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.registry import recognised
+
+_DOCUMENTS = {
+    *(".md", ".rst", ".tex", ".bib", ".html", ".htm", ".pdf", ".doc", ".docx", ".odt", ".ppt", ".pptx"),
+    *(".json", ".yaml", ".yml", ".toml", ".ini", ".cfg", ".log", ".py", ".ipynb", ".m", ".r", ".sh", ".bat"),
+    *(".png", ".jpg", ".jpeg", ".gif", ".svg"),
+}
+_EXAMINED = 2**20  # bytes
+_ROW = re.compile(rb"^[ \t\d.,;:eE+-]*\d[ \t\d.,;:eE+-]*\r?$", re.MULTILINE)
+
+
+def is_folder(path: str | Path) -> bool:
+    """Return whether a path is that of a folder, which one too long for any file is not."""
+    try:
+        return Path(path).is_dir()
+    except OSError:
+        return False
+
+
+def measurements_in(folder: Path) -> tuple[list[Path], list[Path]]:
+    """Return the files of a folder that can be measurements, by name, and the others but for hidden ones.
+
+    Others are documents, programs and settings by their extension, empty files, and texts without a line of
+    numbers.
+    """
+    files = sorted(path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
+    measured = [path for path in files if _can_be_measured(path)]
+    return measured, [path for path in files if path not in measured]
+
+
+def _can_be_measured(path: Path) -> bool:
+    """Return whether a file can hold heights."""
+    if path.suffix.lower() in _DOCUMENTS or path.stat().st_size == 0:
+        return False
+    try:
+        if recognised(path)[0] != "text":
+            return True
+    except InputFileError:  # a damaged container
+        return True
+    with path.open("rb") as stream:
+        return _ROW.search(stream.read(_EXAMINED).replace(b"\0", b"")) is not None  # also in UTF-16
