@@ -473,3 +473,32 @@ def test_a_path_too_long_for_any_file_is_one_sentence(words, tmp_path, monkeypat
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"roughcontact: {'a' * 60}...: ")
     assert len(line) < 300
+
+
+def test_a_folder_has_a_line_for_each_file(capsys, tmp_path):
+    np.save(tmp_path / "bare.npy", np.zeros((3, 4)))
+    (tmp_path / "map.txt").write_text("Width: 4 um\nHeight: 2 um\nValue units: nm\n1 2 3 4\n5 6 8 7\n")
+    (tmp_path / "cut.x3p").write_bytes(b"PK\x03\x04 and no more")
+    (tmp_path / "README.md").write_text("1 2 3\n")
+    code, out, _ = said(capsys, "inspect", str(tmp_path))
+    lines = {line.split()[0]: line for line in out.splitlines()[2:]}
+    assert code == 0
+    assert list(lines) == ["bare.npy", "cut.x3p", "map.txt"]
+    assert "NumPy array  4 × 3" in lines["bare.npy"]
+    assert "give dx, dy, unit" in lines["bare.npy"]
+    assert "a ZIP archive (X3P, PLUX, ...) without its end" in lines["cut.x3p"]
+    assert str(tmp_path) not in lines["cut.x3p"]
+    assert "text matrix  4 × 2   4.000 µm × 2.000 µm  487 pm  nothing" in lines["map.txt"]
+    entries = json.loads(said(capsys, "inspect", "--json", str(tmp_path))[1])
+    assert [entry["file"] for entry in entries] == list(lines)
+
+
+def test_warnings_of_a_solution_are_sentences_without_a_place_in_the_source(capsys, tmp_path):
+    (tmp_path / "map.txt").write_text(
+        "Width: 4 um\nHeight: 3 um\nValue units: nm\n1 9 3 4\n5 6 8 7\n5 3 4 9\n"
+    )
+    options = ("--contact-modulus", "1e9", "--mean-pressure", "1e6", *NO_BUDGET)
+    _, _, err = said(capsys, "solve", str(tmp_path / "map.txt"), *options)
+    assert "roughcontact: warning: the map has 3 x 4 points: that is no rough surface" in err
+    assert "HeightMapWarning" not in err
+    assert ".py" not in err
