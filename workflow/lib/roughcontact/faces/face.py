@@ -11,7 +11,7 @@ from roughcontact.maps import spacing
 from roughcontact.window.periodisation import periodic_heights
 
 POINT_TOLERANCE = 1e-6  # of a step: positions as close to a point take its height
-_SPLINE_MARGIN = 12  # points; the influence on a cubic spline falls by a factor of 0.27 per point
+_SPLINE_MARGIN = 24  # points; the influence on a cubic spline falls by a factor of 0.27 per point
 
 
 class Face:
@@ -89,6 +89,7 @@ class Face:
 
     def _between(self, places: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Return heights and mask between the points; positions next to a missing point are missing."""
+        from scipy.interpolate import make_interp_spline
         from scipy.ndimage import distance_transform_edt, map_coordinates
 
         beyond = "grid-wrap" if self.periodic else "mirror"
@@ -97,11 +98,15 @@ class Face:
         if missing.any():  # the spline needs a height everywhere; these points are masked again below
             nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
             values = values[tuple(nearest)]
-        # point reflection at the rim continues slopes; plain mirroring would make them vanish there
+        # beyond the rim the cubic of the last intervals (not-a-knot); a point reflection has no curvature
         rim = [0 if self.periodic or n == 1 else _SPLINE_MARGIN for n in self.shape]
-        continued = np.pad(values, [(n, n) for n in rim], mode="reflect", reflect_type="odd")
-        at = [p + n for p, n in zip(places, rim, strict=True)]
-        between = map_coordinates(continued, at, order=3, mode=beyond)
+        for axis, (n, margin) in enumerate(zip(self.shape, rim, strict=True)):
+            if margin:
+                spline = make_interp_spline(np.arange(n), values, k=min(3, n - 1), axis=axis)
+                ends = spline(np.arange(-margin, 0)), spline(np.arange(n, n + margin))
+                values = np.concatenate([ends[0], values, ends[1]], axis=axis)
+        at = [p + margin for p, margin in zip(places, rim, strict=True)]
+        between = map_coordinates(values, at, order=3, mode=beyond)
         near = [
             map_coordinates(flags.astype(float), places, order=1, mode=beyond) > POINT_TOLERANCE
             for flags in (missing, self.filled)
