@@ -326,8 +326,8 @@ def test_smooth_cross_fade_by_its_parts():
     values = np.cumsum(np.random.default_rng(8).standard_normal((70, 83)), axis=1)
     band = (6, 9)
     long_waves = ndimage.gaussian_filter(values, [3.0, 4.5], mode="reflect", truncate=10)
-    inner = long_waves[3:67, 4:78]
-    smooth = np.pad(inner - periodisation.periodic_plus_smooth(inner, (2.0, 1.0)), ((3, 3), (4, 5)), "edge")
+    inner = long_waves[3:67, 4:79]
+    smooth = np.pad(inner - periodisation.periodic_plus_smooth(inner, (2.0, 1.0)), ((3, 3), (4, 4)), "edge")
     expected = periodisation.cross_fade(long_waves - 0.55 * smooth, band)
     expected += periodisation.cross_fade(values - long_waves, band, keep_variance=True)
     found = periodisation.smooth_cross_fade(values, band, (2.0, 1.0))

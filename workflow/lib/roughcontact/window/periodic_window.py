@@ -120,7 +120,7 @@ def periodic_window(
         return unchanged
 
     fade = width if method in _BLENDING_METHODS else 0.0
-    start, sides = _window_in_largest_rectangle(levelled, values, fade, min_share)
+    start, sides, band = _window_in_largest_rectangle(levelled, values, fade, min_share)
     missing = bool(np.isnan(values).any())
     scores = None
     if placement == "search":
@@ -129,8 +129,8 @@ def periodic_window(
         found = [c for c in found if used_points(c.sides, fade) >= least]
         scores = _scores(found, (start, sides), fade, spacing(levelled))
         start, sides = found[0].start, found[0].sides
+        band = [band_points(side, fade) for side in sides]
     del values  # memory may not hold more than is needed of a large map
-    band = [band_points(side, fade) for side in sides]
     used = [side + b for side, b in zip(sides, band, strict=True)]
     cut = levelled.isel({d: slice(s, s + u) for d, s, u in zip("yx", start, used, strict=True)})
     step = spacing(levelled)
@@ -171,15 +171,16 @@ def _filled_points(levelled: xr.DataArray) -> np.ndarray:
 
 def _window_in_largest_rectangle(
     levelled: xr.DataArray, values: np.ndarray, fade: float, min_share: float
-) -> tuple[tuple[int, int], tuple[int, int]]:
-    """Return start and sides of the window in the largest rectangle without missing points."""
+) -> tuple[tuple[int, int], tuple[int, int], list[int]]:
+    """Return start, sides and bands of the window in the largest rectangle without missing points."""
     fitting = friendly_sides(max(values.shape), fade=fade)
     y0, x0, height, breadth = largest_rectangle(~np.isnan(values), fitting)
     sides = int(fitting[height]), int(fitting[breadth])
-    used = [side + band_points(side, fade) for side in sides]
+    band = [band_points(side, fade, within=n) for side, n in zip(sides, (height, breadth), strict=True)]
+    used = [side + b for side, b in zip(sides, band, strict=True)]
     _check_window(levelled, used, used[0] * used[1] / values.size, min_share)
     # centred in the rectangle
-    return (y0 + (height - used[0]) // 2, x0 + (breadth - used[1]) // 2), sides
+    return (y0 + (height - used[0]) // 2, x0 + (breadth - used[1]) // 2), sides, band
 
 
 def _made_periodic(

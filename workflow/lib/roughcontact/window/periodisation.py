@@ -155,6 +155,11 @@ def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool =
     """
     mean = values.mean()
     values = values - mean
+    # before any blending: a transposed map then has the same result
+    alike = [
+        _correlation(v[..., :n], v[..., v.shape[-1] - n :]) if n else 1.0
+        for v, n in zip((values.T, values), band, strict=True)
+    ]
     for axis, points in enumerate(band):
         if points:
             values = np.moveaxis(values, axis, -1)
@@ -164,7 +169,7 @@ def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool =
             blended = weight * first + (1 - weight) * last
             if keep_variance:
                 both = weight * (1 - weight)
-                blended /= np.sqrt(1 - 2 * both * (1 - _correlation(first, last)))
+                blended /= np.sqrt(1 - 2 * both * (1 - alike[axis]))
             values = np.concatenate([blended, values[..., points:length]], axis=-1)
             del first, last, blended
             values = np.moveaxis(np.roll(values, -(points // 2), axis=-1), -1, axis)
@@ -200,10 +205,10 @@ def smooth_cross_fade(values: np.ndarray, band: Sequence[int], spacing: Sequence
     ((1, 64), True)
     """
     long_waves = _gaussian_mean(values, [_SMOOTHING_WIDTH * b for b in band])
-    # the smooth component of the part without bands, continued into the half bands on both sides
-    inner = tuple(slice(b // 2, n - (b - b // 2)) for b, n in zip(band, values.shape, strict=True))
+    # the smooth component of the middle, the same of a mirrored map, continued into half a band on each side
+    inner = tuple(slice(b // 2, n - b // 2) for b, n in zip(band, values.shape, strict=True))
     smooth = long_waves[inner] - periodic_plus_smooth(long_waves[inner], spacing)
-    smooth = np.pad(smooth, [(b // 2, b - b // 2) for b in band], mode="edge")
+    smooth = np.pad(smooth, [(b // 2, b // 2) for b in band], mode="edge")
     smooth *= _CLOSED_SHARE
     closed = cross_fade(np.subtract(long_waves, smooth, out=smooth), band)
     del smooth

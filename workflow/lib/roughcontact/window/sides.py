@@ -45,15 +45,19 @@ def friendly_sides(longest: int, *, fade: float = 0.0) -> np.ndarray:
     return sides
 
 
-def band_points(side: int, fade: float) -> int:
+def band_points(side: int, fade: float, *, within: int | None = None) -> int:
     """Return the number of points of the blending band, `fade` times the side; 0 for one point: no seam.
+
+    It is one point longer where window and band else were half a point beside the middle of `within` points:
+    a mirrored map would then have another window.
 
     Examples
     --------
-    >>> band_points(90, 0.1), band_points(1, 0.5)
-    (9, 0)
+    >>> band_points(90, 0.1), band_points(1, 0.5), band_points(90, 0.1, within=100)
+    (9, 0, 10)
     """
-    return round(fade * side) if side > 1 else 0
+    band = round(fade * side) if side > 1 else 0
+    return band + (within - side - band) % 2 if band and within else band
 
 
 def used_points(sides: Sequence[int], fade: float) -> int:
