@@ -63,7 +63,7 @@ Count = Annotated[int, BeforeValidator(_not_boolean)]
 Positive = Annotated[Number, Field(gt=0)]
 RelativeUncertainty = Annotated[Number, Field(ge=0, lt=1)]
 _MOST_RELATIVE = 100.0  # load in units of E* g; any surface is in full contact long before
-_MOST_LOADS = 1000  # of a list: each is solved
+_LISTED = Field(min_length=1, max_length=1000)  # each is solved
 # quantities with a dimension: a bare number in SI units, in a plausible range, or a number with its unit
 _POSITIVE = {"type": "number", "exclusiveMinimum": 0}
 _WITH_UNIT = {"anyOf": [_POSITIVE, {"type": "string"}]}
@@ -102,21 +102,17 @@ Angle = Annotated[
     BeforeValidator(Range("degree", -720, 720)),
     WithJsonSchema({"type": ["number", "string"]}),
 ]
-Shares = Annotated[
-    list[Annotated[Number, Field(gt=0, lt=1)]],
-    Field(min_length=1, max_length=_MOST_LOADS),
-    BeforeValidator(_as_list),
-]
-Gaps = Annotated[list[Height], Field(min_length=1, max_length=_MOST_LOADS), BeforeValidator(_as_list)]
+Shares = Annotated[list[Annotated[Number, Field(gt=0, lt=1)]], _LISTED, BeforeValidator(_as_list)]
+Gaps = Annotated[list[Height], _LISTED, BeforeValidator(_as_list)]
 RelativeLoads = Annotated[
     list[Annotated[Positive, BeforeValidator(_relative_load)]],
-    Field(min_length=1, max_length=_MOST_LOADS),
+    _LISTED,
     BeforeValidator(_as_list),
     WithJsonSchema({"anyOf": [_POSITIVE, {"type": "array", "minItems": 1, "items": _POSITIVE}]}),
 ]
 Loads = Annotated[
     list[Pressure],
-    Field(min_length=1, max_length=_MOST_LOADS),
+    _LISTED,
     BeforeValidator(_as_list),
     WithJsonSchema({"anyOf": [*_WITH_UNIT["anyOf"], {"type": "array", "minItems": 1, "items": _WITH_UNIT}]}),
 ]
