@@ -110,15 +110,8 @@ CHANNELS = {
 # surfalize 0.19.2 reads them; its scale corrected where a third reader shows it to be wrong (Zygo: factor 8,
 # TMD: factor 1000). No two of these points are images of each other, so that a mirrored map fails.
 SECOND_READER = {
-    "al3d-1.al3d": [1.23903155e-05, -8.94069672e-08, -2.14576721e-06],
     "nms-1.nms": [-8.39012783e-07, 8.98862699e-07, -3.69125117e-08],
-    "sur-2.sur": [9.30000011e-09, 1.44000002e-08, -9.50000011e-09],
-    "x3p-2.x3p": [-4.04768e-08, -1.258867e-07, 2.7231e-09],
-    "metropro-1.dat": [-1.15555114e-07, 6.84667966e-08, -8.74012752e-08],
-    "valid_zygo_dat_file.dat": [-9.76776827e-08, 6.63833599e-08, 6.14492658e-08],
     "tmd-1.tmd": [9.36037031e-05, 3.68813453e-05, 0.000143076861],
-    "KautschukInfiniteFocus.x3p": [7.42733232e-06, 1.98471071e-06, 9.72818543e-06],
-    "test_1.opd": [1.91423729e-06, 4.68474576e-07, -6.16610169e-07],
     "test_uncompressed.sur": [-3.3610633e-08, -1.09475683e-07, 1.74253542e-07],
     "Hamby252_Barrel1_Bullet1_Land4.x3p": [-8.5677496e-05, -1.2227534e-05, -7.3085126e-05],
 }

@@ -12,7 +12,7 @@ from roughcontact.io import instrument_kinds
 from roughcontact.io.markers import remove_marker_values
 
 _LEAST_MARKER = 1e36  # no unit makes a height so large
-_LISTED = 20  # names in a message
+_LISTED = 8  # names in a message
 _LONGEST = 1e100  # of positions, whose squares must be finite
 
 

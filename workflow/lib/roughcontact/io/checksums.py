@@ -22,17 +22,9 @@ _SETTLED = 3_000_000_000
 def checksum(path: str | Path, *, noted: Path = NOTED) -> str:
     """Return the SHA-256 of a file, as it was noted if the file has not changed since.
 
-    Parameters
-    ----------
-    path : str or Path
-    noted : Path
-        file of the noted checksums, a line of JSON for each; the last line of a path counts. Lines are added
-        where the folder of this file exists.
-
-    Returns
-    -------
-    str
-        64 hexadecimal digits; empty where the file cannot be read, which the job that reads it reports.
+    64 hexadecimal digits; empty where the file cannot be read, which the job that reads it reports. `noted`
+    is the file of the noted checksums, a line of JSON for each; the last line of a path counts. Lines are
+    added where its folder exists.
 
     Examples
     --------

@@ -34,10 +34,7 @@ def check_header(path: Path) -> int | None:
     Checked are the lists, the axes of the variables, their stated sizes against their axes, and that they lie
     in the file.
 
-    Returns
-    -------
-    int or None
-        Bytes that the file has by its header; None where the number of records is left open (streaming).
+    The result is the size of the file by its header, bytes; None where the number of records is left open.
 
     References
     ----------

@@ -65,18 +65,7 @@ class Converted:
 
 
 def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
-    """Return the map of a file that the user asks for, in metres; messages name `path`.
-
-    Raises
-    ------
-    InputFileError
-        Where there is no such channel, it holds no heights, its points form no even grid, or neither file nor
-        user says its steps or units.
-    HeightMapError
-        For a map without a measured point, of one point, or with heights that are no measurement.
-    SettingsError
-        For an invalid argument of the user.
-    """
+    """Return the map of a file that the user asks for, in metres; messages name `path`."""
     channel, choice = choose_channel(
         file, request.channel, str(path), unit_given=request.height_unit is not None
     )

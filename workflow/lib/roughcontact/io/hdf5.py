@@ -25,10 +25,7 @@ _DEEPEST = 32  # nested groups; the netCDF library is recursive
 def opened(path: Path) -> Iterator["h5py.File"]:
     """Open an HDF5 file for reading.
 
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged or cut off, also where that shows only within the block.
+    A file that is damaged or cut off is refused, also where that shows only within the block.
     """
     import h5py
 
@@ -62,12 +59,8 @@ def stated_size(path: Path) -> int | None:
 def datasets(path: Path) -> dict[str, tuple[int, ...]]:
     """Return the shapes of all arrays of a file by their full names, and refuse data outside the file.
 
-    Raises
-    ------
-    InputFileError
-        For a link to another file, external storage or a virtual array (the heights would be bytes of other
-        files of this computer), for more than 10 000 objects, for an axis scale that is a single number,
-        and for a file that is damaged.
+    Refused are links to other files, external storage and virtual arrays (the heights would be bytes of other
+    files of this computer), more than 10 000 objects, an axis scale that is a single number, and damage.
     """
     _check_heaps(path)
     with opened(path) as file:

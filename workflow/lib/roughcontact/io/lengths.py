@@ -13,24 +13,8 @@ def compare_size(path: Path, needed: int) -> tuple[str, list[str]]:
     Excess bytes may have been inserted anywhere, so that the heights behind them moved. Only where all of
     them are equal they are padding at the end, as some transfers and disks leave it.
 
-    Parameters
-    ----------
-    path : Path
-    needed : int
-        Bytes of the whole file by its header.
-
-    Returns
-    -------
-    stale : str
-        How the size differs, as in `MeasuredFile.stale`; empty where it agrees, or where the excess is
-        padding.
-    notes : list of str
-        A warning about padding.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is too short.
+    The result is how the size differs, as in `MeasuredFile.stale` (empty where it agrees, or where the excess
+    is padding), and a warning about padding. A file that is too short is refused.
     """
     size = path.stat().st_size
     if size < needed:

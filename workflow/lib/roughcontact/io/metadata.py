@@ -74,13 +74,9 @@ _LONGEST = 200  # characters of a name
 def instrument_metadata(stated: Mapping[str, Any], header: Mapping | None = None) -> dict[str, Any]:
     """Return the known metadata of the instrument, as plain JSON values in the order of `LABELS`.
 
-    Parameters
-    ----------
-    stated : mapping
-        Values that a reader found, by the keys of this module. They win over the header.
-    header : mapping, optional
-        The file's own header, searched (two levels deep) for the usual spellings of the keys. Sections on
-        software are skipped: their serial number is that of a licence.
+    `stated` are values that a reader found, by the keys of this module; they win over those in `header`, the
+    file's own, which is searched (two levels deep) for the usual spellings of the keys. Sections on software
+    are skipped: their serial number is that of a licence.
 
     Examples
     --------

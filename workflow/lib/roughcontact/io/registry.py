@@ -33,24 +33,13 @@ def recognised(path: Path) -> tuple[str, Reader]:
 
     The file must have passed `check_file` and `check_archive`. The last of the readers takes every file, and
     refuses it when it cannot read it either.
-
-    Raises
-    ------
-    InputFileError
-        For a container (HDF5) that is damaged beyond recognition.
     """
     head = head_of(path)
     return next((name, reader) for name, reader in readers() if reader.recognises(path, head))
 
 
 def open_file(path: Path) -> MeasuredFile:
-    """Open a measured file of any format: check it, recognise it, and return its channels in its own units.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is missing, damaged, cut off, hostile, too large, or of unknown format.
-    """
+    """Open a measured file of any format, checked and recognised; its channels are in its own units."""
     check_file(path)
     check_archive(path)
     _, reader = recognised(path)

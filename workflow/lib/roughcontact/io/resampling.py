@@ -25,15 +25,6 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
 
     `request` gives the steps of the grid. It is returned without them for a resampled channel, which has
     them itself. A sentence says how the channel was resampled; the list is empty where it was not.
-
-    Raises
-    ------
-    InputFileError
-        Where the points form no even grid and the user does not ask for one.
-    SettingsError
-        For an invalid argument or step of the user.
-    HeightMapError
-        For points that make no map.
     """
     points = channel.points
     if points is None:
@@ -73,11 +64,6 @@ def resampled(
     neighbours). Outside them, and further than two steps from any point, the grid stays without heights.
     `points` and `steps` (dx, dy) are in the channel's units; a step of None is the mean distance of the
     points, sqrt(area / number), the same along x and y.
-
-    Raises
-    ------
-    HeightMapError
-        For fewer than four points (three of a profile), or points on one line.
 
     References
     ----------

@@ -41,14 +41,6 @@ class Scale:
 def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
     """Return the scale of a channel on an even grid, from the arguments of the user and the file.
 
-    Raises
-    ------
-    InputFileError
-        Where neither the file nor the user gives a step or a unit, the channel holds no heights, or the size
-        in the file does not suit its number of lines.
-    SettingsError
-        For a step that is no positive number or is given without a unit, or an unknown unit.
-
     Examples
     --------
     >>> said = Channel("height", (3, 4), lambda: None, height_unit="nm", dx=2.0, dy=2.0, lateral_unit="um")
@@ -78,12 +70,6 @@ def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
 def given_steps(request: Request, path: Path) -> tuple[float | None, float | None]:
     """Return the steps (dx, dy) that the user gives, in `unit_of_steps`; None where there is none.
 
-    Raises
-    ------
-    SettingsError
-        For a step that is no positive number, is given without a unit beside one that has its own, or has an
-        unknown one.
-
     Examples
     --------
     >>> given_steps(Request(dx="1.5 um", dy=2.0, unit="mm"), Path("map.txt"))
@@ -96,11 +82,6 @@ def unit_of_steps(request: Request, steps: str, path: Path) -> str:
     """Return the unit of the steps that the user gives: m where one of them carries its own.
 
     `steps` are named in the message, as in ``dx = 2``.
-
-    Raises
-    ------
-    SettingsError
-        Where no unit is given.
 
     Examples
     --------

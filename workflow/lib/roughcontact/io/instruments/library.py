@@ -46,11 +46,6 @@ def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
     """Open a file by the first of some formats that can read it.
 
     The formats are those whose mark the file has, or all formats without a mark.
-
-    Raises
-    ------
-    InputFileError
-        Where none of them reads it, or it is damaged.
     """
     size = path.stat().st_size
     check_memory(size * _BYTES_PER_BYTE, f"{size} bytes of this format", path)

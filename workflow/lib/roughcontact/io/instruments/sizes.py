@@ -163,19 +163,8 @@ _SIZES: dict[str, Callable[[mmap.mmap, Header, int], Stated | None]] = {
 def stated_size(name: str, path: Path, header: Header, points: int) -> Stated | None:
     """Return the size of a file by its header; None where its format states none.
 
-    Parameters
-    ----------
-    name : str
-        Of the format, in SurfaceTopography.
-    path : Path
-    header : mapping
-        As SurfaceTopography gives it with the first channel.
-    points : int
-        In a map of the file.
-
-    Returns
-    -------
-    Stated or None
+    `name` is that of the format in SurfaceTopography, `header` as that gives it with the first channel,
+    `points` the number in a map of the file.
     """
     count = _SIZES.get(name)
     if count is None:

@@ -14,13 +14,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a file by the first of the formats without a mark whose header agrees with it.
-
-    Raises
-    ------
-    InputFileError
-        For a file that none of them reads: its format is not known.
-    """
+    """Open a file by the first of the formats without a mark whose header agrees with it."""
     # a container too damaged to be examined has a mark nevertheless
     formats = marked(head_of(path)) or [each for each in FORMATS if not each.marks]
     return read_as(path, formats)
