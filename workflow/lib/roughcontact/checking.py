@@ -70,13 +70,7 @@ def check_labelled(height: object) -> "xr.DataArray":
 
 
 def check_solution(contact: object) -> None:
-    """Raise an error for something else than the solution of a contact with its maps.
-
-    Raises
-    ------
-    SettingsError
-        naming what is missing.
-    """
+    """Raise SettingsError, with what is missing, for anything else than a solution with its maps."""
     import xarray as xr
 
     what = f"this is of type {type(contact).__name__}"

@@ -31,15 +31,8 @@ _NAMES = {
 }
 QUANTITIES = {name: base for base, names in _NAMES.items() for name in names.split()}
 # variables that have to be in a unit of this kind; None: the heights of a map
-_FIELDS: dict[Any, str] = {
-    None: "m",
-    "y": "m",
-    "x": "m",
-    "height": "m",
-    "gap": "m",
-    "pressure": "Pa",
-    "mean_pressure": "Pa",
-}
+_FIELDS: dict[Any, str] = dict.fromkeys((None, "y", "x", "height", "gap"), "m")
+_FIELDS |= dict.fromkeys(("pressure", "mean_pressure"), "Pa")
 
 
 def in_si(function: _Function) -> _Function:
@@ -76,13 +69,7 @@ def _in_si(name: str, value: Any) -> Any:
 
 
 def quantity_in(base: str, name: str, value: Any) -> Any:
-    """Return the value of an argument, a number or text, as `in_base_unit`; of unknown units a SettingsError.
-
-    Examples
-    --------
-    >>> quantity_in("m", "spacing", "0.5 um")
-    5e-07
-    """
+    """Return the value of an argument as `in_base_unit`; SettingsError for an unknown unit."""
     try:
         return in_base_unit(value, base)
     except ValueError as error:
@@ -149,12 +136,6 @@ def labelled_in_si(labelled: _Labelled) -> _Labelled:
 
 
 def unit_of(attrs: Mapping[Any, Any]) -> str | None:
-    """Return the unit that the attributes of a variable state, or None.
-
-    Examples
-    --------
-    >>> unit_of({"units": "um"}), unit_of({"units": " "})
-    ('um', None)
-    """
+    """Return the unit that the attributes of a variable state, or None."""
     unit = attrs.get("units", attrs.get("unit"))
     return None if unit is None else str(unit).strip() or None
