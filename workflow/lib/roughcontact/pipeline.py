@@ -23,7 +23,8 @@ from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.instrument_checks import instrument_kind
 from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import wanted_loads
-from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, budget_inputs, error_budget
+from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
+from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.variables import describe
 from roughcontact.window.band import lateral_period_limit
 from roughcontact.window.instrument import stated_instrument, window_arguments

@@ -252,8 +252,7 @@ def _about(result: Mapping[str, Any]) -> list[str]:
         lines.append(_line("corrected", f"for {corrected}"))
     uncertainty = result["settings"]["uncertainty"]
     if "window" in uncertainty["sources"]:
-        times = number(uncertainty["extent"], digits=2)
-        lines.append(_line("±", f"for this surface over {times} times the length of the map"))
+        lines.append(_line("±", "for the mean of maps of this size all over the surface"))
     return lines if lines[1:] else []
 
 

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -48,23 +49,14 @@ def as_dataset(
     attrs : dict
         of the dataset; `tolerance` is the limit of the error bound of a converged solution.
     """
-    state = solution.state
-    height_unit = problem.scale if not problem.flat else 1.0
-    pressure_unit = modulus * problem.gradient if not problem.flat else modulus
-    # in place: the dimensionless fields are not used again
-    pressure, gap = (to_numpy(field) for field in (state.pressure, state.separation))
-    contact = empty(pressure, "int8")
-    at_hardness = None if hardness is None else pressure >= pressure.dtype.type(hardness / pressure_unit)
-    least_gap, total = kernels_for(pressure, threads=threads).restore_units(
-        pressure, gap, state.offset, pressure_unit, height_unit, contact
+    pressure_unit = unit_of_pressure(problem, modulus)
+    pressure, gap, contact, least_gap, total, yielded = fields_in_units(
+        solution, problem, modulus=modulus, hardness=hardness, threads=threads
     )
-    yielded = 0.0
-    if at_hardness is not None:
-        pressure[at_hardness], gap[at_hardness] = hardness, 0.0
-        yielded, least_gap = float(at_hardness.mean()), float(gap.min())
+    height_unit = problem.scale if not problem.flat else 1.0
     per_load = {
         "relative_pressure": load / pressure_unit if not problem.flat else np.inf,
-        "approach": problem.reference - state.offset * height_unit - compliance * load,
+        "approach": problem.reference - solution.state.offset * height_unit - compliance * load,
         "iterations": solution.steps,
         "operator_applications": solution.applications,
         "error_bound": solution.error_bound,
@@ -90,6 +82,57 @@ def as_dataset(
         ),
         attrs=attrs,
     )
+
+
+def unit_of_pressure(problem: Problem, modulus: float) -> float:
+    """Return the unit of the dimensionless pressure, E* g, or E* for a flat map (Pa)."""
+    return modulus * problem.gradient if not problem.flat else modulus
+
+
+class FieldsInUnits(NamedTuple):
+    """The fields of one solution in SI units, and three numbers that are known on the way.
+
+    Attributes
+    ----------
+    pressure, gap : array (ny, nx), Pa and m
+    contact : array (ny, nx) of int8
+    least_gap : float, m
+    total : float, Pa
+        sum of the pressure.
+    yielded : float
+        share of the points at the hardness.
+    """
+
+    pressure: np.ndarray
+    gap: np.ndarray
+    contact: np.ndarray
+    least_gap: float
+    total: float
+    yielded: float
+
+
+def fields_in_units(
+    solution: Solution, problem: Problem, *, modulus: float, hardness: float | None, threads: int
+) -> FieldsInUnits:
+    """Return the fields of a dimensionless solution in SI units; they take its memory.
+
+    Points at the hardness have yielded until the gap was closed: it is zero there.
+    """
+    state = solution.state
+    height_unit = problem.scale if not problem.flat else 1.0
+    # in place: the dimensionless fields are not used again
+    pressure, gap = (to_numpy(field) for field in (state.pressure, state.separation))
+    contact = empty(pressure, "int8")
+    pressure_unit = unit_of_pressure(problem, modulus)
+    at_hardness = None if hardness is None else pressure >= pressure.dtype.type(hardness / pressure_unit)
+    least_gap, total = kernels_for(pressure, threads=threads).restore_units(
+        pressure, gap, state.offset, pressure_unit, height_unit, contact
+    )
+    yielded = 0.0
+    if at_hardness is not None:
+        pressure[at_hardness], gap[at_hardness] = hardness, 0.0
+        yielded, least_gap = float(at_hardness.mean()), float(gap.min())
+    return FieldsInUnits(pressure, gap, contact, least_gap, total, yielded)
 
 
 def joined(pieces: Sequence[xr.Dataset]) -> xr.Dataset:

@@ -145,7 +145,7 @@ def solve_contact(
     >>> bool(contact.error_bound <= 1e-4)
     True
     """
-    modulus, layers = _elasticity(contact_modulus, bodies)
+    modulus, layers = elasticity(contact_modulus, bodies)
     loads = check_loads("mean_pressure", mean_pressure, unit="Pa")
     tolerance = check_positive("tolerance", tolerance, unit="relative terms")
     if not SMALLEST_TOLERANCE <= tolerance < 1:
@@ -239,7 +239,7 @@ def solve_contact(
     return describe(joined([pieces[index] for index in range(len(loads))]))
 
 
-def _elasticity(
+def elasticity(
     contact_modulus: float | str | None, bodies: Sequence[Mapping[str, Any]] | None
 ) -> tuple[float, LayeredPair | None]:
     """Return E* (Pa) of the surfaces, and the bodies where they have layers."""

@@ -17,7 +17,6 @@ _WORDS = {
     "solver": "solver",
     "discretisation": "grid",
     "window": "window",
-    "processing": "processing",
     "instrument": "instrument",
     "material": "material",
     "unresolved": "unresolved waves",
@@ -66,7 +65,7 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
                 _largest(parts),
             ]
         )
-    words = (numbers.attrs.get(key) for key in ("window_flag", "window_reason", "processing_reason"))
+    words = (numbers.attrs.get(key) for key in ("window_flag", "window_reason"))
     notes = [word for word in words if word]
     tried = ["window"] if "window_reason" in numbers.attrs else []  # not known leaves the interval open
     absent = [_WORDS[s] for s in _WORDS if s not in (*present, *tried, "combined")]

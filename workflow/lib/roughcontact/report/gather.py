@@ -202,7 +202,7 @@ def _rising(one: xr.Dataset) -> xr.Dataset:
 
 def _by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[tuple[str, str], xr.Dataset]:
     """Return what groups and differences need of some solved maps, by case ("" without cases) and name."""
-    bands, choices = (json.loads(statistics.attrs[key]) for key in ("bands", "choices"))
+    bands = json.loads(statistics.attrs["bands"])
     dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
     needed = needed_for_groups(map(str, statistics.variables))
     variables = {name: statistics[name].transpose(*dims, ...).variable for name in needed}
@@ -212,10 +212,7 @@ def _by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[tuple[str, s
         case = cases[0] if cases else ""
         if surface in names and surface in bands[case]:
             own = {name: (each.dims[len(dims) :], each.values[place]) for name, each in variables.items()}
-            one = xr.Dataset(own, attrs=bands[case][surface])
-            if known := choices[case][surface]:  # and padding
-                one = one.assign_coords(choice=known + [""] * (one.sizes["choice"] - len(known)))
-            found[case, surface] = one
+            found[case, surface] = xr.Dataset(own, attrs=bands[case][surface])
     return found
 
 

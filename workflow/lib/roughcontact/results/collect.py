@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from operator import itemgetter
 from pathlib import Path
 from typing import Any, TypedDict
 
@@ -44,7 +43,7 @@ _COORDINATES = (
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
 # dimensions
 _NOT_IN_TABLE = {*_BINS, "depth", "source", "hardness_over_modulus", "input", "cutoff", "component"}
-_NOT_IN_TABLE |= {"member", "choice", "material", "interface"}
+_NOT_IN_TABLE |= {"member", "material", "interface"}
 # labels of a dimension that are the same for all surfaces
 _COMMON_LABELS = {"source": object, "input": object, "component": object, "hardness_over_modulus": float}
 # attributes of each file
@@ -83,9 +82,8 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         coordinates `surface` and `case`; `surface_name` and `case_name` are the same. Loads and bins may
         differ between surfaces: shorter ones are padded with NaN, and `mean_pressure`, the centres and the
         bounds of the bins depend on the surface. The attributes are JSON: `source_sha256` has the checksum
-        of every measured file, `verdicts`, `reasons`, `bands` (the waves that a map holds, and the kind of
-        its instrument) and `choices` (names along `choice`) those of each file, by case ("" where there are
-        none) and surface.
+        of every measured file, `verdicts`, `reasons` and `bands` (the waves that a map holds, and the kind of
+        its instrument) those of each file, by case ("" where there are none) and surface.
 
     Raises
     ------
@@ -101,8 +99,7 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         arrays, attrs = read_arrays(entry["statistics"])
         datasets[cases.index(entry["case"]), surfaces.index(entry["surface"])] = arrays
         checksums[entry["surface"]] = attrs.get("source_sha256", "")
-        choices = [str(name) for name in arrays["choice"].values] if "choice" in arrays else []
-        attributes[entry["case"] or ""][entry["surface"]] = attrs | {"choices": choices}
+        attributes[entry["case"] or ""][entry["surface"]] = attrs
     sizes: dict[str, int] = {}
     dims: dict[str, tuple[str, ...]] = {}
     for arrays in datasets.values():
@@ -133,7 +130,6 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         "verdicts": lambda attrs: json.loads(attrs["verdicts"]),
         "reasons": lambda attrs: json.loads(attrs["reasons"]),
         "bands": lambda attrs: {key: attrs[key] for key in _BANDS if key in attrs},
-        "choices": itemgetter("choices"),
     }
     for name, pick in picked.items():
         with suppress(KeyError):  # of files without verdicts

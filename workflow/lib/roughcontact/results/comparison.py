@@ -25,7 +25,7 @@ _NOT_COMPARED = {
     "converged",
     "verdict",
 }
-_BUDGET = ("_uncertainty", "_lower", "_upper", "_parts", "_choices")
+_BUDGET = ("_uncertainty", "_lower", "_upper", "_parts")
 
 Surfaces = dict[tuple[str, ...], list[xr.Dataset]]
 

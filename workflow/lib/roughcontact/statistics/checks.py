@@ -56,9 +56,9 @@ _CONCERNS = {
 # warnings of what a source of the interval evaluates
 _IN_THE_INTERVAL = {
     "Resolution": "unresolved",
-    "Periodic window": "processing",
-    "Form": "processing",
-    "Scan lines": "processing",
+    "Periodic window": "window",
+    "Form": "window",
+    "Scan lines": "window",
     "Window": "window",
     "Longest wave": "window",
     "Band": "instrument",

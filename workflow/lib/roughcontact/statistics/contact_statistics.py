@@ -259,8 +259,8 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     statistics : Dataset
         from `contact_statistics`.
     budget : Dataset
-        from `error_budget`, for the same loads; it may be empty. Its attributes `window_flag`,
-        `window_reason` and `processing_reason` are kept.
+        from `error_budget`, for the same loads; it may be empty. Its attributes `window_flag` and
+        `window_reason` are kept. A quantity that it corrects (`{name}_as_solved`) takes the corrected value.
 
     Returns
     -------
@@ -282,11 +282,12 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     """
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
-    words = {
-        key: budget.attrs[key]
-        for key in ("window_reason", "window_flag", "processing_reason")
-        if key in budget.attrs
-    }
+    words = {key: budget.attrs[key] for key in ("window_reason", "window_flag") if key in budget.attrs}
+    corrected = [str(name).removesuffix("_as_solved") for name in budget if str(name).endswith("_as_solved")]
+    statistics = statistics.assign({name: budget[f"{name}_estimate"].variable for name in corrected})
+    if "max_pressure" in corrected and "max_pressure_over_modulus" in statistics:
+        relative = statistics["max_pressure"] / statistics["contact_modulus"]
+        statistics = statistics.assign(max_pressure_over_modulus=relative.variable)
     complete = statistics.merge(budget, compat="override", join="override").assign_attrs(words)
     return complete.assign(_ends_in_other_units(complete) | _ends_of_the_leak(complete))
 

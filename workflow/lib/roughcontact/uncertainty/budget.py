@@ -1,4 +1,4 @@
-"""The error budget: uncertainty of each headline quantity, by source and combined."""
+"""The error budget: corrections, intervals and their components for each headline quantity and answer."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -9,37 +9,51 @@ import xarray as xr
 from roughcontact.checking import check_choice
 from roughcontact.choices import UncertaintySource
 from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import HeightMapError
+from roughcontact.errors import SettingsError
+from roughcontact.maps import spacing
 from roughcontact.si import in_si
-from roughcontact.statistics.contact_statistics import contact_statistics
-from roughcontact.uncertainty.answers import (
-    ANSWERS,
-    answers_of,
-    half_length_constrictions,
-    quantities_in,
+from roughcontact.uncertainty import calibration
+from roughcontact.uncertainty.budget_inputs import budget_inputs
+from roughcontact.uncertainty.combination import (
+    SOURCES,
+    Component,
+    Components,
+    columns_of_components,
+    component,
+    component_from_units,
+    ends_of,
+    labels,
+    limited,
 )
-from roughcontact.uncertainty.combination import SOURCES, combine
-from roughcontact.uncertainty.discretisation import discretisation_uncertainty, resolution_indicators
-from roughcontact.uncertainty.headline import QUANTITIES
-from roughcontact.uncertainty.inputs import AMPLIFICATIONS, STIFFNESS, input_uncertainty
-from roughcontact.uncertainty.instrument import added_up, instrument_uncertainty
+from roughcontact.uncertainty.discretisation import CORRECTED, discretisation_error
+from roughcontact.uncertainty.headline import quantities_in
+from roughcontact.uncertainty.inputs import AMPLIFICATIONS, input_uncertainty
+from roughcontact.uncertainty.instrument import added_up, instrument_components
 from roughcontact.uncertainty.magnification import magnification_curve
-from roughcontact.uncertainty.processing import processing_uncertainty
 from roughcontact.uncertainty.rejected import rejected_load_share
-from roughcontact.uncertainty.solver import solver_uncertainty
-from roughcontact.uncertainty.unresolved import waves_not_resolved
-from roughcontact.uncertainty.window_sampling import window_uncertainty
+from roughcontact.uncertainty.sample import constrictions_in_grooves, deficiency, description
+from roughcontact.uncertainty.scales import (
+    AREA,
+    CONSTRICTIONS,
+    GAP,
+    PEAK,
+    PRESSURE,
+    QUANTITIES,
+    from_scale,
+    to_scale,
+)
+from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
+from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, next_octave
 from roughcontact.window.instrument import stated_instrument
 from roughcontact.window.periodic_window import periodic_window
 from roughcontact.window.transfer import undone
 
-# endings of the variables that hold the results of ensemble members
-_ENSEMBLES: dict[UncertaintySource, str] = {"window": "parts", "processing": "choices"}
 # settings of the contact that are uncertainties -> the input whose they are
 MATERIAL_UNCERTAINTIES = {
     "contact_modulus_uncertainty": "contact_modulus",
     "mean_pressure_uncertainty": "mean_pressure",
 }
+Arms = tuple[np.ndarray, np.ndarray]  # below and above the result (load), on the scale
 
 
 @in_si
@@ -53,17 +67,19 @@ def error_budget(
     extent: float = 3.0,
     solved: xr.Dataset | None = None,
 ) -> xr.Dataset:
-    """Return the uncertainty of the headline quantities and the answers, by source and combined.
+    """Return the intervals of the headline quantities and the answers, and what they are made of.
 
     The headline quantities are contact area, mean gap, largest and mean pressure in contact; the answers are
-    conductance and critical constrictions of the gap (`roughcontact.uncertainty.answers`).
+    conductance and narrowest places of the gap. Known biases are corrected ([1]_, 3.2.4); the sources are
+    combined as the root of the sum of squares ([1]_, 5.1.2) on the scale of each quantity
+    (`roughcontact.uncertainty.scales`), separately below and above. There is an interval for each of five
+    measurands, all in the band of waves of the map but one:
 
-    The interval is for the surface over `extent` times the length of the map, under the same mean pressure.
-    Sources: `solver` (error bound), `discretisation` (pixels half as large), `window` (ensemble of subwindows
-    and growth of the heights with the length), `processing` (alternative ways to level, fill and make
-    periodic), `instrument` (what is stated of it), `material` (contact modulus and load), `unresolved` (waves
-    that the map does not show). They are independent: U² = sum of U_i² ([1]_, 5.1.2), separately below and
-    above the result; known biases are added on their side (`roughcontact.uncertainty.combination`).
+    * the surface: the mean of what maps of this size would show all over it
+    * the next map of this size, elsewhere on it
+    * the surface over `extent` times the length of the map
+    * the surface with waves one octave shorter
+    * this map, between its own borders
 
     Parameters
     ----------
@@ -75,32 +91,35 @@ def error_budget(
         `mean_pressure_uncertainty` (relative, expanded), and `instrument` what is stated of the instrument
         (`roughcontact.uncertainty.instrument`).
     sources : list of str
-        uncertainty sources to evaluate; an empty list gives no intervals.
+        `solver` (error bound), `discretisation` (finer pixels), `window` (scatter of subwindows, calibrated),
+        `instrument` (what is stated of it), `material` (contact modulus and load), `unresolved` (waves that
+        the instrument hides, and the next octave). An empty list gives no intervals.
     windows : int
         maximum number of subwindows that are solved; 4 or more.
     extent : float
-        length of the surface that the intervals are for, over that of the map; 1 or more.
+        length of the surface of the third measurand, over that of the map; 1 or more.
     solved : Dataset, optional
         `budget_inputs` of the solution of the window; it is solved here where they are not given.
 
     Returns
     -------
     Dataset
-        of `combine`: half-widths, their components, the ends of both intervals; a source that was not
-        requested or that this map does not allow is NaN. `{quantity}_as_measured` (load): of a map that was
-        corrected, the result without the correction. `{quantity}_at_cutoff` (load, cutoff): the magnification
-        curve; `{quantity}_sensitivity` (load, input). Along (member, load) and (choice, load) the results of
-        the members of the two ensembles,
-        `{quantity}_parts` and `{quantity}_choices`. For any sources: `rejected_load_share` (load), from
-        `roughcontact.uncertainty.rejected`. Attributes: `window_reason` and `processing_reason` describe the
-        two ensembles, `window_flag` and `processing_flag` their deficiencies.
+        along `load`, for each quantity the ends of its intervals: `{quantity}_lower`, `_upper` (surface),
+        `_next_lower`, `_next_upper`, `_longer_lower`, `_longer_upper`, `_octave_lower`, `_octave_upper`,
+        `_map_lower`, `_map_upper`; NaN for an upper end that nothing bounds. `{quantity}_estimate`: the
+        corrected result, `{quantity}_as_solved` the result before the correction. With dims (load, source)
+        the half-widths `{quantity}_uncertainty`, `source` being the six and `combined`, and
+        `{quantity}_components`, along `component` down, up, shift_down and shift_up; a source that was not
+        requested, or that this map does not allow, is NaN. `{quantity}_as_measured` (load): of a map that was
+        corrected for its instrument, the result without that. `{quantity}_at_cutoff` (load, cutoff): the
+        magnification curve; `{quantity}_sensitivity` (load, input); `{quantity}_parts` (member, load): the
+        results of the subwindows. For any sources `rejected_load_share` (load). Attributes: `window_reason`
+        describes the subwindows, `window_flag` their deficiency.
 
     Raises
     ------
     SettingsError
-        for an unknown source, or too few windows.
-    HeightMapError
-        for a map that has not been levelled.
+        for an unknown source, too few windows, or an extent below 1.
     ConvergenceError
         where the solution of the window misses its tolerance.
 
@@ -119,143 +138,263 @@ def error_budget(
     """
     for source in sources:
         check_choice("uncertainty.sources", source, UncertaintySource)
-    if "processing" in sources and "filled" not in levelled.coords and "periodisation" in window.attrs:
-        raise HeightMapError(
-            "error_budget needs the map as `level` returns it, with its record of filled points: pass "
-            "level(height, ...), or leave the source 'processing' out"
-        )
-    contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
+    if not extent >= 1:
+        raise SettingsError(f"extent = {extent!r}: give a number of 1 or more")
     stated = settings["contact"]
-    coordinates = {"mean_pressure": ("load", np.atleast_1d(np.asarray(contact["mean_pressure"], float)))}
+    contact = {key: value for key, value in stated.items() if key not in MATERIAL_UNCERTAINTIES}
+    load = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
     # a load that does not converge gives NaN instead of ending the job
     lenient = {**contact, "on_failure": "flag"}
     rejected = rejected_load_share(levelled, window=settings["window"], contact=lenient)
     if not sources:
-        return xr.Dataset({rejected.name: rejected}, coords=coordinates)
+        return xr.Dataset({rejected.name: rejected}, coords={"mean_pressure": ("load", load)})
     if solved is None:
         solved = solve_contact(window, **contact, reduce=budget_inputs)
-    # a map that is its own window has no record of a periodisation
-    chosen = window if "periodisation" in window.attrs else None
-    found: dict[UncertaintySource, xr.Dataset] = {
-        "solver": solved[[_uncertainty(name) for name in QUANTITIES]]
-    }
-    found["solver"] = found["solver"].rename({_uncertainty(name): name for name in QUANTITIES})
+    names = quantities_in(solved)
+    as_solved = {name: solved[name].values for name in names}
+    values = {name: value for name, value in as_solved.items() if name != PRESSURE}
+    middle = {name: to_scale(name, value) for name, value in values.items()}
+    found: dict[UncertaintySource, Components] = {}
+    columns: dict[str, tuple] = {}
+    attrs: dict[str, str] = {}
+    if "solver" in sources:
+        found["solver"] = _of_solver(solved)
     if "discretisation" in sources:
-        found["discretisation"] = discretisation_uncertainty(window, contact=lenient, solved=solved)
+        errors = discretisation_error(
+            window, contact=lenient, values=values, peak_index=int(solved["index_of_the_peak"].values[-1])
+        )
+        found["discretisation"] = {name: component(width, width) for name, (_, width) in errors.items()}
+        for name in CORRECTED:
+            middle[name] = middle[name] + errors[name][0]
+    scatter: Scatter | None = None
+    grooves: list[str] = []
     if "window" in sources:
-        found["window"] = window_uncertainty(
+        scatter = scatter_of_subwindows(
             levelled,
-            window=settings["window"],
-            contact=lenient,
-            solved=solved,
-            number=windows,
-            extent=extent,
-            chosen=chosen,
-        )
-    if "processing" in sources:
-        found["processing"] = processing_uncertainty(
-            levelled,
-            level=settings["level"],
-            window=settings["window"],
-            contact=lenient,
-            solved=solved,
-            chosen=chosen,
-        )
-    instrument = stated_instrument(levelled, settings.get("instrument"))
-    scales = {key: instrument[key] for key in AMPLIFICATIONS if instrument.get(key)}
-    material = {key: stated[name] for name, key in MATERIAL_UNCERTAINTIES.items() if stated.get(name)}
-    propagated = (material if "material" in sources else {}) | (scales if "instrument" in sources else {})
-    inputs = input_uncertainty(window, contact=lenient, solved=solved, stated=propagated)
-    true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
-    if "instrument" in sources:
-        uncorrected = {key: value for key, value in settings["window"].items() if key != "correct_for"}
-        as_corrected = "corrected_for" in window.attrs
-        found["instrument"] = instrument_uncertainty(
             window,
             contact=lenient,
-            solved=solved,
+            arguments=settings["window"],
+            values=values,
+            number=windows,
+        )
+        if CONSTRICTIONS[0] in names:
+            grooves = constrictions_in_grooves(window)
+        attrs = {
+            "window_reason": description(levelled, scatter, grooves),
+            "window_flag": deficiency(levelled, scatter),
+        }
+        columns |= {f"{name}_parts": (("member", "load"), v) for name, v in scatter.members.items()}
+    instrument = stated_instrument(levelled, settings.get("instrument"))
+    inputs = _stated_inputs(window, lenient, solved, sources, stated, instrument)
+    columns |= {
+        f"{name}_sensitivity": (("load", "input"), inputs[f"{name}_sensitivity"].values) for name in names
+    }
+    of_inputs = {key: _of_input(inputs.sel(input=key), as_solved) for key in inputs["input"].values}
+    true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
+    if "instrument" in sources:
+        corrected = "corrected_for" in window.attrs
+        uncorrected = {key: value for key, value in settings["window"].items() if key != "correct_for"}
+        causes, before = instrument_components(
+            window,
+            contact=lenient,
+            values=values,
             instrument=instrument,
-            scales=[inputs.sel(input=key, drop=True) for key in scales],
-            as_measured=periodic_window(levelled, **uncorrected) if as_corrected else None,
+            as_measured=periodic_window(levelled, **uncorrected) if corrected else None,
             true_shapes=true_shapes,
         )
+        found["instrument"] = added_up([*causes, *(of_inputs[key] for key in AMPLIFICATIONS)])
+        columns |= {f"{name}_as_measured": ("load", value) for name, value in before.items()}
     if "material" in sources:
-        parts = [inputs.sel(input=key, drop=True) for key in material]
-        found["material"] = added_up(parts, quantities_in(solved), solved)
-    curve = magnification_curve(window, contact=lenient, solved=solved) if "unresolved" in sources else None
-    if curve is not None:
-        found["unresolved"] = waves_not_resolved(window, curve, solved, settings, instrument, true_shapes)
-    found = {source: found[source] for source in SOURCES if source in sources}
-    budget = (
-        combine(found, solved, hardness=contact.get("hardness"))
-        .assign_coords(coordinates)
-        .assign({rejected.name: rejected})
-        .merge(inputs[[f"{name}_sensitivity" for name in quantities_in(solved)]])
+        found["material"] = added_up(of_inputs[key] for key in MATERIAL_UNCERTAINTIES.values())
+    octave: Mapping[str, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+    if "unresolved" in sources:
+        curve = magnification_curve(window, contact=lenient, solved=solved)
+        columns |= {
+            str(name): (v.dims, v.values)
+            for name, v in curve.variables.items()
+            if name not in ("load", "mean_pressure")
+        }
+        if not band_is_chosen(settings, 2 * max(spacing(window))):
+            found["unresolved"] = hidden_waves(window, curve, instrument, true_shapes)
+            octave = next_octave(window, curve, instrument.get("finer_spectrum"))
+    open_ended = {
+        name: solved[f"{name}_half_way"].values > 0 for name in grooves if f"{name}_half_way" in solved
+    }
+    intervals = _Intervals(
+        found, scatter, octave, open_ended, load=load, extent=extent, hardness=contact.get("hardness")
     )
-    if curve is not None:
-        budget = budget.merge(curve.drop_vars("mean_pressure", errors="ignore"))
-    budget = budget.merge(_as_measured(found.get("instrument", xr.Dataset())))
-    return _with_members(budget, found)
+    for name in names:
+        columns |= intervals.columns(name, as_solved, middle)
+    return xr.Dataset(
+        columns,
+        coords={"mean_pressure": ("load", load), **labels(), "input": list(inputs["input"].values)},
+        attrs=attrs,
+    ).assign({rejected.name: rejected})
 
 
-def _with_members(budget: xr.Dataset, found: Mapping[UncertaintySource, xr.Dataset]) -> xr.Dataset:
-    """Return the budget with the results of the two ensembles' members, and what is said of them."""
-    for source, ending in _ENSEMBLES.items():
-        if source not in found:
-            continue
-        names = {f"{name}_members": f"{name}_{ending}" for name in (*QUANTITIES, *ANSWERS)}
-        kept = found[source][list(names)].rename(names)
-        budget = budget.merge(kept.drop_vars("mean_pressure"))
-        said = found[source].attrs
-        budget.attrs |= {f"{source}_{key}": said[key] for key in ("reason", "flag") if key in said}
-    return budget
+def _stated_inputs(
+    window: xr.DataArray,
+    contact: Mapping[str, Any],
+    solved: xr.Dataset,
+    sources: Sequence[UncertaintySource],
+    stated: Mapping[str, Any],
+    instrument: Mapping[str, Any],
+) -> xr.Dataset:
+    """Return `input_uncertainty` of load, modulus and scales, as far as the sources ask for them."""
+    material = {key: stated[name] for name, key in MATERIAL_UNCERTAINTIES.items() if stated.get(name)}
+    scales = {key: instrument[key] for key in AMPLIFICATIONS if instrument.get(key)}
+    propagated = (material if "material" in sources else {}) | (scales if "instrument" in sources else {})
+    return input_uncertainty(window, contact=contact, solved=solved, stated=propagated)
 
 
-def _as_measured(instrument: xr.Dataset) -> xr.Dataset:
-    """Return the results of a corrected map without the correction, where there is one."""
-    return instrument[[name for name in instrument if str(name).endswith("_as_measured")]]
+def _of_solver(solved: xr.Dataset) -> dict[str, Component]:
+    """Return the components of the solver, whose half-widths are in the unit of each quantity."""
+    found = {}
+    for name in QUANTITIES:
+        width = solved[f"{name}_uncertainty"].values
+        found[name] = component_from_units(name, solved[name].values, {"down": width, "up": width})
+    return found
 
 
-def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> xr.Dataset:
-    """Return what the error budget takes from a solution, so that its fields need not be kept.
-
-    Parameters
-    ----------
-    contact : Dataset
-        as `solve_contact` returns it, with its fields.
-    statistics : Dataset, optional
-        `contact_statistics` of the same loads, computed here where they are not given.
-
-    Returns
-    -------
-    Dataset
-        dim load: `QUANTITIES` and `ANSWERS`, resolution indicators, constrictions of paths half as long as
-        the map, `loading_stiffness`, and `{quantity}_uncertainty` of the solver.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> height = rough_reference_surface(64)
-    >>> contact = solve_contact(height, contact_modulus=1.0, mean_pressure=[0.1])
-    >>> budget_inputs(contact)["relative_contact_area"].round(2).values
-    array([0.34])
-    """
-    if statistics is None:
-        statistics = contact_statistics(contact, flow="never", stress="never")
-    loading = statistics[STIFFNESS if STIFFNESS in statistics else "contact_stiffness"]
-    of_solver = solver_uncertainty(contact, energy=statistics["elastic_energy"].values)
-    return (
-        resolution_indicators(contact)
-        .assign(answers_of(contact, statistics))
-        .merge(half_length_constrictions(contact))
-        .merge(of_solver.rename({name: _uncertainty(name) for name in QUANTITIES}))
-        .assign_coords(mean_pressure=contact["mean_pressure"].variable)
-        .assign({STIFFNESS: loading.variable})
-        .assign(contact_modulus=contact["contact_modulus"].variable)
-        .assign_attrs(contact.attrs)
-    )
+def _of_input(inputs: xr.Dataset, values: Mapping[str, np.ndarray]) -> dict[str, Component]:
+    """Return the components of one stated input; empty for one that is not stated."""
+    found = {}
+    for name, value in values.items():
+        ends = {side: inputs[f"{name}_{side}"].values for side in ("down", "up")}
+        if not np.isnan(ends["up"]).all():
+            found[name] = component_from_units(name, value, ends)
+    return found
 
 
-def _uncertainty(name: str) -> str:
-    """Return the name of the uncertainty of a quantity."""
-    return f"{name}_uncertainty"
+class _Intervals:
+    """The intervals of all measurands, from the components of the sources."""
+
+    def __init__(
+        self,
+        found: Mapping[UncertaintySource, Components],
+        scatter: Scatter | None,
+        octave: Mapping[str, tuple[np.ndarray, np.ndarray, np.ndarray]],
+        open_ended: Mapping[str, np.ndarray],
+        *,
+        load: np.ndarray,
+        extent: float,
+        hardness: float | None,
+    ) -> None:
+        self.found, self.scatter, self.octave, self.open_ended = found, scatter, octave, open_ended
+        self.load, self.extent, self.hardness = load, extent, hardness
+
+    def columns(
+        self, name: str, as_solved: Mapping[str, np.ndarray], middle: Mapping[str, np.ndarray]
+    ) -> dict[str, tuple]:
+        """Return the ends of all intervals of a quantity, and what they are made of."""
+        area = from_scale(AREA, middle[AREA])
+        if name == PRESSURE:  # the load over the area
+            centre, own = np.log(self.load) - np.log(area), self._of_pressure(middle[AREA])
+        else:
+            centre, own = middle[name], {s: parts[name] for s, parts in self.found.items() if name in parts}
+        value = np.where(np.isnan(centre), as_solved[name], from_scale(name, centre))
+        if self.hardness is not None and name in (PRESSURE, PEAK):
+            value = np.fmin(value, self.hardness)
+        arms = {
+            m: self._arms(m, name, area, as_solved[GAP], middle[AREA])
+            for m in ("surface", "next", "longer", "map")
+        }
+        of_map = [part for source, part in own.items() if source not in ("unresolved",)]
+        everything = [*own.values()]
+        ends = {
+            "": self._ends(name, centre, value, everything, arms["surface"]),
+            "next_": self._ends(name, centre, value, everything, arms["next"]),
+            "longer_": self._ends(name, centre, value, everything, arms["longer"]),
+            "map_": self._ends(name, centre, value, of_map, arms["map"]),
+            "octave_": self._octave(name, centre, value, everything, arms["surface"], middle[AREA]),
+        }
+        columns: dict[str, tuple] = {}
+        for key, pair in ends.items():
+            for end, numbers in zip(("lower", "upper"), pair, strict=True):
+                columns[f"{name}_{key}{end}"] = ("load", numbers)
+        if arms["surface"] is not None:
+            own["window"] = component(*(np.maximum(side, 0.0) for side in arms["surface"]))
+        shown: dict[UncertaintySource, Components] = {s: {name: own[s]} for s in SOURCES if s in own}
+        columns |= columns_of_components(name, value, shown, ends[""])
+        if name in (*CORRECTED, PRESSURE):
+            columns[f"{name}_as_solved"] = ("load", as_solved[name])
+        return columns
+
+    def _arms(
+        self, measurand: str, name: str, area: np.ndarray, gap: np.ndarray, middle_of_area: np.ndarray
+    ) -> Arms | None:
+        """Return how far the truth of a measurand may lie below and above a result, on its scale."""
+        if self.scatter is None:
+            return None
+        if not self.scatter.features:  # without parts of a map nothing bounds what other places would give
+            return (np.full(area.shape, np.inf if measurand != "map" else 0.0),) * 2
+        source = AREA if name == PRESSURE else name
+        size = calibration.expected_error(source, self.scatter.features[source])
+        if measurand == "longer":
+            down, up = calibration.arms_of_longer(source, area, self.extent)
+        else:
+            down, up = calibration.arms(measurand, source, area)
+        if name in CONSTRICTIONS:  # counted in mean gaps
+            size = size * gap
+        down, up = down * size, up * size
+        if name == PRESSURE:
+            return _of_area_in_pressure(middle_of_area, down, up)
+        if name in self.open_ended and measurand != "map":
+            up = np.where(self.open_ended[name], np.inf, up)
+        return down, up
+
+    def _of_pressure(self, middle_of_area: np.ndarray) -> dict[UncertaintySource, Component]:
+        """Return the components of the pressure in contact; but for stated inputs they are those of the area."""
+        own: dict[UncertaintySource, Component] = {}
+        for source, parts in self.found.items():
+            if PRESSURE in parts and source != "solver":
+                own[source] = parts[PRESSURE]
+            elif AREA in parts:
+                area = parts[AREA]
+                below, above = _of_area_in_pressure(middle_of_area, area.down, area.up)
+                shifts = _of_area_in_pressure(middle_of_area, area.shift_down, area.shift_up)
+                own[source] = Component(below, above, *shifts)
+        return own
+
+    def _ends(
+        self, name: str, centre: np.ndarray, value: np.ndarray, parts: list[Component], arms: Arms | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return both ends of an interval, in the unit of the quantity; NaN without any source."""
+        if not parts and arms is None:
+            return (np.full(value.shape, np.nan),) * 2
+        ends = ends_of(name, centre, parts, arms)
+        if name == GAP and self.scatter is not None:  # in full contact: that of the most open subwindow
+            with np.errstate(all="ignore"):
+                widest = np.fmax.reduce(self.scatter.members[GAP], axis=0, initial=0.0)
+            ends = np.where(value > 0, ends[0], 0.0), np.where(value > 0, ends[1], widest)
+        return limited(name, ends, value=value, load=self.load, hardness=self.hardness)
+
+    def _octave(
+        self,
+        name: str,
+        centre: np.ndarray,
+        value: np.ndarray,
+        parts: list[Component],
+        arms: Arms | None,
+        middle_of_area: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return both ends with waves one octave shorter; those of the surface where the band is chosen."""
+        source = AREA if name == PRESSURE else name
+        if source not in self.octave:
+            return self._ends(name, centre, value, parts, arms)
+        shift, below, above = self.octave[source]
+        if name == PRESSURE:
+            moved, _ = _of_area_in_pressure(middle_of_area, 0 * shift, shift)
+            below, above = _of_area_in_pressure(middle_of_area + shift, below, above)
+            shift = -moved
+        moved_value = from_scale(name, centre + shift)
+        return self._ends(name, centre + shift, moved_value, [*parts, component(below, above)], arms)
+
+
+def _of_area_in_pressure(middle: np.ndarray, down: np.ndarray, up: np.ndarray) -> Arms:
+    """Return arms of ln(pressure in contact) below and above, from those of the area on its scale."""
+    area = from_scale(AREA, middle)
+    with np.errstate(divide="ignore"):
+        below = np.log(from_scale(AREA, middle + up) / area)
+        above = np.log(area / from_scale(AREA, middle - down))
+    return below, above

@@ -20,8 +20,8 @@ import xarray as xr
 
 from roughcontact.errors import SettingsError
 from roughcontact.quantities import percent
-from roughcontact.uncertainty.answers import quantities_in
 from roughcontact.uncertainty.combination import SOURCES
+from roughcontact.uncertainty.ensemble import at_all_loads
 from roughcontact.uncertainty.groups import (
     HEIGHTS,
     SAME_LOAD,
@@ -34,6 +34,7 @@ from roughcontact.uncertainty.groups import (
     scaled_components,
     to_scale,
 )
+from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.random_effects import (
     SIGNIFICANCE,
     correlation_at_least,
@@ -181,8 +182,8 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
 
     The two may also be maps of the same place, measured again, or placements of the same two faces. Loads are
     compared in order, first with first. The errors of both are taken as correlated as the results of the same
-    parts of the window (`window`) and of the same choices (`processing`) are; those of the solver are
-    independent, those of the material where the moduli differ; all others are the same.
+    parts of the window (`window`) are; those of the solver are independent, those of the material where the
+    moduli differ; all others are the same.
 
     `ratio`, `ratio_lower` and `ratio_upper` (quantity, load) are those of the second to the first; NaN where
     a number is not positive, has no uncertainty, or nothing bounds the difference.
@@ -431,42 +432,35 @@ def _correlations(name: str, first: xr.Dataset, second: xr.Dataset) -> np.ndarra
     found = np.tile(_alike(first, second), (first.sizes["load"], 1))
     if any(f"{name}_components" not in data for data in (first, second)):
         return 0 * found  # nothing is known of what they share
-    for source, ending in (("window", "parts"), ("processing", "choices")):
-        moved = [_deviations(name, data, ending) for data in (first, second)]
-        found[:, SOURCES.index(source)] = _correlation(*moved)
+    moved = [_deviations(name, data) for data in (first, second)]
+    found[:, SOURCES.index("window")] = _correlation(*moved, first["mean_pressure"].values)
     return found
 
 
-def _deviations(name: str, data: xr.Dataset, ending: str) -> tuple[list, np.ndarray]:
-    """Return the labels of the members of an ensemble, and their deviations (member, load) on the scale.
-
-    Without labels these are number and place: members of equally many are taken as the same.
-    """
-    if f"{name}_{ending}" not in data:
-        return [], np.empty((0, data.sizes["load"]))
-    members = data[f"{name}_{ending}"].transpose(..., "load")
+def _deviations(name: str, data: xr.Dataset) -> np.ndarray:
+    """Return the deviations (member, load) of the subwindows from their mean, on the scale."""
+    if f"{name}_parts" not in data:
+        return np.empty((0, data.sizes["load"]))
+    members = data[f"{name}_parts"].transpose(..., "load")
     known = np.isfinite(members.values).any(axis=1)  # the others are padding
     scaled = to_scale(name, members.values[known])
-    # parts scatter about their mean, choices lead away from the result
-    middle = to_scale(name, data[name].values) if ending == "choices" else scaled.mean(axis=0)
-    dim = members.dims[0]
-    labels = (
-        members[dim].values[known]
-        if dim in members.coords
-        else [(len(scaled), k) for k, _ in enumerate(scaled)]
-    )
-    return list(labels), scaled - middle
+    return scaled - scaled.mean(axis=0)
 
 
-def _correlation(first: tuple[list, np.ndarray], second: tuple[list, np.ndarray]) -> np.ndarray:
-    """Return the correlation (load,) of deviations; a member that only one of both has is its own."""
-    (labels, one), (others, two) = first, second
+def _correlation(first: np.ndarray, second: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """Return the correlation (load,) of deviations; 0 where the subwindows are not the same.
+
+    Between loads at which the subwindows were solved it is interpolated.
+    """
+    if first.shape != second.shape:
+        return np.zeros(load.shape)
     with np.errstate(invalid="ignore", divide="ignore"):
-        size = np.sqrt(np.sum(one**2, axis=0) * np.sum(two**2, axis=0))
-        both = [label for label in labels if label in others]
-        one, two = one[[labels.index(label) for label in both]], two[[others.index(label) for label in both]]
-        found = np.sum(one * two, axis=0) / size
-    return np.clip(np.nan_to_num(found), -1.0, 1.0)
+        size = np.sqrt(np.sum(first**2, axis=0) * np.sum(second**2, axis=0))
+        found = np.sum(first * second, axis=0) / size
+    solved = np.flatnonzero(np.isfinite(found))
+    return (
+        np.clip(at_all_loads(found[solved], solved, load), -1.0, 1.0) if solved.size else np.zeros(load.shape)
+    )
 
 
 def _left(first: np.ndarray, second: np.ndarray, correlation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

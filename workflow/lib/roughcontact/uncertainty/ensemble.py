@@ -1,36 +1,20 @@
-"""Ensemble members: solutions to a wide tolerance that keep only the quantities of the error budget."""
+"""Ensemble members: solutions to a wide tolerance of which only the quantities of the error budget are kept."""
 
-import math
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.solve import MOST_LOAD, solve_contact
+from roughcontact.contact.fields import solved_fields
+from roughcontact.contact.solve import elasticity
+from roughcontact.kernels.arrays import DOUBLE, SINGLE
 from roughcontact.maps import spacing
-from roughcontact.uncertainty.answers import CONSTRICTIONS, quantities_in
-from roughcontact.uncertainty.headline import headline
-from roughcontact.uncertainty.representative_loads import interpolate_over_loads, representative_loads
+from roughcontact.uncertainty.headline import quantities_of
+from roughcontact.uncertainty.scales import from_scale, to_scale
 
-_OVERRIDDEN = ("tolerance", "fields", "reduce", "progress")  # arguments that a member sets itself
-
-Count = Callable[[xr.Dataset], xr.Dataset]
-
-
-class Member(NamedTuple):
-    """Result of one ensemble member.
-
-    Attributes
-    ----------
-    values : dict
-        quantity -> array (load).
-    work : float
-        number of FFT pairs times number of points.
-    """
-
-    values: dict[str, np.ndarray]
-    work: float
+_SINGLE_PRECISION_FROM = 1e-4  # tolerance from which rounding in single precision does not count
 
 
 def solve_member(
@@ -38,115 +22,114 @@ def solve_member(
     contact: Mapping[str, Any],
     *,
     tolerance: float,
-    count: Count = headline,
-    result: xr.Dataset | None = None,
-) -> Member:
-    """Solve one window of an ensemble without keeping its fields.
+    names: Sequence[str],
+    loads: Sequence[int] | None = None,
+) -> dict[str, np.ndarray]:
+    """Solve one window of an ensemble; its fields are not kept.
 
     Parameters
     ----------
     window : DataArray (y, x), m
         periodic. A window whose heights are rounding errors only, after levelling, is solved as flat.
     contact : dict
-        keyword arguments of `solve_contact`. A load that misses the tolerance raises or, with `on_failure` =
-        "flag", is NaN.
+        keyword arguments of `solve_contact`.
     tolerance : float
         relative tolerance of the pressure, unless `contact` has a wider one.
-    count : callable
-        function that computes the quantities of a solution: `headline` or `headline_and_answers`.
-    result : Dataset, optional
-        that of the main window at the same loads. Closely spaced loads are then not all solved
-        (`roughcontact.uncertainty.representative_loads`), and the others interpolated.
+    names : sequence of str
+        quantities that are asked for.
+    loads : sequence of int, optional
+        indices of the loads that are solved; all by default.
 
     Returns
     -------
-    Member
-
-    Raises
-    ------
-    ConvergenceError
-        as `solve_contact`.
+    dict
+        quantity -> array (load), of the loads that are solved; NaN for a load that misses the tolerance.
 
     Examples
     --------
     >>> from roughcontact.references.synthetic import rough_reference_surface
     >>> problem = {"contact_modulus": 1.0, "mean_pressure": [0.1]}
-    >>> found = solve_member(rough_reference_surface(64), problem, tolerance=1e-2)
-    >>> found.values["relative_contact_area"].round(2)
+    >>> member = solve_member(
+    ...     rough_reference_surface(64), problem, tolerance=1e-2, names=["relative_contact_area"]
+    ... )
+    >>> member["relative_contact_area"].round(2)
     array([0.34])
     """
-    if np.max(contact["mean_pressure"]) > 0.5 * MOST_LOAD * contact["contact_modulus"] * _gradient(window):
-        window = xr.zeros_like(window)
-    load = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
-    solved = np.arange(load.size)
-    if result is not None:
-        solved = representative_loads(load, result["relative_contact_area"].values)
-    arguments = solver_arguments({**contact, "mean_pressure": load[solved]}, tolerance=tolerance)
-    found = solve_contact(window, **arguments, reduce=count)
-    converged = found["converged"].values == 1
-    values = {name: np.where(converged, found[name].values, np.nan) for name in quantities_in(found)}
-    if result is not None:
-        values = at_all_loads(values, solved, result)
-    return Member(values, float(found["operator_applications"].sum()) * window.size)
+    pressures = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
+    pressures = pressures if loads is None else pressures[list(loads)]
+    tolerance = max(tolerance, contact.get("tolerance", 0.0))
+    influence = contact.get("influence", "sampled")
+    layered = elasticity(contact.get("contact_modulus"), contact.get("bodies"))[1] is not None
+    values = {name: np.full(pressures.shape, np.nan) for name in names}
+    precision = SINGLE if tolerance >= _SINGLE_PRECISION_FROM else DOUBLE
+    problem = {**contact, "mean_pressure": pressures}
+    for solution in solved_fields(window, problem, tolerance=tolerance, precision=precision):
+        if solution.error_bound > tolerance:
+            continue
+        row = quantities_of(
+            solution.pressure,
+            solution.gap,
+            names,
+            steps=spacing(window),
+            influence=influence,
+            layered=layered,
+        )
+        for name in names:
+            values[name][solution.index] = row[name]
+    return values
 
 
-def at_all_loads(
-    values: Mapping[str, np.ndarray], solved: np.ndarray, result: xr.Dataset
-) -> dict[str, np.ndarray]:
-    """Return values or half-widths at all loads of a result from those at the loads `solved`.
-
-    Their ratio to the result is interpolated over the logarithm of the load; of constrictions, which may
-    vanish, the value itself.
+def few_loads(load: np.ndarray, most: int) -> np.ndarray:
+    """Return the indices of at most so many loads: the ends, and those nearest to even steps of ln p between.
 
     Examples
     --------
-    >>> load = {"mean_pressure": ("load", [1.0, 2.0, 4.0])}
-    >>> result = xr.Dataset({"mean_gap": ("load", [3.0, 2.0, 1.0])}, coords=load)
-    >>> at_all_loads({"mean_gap": np.array([0.3, 0.3])}, np.array([0, 2]), result)["mean_gap"]
-    array([0.3, 0.4, 0.3])
+    >>> few_loads(np.array([1.0, 2.0, 4.0, 8.0, 64.0]), 3)
+    array([0, 3, 4])
     """
-    load = result["mean_pressure"].values
-    return {
-        name: interpolate_over_loads(
-            each, solved, load, np.ones(load.shape) if name in CONSTRICTIONS else result[name].values
-        )
-        for name, each in values.items()
-    }
-
-
-def _gradient(window: xr.DataArray) -> float:
-    """Return the rms gradient from first differences, which never exceeds the spectral one."""
-    heights = window.values
-    steps = (
-        np.diff(heights, axis=axis, append=heights.take([0], axis)) / pitch
-        for axis, pitch in enumerate(spacing(window))
+    logarithms = np.log(load)
+    even = np.linspace(logarithms.min(), logarithms.max(), most)
+    return (
+        np.unique(np.abs(logarithms[:, None] - even).argmin(axis=0))
+        if load.size > most
+        else np.arange(load.size)
     )
-    return math.sqrt(sum(float(np.mean(step**2)) for step in steps))
 
 
-def solver_arguments(contact: Mapping[str, Any], *, tolerance: float) -> dict[str, Any]:
-    """Return the keyword arguments of `solve_contact` for an ensemble member.
+def at_all_loads(values: np.ndarray, solved: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """Return numbers at all loads from those at the loads of the indices `solved`, linear in ln p.
 
-    Fields and progress are left out, and the tolerance is replaced.
+    NaN between two loads of which one is NaN.
+
+    Examples
+    --------
+    >>> at_all_loads(np.array([0.1, 0.3]), np.array([0, 2]), np.array([1.0, 2.0, 4.0]))
+    array([0.1, 0.2, 0.3])
+    """
+    order = solved[np.argsort(load[solved])]
+    rank = np.argsort(load[solved])
+    return np.interp(np.log(load), np.log(load[order]), np.asarray(values, float)[rank])
+
+
+def carried_to_all_loads(
+    name: str, values: np.ndarray, solved: np.ndarray, load: np.ndarray, result: np.ndarray
+) -> np.ndarray:
+    """Return a quantity of a member at all loads: its change from the result is interpolated on its scale.
 
     Parameters
     ----------
-    contact : dict
-        keyword arguments of `solve_contact` for the main solution.
-    tolerance : float
-        relative tolerance of the pressure, unless `contact` has a wider one.
-
-    Returns
-    -------
-    dict
-
-    Examples
-    --------
-    >>> solver_arguments({"contact_modulus": 1.0, "tolerance": 1e-6, "fields": True}, tolerance=1e-3)
-    {'contact_modulus': 1.0, 'tolerance': 0.001}
+    values : array (solved,)
+        of the member.
+    solved : array of int
+        indices of its loads.
+    load, result : array (load,)
+        mean pressures, Pa, and the quantity of the result.
     """
-    own = {key: value for key, value in contact.items() if key not in _OVERRIDDEN}
-    return own | {"tolerance": max(tolerance, contact.get("tolerance", 0.0))}
+    if solved.size == load.size:
+        return values
+    own = to_scale(name, result)
+    change = at_all_loads(to_scale(name, values) - own[solved], solved, load)
+    return from_scale(name, own + change)
 
 
 def measured_slices(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slice]:
@@ -184,30 +167,28 @@ def measured_slices(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str,
     return shown
 
 
-def rescaled_to(result: np.ndarray, values: np.ndarray, *, base: np.ndarray) -> np.ndarray:
-    """Return the main result plus the members' deviations from their own reference, rescaled to it.
-
-    Absolute values depend on window size and grid, relative deviations much less. The scale factor is limited
-    to 0.5 ... 2, because the gap vanishes close to full contact.
+def form_order(levelled: xr.DataArray) -> int:
+    """Return the polynomial order that levels a subwindow as the whole map was levelled.
 
     Parameters
     ----------
-    result : array (load)
-        values of the main window.
-    values : array (member, load)
-    base : array (load)
-        reference value of the members.
+    levelled : DataArray (y, x), m
+        from `level`.
 
     Returns
     -------
-    array (member, load)
+    int
+        0 where nothing or only the mean was subtracted; 1 for a plane; 2 for a sphere or a cylinder.
 
     Examples
     --------
-    >>> import numpy as np
-    >>> rescaled_to(np.array([0.2]), np.array([[0.11], [0.09]]), base=np.array([0.1])).round(3)
-    array([[0.22],
-           [0.18]])
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> form_order(rough_reference_surface(64).assign_attrs(form="sphere"))
+    2
     """
-    ratio = np.divide(result, base, out=np.ones_like(base), where=base != 0)
-    return result + np.clip(ratio, 0.5, 2.0) * (values - base)
+    form = levelled.attrs.get("form", "plane")
+    if form == "polynomial":
+        # coefficients are named c_i_j; the record of a plane has slopes instead
+        terms = (name.split("_") for name in json.loads(levelled.attrs["form_removed"]))
+        return max((int(term[1]) + int(term[2]) for term in terms if term[0] == "c"), default=1)
+    return {"none": 0, "mean": 0, "plane": 1}.get(form, 2)

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from roughcontact.uncertainty.answers import quantities_in
+from roughcontact.uncertainty.headline import quantities_in
 
 _ENDS = ("lower", "upper", "next_lower", "next_upper", "next_part_lower", "next_part_upper")
 _COMPARED = ("ratio", "ratio_lower", "ratio_upper", "p_value", "outcome")

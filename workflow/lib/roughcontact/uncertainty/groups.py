@@ -7,7 +7,7 @@ others. On that scale
     U² = (t s)² + U_shared²
 
 s is the standard uncertainty of the mean of the maps, with Student's t (`random_effects`); U_shared is what
-all maps share: discretisation, processing, instrument, material and waves not resolved, each averaged over
+all maps share: discretisation, instrument, material and waves that the instrument hides, each averaged over
 the maps and added once ([1]_, 5.2). The window part of the maps is left out, since the scatter holds it, and
 so is the solver's. For the next map the variance of a single one is added.
 
@@ -31,13 +31,20 @@ import xarray as xr
 from roughcontact.errors import SettingsError
 from roughcontact.io.instrument_kinds import of_name
 from roughcontact.quantities import quantity
-from roughcontact.uncertainty.answers import ANSWERS, CONSTRICTIONS, quantities_in
-from roughcontact.uncertainty.combination import SOURCES
-from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.combination import SOURCES, Component, component_from_units
+from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.random_effects import random_effects, stand_off, student
-from roughcontact.uncertainty.scaling import AREA, PEAK, PRESSURE, effort
+from roughcontact.uncertainty.scales import (
+    ANSWERS,
+    CONSTRICTIONS,
+    PEAK,
+    PRESSURE,
+    QUANTITIES,
+    from_scale,
+    to_scale,
+)
 
-SHARED = ("discretisation", "processing", "instrument", "material", "unresolved")
+SHARED = ("discretisation", "instrument", "material", "unresolved")
 # the placements of two faces share their maps, and with them the places where these were measured
 SHARED_BY_PLACEMENTS = (*SHARED, "window")
 HEIGHTS = CONSTRICTIONS  # narrowest places: evaluated on their own scale
@@ -68,34 +75,6 @@ class Scaled(NamedTuple):
     shared: np.ndarray
 
 
-def to_scale(name: str, values: np.ndarray) -> np.ndarray:
-    """Return a quantity on the scale on which it scatters symmetrically; NaN where it is not positive.
-
-    Examples
-    --------
-    >>> to_scale("mean_gap", np.array([1.0, 0.0])), to_scale("critical_constriction_x", np.array([0.0]))
-    (array([ 0., nan]), array([0.]))
-    """
-    if name in HEIGHTS:
-        return np.asarray(values, float)
-    positive = effort(values) if name == AREA else np.asarray(values, float)
-    return np.log(np.where(positive > 0, positive, np.nan))
-
-
-def from_scale(name: str, values: np.ndarray) -> np.ndarray:
-    """Return a quantity from its symmetric scale.
-
-    Examples
-    --------
-    >>> from_scale("relative_contact_area", to_scale("relative_contact_area", np.array([0.2]))).round(6)
-    array([0.2])
-    """
-    if name in HEIGHTS:
-        return np.maximum(values, 0.0)
-    with np.errstate(over="ignore"):
-        return scipy.special.erf(np.exp(values)) if name == AREA else np.exp(values)
-
-
 def needed_for_groups(names: Iterable[str]) -> list[str]:
     """Return those variables of a file of statistics that groups, and differences of maps, are made of.
 
@@ -104,7 +83,7 @@ def needed_for_groups(names: Iterable[str]) -> list[str]:
     >>> needed_for_groups(["mean_gap", "mean_gap_lower", "mean_gap_density", "iterations"])
     ['mean_gap', 'mean_gap_lower']
     """
-    ends = ("", "_lower", "_upper", "_components", "_parts", "_choices")
+    ends = ("", "_lower", "_upper", "_components", "_parts")
     of_each = {f"{name}{end}" for name in (*QUANTITIES, *ANSWERS) for end in ends}
     wanted = {*of_each, "mean_pressure", "contact_modulus", "hardness", "rms_height"}
     return [name for name in names if name in wanted]
@@ -353,13 +332,10 @@ def scaled_components(name: str, dataset: xr.Dataset) -> np.ndarray:
         return found
     parts = dataset[f"{name}_components"].transpose("load", "source", "component").values[:, : len(SOURCES)]
     # an unbounded half-width is NaN in the file
-    down, up, bias, shift_down, shift_up = np.moveaxis(np.where(np.isnan(parts), np.inf, parts), 2, 0)
-    middle, value = to_scale(name, values)[:, None], values[:, None]
-    least = 0 * value if name in HEIGHTS else 1e-3 * value  # no logarithm of nothing
-    for place, by in enumerate((-down, up, -shift_down, shift_up + bias)):
-        with np.errstate(invalid="ignore"):
-            moved = np.abs(to_scale(name, np.maximum(value + by, least)) - middle)
-        found[:, :, place] = np.where(np.isposinf(by), np.inf, np.where(by == 0, 0.0, moved))
+    sides = np.moveaxis(np.where(np.isnan(parts), np.inf, parts), 2, 0)
+    for place in range(len(SOURCES)):
+        ends = dict(zip(Component._fields, sides[:, :, place], strict=True))
+        found[:, place] = np.column_stack(component_from_units(name, values, ends))
     return found
 
 

@@ -27,9 +27,9 @@ import xarray as xr
 
 from roughcontact.contact.solve import NEAR_HARDNESS
 from roughcontact.errors import SettingsError
-from roughcontact.uncertainty.answers import CONSTRICTIONS, counter_of, quantities_in
 from roughcontact.uncertainty.ensemble import solve_member
-from roughcontact.uncertainty.scaling import AREA, CONDUCTANCE, GAP, PEAK, PRESSURE
+from roughcontact.uncertainty.headline import quantities_in
+from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, CONSTRICTIONS, GAP, PEAK, PRESSURE
 
 STIFFNESS = "loading_stiffness"
 AMPLIFICATIONS = ("amplification_z", "amplification_xy")
@@ -152,7 +152,7 @@ def _end(
     else:
         window = window.assign_coords({axis: factor * window[axis] for axis in ("y", "x")})
     tolerance = contact.get("tolerance", _TOLERANCE)
-    values = solve_member(window, changed, tolerance=tolerance, count=counter_of(solved)).values
+    values = solve_member(window, changed, tolerance=tolerance, names=quantities_in(solved))
     if CONDUCTANCE in values:  # infinite, not unknown, in full contact
         infinite = np.isnan(values[CONDUCTANCE]) & np.isfinite(values[AREA])
         values[CONDUCTANCE] = np.where(infinite, np.inf, values[CONDUCTANCE])

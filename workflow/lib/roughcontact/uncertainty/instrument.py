@@ -23,7 +23,7 @@ as measured is solved once more, and a share of the change is the uncertainty of
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -31,31 +31,33 @@ import xarray as xr
 
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.instrument_checks import coarse_step, suspected_noise
-from roughcontact.uncertainty.answers import counter_of, quantities_in
-from roughcontact.uncertainty.ensemble import solve_member
-from roughcontact.uncertainty.scaling import AREA, PEAK, PRESSURE, effort, half_widths
+from roughcontact.uncertainty.combination import Component, Components, component
+from roughcontact.uncertainty.ensemble import carried_to_all_loads, few_loads, solve_member
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PEAK, to_scale
 from roughcontact.window.instrument import check_instrument
-from roughcontact.window.transfer import restored, undone, unrounded, with_noise
+from roughcontact.window.transfer import restored, unrounded, with_noise
 
 _TOLERANCE = 1e-3  # of the pressure
+_LOADS = 6  # at which a changed window is solved
 _NOISE_MARGIN = 1.0  # of the shift by noise: half of it is added, half is its uncertainty
 # of what a correction changes, in the logarithm; of the single highest point noise hides more
 _CORRECTION_UNCERTAINTY, _PEAK_UNCERTAINTY = 0.5, 1.0
 _RESTORING_UNCERTAINTY = 0.25  # of the shift by a lens, a tip, or rounding
 _MOST_NOISE = 0.95  # of g^2; a map with more noise says nothing of its surface
 
+Values = Mapping[str, np.ndarray]  # quantity -> array (load)
 
-def instrument_uncertainty(
+
+def instrument_components(
     window: xr.DataArray,
     *,
     contact: Mapping[str, Any],
-    solved: xr.Dataset,
+    values: Values,
     instrument: Mapping[str, Any],
-    scales: Sequence[xr.Dataset] = (),
     as_measured: xr.DataArray | None = None,
-    true_shapes: Mapping[str, xr.DataArray] | None = None,
-) -> xr.Dataset:
-    """Return the uncertainty of each result due to what is known of the instrument.
+    true_shapes: Mapping[str, xr.DataArray],
+) -> tuple[list[Components], dict[str, np.ndarray]]:
+    """Return what is known of the instrument contributes to the interval of each result, on its scale.
 
     Parameters
     ----------
@@ -63,241 +65,197 @@ def instrument_uncertainty(
         periodic.
     contact : dict
         keyword arguments of `solve_contact`.
-    solved : Dataset
-        the result: `QUANTITIES` and answers along `load`.
+    values : mapping
+        quantity -> array (load), the result.
     instrument : mapping
         what is stated of `noise` (m, rms), `resolution` (m), `numerical_aperture`, `wavelength` (m),
         `tip_radius` (m).
-    scales : sequence of Dataset
-        half-widths due to each amplification, as of `added_up`.
     as_measured : DataArray (y, x), m, optional
         the window before it was corrected, if it was.
-    true_shapes : mapping, optional
-        `undone` of the window, if that is known.
+    true_shapes : mapping
+        `undone` of the window.
 
     Returns
     -------
-    Dataset
-        along `load`, `{name}`, `{name}_down`, `{name}_up`: half-widths; `{name}_shift_down`,
-        `{name}_shift_up`: one-sided shifts of the ends, infinite where noise hides the surface. NaN where
-        nothing is stated, no noise suspected (`suspected_noise`) and the heights have no `coarse_step`. Of a
-        corrected map also `{name}_as_measured`, the result without the correction.
+    components : list
+        one for each cause; none where nothing is stated, no noise suspected (`suspected_noise`) and the
+        heights have no `coarse_step`.
+    as_measured : dict
+        of a corrected map the results without the correction.
 
     Raises
     ------
     SettingsError
         as of `check_instrument`.
-    ConvergenceError
-        as of `solve_contact`.
 
     Examples
     --------
-    >>> from roughcontact.contact.solve import solve_contact
     >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> from roughcontact.uncertainty.headline import headline
     >>> window, problem = rough_reference_surface(64), {"contact_modulus": 1.0, "mean_pressure": [0.1]}
-    >>> solved = solve_contact(window, **problem, reduce=headline)
-    >>> found = instrument_uncertainty(
-    ...     window, contact=problem, solved=solved, instrument={"noise": 0.03 * float(window.std())}
+    >>> values = solve_member(window, problem, tolerance=1e-3, names=["relative_contact_area"])
+    >>> noise = {"noise": 0.03 * float(window.std())}
+    >>> (found,), _ = instrument_components(
+    ...     window, contact=problem, values=values, instrument=noise, true_shapes={}
     ... )
-    >>> found["relative_contact_area_shift_up"].item() > 0 == found["relative_contact_area_shift_down"].item()
+    >>> area = found["relative_contact_area"]
+    >>> area.shift_up.item() > 0 == area.shift_down.item()
     True
     """
     check_instrument(window if as_measured is None else as_measured, instrument)
     stated = {key: value for key, value in instrument.items() if key != "finer_spectrum" and value}
-    parts = list(scales)
+    found: list[Components] = []
     before: dict[str, np.ndarray] = {}
     if as_measured is not None:
-        before = _solve_again(as_measured, contact, solved)
-        parts.append(_of_correction(as_measured, contact, solved, before, stated))
+        before = _solve_again(as_measured, contact, values)
+        found.append(_of_correction(as_measured, contact, values, before, stated))
     elif noise := stated.get("noise"):
-        parts.append(_noise_shift(window, contact, solved, noise))
+        found.append(_noise_shift(window, contact, values, noise))
     if not stated.get("noise") and (suspected := suspected_noise(window.attrs)):
-        parts.append(_noise_shift(window, contact, solved, suspected, margin=0.0))
-    changed = undone(window, stated) if true_shapes is None else true_shapes
-    parts += [_shift_to(each, contact, solved) for each in changed.values()]
+        found.append(_noise_shift(window, contact, values, suspected, margin=0.0))
+    for changed in true_shapes.values():
+        changes = _log_change(values, _solve_again(changed, contact, values))
+        found.append(one_sided(values, changes, _RESTORING_UNCERTAINTY))
     if step := coarse_step(window.attrs):
-        parts.append(_rounding_shift(window, contact, solved, step))
-    return added_up(parts, quantities_in(solved), solved).assign(
-        {f"{name}_as_measured": ("load", values) for name, values in before.items()}
-    )
+        found.append(_rounding_shift(window, contact, values, step))
+    return found, before
 
 
-def added_up(parts: list[xr.Dataset], names: tuple[str, ...], solved: xr.Dataset) -> xr.Dataset:
-    """Return the sum of uncertainties: half-widths in quadrature, shifts as the product of their factors.
-
-    Parameters
-    ----------
-    parts : list of Dataset
-        along `load`: `{name}_down`, `{name}_up`, `{name}_shift_down`, `{name}_shift_up`, each where it is
-        known.
-    names : tuple of str
-        the quantities.
-    solved : Dataset
-        the result.
-
-    Returns
-    -------
-    Dataset
-        all four for every name, and `{name}`, the larger side; NaN without parts.
+def added_up(parts: Iterable[Components]) -> dict[str, Component]:
+    """Return the sum of independent causes: half-widths in quadrature, shifts added, on the scale.
 
     Examples
     --------
-    >>> import xarray as xr
-    >>> result = xr.Dataset({"mean_gap": ("load", [2.0])})
-    >>> parts = [xr.Dataset({"mean_gap_shift_up": ("load", [1.0])})] * 2
-    >>> added_up(parts, ("mean_gap",), result)["mean_gap_shift_up"].item()
-    2.5
+    >>> one = {"mean_gap": component(np.array([3.0]), np.array([0.0]))}
+    >>> other = {"mean_gap": component(np.array([4.0]), np.array([0.0]))}
+    >>> added_up([one, other])["mean_gap"].down.item()
+    5.0
     """
-    found: dict[str, tuple[str, np.ndarray]] = {}
-    for name in names:
-        value = solved[name].values
-        sides = []
-        for side, sign in (("down", -1.0), ("up", 1.0)):
-            widths = [part[f"{name}_{side}"].values for part in parts if f"{name}_{side}" in part]
-            width = np.sqrt(
-                sum((np.nan_to_num(w, posinf=np.inf) ** 2 for w in widths), np.zeros(value.shape))
+    found: dict[str, Component] = {}
+    for part in parts:
+        for name, own in part.items():
+            total = found.get(name)
+            if total is None:
+                found[name] = own
+                continue
+            found[name] = Component(
+                np.hypot(total.down, own.down),
+                np.hypot(total.up, own.up),
+                total.shift_down + own.shift_down,
+                total.shift_up + own.shift_up,
             )
-            shift = np.zeros(value.shape)
-            for part in parts:
-                if f"{name}_shift_{side}" in part:
-                    own = np.nan_to_num(part[f"{name}_shift_{side}"].values, posinf=np.inf)
-                    relative = np.divide(shift, value, out=np.zeros_like(value), where=value > 0)
-                    shift = shift + own * np.maximum(1 + sign * relative, 0.0)
-            if not parts:
-                width = np.full(value.shape, np.nan)
-            found |= {f"{name}_{side}": ("load", width), f"{name}_shift_{side}": ("load", shift)}
-            sides.append(width + shift)
-        found[name] = ("load", np.maximum(*sides))
-    return xr.Dataset(found)
+    return found
 
 
-def one_sided(solved: xr.Dataset, changes: Mapping[str, np.ndarray], uncertainty: float) -> xr.Dataset:
+def one_sided(values: Values, changes: Values, uncertainty: float) -> dict[str, Component]:
     """Return shifts of the ends of an interval towards results that may be the true ones.
 
     Parameters
     ----------
-    solved : Dataset
-        the result.
+    values : mapping
+        quantity -> array (load), the result.
     changes : mapping
         quantity -> change (load) of ln Q, of the area of ln erfinv(A), from the result to the possible truth;
-        infinite where that is not known. The pressure in contact follows from the area.
+        infinite where that is not known.
     uncertainty : float
         of a change, relative: it is extended by this share, and its share on the other side is not taken off.
 
-    Returns
-    -------
-    Dataset
-        `{name}_shift_down`, `{name}_shift_up` and `{name}`, the larger one, along `load`, in the unit of the
-        quantity.
-
     Examples
     --------
-    >>> import numpy as np, xarray as xr
-    >>> solved = xr.Dataset({"mean_gap": ("load", [2.0]), "mean_pressure": ("load", [1.0])})
-    >>> found = one_sided(solved, {"mean_gap": np.log([1.5])}, 0.0)
-    >>> round(found["mean_gap_shift_up"].item(), 12), found["mean_gap_shift_down"].item()
-    (1.0, 0.0)
+    >>> gap = {"mean_gap": np.array([2.0])}
+    >>> found = one_sided(gap, {"mean_gap": np.log([1.5])}, 0.0)["mean_gap"]
+    >>> found.shift_up.round(3).item(), found.shift_down.item()
+    (0.405, 0.0)
     """
-    extended = {
-        name: (1 + uncertainty) * np.nan_to_num(c, nan=0.0, posinf=np.inf, neginf=-np.inf)
-        for name, c in changes.items()
-    }
-    sides = {name: (np.maximum(-c, 0.0), np.maximum(c, 0.0)) for name, c in extended.items()}
-    return half_widths(solved, sides, ending="_shift")
+    found = {}
+    for name, change in changes.items():
+        extended = (1 + uncertainty) * np.nan_to_num(change, nan=0.0, posinf=np.inf, neginf=-np.inf)
+        moved = _from_logarithm(name, values[name], extended)
+        nothing = np.zeros_like(moved)
+        found[name] = Component(nothing, nothing, np.maximum(-moved, 0.0), np.maximum(moved, 0.0))
+    return found
 
 
-def log_change(solved: xr.Dataset, other: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return ln Q of other results less that of the result, of the area ln erfinv(A).
+def _from_logarithm(name: str, value: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """Return a change of a logarithm on the scale of a quantity: narrowest places have none."""
+    if name not in CONSTRICTIONS:
+        return change
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.where(value > 0, value * np.expm1(change), 0.0)
 
-    Parameters
-    ----------
-    solved : Dataset
-        the result along `load`.
-    other : mapping
-        quantity -> array (load).
 
-    Returns
-    -------
-    dict
-        quantity -> array (load), without the pressure in contact; 0 where the result vanishes.
-
-    Examples
-    --------
-    >>> import numpy as np, xarray as xr
-    >>> solved = xr.Dataset({"mean_gap": ("load", [2.0])})
-    >>> log_change(solved, {"mean_gap": np.array([2.0])})
-    {'mean_gap': array([0.])}
-    """
+def _log_change(values: Values, other: Values) -> dict[str, np.ndarray]:
+    """Return ln Q of other results less that of the result, of the area ln erfinv(A); 0 where it vanishes."""
     changes = {}
-    for name, values in other.items():
-        if name == PRESSURE or name not in solved:
-            continue
-        pair = [effort(v) if name == AREA else v for v in (solved[name].values, values)]
-        usable = (np.nan_to_num(pair[0]) > 0) & np.isfinite(pair[1])
-        own, new = (np.where(usable, v, 1.0) for v in pair)
-        with np.errstate(divide="ignore"):
-            changes[name] = np.log(new) - np.log(own)
+    for name, result in values.items():
+        own, new = (
+            to_scale(name, v) if name not in CONSTRICTIONS else _logarithm(v) for v in (result, other[name])
+        )
+        usable = np.isfinite(own) & (np.isfinite(new) | (other[name] == 0))
+        changes[name] = np.where(
+            usable, np.where(np.isnan(new), -np.inf, new) - np.where(usable, own, 0.0), 0.0
+        )
     return changes
 
 
-def _solve_again(
-    window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset
-) -> dict[str, np.ndarray]:
-    """Return the results of a changed window."""
-    count = counter_of(solved)
-    return solve_member(window, contact, tolerance=_TOLERANCE, count=count, result=solved).values
+def _logarithm(values: np.ndarray) -> np.ndarray:
+    """Return the logarithm of positive values, NaN for others."""
+    return np.log(np.where(values > 0, values, np.nan))
 
 
-def _shift_to(changed: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset) -> xr.Dataset:
-    """Return the one-sided uncertainty towards the results of a corrected window."""
-    changes = log_change(solved, _solve_again(changed, contact, solved))
-    return one_sided(solved, changes, _RESTORING_UNCERTAINTY)
+def _solve_again(window: xr.DataArray, contact: Mapping[str, Any], values: Values) -> dict[str, np.ndarray]:
+    """Return the results of a changed window at all loads."""
+    load = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
+    solved = few_loads(load, _LOADS)
+    member = solve_member(window, contact, tolerance=_TOLERANCE, names=list(values), loads=solved)
+    return {name: carried_to_all_loads(name, member[name], solved, load, values[name]) for name in values}
 
 
 def _rounding_shift(
-    window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset, step: float
-) -> xr.Dataset:
+    window: xr.DataArray, contact: Mapping[str, Any], values: Values, step: float
+) -> dict[str, Component]:
     """Return the one-sided uncertainty towards the results without rounding to a `step` (m).
 
     The highest point stays a kink of the smoothest map; its pressure falls at least as the gradient does.
     """
-    changes = log_change(solved, _solve_again(unrounded(window, step), contact, solved))
+    changes = _log_change(values, _solve_again(unrounded(window, step), contact, values))
     changes[PEAK] = np.minimum(changes[PEAK], -changes[AREA])
-    return one_sided(solved, changes, _RESTORING_UNCERTAINTY)
+    return one_sided(values, changes, _RESTORING_UNCERTAINTY)
 
 
 def _of_correction(
     as_measured: xr.DataArray,
     contact: Mapping[str, Any],
-    solved: xr.Dataset,
-    before: Mapping[str, np.ndarray],
+    values: Values,
+    before: Values,
     stated: Mapping[str, Any],
-) -> xr.Dataset:
+) -> dict[str, Component]:
     """Return the two-sided uncertainty of a correction, from the results before it.
 
     Noise and transfer may cancel: where both are known, what each changes is told apart by a further solution
     of the window without the noise alone.
     """
     noise = stated.get("noise") or 0.0
-    steps = [_finite_change(solved, before)]
+    steps = [_finite_change(values, before)]
     if noise and (stated.get("numerical_aperture") or stated.get("resolution")):
-        without_noise = _solve_again(restored(as_measured, {}, noise=noise, equalise=True), contact, solved)
-        rest = _finite_change(solved, without_noise)
-        steps = [{name: change - rest[name] for name, change in steps[0].items()}, rest]
+        without_noise = _solve_again(restored(as_measured, {}, noise=noise, equalise=True), contact, values)
+        of_lens = _finite_change(values, without_noise)
+        steps = [{name: change - of_lens[name] for name, change in steps[0].items()}, of_lens]
     _, of_noise = with_noise(as_measured, noise)
     hidden = _share_of_noise(of_noise, rms_gradient(as_measured)) >= _MOST_NOISE
-    widths = {}
+    found = {}
     for name in steps[0]:
         share = _PEAK_UNCERTAINTY if name == PEAK else _CORRECTION_UNCERTAINTY
         width = share * np.sqrt(sum(step[name] ** 2 for step in steps))
-        widths[name] = (np.full_like(width, np.inf) if hidden else width,) * 2
-    return half_widths(solved, widths)
+        width = np.full_like(width, np.inf) if hidden else width
+        found[name] = component(
+            np.abs(_from_logarithm(name, values[name], -width)), _from_logarithm(name, values[name], width)
+        )
+    return found
 
 
-def _finite_change(solved: xr.Dataset, other: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return `log_change`; a place that is closed in the other result differs by as much as its height."""
-    changes = log_change(solved, other)
+def _finite_change(values: Values, other: Values) -> dict[str, np.ndarray]:
+    """Return `_log_change`; a place that is closed in the other result differs by as much as its height."""
+    changes = _log_change(values, other)
     return {name: np.where(np.isneginf(change), -1.0, change) for name, change in changes.items()}
 
 
@@ -309,20 +267,20 @@ def _share_of_noise(of_noise: float, measured: float) -> float:
 def _noise_shift(
     window: xr.DataArray,
     contact: Mapping[str, Any],
-    solved: xr.Dataset,
+    values: Values,
     noise: float,
     *,
     margin: float = _NOISE_MARGIN,
-) -> xr.Dataset:
+) -> dict[str, Component]:
     """Return the one-sided uncertainty towards the results without noise."""
     noisy, of_noise = with_noise(window, noise)
     measured, more = rms_gradient(window), rms_gradient(noisy)
     share = _share_of_noise(of_noise, measured)
-    changes = log_change(solved, _solve_again(noisy, contact, solved))
+    changes = _log_change(values, _solve_again(noisy, contact, values))
     if share >= _MOST_NOISE:
         back = math.inf
     else:  # ln(g/g_true) over ln(g with more noise/g)
         back = -0.5 * math.log1p(-share) / max(math.log(more / measured), 1e-12)
     with np.errstate(invalid="ignore"):
         without = {name: np.where(change == 0, 0.0, -change * back) for name, change in changes.items()}
-    return one_sided(solved, without, margin)
+    return one_sided(values, without, margin)

@@ -21,14 +21,15 @@ import xarray as xr
 from roughcontact.fourier import wavenumbers
 from roughcontact.maps import height_map, side_lengths, spacing
 from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.uncertainty.answers import counter_of, quantities_in
-from roughcontact.uncertainty.ensemble import solve_member
-from roughcontact.uncertainty.scaling import AREA, PRESSURE
+from roughcontact.uncertainty.ensemble import carried_to_all_loads, few_loads, solve_member
+from roughcontact.uncertainty.headline import quantities_in
+from roughcontact.uncertainty.scales import AREA, PRESSURE
 
 _TOLERANCE = 1e-2  # of the pressure, as of the members of the ensembles
 _POINTS_PER_WAVE = 3  # of the shortest: with two, areas of small loads are a tenth and peaks a quarter off
 _MIN_WAVES_PER_SIDE = 8  # of the shortest, in the last entry
 _MAX_OCTAVES = 4
+_LOADS = 4  # at which a window without its shortest waves is solved
 
 
 def without_shortest_waves(window: xr.DataArray, cutoff: float) -> xr.DataArray:
@@ -70,6 +71,19 @@ def without_shortest_waves(window: xr.DataArray, cutoff: float) -> xr.DataArray:
     return height_map(values, steps)
 
 
+def shortest_wave(window: xr.DataArray) -> float:
+    """Return the shortest wavelength (m) of a circle of as many waves as a map has, along a line of two pixels.
+
+    Examples
+    --------
+    >>> round(shortest_wave(height_map(np.zeros((8, 8)), 1.0)), 3)
+    1.772
+    """
+    if 1 in window.shape:
+        return 2 * max(spacing(window))
+    return math.sqrt(math.pi * math.prod(spacing(window)))
+
+
 def _kept(window: xr.DataArray, cutoff: float) -> np.ndarray:
     """Return which waves, in the layout of `rfft2`, are as long as a cut-off or longer."""
     return wavenumbers(window.shape, spacing(window)) * cutoff <= 2 * np.pi * (1 + 1e-9)
@@ -109,21 +123,20 @@ def magnification_curve(
     >>> curve["relative_contact_area_at_cutoff"].round(2).values.tolist()
     [[0.34, 0.34, 0.37]]
     """
-    names, count = quantities_in(solved), counter_of(solved)
+    names, load = quantities_in(solved), solved["mean_pressure"].values
+    some = few_loads(load, _LOADS)
     levels = [{name: solved[name].values for name in names}]
     maps, q = [window], wavenumbers(window.shape, spacing(window))
     by_grid = window.attrs.get("band_reason", "the grid") == "the grid"
     lengths = [max(2 * np.pi / q.max(), 0.0 if by_grid else window.attrs["band_shortest"])]
     sides = [side for side, n in zip(side_lengths(window), window.shape, strict=True) if n > 1]
-    octave = math.sqrt(math.pi * math.prod(spacing(window))) if len(sides) > 1 else 2 * max(spacing(window))
-    for cutoff in octave * 2.0 ** np.arange(1, _MAX_OCTAVES + 1):
+    for cutoff in shortest_wave(window) * 2.0 ** np.arange(1, _MAX_OCTAVES + 1):
         if not sides or min(sides) < _MIN_WAVES_PER_SIDE * cutoff:
             break
         maps.append(without_shortest_waves(window, cutoff))
         lengths.append(max(2 * np.pi / q[_kept(window, cutoff)].max(), lengths[0]))
-        levels.append(
-            solve_member(maps[-1], contact, tolerance=_TOLERANCE, count=count, result=solved).values
-        )
+        member = solve_member(maps[-1], contact, tolerance=_TOLERANCE, names=names, loads=some)
+        levels.append({n: carried_to_all_loads(n, member[n], some, load, solved[n].values) for n in names})
     limit = contact.get("hardness") or math.inf
     for level in levels:
         level[PRESSURE] = np.minimum(solved["mean_pressure"].values / level[AREA], limit)

@@ -6,10 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.solve import solve_contact
+from roughcontact.contact.fields import solved_fields
 from roughcontact.levelling.rejected import rejected_points, with_rejected_marked
-from roughcontact.uncertainty.ensemble import solver_arguments
-from roughcontact.uncertainty.headline import fields_of
 from roughcontact.window.periodic_window import periodic_window
 
 _TOLERANCE = 1e-3  # of the pressure: one percent of the load share is enough
@@ -36,11 +34,6 @@ def rejected_load_share(
         0 where nothing was rejected; NaN where a load misses the tolerance, or where the heights of the
         rejected points are unknown.
 
-    Raises
-    ------
-    ConvergenceError
-        where a load misses the tolerance, unless `contact` has `on_failure` = "flag".
-
     Examples
     --------
     A single point far above all others carries nearly the whole load.
@@ -63,11 +56,10 @@ def rejected_load_share(
         del own
         on_rejected = kept["filled"].values != 0
         if on_rejected.any():
-
-            def count(solved: xr.Dataset) -> xr.Dataset:
-                shares = [pressure[on_rejected].sum() / pressure.sum() for pressure, _ in fields_of(solved)]
-                return xr.Dataset({"rejected_load_share": ("load", shares)})
-
-            found = solve_contact(kept, **solver_arguments(contact, tolerance=_TOLERANCE), reduce=count)
-            share = np.where(found["converged"].values == 1, found["rejected_load_share"].values, np.nan)
+            share = np.full(loads.shape, np.nan)
+            tolerance = max(_TOLERANCE, contact.get("tolerance", 0.0))
+            for solution in solved_fields(kept, contact, tolerance=tolerance):
+                if solution.error_bound <= tolerance:
+                    pressure = solution.pressure
+                    share[solution.index] = pressure[on_rejected].sum(dtype=float) / pressure.sum(dtype=float)
     return xr.DataArray(share, dims="load", name="rejected_load_share")

@@ -1,29 +1,19 @@
-"""Uncertainty due to the waves that a map does not resolve: at most an octave beyond its shortest wave.
+"""Waves that a map does not show: those that its instrument hides, and the octave beyond its pixels.
 
-Most surfaces are rough below the pixel of their map. The rms gradient g(lambda) of the waves longer than
-lambda grows octave by octave; let d1 and d2 be the growth of ln g over the last and the last but one resolved
-octave. The next octave is expected to add
+Most surfaces are rough below the pixel of their map, and results belong to a band of waves. Two things are
+told apart.
 
-    d = 1.3 d1 min(max(d1/d2, 1), 2),
-
-since pixels average over their own area and so hide a part of the last octave as well. On 27 measured maps
-with their pixels merged 2 x 2, d was between 0.6 and 1.9 times the gradient that was lost, 0.95 in the
-median. Each result may continue to change as it did over the last resolved octave, d/d1 times; the area by no
-less than Persson's law says, erfinv(A) ~ 1/g. The shifts are one-sided and widen the interval; they correct
-nothing. Two octaves cannot be extrapolated: errors then double.
-
-Where an instrument resolves less than its pixels (a lens, a tip), the trend is taken over the octaves that it
-does resolve, and continued to the pixels, at least one octave and at most two. Where it hides more than two,
-nothing bounds the area below and the pressures above.
-
-The spectrum of a finer map of the same finish replaces the trend. A profile shows one line in one direction:
-what it adds is increased by the scatter between its parts, and where the shortest waves of the map differ in
-strength from axis to axis, the trend counts if it is larger.
+* *Hidden waves*, longer than two pixels, that a stated lens or tip does not resolve: they are of the band, and
+  shift the ends of its interval. The trend of the octaves that the instrument does resolve is continued to the
+  pixels, over two octaves at most; where it hides more, nothing bounds the area below and the pressures above.
+* *The next octave*, shorter than two pixels, is beyond the band, and an answer of its own. Each result changes
+  by a share of what its last octave changed (`calibration`), or as much as the spectrum of a finer map of the
+  same finish says.
 """
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy
@@ -33,81 +23,125 @@ from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.uncertainty.answers import quantities_in
-from roughcontact.uncertainty.instrument import one_sided
-from roughcontact.uncertainty.scaling import AREA, PEAK, PRESSURE, effort
-from roughcontact.window.transfer import reliability_length, shortest_transmitted, undone
+from roughcontact.uncertainty.calibration import octave_arms
+from roughcontact.uncertainty.combination import Component
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, to_scale
+from roughcontact.window.transfer import reliability_length, shortest_transmitted
 
 _CHOSEN_BAND = 2.0  # shortest wave that is kept, over two pixels, from which on it defines the result
-_MARGIN = 1.3  # on the growth of the gradient over the next octave
-_LARGEST_ACCELERATION = 2.0  # of that growth, from octave to octave
-_MAX_OCTAVES = 2.0
-_CONVERGED = 0.1  # growth of ln g below which the largest pressure has an upper end
-_FINER_UNCERTAINTY = 0.15  # of the growth that a finer spectrum shows
-_SMALLEST_GROWTH = 1e-3  # of ln g in an octave, to divide by
+_HIDDEN_FROM = 0.25  # octaves hidden by the instrument; less is the width of its own limit
+_MAX_OCTAVES = 2.0  # that are extrapolated
+_LEAST_CHANGE = 0.05  # of a logarithm in an octave, to scale the arms of the next one
+_FINER_UNCERTAINTY = 0.25  # of the change that a finer spectrum shows
 _PARTS_OF_PROFILE = 8  # whose scatter tells how well a line stands for the surface
-_ISOTROPIC = 0.2  # largest logarithm of the ratio of the axes' mean square slopes
 
 
-class Growth(NamedTuple):
-    """Growth of the gradient by the waves that are not resolved.
-
-    Attributes
-    ----------
-    gradient : float
-        expected growth of ln g.
-    octaves : float
-        over that of the last resolved octave.
-    level : int
-        entry of the magnification curve at which the last resolved octave ends.
-    bounded : bool
-        whether few enough octaves are hidden for the growth to be extrapolated.
-    """
-
-    gradient: float
-    octaves: float
-    level: int
-    bounded: bool = True
+def band_is_chosen(settings: Mapping[str, Mapping[str, Any]], shortest: float) -> bool:
+    """Return whether the settings, not the pixels, define the shortest wave (`shortest`, two pixels, m)."""
+    limits = (
+        settings.get("level", {}).get("s_filter"),
+        settings.get("window", {}).get("shortest_wavelength"),
+    )
+    return max(limit or 0.0 for limit in limits) >= _CHOSEN_BAND * shortest
 
 
-def expected_growth(curve: xr.Dataset, *, resolved: float = 0.0, reference: float | None = None) -> Growth:
-    """Return the expected growth of the rms gradient by the waves that a map does not resolve.
+def hidden_waves(
+    window: xr.DataArray,
+    curve: xr.Dataset,
+    instrument: Mapping[str, Any],
+    true_shapes: Mapping[str, xr.DataArray],
+) -> dict[str, Component]:
+    """Return the shifts of the ends by waves of the band that a stated lens or tip hides, on the scales.
 
     Parameters
     ----------
+    window : DataArray (y, x), m
+        periodic.
     curve : Dataset
         from `magnification_curve`.
-    resolved : float, m
-        shortest wavelength that the instrument resolves, if that is longer than two pixels.
-    reference : float, optional
-        rms gradient that the growth is counted from; that of the map where it is not given.
+    instrument : mapping
+        what is stated of it.
+    true_shapes : mapping
+        `undone` of the window: what is restored already, with shorter waves, does not count twice.
+    """
+    wavelengths, gradients = curve["cutoff_wavelength"].values, curve["gradient_at_cutoff"].values
+    resolved = shortest_transmitted(instrument)
+    reference = true_shapes.get("lens") if resolved > wavelengths[0] else None
+    if tip_radius := instrument.get("tip_radius"):
+        resolved, reference = max(resolved, reliability_length(window, tip_radius)), true_shapes["tip"]
+    if len(wavelengths) < 2 or not gradients.min() > 0:
+        return {}
+    # an octave below the next entry: of the waves of the window those in the corners of the grid are shorter
+    octaves = math.log2(max(2 * resolved / wavelengths[1], 1.0))
+    if octaves < _HIDDEN_FROM:
+        return {}
+    index = min(math.ceil(octaves - _HIDDEN_FROM), len(wavelengths) - 2)
+    growth = math.log(gradients[index] / gradients[index + 1])
+    grown = math.log(rms_gradient(reference) / gradients[index]) if reference is not None else 0.0
+    # of the trend what the restored waves do not contain already
+    share = min(octaves, _MAX_OCTAVES) - (max(grown, 0.0) / growth if growth > 0 else 0.0)
+    unbounded = octaves >= _MAX_OCTAVES + 0.5
+    found = {}
+    for name, change in _changes(curve, index).items():
+        shift = max(share, 0.0) * change
+        if unbounded and name in (AREA, PEAK):
+            shift = np.full_like(change, -np.inf if name == AREA else np.inf)
+        nothing = np.zeros_like(shift)
+        found[name] = Component(nothing, nothing, np.maximum(-shift, 0.0), np.maximum(shift, 0.0))
+    return found
+
+
+def next_octave(
+    window: xr.DataArray, curve: xr.Dataset, finer: str | xr.DataArray | None = None
+) -> dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Return what waves one octave shorter than those of a map change, on the scales.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    curve : Dataset
+        from `magnification_curve`.
+    finer : path or DataArray (y, x), m, optional
+        finer map or profile of the same finish, whose spectrum tells how much steeper the surface is.
 
     Returns
     -------
-    Growth
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> gradients = {"gradient_at_cutoff": ("cutoff", np.exp([0.0, -0.1, -0.2]))}
-    >>> curve = xr.Dataset(coords={"cutoff_wavelength": ("cutoff", [2.0, 4.0, 8.0]), **gradients})
-    >>> f"{expected_growth(curve).gradient:.3f}"
-    '0.130'
+    dict
+        quantity -> shift, and half-widths below and above it (load); empty for a map too small to tell.
     """
-    wavelengths, gradients = curve["cutoff_wavelength"].values, curve["gradient_at_cutoff"].values
-    if len(wavelengths) < 2 or not gradients.min() > 0:
-        return Growth(0.0, 0.0, 0)
-    # an octave below the next entry: of the waves of the window those in the corners of the grid are shorter
-    hidden = math.log2(max(2 * resolved / wavelengths[1], 1.0))
-    level = min(math.ceil(hidden - 0.25), len(wavelengths) - 2)
-    logarithms = np.log(gradients[level:])
-    last = max(logarithms[0] - logarithms[1], _SMALLEST_GROWTH)
-    before = max(logarithms[1] - logarithms[2], _SMALLEST_GROWTH) if len(logarithms) > 2 else last
-    acceleration = float(np.clip(last / before, 1.0, _LARGEST_ACCELERATION))
-    octaves = float(np.clip(hidden, 1.0, _MAX_OCTAVES)) * _MARGIN * acceleration
-    start = math.log((reference or gradients[0]) / gradients[level])
-    growth = max(last * octaves - max(start, 0.0), 0.0)
-    return Growth(growth, octaves, level, bounded=hidden < _MAX_OCTAVES + 0.5)
+    if curve.sizes["cutoff"] < 2:
+        return {}
+    gradients = curve["gradient_at_cutoff"].values
+    last = math.log(gradients[0] / gradients[1]) if gradients.min() > 0 else 0.0
+    found = {}
+    known = None
+    if finer is not None:
+        finer = finer if isinstance(finer, xr.DataArray) else read_height_map(finer)
+        known = growth_by_finer_spectrum(window, level(finer, form="plane"))
+    for name, change in _changes(curve, 0).items():
+        share, down, up = octave_arms(name)
+        unit = curve[f"{GAP}_at_cutoff"].values[:, 0] if name in CONSTRICTIONS else 1.0
+        size = np.hypot(change, _LEAST_CHANGE * unit)
+        shift, below, above = share * change, down * size, up * size
+        if known is not None:  # as many octaves of the last one's growth
+            shift = change * min(known / last, 4.0) if last > 0 else 0 * change
+            if name == AREA:
+                shift = np.minimum(shift, -known)
+            below = above = np.hypot(_FINER_UNCERTAINTY * shift, _LEAST_CHANGE * unit)
+        found[name] = shift, below, above
+    return found
+
+
+def _changes(curve: xr.Dataset, index: int) -> dict[str, np.ndarray]:
+    """Return the change (load) of each quantity on its scale by one octave of the curve; 0 where unknown."""
+    found = {}
+    for variable in curve.data_vars:
+        name = str(variable).removesuffix("_at_cutoff")
+        if name != PRESSURE:
+            fine, coarse = to_scale(name, curve[variable].values[:, index : index + 2]).T
+            found[name] = np.nan_to_num(fine - coarse)
+    return found
 
 
 def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float:
@@ -165,72 +199,6 @@ def _relative_scatter(profile: xr.DataArray, limit: float) -> float:
     return student * float(np.std(parts, ddof=1) / np.mean(parts)) / math.sqrt(len(parts))
 
 
-def _is_isotropic(window: xr.DataArray) -> bool:
-    """Return whether the slopes of the shortest waves, of two octaves, are as large along both axes."""
-    own = [float(np.sum(c[q > q[-1] / 4])) for q, c in _line_spectra(window, periodic=True)]
-    return min(own) > 0 and math.log(max(own) / min(own)) <= _ISOTROPIC
-
-
-def unresolved_uncertainty(
-    curve: xr.Dataset, solved: xr.Dataset, growth: Growth, *, known: bool = False
-) -> xr.Dataset:
-    """Return one-sided uncertainties due to waves that are not resolved.
-
-    Parameters
-    ----------
-    curve : Dataset
-        from `magnification_curve`.
-    solved : Dataset
-        the result: quantities along `load`.
-    growth : Growth
-        from `expected_growth`, or with the gradient from `growth_by_finer_spectrum`.
-    known : bool
-        whether the growth was measured on a finer spectrum.
-
-    Returns
-    -------
-    Dataset
-        along `load` as of `one_sided`. Unless the growth is known, the largest pressure has no upper end
-        (infinite) where the gradient has not converged, and the area no lower one where the growth is not
-        bounded.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from roughcontact.uncertainty.headline import QUANTITIES
-    >>> solved = xr.Dataset({name: ("load", [0.1]) for name in (*QUANTITIES, "mean_pressure")})
-    >>> levels = {f"{name}_at_cutoff": (("load", "cutoff"), [[0.1, 0.12]]) for name in QUANTITIES}
-    >>> found = unresolved_uncertainty(xr.Dataset(levels), solved, Growth(0.5, 1.3, 0))
-    >>> found["max_pressure_shift_up"].item(), found["relative_contact_area_shift_down"].item() > 0.03
-    (inf, True)
-    """
-    changes = {}
-    for variable in curve.data_vars:
-        name = str(variable).removesuffix("_at_cutoff")
-        if name == PRESSURE or name not in solved:
-            continue
-        levels = curve[variable].values
-        if levels.shape[1] < 2:
-            changes[name] = np.zeros(levels.shape[0])
-            continue
-        fine, coarse = (
-            np.nan_to_num(effort(v) if name == AREA else v)
-            for v in levels[:, growth.level : growth.level + 2].T
-        )
-        usable = (fine > 0) & (coarse > 0)
-        change = np.log(np.where(usable, fine, 1.0)) - np.log(np.where(usable, coarse, 1.0))
-        changes[name] = growth.octaves * change
-        if name == AREA:
-            changes[name] = np.minimum(changes[name], -growth.gradient)
-            if not growth.bounded and not known:
-                changes[name] = np.full_like(change, -np.inf)
-        elif name == PEAK:
-            changes[name] = np.maximum(changes[name], growth.gradient)
-            if (growth.gradient > _CONVERGED or not growth.bounded) and not known:
-                changes[name] = np.full_like(change, np.inf)
-    return one_sided(solved, changes, _FINER_UNCERTAINTY if known else 0.0)
-
-
 def _line_spectra(height: xr.DataArray, *, periodic: bool) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return for each axis with lines the wavenumbers and their contributions to the mean square slope."""
     found = []
@@ -248,60 +216,3 @@ def _line_spectra(height: xr.DataArray, *, periodic: bool) -> list[tuple[np.ndar
         q = 2 * np.pi * np.fft.rfftfreq(points, step)
         found.append((q, power * q**2))
     return found
-
-
-def waves_not_resolved(
-    window: xr.DataArray,
-    curve: xr.Dataset,
-    solved: xr.Dataset,
-    settings: Mapping[str, Mapping[str, Any]],
-    instrument: Mapping[str, Any],
-    true_shapes: Mapping[str, xr.DataArray] | None = None,
-) -> xr.Dataset:
-    """Return the uncertainty due to waves that a map does not resolve, by its trend or a finer spectrum.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic.
-    curve : Dataset
-        from `magnification_curve`.
-    solved : Dataset
-        the result: quantities along `load`.
-    settings : mapping
-        sections `level` and `window`. Where they leave out the waves below four pixels (S-filter, band),
-        these define what is measured, and nothing is added for shorter ones.
-    instrument : mapping
-        what is known of it; `finer_spectrum` is a path or a map (y, x; m).
-    true_shapes : mapping, optional
-        `undone` of the window, if that is known.
-
-    Returns
-    -------
-    Dataset
-        as of `unresolved_uncertainty`.
-    """
-    shortest = 2 * max(spacing(window))
-    band = [settings.get("level", {}).get("s_filter"), settings.get("window", {}).get("shortest_wavelength")]
-    if max(each or 0.0 for each in band) >= _CHOSEN_BAND * shortest:
-        return xr.Dataset(dict.fromkeys(quantities_in(solved), ("load", np.zeros(solved.sizes["load"]))))
-    true_shapes = undone(window, instrument) if true_shapes is None else true_shapes
-    resolved = shortest_transmitted(instrument)
-    reference = true_shapes.get("lens") if resolved > shortest else None
-    if tip_radius := instrument.get("tip_radius"):
-        resolved = max(resolved, reliability_length(window, tip_radius))
-        reference = true_shapes["tip"]
-    growth = expected_growth(
-        curve, resolved=resolved, reference=None if reference is None else rms_gradient(reference)
-    )
-    finer = instrument.get("finer_spectrum")
-    if finer is None:
-        return unresolved_uncertainty(curve, solved, growth)
-    if not isinstance(finer, xr.DataArray):
-        finer = read_height_map(finer)
-    known = growth_by_finer_spectrum(window, level(finer, form="plane"))
-    if min(finer.shape) == 1 and not _is_isotropic(window):
-        known = max(known, growth.gradient)
-    last = growth.gradient / growth.octaves if growth.octaves else 0.0
-    octaves = min(known / last, 4.0) if last > 0 else 0.0
-    return unresolved_uncertainty(curve, solved, Growth(known, octaves, growth.level), known=True)

@@ -131,35 +131,80 @@ def periodic_window(
         start, sides = found[0].start, found[0].sides
         band = [band_points(side, fade) for side in sides]
     del values  # memory may not hold more than is needed of a large map
-    used = [side + b for side, b in zip(sides, band, strict=True)]
-    cut = levelled.isel({d: slice(s, s + u) for d, s, u in zip("yx", start, used, strict=True)})
-    step = spacing(levelled)
-
-    # the cut-out without its blending bands
-    kept = tuple(slice(b // 2, b // 2 + side) for b, side in zip(band, sides, strict=True))
-    before = cut.isel(y=kept[0], x=kept[1])
-    after, flags = _made_periodic(cut, method, band, width, step)
-    coords = {
-        d: xr.Variable(d, before[d].values[0] + s * np.arange(n), cut[d].attrs)
-        for d, s, n in zip("yx", step, after.shape, strict=True)
-    }
+    used, before, blended = _cut_out(levelled, start, sides, band, method=method, width=width)
+    after = blended.values
     change = _rms_difference(after[: before.shape[0], : before.shape[1]], before.values)
     window = _record(
         after,
-        coords | {"filled": (("y", "x"), flags)},
+        blended.coords,
         levelled.attrs,
         waves=waves,
         correct_for=correct_for,
         method=method,
         change=change,
         gradient_before=interior_rms_gradient(before),
-        offset=[(s + k.start) * d for s, k, d in zip(start, kept, step, strict=True)],
+        offset=[(s + b // 2) * d for s, b, d in zip(start, band, spacing(levelled), strict=True)],
         share=used[0] * used[1] / levelled.size,
         reason=_reason(
             levelled.shape, used, after.shape, method, missing=missing, searched=scores is not None
         ),
     )
     return window if scores is None else window.assign_attrs(window_scores=scores)
+
+
+def subwindow(
+    part: xr.DataArray,
+    *,
+    method: WindowMethod = "smooth-cross-fade",
+    width: float = 0.1,
+    shortest_wavelength: float | None = None,
+    longest_wavelength: float | None = None,
+    reliable_band: bool = False,
+    correct_for: Mapping[str, Any] | None = None,
+    **_placement: Any,
+) -> xr.DataArray:
+    """Return a part of a map as the window it would be if it had been measured alone, without a record.
+
+    The options are those of `periodic_window`, of which placement and least share do not count.
+
+    Parameters
+    ----------
+    part : DataArray (y, x), m
+        without missing points.
+    """
+    fade = width if method in _BLENDING_METHODS else 0.0
+    start, sides, band = _window_in_largest_rectangle(part, part.values, fade, 0.0)
+    _, _, blended = _cut_out(part, start, sides, band, method=method, width=width)
+    blended = blended.assign_attrs(part.attrs)
+    if correct_for:
+        blended = corrected(blended, correct_for)
+    return limit_band(
+        blended, shortest=shortest_wavelength, longest=longest_wavelength, reliable=reliable_band
+    )
+
+
+def _cut_out(
+    levelled: xr.DataArray,
+    start: Sequence[int],
+    sides: Sequence[int],
+    band: list[int],
+    *,
+    method: WindowMethod,
+    width: float,
+) -> tuple[list[int], xr.DataArray, xr.DataArray]:
+    """Return the points used along each axis, the cut-out without its blending bands, and it made periodic."""
+    fade, step = width if method in _BLENDING_METHODS else 0.0, spacing(levelled)
+    band = [band_points(side, fade) for side in sides]
+    used = [side + b for side, b in zip(sides, band, strict=True)]
+    cut = levelled.isel({d: slice(s, s + u) for d, s, u in zip("yx", start, used, strict=True)})
+    before = cut.isel({d: slice(b // 2, b // 2 + side) for d, b, side in zip("yx", band, sides, strict=True)})
+    heights, flags = _made_periodic(cut, method, band, width, step)
+    coords = {
+        d: xr.Variable(d, before[d].values[0] + s * np.arange(n), cut[d].attrs)
+        for d, s, n in zip("yx", step, heights.shape, strict=True)
+    }
+    filled = {"filled": (("y", "x"), flags)}
+    return used, before, xr.DataArray(heights, dims=("y", "x"), coords=coords | filled, name="height")
 
 
 def _filled_points(levelled: xr.DataArray) -> np.ndarray:

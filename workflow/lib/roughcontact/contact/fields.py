@@ -1,0 +1,76 @@
+"""Fields of pressure and gap, load by load, as plain arrays: for ensembles of many small maps.
+
+`solve_contact` labels and checks everything; on maps of a hundred points along a side that takes longer than
+the solution itself.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.contact.dataset import fields_in_units
+from roughcontact.contact.problem import pose
+from roughcontact.contact.solve import MOST_LOAD, elasticity
+from roughcontact.contact.sweep import sweep
+from roughcontact.kernels.arrays import SINGLE
+
+
+class LoadFields(NamedTuple):
+    """The solution of one load.
+
+    Attributes
+    ----------
+    index : int
+        of the load in `mean_pressure`.
+    pressure, gap : array (ny, nx), Pa and m
+    error_bound : float
+        of the relative error of the pressure in the energy norm.
+    """
+
+    index: int
+    pressure: np.ndarray
+    gap: np.ndarray
+    error_bound: float
+
+
+def solved_fields(
+    window: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float, precision: str = SINGLE
+) -> Iterator[LoadFields]:
+    """Yield the fields of every load, from the smallest to the largest.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic. One so flat that rounding hides its contact is solved as flat.
+    contact : mapping
+        keyword arguments of `solve_contact`; of these `contact_modulus` or `bodies`, `mean_pressure`,
+        `hardness`, `influence` and `threads` count.
+    tolerance : float
+        of the relative error of the pressure; what misses it says so by its `error_bound`.
+    precision : str
+        "float32" or "float64", of the fields.
+    """
+    modulus, layers = elasticity(contact.get("contact_modulus"), contact.get("bodies"))
+    loads = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
+    hardness, threads = contact.get("hardness"), contact.get("threads", 1)
+    problem = pose(window, threads=threads)
+    if loads.max() > 0.5 * MOST_LOAD * modulus * problem.gradient:  # rounding errors only, after levelling
+        problem = pose(xr.zeros_like(window), threads=threads)
+    unit = modulus * problem.gradient if not problem.flat else modulus
+    order = np.argsort(loads, kind="stable")
+    solutions = sweep(
+        problem,
+        [loads[index] / unit for index in order],
+        tolerance=tolerance,
+        cap=np.inf if hardness is None else hardness / unit,
+        influence=contact.get("influence", "sampled"),
+        layers=layers and layers.scaled(problem.unit_length),
+        precision=precision,
+        threads=threads,
+    )
+    for index in order:
+        solution = next(solutions)
+        fields = fields_in_units(solution, problem, modulus=modulus, hardness=hardness, threads=threads)
+        yield LoadFields(int(index), fields.pressure, fields.gap, solution.error_bound)

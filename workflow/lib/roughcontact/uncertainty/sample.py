@@ -1,0 +1,96 @@
+"""What is said of the subwindows of a map: what they are, and where they tell little."""
+
+import math
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.quantities import number, percent
+from roughcontact.sealing.percolation import half_way_levels
+from roughcontact.uncertainty.scales import CONSTRICTIONS
+from roughcontact.uncertainty.subwindows import Scatter
+
+_KURTOSIS_LIMIT = 8.0  # above it a few places hold most of the mean square height
+_LAY_LIMIT = 0.07  # texture aspect ratio below which the subwindows along a lay hold the same ridges
+_GROOVE_AREA_LIMIT = 0.2  # of the window: random valleys, of waves up to a third of the map, take up more
+
+
+def description(levelled: xr.DataArray, scatter: Scatter, grooves: list[str]) -> str:
+    """Return sentences on the subwindows of a map, and what the interval is for."""
+    ny, nx = levelled.isel(scatter.slices[0]).shape
+    if len(scatter.slices) == 1:
+        return f"The window of {nx} × {ny} points is too small to be divided into parts."
+    covered = sum(math.prod(levelled.isel(part).shape) for part in scatter.slices) / levelled.size
+    text = (
+        "The ± is for the mean of maps of this size all over the surface, in the band of waves of this map. "
+        f"{len(scatter.slices)} parts of about {nx} × {ny} points, {percent(covered)} of the map, were solved "
+        "separately; their scatter is held against that of measured and synthetic surfaces."
+    )
+    if grooves:
+        axes = " and ".join(name[-1] for name in grooves)
+        text += (
+            f" Grooves or valleys lead out of the map along {axes}: their narrowest place has no upper limit, "
+            "as it may be wider elsewhere."
+        )
+    return text
+
+
+def deficiency(levelled: xr.DataArray, scatter: Scatter) -> str:
+    """Return a sentence on what the subwindows do not tell, empty for nothing."""
+    ny, nx = levelled.isel(scatter.slices[0]).shape
+    if len(scatter.slices) == 1:
+        return (
+            f"The map is too small to estimate how well it represents the surface: {nx} × {ny} points cannot "
+            "be divided into parts. Measure more places, or a larger one."
+        )
+    if scatter.incomplete:
+        return "The solution of a part of the window missed the tolerance."
+    kurtosis = levelled.attrs.get("Sku", 3.0)
+    if kurtosis > _KURTOSIS_LIMIT:
+        return (
+            "A few places, deep pits or high peaks, contribute most of the mean square height (Sku = "
+            f"{number(kurtosis)}): a single map does not tell their number elsewhere. Measure more places."
+        )
+    if scatter.lay < _LAY_LIMIT:
+        return (
+            f"The surface has a lay, and parts along it contain the same ridges: the {len(scatter.slices)} "
+            "parts are worth no more than three independent ones. Measure a map that is longer across the "
+            "lay, or more places."
+        )
+    return ""
+
+
+def constrictions_in_grooves(window: xr.DataArray) -> list[str]:
+    """Return the critical constrictions that lie in grooves, or valleys, leading out of the map.
+
+    The criterion is the area that is open at the level where paths half as long as the map first percolate.
+    Random heights percolate when about half of the area is open [1]_, a groove with much less.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+
+    Returns
+    -------
+    list of str
+        names of `CONSTRICTIONS`; empty for a profile, which has no paths.
+
+    References
+    ----------
+    .. [1] Dapp, Lücke, Persson and Müser (2012), Self-affine elastic contacts: percolation and leakage, Phys.
+       Rev. Lett. 108, 244301.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
+    >>> constrictions_in_grooves(westergaard_surface((64, 64), 1e-6, amplitude=1e-6, wavelength=32e-6))
+    ['critical_constriction_y']
+    >>> constrictions_in_grooves(rough_reference_surface(64))
+    []
+    """
+    if 1 in window.shape:
+        return []
+    depth = window.values.max() - window.values
+    levels = half_way_levels(depth)
+    return [name for name in CONSTRICTIONS if np.mean(depth >= levels[name]) < _GROOVE_AREA_LIMIT]
