@@ -4,23 +4,24 @@
     python benchmarks/calibrate.py --fit --write               # calibration and tables from the bank as it is
     python benchmarks/calibrate.py FOLDER ... --held-out       # coverage on maps that are not in the bank
 
-Every map in the folders that is read without being told anything, with 192 points or more along each side, is
-cut into 3 x 3 and, where these have 128 points, into 2 x 2 parts. Each part is processed by default settings as
-if it were the measurement, at mean pressures p/(E* g) of the whole map. The bank (`results/bank`) keeps, for
-each part and load, the results on their scales (`roughcontact.uncertainty.scales`) and the features of
-`roughcontact.uncertainty.subwindows`; no heights. Synthetic surfaces of the kinds of `validation.masters` and
-of `instruments.other_surface` are treated alike.
+Every map in the folders that is read without being told anything, with 192 points or more along each side,
+is cut into 3 x 3 and, where these have 128 points, into 2 x 2 parts. Each part is processed by default
+settings as if it were the measurement, at mean pressures p/(E* g) of the whole map. The bank
+(`results/bank`) keeps, for each part and load, the results on their scales
+(`roughcontact.uncertainty.scales`) and the features of `roughcontact.uncertainty.subwindows`; no heights.
+Synthetic surfaces of the kinds of `validation.masters` and of `instruments.other_surface` are treated alike.
 
-Truths: of *the surface* the mean of the other parts, of *the next map* each of them, of the *longer* surface the
-whole map, of *one octave shorter* the part itself, its evaluation being that of the part with pixels merged
-2 x 2. For *this map* windows of measured maps and synthetic surfaces are taken for one period of a periodic
-surface, and measured from another first point, tilted, with spots missing.
+Truths: of *the surface* the mean of the other parts, of *the next map* each of them, of the *longer* surface
+the whole map, of *one octave shorter* the part itself, its evaluation being that of the part with pixels
+merged 2 x 2. For *this map* windows of measured maps and synthetic surfaces are taken for one period of a
+periodic surface, and measured from another first point, tilted, with spots missing.
 
 The size of the error is fitted to all of them (Student's t with 4 degrees of freedom, so that single outliers
 do not decide), arms are quantiles of error over size, each map with the same weight. Coverage, width and
 Winkler score (Winkler 1972, J. Am. Stat. Assoc. 67, 187) are those of maps left out one after the other.
 """
 
+import argparse
 import itertools
 import json
 import sys
@@ -31,14 +32,16 @@ from pathlib import Path
 
 import instruments
 import numpy as np
+import pages
 import pandas as pd
+from scipy.optimize import minimize
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
 from roughcontact.contact.loads import plan_loads
 from roughcontact.errors import RoughContactError
-from roughcontact.maps import height_map, spacing
+from roughcontact.maps import height_map, refined, spacing
 from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.magnification import without_shortest_waves
 from roughcontact.uncertainty.scales import (
@@ -56,6 +59,7 @@ LOADS = (0.005, 0.02, 0.1, 0.4, 1.0)  # of E* times the rms gradient of the whol
 SMALLEST, LARGEST = 192, 540  # points along the sides of a map; larger ones are cut to their middle
 CUTS = (3, 2)
 LEAST_PART = {3: 64, 2: 128}  # points
+PIXELS = 128  # points along the sides of windows that are solved with finer pixels
 MADE_SIDE = 160  # points of a part of a synthetic surface
 LONGEST = (1 / 8, 1 / 3, 1.0)  # waves of synthetic surfaces, of the length of a part
 OTHER_KINDS = ("cratered", "conical", "stretched", "lognormal")
@@ -68,12 +72,18 @@ SHORT = {
     "critical_constriction": "narrowest",
 }
 PLACES = {CONSTRICTIONS[0]: "narrowest_x", CONSTRICTIONS[1]: "narrowest_y"}
-FEATURES = ("scatter", "gradient", "height", "lay")
+OF_EACH = ("scatter", "trend")  # features of each quantity and load
+FEATURES = ("scatter", "gradient", "height", "lay")  # of the size of the error
 COVERAGE = 0.95
+# of the quantiles of the bank: the errors of measured maps left out have longer tails than those of the bank
+LEVEL, LEVEL_OF_THE_PEAK = 0.975, 0.96
+OCTAVE_SHARE = 0.8  # of the change by the last octave, that the next one adds
+LEAST_CHANGE = 0.05  # of a logarithm in an octave
 FREEDOM = 4.0  # of Student's t for the errors, in the fit of their size
 RIDGE = 0.02  # on the slopes of the features, in their standard deviations
 LARGEST_ERROR = 6.0  # of a logarithm; more is a closed gap
-BANK = Path(__file__).parent / "results" / "bank"
+BANK = Path(__file__).parent / "results" / "bank" / "bank.csv"
+WORK = Path(__file__).parent / "work" / "bank"
 TABLE = Path(__file__).parents[1] / "workflow/lib/roughcontact/uncertainty/calibration.json"
 
 
@@ -97,10 +107,27 @@ def evaluated(height, loads: list[float]) -> dict | None:
             found[key] = to_scale(name, values[name]) / unit
             found[f"{key}_octave"] = found[key] - to_scale(name, coarse[name]) / unit
             features = scatter.features[name] if scatter.features else {}
-            found[f"{key}_scatter"] = features.get("scatter", np.full(len(loads), np.nan))
+            for feature in OF_EACH:
+                found[f"{key}_{feature}"] = features.get(feature, np.full(len(loads), np.nan))
             for feature in FEATURES[1:]:
                 found[feature] = np.full(len(loads), features.get(feature, np.nan))
     return found
+
+
+def refined_results(height, loads: list[float], factor: int) -> dict | None:
+    """Return the results (load) of the window of a map at so many times as many points along each axis."""
+    try:
+        window = refined(rc.periodic_window(rc.level(height)), factor)
+    except RoughContactError:
+        return None
+    contact = {"contact_modulus": 1.0, "mean_pressure": loads}
+    values = solve_member(window, contact, tolerance=1e-4, names=NAMES)
+    with np.errstate(all="ignore"):
+        return {
+            PLACES.get(name) or SHORT[name]: to_scale(name, values[name])
+            / (values[GAP] if name in PLACES else 1.0)
+            for name in NAMES
+        }
 
 
 def merged(height):
@@ -112,7 +139,7 @@ def merged(height):
 
 
 def rows_of(name: str, kind: str, height) -> list[dict]:
-    """Return the rows of the bank of one map: the whole, its parts, the parts with merged pixels, one period."""
+    """Return the rows of the bank of one map: the whole, its parts, these with merged pixels, one period."""
     start = [max(0, (n - LARGEST) // 2) for n in height.shape]
     height = height[start[0] : start[0] + LARGEST, start[1] : start[1] + LARGEST]
     try:
@@ -137,6 +164,10 @@ def rows_of(name: str, kind: str, height) -> list[dict]:
             add(f"{cuts}x{cuts}", number, evaluated(piece, loads))
             if cuts == CUTS[0] and min(piece.shape) >= 96:
                 add("merged", number, evaluated(merged(piece), loads))
+    start = [(n - PIXELS) // 2 for n in height.shape]
+    middle = height[start[0] : start[0] + PIXELS, start[1] : start[1] + PIXELS]
+    for factor in (1, 2, 4):
+        add(f"pixel / {factor}", 0, refined_results(middle, loads, factor))
     add("period", 0, evaluated(window, loads))
     generator = np.random.default_rng(len(rows))
     for number in range(2):
@@ -206,3 +237,277 @@ def bank_of(folders: list[Path], work: Path, *, made: bool) -> pd.DataFrame:
             print(name, len(rows), flush=True)
     rows = [row for name, *_ in jobs for row in json.loads((work / f"{name}.json").read_text())]
     return pd.DataFrame(rows)
+
+
+def errors_of(bank: pd.DataFrame, quantity: str, measurand: str) -> pd.DataFrame:
+    """Return the errors of a quantity about the truths of a measurand, with their features, one row each."""
+    keys = {"narrowest": tuple(PLACES.values())}.get(quantity, (quantity,))
+    rows = []
+    for (name, kind), of_map in bank.groupby(["map", "kind"], sort=False):
+        for key in keys:
+            for what in {"map": ("measured period",), "octave": ("merged",)}.get(measurand, ("3x3", "2x2")):
+                if measurand == "longer" and what != "3x3":
+                    continue
+                for load, some in of_map[of_map["what"] == what].groupby("load"):
+                    truths = _truths(of_map, some, key, load, measurand)
+                    for row, truth in zip(some.itertuples(), truths, strict=True):
+                        features = {f: getattr(row, f) for f in FEATURES[1:]}
+                        own = (*OF_EACH, "octave") if measurand == "octave" else OF_EACH
+                        features |= {f: getattr(row, f"{key}_{f}") for f in own}
+                        base = (
+                            {"map": name, "kind": kind, "load": load, "area": row.area}
+                            | features
+                            | {"quantity": quantity}
+                        )
+                        rows += [base | {"error": value - getattr(row, key)} for value in truth]
+    found = pd.DataFrame(rows).dropna()
+    found["error"] = found["error"].clip(-LARGEST_ERROR, LARGEST_ERROR)
+    count = found.groupby(["map", "load"])["error"].transform("size")
+    found["weight"] = 1 / count
+    return found
+
+
+def _truths(
+    of_map: pd.DataFrame, some: pd.DataFrame, key: str, load: float, measurand: str
+) -> list[list[float]]:
+    """Return for each row of some parts the truths that it is held against, on the scale."""
+    own = some[key].to_numpy()
+    if measurand in ("surface", "next"):
+        others = [np.delete(own, index) for index in range(own.size)]
+        return [list(o) if measurand == "next" else [o.mean()] for o in others]
+    what = {"longer": "whole", "map": "period", "octave": "3x3"}[measurand]
+    truth = of_map[(of_map["what"] == what) & (of_map["load"] == load)]
+    if measurand == "octave":
+        return [list(truth.loc[truth["part"] == part, key]) for part in some["part"]]
+    return [list(truth[key])] * own.size
+
+
+def fitted(errors: pd.DataFrame) -> tuple[float, np.ndarray]:
+    """Return the share c of the trend, and b0, b of the size s = exp(b0 + sum b f), of some errors.
+
+    The errors less c times the trend are Student's t, scaled by s: maximum likelihood, with a constant that
+    the arms take up later.
+    """
+    if errors["quantity"].iloc[0] == "narrowest":  # two constants score better
+        return 0.0, np.zeros(len(FEATURES) + 1)
+    features, trend, error = (errors[key].to_numpy() for key in (list(FEATURES), "trend", "error"))
+    weight = errors["weight"].to_numpy() / errors["weight"].sum()
+    middle = weight @ features
+    spread = np.sqrt(weight @ (features - middle) ** 2)
+    scaled = (features - middle) / spread
+
+    def loss(b: np.ndarray) -> float:
+        size = b[2] + scaled @ b[3:]
+        left = (error - b[0] - b[1] * trend) * np.exp(-size)
+        terms = size + (FREEDOM + 1) / 2 * np.log1p(left**2 / FREEDOM)
+        return float(weight @ terms + RIDGE * np.sum(b[3:] ** 2))
+
+    b = minimize(loss, np.r_[0.0, 0.0, -1.0, np.zeros(len(FEATURES))], method="BFGS").x
+    slopes = b[3:] / spread
+    return float(b[1]), np.r_[b[2] - middle @ slopes, slopes]
+
+
+def size_of(b: np.ndarray, errors: pd.DataFrame) -> np.ndarray:
+    """Return the expected size of errors from their features."""
+    return np.exp(b[0] + errors[list(FEATURES)].to_numpy() @ b[1:])
+
+
+def quantiles(values: np.ndarray, weight: np.ndarray, level: float) -> tuple[float, float]:
+    """Return the weighted quantiles that leave (1 - level)/2 out on each side."""
+    order = np.argsort(values)
+    share = (np.cumsum(weight[order]) - 0.5 * weight[order]) / weight.sum()
+    low, high = np.interp([(1 - level) / 2, (1 + level) / 2], share, values[order])
+    return float(low), float(high)
+
+
+def arms_of(errors: pd.DataFrame, share: float, size: np.ndarray, level: float) -> dict[str, list[float]]:
+    """Return the arms down and up at the loads of the bank, by their medians of ln erfinv(A)."""
+    known: dict[str, list[float]] = {"load": [], "down": [], "up": []}
+    ratio = (errors["error"] - share * errors["trend"]).to_numpy() / size
+    for load in LOADS:
+        some = (errors["load"] == load).to_numpy()
+        if not some.any():
+            continue
+        low, high = quantiles(ratio[some], errors["weight"].to_numpy()[some], level)
+        known["load"].append(float(np.median(errors["area"][some])))
+        known["down"].append(-low)
+        known["up"].append(high)
+    return known
+
+
+def interval_score(low: np.ndarray, high: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """Return the score of Winkler (1972) of intervals of `COVERAGE` about errors."""
+    return high - low + 2 / (1 - COVERAGE) * (np.maximum(low - error, 0) + np.maximum(error - high, 0))
+
+
+def ends_by(
+    rest: pd.DataFrame, own: pd.DataFrame, sizes: pd.DataFrame, level: float, how: str = "fitted"
+) -> pd.DataFrame:
+    """Return errors with the ends of their intervals, calibrated on others.
+
+    `sizes` are errors of the surface, to which the size is fitted; `how` is "fitted", "scatter" (the bare
+    scatter) or "constant" (two constants, whatever the map).
+    """
+    share, of_rest, of_own = 0.0, np.ones(len(rest)), np.ones(len(own))
+    if how == "fitted":
+        share, b = fitted(sizes)
+        of_rest, of_own = size_of(b, rest), size_of(b, own)
+    elif how == "scatter":
+        of_rest, of_own = (np.exp(some["scatter"].to_numpy()) for some in (rest, own))
+    ends = np.zeros((len(own), 2))
+    for load in LOADS:
+        known, here = (rest["load"] == load).to_numpy(), (own["load"] == load).to_numpy()
+        if known.any() and here.any():
+            ratio = (rest["error"] - share * rest["trend"]).to_numpy()[known] / of_rest[known]
+            arms = quantiles(ratio, rest["weight"].to_numpy()[known], level)
+            ends[here] = np.outer(of_own[here], arms) + share * own["trend"].to_numpy()[here, None]
+    return own.assign(low=np.minimum(ends[:, 0], 0.0), high=np.maximum(ends[:, 1], 0.0))
+
+
+def left_out(errors: pd.DataFrame, sizes: pd.DataFrame, level: float, how: str = "fitted") -> pd.DataFrame:
+    """Return errors with the ends of their intervals, each map calibrated without itself."""
+    return pd.concat(
+        ends_by(errors[errors["map"] != name], some, sizes[sizes["map"] != name], level, how)
+        for name, some in errors.groupby("map", sort=False)
+    )
+
+
+def shares(found: pd.DataFrame) -> dict[str, float]:
+    """Return coverage (percent), median half-width and mean score of intervals, maps weighted alike."""
+    weight = found["weight"].to_numpy()
+    inside = found["error"].between(found["low"] - 1e-12, found["high"] + 1e-12)
+    score = interval_score(*(found[c].to_numpy() for c in ("low", "high", "error")))
+    return {
+        "inside (%)": 100 * np.average(inside, weights=weight),
+        "half-width": float((found["high"] - found["low"]).median() / 2),
+        "score": np.average(score, weights=weight),
+    }
+
+
+def discretisation_floor(bank: pd.DataFrame, quantity: str) -> float:
+    """Return the least half-width with which 95 % of the extrapolations to no pixels hold.
+
+    The truth is extrapolated from pixels half and a quarter as large.
+    """
+    keys = {"narrowest": tuple(PLACES.values())}.get(quantity, (quantity,))
+    left, change = [], []
+    for key in keys:
+        levels = [
+            bank[bank["what"] == f"pixel / {factor}"].set_index(["map", "load"])[key] for factor in (1, 2, 4)
+        ]
+        first, second = levels[1] - levels[0], levels[2] - levels[1]
+        truth = levels[2] + second / 3
+        taken = 0.0 if quantity in ("narrowest", "conductance") else 4 / 3
+        left.append((truth - levels[0] - taken * first).abs())
+        change.append((2.0 - (taken > 0)) * first.abs())
+    both = pd.DataFrame({"left": pd.concat(left), "change": pd.concat(change)}).dropna()
+    beyond = np.sqrt(np.maximum(both["left"] ** 2 - both["change"] ** 2, 0.0))
+    return float(np.quantile(beyond, COVERAGE))
+
+
+def level_of(quantity: str) -> float:
+    """Return the level of the quantiles of a quantity."""
+    return LEVEL_OF_THE_PEAK if quantity == SHORT[PEAK] else LEVEL
+
+
+def calibration(bank: pd.DataFrame) -> dict:
+    """Return the content of `calibration.json`."""
+    found: dict = {"features": [*FEATURES], "size": {}, "arms": {}, "octave": {}, "discretisation": {}}
+    for name, quantity in SHORT.items():
+        surface = errors_of(bank, quantity, "surface")
+        share, b = fitted(surface)
+        found["size"][name] = b.tolist()
+        for measurand in ("surface", "next", "longer", "map"):
+            errors = surface if measurand == "surface" else errors_of(bank, quantity, measurand)
+            trend = 0.0 if measurand == "map" else share
+            arms = arms_of(errors, trend, size_of(b, errors), level_of(quantity))
+            found["arms"].setdefault(measurand, {})[name] = {"trend": trend} | arms
+        octave = errors_of(bank, quantity, "octave")
+        ratio = (octave["error"] - OCTAVE_SHARE * octave["octave"]) / np.hypot(octave["octave"], LEAST_CHANGE)
+        low, high = quantiles(ratio.to_numpy(), octave["weight"].to_numpy(), level_of(quantity))
+        found["octave"][name] = {"share": OCTAVE_SHARE, "down": -low, "up": high}
+        found["discretisation"][name] = discretisation_floor(bank, quantity)
+    return rounded(found)
+
+
+def needed(bank: pd.DataFrame) -> pd.DataFrame:
+    """Return the bank without the numbers that no error is made of."""
+    bank = bank.copy()
+    octaves = [name for name in bank if name.endswith("_octave")]
+    bank.loc[bank["what"] != "merged", octaves] = np.nan
+    features = [name for name in bank if name.endswith(OF_EACH) or name in FEATURES]
+    bank.loc[bank["what"].isin(["whole", "period"]), features] = np.nan
+    return bank
+
+
+def sources(folders: list[Path], bank: pd.DataFrame) -> pd.DataFrame:
+    """Return repository and licence of the measured maps of the bank, by the catalogues of the folders."""
+    catalogues = [pd.read_csv(path, sep="\t", dtype=str) for f in folders for path in f.glob("CATALOG.tsv")]
+    known = pd.concat(catalogues)[["file", "repository", "licence"]].rename(columns={"file": "map"})
+    measured = bank.loc[bank["kind"] == "measured", ["map"]].drop_duplicates()
+    return measured.merge(known, how="left").fillna("")
+
+
+def rounded(found):
+    """Return nested numbers with four digits."""
+    if isinstance(found, dict):
+        return {key: rounded(value) for key, value in found.items()}
+    if isinstance(found, list):
+        return [rounded(value) for value in found]
+    return float(f"{found:.4g}") if isinstance(found, float) else found
+
+
+def coverage(bank: pd.DataFrame, others: pd.DataFrame | None = None) -> pd.DataFrame:
+    """Return coverage, width and score of maps left out, or of others, by quantity and measurand."""
+    rows = []
+    for quantity in SHORT.values():
+        surface = errors_of(bank, quantity, "surface")
+        for measurand in ("surface", "next"):
+            errors = surface if measurand == "surface" else errors_of(bank, quantity, measurand)
+            own = None if others is None else errors_of(others, quantity, measurand)
+            for how, level in (("fitted", level_of(quantity)), ("constant", COVERAGE)):
+                found = (
+                    left_out(errors, surface, level, how)
+                    if own is None
+                    else ends_by(errors, own, surface, level, how)
+                )
+                found = found[found["load"].isin(LOADS[1:4])]
+                for kind, some in found.groupby("kind"):
+                    by_load = {
+                        f"inside at {load} (%)": shares(part)["inside (%)"]
+                        for load, part in some.groupby("load")
+                    }
+                    first = {"quantity": quantity, "measurand": measurand, "arms": how, "maps": kind}
+                    rows.append(first | by_load | shares(some))
+    return pd.DataFrame(rows)
+
+
+def main() -> None:
+    """Make the bank, fit the calibration, print or write the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("folders", nargs="*", type=Path, help="folders of instrument files")
+    parser.add_argument("--fit", action="store_true", help="from the bank as it is")
+    parser.add_argument("--held-out", action="store_true", help="hold the calibration against these folders")
+    parser.add_argument("--work", type=Path, default=WORK, help="where finished maps are kept")
+    parser.add_argument("--write", action="store_true", help="write bank, calibration and tables; else print")
+    arguments = parser.parse_args()
+    if arguments.held_out:
+        others = bank_of(arguments.folders, arguments.work, made=False)
+        table = coverage(pd.read_csv(BANK), others)
+        pages.show({"held out": table.round(2)})
+        return
+    bank = pd.read_csv(BANK) if arguments.fit else bank_of(arguments.folders, arguments.work, made=True)
+    tables = {"bank_coverage": coverage(bank).round(2)}
+    if not arguments.write:
+        pages.show(tables)
+        return
+    if not arguments.fit:
+        BANK.parent.mkdir(parents=True, exist_ok=True)
+        needed(bank).to_csv(BANK, index=False, float_format="%.4g")
+        sources(arguments.folders, bank).to_csv(BANK.parent / "sources.csv", index=False)
+    TABLE.write_text(json.dumps(calibration(bank), indent=1) + "\n")
+    pages.publish("bank", tables)
+
+
+if __name__ == "__main__":
+    main()

@@ -158,9 +158,7 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
         "m",
         "largest height that a way along y keeps which crosses half of the map",
     ),
-    "switches": ("1", "switches between contact and non-contact along all rows and columns"),
-    "beside_the_peak": ("Pa", "difference between the largest pressure and the mean of its neighbours"),
-    "place_of_the_peak": ("1", "index of the largest pressure, counted row by row"),
+    "index_of_the_peak": ("1", "index of the largest pressure, counted row by row"),
     # theory beside the data
     "area_persson": ("1", "relative contact area after Persson (2001)"),
     "area_xu": ("1", "relative contact area after Xu et al. (2024)"),

@@ -22,14 +22,14 @@ class LoadFields(NamedTuple):
 
     Attributes
     ----------
-    index : int
-        of the load in `mean_pressure`.
+    load_index : int
+        place of the load in `mean_pressure`.
     pressure, gap : array (ny, nx), Pa and m
     error_bound : float
         of the relative error of the pressure in the energy norm.
     """
 
-    index: int
+    load_index: int
     pressure: np.ndarray
     gap: np.ndarray
     error_bound: float

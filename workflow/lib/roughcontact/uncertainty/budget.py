@@ -1,7 +1,7 @@
 """The error budget: corrections, intervals and their components for each headline quantity and answer."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import xarray as xr
@@ -297,9 +297,9 @@ class _Intervals:
             value = np.fmin(value, self.hardness)
         arms = {
             m: self._arms(m, name, area, as_solved[GAP], middle[AREA])
-            for m in ("surface", "next", "longer", "map")
+            for m in get_args(calibration.Measurand)
         }
-        of_map = [part for source, part in own.items() if source not in ("unresolved",)]
+        of_map = [part for source, part in own.items() if source != "unresolved"]
         everything = [*own.values()]
         ends = {
             "": self._ends(name, centre, value, everything, arms["surface"]),
@@ -321,7 +321,12 @@ class _Intervals:
         return columns
 
     def _arms(
-        self, measurand: str, name: str, area: np.ndarray, gap: np.ndarray, middle_of_area: np.ndarray
+        self,
+        measurand: calibration.Measurand,
+        name: str,
+        area: np.ndarray,
+        gap: np.ndarray,
+        middle_of_area: np.ndarray,
     ) -> Arms | None:
         """Return how far the truth of a measurand may lie below and above a result, on its scale."""
         if self.scatter is None:
@@ -329,14 +334,13 @@ class _Intervals:
         if not self.scatter.features:  # without parts of a map nothing bounds what other places would give
             return (np.full(area.shape, np.inf if measurand != "map" else 0.0),) * 2
         source = AREA if name == PRESSURE else name
-        size = calibration.expected_error(source, self.scatter.features[source])
+        features = self.scatter.features[source]
         if measurand == "longer":
-            down, up = calibration.arms_of_longer(source, area, self.extent)
+            down, up = calibration.arms_of_longer(source, features, area, self.extent)
         else:
-            down, up = calibration.arms(measurand, source, area)
+            down, up = calibration.arms(measurand, source, features, area)
         if name in CONSTRICTIONS:  # counted in mean gaps
-            size = size * gap
-        down, up = down * size, up * size
+            down, up = down * gap, up * gap
         if name == PRESSURE:
             return _of_area_in_pressure(middle_of_area, down, up)
         if name in self.open_ended and measurand != "map":
@@ -344,7 +348,7 @@ class _Intervals:
         return down, up
 
     def _of_pressure(self, middle_of_area: np.ndarray) -> dict[UncertaintySource, Component]:
-        """Return the components of the pressure in contact; but for stated inputs they are those of the area."""
+        """Return the components of the pressure in contact: of the area, but for stated inputs."""
         own: dict[UncertaintySource, Component] = {}
         for source, parts in self.found.items():
             if PRESSURE in parts and source != "solver":

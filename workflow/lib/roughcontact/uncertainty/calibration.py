@@ -7,15 +7,15 @@ expected size of the error is
 
     s = exp(b0 + sum b_i f_i)
 
-with the features f of `roughcontact.uncertainty.subwindows`; the arms are quantiles of e/s, each file with the
-same weight (split conformal prediction). They hold for a map that could be one of the bank's.
+with the features f of `roughcontact.uncertainty.subwindows`; the arms are quantiles of e/s, each file with
+the same weight (split conformal prediction). They hold for a map that could be one of the bank's.
 
 `calibration.json` is written by `benchmarks/calibrate.py`; the bank is `benchmarks/results/bank.csv`.
 
 References
 ----------
-Vovk, Gammerman and Shafer (2005), Algorithmic Learning in a Random World; Lei, G'Sell, Rinaldo, Tibshirani and
-Wasserman (2018), J. Am. Stat. Assoc. 113, 1094, for errors scaled by their expected size.
+Vovk, Gammerman and Shafer (2005), Algorithmic Learning in a Random World; Lei, G'Sell, Rinaldo, Tibshirani
+and Wasserman (2018), J. Am. Stat. Assoc. 113, 1094, for errors scaled by their expected size.
 """
 
 import json
@@ -46,7 +46,7 @@ def entry(name: str) -> str:
 
 
 def expected_error(name: str, features: Mapping[str, np.ndarray | float]) -> np.ndarray:
-    """Return the expected size of the error of a quantity of a map, on its scale.
+    """Return the expected size of the error of a quantity of a map, on its scale; of places in mean gaps.
 
     Parameters
     ----------
@@ -60,30 +60,40 @@ def expected_error(name: str, features: Mapping[str, np.ndarray | float]) -> np.
     )
 
 
-def arms(measurand: Measurand, name: str, area: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return how far the truth lies below and above a result, in expected errors; negative where it is apart.
+def arms(
+    measurand: Measurand, name: str, features: Mapping[str, np.ndarray | float], area: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far the truth lies below and above a result, on its scale; negative if it is apart.
+
+    A share of the trend, of the mean of the subwindows less the result, moves both: a largest pressure far
+    above those of the subwindows is an outlier, and the surface shows less.
 
     Parameters
     ----------
     measurand : str
     name : str
         of the quantity.
+    features : mapping
+        feature -> number, or array (load).
     area : array (load)
         relative contact area, which tells the loads of the bank from one another.
     """
     known = table()["arms"][measurand][entry(name)]
     x = np.log(np.maximum(inverse_erf_area(area), 1e-12))
+    size, shift = expected_error(name, features), known["trend"] * np.asarray(features["trend"])
     down, up = (np.interp(x, known["load"], known[side]) for side in ("down", "up"))
-    return down, up
+    return down * size - shift, up * size + shift
 
 
-def arms_of_longer(name: str, area: np.ndarray, extent: float) -> tuple[np.ndarray, np.ndarray]:
+def arms_of_longer(
+    name: str, features: Mapping[str, np.ndarray | float], area: np.ndarray, extent: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Return `arms` for the surface over `extent` times the length of the map.
 
     They are those of the bank's extent, and of the surface in the band of the map at 1, linear in ln(extent).
     """
     share = math.log(extent) / math.log(BANK_EXTENT)
-    near, far = (arms(measurand, name, area) for measurand in ("surface", "longer"))
+    near, far = arms("surface", name, features, area), arms("longer", name, features, area)
     down, up = ((1 - share) * a + share * b for a, b in zip(near, far, strict=True))
     return down, up
 

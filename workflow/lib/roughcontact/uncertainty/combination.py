@@ -66,7 +66,7 @@ def component(down: np.ndarray, up: np.ndarray) -> Component:
 
 
 def component_from_units(name: str, value: np.ndarray, ends: Mapping[str, np.ndarray]) -> Component:
-    """Return a component from half-widths `down`, `up`, `shift_down` and `shift_up` in the unit of a quantity.
+    """Return a component from `down`, `up`, `shift_down` and `shift_up` in the unit of a quantity.
 
     Those that are missing are 0.
 
@@ -92,7 +92,7 @@ def ends_of(
     components: list[Component],
     arms: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return both ends of an interval in the unit of a quantity, before physical limits; infinite if unbounded.
+    """Return both ends of an interval in the unit of a quantity, without limits; infinite if unbounded.
 
     Parameters
     ----------

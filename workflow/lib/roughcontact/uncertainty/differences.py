@@ -432,8 +432,8 @@ def _correlations(name: str, first: xr.Dataset, second: xr.Dataset) -> np.ndarra
     found = np.tile(_alike(first, second), (first.sizes["load"], 1))
     if any(f"{name}_components" not in data for data in (first, second)):
         return 0 * found  # nothing is known of what they share
-    moved = [_deviations(name, data) for data in (first, second)]
-    found[:, SOURCES.index("window")] = _correlation(*moved, first["mean_pressure"].values)
+    one, two = (_deviations(name, data) for data in (first, second))
+    found[:, SOURCES.index("window")] = _correlation(one, two, first["mean_pressure"].values)
     return found
 
 

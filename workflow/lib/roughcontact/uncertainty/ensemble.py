@@ -1,4 +1,4 @@
-"""Ensemble members: solutions to a wide tolerance of which only the quantities of the error budget are kept."""
+"""Ensemble members: solutions to a wide tolerance of which only some quantities are kept."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ def solve_member(
     *,
     tolerance: float,
     names: Sequence[str],
-    loads: Sequence[int] | None = None,
+    loads: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
     """Solve one window of an ensemble; its fields are not kept.
 
@@ -37,7 +37,7 @@ def solve_member(
         relative tolerance of the pressure, unless `contact` has a wider one.
     names : sequence of str
         quantities that are asked for.
-    loads : sequence of int, optional
+    loads : array of int, optional
         indices of the loads that are solved; all by default.
 
     Returns
@@ -56,7 +56,7 @@ def solve_member(
     array([0.34])
     """
     pressures = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
-    pressures = pressures if loads is None else pressures[list(loads)]
+    pressures = pressures if loads is None else pressures[loads]
     tolerance = max(tolerance, contact.get("tolerance", 0.0))
     influence = contact.get("influence", "sampled")
     layered = elasticity(contact.get("contact_modulus"), contact.get("bodies"))[1] is not None
@@ -75,7 +75,7 @@ def solve_member(
             layered=layered,
         )
         for name in names:
-            values[name][solution.index] = row[name]
+            values[name][solution.load_index] = row[name]
     return values
 
 

@@ -133,8 +133,11 @@ def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
     (0.0, True)
     """
     names, steps = (*QUANTITIES, *ANSWERS), spacing(contact["pressure"])
-    kind = {"influence": influence_of(contact), "layered": layers_of(contact) is not None}
-    rows = [quantities_of(*fields, names, steps=steps, **kind) for fields in fields_of(contact)]
+    influence, layered = influence_of(contact), layers_of(contact) is not None
+    rows = [
+        quantities_of(*fields, names, steps=steps, influence=influence, layered=layered)
+        for fields in fields_of(contact)
+    ]
     return xr.Dataset({name: ("load", [row[name] for row in rows]) for name in names})
 
 

@@ -61,5 +61,7 @@ def rejected_load_share(
             for solution in solved_fields(kept, contact, tolerance=tolerance):
                 if solution.error_bound <= tolerance:
                     pressure = solution.pressure
-                    share[solution.index] = pressure[on_rejected].sum(dtype=float) / pressure.sum(dtype=float)
+                    share[solution.load_index] = pressure[on_rejected].sum(dtype=float) / pressure.sum(
+                        dtype=float
+                    )
     return xr.DataArray(share, dims="load", name="rejected_load_share")

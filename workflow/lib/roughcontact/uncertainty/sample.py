@@ -23,14 +23,14 @@ def description(levelled: xr.DataArray, scatter: Scatter, grooves: list[str]) ->
     covered = sum(math.prod(levelled.isel(part).shape) for part in scatter.slices) / levelled.size
     text = (
         "The ± is for the mean of maps of this size all over the surface, in the band of waves of this map. "
-        f"{len(scatter.slices)} parts of about {nx} × {ny} points, {percent(covered)} of the map, were solved "
-        "separately; their scatter is held against that of measured and synthetic surfaces."
+        f"{len(scatter.slices)} parts of about {nx} × {ny} points, {percent(covered)} of the map, were "
+        "solved separately; their scatter is held against that of measured and synthetic surfaces."
     )
     if grooves:
         axes = " and ".join(name[-1] for name in grooves)
         text += (
-            f" Grooves or valleys lead out of the map along {axes}: their narrowest place has no upper limit, "
-            "as it may be wider elsewhere."
+            f" Grooves or valleys lead out of the map along {axes}: their narrowest place has no upper limit, as "
+            "it may be wider elsewhere."
         )
     return text
 

@@ -3,8 +3,8 @@
 What other places of the surface would show is told by the scatter s of the subwindows (3 x 3), and by how it
 falls with their size. On a stationary surface subwindows that are longer than its longest wave are
 independent samples: the variance of a mean over n of them is 1/n, and the map, n times as large, scatters
-s/sqrt(n). On most measured surfaces places differ on every length: waviness, wear, a scratch. The rms gradient
-and the rms height of 4, 9, 16 and 36 subwindows need no solution; their variances are fitted by
+s/sqrt(n). On most measured surfaces places differ on every length: waviness, wear, a scratch. The rms
+gradient and the rms height of 4, 9, 16 and 36 subwindows need no solution; their variances are fitted by
 
     var(n) = a + b n,   a, b >= 0
 
@@ -40,6 +40,7 @@ _MIN_POINTS_PER_SIDE = 12  # of a subwindow
 _MIN_WAVES_PER_SIDE = 2  # side of a subwindow over the shortest wavelength that is kept
 _CUTS = (2, 3, 4, 6)  # of the sides, for statistics without a solution
 _LEAST_SCATTER = 0.02  # of a logarithm; less is chance
+_LARGEST_TREND = 3.0  # of a logarithm; more is a closed gap
 _LEAST_SHARE = 0.01  # of the result: the logarithm of smaller values is meaningless
 
 Slices = dict[str, slice]  # rows ("y") and columns ("x") of a map
@@ -125,28 +126,33 @@ def scatter_of_subwindows(
             members[name][index, solved] = member[name]
     common = _common_features(levelled.isel(whole), window, order)
     features = {}
+    gap = values[GAP][solved] if GAP in values else np.ones(solved.size)
     for name in names:
-        spread = _spread(
-            name,
-            members[name][:, solved],
-            values[name][solved],
-            values[GAP][solved] if GAP in values else None,
-        )
-        features[name] = {"scatter": at_all_loads(np.log(spread), solved, load)} | common
+        spread, trend = _spread_and_trend(name, members[name][:, solved], values[name][solved], gap)
+        features[name] = common | {
+            "scatter": at_all_loads(np.log(spread), solved, load),
+            "trend": at_all_loads(trend, solved, load),
+        }
     incomplete = bool(np.isnan(members[GAP][:, solved]).any()) if GAP in names else False
     return Scatter(members, features, slices, incomplete, common["lay"])
 
 
-def _spread(name: str, members: np.ndarray, result: np.ndarray, gap: np.ndarray | None) -> np.ndarray:
-    """Return the standard deviation of the members (member, load) on the scale; of places over the gap."""
+def _spread_and_trend(
+    name: str, members: np.ndarray, result: np.ndarray, gap: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return standard deviation and mean of the members (member, load) about the result, on the scale.
+
+    Narrowest places are counted in mean gaps.
+    """
     if name in CONSTRICTIONS:
-        unit = np.where(gap > 0, gap, 1.0) if gap is not None else 1.0
-        deviation = np.nanstd(members, axis=0, ddof=1) / unit
+        known = np.where(np.isnan(members), result, members)
+        deviations = (known - result) / np.where(gap > 0, gap, 1.0)
     else:
-        least = _LEAST_SHARE * np.where(result > 0, result, 1.0)
-        known = np.where(np.isnan(members), result, np.fmax(members, least))
-        deviation = np.std(to_scale(name, known), axis=0, ddof=1)
-    return np.hypot(np.nan_to_num(deviation), _LEAST_SCATTER)
+        positive = np.where(result > 0, result, 1.0)
+        known = np.where(np.isnan(members), positive, np.fmax(members, _LEAST_SHARE * positive))
+        deviations = to_scale(name, known) - to_scale(name, positive)
+    spread = np.hypot(np.std(deviations, axis=0, ddof=1), _LEAST_SCATTER)
+    return spread, np.clip(deviations.mean(axis=0), -_LARGEST_TREND, _LARGEST_TREND)
 
 
 def _common_features(measured: xr.DataArray, window: xr.DataArray, order: int) -> dict[str, float]:

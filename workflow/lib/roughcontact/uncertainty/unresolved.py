@@ -3,12 +3,13 @@
 Most surfaces are rough below the pixel of their map, and results belong to a band of waves. Two things are
 told apart.
 
-* *Hidden waves*, longer than two pixels, that a stated lens or tip does not resolve: they are of the band, and
-  shift the ends of its interval. The trend of the octaves that the instrument does resolve is continued to the
-  pixels, over two octaves at most; where it hides more, nothing bounds the area below and the pressures above.
-* *The next octave*, shorter than two pixels, is beyond the band, and an answer of its own. Each result changes
-  by a share of what its last octave changed (`calibration`), or as much as the spectrum of a finer map of the
-  same finish says.
+* *Hidden waves*, longer than two pixels, that a stated lens or tip does not resolve: they are of the band,
+  and shift the ends of its interval. The trend of the octaves that the instrument does resolve is continued
+  to the pixels, over two octaves at most; where it hides more, nothing bounds the area below and the
+  pressures above.
+* *The next octave*, shorter than two pixels, is beyond the band, and an answer of its own. Each result
+  changes by a share of what its last octave changed (`calibration`), or as much as the spectrum of a finer
+  map of the same finish says.
 """
 
 import math

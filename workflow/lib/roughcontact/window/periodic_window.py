@@ -192,7 +192,7 @@ def _cut_out(
     method: WindowMethod,
     width: float,
 ) -> tuple[list[int], xr.DataArray, xr.DataArray]:
-    """Return the points used along each axis, the cut-out without its blending bands, and it made periodic."""
+    """Return the points used along each axis, the cut-out without its bands, and it made periodic."""
     fade, step = width if method in _BLENDING_METHODS else 0.0, spacing(levelled)
     band = [band_points(side, fade) for side in sides]
     used = [side + b for side, b in zip(sides, band, strict=True)]
