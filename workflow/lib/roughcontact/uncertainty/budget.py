@@ -24,6 +24,7 @@ from roughcontact.uncertainty.combination import (
     ends_of,
     labels,
     limited,
+    monotonic,
 )
 from roughcontact.uncertainty.discretisation import CORRECTED, discretisation_error
 from roughcontact.uncertainty.headline import quantities_in
@@ -371,6 +372,7 @@ class _Intervals:
             with np.errstate(all="ignore"):
                 widest = np.fmax.reduce(self.scatter.members[GAP], axis=0, initial=0.0)
             ends = np.where(value > 0, ends[0], 0.0), np.where(value > 0, ends[1], widest)
+        ends = monotonic(name, ends, self.load)
         return limited(name, ends, value=value, load=self.load, hardness=self.hardness)
 
     def _octave(

@@ -11,7 +11,9 @@ from roughcontact.choices import UncertaintySource
 from roughcontact.uncertainty.scales import (
     ANSWERS,
     AREA,
+    CONDUCTANCE,
     CONSTRICTIONS,
+    GAP,
     PEAK,
     PRESSURE,
     QUANTITIES,
@@ -24,6 +26,8 @@ COMBINED = "combined"
 _NORMAL = 1.959963984540054  # coverage factor of 95 % for infinite degrees of freedom
 # A: evaluated from a scatter; B: from bounds, models and statements
 _TYPES = ["A" if source == "window" else "B" for source in SOURCES]
+# whether a quantity rises with the load, or falls; the pressure in contact may do either
+_RISING = {AREA: True, PEAK: True, CONDUCTANCE: True, GAP: False, **dict.fromkeys(CONSTRICTIONS, False)}
 _LEAST = 1e-3  # of a result: the logarithm of smaller values is meaningless
 _OF_THE_TABLE = {
     "mean_pressure",
@@ -114,6 +118,26 @@ def ends_of(
         lower = middle - down - sum(one.shift_down for one in components)
         upper = middle + up + sum(one.shift_up for one in components)
     return from_scale(name, lower), from_scale(name, upper)
+
+
+def monotonic(
+    name: str, ends: tuple[np.ndarray, np.ndarray], load: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return ends that rise or fall with the load as the quantity does: what one load bounds, it does for all.
+
+    Examples
+    --------
+    >>> lower, upper = monotonic("mean_gap", (np.ones(2), np.array([3.0, 9.0])), np.array([1.0, 2.0]))
+    >>> upper.tolist()
+    [3.0, 3.0]
+    """
+    if name not in _RISING:
+        return ends
+    order = np.argsort(load if _RISING[name] else -load, kind="stable")
+    lower, upper = np.empty_like(ends[0]), np.empty_like(ends[1])
+    lower[order] = np.fmax.accumulate(ends[0][order])
+    upper[order[::-1]] = np.fmin.accumulate(ends[1][order[::-1]])
+    return lower, upper
 
 
 def limited(
