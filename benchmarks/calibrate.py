@@ -84,7 +84,7 @@ OCTAVE_SHARE = 0.8  # of the change by the last octave, that the next one adds
 LEAST_CHANGE = 0.05  # of a logarithm in an octave
 RIDGE = 0.05  # on the slopes of the features, in their standard deviations
 LARGEST_ERROR = 6.0  # of a logarithm; more is a closed gap
-BANK = Path(__file__).parent / "results" / "bank" / "bank.csv"
+BANK = Path(__file__).parent / "results" / "bank"
 WORK = Path(__file__).parent / "work" / "bank"
 TABLE = Path(__file__).parents[1] / "workflow/lib/roughcontact/uncertainty/calibration.json"
 
@@ -454,13 +454,28 @@ def calibration(bank: pd.DataFrame) -> dict:
 
 
 def needed(bank: pd.DataFrame) -> pd.DataFrame:
-    """Return the bank without the numbers that no error is made of."""
+    """Return the bank without the numbers that no error is made of, logarithms about those of the whole map."""
     bank = bank.copy()
+    whole = bank[bank["what"] == "whole"].set_index(["map", "load"])
+    for key in ("gap", "peak", "conductance"):
+        bank[key] -= whole[key].reindex(pd.MultiIndex.from_frame(bank[["map", "load"]])).to_numpy()
     octaves = [name for name in bank if name.endswith("_octave")]
     bank.loc[bank["what"] != "merged", octaves] = np.nan
     features = [name for name in bank if name.endswith(OF_EACH) or name in FEATURES]
     bank.loc[bank["what"].isin(["whole", "period"]), features] = np.nan
-    return bank
+    return bank.round(3)
+
+
+def write_bank(bank: pd.DataFrame) -> None:
+    """Write the bank, a file for each kind of map."""
+    BANK.mkdir(parents=True, exist_ok=True)
+    for kind, rows in needed(bank).groupby("kind"):
+        rows.to_csv(BANK / f"{kind}.csv", index=False, float_format="%.6g")
+
+
+def read_bank() -> pd.DataFrame:
+    """Return the bank as it was written."""
+    return pd.concat([pd.read_csv(BANK / f"{kind}.csv") for kind in ("measured", "synthetic")])
 
 
 def sources(folders: list[Path], bank: pd.DataFrame) -> pd.DataFrame:
@@ -516,18 +531,17 @@ def main() -> None:
     arguments = parser.parse_args()
     if arguments.held_out:
         others = bank_of(arguments.folders, arguments.work, made=False)
-        table = coverage(pd.read_csv(BANK), others)
-        pages.show({"held out": table.round(2)})
+        pages.show({"held out": coverage(read_bank(), others).round(2)})
         return
-    bank = pd.read_csv(BANK) if arguments.fit else bank_of(arguments.folders, arguments.work, made=True)
-    tables = {"bank_coverage": coverage(bank).round(2)}
+    bank = read_bank() if arguments.fit else bank_of(arguments.folders, arguments.work, made=True)
     if not arguments.write:
-        pages.show(tables)
+        pages.show({"bank_coverage": coverage(bank).round(2)})
         return
     if not arguments.fit:
-        BANK.parent.mkdir(parents=True, exist_ok=True)
-        needed(bank).to_csv(BANK, index=False, float_format="%.4g")
-        sources(arguments.folders, bank).to_csv(BANK.parent / "sources.csv", index=False)
+        write_bank(bank)
+        sources(arguments.folders, bank).to_csv(BANK / "sources.csv", index=False)
+    bank = read_bank()
+    tables = {"bank_coverage": coverage(bank).round(2)}
     TABLE.write_text(json.dumps(calibration(bank), indent=1) + "\n")
     pages.publish("bank", tables)
 
