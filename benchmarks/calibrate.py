@@ -454,7 +454,7 @@ def calibration(bank: pd.DataFrame) -> dict:
 
 
 def needed(bank: pd.DataFrame) -> pd.DataFrame:
-    """Return the bank without the numbers that no error is made of, logarithms about those of the whole map."""
+    """Return the bank without numbers that no error is made of, logarithms about those of the whole map."""
     bank = bank.copy()
     whole = bank[bank["what"] == "whole"].set_index(["map", "load"])
     for key in ("gap", "peak", "conductance"):

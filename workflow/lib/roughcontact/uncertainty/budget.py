@@ -1,7 +1,7 @@
 """The error budget: corrections, intervals and their components for each headline quantity and answer."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,38 +12,25 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.maps import spacing
 from roughcontact.si import in_si
-from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.combination import (
     SOURCES,
     Component,
     Components,
-    columns_of_components,
     component,
     component_from_units,
-    ends_of,
     labels,
-    limited,
-    monotonic,
 )
 from roughcontact.uncertainty.discretisation import CORRECTED, discretisation_error
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.inputs import AMPLIFICATIONS, input_uncertainty
 from roughcontact.uncertainty.instrument import added_up, instrument_components
+from roughcontact.uncertainty.intervals import Intervals, Octave
 from roughcontact.uncertainty.magnification import magnification_curve
 from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.uncertainty.sample import constrictions_in_grooves, deficiency, description
-from roughcontact.uncertainty.scales import (
-    AREA,
-    CONSTRICTIONS,
-    GAP,
-    PEAK,
-    PRESSURE,
-    QUANTITIES,
-    from_scale,
-    to_scale,
-)
-from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
+from roughcontact.uncertainty.scales import CONSTRICTIONS, PRESSURE, QUANTITIES, to_scale
+from roughcontact.uncertainty.subwindows import scatter_of_subwindows
 from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, next_octave
 from roughcontact.window.instrument import stated_instrument
 from roughcontact.window.periodic_window import periodic_window
@@ -54,7 +41,6 @@ MATERIAL_UNCERTAINTIES = {
     "contact_modulus_uncertainty": "contact_modulus",
     "mean_pressure_uncertainty": "mean_pressure",
 }
-Arms = tuple[np.ndarray, np.ndarray]  # below and above the result (load), on the scale
 
 
 @in_si
@@ -151,13 +137,12 @@ def error_budget(
         return xr.Dataset({rejected.name: rejected}, coords={"mean_pressure": ("load", load)})
     if solved is None:
         solved = solve_contact(window, **contact, reduce=budget_inputs)
-    names = quantities_in(solved)
-    as_solved = {name: solved[name].values for name in names}
+    as_solved = {name: solved[name].values for name in quantities_in(solved)}
     values = {name: value for name, value in as_solved.items() if name != PRESSURE}
     middle = {name: to_scale(name, value) for name, value in values.items()}
     found: dict[UncertaintySource, Components] = {}
     columns: dict[str, tuple] = {}
-    attrs: dict[str, str] = {}
+    scatter, open_ended, attrs = None, {}, {}
     if "solver" in sources:
         found["solver"] = _of_solver(solved)
     if "discretisation" in sources:
@@ -165,10 +150,7 @@ def error_budget(
             window, contact=lenient, values=values, peak_index=int(solved["index_of_the_peak"].values[-1])
         )
         found["discretisation"] = {name: component(width, width) for name, (_, width) in errors.items()}
-        for name in CORRECTED:
-            middle[name] = middle[name] + errors[name][0]
-    scatter: Scatter | None = None
-    grooves: list[str] = []
+        middle |= {name: middle[name] + errors[name][0] for name in CORRECTED}
     if "window" in sources:
         scatter = scatter_of_subwindows(
             levelled,
@@ -178,8 +160,8 @@ def error_budget(
             values=values,
             number=windows,
         )
-        if CONSTRICTIONS[0] in names:
-            grooves = constrictions_in_grooves(window)
+        grooves = constrictions_in_grooves(window) if CONSTRICTIONS[0] in values else []
+        open_ended = {name: solved[f"{name}_half_way"].values > 0 for name in grooves}
         attrs = {
             "window_reason": description(levelled, scatter, grooves),
             "window_flag": deficiency(levelled, scatter),
@@ -188,49 +170,51 @@ def error_budget(
     instrument = stated_instrument(levelled, settings.get("instrument"))
     inputs = _stated_inputs(window, lenient, solved, sources, stated, instrument)
     columns |= {
-        f"{name}_sensitivity": (("load", "input"), inputs[f"{name}_sensitivity"].values) for name in names
+        str(name): (("load", "input"), inputs[name].values)
+        for name in inputs
+        if str(name).endswith("_sensitivity")
     }
     of_inputs = {key: _of_input(inputs.sel(input=key), as_solved) for key in inputs["input"].values}
+    if "material" in sources:
+        found["material"] = added_up(of_inputs[key] for key in MATERIAL_UNCERTAINTIES.values())
     true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
     if "instrument" in sources:
-        corrected = "corrected_for" in window.attrs
-        uncorrected = {key: value for key, value in settings["window"].items() if key != "correct_for"}
         causes, before = instrument_components(
             window,
             contact=lenient,
             values=values,
             instrument=instrument,
-            as_measured=periodic_window(levelled, **uncorrected) if corrected else None,
+            as_measured=_without_correction(levelled, window, settings["window"]),
             true_shapes=true_shapes,
         )
         found["instrument"] = added_up([*causes, *(of_inputs[key] for key in AMPLIFICATIONS)])
         columns |= {f"{name}_as_measured": ("load", value) for name, value in before.items()}
-    if "material" in sources:
-        found["material"] = added_up(of_inputs[key] for key in MATERIAL_UNCERTAINTIES.values())
-    octave: Mapping[str, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+    octave: Octave = {}
     if "unresolved" in sources:
         curve = magnification_curve(window, contact=lenient, solved=solved)
         columns |= {
-            str(name): (v.dims, v.values)
-            for name, v in curve.variables.items()
-            if name not in ("load", "mean_pressure")
+            str(name): (v.dims, v.values) for name, v in curve.variables.items() if "cutoff" in v.dims
         }
         if not band_is_chosen(settings, 2 * max(spacing(window))):
             found["unresolved"] = hidden_waves(window, curve, instrument, true_shapes)
             octave = next_octave(window, curve, instrument.get("finer_spectrum"))
-    open_ended = {
-        name: solved[f"{name}_half_way"].values > 0 for name in grooves if f"{name}_half_way" in solved
-    }
-    intervals = _Intervals(
-        found, scatter, octave, open_ended, load=load, extent=extent, hardness=contact.get("hardness")
-    )
-    for name in names:
+    intervals = Intervals(found, scatter, octave, open_ended, load, extent, contact.get("hardness"))
+    for name in as_solved:
         columns |= intervals.columns(name, as_solved, middle)
     return xr.Dataset(
-        columns,
+        columns | {str(rejected.name): ("load", rejected.values)},
         coords={"mean_pressure": ("load", load), **labels(), "input": list(inputs["input"].values)},
         attrs=attrs,
-    ).assign({rejected.name: rejected})
+    )
+
+
+def _without_correction(
+    levelled: xr.DataArray, window: xr.DataArray, arguments: Mapping[str, Any]
+) -> xr.DataArray | None:
+    """Return the window as measured of a map that was corrected for its instrument, else None."""
+    if "corrected_for" not in window.attrs:
+        return None
+    return periodic_window(levelled, **{key: v for key, v in arguments.items() if key != "correct_for"})
 
 
 def _stated_inputs(
@@ -265,142 +249,3 @@ def _of_input(inputs: xr.Dataset, values: Mapping[str, np.ndarray]) -> dict[str,
         if not np.isnan(ends["up"]).all():
             found[name] = component_from_units(name, value, ends)
     return found
-
-
-class _Intervals:
-    """The intervals of all measurands, from the components of the sources."""
-
-    def __init__(
-        self,
-        found: Mapping[UncertaintySource, Components],
-        scatter: Scatter | None,
-        octave: Mapping[str, tuple[np.ndarray, np.ndarray, np.ndarray]],
-        open_ended: Mapping[str, np.ndarray],
-        *,
-        load: np.ndarray,
-        extent: float,
-        hardness: float | None,
-    ) -> None:
-        self.found, self.scatter, self.octave, self.open_ended = found, scatter, octave, open_ended
-        self.load, self.extent, self.hardness = load, extent, hardness
-
-    def columns(
-        self, name: str, as_solved: Mapping[str, np.ndarray], middle: Mapping[str, np.ndarray]
-    ) -> dict[str, tuple]:
-        """Return the ends of all intervals of a quantity, and what they are made of."""
-        area = from_scale(AREA, middle[AREA])
-        if name == PRESSURE:  # the load over the area
-            centre, own = np.log(self.load) - np.log(area), self._of_pressure(middle[AREA])
-        else:
-            centre, own = middle[name], {s: parts[name] for s, parts in self.found.items() if name in parts}
-        value = np.where(np.isnan(centre), as_solved[name], from_scale(name, centre))
-        if self.hardness is not None and name in (PRESSURE, PEAK):
-            value = np.fmin(value, self.hardness)
-        arms = {
-            m: self._arms(m, name, area, as_solved[GAP], middle[AREA])
-            for m in get_args(calibration.Measurand)
-        }
-        of_map = [part for source, part in own.items() if source != "unresolved"]
-        everything = [*own.values()]
-        ends = {
-            "": self._ends(name, centre, value, everything, arms["surface"]),
-            "next_": self._ends(name, centre, value, everything, arms["next"]),
-            "longer_": self._ends(name, centre, value, everything, arms["longer"]),
-            "map_": self._ends(name, centre, value, of_map, arms["map"]),
-            "octave_": self._octave(name, centre, value, everything, arms["surface"], middle[AREA]),
-        }
-        columns: dict[str, tuple] = {}
-        for key, pair in ends.items():
-            for end, numbers in zip(("lower", "upper"), pair, strict=True):
-                columns[f"{name}_{key}{end}"] = ("load", numbers)
-        if arms["surface"] is not None:
-            own["window"] = component(*(np.maximum(side, 0.0) for side in arms["surface"]))
-        shown: dict[UncertaintySource, Components] = {s: {name: own[s]} for s in SOURCES if s in own}
-        columns |= columns_of_components(name, value, shown, ends[""])
-        if name in (*CORRECTED, PRESSURE):
-            columns[f"{name}_as_solved"] = ("load", as_solved[name])
-        return columns
-
-    def _arms(
-        self,
-        measurand: calibration.Measurand,
-        name: str,
-        area: np.ndarray,
-        gap: np.ndarray,
-        middle_of_area: np.ndarray,
-    ) -> Arms | None:
-        """Return how far the truth of a measurand may lie below and above a result, on its scale."""
-        if self.scatter is None:
-            return None
-        if not self.scatter.features:  # without parts of a map nothing bounds what other places would give
-            return (np.full(area.shape, np.inf if measurand != "map" else 0.0),) * 2
-        source = AREA if name == PRESSURE else name
-        features = self.scatter.features[source]
-        if measurand == "longer":
-            down, up = calibration.arms_of_longer(source, features, area, self.extent)
-        else:
-            down, up = calibration.arms(measurand, source, features, area)
-        if name in CONSTRICTIONS:  # counted in mean gaps
-            down, up = down * gap, up * gap
-        if name == PRESSURE:
-            return _of_area_in_pressure(middle_of_area, down, up)
-        if name in self.open_ended and measurand != "map":
-            up = np.where(self.open_ended[name], np.inf, up)
-        return down, up
-
-    def _of_pressure(self, middle_of_area: np.ndarray) -> dict[UncertaintySource, Component]:
-        """Return the components of the pressure in contact: of the area, but for stated inputs."""
-        own: dict[UncertaintySource, Component] = {}
-        for source, parts in self.found.items():
-            if PRESSURE in parts and source != "solver":
-                own[source] = parts[PRESSURE]
-            elif AREA in parts:
-                area = parts[AREA]
-                below, above = _of_area_in_pressure(middle_of_area, area.down, area.up)
-                shifts = _of_area_in_pressure(middle_of_area, area.shift_down, area.shift_up)
-                own[source] = Component(below, above, *shifts)
-        return own
-
-    def _ends(
-        self, name: str, centre: np.ndarray, value: np.ndarray, parts: list[Component], arms: Arms | None
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return both ends of an interval, in the unit of the quantity; NaN without any source."""
-        if not parts and arms is None:
-            return (np.full(value.shape, np.nan),) * 2
-        ends = ends_of(name, centre, parts, arms)
-        if name == GAP and self.scatter is not None:  # in full contact: that of the most open subwindow
-            with np.errstate(all="ignore"):
-                widest = np.fmax.reduce(self.scatter.members[GAP], axis=0, initial=0.0)
-            ends = np.where(value > 0, ends[0], 0.0), np.where(value > 0, ends[1], widest)
-        ends = monotonic(name, ends, self.load)
-        return limited(name, ends, value=value, load=self.load, hardness=self.hardness)
-
-    def _octave(
-        self,
-        name: str,
-        centre: np.ndarray,
-        value: np.ndarray,
-        parts: list[Component],
-        arms: Arms | None,
-        middle_of_area: np.ndarray,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return both ends with waves one octave shorter; those of the surface where the band is chosen."""
-        source = AREA if name == PRESSURE else name
-        if source not in self.octave:
-            return self._ends(name, centre, value, parts, arms)
-        shift, below, above = self.octave[source]
-        if name == PRESSURE:
-            moved, _ = _of_area_in_pressure(middle_of_area, 0 * shift, shift)
-            below, above = _of_area_in_pressure(middle_of_area + shift, below, above)
-            shift = -moved
-        moved_value = from_scale(name, centre + shift)
-        return self._ends(name, centre + shift, moved_value, [*parts, component(below, above)], arms)
-
-
-def _of_area_in_pressure(middle: np.ndarray, down: np.ndarray, up: np.ndarray) -> Arms:
-    """Return arms of ln(pressure in contact) below and above, from those of the area on its scale."""
-    area = from_scale(AREA, middle)
-    with np.errstate(divide="ignore"):
-        below = np.log(from_scale(AREA, middle + up) / area)
-        above = np.log(area / from_scale(AREA, middle - down))
-    return below, above

@@ -123,7 +123,7 @@ def ends_of(
 def monotonic(
     name: str, ends: tuple[np.ndarray, np.ndarray], load: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return ends that rise or fall with the load as the quantity does: what one load bounds, it does for all.
+    """Return ends that rise or fall with the load as the quantity does: one load bounds the others.
 
     Examples
     --------

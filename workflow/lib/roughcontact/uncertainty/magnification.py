@@ -72,7 +72,7 @@ def without_shortest_waves(window: xr.DataArray, cutoff: float) -> xr.DataArray:
 
 
 def shortest_wave(window: xr.DataArray) -> float:
-    """Return the shortest wavelength (m) of a circle of as many waves as a map has, along a line of two pixels.
+    """Return the shortest wavelength (m) of a circle of as many waves as a map; of a line two pixels.
 
     Examples
     --------

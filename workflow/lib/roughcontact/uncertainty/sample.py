@@ -29,8 +29,8 @@ def description(levelled: xr.DataArray, scatter: Scatter, grooves: list[str]) ->
     if grooves:
         axes = " and ".join(name[-1] for name in grooves)
         text += (
-            f" Grooves or valleys lead out of the map along {axes}: their narrowest place has no upper limit, as "
-            "it may be wider elsewhere."
+            f" Grooves or valleys lead out of the map along {axes}: their narrowest place has no upper "
+            "limit, as it may be wider elsewhere."
         )
     return text
 

@@ -178,9 +178,11 @@ def subwindow(
     blended = blended.assign_attrs(part.attrs)
     if correct_for:
         blended = corrected(blended, correct_for)
-    return limit_band(
-        blended, shortest=shortest_wavelength, longest=longest_wavelength, reliable=reliable_band
-    )
+    if shortest_wavelength or longest_wavelength or reliable_band:
+        blended = limit_band(
+            blended, shortest=shortest_wavelength, longest=longest_wavelength, reliable=reliable_band
+        )
+    return blended
 
 
 def _cut_out(
