@@ -520,6 +520,24 @@ def coverage(bank: pd.DataFrame, others: pd.DataFrame | None = None) -> pd.DataF
     return pd.DataFrame(rows)
 
 
+def shown(found: pd.DataFrame) -> pd.DataFrame:
+    """Return the table of a page: coverage at the loads, and scores beside those of two constants."""
+    rows = []
+    for (quantity, kind), some in found.groupby(["quantity", "maps"], sort=False):
+        of = {(row["measurand"], row["arms"]): row for row in some.to_dict("records")}
+        row = {"quantity": quantity, "maps": kind}
+        for measurand, words in (("surface", "surface"), ("next", "next map")):
+            own, constant = of[measurand, "fitted"], of[measurand, "constant"]
+            loads = ", ".join(f"{own[f'inside at {load} (%)']:.0f}" for load in JUDGED_LOADS)
+            row |= {
+                f"{words}: inside at {', '.join(map(str, JUDGED_LOADS))} (%)": loads,
+                f"{words}: half-width": f"{own['half-width']:.2f}",
+                f"{words}: score (constant)": f"{own['score']:.2f} ({constant['score']:.2f})",
+            }
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
 def main() -> None:
     """Make the bank, fit the calibration, print or write the tables."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
@@ -531,17 +549,17 @@ def main() -> None:
     arguments = parser.parse_args()
     if arguments.held_out:
         others = bank_of(arguments.folders, arguments.work, made=False)
-        pages.show({"held out": coverage(read_bank(), others).round(2)})
+        pages.show({"held out": shown(coverage(read_bank(), others))})
         return
     bank = read_bank() if arguments.fit else bank_of(arguments.folders, arguments.work, made=True)
     if not arguments.write:
-        pages.show({"bank_coverage": coverage(bank).round(2)})
+        pages.show({"coverage": shown(coverage(bank))})
         return
     if not arguments.fit:
         write_bank(bank)
         sources(arguments.folders, bank).to_csv(BANK / "sources.csv", index=False)
     bank = read_bank()
-    tables = {"bank_coverage": coverage(bank).round(2)}
+    tables = {"coverage": shown(coverage(bank))}
     TABLE.write_text(json.dumps(calibration(bank), indent=1) + "\n")
     pages.publish("bank", tables)
 

@@ -28,7 +28,7 @@ BLOCKS = {
     "aims": RESULTS / "speed.md",
     "window": ROOT / "docs/explanation/surface.md",
 } | dict.fromkeys(
-    ("pixels", "answers", "coverage", "measurement", "unstated", "groups"),
+    ("bank", "groups"),
     ROOT / "docs/explanation/uncertainty.md",
 )
 
