@@ -62,7 +62,7 @@ def solved_fields(
     order = np.argsort(loads, kind="stable")
     solutions = sweep(
         problem,
-        [loads[index] / unit for index in order],
+        [float(loads[index] / unit) for index in order],
         tolerance=tolerance,
         cap=np.inf if hardness is None else hardness / unit,
         influence=contact.get("influence", "sampled"),

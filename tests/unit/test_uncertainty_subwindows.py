@@ -1,0 +1,208 @@
+"""The subwindows of a map: where they lie, what their scatter tells, what is said where it tells little."""
+
+import numpy as np
+import pytest
+from known_surfaces import GRADIENT, contact, surface
+
+from roughcontact.errors import SettingsError
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.uncertainty import sample, subwindows
+from roughcontact.uncertainty.ensemble import at_all_loads, carried_to_all_loads, few_loads, solve_member
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
+from roughcontact.uncertainty.subwindows import divided, scatter_of_subwindows
+from roughcontact.window.periodic_window import periodic_window
+
+NAMES = (AREA, GAP, PEAK, *CONSTRICTIONS)
+
+
+def crop(master, points, place):
+    """Return one of the squares of a master that lie side by side, levelled."""
+    row, column = (points * n for n in divmod(place, master.shape[1] // points))
+    return level(height_map(master.values[row : row + points, column : column + points], 1.0))
+
+
+def scattered(levelled, problem, **options):
+    """Return the results of a map's window, and the scatter of its subwindows."""
+    arguments = options.pop("arguments", {})
+    window = periodic_window(levelled, **arguments)
+    values = solve_member(window, problem, tolerance=1e-3, names=NAMES)
+    keywords = {"contact": problem, "arguments": arguments, "values": values}
+    return values, scatter_of_subwindows(levelled, window, **keywords, **options)
+
+
+def test_subwindows_lie_side_by_side_in_the_window():
+    levelled = crop(surface(256, longest=32.0), 128, 1)
+    window = periodic_window(levelled)
+    _, found = scattered(levelled, contact(0.1))
+    covered = np.zeros(levelled.shape, dtype=int)
+    for part in found.slices:
+        covered[part["y"], part["x"]] += 1
+    y, x = (round(window.attrs[f"window_offset_{d}"]) for d in "yx")
+    assert (covered[y : y + 108, x : x + 108] == 1).all()
+    assert covered.sum() == 108**2
+
+
+@pytest.mark.parametrize(
+    ("sides", "step", "number", "shortest", "cut"),
+    [
+        ((120, 120), (1.0, 1.0), 9, 0.0, (3, 3)),
+        ((120, 120), (1.0, 1.0), 5, 0.0, (2, 2)),
+        ((60, 240), (1.0, 1.0), 9, 0.0, (2, 4)),
+        ((60, 240), (4.0, 1.0), 9, 0.0, (3, 3)),  # square in metres
+        ((1, 400), (1.0, 1.0), 9, 0.0, (1, 9)),
+        ((24, 24), (1.0, 1.0), 9, 0.0, (2, 2)),  # 12 points at least
+        ((120, 120), (1.0, 1.0), 9, 30.0, (2, 2)),  # two of the shortest waves at least
+        ((20, 20), (1.0, 1.0), 9, 0.0, (1, 1)),
+    ],
+)
+def test_the_cut_is_square_and_no_part_too_small(sides, step, number, shortest, cut):
+    parts = divided({"y": slice(0, sides[0]), "x": slice(0, sides[1])}, step, number, shortest)
+    assert (len({part["y"].start for part in parts}), len({part["x"].start for part in parts})) == cut
+
+
+def test_each_subwindow_is_solved_as_if_it_had_been_measured_alone():
+    levelled, problem = crop(surface(256, longest=32.0), 128, 2), contact(0.05, 0.2)
+    _, found = scattered(levelled, problem)
+    for index in (0, 4):
+        alone = level(levelled.isel(found.slices[index]), form="plane")
+        own = solve_member(periodic_window(alone), problem, tolerance=1e-4, names=NAMES)
+        for name in (AREA, GAP):
+            np.testing.assert_allclose(found.members[name][index], own[name], rtol=0.02)
+
+
+def test_scatter_and_trend_are_those_of_the_members_on_the_scale():
+    values, found = scattered(crop(surface(256, longest=64.0), 128, 0), contact(0.02, 0.1))
+    for name in (AREA, GAP, PEAK):
+        deviations = to_scale(name, found.members[name]) - to_scale(name, values[name])
+        spread = np.hypot(deviations.std(axis=0, ddof=1), 0.02)
+        np.testing.assert_allclose(found.features[name]["scatter"], np.log(spread), rtol=1e-6)
+        np.testing.assert_allclose(found.features[name]["trend"], deviations.mean(axis=0), rtol=1e-6)
+    for name in CONSTRICTIONS:
+        deviations = (found.members[name] - values[name]) / values[GAP]
+        spread = np.hypot(deviations.std(axis=0, ddof=1), 0.02)
+        np.testing.assert_allclose(found.features[name]["scatter"], np.log(spread), rtol=1e-6)
+
+
+def test_copies_of_a_tile_do_not_scatter():
+    tile = surface(64, longest=32.0).values
+    _, found = scattered(level(height_map(np.tile(tile, (3, 3)), 1.0)), contact(0.05, 0.2))
+    for name in (AREA, GAP, PEAK):
+        np.testing.assert_allclose(found.features[name]["scatter"], np.log(0.02), atol=0.05)
+
+
+def test_variances_of_independent_samples_lead_to_that_of_the_map():
+    """var(n) = a + b n: a stationary surface has a = 0, one whose places differ on every length b = 0."""
+    numbers = (4, 9, 16, 36)
+    stationary = subwindows._at_the_size_of_the_map({n: 0.01 * n for n in numbers})
+    assert stationary == pytest.approx(0.5 * np.log(0.01 + 1e-4))
+    different = subwindows._at_the_size_of_the_map(dict.fromkeys(numbers, 0.09))
+    assert different == pytest.approx(0.5 * np.log(0.09 + 1e-4))
+    assert subwindows._at_the_size_of_the_map({4: 0.3}) == pytest.approx(np.log(0.1))
+
+
+def test_the_scatter_of_the_gradient_tells_a_stationary_surface_from_one_whose_places_differ():
+    """White-ish noise whose amplitude is the same everywhere, and one that grows across the map."""
+    noise = surface(256, longest=16.0).values[:192, :192]
+    growing = noise * np.linspace(0.3, 3.0, 192)[None, :]
+    even, uneven = (
+        scattered(level(height_map(heights, 1.0)), contact(0.1))[1].features[AREA]["gradient"]
+        for heights in (noise, growing)
+    )
+    assert even < np.log(0.05)
+    assert uneven > np.log(0.3)
+
+
+@pytest.mark.parametrize("method", ["mirror", "periodic-plus-smooth", "raw"])
+def test_any_way_to_make_periodic(method):
+    levelled = crop(surface(256, longest=32.0), 96, 1)
+    _, found = scattered(levelled, contact(0.1), arguments={"method": method})
+    assert len(found.slices) == 9
+    assert np.isfinite(found.members[AREA]).all()
+
+
+def test_profile_is_cut_into_nine():
+    profile = self_affine_surface(
+        (1, 1024), 1.0, hurst=0.8, shortest=8.0, longest=64.0, rms_gradient=GRADIENT, seed=3
+    )
+    _, found = scattered(level(profile[:, :700]), contact(0.1))
+    assert len(found.slices) == 9
+    assert found.features[AREA]["lay"] == 0.5  # a profile has none
+    assert np.isfinite(found.features[AREA]["gradient"])
+
+
+def test_a_small_map_has_few_parts_and_a_smaller_one_none():
+    problem = contact(0.1)
+    _, few = scattered(crop(surface(128, longest=16.0), 32, 5), problem)
+    assert len(few.slices) == 4
+    levelled = crop(surface(64, longest=16.0), 16, 5)
+    _, none = scattered(levelled, problem)
+    assert len(none.slices) == 1
+    assert none.features == {}
+    assert "too small" in sample.description(levelled, none, [])
+    assert "Measure more places" in sample.deficiency(levelled, none)
+    with pytest.raises(SettingsError, match="windows = 3"):
+        scattered(levelled, problem, number=3)
+
+
+def test_isolated_features_are_noticed():
+    """Pits that hold most of the mean square height: one map does not tell how many there are elsewhere."""
+    smooth = surface(256, longest=32.0)[:128, :128]
+    y, x = np.mgrid[:128, :128]
+    pit = -20 * float(smooth.std()) * np.exp(-((y - 70) ** 2 + (x - 60) ** 2) / 18)
+    said = []
+    for heights in (smooth, smooth + pit):
+        levelled = level(heights)
+        said.append(sample.deficiency(levelled, scattered(levelled, contact(0.1))[1]))
+    assert said[0] == ""
+    assert "Sku" in said[1]
+
+
+def test_a_lay_leaves_few_independent_parts():
+    ridges = surface(256, longest=16.0)[:192, 100].values[:, None]
+    roughness = 0.05 * surface(256, longest=32.0, seed=3)[:192, :192].values
+    said = []
+    for heights in (ridges + roughness, 10 * roughness):
+        levelled = level(height_map(heights, 1.0))
+        said.append(sample.deficiency(levelled, scattered(levelled, contact(0.1))[1]))
+    assert "no more than three independent ones" in said[0]
+    assert said[1] == ""
+
+
+def test_a_member_that_misses_its_tolerance_is_no_result():
+    levelled, problem = crop(surface(64, longest=32.0), 64, 0), contact(0.1)
+    window = periodic_window(levelled)
+    found = solve_member(window, problem | {"tolerance": 1e-15}, tolerance=1e-15, names=NAMES)
+    assert all(np.isnan(found[name]).all() for name in NAMES)
+
+
+def test_a_window_that_is_flat_up_to_rounding_is_flat():
+    """A part that has no roughness is levelled to rounding, and touches everywhere; a step does not."""
+    heights = np.zeros((1, 210))
+    heights[0, 100:] = 1e-6
+    rounding = 1e-22 * np.random.default_rng(1).normal(size=(1, 64))
+    problem = {"contact_modulus": 1e9, "mean_pressure": [1e3, 1e5]}
+    flat, rough = (
+        solve_member(height_map(h, 1e-6), problem, tolerance=1e-3, names=(AREA, GAP))
+        for h in (rounding, heights)
+    )
+    assert flat[AREA].tolist() == [1, 1]
+    assert flat[GAP].tolist() == [0, 0]
+    assert (rough[AREA] < 1).all()
+
+
+def test_few_loads_have_both_ends_and_even_steps():
+    load = np.geomspace(1.0, 1e3, 10)[::-1]
+    chosen = few_loads(load, 4)
+    np.testing.assert_allclose(np.sort(load[chosen]), [1.0, 10.0, 100.0, 1000.0])
+    assert few_loads(load, 10).tolist() == list(range(10))
+    assert few_loads(np.array([2.0]), 4).tolist() == [0]
+
+
+def test_numbers_between_loads_are_linear_in_the_logarithm_of_the_load():
+    load, solved = np.array([100.0, 1.0, 10.0]), np.array([0, 1])
+    np.testing.assert_allclose(at_all_loads(np.array([4.0, 2.0]), solved, load), [4.0, 2.0, 3.0])
+    gap = np.array([1.0, 4.0, 2.0])
+    carried = carried_to_all_loads(GAP, np.array([3.0, 12.0]), solved, load, gap)
+    np.testing.assert_allclose(carried, [3.0, 12.0, 6.0])  # three times as large at all loads
