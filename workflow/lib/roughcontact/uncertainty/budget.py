@@ -147,7 +147,11 @@ def error_budget(
         found["solver"] = _of_solver(solved)
     if "discretisation" in sources:
         errors = discretisation_error(
-            window, contact=lenient, values=values, peak_index=int(solved["index_of_the_peak"].values[-1])
+            window,
+            contact=lenient,
+            values=values,
+            pixel_share=load / as_solved[PRESSURE],
+            peak_index=int(solved["index_of_the_peak"].values[-1]),
         )
         found["discretisation"] = {name: component(width, width) for name, (_, width) in errors.items()}
         middle |= {name: middle[name] + errors[name][0] for name in CORRECTED}

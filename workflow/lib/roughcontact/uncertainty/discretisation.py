@@ -8,8 +8,11 @@ large. For an error of order 2 in the pixel size the limit is (Richardson extrap
 t being a quantity on its scale. Of 39 windows of measured and synthetic surfaces, solved with pixels a
 quarter as large, the median error at p/(E* g) = 0.02 to 0.4 falls from 1.6 to 0.7 % (area), 8 to 2.5 %
 (largest pressure), 0.13 to 0.05 % (mean gap) and 0.6 to 0.5 % (conductance); the mean pressure over whole
-pixels, 11 % too low, becomes the load over the corrected area. What remains uncertain is as large as the
-change itself, and no smaller than a floor that the bank of errors gives (`calibration`).
+pixels, 11 % too low, becomes the load over the corrected area. What remains uncertain is 1.25 times
+the change, and no smaller than a floor that the bank of errors gives (`calibration`), and for the area
+than chance: the random position of the edge of the contact within its pixel, 0.5 sqrt(M)/N for M switches
+between contact and non-contact among N points. M follows from the
+correction of the area by the perimeter.
 
 A large window is represented by a part of it around the highest pressure.
 
@@ -26,6 +29,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.maps import refined, spacing
+from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
 from roughcontact.uncertainty.calibration import discretisation_floor
 from roughcontact.uncertainty.ensemble import at_all_loads, few_loads, solve_member
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
@@ -35,6 +39,8 @@ CORRECTED = (AREA, GAP, PEAK)  # the pressure in contact follows from the area
 ORDER = 2  # of the error in the pixel size
 _TOLERANCE = 1e-3  # of the pressure, on both grids
 _LOADS = 3
+_REMAINING = 1.25  # of the change, that stays uncertain after the correction
+_EDGE_NOISE = 0.5  # pixels per switch between contact and non-contact; random
 _LEAST_POINTS = 128**2  # windows up to this size are refined whole, larger ones on a quarter of their points
 
 
@@ -43,6 +49,7 @@ def discretisation_error(
     *,
     contact: Mapping[str, Any],
     values: Mapping[str, np.ndarray],
+    pixel_share: np.ndarray,
     peak_index: int,
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Return for each quantity the correction to no pixels, and what stays uncertain of it.
@@ -55,6 +62,8 @@ def discretisation_error(
         keyword arguments of `solve_contact`.
     values : mapping
         quantity -> array (load) of the window.
+    pixel_share : array (load)
+        share of the pixels in contact, from which the area was corrected.
     peak_index : int
         index of the point of the highest pressure, counted row by row.
 
@@ -69,7 +78,10 @@ def discretisation_error(
     >>> from roughcontact.references.synthetic import rough_reference_surface
     >>> window, problem = rough_reference_surface(64), {"contact_modulus": 1.0, "mean_pressure": [0.1]}
     >>> values = solve_member(window, problem, tolerance=1e-3, names=["relative_contact_area"])
-    >>> found = discretisation_error(window, contact=problem, values=values, peak_index=0)
+    >>> share = values["relative_contact_area"] + 0.02
+    >>> found = discretisation_error(
+    ...     window, contact=problem, values=values, pixel_share=share, peak_index=0
+    ... )
     >>> correction, half_width = found["relative_contact_area"]
     >>> bool(abs(correction[0]) < 0.05)
     True
@@ -90,8 +102,13 @@ def discretisation_error(
         # full contact: nothing is open, nothing changes
         change = at_all_loads(np.where(np.isfinite(change), change, 0.0), solved, load)
         correction = change * 2**ORDER / (2**ORDER - 1)
-        remaining = change if name in CORRECTED else 2 * change
+        remaining = _REMAINING * change if name in CORRECTED else 2 * change
         found[name] = correction, np.hypot(remaining, discretisation_floor(name))
+    if AREA in found:
+        correction, half_width = found[AREA]
+        switches = np.maximum(pixel_share - values[AREA], 0.0) / PERIMETER_CORRECTION  # M/N
+        chance = values[AREA] + _EDGE_NOISE * np.sqrt(switches / part.size)
+        found[AREA] = correction, np.hypot(half_width, to_scale(AREA, chance) - to_scale(AREA, values[AREA]))
     return found
 
 
