@@ -163,7 +163,7 @@ class Intervals:
             moved, _ = _of_area_in_pressure(middle_of_area, 0 * shift, shift)
             below, above = _of_area_in_pressure(middle_of_area + shift, below, above)
             shift = -moved
-        moved_value = from_scale(name, centre + shift)
+        moved_value = np.where(np.isnan(centre), value, from_scale(name, centre + shift))  # full contact
         return self._ends(name, centre + shift, moved_value, [*parts, component(below, above)], arms)
 
 
