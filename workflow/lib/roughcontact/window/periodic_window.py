@@ -195,8 +195,7 @@ def _cut_out(
     width: float,
 ) -> tuple[list[int], xr.DataArray, xr.DataArray]:
     """Return the points used along each axis, the cut-out without its bands, and it made periodic."""
-    fade, step = width if method in _BLENDING_METHODS else 0.0, spacing(levelled)
-    band = [band_points(side, fade) for side in sides]
+    step = spacing(levelled)
     used = [side + b for side, b in zip(sides, band, strict=True)]
     cut = levelled.isel({d: slice(s, s + u) for d, s, u in zip("yx", start, used, strict=True)})
     before = cut.isel({d: slice(b // 2, b // 2 + side) for d, b, side in zip("yx", band, sides, strict=True)})
