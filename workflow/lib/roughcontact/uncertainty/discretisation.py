@@ -31,7 +31,8 @@ import xarray as xr
 from roughcontact.maps import refined, spacing
 from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
 from roughcontact.uncertainty.calibration import discretisation_floor
-from roughcontact.uncertainty.ensemble import at_all_loads, few_loads, solve_member
+from roughcontact.uncertainty.ensemble import solve_member
+from roughcontact.uncertainty.loads import at_all_loads, few_loads
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
 from roughcontact.window.periodisation import periodic_plus_smooth
 

@@ -32,7 +32,8 @@ import xarray as xr
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.instrument_checks import coarse_step, suspected_noise
 from roughcontact.uncertainty.combination import Component, Components, component
-from roughcontact.uncertainty.ensemble import carried_to_all_loads, few_loads, solve_member
+from roughcontact.uncertainty.ensemble import solve_member
+from roughcontact.uncertainty.loads import carried_to_all_loads, few_loads
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PEAK, to_scale
 from roughcontact.window.instrument import check_instrument
 from roughcontact.window.transfer import restored, unrounded, with_noise

@@ -21,8 +21,9 @@ import xarray as xr
 from roughcontact.fourier import wavenumbers
 from roughcontact.maps import height_map, side_lengths, spacing
 from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.uncertainty.ensemble import carried_to_all_loads, few_loads, solve_member
+from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.headline import quantities_in
+from roughcontact.uncertainty.loads import carried_to_all_loads, few_loads
 from roughcontact.uncertainty.scales import AREA, PRESSURE
 
 _TOLERANCE = 1e-2  # of the pressure, as of the members of the ensembles

@@ -24,13 +24,8 @@ from roughcontact.errors import SettingsError
 from roughcontact.levelling.polynomial import fit_polynomial
 from roughcontact.maps import spacing
 from roughcontact.roughness.texture import texture_parameters
-from roughcontact.uncertainty.ensemble import (
-    at_all_loads,
-    few_loads,
-    form_order,
-    measured_slices,
-    solve_member,
-)
+from roughcontact.uncertainty.ensemble import form_order, measured_slices, solve_member
+from roughcontact.uncertainty.loads import at_all_loads, few_loads
 from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, to_scale
 from roughcontact.window.periodic_window import subwindow
 
