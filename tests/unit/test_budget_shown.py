@@ -7,7 +7,7 @@ from read_charts import read_chart
 
 from roughcontact.report.budget_plots import shown_budget
 
-SOURCES = ["solver", "discretisation", "window", "processing", "combined"]
+SOURCES = ["solver", "discretisation", "window", "material", "combined"]
 LOADS = np.array([1e6, 4e6])
 
 
@@ -62,4 +62,4 @@ def test_the_table_names_parts_in_points_of_percent_and_the_largest_one(numbers)
         "± 0.30",
         "window",
     ]
-    assert budget["notes"][:1] == ["Not in the ±: processing, instrument, material, unresolved waves."]
+    assert budget["notes"][:1] == ["Not in the ±: instrument, material, unresolved waves."]

@@ -36,7 +36,7 @@ def one_map(gap, *, load=(1e6,), modulus=1e9, gap_parts=None, **attrs):
         attrs,
     ).assign(contact_modulus=modulus)
     if gap_parts is not None:
-        parts = np.zeros((found.sizes["load"], len(SOURCES) + 1, 5))
+        parts = np.zeros((found.sizes["load"], len(SOURCES) + 1, 4))
         for source, half in gap_parts.items():
             parts[:, SOURCES.index(source), :2] = half
         found["mean_gap_components"] = (("load", "source", "component"), parts)
@@ -136,7 +136,7 @@ def test_the_limit_of_grubbs_is_that_of_iso_5725(count, limit):
 
 def test_what_maps_share_is_added_once_and_the_window_not_at_all():
     gaps = np.array([1.0, 1.1, 0.9, 1.05]) * 1e-6
-    parts = {"window": 0.9, "processing": 0.03, "instrument": 0.04}
+    parts = {"window": 0.9, "discretisation": 0.03, "instrument": 0.04}
     maps = [one_map(gap, gap_parts={key: gap * np.expm1(u) for key, u in parts.items()}) for gap in gaps]
     found, bare = rc.group_statistics(maps), group_of(gaps)
     scatter = np.log(bare["mean_gap_upper"] / bare["mean_gap"]).item()
@@ -158,7 +158,7 @@ def test_two_placements_reach_from_end_to_end_of_their_intervals():
 
 
 def test_an_unbounded_map_leaves_the_group_unbounded():
-    maps = [one_map(gap, gap_parts={"processing": 0.01 * gap}) for gap in (1.0, 1.1, 0.9)]
+    maps = [one_map(gap, gap_parts={"discretisation": 0.01 * gap}) for gap in (1.0, 1.1, 0.9)]
     maps[1]["mean_gap_components"][:, SOURCES.index("unresolved"), 1] = np.nan
     found = rc.group_statistics(maps)
     assert np.isnan(found["mean_gap_upper"].item())
@@ -292,7 +292,7 @@ def test_outcomes_in_words():
 def test_what_two_groups_share_cancels_and_the_solver_does_not():
     def made(factor):
         maps = [
-            one_map(gap * factor, gap_parts={"processing": 0.3 * gap * factor, "solver": 1e-3 * gap * factor})
+            one_map(gap * factor, gap_parts={"instrument": 0.3 * gap * factor, "solver": 1e-3 * gap * factor})
             for gap in (1.0, 1.0, 1.0)
         ]
         return rc.group_statistics(maps)
@@ -439,8 +439,9 @@ def test_a_repeat_differs_by_nothing_that_both_share(repeats):
     assert (np.log(same["ratio_upper"] / same["ratio_lower"]).values < alone / 4).all()
     assert ((same["ratio_lower"] < 1) & (same["ratio_upper"] > 1) & (same["p_value"] > 0.05)).all()
     assert same["outcome"].values[-1].startswith("do not differ by more than ")
-    # the area goes with the inverse of the gradient where it is small
-    assert other["ratio_lower"].values[0] < 1 / 1.2 < other["ratio_upper"].values[0]
+    # the area goes with the inverse of the gradient where it is small, with less of it where it is not
+    assert other["ratio_lower"].values[0] < 0.85
+    assert 1 / 1.2 < other["ratio_upper"].values[0] < 1
     assert other["outcome"].values[-1] == "differ"
 
 
@@ -464,18 +465,6 @@ def test_maps_of_a_place_with_other_waves_are_not_compared():
     found, left_out = compare_maps({("new", "worn"): (fine, coarse)})
     assert found == {}
     assert "the shortest of new is 1.00 µm, that of worn 4.00 µm" in left_out[0]
-
-
-def test_choices_go_together_by_their_names(repeats):
-    first, again, _ = repeats
-    expected = case_differences(first, again)
-    swapped = again.isel(choice=slice(None, None, -1))
-    xr.testing.assert_allclose(case_differences(first, swapped), expected)
-    padded = [one.drop_vars("choice").pad(choice=(0, 2)) for one in (first, again)]
-    xr.testing.assert_allclose(case_differences(*padded), expected)
-    unnamed = case_differences(first.drop_vars("choice"), swapped.drop_vars("choice"))
-    wider, width = (np.log(one["ratio_upper"] / one["ratio_lower"]) for one in (unnamed, expected))
-    assert (wider > 1.2 * width).any()
 
 
 def test_tables_and_dataset_of_several_groups():

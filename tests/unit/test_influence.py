@@ -8,7 +8,7 @@ from roughcontact.elasticity import influence
 from roughcontact.fourier import wavevectors
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import rough_reference_surface
-from roughcontact.uncertainty.answers import headline_and_answers
+from roughcontact.uncertainty.headline import headline_and_answers
 from roughcontact.uncertainty.solver import mean_gap_uncertainty
 
 

@@ -44,15 +44,26 @@ def test_the_numbers_are_those_of_the_verbs_one_by_one(rough):
     levelled = rc.level(rough)
     window = rc.periodic_window(levelled)
     alone = rc.contact_statistics(rc.solve_contact(window, **contact))
+    corrected = {str(name).removesuffix("_as_solved") for name in found if str(name).endswith("_as_solved")}
+    assert corrected == {"relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure"}
     for name in alone.variables:
-        np.testing.assert_array_equal(found[name], alone[name], err_msg=name)
+        own = found[f"{name}_as_solved" if name in corrected else name]
+        if name != "max_pressure_over_modulus":
+            np.testing.assert_array_equal(own, alone[name], err_msg=name)
+    peak = found["max_pressure"] / found["contact_modulus"]
+    np.testing.assert_array_equal(found["max_pressure_over_modulus"], peak)
     budget = rc.error_budget(
         levelled,
         window,
         {"level": {}, "window": {}, "contact": contact},
         sources=["solver", "discretisation"],
     )
-    for name in ("mean_gap_lower", "mean_gap_upper", "relative_contact_area_uncertainty"):
+    for name in (
+        "mean_gap_lower",
+        "mean_gap_upper",
+        "relative_contact_area_uncertainty",
+        "mean_gap_estimate",
+    ):
         np.testing.assert_array_equal(found[name], budget[name], err_msg=name)
     assert (found["mean_gap_lower"] < found["mean_gap"]).all()
     words = [word for word, _ in json.loads(found.attrs["verdicts"])]

@@ -1,7 +1,6 @@
 """Rejected points: what they were is kept, and the load that they would carry is known."""
 
 import numpy as np
-import pytest
 
 from roughcontact.contact.solve import solve_contact
 from roughcontact.faces.composite import composite
@@ -10,8 +9,6 @@ from roughcontact.levelling.rejected import rejected_points, with_rejected
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.uncertainty.headline import QUANTITIES, headline
-from roughcontact.uncertainty.processing import processing_uncertainty
 from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.window.periodic_window import periodic_window
 
@@ -131,35 +128,3 @@ def test_pairs_know_what_was_rejected_on_either_face():
         np.testing.assert_array_equal(rejected_points(together), expected)
         assert (together["rejected_height"].values[expected] > 3 * float(together.std())).all()
     assert "rejected_height" not in composite(other, other).coords
-
-
-@pytest.mark.parametrize(("width", "name"), [(0.0, "doubtful outliers kept"), (0.9, "narrow bumps rejected")])
-def test_doubtful_decisions_go_into_the_interval(width, name):
-    """Points at little more than the threshold, of either shape: the other decision is one more choice."""
-    surface = self_affine_surface(
-        (128, 128), 1.0, hurst=0.3, shortest=2.5, longest=40.0, rms_gradient=0.1, seed=4
-    ).values[:96, :96]
-    values, spikes = spiked(height=0.0, surface=surface)
-    y, x = np.indices(values.shape)
-    for row, column in np.argwhere(spikes):
-        square = (y - row) ** 2 + (x - column) ** 2
-        values += 0.9 * (np.exp(-square / (2 * width**2)) if width else square == 0)
-    levelled = level(height_map(values, 1.0))
-    solved = solve_contact(periodic_window(levelled), **PROBLEM, reduce=headline)
-    found = processing_uncertainty(levelled, level={}, window={}, contact=PROBLEM, solved=solved)
-    assert name in found["choice"]
-    member = list(found["choice"].values).index(name)
-    off = np.abs(
-        found["relative_contact_area_members"].values[member] - solved["relative_contact_area"].values
-    )
-    assert off[0] > 0
-    for quantity in QUANTITIES:
-        off = np.abs(found[f"{quantity}_members"].values[member] - solved[quantity].values)
-        assert (found[quantity].values >= 2 / np.sqrt(3) * off * (1 - 1e-12)).all()
-
-
-def test_sure_outliers_are_no_choice():
-    levelled = level(height_map(spiked(height=40.0)[0], 1.0))
-    solved = solve_contact(periodic_window(levelled), **PROBLEM, reduce=headline)
-    found = processing_uncertainty(levelled, level={}, window={}, contact=PROBLEM, solved=solved)
-    assert "doubtful outliers kept" not in found["choice"]

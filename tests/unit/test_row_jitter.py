@@ -18,7 +18,6 @@ from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.map_checks import scan_lines
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.headline import headline
-from roughcontact.uncertainty.processing import processing_uncertainty
 from roughcontact.window.periodic_window import periodic_window
 
 ROWS = 192
@@ -236,45 +235,6 @@ def test_statistics_carry_the_figure():
     window = periodic_window(level(height_map(rough() + shifts(0.1)[:, None], 1.0)))
     contact = solve_contact(window, contact_modulus=1.0, mean_pressure=0.01)
     assert float(contact_statistics(contact)["row_jitter"]) == pytest.approx(0.1, rel=0.2)
-
-
-@pytest.mark.parametrize(
-    ("options", "name"),
-    [
-        ({}, "rows shifted by the residual error of their alignment"),
-        ({"line_alignment": "none"}, "rows aligned as jitter"),
-        ({"line_alignment": "median"}, "rows aligned as jitter"),
-    ],
-)
-def test_the_choice_of_the_alignment_is_in_the_interval(options, name):
-    problem = {"contact_modulus": 1.0, "mean_pressure": [0.02, 0.1], "tolerance": 1e-4}
-    levelled = level(height_map(rough() + shifts(0.1)[:, None], 1.0), **options)
-    solved = solve_contact(periodic_window(levelled), **problem, reduce=headline)
-    found = processing_uncertainty(levelled, level=options, window={}, contact=problem, solved=solved)
-    assert name in found["choice"]
-    member = list(found["choice"].values).index(name)
-    off = found["relative_contact_area_members"].values[member] - solved["relative_contact_area"].values
-    assert (np.abs(off) > 0).all()
-    assert (found["relative_contact_area"].values >= 2 / np.sqrt(3) * np.abs(off) * (1 - 1e-12)).all()
-    if options == {"line_alignment": "none"}:  # the other choice is the map aligned
-        aligned = solve_contact(
-            periodic_window(level(height_map(rough() + shifts(0.1)[:, None], 1.0))),
-            **problem,
-            reduce=headline,
-        )
-        np.testing.assert_allclose(
-            found["relative_contact_area_members"].values[member],
-            aligned["relative_contact_area"].values,
-            rtol=0.02,
-        )
-
-
-def test_maps_whose_rows_are_not_shifted_have_no_such_choice():
-    problem = {"contact_modulus": 1.0, "mean_pressure": [0.1], "tolerance": 1e-4}
-    levelled = level(height_map(rough(), 1.0))
-    solved = solve_contact(periodic_window(levelled), **problem, reduce=headline)
-    found = processing_uncertainty(levelled, level={}, window={}, contact=problem, solved=solved)
-    assert not any("rows" in str(name) for name in found["choice"].values)
 
 
 def masters():
