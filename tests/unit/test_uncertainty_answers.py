@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.special import stdtrit
 
 import roughcontact as rc
 from roughcontact.contact.solve import solve_contact
@@ -12,14 +11,10 @@ from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.report.glance import _seals, glance_units
 from roughcontact.results.comparison import _half_width
 from roughcontact.statistics.contact_statistics import with_uncertainty
-from roughcontact.uncertainty.answers import (
-    ANSWERS,
-    constrictions_in_grooves,
-    headline_and_answers,
-    interval_from_subwindows,
-)
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.uncertainty.window_sampling import window_uncertainty
+from roughcontact.uncertainty.headline import headline_and_answers
+from roughcontact.uncertainty.sample import constrictions_in_grooves
+from roughcontact.uncertainty.scales import ANSWERS
 
 PITCH = 1e-6
 CONTACT = {"contact_modulus": 2e9, "mean_pressure": [2e6, 2e7]}
@@ -63,7 +58,7 @@ def test_an_answer_lies_in_its_interval(budget, name):
     assert (value < upper).all()
     parts = found[f"{name}_uncertainty"]
     assert np.isnan(parts.sel(source="solver")).all()
-    for source in ("discretisation", "window", "processing"):
+    for source in ("discretisation", "window"):
         assert (parts.sel(source=source) > 0).all()
     assert (parts.sel(source="combined") >= parts.sel(source="window")).all()
     assert found[f"{name}_parts"].shape == (9, 2)
@@ -99,78 +94,6 @@ def test_full_contact_has_no_conductance_to_be_uncertain_of():
     intervals = error_budget(rc.level(window), window, settings)
     assert np.isnan(intervals[f"{ANSWERS[0]}_upper"].values[1])
     assert intervals["critical_constriction_x_lower"].values[1] == 0
-
-
-def test_numbers_drawn_from_a_law_are_held_as_often_as_is_said():
-    """Parts of a log-normal answer without growth: t of Student holds another such part in 19 of 20 cases."""
-    rng, cases = np.random.default_rng(4), 4000
-    draws = rng.normal(size=(10, cases))
-    factor = float(stdtrit(8, 0.975)) * np.sqrt(1 + 1 / 9)
-    for name, law in ((ANSWERS[0], np.exp(0.2 * draws)), (ANSWERS[1], 10 + draws)):
-        middle = np.exp(np.log(law[:9]).mean(axis=0)) if name == ANSWERS[0] else law[:9].mean(axis=0)
-        down, up = interval_from_subwindows(name, law[:9], middle, factor=factor)
-        held = (middle - down <= law[9]) & (law[9] <= middle + up)
-        assert held.mean() == pytest.approx(0.95, abs=0.015)
-
-
-def test_growth_of_the_heights_widens_gaps_and_takes_conductance_away():
-    """What higher heights change is added to the scatter as it is, and may be off by a quarter."""
-    parts, result, less = np.full((9, 1), 2.0), np.array([2.0]), 2 * np.exp([-0.1])
-    down, up = interval_from_subwindows(ANSWERS[0], parts, result, factor=1.0, grown=less)
-    assert down[0] == pytest.approx(2 * (1 - np.exp(-0.125)))
-    assert up[0] == 0
-    down, up = interval_from_subwindows(ANSWERS[1], parts, result, factor=1.0, grown=result + 0.4)
-    assert up[0] == pytest.approx(0.5)
-    assert down[0] == 0
-    scattered = np.array([[1.0], [2.0], [3.0]])
-    _, up = interval_from_subwindows(ANSWERS[1], scattered, result, factor=0.3, grown=result + 1.6)
-    assert up[0] == pytest.approx(1.6 + 0.5)
-
-
-def test_higher_heights_that_change_nothing_or_the_wrong_way_add_nothing():
-    parts, result = np.full((9, 1), 2.0), np.array([2.0])
-    for name, grown in ((ANSWERS[0], 2 * result), (ANSWERS[1], result / 2)):
-        assert interval_from_subwindows(name, parts, result, factor=1.0, grown=grown) == (0, 0)
-
-
-def test_a_part_in_full_contact_leaves_conductance_without_a_bound():
-    parts, result = np.array([[1.0], [np.nan], [3.0]]), np.array([2.0])
-    down, up = interval_from_subwindows(ANSWERS[0], parts, result, factor=1.0)
-    assert np.isinf(up[0])
-    assert 0 < down[0] < 2
-
-
-def test_ways_that_cross_half_of_the_map_reach_as_far_up_as_they_are_wide():
-    parts, result = np.array([[1.0], [2.0], [3.0]]), np.array([2.0])
-    _, up = interval_from_subwindows(ANSWERS[1], parts, result, factor=0.3, half_way=np.array([2.4]))
-    assert up[0] == pytest.approx(0.5)
-    _, up = interval_from_subwindows(ANSWERS[1], parts, result, factor=0.3, half_way=np.array([1.0]))
-    assert up[0] == pytest.approx(0.3)
-
-
-def test_what_changed_from_the_parts_to_the_window_may_go_on_either_way():
-    parts, result = np.full((9, 1), 1.0), np.array([2.0])
-    down, up = interval_from_subwindows(ANSWERS[0], parts, result, factor=1.0, extent_factor=0.5)
-    assert up[0] == pytest.approx(2 * (np.sqrt(2) - 1))
-    assert down[0] == pytest.approx(2 * (1 - np.sqrt(0.5)))
-    down, up = interval_from_subwindows(ANSWERS[1], parts, result, factor=1.0, extent_factor=0.5)
-    assert down[0] == up[0] == pytest.approx(0.5)
-    down, _ = interval_from_subwindows(ANSWERS[1], parts, result, factor=1.0, extent_factor=5.0)
-    assert down[0] == 2.0  # no narrower than closed
-
-
-def test_a_gap_that_higher_heights_open_is_known_to_be_open_elsewhere():
-    """A closed gap has nothing to scale; the window with higher heights is solved, and its gap counted."""
-    levelled, window = cut(surface(288, seed=4, longest=288e-6), 96)
-    problem = {"contact_modulus": 2e9, "mean_pressure": [3e7, 4e7]}
-    solved = solve_contact(window, **problem, reduce=headline_and_answers)
-    found = window_uncertainty(levelled, window={}, contact=problem, solved=solved)
-    higher = window * found.attrs["growth"]
-    grown = solve_contact(higher, **problem, tolerance=1e-2, reduce=headline_and_answers)
-    for name in ANSWERS[1:]:
-        assert (solved[name] == 0).all()
-        assert (grown[name] > 4e-8).all()  # open, by a share of the heights of about 1e-6
-        assert (found[f"{name}_up"] >= 1.25 * grown[name] * (1 - 1e-9)).all()
 
 
 def groove(points, slope):
@@ -255,28 +178,3 @@ def test_the_leak_rate_goes_as_the_cube_of_the_narrowest_place_and_a_closed_one_
 
 def test_a_profile_has_no_grooves_that_leave_it():
     assert constrictions_in_grooves(height_map(np.cos(np.arange(64) / 9)[None, :], PITCH)) == []
-
-
-@pytest.mark.nightly
-def test_intervals_hold_the_answers_of_the_surface_three_times_as_long():
-    held = {name: [] for name in ANSWERS}
-    for seed in range(32):
-        whole = surface(192, seed=seed)
-        levelled, window = cut(whole, 64)
-        problem = {"contact_modulus": 2e9, "mean_pressure": [4e6, 4e7]}
-        truth = solve_contact(whole, **problem, tolerance=1e-3, reduce=headline_and_answers)
-        found = error_budget(levelled, window, {"level": {}, "window": {}, "contact": problem})
-        for name, inside in held.items():
-            lower, upper = (found[f"{name}_{end}"].values for end in ("lower", "upper"))
-            inside.extend((lower <= truth[name].values) & (truth[name].values <= upper))
-    for name, inside in held.items():
-        assert np.mean(inside) >= 0.85, name
-
-
-def test_the_narrowest_places_of_a_surface_without_a_lay_have_one_lower_end():
-    surface = self_affine_surface((96, 96), 1e-6, hurst=0.8, shortest=6e-6, longest=24e-6, rms_gradient=0.1)
-    settings = {"level": {}, "window": {}, "contact": {"contact_modulus": 1.0, "mean_pressure": [5e-3]}}
-    budget = error_budget(surface, rc.periodic_window(surface), settings, sources=["window"])
-    lower, other = (budget[f"critical_constriction_{axis}_lower"].item() for axis in "xy")
-    assert lower == pytest.approx(other)
-    assert lower < min(budget[f"critical_constriction_{axis}_estimate"].item() for axis in "xy")

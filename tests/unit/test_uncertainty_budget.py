@@ -3,20 +3,32 @@
 import numpy as np
 import pytest
 import xarray as xr
+from scipy import special
 
 from roughcontact.contact.dataset import joined
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
 from roughcontact.quantities import with_interval
 from roughcontact.references import synthetic
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.results.collect import summary_table
 from roughcontact.results.storage import read_dataset, write_dataset
 from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
-from roughcontact.uncertainty.budget import SOURCES, budget_inputs, combine, error_budget
-from roughcontact.uncertainty.combination import uncertainty_table
-from roughcontact.uncertainty.headline import QUANTITIES, headline
+from roughcontact.uncertainty.budget import error_budget
+from roughcontact.uncertainty.budget_inputs import budget_inputs
+from roughcontact.uncertainty.combination import (
+    SOURCES,
+    Component,
+    component,
+    ends_of,
+    limited,
+    monotonic,
+    uncertainty_table,
+)
+from roughcontact.uncertainty.headline import headline
+from roughcontact.uncertainty.scales import QUANTITIES
 from roughcontact.validation.coverage import measured_cases
 from roughcontact.window.periodic_window import periodic_window
 
@@ -25,10 +37,14 @@ SETTINGS = {"level": {}, "window": {}, "contact": CONTACT}
 
 
 @pytest.fixture(scope="module")
-def maps():
-    height = synthetic.self_affine_surface(
+def height():
+    return synthetic.self_affine_surface(
         (128, 128), 1e-6, hurst=0.8, shortest=6e-6, longest=3e-5, rms_gradient=0.1, seed=4
     )[:96, :100]
+
+
+@pytest.fixture(scope="module")
+def maps(height):
     levelled = level(height)
     return levelled, periodic_window(levelled)
 
@@ -45,41 +61,69 @@ def statistics(maps, budget):
 
 @pytest.mark.nightly
 def test_the_combined_interval_covers_the_surface_that_was_measured():
-    for name, (half_width, error) in measured_cases(8, master_points=256, seed=11).items():
+    for name, (half_width, error, _) in measured_cases(8, master_points=256, seed=11).items():
         assert np.mean(error <= half_width) >= 0.9, name
 
 
-def test_parts_add_as_squares_and_what_is_known_to_be_off_as_it_is():
-    solver, pixels = (xr.Dataset({name: ("load", [v, np.nan]) for name in QUANTITIES}) for v in (3.0, 4.0))
-    result = xr.Dataset({name: ("load", [9.0, 9.0]) for name in QUANTITIES})
-    result = result.assign(mean_pressure=("load", [1.0, 1.0]), relative_contact_area=("load", [0.5, 0.5]))
-    found = combine({"solver": solver, "discretisation": pixels}, result)
-    combined = found.sel(source="combined")
-    for name in QUANTITIES:
-        np.testing.assert_equal(combined[f"{name}_uncertainty"].values, [5.0, np.nan])
-    np.testing.assert_equal(found["mean_gap_lower"].values, [4.0, np.nan])
-    np.testing.assert_equal(found["mean_gap_upper"].values, [14.0, np.nan])
-    # a share of the area, and no pressure in contact below the load
-    assert [float(found[f"relative_contact_area_{end}"][0]) for end in ("lower", "upper")] == [0.0, 1.0]
-    pixels["mean_gap_bias"] = ("load", [4.0, np.nan])
-    found = combine({"solver": solver, "discretisation": pixels}, result)
-    assert float(found["mean_gap_uncertainty"].sel(source="combined")[0]) == 7.0
-    # what the result is known to be too low reaches upwards alone
-    assert [float(found[f"mean_gap_{end}"][0]) for end in ("lower", "upper")] == [6.0, 16.0]
+def gap_components(*pairs):
+    """Return components of the gap, each with half-widths down and up (of its logarithm)."""
+    return [component(np.array([float(down)]), np.array([float(up)])) for down, up in pairs]
 
 
-def test_an_interval_may_reach_farther_up_than_down():
-    window = xr.Dataset({name: ("load", [8.0]) for name in QUANTITIES})
-    window = window.assign(mean_gap_down=("load", [3.0]), mean_gap_up=("load", [8.0]))
-    solver = xr.Dataset({name: ("load", [4.0]) for name in QUANTITIES})
-    result = xr.Dataset({name: ("load", [20.0]) for name in QUANTITIES}).assign(
-        mean_pressure=("load", [19.0])
+def test_half_widths_add_as_squares_on_the_scale_below_and_above():
+    lower, upper = ends_of("mean_gap", np.log([2.0]), gap_components((0.3, 0.0), (0.4, 0.2)))
+    assert lower.item() == pytest.approx(2 * np.exp(-0.5))
+    assert upper.item() == pytest.approx(2 * np.exp(0.2))
+
+
+def test_shifts_of_known_direction_are_added_to_their_side():
+    nothing, one = np.zeros(1), np.ones(1)
+    shifted = Component(nothing, 0.3 * one, nothing, 0.1 * one)
+    lower, upper = ends_of("mean_gap", np.log([2.0]), [shifted, *gap_components((0, 0.4))])
+    assert lower.item() == pytest.approx(2.0)
+    assert upper.item() == pytest.approx(2 * np.exp(0.6))
+
+
+def test_arms_apart_from_the_result_move_it_to_the_nearer_end():
+    """The truth lies 0.2 to 0.5 above: another half-width of 0.3 reaches down from 0.2."""
+    lower, upper = ends_of(
+        "mean_gap", np.zeros(1), gap_components((0.3, 0.4)), (-0.2 * np.ones(1), 0.5 * np.ones(1))
     )
-    found = combine({"solver": solver, "window": window}, result)
-    assert float(found["mean_gap_lower"][0]) == 15.0
-    assert float(found["mean_gap_upper"][0]) == pytest.approx(20 + np.hypot(4, 8))
-    assert float(found["mean_gap_uncertainty"].sel(source="combined")[0]) == pytest.approx(np.hypot(4, 8))
-    assert float(found["mean_contact_pressure_lower"][0]) == 19.0
+    assert np.log(lower).item() == pytest.approx(0.2 - 0.3)
+    assert np.log(upper).item() == pytest.approx(0.2 + np.hypot(0.4, 0.3))
+
+
+def test_the_area_is_combined_by_the_inverse_of_the_error_function():
+    area = np.array([0.3])
+    lower, upper = ends_of("relative_contact_area", np.log(special.erfinv(area)), gap_components((0.5, 0.5)))
+    assert special.erfinv(lower).item() == pytest.approx(special.erfinv(0.3) * np.exp(-0.5))
+    assert upper.item() < 1
+
+
+def test_an_infinite_arm_bounds_nothing_and_limits_are_physical():
+    load = np.array([1.0, 2.0])
+    ends = np.array([0.0, 0.5]), np.array([np.inf, 50.0])
+    value = np.array([3.0, 4.0])
+    lower, upper = limited("max_pressure", ends, value=value, load=load, hardness=None)
+    np.testing.assert_array_equal(lower, load)
+    np.testing.assert_array_equal(upper, [np.nan, 50.0])
+    _, upper = limited("max_pressure", ends, value=value, load=load, hardness=10.0)
+    np.testing.assert_array_equal(upper, [10.0, 10.0])
+    lower, upper = limited("relative_contact_area", ends, value=0.1 * value, load=load, hardness=None)
+    np.testing.assert_array_equal(lower, [0.0, 0.4])  # a result lies in its own interval
+    np.testing.assert_array_equal(upper, [1.0, 1.0])
+
+
+def test_what_one_load_bounds_it_bounds_at_the_others():
+    load = np.array([3.0, 1.0, 2.0])
+    ends = np.array([1.0, 3.0, 2.0]), np.array([9.0, 5.0, 7.0])
+    lower, upper = monotonic("mean_gap", ends, load)  # falls with the load
+    np.testing.assert_array_equal(lower, [1.0, 3.0, 2.0])
+    np.testing.assert_array_equal(upper, [5.0, 5.0, 5.0])
+    lower, upper = monotonic("relative_contact_area", ends, load)
+    np.testing.assert_array_equal(lower, [3.0, 3.0, 3.0])
+    np.testing.assert_array_equal(upper, [9.0, 5.0, 7.0])
+    assert monotonic("mean_contact_pressure", ends, load) is ends
 
 
 @pytest.mark.parametrize("shape", [(1, 22), (20, 20)])
@@ -105,15 +149,79 @@ def test_a_map_too_small_for_parts_has_an_open_interval(shape):
     assert np.isinf(table[table["source"].isin(["window", "combined"])]["standard_uncertainty_lower"]).all()
 
 
-def test_the_result_lies_in_its_interval(maps, budget):
-    solved = solve_contact(maps[1], **CONTACT, reduce=headline)
+def test_the_corrected_result_lies_in_every_interval_of_the_band(budget):
     for name in QUANTITIES:
-        assert (budget[f"{name}_lower"] < solved[name]).all()
-        assert (budget[f"{name}_upper"] > solved[name]).all()
+        for measurand in ("", "next_", "map_"):
+            assert (budget[f"{name}_{measurand}lower"] < budget[f"{name}_estimate"]).all()
+            assert (budget[f"{name}_{measurand}upper"] > budget[f"{name}_estimate"]).all()
         assert (budget[f"{name}_lower"] >= 0).all()
-    # what is taken off a mean over whole pixels is no matter of chance, and the growth of waves is upwards
-    gap = budget["mean_gap_upper"] - solved["mean_gap"]
-    assert (gap >= solved["mean_gap"] - budget["mean_gap_lower"]).all()
+        # another map scatters more than the mean of all, and this map less
+        width = {
+            m: np.log(budget[f"{name}_{m}upper"] / budget[f"{name}_{m}lower"]) for m in ("", "next_", "map_")
+        }
+        assert (width["map_"] < width[""]).all()
+        assert (width[""] < width["next_"]).all()
+
+
+def test_the_pressure_in_contact_is_the_load_over_the_area(budget):
+    over_area = budget["mean_pressure"] / budget["relative_contact_area_estimate"]
+    np.testing.assert_allclose(budget["mean_contact_pressure_estimate"], over_area, rtol=1e-12)
+    assert (budget["mean_contact_pressure_as_solved"] < over_area).all()  # a mean over whole pixels
+
+
+def test_a_surface_as_long_as_the_map_is_the_surface_in_its_band(maps, budget):
+    settings = SETTINGS | {"contact": CONTACT}
+    found = error_budget(*maps, settings, sources=["window"], extent=1.0)
+    for name in QUANTITIES:
+        for end in ("lower", "upper"):
+            np.testing.assert_allclose(found[f"{name}_longer_{end}"], found[f"{name}_{end}"], rtol=1e-12)
+    # longer waves add to the gap, and to nothing so much
+    assert (budget["mean_gap_longer_upper"] > budget["mean_gap_upper"]).all()
+    with pytest.raises(SettingsError, match=r"extent = 0\.5"):
+        error_budget(*maps, settings, extent=0.5)
+
+
+def test_shorter_waves_take_area_off_and_raise_the_peak(budget):
+    for name, down in (("relative_contact_area", True), ("max_pressure", False)):
+        band, octave = (
+            [budget[f"{name}_{m}{end}"].values for end in ("lower", "upper")] for m in ("", "octave_")
+        )
+        assert (octave[0] < band[0]).all() if down else (octave[1] > band[1]).all()
+
+
+def test_neither_units_nor_the_order_of_loads_matter(height, budget):
+    """Heights and pitch a thousandth as large, with another modulus; loads reversed."""
+    loads = np.array(CONTACT["mean_pressure"])
+    for factor, modulus, order in ((1.0, 1.0, slice(None, None, -1)), (1e-3, 1e9, slice(None))):
+        other = height_map(factor * height.values, factor * 1e-6)
+        levelled = level(other)
+        contact = CONTACT | {"contact_modulus": modulus, "mean_pressure": list(modulus * loads[order])}
+        found = error_budget(levelled, periodic_window(levelled), SETTINGS | {"contact": contact})
+        for end in ("lower", "upper", "next_upper", "octave_lower"):
+            area, gap = (
+                found[f"{name}_{end}"].values[order] for name in ("relative_contact_area", "mean_gap")
+            )
+            np.testing.assert_allclose(area, budget[f"relative_contact_area_{end}"], rtol=1e-3)
+            np.testing.assert_allclose(gap, factor * budget[f"mean_gap_{end}"], rtol=1e-3)
+
+
+def test_one_load_has_the_interval_that_it_has_among_others(maps, budget):
+    alone = error_budget(
+        *maps, SETTINGS | {"contact": CONTACT | {"mean_pressure": CONTACT["mean_pressure"][0]}}
+    )
+    for end in ("lower", "upper"):
+        name = f"relative_contact_area_{end}"
+        assert alone[name].item() == pytest.approx(budget[name][0].item(), rel=1e-3)
+
+
+def test_a_full_contact_is_closed_elsewhere_as_far_as_its_subwindows_are(maps):
+    contact = {"contact_modulus": 1.0, "mean_pressure": [0.5, 5.0]}
+    found = error_budget(*maps, SETTINGS | {"contact": contact})
+    np.testing.assert_array_equal(found["relative_contact_area_estimate"], [1.0, 1.0])
+    np.testing.assert_array_equal(found["mean_gap_estimate"], [0.0, 0.0])
+    np.testing.assert_array_equal(found["mean_gap_lower"], [0.0, 0.0])
+    widest = np.nanmax(found["mean_gap_parts"].values, axis=0)
+    np.testing.assert_allclose(found["mean_gap_upper"], widest)
 
 
 def test_every_source_has_its_place(budget):
@@ -130,7 +238,7 @@ def test_every_source_has_its_place(budget):
 def test_sources_may_be_left_out(maps, budget):
     few = error_budget(*maps, SETTINGS, sources=["discretisation"])
     name = "mean_gap_uncertainty"
-    assert np.isnan(few[name].sel(source=["solver", "window", "processing"])).all()
+    assert np.isnan(few[name].sel(source=["solver", "window", "material"])).all()
     xr.testing.assert_allclose(
         few[name].sel(source="discretisation"), budget[name].sel(source="discretisation")
     )
@@ -170,18 +278,17 @@ def test_statistics_and_summary_carry_the_budget(statistics, budget):
 def test_the_budget_belongs_to_the_numbers_of_the_statistics(maps, statistics):
     found = solve_contact(maps[1], **CONTACT, reduce=headline)
     for name in QUANTITIES:
-        np.testing.assert_allclose(found[name], statistics[name], rtol=1e-12)
+        np.testing.assert_allclose(found[name], statistics[f"{name}_as_solved"], rtol=1e-12)
 
 
-def test_no_pressure_rises_above_the_hardness():
-    pixels = xr.Dataset({name: ("load", [4.0]) for name in QUANTITIES})
-    result = xr.Dataset({name: ("load", [9.0]) for name in QUANTITIES}).assign(mean_pressure=("load", [1.0]))
-    free, limited = (combine({"discretisation": pixels}, result, hardness=h) for h in (None, 10.0))
+def test_no_pressure_rises_above_the_hardness(maps):
+    hardness = 0.12
+    contact = CONTACT | {"hardness": hardness}
+    found = error_budget(*maps, SETTINGS | {"contact": contact})
     for name in ("max_pressure", "mean_contact_pressure"):
-        assert free[f"{name}_upper"].values == 13
-        assert limited[f"{name}_upper"].values == 10
-        assert limited[f"{name}_lower"].values == free[f"{name}_lower"].values
-    assert limited["mean_gap_upper"].values == 13
+        for measurand in ("", "next_", "longer_", "octave_", "map_"):
+            assert (found[f"{name}_{measurand}upper"] <= hardness * (1 + 1e-12)).all()
+    assert found["max_pressure_estimate"].values[0] == pytest.approx(hardness)
 
 
 def test_the_report_says_what_the_uncertainty_is_made_of(statistics):
@@ -190,7 +297,7 @@ def test_the_report_says_what_the_uncertainty_is_made_of(statistics):
     area = 100 * float(statistics["relative_contact_area"][0])
     ends = (100 * float(statistics[f"relative_contact_area_{end}"][0]) for end in ("lower", "upper"))
     assert shown["rows"][0][1] == with_interval(area, *ends)
-    assert any("for this surface over 3.00 times the length of the map" in note for note in shown["notes"])
+    assert any("for the mean of maps of this size all over the surface" in note for note in shown["notes"])
     assert shown["rows"][0][-1] in shown["header"]
     assert len(shown["images"]) == 4
     assert len(shown["magnification"]) == 5  # and the conductance

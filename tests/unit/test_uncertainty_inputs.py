@@ -9,15 +9,11 @@ import xarray as xr
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.references.synthetic import self_affine_surface, westergaard_surface
-from roughcontact.uncertainty.answers import (
-    ANSWERS,
-    CONSTRICTIONS,
-    headline_and_answers,
-    quantities_in,
-)
-from roughcontact.uncertainty.budget import budget_inputs, error_budget
-from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.budget import error_budget
+from roughcontact.uncertainty.budget_inputs import budget_inputs
+from roughcontact.uncertainty.headline import headline_and_answers, quantities_in
 from roughcontact.uncertainty.inputs import input_uncertainty
+from roughcontact.uncertainty.scales import ANSWERS, CONSTRICTIONS, QUANTITIES
 
 MODULUS, GRADIENT, THICKNESS = 1e9, 0.1, 3e-6
 INPUTS = ("mean_pressure", "contact_modulus", "amplification_z", "amplification_xy")
@@ -87,7 +83,9 @@ def test_the_half_widths_are_the_changes_to_both_ends(surface, source, kind, loa
         if kind == "layers" and name == ANSWERS[0]:  # is not known of layers
             continue
         parts = found[f"{name}_components"].sel(source=of)
-        changes = np.stack([end[name] - base[name] for end in (lower, upper)])
+        # the pressure in contact of the budget is the load over the area, not the mean over whole pixels
+        scale = (found[f"{name}_estimate"] / base[name]).fillna(1.0)
+        changes = scale.values * np.stack([end[name] - base[name] for end in (lower, upper)])
         whole = np.ptp(np.vstack([changes, 0 * changes[:1]]), axis=0)
         share = 0.2 if name in CONSTRICTIONS else 0.05
         rounding = 1e-9 * base[name].values.max()

@@ -29,7 +29,7 @@ from roughcontact.uncertainty.intervals import Intervals, Octave
 from roughcontact.uncertainty.magnification import magnification_curve
 from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.uncertainty.sample import constrictions_in_grooves, deficiency, description
-from roughcontact.uncertainty.scales import CONSTRICTIONS, PRESSURE, QUANTITIES, to_scale
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PRESSURE, QUANTITIES, to_scale
 from roughcontact.uncertainty.subwindows import scatter_of_subwindows
 from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, next_octave
 from roughcontact.window.instrument import stated_instrument
@@ -170,7 +170,8 @@ def error_budget(
             "window_reason": description(levelled, scatter, grooves),
             "window_flag": deficiency(levelled, scatter),
         }
-        columns |= {f"{name}_parts": (("member", "load"), v) for name, v in scatter.members.items()}
+        members = scatter.members | {PRESSURE: load / scatter.members[AREA]}
+        columns |= {f"{name}_parts": (("member", "load"), v) for name, v in members.items()}
     instrument = stated_instrument(levelled, settings.get("instrument"))
     inputs = _stated_inputs(window, lenient, solved, sources, stated, instrument)
     columns |= {

@@ -28,7 +28,7 @@ _NORMAL = 1.959963984540054  # coverage factor of 95 % for infinite degrees of f
 _TYPES = ["A" if source == "window" else "B" for source in SOURCES]
 # whether a quantity rises with the load, or falls; the pressure in contact may do either
 _RISING = {AREA: True, PEAK: True, CONDUCTANCE: True, GAP: False, **dict.fromkeys(CONSTRICTIONS, False)}
-_LEAST = 1e-3  # of a result: the logarithm of smaller values is meaningless
+_LEAST = 1e-6  # of a result: the logarithm of smaller values is meaningless
 _OF_THE_TABLE = {
     "mean_pressure",
     *(
@@ -182,12 +182,12 @@ def columns_of_components(
         with np.errstate(invalid="ignore", over="ignore"):
             for place, (by, sign) in enumerate(zip(one, (-1, 1, -1, 1), strict=True)):
                 moved = np.abs(from_scale(name, middle + sign * by) - value)
-                unbounded = np.isinf(by) & (sign > 0)
-                parts[:, column, place] = np.where(unbounded, np.inf, np.where(by == 0, 0.0, moved))
+                parts[:, column, place] = np.where(np.isinf(by), np.inf, np.where(by == 0, 0.0, moved))
         shown[:, column] = np.maximum(
             parts[:, column, 0] + parts[:, column, 2], parts[:, column, 1] + parts[:, column, 3]
         )
-    shown[:, -1] = np.maximum(value - ends[0], ends[1] - value)
+    unbounded = np.isinf(parts).any(axis=(1, 2))
+    shown[:, -1] = np.where(unbounded, np.inf, np.maximum(value - ends[0], ends[1] - value))
     parts = np.concatenate([parts, np.full((value.size, 1, shape[2]), np.nan)], axis=1)
     return {
         f"{name}_uncertainty": (("load", "source"), _bounded(shown), {"comment": _COMMENT}),

@@ -60,7 +60,8 @@ def solve_member(
     influence = contact.get("influence", "sampled")
     layered = elasticity(contact.get("contact_modulus"), contact.get("bodies"))[1] is not None
     values = {name: np.full(pressures.shape, np.nan) for name in names}
-    precision = SINGLE if tolerance >= _SINGLE_PRECISION_FROM else DOUBLE
+    single = tolerance >= _SINGLE_PRECISION_FROM or contact.get("precision") == "single"
+    precision = SINGLE if single else DOUBLE
     problem = {**contact, "mean_pressure": pressures}
     for solution in solved_fields(window, problem, tolerance=tolerance, precision=precision):
         if solution.error_bound > tolerance:
@@ -105,6 +106,8 @@ def measured_slices(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str,
     >>> mirrored.shape, measured_slices(levelled, mirrored)
     ((80, 128), {'y': slice(0, 40, None), 'x': slice(0, 64, None)})
     """
+    if "periodisation" not in periodic.attrs:  # a map that is its own window
+        return {d: slice(0, n) for d, n in zip("yx", levelled.shape, strict=True)}
     mirrored = periodic.attrs["periodisation"] == "mirror"
     shown = {}
     for d, n, step in zip("yx", periodic.shape, spacing(levelled), strict=True):

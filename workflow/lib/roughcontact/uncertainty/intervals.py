@@ -64,6 +64,8 @@ class Intervals:
         else:
             centre, own = middle[name], {s: parts[name] for s, parts in self.found.items() if name in parts}
         value = np.where(np.isnan(centre), as_solved[name], from_scale(name, centre))
+        if name in (AREA, PRESSURE):  # full contact, up to the rounding of its scale
+            value = np.where(as_solved[AREA] >= 1, as_solved[name], value)
         if self.hardness is not None and name in (PRESSURE, PEAK):
             value = np.fmin(value, self.hardness)
         arms = {
@@ -164,6 +166,8 @@ class Intervals:
             below, above = _of_area_in_pressure(middle_of_area + shift, below, above)
             shift = -moved
         moved_value = np.where(np.isnan(centre), value, from_scale(name, centre + shift))  # full contact
+        if self.hardness is not None and name in (PRESSURE, PEAK):
+            moved_value = np.fmin(moved_value, self.hardness)
         return self._ends(name, centre + shift, moved_value, [*parts, component(below, above)], arms)
 
 
