@@ -64,9 +64,7 @@ LAWS = {
     **dict.fromkeys(["area_persson", "area_xu", "area_bush_gibson_thomas"], NUMBER),
     "area_greenwood_williamson": NUMBER,
     **dict.fromkeys(["nayak_parameter", "row_jitter", "Ssk", "Sku", "Smr1", "Smr2", "Str", "Std"], NUMBER),
-    **dict.fromkeys(
-        ["hardness_over_modulus", "sensitivity"], NUMBER
-    ),
+    **dict.fromkeys(["hardness_over_modulus", "sensitivity"], NUMBER),
     "gradient": SLOPE,  # by the shortest wave that is kept
     **dict.fromkeys(["cutoff_wavelength", "Ssw"], LENGTH),
     **dict.fromkeys(["load_share_above_ratio", "area_share_above_ratio", "Sdr"], OF_SLOPES),

@@ -9,15 +9,11 @@ import xarray as xr
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.references.synthetic import self_affine_surface, westergaard_surface
-from roughcontact.uncertainty.answers import (
-    ANSWERS,
-    CONSTRICTIONS,
-    headline_and_answers,
-    quantities_in,
-)
-from roughcontact.uncertainty.budget import budget_inputs, error_budget
-from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.budget import error_budget
+from roughcontact.uncertainty.budget_inputs import budget_inputs
+from roughcontact.uncertainty.headline import headline_and_answers, quantities_in
 from roughcontact.uncertainty.inputs import input_uncertainty
+from roughcontact.uncertainty.scales import ANSWERS, CONSTRICTIONS, QUANTITIES
 
 MODULUS, GRADIENT, THICKNESS = 1e9, 0.1, 3e-6
 INPUTS = ("mean_pressure", "contact_modulus", "amplification_z", "amplification_xy")
