@@ -1,4 +1,4 @@
-"""Combination on the scales of the quantities, by hand: arms, shifts, physical limits, one load by another."""
+"""Combination on the scales of the quantities, by hand: arms, shifts, limits, one load by another."""
 
 import numpy as np
 import pytest

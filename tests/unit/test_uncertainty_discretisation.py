@@ -1,4 +1,4 @@
-"""The correction for the pixel size: nearer to a finer solution and to the closed form; what stays uncertain."""
+"""The correction for the pixel size: nearer to a finer solution and to the closed form."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,8 @@ def corrected(window, loads, names=NAMES):
     solved = solve_contact(window, **contact)
     found, peak = headline(solved), int(solved["pressure"][-1].values.argmax())
     values = {name: found[name].values for name in NAMES}
-    errors = discretisation_error(window, contact=contact, values=values, peak_index=peak)
+    share = (solved["pressure"].values > 0).mean(axis=(1, 2))
+    errors = discretisation_error(window, contact=contact, values=values, pixel_share=share, peak_index=peak)
     return {name: (to_scale(name, values[name]), *errors[name]) for name in names}
 
 
@@ -63,12 +64,16 @@ def test_narrowest_places_are_not_corrected_and_what_is_flat_has_nothing_to_corr
     flat = height_map(np.zeros((32, 32)), 1.0)
     contact = {"contact_modulus": 1.0, "mean_pressure": [1.0]}
     values = {AREA: np.ones(1), GAP: np.zeros(1), PEAK: np.ones(1), CONSTRICTIONS[0]: np.zeros(1)}
-    found = discretisation_error(flat, contact=contact, values=values, peak_index=0)
+    found = discretisation_error(flat, contact=contact, values=values, pixel_share=values[AREA], peak_index=0)
     assert [found[name][0].item() for name in values] == pytest.approx([0.0] * 4, abs=1e-6)
     rough = synthetic.rough_reference_surface(48)
     values = {AREA: np.full(1, 0.3), GAP: np.full(1, 0.1), CONSTRICTIONS[0]: np.full(1, 0.1)}
     found = discretisation_error(
-        rough, contact=contact | {"mean_pressure": [0.05]}, values=values, peak_index=0
+        rough,
+        contact=contact | {"mean_pressure": [0.05]},
+        values=values,
+        pixel_share=values[AREA],
+        peak_index=0,
     )
     assert found[CONSTRICTIONS[0]][0].item() == 0 < found[CONSTRICTIONS[0]][1].item()
 
