@@ -93,15 +93,15 @@ def test_a_surface_of_the_length_of_the_map_is_the_surface(heights):
         assert found.sizes["load"] == 1
 
 
-def test_units_order_of_the_loads_and_a_flip_change_nothing(heights, budget):
-    """Heights and lengths in units 1e-6 times as large, loads in another order, the map turned around."""
-    problem = contact(0.03, 0.3)
-    found = budget_of(1e-6 * heights[::-1, ::-1], problem | {"contact_modulus": 1.0}, step=1e-6)
+@pytest.mark.parametrize(("turn", "tolerance"), [(1, 2e-3), (-1, 0.1)])
+def test_units_order_of_the_loads_and_a_half_turn_change_nothing(heights, budget, turn, tolerance):
+    """Lengths 1e-6 times as large, loads in another order; turned, parts of uneven size lie elsewhere."""
+    found = budget_of(1e-6 * heights[::turn, ::turn], contact(0.03, 0.3), step=1e-6)
     for name, unit in ((AREA, 1.0), (GAP, 1e-6), (PEAK, 1.0), (PRESSURE, 1.0)):
         for measurand in MEASURANDS:
             expected = unit * np.array(ends(budget, name, measurand))[:, ::-1]
             np.testing.assert_allclose(
-                ends(found, name, measurand), expected, rtol=0.03, err_msg=f"{name} {measurand}"
+                ends(found, name, measurand), expected, rtol=tolerance, err_msg=f"{name} {measurand}"
             )
 
 
@@ -120,7 +120,7 @@ def test_a_map_too_small_for_parts_has_open_ends(shape):
 def test_full_contact_has_no_gap_and_the_hardness_is_a_limit(heights):
     full = budget_of(heights, contact(100.0))
     assert full[f"{GAP}_estimate"].item() == 0 == ends(full, GAP)[0].item()
-    assert ends(full, AREA)[1].item() == 1
+    assert full[f"{AREA}_estimate"].item() == 1 == ends(full, AREA)[1].item()
     hard = budget_of(heights, contact(0.1) | {"hardness": 0.05})
     assert ends(hard, PEAK)[1].item() <= 0.05
     assert ends(hard, PRESSURE)[1].item() <= 0.05
