@@ -84,6 +84,7 @@ def test_the_half_widths_are_the_changes_to_both_ends(surface, source, kind, loa
             continue
         parts = found[f"{name}_components"].sel(source=of)
         changes = np.stack([end[name] - base[name] for end in (lower, upper)])
+        changes *= (found[f"{name}_estimate"] / base[name]).values if name == "mean_contact_pressure" else 1
         whole = np.ptp(np.vstack([changes, 0 * changes[:1]]), axis=0)
         share = 0.2 if name in CONSTRICTIONS else 0.05
         rounding = 1e-9 * base[name].values.max()
