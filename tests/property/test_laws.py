@@ -64,15 +64,13 @@ LAWS = {
     **dict.fromkeys(["area_persson", "area_xu", "area_bush_gibson_thomas"], NUMBER),
     "area_greenwood_williamson": NUMBER,
     **dict.fromkeys(["nayak_parameter", "row_jitter", "Ssk", "Sku", "Smr1", "Smr2", "Str", "Std"], NUMBER),
-    **dict.fromkeys(
-        ["hardness_over_modulus", "degrees_of_freedom", "coverage_factor", "sensitivity"], NUMBER
-    ),
+    **dict.fromkeys(["hardness_over_modulus", "sensitivity"], NUMBER),
     "gradient": SLOPE,  # by the shortest wave that is kept
     **dict.fromkeys(["cutoff_wavelength", "Ssw"], LENGTH),
     **dict.fromkeys(["load_share_above_ratio", "area_share_above_ratio", "Sdr"], OF_SLOPES),
     **dict.fromkeys(["max_pressure_over_modulus", "rms_gradient", "Sdq"], SLOPE),
     "rms_curvature": Law(1, -2, 0),
-    **dict.fromkeys(["contact_clusters", "switches"], COUNT),
+    **dict.fromkeys(["contact_clusters"], COUNT),
     "contact_perimeter": LENGTH._replace(repeated=4),
     "largest_patch_area": AREA,
     **dict.fromkeys(["patch_bin_centre", "patch_bin_bounds"], AREA),
@@ -98,12 +96,11 @@ NO_NUMBER |= {
     "input",
     "component",
     "source",
-    "choice",
     "surface",
     "surface_name",
     "case",
     "case_name",
-    "place_of_the_peak",
+    "index_of_the_peak",
 }
 NO_NUMBER |= {"group", "group_name", "map", "map_name", "part", "maps", "stands_off"}
 NO_NUMBER |= {
@@ -111,7 +108,7 @@ NO_NUMBER |= {
 }
 ENDINGS = (
     # of an interval or a magnification curve, of the same kind as its number
-    r"_(uncertainty|((map|next|next_part)_)?(lower|upper)|of_maps|parts|choices|half_way|estimate|at_cutoff"
+    r"_(uncertainty|((map|next|longer|octave|next_part)_)?(lower|upper)|of_maps|parts|half_way|as_solved|estimate|at_cutoff"
     r"|components|as_measured)$"
 )
 

@@ -100,7 +100,7 @@ def test_a_profile_that_is_sampled_more_finely_keeps_its_numbers(seed, hardness,
                 for found in (coarse, fine)
             )
             off[name] = float(np.abs(two - one).max() / one.max())
-        elif name in SOLVER | OF_DEPTH or "cutoff" in one.dims or name.endswith(("_parts", "_choices")):
+        elif name in SOLVER | OF_DEPTH or "cutoff" in one.dims or name.endswith("_parts"):
             # in pixels, not in lengths; subwindows are solved coarsely
             continue
         elif name.endswith("_density"):

@@ -1054,7 +1054,7 @@ def test_a_page_of_polished_surfaces_is_in_nanometres(tmp_path):
 
 def test_parts_of_an_interval_that_are_larger_than_the_value_are_drawn():
     value = np.array([1e-9, 2e-9])
-    sources = ["solver", "discretisation", "window", "processing", "combined"]
+    sources = ["solver", "discretisation", "window", "instrument", "combined"]
     numbers = xr.Dataset({"mean_pressure": ("load", [1e6, 2e6])}, coords={"source": sources})
     for name in ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure"):
         numbers[name] = ("load", value)
@@ -1085,7 +1085,6 @@ def test_the_components_of_the_interval_and_the_results_by_the_shortest_wave():
         "solver",
         "grid",
         "window",
-        "processing",
         "unresolved waves",
         "all together",
     ]

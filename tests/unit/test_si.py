@@ -77,7 +77,7 @@ def every_verb(height, levelled, window, contact):
         "composite": rc.composite(levelled, levelled, **at).values,
         "relative_positions": [position["shift"] for position in rc.relative_positions(levelled, levelled)],
         "first_yield_pressure": rc.first_yield_pressure(window, contact_modulus=1e9, hardness=3e8),
-        "error_budget": rc.error_budget(levelled, window, problem, sources=["processing"])[
+        "error_budget": rc.error_budget(levelled, window, problem, sources=["discretisation"])[
             "mean_gap_lower"
         ].values,
     }

@@ -37,7 +37,7 @@ def test_what_the_interval_includes_is_a_note():
     check = found(1.0, budget=["window"])["Longest wave"]
     assert check.outcome == checks.NOTE
     assert check.sentence.endswith("The ± includes it.")
-    assert found(1.0, budget=["processing"])["Longest wave"].outcome == checks.LOOK
+    assert found(1.0, budget=["solver"])["Longest wave"].outcome == checks.LOOK
     edges = {"periodisation": "mirror", "rms_gradient_before": 1.0, "rms_gradient_after": 0.5}
     assert found(0.2, edges, budget=["window"])["Periodic window"].outcome == checks.LOOK
     assert found(0.2, edges, budget=["processing"])["Periodic window"].outcome == checks.NOTE

@@ -10,28 +10,23 @@ from scipy.ndimage import grey_dilation
 
 import roughcontact as rc
 from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.errors import SettingsError
 from roughcontact.maps import height_map, refined, spacing
 from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
 from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.uncertainty.answers import headline_and_answers
-from roughcontact.uncertainty.budget import error_budget
-from roughcontact.uncertainty.combination import uncertainty_table
-from roughcontact.uncertainty.headline import QUANTITIES
-from roughcontact.uncertainty.instrument import instrument_uncertainty
+from roughcontact.uncertainty.headline import headline_and_answers
+from roughcontact.uncertainty.instrument import added_up, instrument_components
 from roughcontact.uncertainty.magnification import magnification_curve, without_shortest_waves
-from roughcontact.uncertainty.scaling import half_widths
-from roughcontact.uncertainty.unresolved import (
-    expected_growth,
-    growth_by_finer_spectrum,
-    unresolved_uncertainty,
-)
+from roughcontact.uncertainty.scales import AREA, GAP, PEAK, QUANTITIES, to_scale
+from roughcontact.uncertainty.unresolved import growth_by_finer_spectrum, hidden_waves, next_octave
 from roughcontact.window.instrument import check_instrument, stated_instrument
 from roughcontact.window.transfer import (
     eroded,
     reliability_length,
     restored,
+    shortest_transmitted,
     transfer,
+    undone,
     unrounded,
     with_noise,
 )
@@ -58,15 +53,25 @@ def results(window: xr.DataArray, pressures: list[float]) -> xr.Dataset:
     )
 
 
-def test_what_does_not_change_has_no_width():
-    areas = np.array([0.0, 0.338264647474, 0.123926477441, 0.0499704211396, 1.0])
-    solved = xr.Dataset({"relative_contact_area": ("load", areas), "mean_contact_pressure": ("load", areas)})
-    none, some = np.zeros(5), np.full(5, 0.1)
-    found = half_widths(solved, {"relative_contact_area": (none, some)})
-    assert np.all(found["relative_contact_area_down"] == 0)
-    assert np.all(found["mean_contact_pressure_up"] == 0)
-    assert np.all(found["relative_contact_area_up"][1:4] > 0)
-    assert np.all(found["relative_contact_area_up"][[0, 4]] == 0)
+def shifts(window, pressures, seen, instrument):
+    """Return the components of what is stated of the instrument, on the scales."""
+    causes, _ = instrument_components(
+        window,
+        contact={"contact_modulus": MODULUS, "mean_pressure": pressures},
+        values={name: seen[name].values for name in (AREA, GAP, PEAK)},
+        instrument=instrument,
+        true_shapes=undone(window, instrument),
+    )
+    return added_up(causes)
+
+
+def reaches(found, seen, truth, names=(AREA, GAP, PEAK)):
+    """Hold that the truth lies between the shifted ends."""
+    for name in names:
+        off = to_scale(name, truth[name].values) - to_scale(name, seen[name].values)
+        one = found[name]
+        assert (off >= -one.shift_down - one.down - 1e-3).all(), name
+        assert (off <= one.shift_up + one.up + 1e-3).all(), name
 
 
 def test_a_lens_transmits_what_goodman_says():
@@ -82,13 +87,10 @@ def test_the_interval_of_a_blurred_map_reaches_the_sharp_one(surface):
     blurred = surface.copy(data=np.fft.irfft2(np.fft.rfft2(surface.values) * share, s=surface.shape))
     pressures = loads(surface, 0.02, 0.1)
     truth, seen = results(surface, pressures), results(blurred, pressures)
-    problem = {"contact_modulus": MODULUS, "mean_pressure": pressures}
-    found = instrument_uncertainty(blurred, contact=problem, solved=seen, instrument=LENS)
+    found = shifts(blurred, pressures, seen, LENS)
     assert (truth["relative_contact_area"] < 0.95 * seen["relative_contact_area"]).all()
-    for name in QUANTITIES:
-        assert (truth[name] >= seen[name] - found[f"{name}_shift_down"] * 1.001).all(), name
-        assert (truth[name] <= seen[name] + found[f"{name}_shift_up"] * 1.001).all(), name
-    assert (found["relative_contact_area_shift_up"] == 0).all()
+    reaches(found, seen, truth)
+    assert (found[AREA].shift_up == 0).all()
 
 
 def test_the_interval_of_rounded_heights_reaches_the_true_ones(surface):
@@ -100,16 +102,12 @@ def test_the_interval_of_rounded_heights_reaches_the_true_ones(surface):
     assert rms_gradient(smooth) < rms_gradient(surface) < rms_gradient(rounded)
     pressures = loads(surface, 0.02, 0.1)
     truth, seen = results(surface, pressures), results(rounded, pressures)
-    problem = {"contact_modulus": MODULUS, "mean_pressure": pressures}
-    found = instrument_uncertainty(rounded, contact=problem, solved=seen, instrument={})
+    found = shifts(rounded, pressures, seen, {})
     assert (truth["relative_contact_area"] > 1.02 * seen["relative_contact_area"]).all()
-    for name in QUANTITIES:
-        assert (truth[name] >= seen[name] - found[f"{name}_shift_down"] * 1.001).all(), name
-        assert (truth[name] <= seen[name] + found[f"{name}_shift_up"] * 1.001).all(), name
-    assert (found["relative_contact_area_shift_down"] == 0).all()
+    reaches(found, seen, truth)
+    assert (found[AREA].shift_down == 0).all()
     fine = rounded.assign_attrs(quantisation_step=0.2 * step)  # 2 % of the rms height: nothing is done
-    unknown = instrument_uncertainty(fine, contact=problem, solved=seen, instrument={})
-    assert np.isnan(unknown["relative_contact_area"]).all()
+    assert shifts(fine, pressures, seen, {}) == {}
 
 
 def test_restoring_stops_at_the_noise(surface):
@@ -124,12 +122,11 @@ def test_the_interval_of_a_noisy_map_reaches_the_true_one(surface):
     noisy = surface.copy(data=surface.values + noise * np.random.default_rng(1).standard_normal((160, 160)))
     pressures = loads(surface, 0.02, 0.1)
     truth, seen = results(surface, pressures), results(noisy, pressures)
-    problem = {"contact_modulus": MODULUS, "mean_pressure": pressures}
-    found = instrument_uncertainty(noisy, contact=problem, solved=seen, instrument={"noise": noise})
-    area = "relative_contact_area"
-    assert (truth[area] > 1.005 * seen[area]).all()
-    assert (truth[area] <= seen[area] + found[f"{area}_shift_up"]).all()
-    assert (found[f"{area}_shift_up"] < 4 * (truth[area] - seen[area])).all()
+    found = shifts(noisy, pressures, seen, {"noise": noise})
+    assert (truth[AREA] > 1.005 * seen[AREA]).all()
+    reaches(found, seen, truth, (AREA, GAP))  # the peak is that of one point, and of its noise
+    off = to_scale(AREA, truth[AREA].values) - to_scale(AREA, seen[AREA].values)
+    assert (found[AREA].shift_up < 4 * off).all()
 
 
 def test_noise_that_is_all_of_the_gradient_leaves_no_upper_end(surface):
@@ -137,11 +134,9 @@ def test_noise_that_is_all_of_the_gradient_leaves_no_upper_end(surface):
     noise = 0.5 * float(smooth.std())
     noisy, _ = with_noise(smooth, noise)
     pressures = loads(noisy, 0.05)
-    problem = {"contact_modulus": MODULUS, "mean_pressure": pressures}
     solved = results(noisy, pressures)
-    found = instrument_uncertainty(noisy, contact=problem, solved=solved, instrument={"noise": 2 * noise})
-    area = float(solved["relative_contact_area"][0])
-    assert float(found["relative_contact_area_shift_up"][0]) == pytest.approx(1 - area, rel=1e-4)
+    found = shifts(noisy, pressures, solved, {"noise": 2 * noise})
+    assert np.isinf(found[AREA].shift_up).all()
 
 
 def _tip(radius: float, step: float) -> np.ndarray:
@@ -264,19 +259,6 @@ def test_results_by_wave_are_those_of_the_same_waves_on_a_fine_grid(hurst):
             assert found[name].values == pytest.approx(value.values, rel=tolerance), (name, entry)
 
 
-def test_white_noise_is_expected_to_grow_fourfold_or_more():
-    window = height_map(np.random.default_rng(0).standard_normal((256, 256)), 1.0)
-    solved = xr.Dataset({name: ("load", [0.1]) for name in QUANTITIES} | {"mean_pressure": ("load", [1.0])})
-    cutoffs = math.sqrt(math.pi) * 2.0 ** np.arange(4)  # circles with a fourth of the waves of the last
-    gradients = [
-        rms_gradient(window),
-        *(rms_gradient(without_shortest_waves(window, c)) for c in cutoffs[1:]),
-    ]
-    curve = xr.Dataset(coords={"cutoff_wavelength": cutoffs, "gradient_at_cutoff": ("c", gradients)})
-    assert solved.sizes["load"] == 1
-    assert expected_growth(curve).gradient == pytest.approx(1.3 * math.log(4), rel=0.1)
-
-
 @pytest.mark.parametrize("patch", [slice(None), slice(0, 1)])
 def test_a_finer_spectrum_tells_the_true_gradient(patch):
     fine = self_affine_surface(
@@ -327,64 +309,42 @@ def evaluated() -> xr.Dataset:
 
 def test_every_source_has_its_part(evaluated):
     parts = evaluated["relative_contact_area_uncertainty"]
-    assert np.isfinite(parts).all()
+    assert np.isfinite(parts.drop_sel(source=["unresolved", "combined"])).all()
     for end in ("lower", "upper"):
         wide, narrow = (evaluated[f"mean_contact_pressure_{kind}{end}"] for kind in ("", "map_"))
         assert ((wide <= narrow) if end == "lower" else (wide >= narrow)).all()
 
 
-def test_the_interval_is_rebuilt_from_the_table_of_components(evaluated):
-    table = uncertainty_table(evaluated)
-    limits = {"relative_contact_area": (0.0, 1.0)}
-    for (name, load), rows in table.groupby(["quantity", "mean_pressure_Pa"]):
-        parts, combined = rows[rows["source"] != "combined"], rows[rows["source"] == "combined"].iloc[0]
-        value = float(parts["value"].iloc[0])
-        expanded = {
-            end: math.sqrt(sum((parts[f"standard_uncertainty_{end}"] * parts["coverage_factor"]) ** 2))
-            for end in ("lower", "upper")
-        }
-        lower = (value - expanded["lower"]) * np.prod(np.maximum(1 - parts["one_sided_lower"] / value, 0.0))
-        upper = (value + parts["bias"].sum() + expanded["upper"]) * np.prod(
-            1 + parts["one_sided_upper"] / value
-        )
-        least, most = limits.get(name, (load if "pressure" in name else 0.0, math.inf))
-        assert combined["lower"] == pytest.approx(max(lower, least), rel=1e-12), name
-        if np.isfinite(combined["upper"]):
-            assert combined["upper"] == pytest.approx(min(upper, most), rel=1e-12), name
-        else:
-            assert not np.isfinite(upper)
-        assert set(parts["evaluation_type"]) <= {"A", "B"}
-
-
-def test_a_band_that_the_settings_choose_has_no_unresolved_waves():
-    window = rough_reference_surface(64)
-    settings = {
-        "window": {"shortest_wavelength": 4 / 64},
-        "contact": {"contact_modulus": 1.0, "mean_pressure": [0.1]},
+def curve_of(gradients):
+    """Return a magnification curve of five octaves whose results change by 0.1 in an octave, on the scale."""
+    areas = {
+        f"{name}_at_cutoff": (("load", "cutoff"), np.exp([[0.4, 0.3, 0.2, 0.1, 0.0]])) for name in (GAP, PEAK)
     }
-    found = error_budget(window, window, settings, sources=["unresolved"])
-    assert float(found["relative_contact_area_uncertainty"].sel(source="unresolved")[0]) == 0.0
+    waves = {"cutoff_wavelength": ("cutoff", [2.0, 4.0, 8.0, 16.0, 32.0])}
+    return xr.Dataset(areas, coords=waves | {"gradient_at_cutoff": ("cutoff", np.exp(gradients))})
 
 
-def test_a_map_that_was_not_levelled_is_named(surface):
-    window = rc.periodic_window(surface)
-    problem = {"level": {}, "window": {}, "contact": {"contact_modulus": 1e9, "mean_pressure": [1e6]}}
-    with pytest.raises(HeightMapError, match="as `level` returns it"):
-        error_budget(surface, window, problem)
+@pytest.mark.parametrize(("shortest", "octaves"), [(2.0, 0), (4.0, 1), (8.0, 2), (16.0, np.inf)])
+def test_hidden_waves_continue_the_trend_over_two_octaves_at_most(shortest, octaves):
+    window = height_map(np.random.default_rng(0).standard_normal((64, 64)), 1.0)
+    stated = {"resolution": shortest / shortest_transmitted({"resolution": 1.0})}
+    found = hidden_waves(window, curve_of([0.4, 0.3, 0.2, 0.1, 0.0]), stated, {})
+    if not octaves:
+        assert found == {}
+        return
+    assert found[PEAK].shift_up.item() == pytest.approx(0.1 * octaves)
+    assert found[PEAK].shift_down.item() == 0
 
 
-def test_an_instrument_that_hides_more_than_two_octaves_leaves_the_area_without_a_lower_end():
-    gradients = {"gradient_at_cutoff": ("cutoff", np.exp([0.0, -0.1, -0.2, -0.3, -0.4]))}
-    waves = {"cutoff_wavelength": ("cutoff", [2.0, 4.0, 8.0, 16.0, 32.0]), **gradients}
-    levels = {
-        f"{name}_at_cutoff": (("load", "cutoff"), [[0.1, 0.11, 0.12, 0.13, 0.14]]) for name in QUANTITIES
-    }
-    curve = xr.Dataset(levels, coords=waves)
-    solved = xr.Dataset({name: ("load", [0.1]) for name in (*QUANTITIES, "mean_pressure")})
-    for resolved, bounded in ((8.0, True), (16.0, False)):
-        growth = expected_growth(curve, resolved=resolved)
-        assert growth.bounded is bounded
-        found = unresolved_uncertainty(curve, solved, growth)
-        assert (found["relative_contact_area_shift_down"].item() < 0.1) is bounded
-        known = unresolved_uncertainty(curve, solved, growth, known=True)
-        assert known["relative_contact_area_shift_down"].item() < 0.1
+def test_the_next_octave_follows_a_finer_spectrum_where_one_is_known():
+    """Of a map cut off at an eighth of the waves of a finer one the shift is the finer one's growth."""
+    fine = self_affine_surface(
+        (256, 256), 1e-6, hurst=0.6, shortest=4e-6, longest=64e-6, rms_gradient=0.1, seed=5
+    )
+    coarse = without_shortest_waves(fine, 16e-6)
+    curve = curve_of([0.4, 0.3, 0.2, 0.1, 0.0])
+    growth = growth_by_finer_spectrum(coarse, rc.level(fine))
+    known, guessed = next_octave(coarse, curve, fine), next_octave(coarse, curve)
+    assert known[PEAK][0].item() == pytest.approx(0.1 * min(growth / 0.1, 4.0))
+    assert 0 < guessed[PEAK][0].item() < 0.2
+    assert all((half > 0).all() for half in guessed[PEAK][1:])

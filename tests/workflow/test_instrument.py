@@ -63,7 +63,6 @@ def test_all_sources_are_in_every_table(project):
         "solver",
         "discretisation",
         "window",
-        "processing",
         "instrument",
         "material",
         "unresolved",

@@ -61,4 +61,8 @@ def from_scale(name: str, values: np.ndarray) -> np.ndarray:
     if name in CONSTRICTIONS:
         return np.maximum(values, 0.0)
     with np.errstate(over="ignore"):
-        return scipy.special.erf(np.exp(values)) if name == AREA else np.exp(values)
+        found = np.exp(values)
+        if name != AREA:
+            return found
+        full = scipy.special.erfinv(_MAX_AREA) * (1 - 1e-12)  # up to rounding
+        return np.where(found >= full, 1.0, scipy.special.erf(found))

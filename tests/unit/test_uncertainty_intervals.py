@@ -1,0 +1,153 @@
+"""The intervals end to end: coverage of known surfaces, the measurands, limits, laws, words of errors."""
+
+import numpy as np
+import pytest
+from known_surfaces import contact, surface
+
+from roughcontact.contact.solve import solve_contact
+from roughcontact.errors import SettingsError
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.uncertainty.budget import error_budget
+from roughcontact.uncertainty.headline import headline_and_answers
+from roughcontact.uncertainty.scales import AREA, GAP, PEAK, PRESSURE, QUANTITIES, from_scale, to_scale
+from roughcontact.window.periodic_window import periodic_window
+
+MEASURANDS = ("", "next_", "longer_", "octave_", "map_")
+
+
+def budget_of(heights, problem, *, step=1.0, **options):
+    levelled = level(height_map(np.array(heights), step))
+    settings = {"level": {}, "window": {}, "contact": problem}
+    return error_budget(levelled, periodic_window(levelled), settings, **options)
+
+
+def ends(found, name, measurand=""):
+    return [found[f"{name}_{measurand}{end}"].values for end in ("lower", "upper")]
+
+
+@pytest.fixture(scope="module")
+def heights():
+    return surface(128, longest=24.0, seed=41).values[:80, :84]
+
+
+@pytest.fixture(scope="module")
+def budget(heights):
+    return budget_of(heights, contact(0.3, 0.03))
+
+
+def covered(seeds):
+    """Return the share of intervals that hold the mean of four maps of a surface, for each quantity."""
+    inside = {name: [] for name in QUANTITIES}
+    for seed in seeds:
+        whole, problem = (
+            surface(192, longest=24.0, seed=1000 + seed, hurst=0.5 + 0.1 * (seed % 5)),
+            contact(0.05),
+        )
+        maps = [whole.values[y : y + 64, x : x + 64] for y in (0, 100) for x in (0, 100)]
+        rows = [
+            solve_contact(periodic_window(level(height_map(m, 1.0))), **problem, reduce=headline_and_answers)
+            for m in maps
+        ]
+        found = budget_of(
+            whole.values[50:114, 50:114], problem, sources=["solver", "discretisation", "window"]
+        )
+        for name, held in inside.items():
+            truth = from_scale(name, np.mean([to_scale(name, row[name].values) for row in rows], axis=0))
+            lower, upper = ends(found, name)
+            held.extend((lower <= truth) & (truth <= upper))
+    return {name: np.mean(held) for name, held in inside.items()}
+
+
+def test_intervals_hold_surfaces_that_were_not_in_the_bank():
+    assert min(covered(range(4)).values()) >= 0.75
+
+
+@pytest.mark.nightly
+def test_nine_of_ten_intervals_hold():
+    assert min(covered(range(40)).values()) >= 0.9
+
+
+def test_the_result_lies_in_its_interval_and_the_next_map_in_a_wider_one(budget):
+    for name in QUANTITIES:
+        value = budget[f"{name}_estimate"].values
+        for measurand in MEASURANDS[:3]:
+            lower, upper = ends(budget, name, measurand)
+            assert ((lower <= value) & (value <= upper)).all(), (name, measurand)
+        (lower, upper), (low, high) = ends(budget, name), ends(budget, name, "map_")
+        assert (high - low < upper - lower).all(), name
+
+
+def test_the_pressure_in_contact_is_the_load_over_the_corrected_area(budget):
+    load = budget["mean_pressure"].values
+    np.testing.assert_allclose(
+        budget[f"{PRESSURE}_estimate"], load / budget[f"{AREA}_estimate"].values, rtol=1e-12
+    )
+
+
+def test_a_surface_of_the_length_of_the_map_is_the_surface(heights):
+    found = budget_of(heights, contact(0.1), sources=["window"], extent=1)
+    for name in QUANTITIES:
+        np.testing.assert_allclose(ends(found, name, "longer_"), ends(found, name), rtol=1e-12)
+        assert found.sizes["load"] == 1
+
+
+@pytest.mark.parametrize(("turn", "tolerance"), [(1, 2e-3), (-1, 0.1)])
+def test_units_order_of_the_loads_and_a_half_turn_change_nothing(heights, budget, turn, tolerance):
+    """Lengths 1e-6 times as large, loads in another order; turned, parts of uneven size lie elsewhere."""
+    found = budget_of(1e-6 * heights[::turn, ::turn], contact(0.03, 0.3), step=1e-6)
+    for name, unit in ((AREA, 1.0), (GAP, 1e-6), (PEAK, 1.0), (PRESSURE, 1.0)):
+        for measurand in MEASURANDS:
+            expected = unit * np.array(ends(budget, name, measurand))[:, ::-1]
+            np.testing.assert_allclose(
+                ends(found, name, measurand), expected, rtol=tolerance, err_msg=f"{name} {measurand}"
+            )
+
+
+@pytest.mark.parametrize("shape", [(1, 22), (20, 20)])
+def test_a_map_too_small_for_parts_has_open_ends(shape):
+    rough = self_affine_surface(
+        (1 if shape[0] == 1 else 64, 64), 1.0, hurst=0.8, shortest=4.0, longest=32.0, rms_gradient=0.1
+    )
+    found = budget_of(rough.values[: shape[0], : shape[1]], contact(0.05))
+    assert "too small" in found.attrs["window_flag"]
+    assert [end.item() for end in ends(found, AREA)] == [0, 1]
+    assert np.isnan(ends(found, PEAK)[1]).all()
+    assert np.isfinite(ends(found, PEAK, "map_")).all()
+
+
+def test_full_contact_has_no_gap_and_the_hardness_is_a_limit(heights):
+    full = budget_of(heights, contact(100.0))
+    assert full[f"{GAP}_estimate"].item() == 0 == ends(full, GAP)[0].item()
+    assert full[f"{AREA}_estimate"].item() == 1 == ends(full, AREA)[1].item()
+    hard = budget_of(heights, contact(0.1) | {"hardness": 0.05})
+    assert ends(hard, PEAK)[1].item() <= 0.05
+    assert ends(hard, PRESSURE)[1].item() <= 0.05
+
+
+def test_layers_and_profiles_have_intervals(heights):
+    layer = {"youngs_modulus": 0.75, "poissons_ratio": 0.5, "thickness": 3.0}
+    bodies = [{"youngs_modulus": 3.0, "poissons_ratio": 0.5, "layers": [layer]}]
+    layered = {"bodies": bodies, "mean_pressure": [0.02]}
+    profile = self_affine_surface(
+        (1, 512), 1.0, hurst=0.8, shortest=8.0, longest=64.0, rms_gradient=0.1, seed=3
+    ).values[:, :400]
+    for values, problem in ((heights, layered), (profile, contact(0.1))):
+        found = budget_of(values, problem, sources=["window"])
+        for name in QUANTITIES:
+            lower, upper = ends(found, name)
+            assert (lower < upper).all()
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"extent": 0.5}, "extent = 0.5: give a number of 1 or more"),
+        ({"windows": 3}, "windows = 3: give a whole number of 4"),
+        ({"sources": ["windows"]}, "did you mean 'window'"),
+    ],
+)
+def test_what_cannot_be_asked_for_is_named(heights, options, words):
+    with pytest.raises(SettingsError, match=words):
+        budget_of(heights, contact(0.1), **options)
