@@ -206,7 +206,7 @@ def _correction(change: float, unit: Unit) -> str:
 
 
 def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str, Any] | None]:
-    """Return a line on the contact area for all that lies beyond band or map, and the table of all intervals."""
+    """Return lines on the contact area beyond band and map, and the table of all intervals."""
     if not numbers.sizes["load"] or f"{_SHOWN[0]}_next_lower" not in numbers:
         return [], None
     words = {"": "the ±", **beyond_the_map(extent), "map": "this map"}
