@@ -267,9 +267,7 @@ def _beyond(loads: Iterable[Mapping[str, Any]], extent: float) -> list[str]:
         words: [_ends(load, f"{area}_{key}", "%") for load in rising]
         for key, words in beyond_the_map(extent).items()
     }
-    return [
-        _line("A/A0", f"{', '.join(ends)} for {words}") for words, ends in shown.items() if {*ends} != {"–"}
-    ]
+    return [_line("A/A0", f"{', '.join(ends)} {words}") for words, ends in shown.items() if {*ends} != {"–"}]
 
 
 def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:
