@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from roughcontact.errors import SettingsError
+from roughcontact.levelling.level import level
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.combination import uncertainty_table
+from roughcontact.window.periodic_window import periodic_window
 
 QUANTITIES = ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure")
 SETTINGS = {"window": {}, "contact": {"contact_modulus": 1.0, "mean_pressure": [0.02, 0.1]}}
@@ -15,10 +17,11 @@ SETTINGS = {"window": {}, "contact": {"contact_modulus": 1.0, "mean_pressure": [
 @pytest.fixture(scope="module")
 def budgets():
     """Budgets of one surface for both measurands, with an `extent` that is not the default."""
-    height = rough_reference_surface(96)
+    height = level(rough_reference_surface(96))
+    window = periodic_window(height)
     return {
         measurand: error_budget(
-            height, height, SETTINGS, sources=["solver", "window"], measurand=measurand, extent=5.0
+            height, window, SETTINGS, sources=["solver", "window"], measurand=measurand, extent=5.0
         )
         for measurand in ("surface", "longer")
     }

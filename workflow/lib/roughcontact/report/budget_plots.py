@@ -33,6 +33,7 @@ _BY_CUTOFF = (
 )
 _CONVERGED = 0.03  # change over the shortest octave that counts as none
 _LEAST = 0.01  # percent; less is not drawn
+_ROUNDING = 1e-9  # of a result
 
 
 def shown_budget(
@@ -182,7 +183,7 @@ def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
                 f"{TITLES[name]} at {pressure.text(float(row['mean_pressure_Pa']))}",
                 _WORDS[str(row["source"])],
                 "–" if combined else str(row["evaluation_type"]),
-                _correction(float(row["correction"]) * unit.factor, unit),
+                _correction(float(row["correction"]), float(row["value"]), unit),
                 _both_sides(row, "standard_uncertainty", unit),
                 f"{unit.interval(np.nan, row['lower'], row['upper'])} {unit.shown}"
                 if combined
@@ -200,9 +201,11 @@ def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
     return {"header": header, "rows": rows}
 
 
-def _correction(change: float, unit: Unit) -> str:
-    """Return what was added to a result as solved; a dash for nothing."""
-    return f"{'+' if change > 0 else '−'}{number(abs(change), digits=2)} {unit.shown}" if change else "–"
+def _correction(change: float, value: float, unit: Unit) -> str:
+    """Return what was added to a result as solved; a dash for nothing, but for rounding."""
+    if not abs(change) > _ROUNDING * value:
+        return "–"
+    return f"{'+' if change > 0 else '−'}{number(abs(change) * unit.factor, digits=2)} {unit.shown}"
 
 
 def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str, Any] | None]:
