@@ -368,3 +368,9 @@ def test_cases_after_one_that_is_none_are_checked_as_well():
         "cases.b.report",
         "cases.c.cases",
     ]
+
+
+def test_a_source_of_older_files_is_named_with_the_way_out():
+    line = mistakes({"uncertainty": {"sources": ["solver", "processing"]}})[-1]
+    assert line.startswith("uncertainty.sources = ['solver', 'processing']: processing is a source no more")
+    assert "leave it out" in line

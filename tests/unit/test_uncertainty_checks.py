@@ -13,18 +13,20 @@ from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.uncertainty.combination import SOURCES
 
 
-def found(longest, window=(), budget=None, **contact):
+def found(longest, window=(), budget=None, *, levelled=(), statistics=(), **contact):
     """Return {name: check} of a surface with such a longest wave (sides) and sources of its interval."""
     height = synthetic.self_affine_surface(
         (96, 96), 1e-6, hurst=0.8, shortest=8e-6, longest=longest * 96e-6, rms_gradient=0.1, seed=2
     )
     solved = solve_contact(height, contact_modulus=1e9, mean_pressure=2e7, **contact)
-    statistics = contact_statistics(solved)
+    statistics = contact_statistics(solved).assign(dict(statistics))
     if budget is not None:
         known = [[0.01 if source in budget else np.nan for source in SOURCES]]
         statistics = statistics.assign_coords(source=list(SOURCES))
         statistics["relative_contact_area_uncertainty"] = (("load", "source"), known)
-    outcome = checks.surface_checks(statistics, height={}, levelled={}, window=dict(window), points=96 * 96)
+    outcome = checks.surface_checks(
+        statistics, height={}, levelled=dict(levelled), window=dict(window), points=96 * 96
+    )
     return {check.name: check for check in outcome}
 
 
@@ -39,9 +41,38 @@ def test_what_the_interval_includes_is_a_note():
     assert check.sentence.endswith("The ± includes it.")
     assert found(1.0, budget=["solver"])["Longest wave"].outcome == checks.LOOK
     edges = {"periodisation": "mirror", "rms_gradient_before": 1.0, "rms_gradient_after": 0.5}
-    assert found(0.2, edges, budget=["window"])["Periodic window"].outcome == checks.LOOK
-    assert found(0.2, edges, budget=["processing"])["Periodic window"].outcome == checks.NOTE
+    assert found(0.2, edges, budget=["solver"])["Periodic window"].outcome == checks.LOOK
+    assert found(0.2, edges, budget=["window"])["Periodic window"].outcome == checks.NOTE
     assert checks.verdict([check]) == checks.PASSED
+
+
+@pytest.mark.parametrize("budget", [None, ["solver", "discretisation"]])
+def test_rejected_points_are_a_note_with_and_without_an_interval(budget):
+    statistics = {"rejected_load_share": ("load", [0.3])}
+    levelled = {"outliers_rejected": 12}
+    check = found(0.2, budget=budget, levelled=levelled, statistics=statistics)["Outliers"]
+    assert check.outcome == checks.NOTE
+    assert "depends on whether they are errors" in check.sentence
+    assert checks.verdict([check]) == checks.PASSED
+
+
+@pytest.mark.parametrize(
+    ("share", "outcome"), [(0.005, checks.PASSED), (0.05, checks.NOTE), (0.2, checks.FAILED)]
+)
+def test_contact_on_filled_points_is_a_note_until_it_fails(share, outcome):
+    statistics = {"contact_on_filled_points": ("load", [share])}
+    levelled = {"filled_share": 0.01}
+    assert found(0.2, levelled=levelled, statistics=statistics)["Missing points"].outcome == outcome
+
+
+@pytest.mark.parametrize(
+    ("budget", "words"), [(["discretisation"], "The ± includes it."), (["unresolved"], "with finer pixels.")]
+)
+def test_coarse_patches_are_a_note(budget, words):
+    statistics = {"relative_contact_area_pixels": ("load", [0.9])}
+    check = found(0.2, budget=budget, statistics=statistics)["Resolution"]
+    assert check.outcome == checks.NOTE
+    assert check.sentence.endswith(words)
 
 
 @pytest.mark.parametrize(

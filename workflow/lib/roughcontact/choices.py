@@ -25,6 +25,7 @@ HIGHEST_ORDER = 12  # of a polynomial form: 91 terms; what is bent more often is
 Extra = Literal["auto", "always", "never"]  # what is computed beside the contact
 
 UncertaintySource = Literal["solver", "discretisation", "window", "instrument", "material", "unresolved"]
+HeadlineMeasurand = Literal["surface", "longer"]  # of the interval that is printed
 OutsideCode = Literal["tamaas", "contactmechanics"]
 Resampling = Literal["linear"]
 Checksum = Literal["ignore"]

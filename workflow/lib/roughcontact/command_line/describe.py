@@ -9,6 +9,7 @@ from typing import Any
 
 from roughcontact.io.metadata import labelled
 from roughcontact.quantities import number, percent, prefix, quantity, with_interval
+from roughcontact.uncertainty.measurands import beyond_the_map, measurand_in_words
 
 _WIDTH = 100
 # headline numbers of a load: name, heading, unit for people
@@ -252,8 +253,21 @@ def _about(result: Mapping[str, Any]) -> list[str]:
         lines.append(_line("corrected", f"for {corrected}"))
     uncertainty = result["settings"]["uncertainty"]
     if "window" in uncertainty["sources"]:
-        lines.append(_line("±", "for the mean of maps of this size all over the surface"))
+        extent = uncertainty["extent"]
+        longer = uncertainty["measurand"] == "longer"
+        lines.append(_line("±", f"for {measurand_in_words(extent if longer else None)}"))
+        lines += _beyond(result["loads"], extent)
     return lines if lines[1:] else []
+
+
+def _beyond(loads: Iterable[Mapping[str, Any]], extent: float) -> list[str]:
+    """Return the intervals of the area for what lies beyond band or map: a line each, loads rising."""
+    area, rising = "relative_contact_area", sorted(loads, key=lambda load: load["mean_pressure"])
+    shown = {
+        words: [_ends(load, f"{area}_{key}", "%") for load in rising]
+        for key, words in beyond_the_map(extent).items()
+    }
+    return [_line("A/A0", f"{', '.join(ends)} {words}") for words, ends in shown.items() if {*ends} != {"–"}]
 
 
 def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:

@@ -9,14 +9,16 @@ import math
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 from pydantic.json_schema import WithJsonSchema
+from pydantic_core import PydanticCustomError
 
 from roughcontact.choices import (
     HIGHEST_ORDER,
     SMALLEST_TOLERANCE,
     Extra,
     Fill,
+    HeadlineMeasurand,
     Influence,
     LevelForm,
     LineAlignment,
@@ -496,10 +498,25 @@ class Uncertainty(Section):
         le=400,
         description="number of subwindows that are solved separately, for the source window",
     )
+    measurand: HeadlineMeasurand = Field(
+        default="surface",
+        description="what the ± is for: the surface, in the band of waves of the map, or a longer one",
+    )
     extent: Annotated[Number, Field(ge=1)] = Field(
         default=3.0,
-        description="length of the surface to which the ± applies, over the length of the map",
+        description="length of the surface of the longer interval, over that of the map",
     )
+
+    @field_validator("sources", mode="before")
+    @classmethod
+    def _without_processing(cls, sources: Any) -> Any:
+        """Name the way out for a source that older files list."""
+        if isinstance(sources, list) and "processing" in sources:
+            raise PydanticCustomError(
+                "no_processing",
+                "processing is a source no more: the calibration of window includes it; leave it out",
+            )
+        return sources
 
 
 class Instrument(Section):

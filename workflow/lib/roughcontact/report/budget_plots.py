@@ -11,6 +11,7 @@ from roughcontact.report.charts import COLOURS, MARKERS, Axis, Chart
 from roughcontact.report.tables import TITLES, UNITS
 from roughcontact.report.units import unit_of
 from roughcontact.uncertainty.combination import COMBINED, uncertainty_table
+from roughcontact.uncertainty.measurands import beyond_the_map
 
 _SHOWN = ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure")
 _WORDS = {
@@ -32,15 +33,19 @@ _BY_CUTOFF = (
 )
 _CONVERGED = 0.03  # change over the shortest octave that counts as none
 _LEAST = 0.01  # percent; less is not drawn
+_ROUNDING = 1e-9  # of a result
 
 
-def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, Any] | None:
+def shown_budget(
+    numbers: xr.Dataset, loads: Sequence[int] = (), *, extent: float = 3.0
+) -> dict[str, Any] | None:
     """Return figures, tables and notes of the error budget of a surface; None where it has none.
 
     `numbers` are the statistics of one surface with `{quantity}_uncertainty` (load, source), `loads` the
-    indices of those whose components are listed. The result has `images`, for each quantity its name and its
-    figure (a data URI), `header` and `rows` of the table, as text, `components`, a table of the same form,
-    `magnification`, the figures of the results by the shortest wave, and notes: `notes` on how the parts
+    indices of those whose components and intervals are listed, `extent` is the setting. The result has
+    `images`, for each quantity its name and its figure (a data URI), `header` and `rows` of the table, as
+    text, `components` and `intervals`, tables of the same form, `beyond`, lines on the area beyond band and
+    map, `magnification`, the figures of the results by the shortest wave, and notes: `notes` on how the parts
     were found and which are missing, `converged` on the waves.
 
     Examples
@@ -72,11 +77,14 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
     if absent:
         notes.append(f"Not in the ±: {', '.join(absent)}.")
     notes += _note_on_open_ends(numbers)
+    beyond, intervals = _intervals(numbers.isel(load=list(loads)), extent)
     return {
         "images": [
             (TITLES[name], budget_against_load(numbers, name).source("below", columns=2)) for name in _SHOWN
         ],
         "components": _component_table(numbers.isel(load=list(loads))) if len(loads) else None,
+        "beyond": beyond,
+        "intervals": intervals,
         "magnification": _magnification(numbers),
         "converged": _note_on_convergence(numbers),
         "header": [
@@ -157,8 +165,8 @@ def _note_on_open_ends(numbers: xr.Dataset) -> list[str]:
     if not unknown:
         return []
     text = (
-        f"“Or more”: nothing in this map bounds it upwards ({', '.join(unknown)}). Either shorter waves, "
-        "which carry the largest pressure, are not resolved, or too few independent parts fit into the map."
+        f"“Or more”: nothing in this map bounds it upwards ({', '.join(unknown)}). Either the "
+        "instrument hides short waves, which carry the largest pressure, or the map has too few parts."
     )
     return [text]
 
@@ -175,9 +183,8 @@ def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
                 f"{TITLES[name]} at {pressure.text(float(row['mean_pressure_Pa']))}",
                 _WORDS[str(row["source"])],
                 "–" if combined else str(row["evaluation_type"]),
+                _correction(float(row["correction"]), float(row["value"]), unit),
                 _both_sides(row, "standard_uncertainty", unit),
-                "∞" if np.isinf(row["degrees_of_freedom"]) else number(row["degrees_of_freedom"], digits=2),
-                number(row["coverage_factor"]),
                 f"{unit.interval(np.nan, row['lower'], row['upper'])} {unit.shown}"
                 if combined
                 else _both_sides(row, "one_sided", unit),
@@ -187,12 +194,43 @@ def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
         "result",
         "source",
         "type",
+        "correction",
         "u, below / above",
-        "degrees of freedom",
-        "coverage factor k",
         "one-sided, below / above; all together: interval",
     ]
     return {"header": header, "rows": rows}
+
+
+def _correction(change: float, value: float, unit: Unit) -> str:
+    """Return what was added to a result as solved; a dash for nothing, but for rounding."""
+    if not abs(change) > _ROUNDING * value:
+        return "–"
+    return f"{'+' if change > 0 else '−'}{number(abs(change) * unit.factor, digits=2)} {unit.shown}"
+
+
+def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str, Any] | None]:
+    """Return lines on the contact area beyond band and map, and the table of all intervals."""
+    if not numbers.sizes["load"] or f"{_SHOWN[0]}_next_lower" not in numbers:
+        return [], None
+    words = {"": "the ±", **beyond_the_map(extent), "map": "this map"}
+    loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"].values]
+    rows: list[list[str]] = []
+    for name in _SHOWN:
+        unit, solved = unit_of(numbers, UNITS[name]), numbers.get(f"{name}_as_solved", numbers[name]).values
+        for place, load in enumerate(loads):
+            ends = [
+                [numbers[f"{name}_{key}{'_' * bool(key)}{end}"].values[place] for end in ("lower", "upper")]
+                for key in words
+            ]
+            texts = [f"{unit.interval(np.nan, *pair)} {unit.shown}" for pair in ends]
+            rows.append([f"{TITLES[name]} at {load}", unit.text(float(solved[place])), *texts])
+    header = ["result", "as solved", *words.values()]
+    lines = [
+        f"{header[column].capitalize()}: {TITLES[_SHOWN[0]]} "
+        + ", ".join(f"{row[column]} at {load}" for row, load in zip(rows, loads, strict=False))
+        for column in (3, 4, 5)
+    ]
+    return lines, {"header": header, "rows": rows}
 
 
 def _both_sides(row: Any, name: str, unit: Unit) -> str:
@@ -223,7 +261,7 @@ def _note_on_convergence(numbers: xr.Dataset) -> str:
     if moving:
         found.append(
             f"Not converged, the shortest octave of waves still changes them: {', '.join(moving)}. Waves "
-            "that this map does not show may do so again: that is the source unresolved waves."
+            "that this map does not show may do so again: see the interval with an octave more."
         )
     if settled:
         found.append(f"Converged, within {percent(_CONVERGED)}: {', '.join(settled)}.")

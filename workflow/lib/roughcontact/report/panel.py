@@ -108,7 +108,7 @@ def write_panel(
         loads=json.dumps(_each_load(numbers, shown if fields else []), ensure_ascii=False),
         waves=_waves(solved, numbers) if rough else [],
         charts=_charts(numbers, solved, shown) if rough else [],
-        budget=shown_budget(numbers, shown),
+        budget=shown_budget(numbers, shown, extent=settings["uncertainty"]["extent"]),
         tables=tables.number_tables(numbers, checks.load_flags(numbers, solved.size)),
         outcomes=[outcome_of(numbers, place) for place in range(numbers.sizes["load"])],
         material=tables.material_table(numbers, shown),

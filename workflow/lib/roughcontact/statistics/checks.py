@@ -53,9 +53,11 @@ _CONCERNS = {
     "Sample": ("mean_gap", "sealing"),
     "Mean free path": ("conductance",),
 }
+# warnings that told nothing of where results of measured maps lie outside their intervals
+_NOTES = {"Resolution", "Missing points", "Outliers"}
 # warnings of what a source of the interval evaluates
 _IN_THE_INTERVAL = {
-    "Resolution": "unresolved",
+    "Resolution": "discretisation",
     "Periodic window": "window",
     "Form": "window",
     "Scan lines": "window",
@@ -163,9 +165,9 @@ def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
         return check._replace(outcome=NOTE)
     source = _IN_THE_INTERVAL.get(check.name)
     budget = statistics.get("relative_contact_area_uncertainty")
-    if source is None or budget is None or not np.isfinite(budget.sel(source=source)).all():
-        return check
-    return check._replace(outcome=NOTE, sentence=f"{check.sentence} The ± includes it.")
+    if source is not None and budget is not None and np.isfinite(budget.sel(source=source)).all():
+        return check._replace(outcome=NOTE, sentence=f"{check.sentence} The ± includes it.")
+    return check._replace(outcome=NOTE) if check.name in _NOTES else check
 
 
 def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:

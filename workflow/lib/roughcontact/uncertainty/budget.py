@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_choice
-from roughcontact.choices import UncertaintySource
+from roughcontact.choices import HeadlineMeasurand, UncertaintySource
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.maps import spacing
@@ -51,6 +51,7 @@ def error_budget(
     *,
     sources: Sequence[UncertaintySource] = SOURCES,
     windows: int = 9,
+    measurand: HeadlineMeasurand = "surface",
     extent: float = 3.0,
     solved: xr.Dataset | None = None,
 ) -> xr.Dataset:
@@ -83,6 +84,8 @@ def error_budget(
         the instrument hides, and the next octave). An empty list gives no intervals.
     windows : int
         maximum number of subwindows that are solved; 4 or more.
+    measurand : str
+        of `_lower`, `_upper` and the half-widths: `surface`, or `longer`, which has `extent`.
     extent : float
         length of the surface of the third measurand, over that of the map; 1 or more.
     solved : Dataset, optional
@@ -91,7 +94,7 @@ def error_budget(
     Returns
     -------
     Dataset
-        along `load`, for each quantity the ends of its intervals: `{quantity}_lower`, `_upper` (surface),
+        along `load`, for each quantity the ends of its intervals: `{quantity}_lower`, `_upper` (`measurand`),
         `_next_lower`, `_next_upper`, `_longer_lower`, `_longer_upper`, `_octave_lower`, `_octave_upper`,
         `_map_lower`, `_map_upper`; NaN for an upper end that nothing bounds. `{quantity}_estimate`: the
         corrected result, `{quantity}_as_solved` the result before the correction. With dims (load, source)
@@ -106,7 +109,7 @@ def error_budget(
     Raises
     ------
     SettingsError
-        for an unknown source, too few windows, or an extent below 1.
+        for an unknown source or measurand, too few windows, or an extent below 1.
     ConvergenceError
         where the solution of the window misses its tolerance.
 
@@ -123,10 +126,7 @@ def error_budget(
     >>> budget["mean_gap_uncertainty"].sel(source="combined").item() < 1e-5
     True
     """
-    for source in sources:
-        check_choice("uncertainty.sources", source, UncertaintySource)
-    if not extent >= 1:
-        raise SettingsError(f"extent = {extent!r}: give a number of 1 or more")
+    _check_arguments(sources, measurand, extent)
     stated = settings["contact"]
     contact = {key: value for key, value in stated.items() if key not in MATERIAL_UNCERTAINTIES}
     load = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
@@ -167,7 +167,9 @@ def error_budget(
         grooves = constrictions_in_grooves(window) if CONSTRICTIONS[0] in values else []
         open_ended = {name: solved[f"{name}_half_way"].values > 0 for name in grooves}
         attrs = {
-            "window_reason": description(levelled, scatter, grooves),
+            "window_reason": description(
+                levelled, scatter, grooves, extent if measurand == "longer" else None
+            ),
             "window_flag": deficiency(levelled, scatter),
         }
         members = scatter.members | {PRESSURE: load / scatter.members[AREA]}
@@ -203,7 +205,9 @@ def error_budget(
         if not band_is_chosen(settings, 2 * max(spacing(window))):
             found["unresolved"] = hidden_waves(window, curve, instrument, true_shapes)
             octave = next_octave(window, curve, instrument.get("finer_spectrum"))
-    intervals = Intervals(found, scatter, octave, open_ended, load, extent, contact.get("hardness"))
+    intervals = Intervals(
+        found, scatter, octave, open_ended, load, extent, contact.get("hardness"), measurand
+    )
     for name in as_solved:
         columns |= intervals.columns(name, as_solved, middle)
     return xr.Dataset(
@@ -211,6 +215,17 @@ def error_budget(
         coords={"mean_pressure": ("load", load), **labels(), "input": list(inputs["input"].values)},
         attrs=attrs,
     )
+
+
+def _check_arguments(
+    sources: Sequence[UncertaintySource], measurand: HeadlineMeasurand, extent: float
+) -> None:
+    """Raise a SettingsError for an unknown source or measurand, or an extent below 1."""
+    check_choice("uncertainty.measurand", measurand, HeadlineMeasurand)
+    for source in sources:
+        check_choice("uncertainty.sources", source, UncertaintySource)
+    if not extent >= 1:
+        raise SettingsError(f"extent = {extent!r}: give a number of 1 or more")
 
 
 def _without_correction(

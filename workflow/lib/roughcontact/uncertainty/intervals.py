@@ -6,7 +6,7 @@ from typing import get_args
 
 import numpy as np
 
-from roughcontact.choices import UncertaintySource
+from roughcontact.choices import HeadlineMeasurand, UncertaintySource
 from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.combination import (
     SOURCES,
@@ -44,6 +44,8 @@ class Intervals:
     extent : float
         length of the longer surface over that of the map.
     hardness : float or None, Pa
+    measurand : str
+        that of the ends `_lower` and `_upper`, and of the half-widths.
     """
 
     found: Mapping[UncertaintySource, Components]
@@ -53,6 +55,7 @@ class Intervals:
     load: np.ndarray
     extent: float
     hardness: float | None
+    measurand: HeadlineMeasurand = "surface"
 
     def columns(
         self, name: str, as_solved: Mapping[str, np.ndarray], middle: Mapping[str, np.ndarray]
@@ -75,18 +78,18 @@ class Intervals:
         of_map = [part for source, part in own.items() if source != "unresolved"]
         everything = [*own.values()]
         ends = {
-            "": self._ends(name, centre, value, everything, arms["surface"]),
+            "": self._ends(name, centre, value, everything, arms[self.measurand]),
             "next_": self._ends(name, centre, value, everything, arms["next"]),
             "longer_": self._ends(name, centre, value, everything, arms["longer"]),
             "map_": self._ends(name, centre, value, of_map, arms["map"]),
-            "octave_": self._octave(name, centre, value, everything, arms["surface"], middle[AREA]),
+            "octave_": self._octave(name, centre, value, everything, arms[self.measurand], middle[AREA]),
         }
         columns: dict[str, tuple] = {}
         for key, pair in ends.items():
             for end, numbers in zip(("lower", "upper"), pair, strict=True):
                 columns[f"{name}_{key}{end}"] = ("load", numbers)
-        if arms["surface"] is not None:
-            own["window"] = component(*(np.maximum(side, 0.0) for side in arms["surface"]))
+        if (headline := arms[self.measurand]) is not None:
+            own["window"] = component(*(np.maximum(side, 0.0) for side in headline))
         shown: dict[UncertaintySource, Components] = {s: {name: own[s]} for s in SOURCES if s in own}
         columns |= columns_of_components(name, value, shown, ends[""])
         if name in (*CORRECTED, PRESSURE):

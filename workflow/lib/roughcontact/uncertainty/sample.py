@@ -7,6 +7,7 @@ import xarray as xr
 
 from roughcontact.quantities import number, percent
 from roughcontact.sealing.percolation import half_way_levels
+from roughcontact.uncertainty.measurands import measurand_in_words
 from roughcontact.uncertainty.scales import CONSTRICTIONS
 from roughcontact.uncertainty.subwindows import Scatter
 
@@ -15,14 +16,16 @@ _LAY_LIMIT = 0.07  # texture aspect ratio below which the subwindows along a lay
 _GROOVE_AREA_LIMIT = 0.2  # of the window: random valleys, of waves up to a third of the map, take up more
 
 
-def description(levelled: xr.DataArray, scatter: Scatter, grooves: list[str]) -> str:
-    """Return sentences on the subwindows of a map, and what the interval is for."""
+def description(
+    levelled: xr.DataArray, scatter: Scatter, grooves: list[str], extent: float | None = None
+) -> str:
+    """Return sentences on the subwindows of a map, and what the interval is for (`measurand_in_words`)."""
     ny, nx = levelled.isel(scatter.slices[0]).shape
     if len(scatter.slices) == 1:
         return f"The window of {nx} × {ny} points is too small to be divided into parts."
     covered = sum(math.prod(levelled.isel(part).shape) for part in scatter.slices) / levelled.size
     text = (
-        "The ± is for the mean of maps of this size all over the surface, in the band of waves of this map. "
+        f"The ± is for {measurand_in_words(extent)}. "
         f"{len(scatter.slices)} parts of about {nx} × {ny} points, {percent(covered)} of the map, were "
         "solved separately; their scatter is held against that of measured and synthetic surfaces."
     )
