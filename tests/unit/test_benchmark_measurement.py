@@ -25,7 +25,8 @@ def rows(**columns):
         "of_cause": 0.1,
     }
     frame = pd.DataFrame({"value": 1.0, "lower": 0.9, "upper": 1.1, "true": 1.0, **columns})
-    return frame.assign(**{"map_lower": frame["lower"], "map_upper": frame["upper"], **common})
+    ends = {which + end: frame[end] for which in measurement.INTERVALS for end in ("lower", "upper")}
+    return frame.assign(**(ends | common))
 
 
 @pytest.mark.parametrize("side", measurement.SIDES)
@@ -97,8 +98,12 @@ def test_a_width_is_held_against_the_largest_errors():
 
 
 def test_tables_have_every_error_and_cause():
-    found = measurement.tables(pd.concat([rows(true=[1.0]), rows(true=[1.2]).assign(spoiler="tip 10 nm")]))
-    assert found["errors"]["error"].tolist() == ["none", "tip 10 nm"] * 2
+    coarser = rows(true=[1.2]).assign(spoiler="pixels × 2", octave_upper=1.3)
+    found = measurement.tables(
+        pd.concat([rows(true=[1.0]), rows(true=[1.2]).assign(spoiler="tip 10 nm"), coarser])
+    )
+    assert found["errors"]["error"].tolist() == [*["none", "tip 10 nm"] * 2, "pixels × 2"]
     causes = found["causes"].set_index(["interval", "cause", "group"])["area inside (%)"]
     assert causes["map", "none", "all"] == "100"
     assert causes["surface", "tip", "synthetic"] == "0"
+    assert causes["octave", "pixels", "all"] == "100"
