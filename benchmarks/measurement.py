@@ -5,11 +5,11 @@
     python benchmarks/measurement.py FOLDER ... --quick         # four truths, printed
 
 A truth is a synthetic surface, or a part of a measured map in one of the folders, solved by default settings.
-It is spoilt by one error at a time (window, noise, lens, tip, scale, modulus, pixels), what an operator would know of
-the error is stated, and the spoilt map is evaluated at the same mean pressures. Its intervals of the surface
-and of this map are held against the truth, the true map in its band of waves; those of one octave shorter,
-where pixels were merged. `--held-out` does so with other truths, which played no part in the choice of any constant: maps
-of other instruments and specimens, and synthetic surfaces of other kinds.
+It is spoilt by one error at a time (window, noise, lens, tip, scale, modulus, pixels), what an operator would
+know of the error is stated, and the spoilt map is evaluated at the same mean pressures. Its intervals of the
+surface and of this map are held against the truth, the true map in its band of waves; those of one octave
+shorter, where pixels were merged. `--held-out` does so with other truths, which played no part in the choice
+of any constant: maps of other instruments and specimens, and synthetic surfaces of other kinds.
 """
 
 import argparse

@@ -11,8 +11,12 @@ def statistics(area, upper, verdict):
     """Return statistics of a map whose lower ends are 80 % of the results."""
     area = np.array(area)
     ends = {"": area, "_lower": 0.8 * area, "_upper": np.array(upper)}
-    columns = {name + end: ("load", values) for name in whole_maps.WIDTHS.values() for end, values in ends.items()}
-    return xr.Dataset(columns | {"verdict": ("load", verdict)}, attrs={"reasons": json.dumps([{"check": "Noise"}])})
+    columns = {
+        name + end: ("load", values) for name in whole_maps.WIDTHS.values() for end, values in ends.items()
+    }
+    return xr.Dataset(
+        columns | {"verdict": ("load", verdict)}, attrs={"reasons": json.dumps([{"check": "Noise"}])}
+    )
 
 
 def test_verdicts_and_widths_are_counted():
@@ -24,7 +28,13 @@ def test_verdicts_and_widths_are_counted():
     rows = whole_maps.tables(found)["maps"].set_index("map")
     assert rows.loc["one.sur"].tolist() == ["4", "2", "20", "20", "Noise"]
     assert rows.loc["two.x3p", ["use", "area ± (%)"]].tolist() == ["1", "inf"]
-    assert rows.loc["all 2"].tolist() == ["5", "3", "30", "30", "area ± 30 % for 50 %; pressure ± 30 % for 50 %"]
+    assert rows.loc["all 2"].tolist() == [
+        "5",
+        "3",
+        "30",
+        "30",
+        "area ± 30 % for 50 %; pressure ± 30 % for 50 %",
+    ]
 
 
 def test_files_that_are_no_maps_are_left_out(tmp_path):
