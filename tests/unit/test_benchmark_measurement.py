@@ -60,6 +60,13 @@ def test_an_error_is_of_the_size_that_is_stated(spoiler, truth):
         levels = np.unique(case.height) / (float(spoiler.split()[2].rstrip("%")) / 100 * float(truth.std()))
         assert np.allclose(levels, np.rint(levels), atol=1e-9)
         assert 0 < abs(change).max() <= np.diff(np.unique(case.height)).min() / 2 * 1.0001
+    elif spoiler.startswith("one period"):
+        window = rc.periodic_window(rc.level(truth))
+        assert case.height.shape == window.shape
+        assert float(case.height.isnull().mean()) == pytest.approx(0.01, rel=0.3)
+        # without the plane, second differences are those of the window, from another first point
+        curvature = [np.diff(surface.values, 2, axis=1) for surface in (case.height, window)]
+        assert np.nanstd(curvature[0]) == pytest.approx(np.std(curvature[1]), rel=0.02)
     elif spoiler == "none":
         assert case.height.identical(truth)
     else:
