@@ -5,11 +5,11 @@
     python benchmarks/measurement.py FOLDER ... --quick         # four truths, printed
 
 A truth is a synthetic surface, or a part of a measured map in one of the folders, solved by default settings.
-It is spoilt by one error at a time (noise, lens, tip, scale, modulus, pixels), what an operator would know of
-the error is stated, and the spoilt map is evaluated at the same mean pressures. Its intervals, for the map
-and for the surface around it, are held against the truth: of the pressure in contact the load over the
-contact area. `--held-out` does so with other truths, which played no part in the choice of any constant: maps
-of other instruments and specimens, and synthetic surfaces of other kinds.
+It is spoilt by one error at a time (window, noise, lens, tip, scale, modulus, pixels), what an operator would
+know of the error is stated, and the spoilt map is evaluated at the same mean pressures. Its intervals of the
+surface and of this map are held against the truth, the true map in its band of waves; those of one octave
+shorter, where pixels were merged. `--held-out` does so with other truths, which played no part in the choice
+of any constant: maps of other instruments and specimens, and synthetic surfaces of other kinds.
 """
 
 import argparse
@@ -30,10 +30,9 @@ import xarray as xr
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
+import calibrate
 import instruments
-import intervals
 import pages
-from intervals import SHOWN, truth_of
 
 import roughcontact as rc
 from roughcontact.maps import height_map, spacing
@@ -42,10 +41,19 @@ from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.validation.masters import master_surface
 from roughcontact.window.rectangle import largest_rectangle
 
+SHOWN = {  # quantities: names in the tables
+    "relative_contact_area": "area",
+    "mean_gap": "gap",
+    "mean_contact_pressure": "pressure",
+    "max_pressure": "peak",
+    "conductance_per_conductivity": "conductance",
+}
+JUDGED = ("inside of these (%)", "misses to review (%)")
 WORK = Path(__file__).parent / "work" / "measurement"
 LOADS = (0.02, 0.1, 0.4)  # of E* times the rms gradient of the true window
 MODULUS = 1e7  # Pa, of a rubber: metals would yield at these loads, which is no error of the map
-SIDES = (220, 192, 176, 142, 122, 100)  # maps whose window is in the same place with pixels twice as large
+SIDES = (220, 192, 176, 144, 124, 102)  # maps whose window is in the same place with pixels twice as large
+INTERVALS = {"map_": "map", "": "surface", "octave_": "octave"}  # in the dataset: in the tables
 FLAGS = ("Sample", "Resolution", "Smoothed", "Noise", "Isolated peak")  # checks that warn of such errors
 WAVELENGTH = 550e-9
 ANY, OPTICAL, PROBED = (0.0, np.inf), (7e-8, 4e-6), (0.0, 4e-8)  # pitches for which an error makes sense (m)
@@ -181,6 +189,12 @@ def wrong_modulus(bound: float, height: xr.DataArray, seed: int) -> Measurement:
     return Measurement(height, modulus=factor * MODULUS, modulus_uncertainty=bound)
 
 
+def of_one_period(height: xr.DataArray, seed: int) -> Measurement:
+    """Return one period of the periodic window of a map, from another first point, tilted, with holes."""
+    window = rc.periodic_window(rc.level(height))
+    return Measurement(calibrate.of_one_period(window, np.random.default_rng(seed)))
+
+
 def merged(finer: str, height: xr.DataArray, seed: int) -> Measurement:
     """Return a map with pixels twice as large, and what is known of the finer one: a key of `FINER`."""
     return Measurement(instruments.coarser(height, 2), finer=FINER[finer](height))
@@ -200,6 +214,7 @@ FINER: dict[str, Callable[[xr.DataArray], xr.DataArray | None]] = {
 }
 SPOILERS = {
     "none": Spoiler("none", ANY, lambda height, seed: Measurement(height)),
+    "one period, tilted, 1 % missing": Spoiler("window", ANY, of_one_period),
     **{
         f"noise {share:.0%} of Sq": Spoiler("noise", ANY, partial(noisy, share))
         for share in (0.01, 0.03, 0.1)
@@ -280,8 +295,8 @@ def true_map(name: str, files: dict[str, Path], folder: Path) -> tuple[xr.DataAr
         return height, json.loads(height.attrs.pop("results"))
     height = synthetic(name) if name in MADE | HELD_OUT_MADE else measured(files[name])
     contact = {"contact_modulus": MODULUS, "relative_pressure": list(LOADS)}
-    found = rc.evaluate(height, contact=contact, uncertainty={"sources": []})
-    results = {"mean_pressure": found["mean_pressure"].values.tolist()} | truth_of(found)
+    found = rc.evaluate(height, contact=contact, uncertainty={"sources": ["discretisation"]})
+    results = {name: found[name].values.tolist() for name in ("mean_pressure", *SHOWN)}
     height.assign_attrs(results=json.dumps(results)).to_netcdf(kept)
     return height, results
 
@@ -318,12 +333,15 @@ def measure(
             "load": load,
             "quantity": shown,
             "value": float(found[quantity][at]),
-            **{end: float(found[f"{quantity}_{end}"][at]) for end in ("lower", "upper")},
-            **dict(zip(("map_lower", "map_upper"), map_ends(found, quantity, at), strict=True)),
+            **{
+                which + end: float(found[f"{quantity}_{which}{end}"][at])
+                for which in INTERVALS
+                for end in ("lower", "upper")
+            },
             "of_cause": of_cause(found, quantity, at),
             "true": truth[quantity][at],
             "flags": "; ".join(flags[at]),
-            "verdict": int(found[f"{quantity}_verdict"][at]),
+            "verdict": float(found[f"{quantity}_verdict"][at]) if f"{quantity}_verdict" in found else np.nan,
         }
         for at, load in enumerate(LOADS)
         for quantity, shown in SHOWN.items()
@@ -344,15 +362,6 @@ def statements(case: Measurement, finer: Path) -> dict[str, dict]:
     return found
 
 
-def map_ends(found: xr.Dataset, quantity: str, at: int) -> tuple[float, float]:
-    """Return the ends of the interval for the map itself."""
-    if f"{quantity}_map_lower" in found:
-        return tuple(float(found[f"{quantity}_map_{end}"][at]) for end in ("lower", "upper"))
-    widths = found[f"{quantity}_uncertainty"][at].sel(source=["solver", "discretisation"]).values
-    value, width = float(found[quantity][at]), float(np.sqrt(np.nansum(widths**2)))
-    return value - width, value + width
-
-
 def of_cause(found: xr.Dataset, quantity: str, at: int) -> float:
     """Return half of what instrument and material add to the length of an interval, without other sources."""
     parts = found[f"{quantity}_components"][at].sel(source=["instrument", "material"])
@@ -361,7 +370,7 @@ def of_cause(found: xr.Dataset, quantity: str, at: int) -> float:
 
 
 def judged(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows with the relative error, and for both intervals half-width, inside or not, and silence.
+    """Return the rows with the relative error, and for all intervals half-width, inside or not, and silence.
 
     An end that is missing is open: *at least*, or *at most*. A truth outside is silent where no check warns
     of such errors.
@@ -370,7 +379,7 @@ def judged(rows: pd.DataFrame) -> pd.DataFrame:
     rows = rows.assign(of_cause=rows["of_cause"] / rows["value"].abs())
     rounding = 1e-9 * rows["value"].abs()
     flagged = rows["flags"].fillna("").map(lambda flags: any(flag in flags.split("; ") for flag in FLAGS))
-    for which in ("", "map_"):
+    for which in INTERVALS:
         lower, upper = rows[f"{which}lower"], rows[f"{which}upper"]
         outside = (rows["true"] < lower - rounding) | (rows["true"] > upper + rounding)
         rows[f"{which}inside"] = ~outside
@@ -383,8 +392,7 @@ def counted(rows: pd.DataFrame, which: str = "") -> dict:
     """Return of some rows the shares inside and silent (%), and the widths by quantity.
 
     A width is the median half-width over the 95 % quantile of the errors, of the whole interval and of what
-    the cause adds alone. `which` is "map_" for the interval
-    of the map.
+    the cause adds alone. `which` is one of `INTERVALS`.
     """
     row: dict = {"cases": len(rows[["truth", "spoiler"]].drop_duplicates())}
     for quantity in SHOWN.values():
@@ -401,16 +409,18 @@ def counted(rows: pd.DataFrame, which: str = "") -> dict:
 
 
 def tables(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Return coverage and widths by error and by cause, for the map and for the surface."""
+    """Return coverage and widths by error and by cause, of the intervals that should hold the truth."""
     rows = judged(rows)
     in_order = rows["spoiler"].map(list(SPOILERS).index)
     rows = rows.iloc[in_order.argsort(kind="stable")]
     rows = rows.assign(cause=rows["spoiler"].map(lambda name: SPOILERS[name].cause))
     errors, causes = [], []
-    for interval, which in (("map", "map_"), ("surface", "")):
-        for error, some in rows.groupby("spoiler", sort=False):
+    coarser = rows["cause"].str.startswith("pixels")
+    for which, interval in INTERVALS.items():
+        own = rows[coarser == (interval == "octave")]
+        for error, some in own.groupby("spoiler", sort=False):
             errors.append({"interval": interval, "error": error} | counted(some, which))
-        for cause, some in rows.groupby("cause", sort=False):
+        for cause, some in own.groupby("cause", sort=False):
             for group in ("synthetic", "measured", "all"):
                 chosen = some if group == "all" else some[some["group"] == group]
                 if len(chosen):
@@ -431,13 +441,22 @@ def tables(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     }
 
 
+def worth(rows: pd.DataFrame) -> dict:
+    """Return the share of results with the verdict *use*, and what it is worth."""
+    use = ~rows["flagged"]
+    shares = (rows["inside"][use].mean(), rows["flagged"][~rows["inside"]].mean())
+    return {"use (%)": 100 * use.mean()} | {
+        name: 100 * share for name, share in zip(JUDGED, shares, strict=True)
+    }
+
+
 def unstated(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Return by error, and of all, what the verdicts are worth where nothing is said of the instrument."""
-    rows = judged(rows)
+    rows = judged(rows).dropna(subset="verdict")  # the conductance has none of its own
     rows = rows.assign(flagged=rows["verdict"] > 0)
     found = [
         {"error": error, "maps": some["truth"].nunique(), "inside (%)": 100 * some["inside"].mean()}
-        | intervals.judged(some)
+        | worth(some)
         for error, some in (*rows.groupby("spoiler", sort=False), ("all", rows))
     ]
     table = pd.DataFrame(found)

@@ -25,7 +25,8 @@ def rows(**columns):
         "of_cause": 0.1,
     }
     frame = pd.DataFrame({"value": 1.0, "lower": 0.9, "upper": 1.1, "true": 1.0, **columns})
-    return frame.assign(**{"map_lower": frame["lower"], "map_upper": frame["upper"], **common})
+    ends = {which + end: frame[end] for which in measurement.INTERVALS for end in ("lower", "upper")}
+    return frame.assign(**(ends | common))
 
 
 @pytest.mark.parametrize("side", measurement.SIDES)
@@ -59,6 +60,13 @@ def test_an_error_is_of_the_size_that_is_stated(spoiler, truth):
         levels = np.unique(case.height) / (float(spoiler.split()[2].rstrip("%")) / 100 * float(truth.std()))
         assert np.allclose(levels, np.rint(levels), atol=1e-9)
         assert 0 < abs(change).max() <= np.diff(np.unique(case.height)).min() / 2 * 1.0001
+    elif spoiler.startswith("one period"):
+        window = rc.periodic_window(rc.level(truth))
+        assert case.height.shape == window.shape
+        assert float(case.height.isnull().mean()) == pytest.approx(0.01, rel=0.3)
+        # without the plane, second differences are those of the window, from another first point
+        curvature = [np.diff(surface.values, 2, axis=1) for surface in (case.height, window)]
+        assert np.nanstd(curvature[0]) == pytest.approx(np.std(curvature[1]), rel=0.02)
     elif spoiler == "none":
         assert case.height.identical(truth)
     else:
@@ -97,8 +105,12 @@ def test_a_width_is_held_against_the_largest_errors():
 
 
 def test_tables_have_every_error_and_cause():
-    found = measurement.tables(pd.concat([rows(true=[1.0]), rows(true=[1.2]).assign(spoiler="tip 10 nm")]))
-    assert found["errors"]["error"].tolist() == ["none", "tip 10 nm"] * 2
+    coarser = rows(true=[1.2]).assign(spoiler="pixels × 2", octave_upper=1.3)
+    found = measurement.tables(
+        pd.concat([rows(true=[1.0]), rows(true=[1.2]).assign(spoiler="tip 10 nm"), coarser])
+    )
+    assert found["errors"]["error"].tolist() == [*["none", "tip 10 nm"] * 2, "pixels × 2"]
     causes = found["causes"].set_index(["interval", "cause", "group"])["area inside (%)"]
     assert causes["map", "none", "all"] == "100"
     assert causes["surface", "tip", "synthetic"] == "0"
+    assert causes["octave", "pixels", "all"] == "100"

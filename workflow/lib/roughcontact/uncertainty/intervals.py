@@ -75,13 +75,12 @@ class Intervals:
             m: self._arms(m, name, area, as_solved[GAP], middle[AREA])
             for m in get_args(calibration.Measurand)
         }
-        of_map = [part for source, part in own.items() if source != "unresolved"]
         everything = [*own.values()]
         ends = {
             "": self._ends(name, centre, value, everything, arms[self.measurand]),
             "next_": self._ends(name, centre, value, everything, arms["next"]),
             "longer_": self._ends(name, centre, value, everything, arms["longer"]),
-            "map_": self._ends(name, centre, value, of_map, arms["map"]),
+            "map_": self._ends(name, centre, value, everything, arms["map"]),
             "octave_": self._octave(name, centre, value, everything, arms[self.measurand], middle[AREA]),
         }
         columns: dict[str, tuple] = {}

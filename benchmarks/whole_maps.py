@@ -1,0 +1,91 @@
+"""Count the verdicts on whole measured maps, and how wide their ± is.
+
+    python benchmarks/whole_maps.py FOLDER ... --write
+
+Every map in the folders that is read without being told anything is evaluated by default settings, steel on
+PEEK, at contact areas that a user would choose. Half-widths are those of the surface, relative to the result,
+at loads with 2 to 50 % in contact: medians of a map, and of all maps and loads. Coverage is measured by
+`calibrate.py` and `measurement.py`.
+"""
+
+import argparse
+import json
+import sys
+import warnings
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pages
+import pandas as pd
+import xarray as xr
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
+
+import roughcontact as rc
+from roughcontact.errors import RoughContactError
+
+BODIES = (
+    {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": 2e9},
+    {"youngs_modulus": 3.6e9, "poissons_ratio": 0.38, "hardness": 3e8},
+)
+AREAS = (0.003, 0.01, 0.03, 0.1, 0.2, 0.3)  # of the whole maps
+JUDGED = (0.02, 0.5)  # contact areas at which widths are judged
+WIDTHS = {"area ± (%)": "relative_contact_area", "pressure ± (%)": "mean_contact_pressure"}
+NARROW = 30  # percent
+
+
+def evaluated(path: Path) -> xr.Dataset | None:
+    """Return the statistics of one file; None where it is no map that is read without further words."""
+    warnings.simplefilter("ignore")
+    try:
+        return rc.evaluate(path, contact={"bodies": BODIES, "target_area": list(AREAS)})
+    except RoughContactError:
+        return None
+
+
+def half_widths(statistics: xr.Dataset) -> dict[str, np.ndarray]:
+    """Return half-widths (percent of the result) at the judged loads; infinite without an upper end."""
+    area = statistics["relative_contact_area"].values
+    judged = (area >= JUDGED[0]) & (area <= JUDGED[1])
+    found = {}
+    for column, name in WIDTHS.items():
+        value, lower, upper = (statistics[name + end].values[judged] for end in ("", "_lower", "_upper"))
+        found[column] = 50 * np.where(np.isnan(upper), np.inf, upper - lower) / value
+    return found
+
+
+def tables(found: dict[str, xr.Dataset]) -> dict[str, pd.DataFrame]:
+    """Return the table of verdicts, widths and reasons by map, and of all."""
+    rows, widths = [], []
+    for name, statistics in found.items():
+        reasons = "; ".join(reason["check"] for reason in json.loads(statistics.attrs["reasons"]))
+        verdicts = {"loads": statistics.sizes["load"], "use": int((statistics["verdict"] == 0).sum())}
+        widths.append(pd.DataFrame(half_widths(statistics)))
+        rows.append({"map": name} | verdicts | dict(widths[-1].median()) | {"reasons": reasons})
+    table, every = pd.DataFrame(rows), pd.concat(widths)
+    narrow = 100 * (every <= NARROW).mean()
+    words = "; ".join(f"{column[:-4]} {NARROW} % for {share:.0f} %" for column, share in narrow.items())
+    of_all = {"map": f"all {len(table)}", "loads": table["loads"].sum(), "use": table["use"].sum()}
+    table = pd.concat([table, pd.DataFrame([of_all | dict(every.median()) | {"reasons": words}])])
+    return {"maps": pages.text(table, dict.fromkeys(WIDTHS, ".0f"))}
+
+
+def main() -> None:
+    """Evaluate the maps, print or write the table."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("folders", nargs="+", type=Path, help="folders of instrument files")
+    parser.add_argument("--write", action="store_true", help="write the table; else print")
+    arguments = parser.parse_args()
+    files = sorted({path for folder in arguments.folders for path in folder.iterdir() if path.is_file()})
+    with ProcessPoolExecutor(2) as pool:
+        every = zip(files, pool.map(evaluated, files), strict=True)
+        found = {path.name: statistics for path, statistics in every if statistics is not None}
+    if arguments.write:
+        pages.publish("whole_maps", tables(found))
+    else:
+        pages.show(tables(found))
+
+
+if __name__ == "__main__":
+    main()
