@@ -382,7 +382,13 @@ def _append(numbers: array, text: str, delimiter: str | None, spoken: Counter[st
 
 
 def pieces(text: str, delimiter: str | None) -> Iterator[list[str]]:
-    """Yield the cells of a line by the million characters: a list of all takes 30 times its memory."""
+    """Yield the cells of a line, in chunks for a long line.
+
+    Yields
+    ------
+    list of str
+        Up to a million characters of the line: a list of all its cells takes 30 times its memory.
+    """
     start = 0
     while len(text) - start > _CHUNK_CHARACTERS:
         if delimiter is None:
