@@ -72,7 +72,9 @@ class Writer:
         self.decimal = self.choose.choice(".,")
         self.separator = self.choose.choice(["\t", ";", *([",", " "] if self.decimal == "." else [])])
         self.newline = self.choose.choice(["\n", "\n", "\r\n"])
-        self.heights = self.choose.choice([ROUGH, SMOOTH])
+        self.heights = self.choose.choice([ROUGH, SMOOTH]).copy()
+        if self.choose.random() < 0.3:
+            self.heights[[0, 2, 11], [4, 3, 14]] = np.nan  # not measured
         self.unit = self.choose.choice(list(UNITS))
 
     def number(self, value: float, form: str = "{:.9g}") -> str:
@@ -350,12 +352,31 @@ def positions(write: Writer) -> Mixture:
         arguments = {"unit": "um", "height_unit": write.unit}
         if where != "both":
             asked = "give d[xy]|give dx, dy and unit"
-    if corner == "y/x":
-        asked = LINE.format(len(lines) + 1)
     lines += [write.separator.join(row) for row in rows]
     return Mixture(
         write.text(lines), arguments, right, STEPS, asked, f"positions, {where}, {said}, corner {corner!r}"
     )
+
+
+def repeated_positions(write: Writer) -> Mixture:
+    """Maps beside or below one another, told by their positions, or columns without names."""
+    choose, one = write.choose, write.in_unit(write.heights)
+    two = one[:, ::-1]
+    x, y = (step * np.arange(n) for step, n in zip((DX, DY), one.shape[::-1], strict=True))
+    how = choose.choice(["rows", "columns", "both", "beside", "profiles", "pairs"])
+    table = {
+        "rows": lambda: np.vstack([x, one, x, two]),
+        "columns": lambda: np.column_stack([np.r_[y, y], np.vstack([one, two])]),
+        "both": lambda: np.column_stack([np.r_[0, y, 0, y], np.vstack([x, one, x, two])]),
+        "beside": lambda: np.vstack([np.r_[x, x], np.hstack([one, two])]),
+        "profiles": lambda: np.column_stack([x, *one[:3]]),
+        "pairs": lambda: np.column_stack([x, one[0], x, one[1]]),
+    }[how]()
+    arguments = GIVEN | {"height_unit": write.unit}
+    if how == "profiles":
+        arguments = {"unit": "um", "height_unit": write.unit}
+    asked = "name the columns" if how == "profiles" else r"begins? anew"
+    return Mixture(write.text(write.rows(table)), arguments, None, (), asked, f"positions again, {how}")
 
 
 KINDS: tuple[Callable[[Writer], Mixture], ...] = (
@@ -365,6 +386,7 @@ KINDS: tuple[Callable[[Writer], Mixture], ...] = (
     named_columns,
     headers,
     positions,
+    repeated_positions,
 )
 
 
@@ -384,7 +406,7 @@ def outcome(text: Mixture, folder: Path) -> str:
             return "asked"
         return f"refused otherwise: {str(error).replace(str(path), '')}"
     if text.heights is not None and height.shape == text.heights.shape:
-        right = np.allclose(height.values, text.heights, rtol=1e-8, atol=1e-18)
+        right = np.allclose(height.values, text.heights, rtol=1e-8, atol=1e-18, equal_nan=True)
         steps = [float(height[axis][1] - height[axis][0]) for axis in "yx" if height.sizes[axis] > 1]
         if right and np.allclose(steps, text.steps[-len(steps) :], rtol=1e-6):
             return "read right"

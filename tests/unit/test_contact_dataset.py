@@ -38,7 +38,7 @@ def test_names_dimensions_and_units_follow_the_conventions(solved):
     assert {name: contact[name].attrs["units"] for name in units} == units
     np.testing.assert_array_equal(contact["x"], window["x"])
     np.testing.assert_array_equal(contact["height"], window)
-    assert contact["height"].attrs["source_format"] == "synthetic"
+    assert contact["height"].attrs["source_format"] == "array"
     assert contact["contact"].dtype == np.int8
 
 

@@ -135,8 +135,10 @@ FILES = {
     "instrument with a header in text": (lambda: b"\\*File list" + TEXT + BINARY, "instruments"),
     "its export as text": (lambda: b"\\*File list" + TEXT, "text"),
     "instrument with a header in UTF-16": (lambda: "fileformat = bcrstm".encode("utf-16"), "instruments"),
-    "instrument": (lambda: b"DIGITAL SURF" + BINARY, "instruments"),
-    "text that begins with the mark of a binary format": (lambda: b"DIGITAL SURF" + TEXT, "text"),
+    "Digital Surf": (lambda: b"DIGITAL SURF" + BINARY, "digital_surf"),
+    "text that begins with its mark": (lambda: b"DIGITAL SURF" + TEXT, "text"),
+    "instrument": (lambda: b"KPK0" + BINARY, "instruments"),
+    "text that begins with the mark of a binary format": (lambda: b"KPK0" + TEXT, "text"),
     "instrument whose mark lies further on": (lambda: b"\x01\0Directory" + BINARY, "instruments"),
     "no format": (lambda: BINARY, "unmarked"),
 }

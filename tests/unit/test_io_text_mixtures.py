@@ -278,7 +278,7 @@ def test_a_heading_that_contradicts_the_positions_is_said(read):
 # ---------------------------------------------------------------- positions beside a matrix
 
 
-@pytest.mark.parametrize("corner", ["0", "", "NaN"])
+@pytest.mark.parametrize("corner", ["0", "", "NaN", "y/x"])
 @pytest.mark.parametrize(("down", "left"), [(1, 1), (-1, 1), (1, -1), (-1, -1)])
 def test_positions_in_row_and_column_with_a_corner(read, corner, down, left):
     text = corner + table(np.r_[7, Y[::down] + 3], np.vstack([X[::left] - 1, ONE]))[1:]

@@ -246,7 +246,7 @@ JOB = """
 import sys
 from types import SimpleNamespace
 snakemake = SimpleNamespace(
-    rule="contact", wildcards=["ground"], output={}, input={}, resources={}, log=["job.log"]
+    rule="contact", wildcards=["ground"], output={}, input={}, params={}, resources={}, log=["job.log"]
 )
 sys.path.insert(0, sys.argv[1])
 import _job

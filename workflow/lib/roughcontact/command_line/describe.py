@@ -72,20 +72,22 @@ def inspection(found: Mapping[str, Any], file: str) -> str:
 def overview(contents: Sequence[Mapping[str, Any]], folder: str) -> str:
     """Return a line for each file of a folder, by the results of `inspect_file`.
 
-    It has format, points, field, rms height off the mean plane (Sq), and what is to be given, or the first of
-    the warnings.
+    It has format, points (of one of several channels), field, rms height off the mean plane (Sq), and what is
+    to be given, or the first of the warnings.
     """
     cells = [("file", "format", "points", "field", "Sq", "to be given, or suspected")]
     for found in contents:
         size = dict(_map_lines(found["map"]) if found["map"] else _silent_lines(found))
         problem = str(found["problem"] or "").removeprefix(f"{Path(folder, found['file'])}: ")
         warnings = found["warnings"] if found["map"] else []
+        count = len(found.get("channels", []))
         more = f" (and {len(warnings) - 1} more)" if len(warnings) > 1 else ""
         cells.append(
             (
                 found["file"],
                 found["format"] or "–",
-                size.get("size", "–").removesuffix(" points (x, y)"),
+                size.get("size", "–").removesuffix(" points (x, y)")
+                + (f", 1 of {count}" if count > 1 else ""),
                 size.get("field", "–"),
                 quantity(found["map"]["rms_height"], "m") if found["map"] else "–",
                 problem or (warnings[0] + more if warnings else "nothing"),
@@ -117,19 +119,15 @@ def _line(label: str, text: str) -> str:
 def _map_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the properties of a map that can be read."""
     pitch = " × ".join(dict.fromkeys(quantity(found[step], "m", digits=4) for step in ("dx", "dy")))
-    if found["ny"] == 1:
-        points = f"profile of {found['nx']} points"
-        field = quantity(found["size_x"], "m", digits=4)
-    else:
-        points = f"{found['nx']} × {found['ny']} points (x, y)"
-        field = " × ".join(quantity(found[size], "m", digits=4) for size in ("size_x", "size_y"))
+    sides = ("size_x",) if found["ny"] == 1 else ("size_x", "size_y")
+    field = " × ".join(quantity(found[side], "m", digits=4) for side in sides)
     step = found["quantisation_step"]
     heights = f"{quantity(found['lowest'], 'm')} to {quantity(found['highest'], 'm')}"
     if step:
         heights += f", multiples of {quantity(step, 'm')}"
     rms = f"rms height {quantity(found['rms_height'], 'm')}, rms gradient {number(found['rms_gradient'])}"
     return [
-        ("size", points),
+        ("size", _points(found)),
         ("field", field),
         ("spacing", pitch),
         ("missing", f"{percent(found['missing_share'])}, {found['missing_points']} points"),
@@ -138,13 +136,19 @@ def _map_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
+def _points(found: Mapping[str, Any]) -> str:
+    """Return the numbers of points of a map or a profile."""
+    ny, nx = found["ny"], found["nx"]
+    return f"profile of {nx} points" if ny == 1 else f"{nx} × {ny} points (x, y)"
+
+
 def _silent_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the properties of a map whose size or unit is not in the file."""
     channels = found.get("channels", [])
     channel = next((each for each in channels if each["name"] == found["channel"]), None)
     if channel is None:
         return []
-    lines = [("size", f"{channel['nx']} × {channel['ny']} points (x, y)")]
+    lines = [("size", _points(channel))]
     for label, unit, names in (
         ("spacing", "lateral_unit", ("dx", "dy")),
         ("heights", "height_unit", ("lowest", "highest")),
@@ -160,8 +164,7 @@ def _silent_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
 def _channel(channel: Mapping[str, Any]) -> str:
     """Return name, size and unit of a channel, or the reason why it holds no heights."""
     what = f"in {channel['height_unit'] or 'a unit not said'}" if channel["is_height"] else channel["reason"]
-    size = f"{channel['nx']} × {channel['ny']} points" if channel["ny"] > 1 else f"{channel['nx']} points"
-    return f"{channel['name']!r}: {size}, {what}"
+    return f"{channel['name']!r}: {_points(channel).removesuffix(' (x, y)')}, {what}"
 
 
 def solution(result: Mapping[str, Any]) -> str:

@@ -37,7 +37,7 @@ def check_seal(path: str | Path) -> int:
     ...     path = Path(folder) / "gap.nc"
     ...     _ = path.write_bytes(b"0123")
     ...     check_seal(path), seal(path), check_seal(path), path.read_bytes()[-9:]
-    (0, None, 61, b'a684c7c6\n')
+    (0, None, 62, b'a6669d7d\n')
     """
     path = Path(path)
     content = path.stat().st_size - _LENGTH

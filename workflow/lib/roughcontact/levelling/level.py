@@ -277,7 +277,7 @@ def _fit(
         if points < _POINTS_OF_A_TERM * terms:
             raise SettingsError(
                 f"level.order = {order}: a polynomial of {terms} terms leaves next to nothing of {points} "
-                "measured points; lower the order"
+                "measured points; lower the order, or level by the mean"
             )
     if form not in ("sphere", "cylinder"):
         order = {"mean": 0, "plane": 1}.get(form, order)

@@ -40,7 +40,8 @@ def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
     --------
     >>> from roughcontact.uncertainty.groups import group_statistics
     >>> one = xr.Dataset({"mean_gap": ("load", [2e-6]), "mean_pressure": ("load", [1e6])})
-    >>> found = joined_groups([NamedGroup("ground", None, group_statistics([one, one * 2]))])
+    >>> other = one.assign(mean_gap=2 * one["mean_gap"])
+    >>> found = joined_groups([NamedGroup("ground", None, group_statistics([one, other]))])
     >>> found["mean_gap_of_maps"].dims, found["maps"].values.tolist()
     (('group', 'load', 'map'), [2.0])
     """
@@ -86,7 +87,8 @@ def groups_table(groups: Sequence[NamedGroup]) -> pd.DataFrame:
     --------
     >>> from roughcontact.uncertainty.groups import group_statistics
     >>> one = xr.Dataset({"mean_gap": ("load", [2e-6]), "mean_pressure": ("load", [1e6])})
-    >>> table = groups_table([NamedGroup("ground", None, group_statistics([one, one * 2]))])
+    >>> other = one.assign(mean_gap=2 * one["mean_gap"])
+    >>> table = groups_table([NamedGroup("ground", None, group_statistics([one, other]))])
     >>> table.columns[:6].tolist()
     ['group', 'maps', 'parts', 'mean_pressure_Pa', 'mean_gap', 'mean_gap_lower']
     """

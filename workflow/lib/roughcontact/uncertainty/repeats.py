@@ -41,7 +41,7 @@ def noise_of_repeats(first: xr.DataArray, second: xr.DataArray) -> tuple[float, 
     >>> from roughcontact.references.synthetic import rough_reference_surface
     >>> surface, noise = rough_reference_surface(64), np.random.default_rng(0).standard_normal((2, 64, 64))
     >>> one, other = (surface + 1e-3 * each for each in noise)
-    >>> noise_of_repeats(one, other)[0].round(4), noise_of_repeats(one, other.clip(max=0.03))[0]
+    >>> round(noise_of_repeats(one, other)[0], 4), noise_of_repeats(one, other.clip(max=0.03))[0]
     (0.001, nan)
     """
     names = [each.attrs.get("source_file") or "a map" for each in (first, second)]

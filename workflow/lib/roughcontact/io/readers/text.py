@@ -41,6 +41,7 @@ from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import (
     Rows,
     Table,
+    below_a_label,
     counted,
     parse_table,
     separators,
@@ -120,7 +121,11 @@ def _parsed(
     rows: Rows, counts: list[int], delimiter: str | None, decimal_comma: bool, path: Path
 ) -> tuple[_Text, list[str]]:
     """Return one table with its statements, and warnings about its numbers."""
+    labelled = below_a_label(rows, delimiter, decimal_comma)
+    rows = labelled or rows
     table = parse_table(rows.texts, rows.lines, delimiter, decimal_comma, path)
+    if labelled:
+        table = table._replace(empty_corner=True, short=True)
     sign = "," if decimal_comma else "." if any("." in line for line in rows.texts) else ""
     stated = statements(rows.heading, first=rows.first, sign=sign)
     refuse_lost_row(rows.heading, table.values.shape[1], delimiter, decimal_comma, path, rows.first)

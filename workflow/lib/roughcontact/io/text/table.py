@@ -28,6 +28,7 @@ _MAX_CELL = 64  # characters of a cell, on the average
 _WHITE = re.compile(r"\s")
 _PLAIN = re.compile(r'[-+\d.,;\s"eEdD]*\Z')  # of a row without words
 _BETWEEN = ' \t;,"\r\n\f'  # what may stand between cells
+_UNEVEN = 0.1  # of a step, between positions that are rounded
 _FEW_ROWS = 3  # that show what a first row with one cell less is
 _FEW_CELLS = 32  # at the beginning of a line, which tell a row with words from a heading
 
@@ -36,7 +37,7 @@ class Table(NamedTuple):
     """The numbers of a table; NaN for missing points and empty cells.
 
     `empty_left`, `empty_right`: columns of nothing but empty cells on both sides; `empty_corner`: the first
-    cell is empty, of a `short` first row because it had one less than all others; `spoken`: words that were
+    cell is empty, of a `short` first row because it held a word or was lacking; `spoken`: words that were
     taken as missing, with another meaning as well -> how often.
     """
 
@@ -210,6 +211,25 @@ def split_tables(
     return tables
 
 
+def below_a_label(rows: Rows, delimiter: str | None, decimal_comma: bool) -> Rows | None:
+    """Return rows with the line above them, where that has a word in its corner and positions beside it."""
+    if not rows.heading or not rows.heading[-1].strip():
+        return None
+    line = rows.heading[-1].replace(",", ".") if decimal_comma else rows.heading[-1]
+    word, *cells = line.strip().split(delimiter)
+    width = len(rows.texts[0].strip().split(delimiter))
+    if _is_number(word) or not _FEW_ROWS <= len(cells) == width - 1 or not all(map(_is_number, cells)):
+        return None
+    steps = np.diff([_number(cell) for cell in cells])
+    even = steps.any() and np.ptp(steps) <= _UNEVEN * abs(steps.mean())  # also no missing point
+    if not even or statements([line]) or line.lstrip()[0] in COMMENT_SIGNS:
+        return None
+    text = (delimiter or " ").join(["NaN", *cells])
+    return rows._replace(
+        heading=rows.heading[:-1], texts=[text, *rows.texts], lines=[rows.lines[0] - 1, *rows.lines]
+    )
+
+
 def _names_a_table(line: str) -> bool:
     """Return whether a line between rows is more than a comment: words, or an entry of a header."""
     return line.lstrip()[0] not in "#%" or bool(statements([line]))
@@ -362,7 +382,13 @@ def _append(numbers: array, text: str, delimiter: str | None, spoken: Counter[st
 
 
 def pieces(text: str, delimiter: str | None) -> Iterator[list[str]]:
-    """Yield the cells of a line by the million characters: a list of all takes 30 times its memory."""
+    """Yield the cells of a line, in chunks for a long line.
+
+    Yields
+    ------
+    list of str
+        Up to a million characters of the line: a list of all its cells takes 30 times its memory.
+    """
     start = 0
     while len(text) - start > _CHUNK_CHARACTERS:
         if delimiter is None:
