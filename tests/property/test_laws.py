@@ -48,7 +48,7 @@ LAWS = {
     **dict.fromkeys(["material_von_mises_stress", "material_first_yield_pressure"], PRESSURE),
     **dict.fromkeys(["interface_shear_stress", "interface_normal_stress"], PRESSURE),
     **dict.fromkeys(["material_von_mises_depth", "interface_depth"], LENGTH),
-    **dict.fromkeys(["pressure_bin_centre", "pressure_bin_bounds", "beside_the_peak"], PRESSURE),
+    **dict.fromkeys(["pressure_bin_centre", "pressure_bin_bounds"], PRESSURE),
     "first_yield_pressure_by_ratio": PRESSURE._replace(similar=True),
     "contact_modulus": Law(0, 0, 1),
     "pressure_density": PER_PRESSURE,

@@ -71,7 +71,12 @@ def test_a_corrected_map_is_nearer_to_the_truth_which_is_in_its_interval(
     assert own < before / 2
     plain = evaluated(measured, loads, **known)
     for name in SHOWN:
-        assert found[f"{name}_as_measured"].values == pytest.approx(plain[name].values, rel=3e-3)
+        solved = (
+            np.array(loads) / plain[f"{area}_as_solved"]
+            if "contact_p" in name
+            else plain[f"{name}_as_solved"]
+        )
+        assert found[f"{name}_as_measured"].values == pytest.approx(solved.values, rel=3e-3)
     instrument = found[f"{area}_components"].sel(source="instrument")
     assert (instrument.sel(component=["down", "up"]) > 0).all()  # to both sides
     assert (instrument.sel(component=["shift_down", "shift_up"]) == 0).all()

@@ -65,7 +65,6 @@ def test_all_sources_are_in_every_table(project):
         "window",
         "instrument",
         "material",
-        "unresolved",
         "combined",
     ]
     assert sorted(set(area["source"])) == sorted(sources)

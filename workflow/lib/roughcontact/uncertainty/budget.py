@@ -195,6 +195,7 @@ def error_budget(
             true_shapes=true_shapes,
         )
         found["instrument"] = added_up([*causes, *(of_inputs[key] for key in AMPLIFICATIONS)])
+        before |= {PRESSURE: load / before[AREA]} if before else {}
         columns |= {f"{name}_as_measured": ("load", value) for name, value in before.items()}
     octave: Octave = {}
     if "unresolved" in sources:
