@@ -116,10 +116,10 @@ def next_octave(
     gradients = curve["gradient_at_cutoff"].values
     last = math.log(gradients[0] / gradients[1]) if gradients.min() > 0 else 0.0
     found = {}
-    known = None
+    known, limit = None, 0.0
     if finer is not None:
         finer = finer if isinstance(finer, xr.DataArray) else read_height_map(finer)
-        known = growth_by_finer_spectrum(window, level(finer, form="plane"))
+        known, limit = growth_by_finer_spectrum(window, level(finer, form="plane"))
     for name, change in _changes(curve, 0).items():
         share, down, up = octave_arms(name)
         unit = curve[f"{GAP}_at_cutoff"].values[:, 0] if name in CONSTRICTIONS else 1.0
@@ -129,7 +129,8 @@ def next_octave(
             shift = change * min(known / last, 4.0) if last > 0 else 0 * change
             if name == AREA:
                 shift = np.minimum(shift, -known)
-            below = above = np.hypot(_FINER_UNCERTAINTY * shift, _LEAST_CHANGE * unit)
+            scatter = limit / known - 1 if known > 0 else 0.0
+            below = above = np.hypot(math.hypot(_FINER_UNCERTAINTY, scatter) * shift, _LEAST_CHANGE * unit)
         found[name] = shift, below, above
     return found
 
@@ -145,7 +146,7 @@ def _changes(curve: xr.Dataset, index: int) -> dict[str, np.ndarray]:
     return found
 
 
-def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float:
+def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> tuple[float, float]:
     """Return the growth of ln g by the waves that a finer map or profile of the same finish shows.
 
     Slopes along the lines of both are compared: up to the wavenumber q0 those of the window count, beyond it
@@ -161,9 +162,9 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float
 
     Returns
     -------
-    float
-        0 where the finer spectrum adds nothing; for a profile the upper limit (95 %), by the scatter between
-        its parts.
+    growth, limit : float
+        0 where the finer spectrum adds nothing; the upper limit (95 %) of a profile by the scatter between
+        its parts, of a map the growth itself.
 
     Examples
     --------
@@ -171,7 +172,8 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float
     >>> from roughcontact.uncertainty.magnification import without_shortest_waves
     >>> finer = rough_reference_surface(128)
     >>> coarse = without_shortest_waves(finer, 1 / 16)
-    >>> 0.0 < growth_by_finer_spectrum(coarse, finer) < 1.0
+    >>> growth, limit = growth_by_finer_spectrum(coarse, finer)
+    >>> 0.0 < growth == limit < 1.0
     True
     """
     own = _line_spectra(window, periodic=True)
@@ -181,10 +183,10 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float
     whole = sum(float(np.sum(c)) for _, c in own) / len(own)
     added = sum(float(np.sum(c[q > limit])) for q, c in fine) / len(fine)
     if not whole > 0:
-        return 0.0
-    if min(finer.shape) == 1:
-        added *= 1 + _relative_scatter(finer, limit)
-    return max(0.5 * math.log((kept + added) / whole), 0.0)
+        return 0.0, 0.0
+    more = added * _relative_scatter(finer, limit) if min(finer.shape) == 1 else 0.0
+    growth, most = (max(0.5 * math.log((kept + a) / whole), 0.0) for a in (added, added + more))
+    return growth, most
 
 
 def _relative_scatter(profile: xr.DataArray, limit: float) -> float:
