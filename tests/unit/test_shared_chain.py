@@ -40,9 +40,9 @@ VERDICTS = {
     "ISO5436-sample1.x3p": ("do not use", {"Points in contact", "Reading the file"}),
     "ISO5436-sample4_bin.x3p": ("do not use", {"Points in contact", "Reading the file"}),
     "mnt-2.mnt": ("review", {"Form"}),  # a bow of 100 times the roughness
-    # particles on a smooth surface
-    "spot_1-1000nm.ibw": ("review", {"Outliers"}),
-    "bcrf-1.bcrf": ("review", set()),  # 3000 points far off all others
+    # particles on a smooth surface, and 3000 points far off all others, are noted
+    "spot_1-1000nm.ibw": ("use", set()),
+    "bcrf-1.bcrf": ("use", set()),
     "plu-1.plu": ("review", {"Quantisation"}),  # steps of 4 nm on a roughness of 18 nm; no ± is asked for
     "x3p-2.x3p": ("use", set()),  # pixels that are not square are noted
 }

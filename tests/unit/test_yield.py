@@ -261,8 +261,8 @@ def test_with_a_hardness_any_point_that_carries_it_asks_for_a_look():
 
 def test_the_verdict_on_a_load_is_that_of_its_own_checks():
     window = rough().assign_attrs(outliers_rejected=3, outlier_kinds='{"spike": 3}')
-    problem = {"contact_modulus": MODULUS, "hardness": 0.1 * MODULUS}
-    loads = [1e-3 * MODULUS, 1e-4 * MODULUS]
+    problem = {"contact_modulus": MODULUS, "hardness": 0.02 * MODULUS}
+    loads = [1e-3 * MODULUS, 1e-7 * MODULUS]
     solved = rc.solve_contact(window, **problem, mean_pressure=loads, reduce=contact_statistics)
     solved["rejected_load_share"] = ("load", [0.2, 0.0])
     written = checks.with_verdicts(solved, window)
