@@ -153,6 +153,13 @@ def test_memory_and_time_grow_with_the_map(tmp_path):
     assert made.memory("prepare", "ground", points=0) == pytest.approx(700 + 80, rel=0.01)  # the file of 8 MB
     flowing = plan(path=tmp_path / "map.npy", statistics={"flow": "always"})
     assert flowing.memory("contact", "ground", points=1e6) > made.memory("contact", "ground", points=1e6)
+    steel = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
+    bodies = [steel, steel | {"layers": [steel | {"thickness": "2 um", "yield_stress": "7 GPa"}]}]
+    for stress, asked in (("never", 0), ("auto", 200)):  # bytes a point
+        contact, statistics = {"bodies": bodies, "mean_pressure": [1e6]}, {"stress": stress}
+        strained = plan(path=tmp_path / "map.npy", contact=contact, statistics=statistics)
+        more = strained.memory("contact", "ground", points=4e6) - made.memory("contact", "ground", points=4e6)
+        assert more == pytest.approx(4 * asked)
     assert made.threads("ground") == 4
     assert plan(path=tmp_path / "none.npy").threads("ground") == 1
 

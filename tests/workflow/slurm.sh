@@ -120,7 +120,7 @@ grep "^\[prepare periodic\] is tried again with 800 MB" "$folder/said"
 # four small maps, one of them without a point: the report has the others and says what it lacks
 rm -r results .snakemake
 mkdir maps
-"$environment/bin/python" - >config/surfaces.tsv <<'PYTHON'
+"$environment/bin/python" -P - >config/surfaces.tsv <<'PYTHON'
 import numpy as np
 
 print("surface", "path", "unit", "dx", "dy", sep="\t")

@@ -77,6 +77,15 @@ def test_the_paper_is_short_and_every_source_has_an_entry():
     assert all(re.search(r"doi = \{10\.\d+/\S+\}", body) for _, body in entries)
 
 
+def test_a_wheel_has_every_file_that_the_package_reads():
+    package, project = ROOT / "workflow/lib/roughcontact", tomllib.loads((ROOT / "pyproject.toml").read_text())
+    patterns = project["tool"]["setuptools"]["package-data"]["roughcontact"]
+    shipped = {path for pattern in patterns for path in package.glob(pattern)}
+    modules = {path for path in package.rglob("*.py*") if path.suffix in (".py", ".pyc")}
+    compiled = set((package / "kernels").rglob("*"))  # the library of the C source is added by setup.py
+    assert {path for path in package.rglob("*") if path.is_file()} - modules - compiled == shipped
+
+
 def test_every_platform_of_setup_is_run_before_a_release():
     targets = (ROOT / "setup.py").read_text().partition("TARGETS = {")[2].partition("}")[0]
     workflow = yaml.safe_load((ROOT / ".github/workflows/release.yml").read_text())["jobs"]

@@ -337,10 +337,13 @@ class Plan:
             return BASE_MEMORY + prepare
         if part == "crosscheck":
             return BASE_MEMORY + (600 + 50 * self.loads(case)) * millions
-        statistics = self.cases[case]["statistics"]
+        statistics, bodies = self.cases[case]["statistics"], self.cases[case]["contact"]["bodies"] or ()
         flow = statistics["flow"] == "always" or (statistics["flow"] == "auto" and bool(statistics["seal"]))
-        # the error budget takes 1000 bytes for each of the first million points, and no more for larger maps
-        solving = (115 + 1600 * flow) * millions + 1000 * min(millions, 1)
+        materials = [material for body in bodies for material in (body, *(body["layers"] or ()))]
+        yields = any(material["yield_stress"] for material in materials)
+        stress = statistics["stress"] == "always" or (statistics["stress"] == "auto" and yields)
+        # the error budget takes 200 bytes for each of the first million points, and no more for larger maps
+        solving = (115 + 1800 * flow + 200 * stress) * millions + 200 * min(millions, 1)
         return BASE_MEMORY + max(solving, 0 if case in self.preparing else prepare)
 
     def minutes(self, part: Part, surface: str, case: str = "", *, points: int) -> float:
