@@ -179,10 +179,11 @@ def test_a_result_that_another_program_has_changed_is_named_and_one_that_it_wrot
     assert read_dataset(path)["gap"][0, 0] == 7.0
 
 
-def test_an_error_of_the_project_within_an_open_file_passes_as_it_is(tmp_path):
+@pytest.mark.parametrize("kind", [SettingsError, FileNotFoundError, MemoryError])
+def test_an_error_of_something_else_within_an_open_file_passes_as_it_is(tmp_path, kind):
     write_dataset(small(), tmp_path / "gap.nc")
-    with pytest.raises(SettingsError, match=r"^level\.order = 0$"), opened_dataset(tmp_path / "gap.nc"):
-        raise SettingsError("level.order = 0")
+    with pytest.raises(kind, match=r"^level\.order = 0$"), opened_dataset(tmp_path / "gap.nc"):
+        raise kind("level.order = 0")
 
 
 def test_a_file_says_what_it_is_and_what_computed_it():

@@ -369,11 +369,14 @@ def _uncached() -> Iterator[None]:
 @contextmanager
 def _readable(path: str | Path) -> Iterator[int]:
     """Yield the bytes of the seal of a result file; raise an `InputFileError` where it cannot be read."""
+    sealed = 0
     try:
-        yield check_seal(path)
+        yield (sealed := check_seal(path))
     except RoughContactError:
         raise
     except Exception as error:  # the libraries raise errors of many types on what is damaged
+        if sealed:  # the content is as it was written: something else is wrong
+            raise
         why = brief(error)
         raise InputFileError(f"{path}: not readable as netCDF ({why}); {WAY_OUT}") from error
 
