@@ -78,7 +78,10 @@ def test_the_paper_is_short_and_every_source_has_an_entry():
 
 
 def test_a_wheel_has_every_file_that_the_package_reads():
-    package, project = ROOT / "workflow/lib/roughcontact", tomllib.loads((ROOT / "pyproject.toml").read_text())
+    package, project = (
+        ROOT / "workflow/lib/roughcontact",
+        tomllib.loads((ROOT / "pyproject.toml").read_text()),
+    )
     patterns = project["tool"]["setuptools"]["package-data"]["roughcontact"]
     shipped = {path for pattern in patterns for path in package.glob(pattern)}
     modules = {path for path in package.rglob("*.py*") if path.suffix in (".py", ".pyc")}
