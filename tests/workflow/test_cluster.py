@@ -34,7 +34,7 @@ def test_a_job_asks_for_what_its_own_map_needs(project):
             needs = {name: int(re.search(rf"{name}=(\d+)", text)[1]) for name in ("mem_mb", "runtime")}
             asked[rule, surface[1]] = needs
     assert asked["contact", "small"]["mem_mb"] < 800
-    assert asked["contact", "large"]["mem_mb"] > 1500
+    assert asked["contact", "large"]["mem_mb"] == pytest.approx(700 + 115 * 1.69 + 200, abs=1)  # Plan.memory
     assert asked["contact", "large"]["runtime"] > asked["contact", "small"]["runtime"]
     assert "group" not in run.stderr.lower()
 
