@@ -18,7 +18,7 @@ from roughcontact.maps import height_map, spacing
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.roughness.bearing import BEARING_PARAMETERS
 from roughcontact.roughness.parameters import roughness_parameters
-from roughcontact.statistics.contact_statistics import statistics_of, with_uncertainty
+from roughcontact.statistics.contact_statistics import statistics_function, with_uncertainty
 from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.uncertainty.budget import error_budget
@@ -170,7 +170,7 @@ def solved(window, *, scale=1.0, yields=1.0, energy=1.0, hardness=None, budget=F
     }
     if hardness is not None:
         contact["hardness"] = hardness
-    count = statistics_of(
+    count = statistics_function(
         window,
         contact_modulus=contact["contact_modulus"],
         bodies=bodies,

@@ -8,7 +8,7 @@ import roughcontact as rc
 from roughcontact.maps import height_map, refined
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.statistics.checks import with_verdicts
-from roughcontact.statistics.contact_statistics import statistics_of, with_uncertainty
+from roughcontact.statistics.contact_statistics import statistics_function, with_uncertainty
 from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.subsurface import with_subsurface_yield
 
@@ -51,7 +51,7 @@ def statistics(heights, pitch, *, along, hardness):
     problem = {"contact_modulus": MODULUS, "mean_pressure": [0.02 * unit, 0.1 * unit], "tolerance": 1e-6}
     problem["hardness"] = None if hardness is None else hardness * unit
     extra = {"seal": SEAL, "work_of_adhesion": 0.05, "flow": "always", "stress": "always", "bodies": bodies}
-    count = statistics_of(window, contact_modulus=MODULUS, **extra)
+    count = statistics_function(window, contact_modulus=MODULUS, **extra)
     settings = {"level": {"form": "plane"}, "window": {}, "contact": problem}
     solved = with_first_yield(
         rc.solve_contact(window, **problem, reduce=count), window, problem | {"bodies": bodies}

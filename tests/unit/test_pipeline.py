@@ -94,8 +94,8 @@ def test_fields_are_handed_on_and_not_kept(rough):
     window = rc.periodic_window(rc.level(rough))
     solver = pipeline.solver_arguments(window, settings["contact"])
     kept: list[xr.Dataset] = []
-    solution, *_ = pipeline.solve_and_count(
-        window, settings, solver, keep=lambda piece: kept.append(piece.copy(deep=True))
+    solution, *_ = pipeline.solve_and_evaluate(
+        window, settings, solver, store=lambda piece: kept.append(piece.copy(deep=True))
     )
     assert [float(piece["mean_pressure"][0]) for piece in kept] == [1e6, 4e6]
     assert all(piece["pressure"].shape == (1, *window.shape) for piece in kept)

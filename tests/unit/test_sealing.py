@@ -12,7 +12,7 @@ from scipy.sparse.linalg import splu
 
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
-from roughcontact.connectivity import connected_regions, region_sizes, runs_around
+from roughcontact.connectivity import connected_regions, percolates, region_sizes
 from roughcontact.kernels.compiled import Regions
 from roughcontact.maps import height_map
 from roughcontact.references import closed_forms
@@ -62,7 +62,7 @@ def test_regions_around_the_period_are_those_of_a_walker(seed):
     generator = np.random.default_rng(seed)
     shape = tuple(generator.integers(1, 8, 2))
     inside = generator.random(shape) < generator.uniform(0.3, 0.9)
-    assert runs_around(inside) == directions_of_loops(inside)
+    assert percolates(inside) == directions_of_loops(inside)
 
 
 @pytest.mark.parametrize(("turns_y", "turns_x"), [(1, 2), (2, 1), (1, -3), (3, 1)])
@@ -75,14 +75,14 @@ def test_a_path_that_runs_around_several_times(turns_y, turns_x):
     inside[y, x] = True
     inside[np.roll(y, 1), x] = True  # corners
     assert region_sizes(inside).size == 1
-    assert runs_around(inside) == (True, True)
+    assert percolates(inside) == (True, True)
 
 
 def test_a_profile_runs_around_along_the_axis_it_does_not_vary_along():
-    assert runs_around(np.array([[True, False, False]])) == (True, False)
-    assert runs_around(np.array([[False], [True], [True]])) == (False, True)
-    assert runs_around(np.zeros((3, 3), bool)) == (False, False)
-    assert runs_around(np.ones((3, 3), bool)) == (True, True)
+    assert percolates(np.array([[True, False, False]])) == (True, False)
+    assert percolates(np.array([[False], [True], [True]])) == (False, True)
+    assert percolates(np.zeros((3, 3), bool)) == (False, False)
+    assert percolates(np.ones((3, 3), bool)) == (True, True)
 
 
 def test_regions_are_numbered_with_what_they_do():
@@ -115,7 +115,7 @@ def test_runs_and_labels_tell_the_same_of_every_level(seed):
         gap[generator.random(gap.shape) < generator.uniform(0, 0.6)] = 0
         regions = Regions(gap.astype(precision))
         for level in np.unique(gap.astype(precision))[:50]:
-            assert regions.run_around(float(level)) == runs_around(gap.astype(precision) >= level)
+            assert regions.percolates(float(level)) == percolates(gap.astype(precision) >= level)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -407,7 +407,7 @@ def test_a_gap_closes_near_42_percent_of_contact():
             solved = rc.solve_contact(height, contact_modulus=1.0, mean_pressure=load, tolerance=1e-3)
             touching = solved["pressure"].values[0] > 0
             openness.area = touching.mean()
-            return 0.5 if any(runs_around(~touching)) else -0.5
+            return 0.5 if any(percolates(~touching)) else -0.5
 
         brentq(openness, 1e-5, 1e-2, xtol=1e-6)
         closing.append(openness.area)

@@ -17,7 +17,7 @@ from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import Iterate, first_guess_on_grid, solve_on_grid
 from roughcontact.contact.line_search import LineSearch, minimize_between
 from roughcontact.contact.nested_iteration import COARSE_TOLERANCE, _highest_part, first_guess, nested_heights
-from roughcontact.contact.problem import pose
+from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.projected_gradient import project_to_load, projected_gradient_step
 from roughcontact.contact.state import contact_mean, norm, scale_below_cap, scale_to_load
 from roughcontact.contact.sweep import sweep
@@ -154,7 +154,7 @@ def test_the_floor_is_the_norm_of_white_noise_of_the_size_of_rounding(precision,
 
 def test_a_result_is_in_the_precision_asked_for_even_where_the_steps_need_more():
     """Else a file in single precision would round it again, after its bound."""
-    problem = pose(rough_reference_surface(64), precision=SINGLE, threads=1)
+    problem = nondimensionalise(rough_reference_surface(64), precision=SINGLE, threads=1)
     single, exact = (
         next(sweep(problem, [1e-7], tolerance=tolerance, precision=precision, threads=1))
         for precision, tolerance in ((SINGLE, 1e-4), (DOUBLE, 1e-10))
@@ -488,7 +488,7 @@ def test_a_first_guess_is_as_good_as_it_is_said_to_be():
 
 def test_a_sweep_counts_every_application_and_solves_each_load_as_if_alone():
     surface = height_map(1e-6 * rough(128), (1e-6, 1e-6))
-    problem = pose(surface)
+    problem = nondimensionalise(surface)
     loads = [0.05, 0.1, 3.0]
     together = list(sweep(problem, loads, tolerance=1e-5, threads=1))
     for load, solution in zip(loads, together, strict=True):
@@ -505,7 +505,9 @@ def test_a_sweep_counts_every_application_and_solves_each_load_as_if_alone():
 
 
 def test_a_flat_map_takes_no_application():
-    (solution,) = sweep(pose(height_map(np.zeros((4, 6)), 1e-6)), [0.7], tolerance=1e-4, threads=1)
+    (solution,) = sweep(
+        nondimensionalise(height_map(np.zeros((4, 6)), 1e-6)), [0.7], tolerance=1e-4, threads=1
+    )
     assert (solution.state.pressure == 0.7).all()
     assert (solution.applications, solution.steps, solution.error_bound) == (0, 0, 0)
 
@@ -519,6 +521,6 @@ def test_long_profiles_take_few_applications(hurst, load):
     amplitude = np.where(waves > 0, np.maximum(waves, 1), np.inf) ** -(hurst + 0.5)
     noise = np.fft.rfft(np.random.default_rng(5).standard_normal(points))
     profile = height_map(np.fft.irfft(amplitude * noise, n=points)[None, :], 1.0)
-    (solution,) = sweep(pose(profile), [load], tolerance=1e-4, threads=1)
+    (solution,) = sweep(nondimensionalise(profile), [load], tolerance=1e-4, threads=1)
     assert solution.error_bound <= 1e-4
     assert solution.applications <= 20

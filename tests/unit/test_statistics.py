@@ -16,7 +16,7 @@ from roughcontact.results.storage import opened_dataset, read_dataset, write_dat
 from roughcontact.statistics import contact_geometry
 from roughcontact.statistics.contact_statistics import (
     contact_statistics,
-    statistics_of,
+    statistics_function,
     with_uncertainty,
 )
 from roughcontact.variables import describe
@@ -446,7 +446,7 @@ def test_statistics_while_solving_are_those_of_the_kept_fields():
     wave = rough_reference_surface(64)
     arguments = {"contact_modulus": 1.0, "mean_pressure": [0.05, 0.2]}
     kept = contact_statistics(solve_contact(wave, **arguments))
-    once = statistics_of(wave, contact_modulus=1.0)  # the surface counted once for all loads
+    once = statistics_function(wave, contact_modulus=1.0)  # the surface counted once for all loads
     for count in (contact_statistics, once):
         reduced = solve_contact(wave, **arguments, reduce=count)
         assert set(reduced.variables) == set(kept.variables) - {

@@ -5,7 +5,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
-from roughcontact.connectivity import runs_around
+from roughcontact.connectivity import percolates
 from roughcontact.maps import height_map
 from roughcontact.references import closed_forms
 from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
@@ -123,7 +123,7 @@ def test_loads_of_the_settings():
     both = loads_of(mean_pressure=["2 MPa"], target_area=0.3)
     assert both == [2e6, found]
     assert len(loads_of(target_area=[0.1, 0.3], target="percolation")) >= 3
-    assert not runs_around(np.zeros((2, 2), bool))[0]
+    assert not percolates(np.zeros((2, 2), bool))[0]
 
 
 def test_a_gap_that_is_closed_at_any_load_is_said_to_be_so():

@@ -22,14 +22,16 @@ if "contact" in steps:
     path, own = FILES["contact"], of_step["contact"]
     if settings["contact"]["keep_fields"]:
         with written_load_by_load(path, solver["mean_pressure"], window) as file:
-            solution, counted, for_budget = pipeline.solve_and_count(window, settings, shown, keep=file.keep)
+            solution, statistics_of_loads, for_budget = pipeline.solve_and_evaluate(
+                window, settings, shown, store=file.keep
+            )
             save(solution.assign(height=window), path, own, source=window.attrs, into=file)
     else:
-        solution, counted, for_budget = pipeline.solve_and_count(window, settings, shown)
+        solution, statistics_of_loads, for_budget = pipeline.solve_and_evaluate(window, settings, shown)
         save(solution, path, own, source=window.attrs)
 elif "statistics" in steps:
     with opened_dataset(FILES["contact"]) as contact:  # load by load: the maps are large
-        counted = pipeline.counter(window, settings)(contact).load()
+        statistics_of_loads = pipeline.statistics_of_settings(window, settings)(contact).load()
 
 if "uncertainty" in steps:
     with opened_dataset(FILES["levelled"]) as levelled:  # read on demand, not beside the solution
@@ -38,9 +40,11 @@ if "uncertainty" in steps:
 
 if "statistics" in steps:
     budget = read_dataset(FILES["uncertainty"])
-    statistics = pipeline.complete_statistics(counted, window, budget, settings, threads=snakemake.threads)
+    statistics = pipeline.complete_statistics(
+        statistics_of_loads, window, budget, settings, threads=snakemake.threads
+    )
     save(statistics, FILES["statistics"], of_step["statistics"], source=window.attrs)
-    del window, counted
+    del window, statistics_of_loads
 
 drawn = ("height", "counter_face", "levelled", "window", "contact", "statistics")
 write_panel(

@@ -30,8 +30,8 @@ def connected_regions(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     ([3, 0, 0, 3], [[False, False], [False, True], [False, False], [False, False]])
     """
     labels, roots, around = _joined_over_seams(inside)
-    kept, number = np.unique(roots, return_inverse=True)
-    return number[labels], around[kept]
+    roots_of_regions, number = np.unique(roots, return_inverse=True)
+    return number[labels], around[roots_of_regions]
 
 
 def region_sizes(inside: np.ndarray) -> np.ndarray:
@@ -48,14 +48,14 @@ def region_sizes(inside: np.ndarray) -> np.ndarray:
     labels, roots, _ = _joined_over_seams(inside)
     sizes = np.zeros(roots.size, int)
     for rows in np.array_split(labels, -(-labels.size // _BLOCK)):
-        found = np.bincount(rows.ravel())
-        sizes[: found.size] += found
+        counts = np.bincount(rows.ravel())
+        sizes[: counts.size] += counts
     sizes[0] = 0
     total = np.bincount(roots, sizes).astype(int)
     return total[total > 0]
 
 
-def runs_around(inside: np.ndarray) -> tuple[bool, bool]:
+def percolates(inside: np.ndarray) -> tuple[bool, bool]:
     """Return whether any region (`connected_regions`) of a periodic map percolates along y, and along x.
 
     Examples
@@ -64,7 +64,7 @@ def runs_around(inside: np.ndarray) -> tuple[bool, bool]:
 
     >>> import numpy as np
     >>> corners = np.eye(4, dtype=bool)
-    >>> runs_around(corners | np.roll(corners, 1, axis=0)), runs_around(corners)
+    >>> percolates(corners | np.roll(corners, 1, axis=0)), percolates(corners)
     ((True, True), (False, False))
     """
     along_y, along_x = _joined_over_seams(inside)[2].T
@@ -91,16 +91,16 @@ def _joined_over_seams(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
         return root, y, x
 
     for axis, last, first in ((0, labels[-1], labels[0]), (1, labels[:, -1], labels[:, 0])):
-        both = (last > 0) & (first > 0)
-        for a, b in np.unique(np.stack([last[both], first[both]], axis=1), axis=0).tolist():
-            (root, y, x), (other, other_y, other_x) = root_of(a), root_of(b)
+        adjacent = (last > 0) & (first > 0)
+        for a, b in np.unique(np.stack([last[adjacent], first[adjacent]], axis=1), axis=0).tolist():
+            (root, y, x), (neighbour, other_y, other_x) = root_of(a), root_of(b)
             # the seam connects `a` with the next periodic image of `b`
             apart = y - other_y + (axis == 0), x - other_x + (axis == 1)
-            if root == other:
+            if root == neighbour:
                 around[root] |= np.array(apart) != 0
             else:
-                above[other] = root, *apart
-                around[root] |= around[other]
+                above[neighbour] = root, *apart
+                around[root] |= around[neighbour]
     roots = np.arange(count + 1)
     for name in list(above):
         roots[name] = root_of(name)[0]

@@ -79,7 +79,7 @@ def evaluate(
     """
     if not isinstance(source, str | PathLike):
         source = labelled_in_si(check_labelled(source))
-    given = {
+    sections = {
         "level": level,
         "window": window,
         "contact": contact,
@@ -89,10 +89,10 @@ def evaluate(
     }
     if file and isinstance(source, xr.DataArray):
         raise SettingsError(f"{', '.join(file)}: of a file, the source is a map; read it with them")
-    full = resolve({section: dict(values) for section, values in given.items() if values is not None})[""]
+    full = resolve({section: dict(values) for section, values in sections.items() if values is not None})[""]
     height = source if isinstance(source, xr.DataArray) else read_height_map(source, **file)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HeightMapWarning)  # of every solution; said once below
-        found = run_chain(height, full, threads=threads)
-    warn_of_map(found.window.shape, float(found.statistics["rms_gradient"]), stacklevel=3)
-    return found.statistics
+        result = run_chain(height, full, threads=threads)
+    warn_of_map(result.window.shape, float(result.statistics["rms_gradient"]), stacklevel=3)
+    return result.statistics

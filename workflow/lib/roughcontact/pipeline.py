@@ -18,7 +18,7 @@ from roughcontact.errors import HeightMapError
 from roughcontact.levelling.level import level
 from roughcontact.results.storage import provenance, written_load_by_load
 from roughcontact.statistics.checks import with_verdicts
-from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statistics_of, with_uncertainty
+from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statistics_function, with_uncertainty
 from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.instrument_checks import instrument_kind
 from roughcontact.statistics.subsurface import with_subsurface_yield
@@ -36,7 +36,7 @@ SECTIONS = ("level", "window", "contact", "statistics", "uncertainty", "instrume
 
 Settings = Mapping[str, Mapping[str, Any]]
 Progress = Callable[[int, int, str], None]
-Count = Callable[[xr.Dataset], xr.Dataset]
+StatisticsFunction = Callable[[xr.Dataset], xr.Dataset]
 
 
 class Chain(NamedTuple):
@@ -60,7 +60,7 @@ def run_chain(
     settings: Settings,
     *,
     threads: int = 1,
-    progress: Callable[[int, int | None, str], None] = lambda done, total, text: None,
+    progress: Callable[[int, int | None, str], None] = lambda solved, total, text: None,
     fields: Path | None = None,
 ) -> Chain:
     """Run the chain on a map in memory.
@@ -95,17 +95,17 @@ def run_chain(
         "source_sha256": str(height.attrs.get("source_sha256", "")),
         "history": str(window.attrs.get("history", "")),
     }
-    shown = solver | {"progress": progress}
+    with_progress = solver | {"progress": progress}
     if fields is None:
-        found = solve_and_count(window, settings, shown)
+        result = solve_and_evaluate(window, settings, with_progress)
     else:
         with written_load_by_load(fields, solver["mean_pressure"], window) as file:
-            found = solve_and_count(window, settings, shown, keep=file.keep)
-            solution = found.solution.assign(height=window)
+            result = solve_and_evaluate(window, settings, with_progress, store=file.keep)
+            solution = result.solution.assign(height=window)
             file.complete(solution.assign_attrs(provenance(**origin, stage="contact")))
     progress(loads, loads, "error budget")
-    budget = bound_error(levelled, window, settings, solver, found.for_budget)
-    statistics = complete_statistics(found.statistics, window, budget, settings, threads=threads)
+    budget = bound_error(levelled, window, settings, solver, result.for_budget)
+    statistics = complete_statistics(result.statistics, window, budget, settings, threads=threads)
     return Chain(levelled, window, statistics.assign_attrs(provenance(**origin, stage="statistics")))
 
 
@@ -177,8 +177,12 @@ class Solved(NamedTuple):
     for_budget: xr.Dataset | None
 
 
-def solve_and_count(
-    window: xr.DataArray, settings: Settings, solver: Mapping[str, Any], *, keep: Count | None = None
+def solve_and_evaluate(
+    window: xr.DataArray,
+    settings: Settings,
+    solver: Mapping[str, Any],
+    *,
+    store: StatisticsFunction | None = None,
 ) -> Solved:
     """Solve the contact load by load, and compute the statistics of each solution before the next one.
 
@@ -190,40 +194,40 @@ def solve_and_count(
         the sections `contact` (only its `bodies` are used here), `statistics` and `uncertainty`.
     solver : mapping
         from `solver_arguments`; `progress` may be added.
-    keep : callable, optional
+    store : callable, optional
         receives the solution of each load, with its fields: `LoadByLoad.keep`.
     """
-    count, bounded = counter(window, settings), bool(settings["uncertainty"]["sources"])
-    counted: dict[float, xr.Dataset] = {}
+    count, bounded = statistics_of_settings(window, settings), bool(settings["uncertainty"]["sources"])
+    statistics: dict[float, xr.Dataset] = {}
     inputs: dict[float, xr.Dataset] = {}
 
-    def take(piece: xr.Dataset) -> xr.Dataset:
+    def take(load_dataset: xr.Dataset) -> xr.Dataset:
         """Keep and count one load, and remove it from the solution."""
-        if keep is not None:
-            keep(piece)
-        load = float(piece["mean_pressure"][0])
-        counted[load] = count(piece)
+        if store is not None:
+            store(load_dataset)
+        load = float(load_dataset["mean_pressure"][0])
+        statistics[load] = count(load_dataset)
         if bounded:
-            inputs[load] = budget_inputs(piece, counted[load])
+            inputs[load] = budget_inputs(load_dataset, statistics[load])
         return xr.Dataset()
 
     solution = solve_contact(window, **solver, reduce=take)
     loads = list(map(float, solution["mean_pressure"]))
     return Solved(
         solution[[*SOLUTION_COLUMNS, *({"hardness"} & {*solution})]],
-        describe(joined([counted[load] for load in loads])),
+        describe(joined([statistics[load] for load in loads])),
         joined([inputs[load] for load in loads]) if bounded else None,
     )
 
 
-def counter(window: xr.DataArray, settings: Settings) -> Count:
+def statistics_of_settings(window: xr.DataArray, settings: Settings) -> StatisticsFunction:
     """Return the function that computes the statistics of solutions of one map.
 
     It takes the dataset of a solution with its fields and returns one as of `contact_statistics`. Numbers of
     the map are computed once. The sections `contact` and `statistics` of the settings are used.
     """
     contact = settings["contact"]
-    return statistics_of(
+    return statistics_function(
         window,
         contact_modulus=contact["contact_modulus"],
         bodies=contact["bodies"],
@@ -232,14 +236,14 @@ def counter(window: xr.DataArray, settings: Settings) -> Count:
 
 
 def complete_statistics(
-    counted: xr.Dataset, window: xr.DataArray, budget: xr.Dataset, settings: Settings, *, threads: int = 1
+    statistics: xr.Dataset, window: xr.DataArray, budget: xr.Dataset, settings: Settings, *, threads: int = 1
 ) -> xr.Dataset:
     """Return the statistics with first yield, intervals, subsurface stresses, verdicts and reasons.
 
     Parameters
     ----------
-    counted : Dataset
-        of `solve_and_count`.
+    statistics : Dataset
+        of `solve_and_evaluate`.
     window : DataArray (y, x), m
         the solved map, with the attributes of reading, levelling and windowing.
     budget : Dataset
@@ -249,17 +253,19 @@ def complete_statistics(
     threads : int
         of the solutions on the way to first yield.
     """
-    yielding = with_first_yield(counted, window, settings["contact"], threads=threads)
+    yielding = with_first_yield(statistics, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
     stated = stated_instrument(window, settings.get("instrument"))
-    known: dict[str, Any] = {
+    properties: dict[str, Any] = {
         f"instrument_{key}": value for key, value in stated.items() if isinstance(value, float)
     }
     if aperture := stated.get("numerical_aperture"):
-        known["instrument_lateral_period_limit"] = lateral_period_limit(aperture, stated.get("wavelength"))
+        properties["instrument_lateral_period_limit"] = lateral_period_limit(
+            aperture, stated.get("wavelength")
+        )
     # what a group of maps has to have in common
-    known |= {key: window.attrs[key] for key in _BAND if key in window.attrs}
+    properties |= {key: window.attrs[key] for key in _BAND if key in window.attrs}
     if all(settings["contact"].get(key) is None for key in ("mean_pressure", "relative_pressure")):
-        known["loads"] = "found"  # planned, or for a target
-    known["measured_by"] = instrument_kind(window.attrs).name
-    return with_verdicts(complete.assign_attrs(known), window)
+        properties["loads"] = "found"  # planned, or for a target
+    properties["measured_by"] = instrument_kind(window.attrs).name
+    return with_verdicts(complete.assign_attrs(properties), window)

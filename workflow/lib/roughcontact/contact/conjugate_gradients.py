@@ -29,18 +29,21 @@ def conjugate_gradients(
     .. [1] Hestenes and Stiefel (1952), J. Res. Natl. Bur. Stand. 49, 409.
     """
     xp = namespace(residual)
-    inside, places = xp.astype(active, residual.dtype), xp.nonzero(xp.reshape(active, (-1,)))[0]
+    inside, active_points = xp.astype(active, residual.dtype), xp.nonzero(xp.reshape(active, (-1,)))[0]
 
     def centred(field: Array) -> Array:
         """Take the mean off the active points, in place, and everything off the others."""
-        field -= mean(xp.take(xp.reshape(field, (-1,)), places))
+        field -= mean(xp.take(xp.reshape(field, (-1,)), active_points))
         field *= inside
         return field
 
-    left, z = centred(xp.asarray(residual, copy=True)), centred(xp.asarray(preconditioned, copy=True))
+    current_residual, z = (
+        centred(xp.asarray(residual, copy=True)),
+        centred(xp.asarray(preconditioned, copy=True)),
+    )
     del residual, preconditioned
-    direction, solution = z, xp.zeros_like(left)
-    rz = mean_product(left, z)
+    direction, solution = z, xp.zeros_like(current_residual)
+    rz = mean_product(current_residual, z)
     while True:
         yield solution, rz
         displaced = centred(grid.halfspace.displacement(direction))
@@ -49,11 +52,11 @@ def conjugate_gradients(
             return
         length = rz / curvature
         displaced *= length
-        left -= displaced
+        current_residual -= displaced
         del displaced, z  # no more large maps in memory than necessary
         solution += length * direction
-        left = centred(left)
-        z = centred(grid.precondition_on_last_set(left))
-        before, rz = rz, mean_product(left, z)
+        current_residual = centred(current_residual)
+        z = centred(grid.precondition_on_last_set(current_residual))
+        before, rz = rz, mean_product(current_residual, z)
         direction *= rz / before
         direction += z

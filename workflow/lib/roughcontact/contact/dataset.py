@@ -135,12 +135,12 @@ def fields_in_units(
     return FieldsInUnits(pressure, gap, contact, least_gap, total, yielded)
 
 
-def joined(pieces: Sequence[xr.Dataset]) -> xr.Dataset:
+def joined(load_datasets: Sequence[xr.Dataset]) -> xr.Dataset:
     """Return the datasets of the loads, from `as_dataset`, as one."""
-    if len(pieces) == 1:
-        return pieces[0]
+    if len(load_datasets) == 1:
+        return load_datasets[0]
     return xr.concat(
-        pieces,
+        load_datasets,
         dim="load",
         data_vars="minimal",
         coords="minimal",

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.contact.dataset import fields_in_units
-from roughcontact.contact.problem import pose
+from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.solve import MOST_LOAD, elasticity
 from roughcontact.contact.sweep import sweep
 from roughcontact.kernels.arrays import SINGLE
@@ -55,9 +55,9 @@ def solved_fields(
     modulus, layers = elasticity(contact.get("contact_modulus"), contact.get("bodies"))
     loads = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
     hardness, threads = contact.get("hardness"), contact.get("threads", 1)
-    problem = pose(window, threads=threads)
+    problem = nondimensionalise(window, threads=threads)
     if loads.max() > 0.5 * MOST_LOAD * modulus * problem.gradient:  # rounding errors only, after levelling
-        problem = pose(xr.zeros_like(window), threads=threads)
+        problem = nondimensionalise(xr.zeros_like(window), threads=threads)
     unit = modulus * problem.gradient if not problem.flat else modulus
     order = np.argsort(loads, kind="stable")
     solutions = sweep(

@@ -178,14 +178,14 @@ class Grid:
         self.kernels.masked_residual(state.pressure, state.separation, state.offset, self.cap, values, *cells)
         if interpolation.bends:
             self._foresee_violations(state, workspace)
-        self._interpolate(workspace, known=not interpolation.bends)
+        self._interpolate(workspace, share_known=not interpolation.bends)
         predict = predict and not self._elongated
         if predict:
             weights, stiffness = self._local_stiffness()
             self.kernels.predict_active(
                 state.pressure, field, weights, STIFFNESS_SHARE * stiffness, self.cap, values, *cells
             )
-            self._interpolate(workspace, known=True)
+            self._interpolate(workspace, share_known=True)
         spectrum, energy = self.halfspace.pressure_spectrum(field)
         return Residual(spectrum, precision, energy, certifies=not predict)
 
@@ -222,27 +222,27 @@ class Grid:
         """
         kernels, cap = self.kernels, self.cap
         workspace = self._workspace_in(precision_of(correction.field))
-        interpolation, taken, values = workspace.interpolation, correction.field, workspace.values
+        interpolation, removed_load, values = workspace.interpolation, correction.field, workspace.values
         safe = 0.0
         if cap < np.inf:  # half the stiffness of the residual, <r, M r> / <r, r>, while that is there
             square = mean_product(values, values)
             safe = 0.5 * correction.energy / square if square > 0 else 0.0
         cells = interpolation.factors, interpolation.share
         kernels.advance(
-            *(state.pressure, taken, correction.passed, correction.coarse, interpolation.factors),
+            *(state.pressure, removed_load, correction.passed, correction.coarse, interpolation.factors),
             *(correction.mean, length, cap, out, values, interpolation.share),
         )
         free = values  # the same array: no longer a residual, but 1 between the bounds and 0 elsewhere
-        line_loads = None if self._line_axis is None else self._line_sums(out) + self._line_sums(taken)
+        line_loads = None if self._line_axis is None else self._line_sums(out) + self._line_sums(removed_load)
         total = 0.0
-        most, small = self._passes
-        for number in range(most):
+        max_passes, small_share = self._passes
+        for number in range(max_passes):
             if number > 0:
-                kernels.project(out, cap, taken, free, *cells)
+                kernels.project(out, cap, removed_load, free, *cells)
             interpolation.set_active(free, share_known=True)
-            scratch = self.halfspace.scratch(precision_of(taken))
-            outside, total = interpolation.redistribute(taken, out, cap, scratch)
-            if outside <= small * total:
+            scratch = self.halfspace.scratch(precision_of(removed_load))
+            outside, total = interpolation.redistribute(removed_load, out, cap, scratch)
+            if outside <= small_share * total:
                 break
         if total <= 0:  # a load far below the residual was lost to rounding: stay, safe steps follow
             return scale_to_load(state.pressure, mean_pressure, cap=cap, precision=precision_of(out))
@@ -344,13 +344,13 @@ class Grid:
         factor = 1.0 if layers is None else float(layers.factor(np.array([np.pi / pitch]))[0])
         return weights, 0.5 * np.pi / pitch / (4 * across + 8 * diagonal) / factor
 
-    def _interpolate(self, workspace: "Workspace", *, known: bool) -> None:
+    def _interpolate(self, workspace: "Workspace", *, share_known: bool) -> None:
         """Put P of the workspace's values, zero at the inactive points, into its field.
 
         `known`: their shares and means are in the interpolation already.
         """
-        workspace.interpolation.set_active(workspace.values, share_known=known)
-        workspace.interpolation.prolong(workspace.values, workspace.field, means_known=known)
+        workspace.interpolation.set_active(workspace.values, share_known=share_known)
+        workspace.interpolation.prolong(workspace.values, workspace.field, means_known=share_known)
 
     def _foresee_violations(self, state: State, workspace: "Workspace") -> None:
         """Put those points of a bound into the active set that will violate it.
@@ -359,13 +359,13 @@ class Grid:
         a little too low overlaps far and wide, and lifts off with that correction; points without pressure
         are active that will overlap then, points at the cap whose gap will open.
         """
-        values, without, full = workspace.values, state.pressure <= 0, state.pressure >= self.cap
+        values, unloaded, at_cap = workspace.values, state.pressure <= 0, state.pressure >= self.cap
         xp = namespace(values)
-        values[...] = xp.where(without | full, xp.zeros_like(values), values)
-        self._interpolate(workspace, known=False)
+        values[...] = xp.where(unloaded | at_cap, xp.zeros_like(values), values)
+        self._interpolate(workspace, share_known=False)
         gap = in_precision(state.gap, precision_of(values), copy=False)
         gap = xp.where(gap == 0, xp.full_like(gap, CLOSED), gap)
-        foreseen = (without & (gap < workspace.field)) | (full & (gap > workspace.field))
+        foreseen = (unloaded & (gap < workspace.field)) | (at_cap & (gap > workspace.field))
         values[...] = xp.where(foreseen, gap, values)
 
     def _restrict(self, workspace: "Workspace") -> float:
@@ -377,9 +377,11 @@ class Grid:
         """Scale every line of `pressure` to the load that it had; points at the cap stay there."""
         xp = namespace(pressure)
         free = xp.where(pressure < self.cap, pressure, xp.zeros_like(pressure))
-        found, at_cap = self._line_sums(free), self._line_sums(pressure - free)
-        factor = xp.clip(line_loads - at_cap, 0, None) / xp.where(found > 0, found, xp.ones_like(found))
-        if float(xp.sum(factor * found)) > 0:
+        free_load, at_cap = self._line_sums(free), self._line_sums(pressure - free)
+        factor = xp.clip(line_loads - at_cap, 0, None) / xp.where(
+            free_load > 0, free_load, xp.ones_like(free_load)
+        )
+        if float(xp.sum(factor * free_load)) > 0:
             pressure += free * xp.astype(factor - 1, pressure.dtype)
 
     def _line_sums(self, field: Array) -> Array:

@@ -161,18 +161,18 @@ class Interpolation:
             if self._small is not None and number == self._small.first:
                 self._small.weigh()
                 break
-            parts = grid.empty if number else self.share
+            fine_share = grid.empty if number else self.share
             coarser = self.grids[number + 1] if number + 1 < len(self.grids) else None
             if grid.line_gain is None:
-                given = parts, grid.work, grid.factors, grid.arrangement, grid.empty, grid.gain
+                weigh_arguments = fine_share, grid.work, grid.factors, grid.arrangement, grid.empty, grid.gain
                 if coarser is None:  # nothing needs the means: into workspace of the same shape
-                    kernels.weigh(*given, (1, 1), *self._sweep_work)
+                    kernels.weigh(*weigh_arguments, (1, 1), *self._sweep_work)
                 else:
-                    kernels.weigh(*given, coarser.factors, coarser.empty, coarser.work)
+                    kernels.weigh(*weigh_arguments, coarser.factors, coarser.empty, coarser.work)
                 continue
             # every line that is in contact at all counts as one full cell
-            touched = xp.astype(parts > 0, parts.dtype)
-            grid.line_gain[...] = touched / xp.where(touched > 0, parts, xp.ones_like(touched))
+            touched = xp.astype(fine_share > 0, fine_share.dtype)
+            grid.line_gain[...] = touched / xp.where(touched > 0, fine_share, xp.ones_like(touched))
             grid.gain[...], grid.empty[...] = touched, 1 - touched
             if coarser is not None:
                 kernels.block_mean(touched, coarser.factors, coarser.work)
@@ -185,10 +185,10 @@ class Interpolation:
         xp = namespace(self.active)
         finer = self.active
         for grid, factor in zip(self.grids, factors, strict=True):
-            parts, weight = grid.work, 1 - grid.empty  # of the finest grid: the share
+            cell_share, weight = grid.work, 1 - grid.empty  # of the finest grid: the share
             if grid is not self.grids[0]:
-                self.kernels.block_mean(finer, grid.factors, parts)
-            share = xp.where(parts > 0, parts, xp.ones_like(parts))
+                self.kernels.block_mean(finer, grid.factors, cell_share)
+            share = xp.where(cell_share > 0, cell_share, xp.ones_like(cell_share))
             if grid.line_gain is None:
                 weight = factor * weight / (1 + (factor - 1) * weight)
                 grid.gain[...] = weight / share
@@ -224,15 +224,17 @@ class Interpolation:
         restricted = self.restricted_to_coarse(field, scratch)
         return self.kernels.finish_restriction(field, scratch, restricted, self.factors, self.active)
 
-    def redistribute(self, taken: Array, pressure: Array, cap: float, scratch: Array) -> tuple[float, float]:
+    def redistribute(
+        self, removed_load: Array, pressure: Array, cap: float, scratch: Array
+    ) -> tuple[float, float]:
         """Add the load P^T `taken`, which is zero on C, to the `pressure`.
 
         Returns how much of the pressure then lies outside [0, `cap`], and the sum of the pressure projected
         onto this interval. `taken` and `scratch` are overwritten.
         """
-        restricted = self.restricted_to_coarse(taken, scratch)
+        restricted = self.restricted_to_coarse(removed_load, scratch)
         if self._spares:
-            scratch += taken  # which holds, on C, the load from all sweeps but the last
+            scratch += removed_load  # which holds, on C, the load from all sweeps but the last
         return self.kernels.redistribute(pressure, scratch, restricted, self.factors, self.active, cap)
 
     def _prolonged(self, number: int) -> Array:

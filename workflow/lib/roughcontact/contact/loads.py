@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_positive
-from roughcontact.contact.problem import pose
+from roughcontact.contact.problem import nondimensionalise
 from roughcontact.errors import HeightMapError, SettingsError
 
 # 1-2-5 steps of p / (E* g), from below 1 % to near full contact of a random surface (A = erf(sqrt(2) p'))
@@ -65,7 +65,7 @@ def plan_loads(
         return check_loads("mean_pressure", mean_pressure, unit="Pa")
     relative = DEFAULT_PLAN if relative_pressure is None else relative_pressure
     relative = check_loads("relative_pressure", relative, unit="units of E* x rms gradient")
-    gradient = pose(window).gradient
+    gradient = nondimensionalise(window).gradient
     if gradient == 0:
         raise HeightMapError(
             "the map is flat: loads relative to its rms gradient mean nothing; give mean_pressure in Pa"

@@ -57,12 +57,14 @@ def first_guess(
     """
     pressure, steps = _highest_part(fluctuation, load), 0
     for number in range(len(grids) - 1, 0, -1):
-        found, taken = first_guess_on_grid(grids[number], pressure, load, tolerance=COARSE_TOLERANCE)
-        steps += taken
-        found = in_precision(found, SINGLE, copy=False)  # a stiff grid finishes in double
+        coarse_pressure, iterations = first_guess_on_grid(
+            grids[number], pressure, load, tolerance=COARSE_TOLERANCE
+        )
+        steps += iterations
+        coarse_pressure = in_precision(coarse_pressure, SINGLE, copy=False)  # a stiff grid finishes in double
         finer = grids[number - 1]
-        pressure = empty(found, SINGLE, finer.shape)
-        finer.refine(found, factors[number - 1], pressure)
+        pressure = empty(coarse_pressure, SINGLE, finer.shape)
+        finer.refine(coarse_pressure, factors[number - 1], pressure)
     return pressure, steps
 
 

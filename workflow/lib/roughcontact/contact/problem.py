@@ -84,7 +84,7 @@ def check_window(window: xr.DataArray) -> None:
             )
 
 
-def pose(
+def nondimensionalise(
     window: xr.DataArray,
     *,
     precision: str = DOUBLE,
@@ -101,23 +101,23 @@ def pose(
     HeightMapError
         for a map with missing heights, and for those that `check_window` rejects.
     """
-    given, window = check_labelled(window).data, on_host(window)
+    labelled_heights, window = check_labelled(window).data, on_host(window)
     check_window(window)
     steps = spacing(window)
     lengths = window.shape[0] * steps[0], window.shape[1] * steps[1]
-    kind = np.float32 if precision == SINGLE and window.dtype == np.float32 else np.float64
-    heights = np.require(window.values, dtype=kind, requirements=["C", "A", "W"])
-    if window.data is not given:
-        heights = like_array(heights, given)
+    dtype = np.float32 if precision == SINGLE and window.dtype == np.float32 else np.float64
+    heights = np.require(window.values, dtype=dtype, requirements=["C", "A", "W"])
+    if window.data is not labelled_heights:
+        heights = like_array(heights, labelled_heights)
     if arrays is not None:
         heights = arrays(heights)
-    least, most, missing = kernels_for(heights, threads=threads).extent(heights)
+    lowest, highest, missing = kernels_for(heights, threads=threads).extent(heights)
     if missing:
         raise HeightMapError(
             f"{missing} of {window.size} heights are missing or infinite; fill or crop them first "
             "(level fills holes, periodic_window crops missing edges)"
         )
-    heights_reach = max(abs(least), abs(most))
+    heights_reach = max(abs(lowest), abs(highest))
     if heights_reach > LARGEST or not SMALLEST <= min(steps) <= max(steps) <= LARGEST:
         raise HeightMapError(
             f"heights of up to {heights_reach:g} m on pixels of {steps[1]:g} m x {steps[0]:g} m are beyond "
@@ -125,16 +125,16 @@ def pose(
         )
     unit = float(np.sqrt(lengths[0] * lengths[1]))
     gradient = rms_gradient(window, threads=threads)
-    if most > least and not SMALLEST <= gradient <= LARGEST:
+    if highest > lowest and not SMALLEST <= gradient <= LARGEST:
         raise HeightMapError(
-            f"heights from {least:g} m to {most:g} m have an rms gradient of {gradient:g}, beyond the "
+            f"heights from {lowest:g} m to {highest:g} m have an rms gradient of {gradient:g}, beyond the "
             "computable range; check the units"
         )
     return Problem(
         heights=heights,
         lengths=(lengths[0] / unit, lengths[1] / unit),
         unit_length=unit,
-        reference=0.5 * (least + most),
+        reference=0.5 * (lowest + highest),
         gradient=gradient,
         spacing=steps,
     )

@@ -115,11 +115,11 @@ def linear_response(
         contact,
     )
     for step, (correction, rz) in enumerate(steps):
-        least = energy - mean_product(residual, correction)  # <x - d, G (x - d)>
-        if rz <= tolerance**2 * least or step == MAX_STEPS:
+        energy_lower_bound = energy - mean_product(residual, correction)  # <x - d, G (x - d)>
+        if rz <= tolerance**2 * energy_lower_bound or step == MAX_STEPS:
             break
     if yielded is not None and yielded.any():
         even = contact * correction.dtype.type(1 / contact.mean())
         displaced = grid.halfspace.displacement(even - correction)
-        least -= float((least - displaced[yielded]).sum(dtype=float)) / yielded.size
-    return least * unit / modulus
+        energy_lower_bound -= float((energy_lower_bound - displaced[yielded]).sum(dtype=float)) / yielded.size
+    return energy_lower_bound * unit / modulus

@@ -13,7 +13,7 @@ from roughcontact.checking import check_choice, check_positive, warn_of_map
 from roughcontact.choices import SMALLEST_TOLERANCE, Influence, OnFailure, Precision, ZeroFrequency
 from roughcontact.contact.dataset import as_dataset, joined
 from roughcontact.contact.loads import check_loads
-from roughcontact.contact.problem import on_host, pose
+from roughcontact.contact.problem import nondimensionalise, on_host
 from roughcontact.contact.sweep import Solution, sweep
 from roughcontact.elasticity.halfspace import zero_frequency_compliance
 from roughcontact.elasticity.layers import LayeredPair, layered_pair
@@ -174,7 +174,7 @@ def solve_contact(
             keys=("mean_pressure",),
         )
     working = DOUBLE if precision == "double" else SINGLE
-    problem = pose(window, precision=working, arrays=arrays, threads=threads)
+    problem = nondimensionalise(window, precision=working, arrays=arrays, threads=threads)
     window = on_host(window)
     warn_of_map(window.shape, problem.gradient)
     if zero_frequency != "zero" and 1 in window.shape:
@@ -209,13 +209,13 @@ def solve_contact(
         give_up=on_failure == "raise",
         threads=threads,
     )
-    pieces: dict[int, xr.Dataset] = {}
-    for done, index in enumerate(order, start=1):
+    load_datasets: dict[int, xr.Dataset] = {}
+    for solved, index in enumerate(order, start=1):
         # no other name refers to the fields of a load while the next one is solved
         solution, load = next(solutions), loads[index]
         if solution.error_bound > tolerance and on_failure == "raise":
             raise ConvergenceError(_missed(load, solution, tolerance=tolerance, precision=precision))
-        piece = as_dataset(
+        load_dataset = as_dataset(
             solution,
             problem,
             window,
@@ -227,16 +227,18 @@ def solve_contact(
             threads=threads,
         )
         if reduce is not None:
-            reduced = _reduced(piece, reduce)
-            piece = piece.drop_dims(["y", "x"]).merge(reduced, compat="override", combine_attrs="override")
+            reduced = _reduced(load_dataset, reduce)
+            load_dataset = load_dataset.drop_dims(["y", "x"]).merge(
+                reduced, compat="override", combine_attrs="override"
+            )
         elif not fields:
-            piece = piece.drop_dims(["y", "x"])
-        pieces[int(index)] = piece
-        del solution, piece
+            load_dataset = load_dataset.drop_dims(["y", "x"])
+        load_datasets[int(index)] = load_dataset
+        del solution, load_dataset
         if progress is not None:
-            progress(done, len(loads), f"mean pressure {load:.4g} Pa")
+            progress(solved, len(loads), f"mean pressure {load:.4g} Pa")
     del solutions  # and with them their workspace
-    return describe(joined([pieces[index] for index in range(len(loads))]))
+    return describe(joined([load_datasets[index] for index in range(len(loads))]))
 
 
 def elasticity(
@@ -260,9 +262,9 @@ def elasticity(
     return modulus, layered_pair(checked)
 
 
-def _reduced(piece: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset]) -> xr.Dataset:
+def _reduced(load_dataset: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset]) -> xr.Dataset:
     """Return the dataset that a caller's function makes of a load, or raise an error for any other result."""
-    reduced = reduce(piece)
+    reduced = reduce(load_dataset)
     if not isinstance(reduced, xr.Dataset):
         raise RoughContactError(
             f"the function given as reduce returned {type(reduced).__name__}: let it return a Dataset"
@@ -272,8 +274,8 @@ def _reduced(piece: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset]) -> x
 
 def _missed(load: float, solution: Solution, *, tolerance: float, precision: Precision) -> str:
     """Return the error message for a load that misses the tolerance."""
-    other = ", take precision: double" if precision == "single" else ""
-    ways_out = f"raise the tolerance{other} or set on_failure: flag"
+    precision_hint = ", take precision: double" if precision == "single" else ""
+    ways_out = f"raise the tolerance{precision_hint} or set on_failure: flag"
     if solution.floor > tolerance:
         return (
             f"mean pressure {load:g} Pa: rounding in {precision} precision allows no error bound below "

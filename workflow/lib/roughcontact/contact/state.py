@@ -88,9 +88,9 @@ def scale_to_load(
     """
     xp, total = namespace(pressure), mean_pressure * count_of(pressure)
     if cap == np.inf:
-        wanted, scaled = precision or precision_of(pressure), pressure
-        if copy or precision_of(pressure) != wanted:
-            scaled = empty(pressure, wanted)
+        result_precision, scaled = precision or precision_of(pressure), pressure
+        if copy or precision_of(pressure) != result_precision:
+            scaled = empty(pressure, result_precision)
             scaled[...] = pressure
         kernels = kernels_for(scaled)
         kernels.rescale(scaled, total / kernels.rescale(scaled, 1.0, np.inf), np.inf)
@@ -98,23 +98,23 @@ def scale_to_load(
     positive = xp.clip(in_precision(pressure, precision or precision_of(pressure), copy=False), 0, None)
     if mean_pressure >= cap:
         raise ValueError(f"a mean pressure of {mean_pressure:g} cannot be carried below the cap {cap:g}")
-    held = pressure >= cap
+    at_cap = pressure >= cap
     rounding = 4 * float(xp.finfo(positive.dtype).eps) * total
-    if total < cap * int(xp.count_nonzero(held)) - rounding:
-        held = pressure > np.inf  # nowhere: they carry more than the load, so all are scaled down
+    if total < cap * int(xp.count_nonzero(at_cap)) - rounding:
+        at_cap = pressure > np.inf  # nowhere: they carry more than the load, so all are scaled down
     while True:
-        missing = total - cap * int(xp.count_nonzero(held))
-        rest = float(xp.sum(positive[~held], dtype=xp.float64))
+        missing = total - cap * int(xp.count_nonzero(at_cap))
+        free_load = float(xp.sum(positive[~at_cap], dtype=xp.float64))
         if abs(missing) <= rounding:  # the points at the cap carry the whole load
             scaled = xp.zeros_like(positive)
-        elif rest > 0:
-            scaled = positive * (missing / rest)
+        elif free_load > 0:
+            scaled = positive * (missing / free_load)
         else:  # all points with a pressure are at the cap: the others share the missing load
-            scaled = xp.full_like(positive, missing / int(xp.count_nonzero(~held)))
-        beyond = (scaled > cap) & ~held
-        if rest == 0 or not xp.any(beyond):
-            return xp.where(held, xp.full_like(positive, cap), scaled)
-        held |= beyond
+            scaled = xp.full_like(positive, missing / int(xp.count_nonzero(~at_cap)))
+        above_cap = (scaled > cap) & ~at_cap
+        if free_load == 0 or not xp.any(above_cap):
+            return xp.where(at_cap, xp.full_like(positive, cap), scaled)
+        at_cap |= above_cap
 
 
 def scale_below_cap(pressure: Array, mean_pressure: float, cap: float) -> float:
@@ -126,8 +126,8 @@ def scale_below_cap(pressure: Array, mean_pressure: float, cap: float) -> float:
     below = pressure < cap
     count = count_of(pressure)
     missing = mean_pressure * count - cap * (count - int(xp.count_nonzero(below)))
-    found = float(xp.sum(xp.where(below, pressure, xp.zeros_like(pressure)), dtype=xp.float64))
-    return missing / found if found > 0 else np.inf
+    free_load = float(xp.sum(xp.where(below, pressure, xp.zeros_like(pressure)), dtype=xp.float64))
+    return missing / free_load if free_load > 0 else np.inf
 
 
 def project_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.inf) -> Array:
@@ -141,17 +141,17 @@ def project_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.in
     low, high = float(xp.min(pressure)) - mean_pressure, float(xp.max(pressure))
     if top is not None:
         low -= cap
-    enough = float(xp.finfo(pressure.dtype).eps) * mean_pressure
+    rounding_floor = float(xp.finfo(pressure.dtype).eps) * mean_pressure
     shift, by_newton = 0.5 * (low + high), False
     while True:
         projected = xp.clip(pressure - shift, 0, top)
         excess = mean(projected) - mean_pressure
         low, high = (shift, high) if excess > 0 else (low, shift)
         middle = 0.5 * (low + high)
-        if abs(excess) <= enough or not low < middle < high:
+        if abs(excess) <= rounding_floor or not low < middle < high:
             return projected
-        between = int(xp.count_nonzero((projected > 0) & (projected < cap)))
-        newton = shift + excess * count_of(pressure) / max(between, 1)
+        free_points = int(xp.count_nonzero((projected > 0) & (projected < cap)))
+        newton = shift + excess * count_of(pressure) / max(free_points, 1)
         by_newton = not by_newton
         shift = newton if by_newton and low < newton < high else middle
 

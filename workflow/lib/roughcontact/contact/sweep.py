@@ -127,7 +127,7 @@ def sweep(
         if large:
             for grid in grids:
                 grid.release()
-        found = [
+        solutions = [
             Solution(
                 state=state,
                 error_bound=bound,
@@ -137,7 +137,7 @@ def sweep(
             )
         ]
         del state  # so that its memory is free for the use of the solution and for the next load
-        yield found.pop()
+        yield solutions.pop()
 
 
 def _full_contact(grids: Sequence[Grid], load: float, coarse: Array) -> tuple[Array | None, float]:
@@ -154,11 +154,11 @@ def _full_contact(grids: Sequence[Grid], load: float, coarse: Array) -> tuple[Ar
         if load < -0.99 * float(xp.min(coarse)):
             return None, np.inf
     fluctuation = grids[0].halfspace.pressure(grids[0].heights_in(DOUBLE))
-    least, most = float(xp.min(fluctuation)), float(xp.max(fluctuation))
-    if load + most > grids[0].cap:
+    lowest, highest = float(xp.min(fluctuation)), float(xp.max(fluctuation))
+    if load + highest > grids[0].cap:
         return None, np.inf
     # A load that closes the last gap exactly is full contact, whatever its rounding.
-    return fluctuation, -least - 1e-13 * (most - least)
+    return fluctuation, -lowest - 1e-13 * (highest - lowest)
 
 
 def _applications(grids: Sequence[Grid]) -> float:

@@ -93,9 +93,9 @@ def conforming_energy(
     """
     power = wave_power(height) if power is None else power
     total = 0.0
-    for q2, both in over_waves(power, height.shape, steps):
+    for q2, weight in over_waves(power, height.shape, steps):
         q = np.sqrt(q2)
         if layers is not None:
             q /= layers.factor(np.where(q > 0, q, 1.0))
-        total += float((q * both).sum())
+        total += float((q * weight).sum())
     return total * contact_modulus / 4

@@ -86,13 +86,13 @@ def _elements_over_sampled(aspect: float) -> "RectBivariateSpline":
     orders = np.arange(-_IMAGES, _IMAGES + 1)
     # the signs of the terms alternate: half of the outermost terms gives the mean of two partial sums
     weights = np.where(np.abs(orders) == _IMAGES, 0.5, 1.0)
-    own = np.hypot(2 * half_y / dy, 2 * half_x / dx)
+    nearest_image = np.hypot(2 * half_y / dy, 2 * half_x / dx)
     for m, weight_y in zip(orders, weights, strict=True):
         y = half_y + np.pi * m
         for n, weight_x in zip(orders, weights, strict=True):
             x = half_x + np.pi * n
             alias = np.hypot(2 * y / dy, 2 * x / dx)
-            share = np.divide(own, alias, out=np.ones_like(own), where=alias > 0)
+            share = np.divide(nearest_image, alias, out=np.ones_like(nearest_image), where=alias > 0)
             total += weight_y * weight_x * share * np.sinc(y / np.pi) * np.sinc(x / np.pi)
     return RectBivariateSpline(angles, angles, total)
 
@@ -116,17 +116,17 @@ def layered_elements(
     """
     pixel = spacing[1]
     aspect = float(f"{spacing[0] / pixel:.12g}")
-    others = _other_aliases(aspect, None), _other_aliases(aspect, layers.scaled(pixel))
+    alias_terms = _other_aliases(aspect, None), _other_aliases(aspect, layers.scaled(pixel))
     phase_y, phase_x = (
         np.clip(np.abs(q).ravel() * d, 0, np.pi) for q, d in zip((qy, qx), spacing, strict=True)
     )
-    own = np.sinc(phase_y / (2 * np.pi))[:, None] * np.sinc(phase_x / (2 * np.pi))
+    element_transform = np.sinc(phase_y / (2 * np.pi))[:, None] * np.sinc(phase_x / (2 * np.pi))
     row, back_y = np.unique(phase_y, return_inverse=True)
     column, back_x = np.unique(phase_x, return_inverse=True)
     symbol = layered_sampled(qy, qx, spacing, layers)
-    symbol *= own.astype(symbol.dtype)
-    for other in others:
-        symbol += (pixel * other(row, column)[np.ix_(back_y, back_x)]).astype(symbol.dtype)
+    symbol *= element_transform.astype(symbol.dtype)
+    for alias_term in alias_terms:
+        symbol += (pixel * alias_term(row, column)[np.ix_(back_y, back_x)]).astype(symbol.dtype)
     return symbol
 
 

@@ -126,7 +126,11 @@ class LayeredPair:
         """Return the bodies as the settings describe them; `layered_pair` reads them."""
         return [
             ({"base": "rigid"} if body.base is None else body.base._asdict())
-            | {"layers": [{"thickness": one.thickness, **one.material._asdict()} for one in body.layers]}
+            | {
+                "layers": [
+                    {"thickness": layer.thickness, **layer.material._asdict()} for layer in body.layers
+                ]
+            }
             for body in self.bodies
         ]
 
@@ -134,7 +138,9 @@ class LayeredPair:
         """Return the pair with its thicknesses in a `unit` of length."""
         return type(self)(
             tuple(
-                Stack(tuple(Layer(one.thickness / unit, one.material) for one in body.layers), body.base)
+                Stack(
+                    tuple(Layer(layer.thickness / unit, layer.material) for layer in body.layers), body.base
+                )
                 for body in self.bodies
             )
         )
@@ -202,12 +208,12 @@ def conducting_pair(bodies: Iterable[Mapping[str, Any]], name: str) -> Conductin
     stacks = []
     for body in bodies:
         layers = body.get("layers") or ()
-        known = [one.get(name) for one in (*layers, body)]
-        if None in known:
+        conductivities = [layer.get(name) for layer in (*layers, body)]
+        if None in conductivities:
             return None
         power = -1 if name == "electrical_resistivity" else 1
-        *above, base = (Material(2 * float(value) ** power, 0.0) for value in known)
-        thicknesses = (float(one["thickness"]) for one in layers)
+        *above, base = (Material(2 * float(value) ** power, 0.0) for value in conductivities)
+        thicknesses = (float(layer["thickness"]) for layer in layers)
         stacks.append(Stack(tuple(map(Layer, thicknesses, above)), base))
     return ConductingPair(tuple(stacks))
 
@@ -298,7 +304,7 @@ def stress_amplitudes(q: np.ndarray, body: Stack) -> Callable[[int, float], np.n
     for _, transmitted in steps[:-1]:
         tractions.append(_times(transmitted, tractions[-1]))
 
-    def at(number: int, depth: float) -> np.ndarray:
+    def stress_at(number: int, depth: float) -> np.ndarray:
         compliance, material = steps[-1][0], body.base
         if number < len(body.layers):
             thickness, material = body.layers[number]
@@ -311,7 +317,7 @@ def stress_amplitudes(q: np.ndarray, body: Stack) -> Callable[[int, float], np.n
         nu, mu = material.poissons_ratio, material.shear_modulus
         return np.stack([normal, shear, (2 * mu * stretch + nu * normal) / (1 - nu)])
 
-    return at
+    return stress_at
 
 
 def _interpolated(q: np.ndarray, body: Stack) -> Callable[[int, float], np.ndarray]:
@@ -335,17 +341,19 @@ def _of_base(base: Material | None, shape: tuple[int, ...]) -> np.ndarray:
     if base is None:
         return np.zeros((2, 2, *shape))
     nu, mu = base.poissons_ratio, base.shear_modulus
-    own = np.array([[nu - 1, 0.5 - nu], [0.5 - nu, nu - 1]]) / mu
-    return np.broadcast_to(own.reshape(2, 2, *(1 for _ in shape)), (2, 2, *shape))
+    half_space = np.array([[nu - 1, 0.5 - nu], [0.5 - nu, nu - 1]]) / mu
+    return np.broadcast_to(half_space.reshape(2, 2, *(1 for _ in shape)), (2, 2, *shape))
 
 
 def _through(compliance: np.ndarray, x: np.ndarray, material: Material) -> tuple[np.ndarray, np.ndarray]:
     """Return C of the upper face of a layer, x = |q| t, of that of its lower face, and T through it."""
-    thin, found = x < _THIN, (np.empty(np.shape(compliance)), np.empty(np.shape(compliance)))
-    for chosen, way in ((thin, _by_transfer), (~thin, _by_reflection)):
+    thin, result = x < _THIN, (np.empty(np.shape(compliance)), np.empty(np.shape(compliance)))
+    for chosen, propagate in ((thin, _by_transfer), (~thin, _by_reflection)):
         if chosen.any():
-            found[0][..., chosen], found[1][..., chosen] = way(compliance[..., chosen], x[chosen], material)
-    return found
+            result[0][..., chosen], result[1][..., chosen] = propagate(
+                compliance[..., chosen], x[chosen], material
+            )
+    return result
 
 
 def _by_transfer(compliance: np.ndarray, x: np.ndarray, material: Material) -> tuple[np.ndarray, np.ndarray]:
@@ -360,11 +368,11 @@ def _by_transfer(compliance: np.ndarray, x: np.ndarray, material: Material) -> t
     stretch, shrink = ch + 2 * h * even, ch - 2 * h * even
     turn, lift = sh + 2 * h * odd, n * sh + 2 * h * odd
     upper = np.array([[stretch, -turn], [lift, shrink]])
-    give = np.array([[-sh - h * odd, h * even], [-h * even, h * odd - k * sh]]) / mu
-    hold = np.array([[-m * (sh + odd), m * even], [-m * even, m * odd]]) * mu
+    flexibility = np.array([[-sh - h * odd, h * even], [-h * even, h * odd - k * sh]]) / mu
+    stiffness = np.array([[-m * (sh + odd), m * even], [-m * even, m * odd]]) * mu
     lower = np.array([[stretch, -lift], [turn, shrink]])
-    transmitted = _inverse(_times(hold, compliance) + lower)
-    return _times(_times(upper, compliance) + give, transmitted), transmitted
+    transmitted = _inverse(_times(stiffness, compliance) + lower)
+    return _times(_times(upper, compliance) + flexibility, transmitted), transmitted
 
 
 def _by_reflection(
@@ -375,25 +383,26 @@ def _by_reflection(
 
     def waves(s: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
         """Return displacements and tractions (2, 2, ...) of two waves at the depth s, less exp(-sign s)."""
-        one, k = np.ones_like(s), 3 - 4 * nu
-        displaced = np.array([[one, s], [sign * one, sign * s + k]])
+        ones, k = np.ones_like(s), 3 - 4 * nu
+        displaced = np.array([[ones, s], [sign * ones, sign * s + k]])
         traction = np.array(
             [
-                [-2 * sign * one, -2 * sign * s - 2 * (1 - 2 * nu)],
-                [-2 * one, -2 * s - 4 * sign * (1 - nu)],
+                [-2 * sign * ones, -2 * sign * s - 2 * (1 - 2 * nu)],
+                [-2 * ones, -2 * s - 4 * sign * (1 - nu)],
             ]
         )
         return displaced, mu * traction
 
-    (down, down_traction), (up, up_traction) = waves(x, 1.0), waves(x, -1.0)
+    (decaying, decaying_traction), (growing, growing_traction) = waves(x, 1.0), waves(x, -1.0)
     reflected = -_times(
-        _inverse(up - _times(compliance, up_traction)), down - _times(compliance, down_traction)
+        _inverse(growing - _times(compliance, growing_traction)),
+        decaying - _times(compliance, decaying_traction),
     )
-    transmitted = np.exp(-x) * (down_traction + _times(up_traction, reflected))
+    transmitted = np.exp(-x) * (decaying_traction + _times(growing_traction, reflected))
     reflected *= np.exp(-2 * x)
-    (down, down_traction), (up, up_traction) = waves(0 * x, 1.0), waves(0 * x, -1.0)
-    own = _inverse(down_traction + _times(up_traction, reflected))
-    return _times(down + _times(up, reflected), own), _times(transmitted, own)
+    (decaying, decaying_traction), (growing, growing_traction) = waves(0 * x, 1.0), waves(0 * x, -1.0)
+    incident = _inverse(decaying_traction + _times(growing_traction, reflected))
+    return _times(decaying + _times(growing, reflected), incident), _times(transmitted, incident)
 
 
 def _compression(body: Stack) -> float:

@@ -67,7 +67,9 @@ def subsurface_stress(
     spectrum = plan.forward(np.subtract(pressure, mean, dtype=float)).copy()
     qy, qx = wavevectors(shape, steps)
     q = np.hypot(qy, qx)
-    along_y, along_x = (np.divide(part, q, out=np.zeros_like(q), where=q > 0) for part in (qy, qx))
+    along_y, along_x = (
+        np.divide(wavevector, q, out=np.zeros_like(q), where=q > 0) for wavevector in (qy, qx)
+    )
     # a wave at the Nyquist limit has no sign, and no direction of its shear
     ny, nx = shape
     odd_y, odd_x = along_y.copy(), along_x.copy()
@@ -79,10 +81,10 @@ def subsurface_stress(
         assert poissons_ratio is not None
         ratios = [poissons_ratio]
     else:
-        ratios = [one.poissons_ratio for one in body.materials]
+        ratios = [body_material.poissons_ratio for body_material in body.materials]
         layered = stress_amplitudes(np.where(q > 0, q, q.flat[-1]), body)
 
-    def at(depth: float, material: int = 0) -> np.ndarray:
+    def stress_at(depth: float, material: int = 0) -> np.ndarray:
         """Return the stresses (6, ny, nx) at a depth."""
         ratio = ratios[material]
         if body is None:
@@ -108,7 +110,7 @@ def subsurface_stress(
             stress[index] += uniform[index]
         return stress
 
-    return at
+    return stress_at
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:

@@ -97,13 +97,15 @@ def composite(
     lower, upper = Face(face), Face(counter_face)
     check_pair(lower, upper, shift, rotation)
     turn = cosine_and_sine(rotation)
-    whole = common_period(lower, upper, turn)
+    period = common_period(lower, upper, turn)
     positions = common_grid(lower, upper, turn, shift)
     v, u = np.meshgrid(*(p - s for p, s in zip(positions, shift, strict=True)), indexing="ij")
     cosine, sine = turn
-    places = np.meshgrid(*positions, indexing="ij"), (v * cosine - u * sine, -(u * cosine + v * sine))
-    own, other = (each.at(*at) for each, at in zip((lower, upper), places, strict=True))
-    values = own[0] + other[0]
+    face_positions = np.meshgrid(*positions, indexing="ij"), (v * cosine - u * sine, -(u * cosine + v * sine))
+    lower_values, upper_values = (
+        side.at(*position) for side, position in zip((lower, upper), face_positions, strict=True)
+    )
+    values = lower_values[0] + upper_values[0]
     measured = np.isfinite(values)
     if np.count_nonzero(measured) < 2:
         raise HeightMapError(
@@ -111,17 +113,17 @@ def composite(
             "smaller shift"
         )
     coordinates = [p + c for p, c in zip(positions, lower.middle, strict=True)]
-    form, removed = fit_polynomial(values, coordinates, order=0 if whole else 1)
+    form, removed = fit_polynomial(values, coordinates, order=0 if period else 1)
     values = values - form
-    filled = (own[1] | other[1]) & measured
+    filled = (lower_values[1] | upper_values[1]) & measured
     attrs = _attributes(lower, upper, filled)
     covered = float(measured.mean() * covered_share(lower, positions))
     axes = [axis for axis, n in enumerate(lower.shape) if n > 1]
-    pitches = [max(each.step[axis] for axis in axes) for each in (lower, upper)]
-    sizes = [math.prod(each.lengths[axis] for axis in axes) for each in (lower, upper)]
+    pitches = [max(side.step[axis] for axis in axes) for side in (lower, upper)]
+    sizes = [math.prod(side.lengths[axis] for axis in axes) for side in (lower, upper)]
     attrs |= {
         "source_file": pair_name(lower, upper),
-        "form": "mean" if whole else "plane",
+        "form": "mean" if period else "plane",
         "form_removed": json.dumps(removed),
         "shift_y": float(shift[0]),
         "shift_x": float(shift[1]),
@@ -135,13 +137,13 @@ def composite(
         "x": ("x", coordinates[1], {"units": "m"}),
         "filled": (("y", "x"), filled.astype(np.int8)),
     }
-    if any("rejected_height" in each.height.coords for each in (lower, upper)):
-        kept = [
-            Face(with_rejected_marked(each.height)).at(*at)
-            for each, at in zip((lower, upper), places, strict=True)
+    if any("rejected_height" in side.height.coords for side in (lower, upper)):
+        rejected_heights = [
+            Face(with_rejected_marked(side.height)).at(*position)
+            for side, position in zip((lower, upper), face_positions, strict=True)
         ]
-        rejected = (kept[0][1] | kept[1][1]) & measured
-        heights = np.where(rejected, kept[0][0] + kept[1][0] - form, np.nan)
+        rejected = (rejected_heights[0][1] | rejected_heights[1][1]) & measured
+        heights = np.where(rejected, rejected_heights[0][0] + rejected_heights[1][0] - form, np.nan)
         coords["rejected_height"] = (("y", "x"), heights, {"units": "m"})
     result = xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs)
     return result.assign_attrs(height_parameters(result))
@@ -157,8 +159,8 @@ def _orientation_warnings(face: Face) -> list[str]:
 
 def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
     """Return the attributes of the face, combined with those of the counter-face where applicable."""
-    one, other = lower.height.attrs, upper.height.attrs
-    kinds = [json.loads(attrs.get("outlier_kinds", "{}")) for attrs in (one, other)]
+    lower_attrs, upper_attrs = lower.height.attrs, upper.height.attrs
+    kinds_by_face = [json.loads(attrs.get("outlier_kinds", "{}")) for attrs in (lower_attrs, upper_attrs)]
     warnings = [
         f"{face.name}: {warning}"
         for face in (lower, upper)
@@ -172,23 +174,30 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
         for face in (lower, upper)
         for fact in json.loads(face.height.attrs.get("ingest_facts", "[]"))
     ]
-    shifted = max((one, other), key=lambda attrs: attrs.get("row_jitter", 0.0))
-    steps = [attrs["quantisation_step"] for attrs in (one, other) if "quantisation_step" in attrs]
+    shifted = max((lower_attrs, upper_attrs), key=lambda attrs: attrs.get("row_jitter", 0.0))
+    steps = [
+        attrs["quantisation_step"] for attrs in (lower_attrs, upper_attrs) if "quantisation_step" in attrs
+    ]
     coarser = max((lower, upper), key=lambda face: reliable_wavelength(face.height)[0])
-    return one | {
+    return lower_attrs | {
         "units": "m",
         "counter_face": upper.name,
-        "source_sha256": " + ".join(attrs.get("source_sha256", "") for attrs in (one, other)),
+        "source_sha256": " + ".join(attrs.get("source_sha256", "") for attrs in (lower_attrs, upper_attrs)),
         "instrument": coarser.height.attrs.get("instrument", "{}"),
         "ingest_warnings": json.dumps(warnings, ensure_ascii=False),
         "ingest_facts": json.dumps(facts, ensure_ascii=False),
-        "missing_share": max(attrs.get("missing_share", 0.0) for attrs in (one, other)),
-        "outliers_rejected": sum(attrs.get("outliers_rejected", 0) for attrs in (one, other)),
-        "outlier_kinds": json.dumps({k: sum(each.get(k, 0) for each in kinds) for k in kinds[0] | kinds[1]}),
+        "missing_share": max(attrs.get("missing_share", 0.0) for attrs in (lower_attrs, upper_attrs)),
+        "outliers_rejected": sum(attrs.get("outliers_rejected", 0) for attrs in (lower_attrs, upper_attrs)),
+        "outlier_kinds": json.dumps(
+            {
+                k: sum(face_kinds.get(k, 0) for face_kinds in kinds_by_face)
+                for k in kinds_by_face[0] | kinds_by_face[1]
+            }
+        ),
         **{name: shifted[name] for name in _ROW_ATTRIBUTES if name in shifted},
         "filled_points": int(filled.sum()),
         "filled_share": float(filled.mean()),
-        "largest_hole": max(attrs.get("largest_hole", 0) for attrs in (one, other)),
+        "largest_hole": max(attrs.get("largest_hole", 0) for attrs in (lower_attrs, upper_attrs)),
         # each face lies within half of its step
         **({"quantisation_step": sum(steps)} if steps else {}),
     }

@@ -70,29 +70,29 @@ class Face:
 
         The positions y, x (m, arrays of one shape) are relative to the middle of the map.
         """
-        places = [p / d + (n - 1) / 2 for p, d, n in zip((y, x), self.step, self.shape, strict=True)]
-        places = [np.where(np.abs(p - np.rint(p)) < POINT_TOLERANCE, np.rint(p), p) for p in places]
+        indices = [p / d + (n - 1) / 2 for p, d, n in zip((y, x), self.step, self.shape, strict=True)]
+        indices = [np.where(np.abs(p - np.rint(p)) < POINT_TOLERANCE, np.rint(p), p) for p in indices]
         if self.periodic:
-            inside = np.ones(places[0].shape, dtype=bool)
-            places = [p % n for p, n in zip(places, self.shape, strict=True)]
+            inside = np.ones(indices[0].shape, dtype=bool)
+            indices = [p % n for p, n in zip(indices, self.shape, strict=True)]
         else:
             inside = np.logical_and.reduce(
-                [(p >= 0) & (p <= n - 1) for p, n in zip(places, self.shape, strict=True)]
+                [(p >= 0) & (p <= n - 1) for p, n in zip(indices, self.shape, strict=True)]
             )
-            places = [np.clip(p, 0, n - 1) for p, n in zip(places, self.shape, strict=True)]
-        if all(np.array_equal(p, np.rint(p)) for p in places):
-            index = tuple(p.astype(int) for p in places)
+            indices = [np.clip(p, 0, n - 1) for p, n in zip(indices, self.shape, strict=True)]
+        if all(np.array_equal(p, np.rint(p)) for p in indices):
+            index = tuple(p.astype(int) for p in indices)
             values, filled = self.values[index], self.filled[index]
         else:
-            values, filled = self._between(places)
+            values, filled = self._interpolate(indices)
         return np.where(inside, values, np.nan), filled & inside
 
-    def _between(self, places: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    def _interpolate(self, indices: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Return heights and mask between the points; positions next to a missing point are missing."""
         from scipy.interpolate import make_interp_spline
         from scipy.ndimage import distance_transform_edt, map_coordinates
 
-        beyond = "grid-wrap" if self.periodic else "mirror"
+        boundary = "grid-wrap" if self.periodic else "mirror"
         missing = np.isnan(self.values)
         values = self.values
         if missing.any():  # the spline needs a height everywhere; these points are masked again below
@@ -105,10 +105,10 @@ class Face:
                 spline = make_interp_spline(np.arange(n), values, k=min(3, n - 1), axis=axis)
                 ends = spline(np.arange(-margin, 0)), spline(np.arange(n, n + margin))
                 values = np.concatenate([ends[0], values, ends[1]], axis=axis)
-        at = [p + margin for p, margin in zip(places, rim, strict=True)]
-        between = map_coordinates(values, at, order=3, mode=beyond)
-        near = [
-            map_coordinates(flags.astype(float), places, order=1, mode=beyond) > POINT_TOLERANCE
+        padded = [p + margin for p, margin in zip(indices, rim, strict=True)]
+        interpolated = map_coordinates(values, padded, order=3, mode=boundary)
+        neighbours = [
+            map_coordinates(flags.astype(float), indices, order=1, mode=boundary) > POINT_TOLERANCE
             for flags in (missing, self.filled)
         ]
-        return np.where(near[0], np.nan, between), near[1]
+        return np.where(neighbours[0], np.nan, interpolated), neighbours[1]

@@ -135,11 +135,13 @@ def covered_share(lower: Face, positions: Sequence[np.ndarray]) -> float:
     return min(1.0, float(np.prod(shares)))
 
 
-def _points_and_step(points: int, own: float, other: float, *, periodic: bool) -> tuple[int, float]:
+def _points_and_step(
+    points: int, face_step: float, other_step: float, *, periodic: bool
+) -> tuple[int, float]:
     """Return number of points and step along an axis, refined evenly to at most the other step."""
-    if points == 1 or other >= own * (1 - STEP_TOLERANCE):
-        return points, own
+    if points == 1 or other_step >= face_step * (1 - STEP_TOLERANCE):
+        return points, face_step
     intervals = points - (not periodic)
-    length = intervals * own
-    closer = int(np.ceil(length / other - POINT_TOLERANCE))
+    length = intervals * face_step
+    closer = int(np.ceil(length / other_step - POINT_TOLERANCE))
     return closer + (not periodic), length / closer

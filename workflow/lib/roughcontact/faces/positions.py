@@ -72,16 +72,16 @@ def relative_positions(
         raise SettingsError(f"composite.overlap = {overlap!r}: give a share above 0, up to 1")
     lower, upper = Face(face), Face(counter_face)
     check_pair(lower, upper, (0.0, 0.0), rotations[0])
-    members = []
+    placements = []
     for number, rotation in enumerate(rotations):
         turn = cosine_and_sine(rotation)
         drawn = np.random.default_rng([seed, number]).uniform(-1, 1, (shifts, 2))
         reach = _max_shift(lower, upper, turn, overlap)
-        members += [
+        placements += [
             {"shift": _aligned_shift(lower, upper, turn, row * reach), "rotation": float(rotation)}
             for row in drawn
         ]
-    return members
+    return placements
 
 
 def _max_shift(lower: Face, upper: Face, turn: tuple[float, float], overlap: float) -> np.ndarray:
@@ -92,8 +92,12 @@ def _max_shift(lower: Face, upper: Face, turn: tuple[float, float], overlap: flo
         along, across = upper.lengths[axis], upper.lengths[1 - axis]
         # length of the rotated rectangle through its middle
         side = min(along / cosine if cosine else np.inf, across / sine if sine else np.inf)
-        own = lower.lengths[axis]
-        free = side / 2 if upper.periodic else abs(own - side) / 2 + (1 - overlap) * min(own, side)
+        face_length = lower.lengths[axis]
+        free = (
+            side / 2
+            if upper.periodic
+            else abs(face_length - side) / 2 + (1 - overlap) * min(face_length, side)
+        )
         reach.append(0.0 if lower.shape[axis] == 1 else free)
     return np.array(reach)
 

@@ -35,8 +35,8 @@ def mean(field: Array) -> float:
 
 def multiply(spectrum: Array, symbol: Array) -> None:
     """Multiply the complex `spectrum` in place by the `symbol` of an operator; q = 0 becomes zero."""
-    for part in _ALL_BUT_MEAN:
-        spectrum[part] *= symbol[part]
+    for block in _ALL_BUT_MEAN:
+        spectrum[block] *= symbol[block]
     spectrum[0, 0] = 0
 
 
@@ -47,9 +47,9 @@ def divide(spectrum: Array, symbol: Array, weights: Array) -> float:
     of waves of the full plane per column.
     """
     xp, energy = namespace(spectrum), 0.0
-    for part in _ALL_BUT_MEAN:
-        energy += _sum(xp, weights[part[1]] * (_power(xp, spectrum[part]) / symbol[part]))
-        spectrum[part] /= symbol[part]
+    for block in _ALL_BUT_MEAN:
+        energy += _sum(xp, weights[block[1]] * (_power(xp, spectrum[block]) / symbol[block]))
+        spectrum[block] /= symbol[block]
     spectrum[0, 0] = 0
     return energy
 
@@ -212,10 +212,10 @@ def advance(
     xp = namespace(pressure)
     active, full = values != 0, pressure >= cap
     shared = repeat(coarse, factors, pressure.shape) / (factors[0] * factors[1])
-    whole = correction + (passed + shared)
+    full_correction = correction + (passed + shared)
     moved = xp.astype(pressure, out.dtype)
     moved[full] = cap
-    moved -= xp.where(active, length * (whole - mean), xp.zeros_like(whole))
+    moved -= xp.where(active, length * (full_correction - mean), xp.zeros_like(full_correction))
     projected = xp.clip(moved, 0, None if cap == float("inf") else cap)
     projected = xp.where(active | full, projected, xp.zeros_like(projected))
     out[...] = projected
@@ -239,14 +239,16 @@ def redistribute(
     return _sum(xp, xp.abs(field - projected)), _sum(xp, projected)
 
 
-def project(field: Array, cap: float, taken: Array, free: Array, factors: Factors, share: Array) -> None:
+def project(
+    field: Array, cap: float, removed_load: Array, free: Array, factors: Factors, share: Array
+) -> None:
     """Project `field` in place onto [0, `cap`] and write the removed part to `taken`.
 
     `free` becomes 1 between the bounds and 0 elsewhere, `share` its mean over blocks of `factors` cells.
     """
     xp = namespace(field)
     projected = xp.clip(field, 0, None if cap == float("inf") else cap)
-    taken[...] = xp.astype(field - projected, taken.dtype)
+    removed_load[...] = xp.astype(field - projected, removed_load.dtype)
     free[...] = xp.astype((projected > 0) & (projected < cap), free.dtype)
     field[...] = projected
     block_mean(free, factors, share)
@@ -310,7 +312,7 @@ def block_mean(field: Array, factors: Factors, out: Array) -> None:
 
 
 def weigh(
-    parts: Array,
+    fine_share: Array,
     share: Array,
     factors: Factors,
     arrangement: Arrangement,
@@ -333,12 +335,12 @@ def weigh(
     """
     xp, count = namespace(share), factors[0] * factors[1]
     if arrangement == Arrangement.ALONG_A_LINE:
-        weight = count * parts / (1 + (count - 1) * parts)
+        weight = count * fine_share / (1 + (count - 1) * fine_share)
     else:
-        whole, apart = xp.sqrt(share), parts * count**0.5
-        pieces = apart / (1 + apart - whole)
-        weight = pieces if arrangement == Arrangement.SCATTERED else xp.sqrt(whole * pieces)
-    gain[...] = weight / xp.where(parts > 0, parts, xp.ones_like(parts))
+        root_share, perimeter = xp.sqrt(share), fine_share * count**0.5
+        clusters = perimeter / (1 + perimeter - root_share)
+        weight = clusters if arrangement == Arrangement.SCATTERED else xp.sqrt(root_share * clusters)
+    gain[...] = weight / xp.where(fine_share > 0, fine_share, xp.ones_like(fine_share))
     empty[...] = 1 - weight
     block_mean(weight, next_factors, next_parts)
     block_mean(share, next_factors, next_share)
@@ -439,57 +441,59 @@ def refine(
     (fy, fx), (ny, nx) = factors, coarse.shape
     neighbours(heights, weights, out)
     detail = xp.reshape(stiffness * (heights - out), (ny, fy, nx, fx))
-    parts = xp.reshape(out, (ny, fy, nx, fx))
+    blocks = xp.reshape(out, (ny, fy, nx, fx))
     for ky in range(fy):
         for kx in range(fx):
             at_y, at_x = (ky + 0.5) / fy - 0.5, (kx + 0.5) / fx - 0.5
-            along_x = _between(xp, square, at_x, 1)
-            parts[:, ky, :, kx] = xp.sqrt(xp.clip(_between(xp, along_x, at_y, 0), 0, None))
-    total = xp.sum(parts, axis=(1, 3))
+            along_x = _shifted(xp, square, at_x, 1)
+            blocks[:, ky, :, kx] = xp.sqrt(xp.clip(_shifted(xp, along_x, at_y, 0), 0, None))
+    total = xp.sum(blocks, axis=(1, 3))
     load = fy * fx * coarse
-    parts *= (load / xp.where(total == 0, xp.ones_like(total), total))[:, None, :, None]
-    parts += detail
-    parts -= _level(xp, parts, load)
-    parts *= xp.astype(parts > (NEGLIGIBLE_LOAD * load)[:, None, :, None], parts.dtype)
-    total = xp.sum(parts, axis=(1, 3))
-    parts *= (load / xp.where(total == 0, xp.ones_like(total), total))[:, None, :, None]
+    blocks *= (load / xp.where(total == 0, xp.ones_like(total), total))[:, None, :, None]
+    blocks += detail
+    blocks -= _level(xp, blocks, load)
+    blocks *= xp.astype(blocks > (NEGLIGIBLE_LOAD * load)[:, None, :, None], blocks.dtype)
+    total = xp.sum(blocks, axis=(1, 3))
+    blocks *= (load / xp.where(total == 0, xp.ones_like(total), total))[:, None, :, None]
     lost = xp.where(total == 0, coarse, xp.zeros_like(coarse))  # where rounding leaves no load
-    parts += lost[:, None, :, None]
+    blocks += lost[:, None, :, None]
     if cap < float("inf"):
-        parts = _held(xp, parts, load, cap)
-        parts[xp.broadcast_to((coarse >= cap)[:, None, :, None], parts.shape)] = cap
-    out[...] = xp.reshape(parts, out.shape)
+        blocks = _limit_to_cap(xp, blocks, load, cap)
+        blocks[xp.broadcast_to((coarse >= cap)[:, None, :, None], blocks.shape)] = cap
+    out[...] = xp.reshape(blocks, out.shape)
 
 
-def _level(xp: Any, parts: Array, load: Array) -> Array:
+def _level(xp: Any, blocks: Array, load: Array) -> Array:
     """Return the level whose subtraction from the parts of every cell leaves its `load` above zero."""
     level = xp.full_like(load, -float("inf"))[:, None, :, None]
-    for _ in range(parts.shape[1] * parts.shape[3]):  # each round excludes the lowest parts
-        above = xp.astype(parts > level, parts.dtype)
+    for _ in range(blocks.shape[1] * blocks.shape[3]):  # each round excludes the lowest parts
+        above = xp.astype(blocks > level, blocks.dtype)
         count = xp.sum(above, axis=(1, 3))
-        some = xp.where(count == 0, xp.ones_like(count), count)
-        found = (xp.sum(above * parts, axis=(1, 3)) - load) / some
-        level = xp.where((count > 0)[:, None, :, None], found[:, None, :, None], level)
+        safe_count = xp.where(count == 0, xp.ones_like(count), count)
+        candidate = (xp.sum(above * blocks, axis=(1, 3)) - load) / safe_count
+        level = xp.where((count > 0)[:, None, :, None], candidate[:, None, :, None], level)
     return level
 
 
-def _held(xp: Any, parts: Array, load: Array, cap: float) -> Array:
+def _limit_to_cap(xp: Any, blocks: Array, load: Array, cap: float) -> Array:
     """Return the parts of every cell limited to the cap; its other parts carry the remaining `load`."""
-    count = parts.shape[1] * parts.shape[3]
+    count = blocks.shape[1] * blocks.shape[3]
     for _ in range(count):  # each round more parts may reach the cap
-        below = parts < cap
+        below = blocks < cap
         number = xp.sum(xp.astype(below, load.dtype), axis=(1, 3))
-        rest = xp.clip(load - cap * (count - number), 0, None)
-        others = xp.sum(xp.where(below, parts, xp.zeros_like(parts)), axis=(1, 3))
-        factor = rest / xp.where(others > 0, others, xp.ones_like(others))
+        remaining_load = xp.clip(load - cap * (count - number), 0, None)
+        free_load = xp.sum(xp.where(below, blocks, xp.zeros_like(blocks)), axis=(1, 3))
+        factor = remaining_load / xp.where(free_load > 0, free_load, xp.ones_like(free_load))
         even = xp.where(
-            others > 0, xp.zeros_like(rest), rest / xp.where(number > 0, number, xp.ones_like(number))
+            free_load > 0,
+            xp.zeros_like(remaining_load),
+            remaining_load / xp.where(number > 0, number, xp.ones_like(number)),
         )
-        shared = parts * factor[:, None, :, None] + even[:, None, :, None]
-        parts = xp.where(below, shared, xp.full_like(parts, cap))
-        if not xp.any(parts > cap):
+        shared = blocks * factor[:, None, :, None] + even[:, None, :, None]
+        blocks = xp.where(below, shared, xp.full_like(blocks, cap))
+        if not xp.any(blocks > cap):
             break
-    return parts
+    return blocks
 
 
 def _continued(xp: Any, square: Array) -> Array:
@@ -498,16 +502,16 @@ def _continued(xp: Any, square: Array) -> Array:
     for ey in (-1, 0, 1):
         for ex in (-1, 0, 1):
             if (ey, ex) != (0, 0):
-                near = xp.roll(square, (ey, ex), axis=(0, 1))
-                far = xp.roll(square, (2 * ey, 2 * ex), axis=(0, 1))
-                guess = xp.where(far > 0, 2 * near - far, -near)
-                total += xp.where(near > 0, guess, xp.zeros_like(near))
-                count += xp.astype(near > 0, square.dtype)
-    beyond = xp.clip(total / xp.where(count == 0, xp.ones_like(count), count), None, 0)
-    return xp.where(square > 0, square, beyond)
+                neighbour = xp.roll(square, (ey, ex), axis=(0, 1))
+                second_neighbour = xp.roll(square, (2 * ey, 2 * ex), axis=(0, 1))
+                guess = xp.where(second_neighbour > 0, 2 * neighbour - second_neighbour, -neighbour)
+                total += xp.where(neighbour > 0, guess, xp.zeros_like(neighbour))
+                count += xp.astype(neighbour > 0, square.dtype)
+    extrapolated = xp.clip(total / xp.where(count == 0, xp.ones_like(count), count), None, 0)
+    return xp.where(square > 0, square, extrapolated)
 
 
-def _between(xp: Any, field: Array, offset: float, axis: int) -> Array:
+def _shifted(xp: Any, field: Array, offset: float, axis: int) -> Array:
     """Return `field` interpolated linearly at `offset` cells, |offset| < 1, along an axis."""
     share = abs(offset)
     return (1 - share) * field + share * xp.roll(field, -1 if offset > 0 else 1, axis=axis)
@@ -524,8 +528,8 @@ def active_set(pressure: Array, gap: Array, cap: float) -> Array:
 
     They carry a pressure below the cap, overlap without pressure, or have a positive gap at the cap.
     """
-    none, full = pressure <= 0, pressure >= cap
-    return (none & (gap < 0)) | (full & (gap > 0)) | ~(none | full)
+    unloaded, at_cap = pressure <= 0, pressure >= cap
+    return (unloaded & (gap < 0)) | (at_cap & (gap > 0)) | ~(unloaded | at_cap)
 
 
 def _zeros_of(field: Array) -> Array:

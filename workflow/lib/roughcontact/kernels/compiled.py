@@ -60,13 +60,13 @@ _ARGUMENTS = {
     "rows_forward": ("rcr", "dqq"),
     "rows_backward": ("rcr", "dqq"),
     "columns": ("cr", "qqq"),
-    "run_around": ("rDD", "dqq"),
+    "percolates": ("rDD", "dqq"),
 }
-_structs = {name: Struct("P" * len(arrays) + rest) for name, (arrays, rest) in _ARGUMENTS.items()}
+_structs = {name: Struct("P" * len(arrays) + scalars) for name, (arrays, scalars) in _ARGUMENTS.items()}
 _pack = {name: struct.pack for name, struct in _structs.items()}
 # cells; coarser grids of a hierarchy are processed in one call, by one thread
 SMALL_GRID = {"one thread": 2**62, "several threads": 64 * 64}
-_Found = ctypes.c_double * 8  # six sums, the smallest and the largest value
+_Results = ctypes.c_double * 8  # six sums, the smallest and the largest value
 _view, _address = (ctypes.c_char * 0).from_buffer, ctypes.addressof
 
 
@@ -79,9 +79,9 @@ def library() -> ctypes.CDLL:
     OSError
         where it is missing, or was built from other sources.
     """
-    found = ctypes.CDLL(str(LIBRARY))
+    loaded = ctypes.CDLL(str(LIBRARY))
     try:
-        find = found.find_pass_given
+        find = loaded.find_pass_given
         find.argtypes, find.restype = (ctypes.c_char_p, ctypes.c_int64), ctypes.c_void_p
         # name of the pass in single precision: a letter for each kind of array
         types = {
@@ -94,8 +94,8 @@ def library() -> ctypes.CDLL:
     if not fits:
         raise OSError(f"{LIBRARY} was built from other sources")
     numbers = [ctypes.c_int64] * 3
-    found.run_pass.argtypes = ctypes.c_void_p, *numbers, ctypes.c_char_p, ctypes.POINTER(_Found)
-    return found
+    loaded.run_pass.argtypes = ctypes.c_void_p, *numbers, ctypes.c_char_p, ctypes.POINTER(_Results)
+    return loaded
 
 
 @cache
@@ -138,8 +138,8 @@ class Compiled:
 
     def extent(self, field):
         rows, nx = field.shape
-        missing, *_, least, most = self._run("extent", rows, 2 * nx, (field,), nx)
-        return least, most, int(missing)
+        missing, *_, lowest, highest = self._run("extent", rows, 2 * nx, (field,), nx)
+        return lowest, highest, int(missing)
 
     def make_dimensionless(self, heights, reference, unit, out):
         rows, nx = out.shape
@@ -167,9 +167,9 @@ class Compiled:
         (ny, nx), arrays = field.shape, (field, passed, coarse, free)
         return tuple(self._run("redistribute", len(coarse), nx, arrays, cap, ny, nx, *factors)[:2])
 
-    def project(self, field, cap, taken, free, factors, share):
+    def project(self, field, cap, removed_load, free, factors, share):
         ny, nx = field.shape
-        self._run("project", len(share), nx, (field, taken, free, share), cap, ny, nx, *factors)
+        self._run("project", len(share), nx, (field, removed_load, free, share), cap, ny, nx, *factors)
 
     def rescale(self, field, factor, cap):
         rows, nx = field.shape
@@ -186,16 +186,18 @@ class Compiled:
     def restore_units(self, pressure, gap, offset, pressure_unit, gap_unit, contact):
         rows, nx = pressure.shape
         arrays, numbers = (pressure, gap, contact), (offset, pressure_unit, gap_unit)
-        total, *_, least, _ = self._run("restore_units", rows, nx, arrays, *numbers, nx)
-        return least, total
+        total, *_, lowest, _ = self._run("restore_units", rows, nx, arrays, *numbers, nx)
+        return lowest, total
 
     def block_mean(self, field, factors, out):
         ny, nx = field.shape
         self._run("block_mean", len(out), nx, (field, out), ny, nx, *factors)
 
-    def weigh(self, parts, share, factors, arrangement, empty, gain, next_factors, next_parts, next_share):
+    def weigh(
+        self, fine_share, share, factors, arrangement, empty, gain, next_factors, next_parts, next_share
+    ):
         (ny, nx), (fy, fx) = share.shape, factors
-        arrays, scratch = (parts, share, empty, gain, next_parts, next_share), (next_factors[0] + 1) * nx
+        arrays, scratch = (fine_share, share, empty, gain, next_parts, next_share), (next_factors[0] + 1) * nx
         self._run("weigh", len(next_share), scratch, arrays, ny, nx, fy * fx, arrangement, *next_factors)
 
     def mix(self, values, empty, coarse, factors, out):
@@ -262,12 +264,12 @@ class Regions:
         ny, nx = field.shape
         self._trees = np.empty((2, ny * (nx // 2 + 1)), np.int64)
 
-    def run_around(self, level: float) -> tuple[bool, bool]:
+    def percolates(self, level: float) -> tuple[bool, bool]:
         """Return whether a connected region of points at or above `level` percolates along y, and along x."""
         ny, nx = self._field.shape
         arrays = self._field, *self._trees
-        found = run_pass("run_around", 1, 6 * (nx // 2 + 1), arrays, level, ny, nx)
-        return bool(found[0]), bool(found[1])
+        results = run_pass("percolates", 1, 6 * (nx // 2 + 1), arrays, level, ny, nx)
+        return bool(results[0]), bool(results[1])
 
 
 class CompiledSmallGrids:
@@ -289,12 +291,12 @@ class CompiledSmallGrids:
     def weigh(self):
         run_pass("weigh_small", 1, self._scratch, self._arrays, *self._counts)
 
-    def prolong(self, sweeps, work, other):
-        arrays = work, other, *self._arrays
+    def prolong(self, sweeps, work, scratch):
+        arrays = work, scratch, *self._arrays
         run_pass("prolong_small", 1, 2 * self._longest + 2, arrays, *self._counts, sweeps)
 
-    def restrict(self, sweeps, work, other):
-        arrays = work, other, *self._arrays
+    def restrict(self, sweeps, work, scratch):
+        arrays = work, scratch, *self._arrays
         run_pass("restrict_small", 1, 4 * self._longest + 2, arrays, *self._counts, sweeps)
 
 
@@ -308,9 +310,9 @@ def run_pass(name, rows, scratch, arrays, *numbers, threads=1):
     MemoryError
         where the work memory cannot be allocated.
     """
-    given = _pack[name](*[_address(_view(array)) for array in arrays], *numbers)
+    packed = _pack[name](*[_address(_view(array)) for array in arrays], *numbers)
     address = _find(name, tuple([array.itemsize for array in arrays]))
-    found = _Found()
-    if library().run_pass(address, threads, rows, 8 * scratch, given, found):
+    results = _Results()
+    if library().run_pass(address, threads, rows, 8 * scratch, packed, results):
         raise MemoryError(f"no work memory for the pass {name}")
-    return found
+    return results

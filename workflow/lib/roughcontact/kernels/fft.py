@@ -59,9 +59,11 @@ class PlanInPlace(Plan):
         self.shape = like.shape
         self.threads = threads_for(count_of(like), threads)
         waves = (self.shape[0], self.shape[1] // 2 + 1)
-        kind = np.result_type(precision, np.complex64)
+        complex_dtype = np.result_type(precision, np.complex64)
         self.spectrum: np.ndarray = (
-            store.empty(waves, kind) if share is None else _within(share.spectrum, waves, kind)
+            store.empty(waves, complex_dtype)
+            if share is None
+            else _within(share.spectrum, waves, complex_dtype)
         )
         self.scratch = _within(self.spectrum, self.shape, precision)
 
@@ -118,19 +120,19 @@ class CompiledPlan(PlanInPlace):
 
     def inverse(self, spectrum: Array, out: Array) -> None:
         (ny, nx), roots = self.shape, _roots(self.shape[1], out.dtype)
-        spectrum, found = (np.require(array, requirements=["C", "A", "W"]) for array in (spectrum, out))
+        spectrum, output = (np.require(array, requirements=["C", "A", "W"]) for array in (spectrum, out))
         self._columns(spectrum, backward=True)
-        self._run("rows_backward", ny * out.itemsize, nx, (found, spectrum, roots), 1 / out.size, ny, nx)
-        if found is not out:
-            out[...] = found
+        self._run("rows_backward", ny * out.itemsize, nx, (output, spectrum, roots), 1 / out.size, ny, nx)
+        if output is not out:
+            out[...] = output
 
     def _columns(self, spectrum: Array, *, backward: bool) -> None:
         (ny, waves), roots = spectrum.shape, _roots(self.shape[0], spectrum.real.dtype)
         self._run("columns", waves * spectrum.itemsize, ny, (spectrum, roots), ny, waves, backward)
 
-    def _run(self, name: str, breadth: int, length: int, *given: Any) -> None:
+    def _run(self, name: str, breadth: int, length: int, *arguments: Any) -> None:
         """Run a pass over lines of `length` points that span `breadth` bytes, in blocks of 128 bytes."""
-        run_pass(name, -(-breadth // 128), 32 * length + 8, *given, threads=self.threads)
+        run_pass(name, -(-breadth // 128), 32 * length + 8, *arguments, threads=self.threads)
 
 
 @lru_cache(maxsize=64)

@@ -67,15 +67,15 @@ class Store:
             if size > self.limit:  # a large array may need the memory of the pool
                 self._release_free()
                 return np.empty(shape, dtype)
-            found, pages = self._allocate(size), self._pages
-            if found is None or pages is None:
+            memory, pages = self._allocate(size), self._pages
+            if memory is None or pages is None:
                 return np.empty(shape, dtype)
         finally:
             self._turn.release()
         # views keep a reference to this array, the last one in their chain of bases that is an array
-        array = np.frombuffer(pages, dtype, prod(shape), found[0])
+        array = np.frombuffer(pages, dtype, prod(shape), memory[0])
         reference = weakref.ref(array, self._array_freed)
-        self._in_use[id(reference)] = reference, found
+        self._in_use[id(reference)] = reference, memory
         return array.reshape(shape)
 
     def _array_freed(self, reference: weakref.ref) -> None:

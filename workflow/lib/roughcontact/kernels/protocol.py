@@ -104,7 +104,7 @@ class Kernels(Protocol):
         self, field: Array, passed: Array, coarse: Array, factors: Factors, free: Array, cap: float
     ) -> tuple[float, float]: ...
     def project(
-        self, field: Array, cap: float, taken: Array, free: Array, factors: Factors, share: Array
+        self, field: Array, cap: float, removed_load: Array, free: Array, factors: Factors, share: Array
     ) -> None: ...
     def rescale(self, field: Array, factor: float, cap: float) -> float: ...
     def product(self, left: Array, right: Array) -> float: ...
@@ -113,7 +113,7 @@ class Kernels(Protocol):
     def block_mean(self, field: Array, factors: Factors, out: Array) -> None: ...
     def weigh(
         self,
-        parts: Array,
+        fine_share: Array,
         share: Array,
         factors: Factors,
         arrangement: Arrangement,
@@ -166,12 +166,12 @@ class SmallGrids(Protocol):
     def weigh(self) -> None:
         """Compute the weights of the cells of each grid from the contact on the next finer one."""
 
-    def prolong(self, sweeps: int, work: Array, other: Array) -> None:
+    def prolong(self, sweeps: int, work: Array, scratch: Array) -> None:
         """Interpolate from the coarsest of the grids to the first.
 
         `sweeps` is the number of smoothing sweeps on the coarsest grid. `work` and `other` are work memory of
         its shape, overwritten.
         """
 
-    def restrict(self, sweeps: int, work: Array, other: Array) -> None:
+    def restrict(self, sweeps: int, work: Array, scratch: Array) -> None:
         """Apply the transpose of `prolong`."""

@@ -3,7 +3,7 @@
 import os
 
 MIN_POINTS = 2**16  # of a grid for several threads: for fewer points distributing the work costs more
-_here = {"forked": False}
+_process = {"forked": False}
 
 
 def threads_for(size: int, threads: int) -> int:
@@ -11,8 +11,8 @@ def threads_for(size: int, threads: int) -> int:
 
     It is 1 in a forked process: worker threads do not survive a fork, and waiting for them would never end.
     """
-    return threads if size >= MIN_POINTS and not _here["forked"] else 1
+    return threads if size >= MIN_POINTS and not _process["forked"] else 1
 
 
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=lambda: _here.update(forked=True))
+    os.register_at_fork(after_in_child=lambda: _process.update(forked=True))

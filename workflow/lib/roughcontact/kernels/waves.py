@@ -33,8 +33,8 @@ def wave_power(field: np.ndarray) -> np.ndarray:
     del values
     power = np.empty(spectrum.shape)
     for rows in _blocks(power.shape):
-        part = spectrum[rows]
-        power[rows] = part.real**2 + part.imag**2
+        block = spectrum[rows]
+        power[rows] = block.real**2 + block.imag**2
     power /= float(field.size) ** 2
     power[0, 0] = 0.0
     return power
@@ -71,8 +71,8 @@ def over_waves(
     >>> print(np.round(sums[0] / np.array([1, (np.pi / 4) ** 2]), 6))
     [2. 2.]
     """
-    for qy, qx, both in over_wavevectors(power, shape, spacing):
-        yield qy**2 + qx**2, both
+    for qy, qx, wave_power in over_wavevectors(power, shape, spacing):
+        yield qy**2 + qx**2, wave_power
 
 
 def over_wavevectors(

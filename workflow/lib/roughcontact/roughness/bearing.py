@@ -68,8 +68,13 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     enters, leaves = (_ratio_of(height, ratio, curve) for height in (upper, lower))
     peaks = _material(enters, ratio, curve)
     dales = _void(leaves, ratio, curve)
-    material = {at: _material(at, ratio, curve) for at in (_PEAK_RATIO, _DALE_RATIO)}
-    void = {at: _void(at, ratio, curve) for at in (_PEAK_RATIO, _DALE_RATIO)}
+    material = {
+        material_ratio: _material(material_ratio, ratio, curve)
+        for material_ratio in (_PEAK_RATIO, _DALE_RATIO)
+    }
+    void = {
+        material_ratio: _void(material_ratio, ratio, curve) for material_ratio in (_PEAK_RATIO, _DALE_RATIO)
+    }
     extreme, middle = np.interp([_EXTREME_RATIO, _MIDDLE_RATIO], ratio, curve)
     return {
         "Sk": upper - lower,
@@ -94,19 +99,19 @@ def _ratio_of(height: float, ratio: np.ndarray, curve: np.ndarray) -> float:
     return float(np.interp(height, curve[::-1], ratio[::-1]))
 
 
-def _material(at: float, ratio: np.ndarray, curve: np.ndarray) -> float:
+def _material(material_ratio: float, ratio: np.ndarray, curve: np.ndarray) -> float:
     """Return the area between the curve and its height at a material ratio, at smaller ratios."""
-    height = float(np.interp(at, ratio, curve))
-    left = int(np.searchsorted(ratio, at))
+    height = float(np.interp(material_ratio, ratio, curve))
+    left = int(np.searchsorted(ratio, material_ratio))
     above = np.append(curve[:left], height)
     above -= height
-    return float(np.trapezoid(above, np.append(ratio[:left], at)))
+    return float(np.trapezoid(above, np.append(ratio[:left], material_ratio)))
 
 
-def _void(at: float, ratio: np.ndarray, curve: np.ndarray) -> float:
+def _void(material_ratio: float, ratio: np.ndarray, curve: np.ndarray) -> float:
     """Return the area between the curve and its height at a material ratio, at larger ratios."""
-    height = float(np.interp(at, ratio, curve))
-    right = int(np.searchsorted(ratio, at, side="right"))
+    height = float(np.interp(material_ratio, ratio, curve))
+    right = int(np.searchsorted(ratio, material_ratio, side="right"))
     below = np.insert(curve[right:], 0, height)
     np.subtract(height, below, out=below)
-    return float(np.trapezoid(below, np.insert(ratio[right:], 0, at)))
+    return float(np.trapezoid(below, np.insert(ratio[right:], 0, material_ratio)))

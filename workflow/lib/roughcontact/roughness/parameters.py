@@ -70,12 +70,12 @@ def rms_gradient(height: xr.DataArray, *, threads: int = 1) -> float:
     >>> round(rms_gradient(wave) ** 2, 6)
     0.5
     """
-    given = np.require(height.values, dtype=float, requirements=["C", "A", "W"])
+    heights = np.require(height.values, dtype=float, requirements=["C", "A", "W"])
     # the first height is taken off, which makes a flat map exactly zero
-    spectrum = make_plan(given, DOUBLE, threads=threads).forward(given, offset=float(given.flat[0]))
+    spectrum = make_plan(heights, DOUBLE, threads=threads).forward(heights, offset=float(heights.flat[0]))
     weights = fourier.halfplane_weights(height.shape)[0]
     qy, qx = fourier.wavevectors(height.shape, spacing(height))
-    kernels = kernels_for(given, threads=threads)
+    kernels = kernels_for(heights, threads=threads)
     return math.sqrt(kernels.slope_power(spectrum, weights, qy[:, 0] ** 2, qx[0] ** 2)) / height.size
 
 
@@ -113,9 +113,9 @@ def interior_rms_gradient(height: xr.DataArray) -> float:
         weights = fourier.halfplane_weights((1, points))
         of_lines = np.empty(count)
         for first in range(0, count, _LINES_PER_BLOCK):  # in blocks, to save memory
-            part = slice(first, first + _LINES_PER_BLOCK)
-            mirrored = np.concatenate([lines[part], lines[part, ::-1]], axis=-1)
-            of_lines[part] = np.abs(np.fft.rfft(mirrored)) ** 2 * weights @ q**2
+            block = slice(first, first + _LINES_PER_BLOCK)
+            mirrored = np.concatenate([lines[block], lines[block, ::-1]], axis=-1)
+            of_lines[block] = np.abs(np.fft.rfft(mirrored)) ** 2 * weights @ q**2
         total += float(of_lines.mean()) / points**2
     return math.sqrt(total)
 
@@ -350,9 +350,9 @@ def _relative_to_first_point(values: np.ndarray) -> np.ndarray:
 def _moments(height: xr.DataArray, power: np.ndarray) -> tuple[float, float, float]:
     """Return sum |q|^(2k) |h(q)|^2 for k = 0, 1, 2."""
     m0, gradient, laplacian = 0.0, 0.0, 0.0
-    for q2, both in over_waves(power, height.shape, spacing(height)):
-        slope = q2 * both
-        m0 += float(both.sum())
+    for q2, weight in over_waves(power, height.shape, spacing(height)):
+        slope = q2 * weight
+        m0 += float(weight.sum())
         gradient += float(slope.sum())
         laplacian += float((q2 * slope).sum())
     return m0, gradient, laplacian
@@ -383,16 +383,16 @@ def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[floa
     waves = zip(
         over_waves(power, height.shape, spacing(height)), over_waves(power, height.shape, unit), strict=True
     )
-    for (squared, both), (squared_in_unit, _) in waves:
+    for (squared, weight), (squared_in_unit, _) in waves:
         # the boundary between two shells belongs to the lower one, whatever the rounding
         shell = np.ceil(np.sqrt(squared_in_unit) / fundamental - (0.5 + 1e-9)).astype(int)
-        share += np.bincount(shell.ravel(), weights=(squared * both).ravel(), minlength=last + 1)
+        share += np.bincount(shell.ravel(), weights=(squared * weight).ravel(), minlength=last + 1)
     total = share.sum()
     if not total > 0:
         return math.nan
     share /= total
-    beyond = np.cumsum(share[::-1])[::-1]
-    edge = int(np.nonzero(beyond > _SHARE_BEYOND_CUTOFF)[0][-1])
+    remaining = np.cumsum(share[::-1])[::-1]
+    edge = int(np.nonzero(remaining > _SHARE_BEYOND_CUTOFF)[0][-1])
     before = share[int(np.ceil(edge / 2 ** (1 / 3))) : edge + 1].mean()
     while edge + 1 < share.size and share[edge + 1] > _EDGE_DROP * before:
         edge += 1

@@ -47,8 +47,8 @@ def areal_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray, np.nda
     power = np.empty((ny, nx))
     power[:, : half.shape[1]] = half
     # C(-q) = C(q)
-    beyond = half[:, (nx - 1) // 2 : 0 : -1]
-    power[:1, half.shape[1] :], power[1:, half.shape[1] :] = beyond[:1], beyond[:0:-1]
+    mirrored = half[:, (nx - 1) // 2 : 0 : -1]
+    power[:1, half.shape[1] :], power[1:, half.shape[1] :] = mirrored[:1], mirrored[:0:-1]
     qy, qx = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip((ny, nx), spacing(height), strict=True))
     return qy, qx, power
 
@@ -85,15 +85,15 @@ def isotropic_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
     last = max(int(min(limits) / fundamental * (1 + 1e-9)), 1)
     sides = fourier.halfplane_weights(height.shape)
     count, total, mean = np.zeros((3, last + 1))
-    for squared, both in over_waves(power, height.shape, spacing(height)):
+    for squared, ring_power in over_waves(power, height.shape, spacing(height)):
         wavenumber = np.sqrt(squared)
         shell = np.rint(wavenumber / fundamental).astype(int)
         count += _in_shells(shell, np.broadcast_to(sides, shell.shape), last)
-        total += _in_shells(shell, both, last)
+        total += _in_shells(shell, ring_power, last)
         mean += _in_shells(shell, sides * wavenumber, last)
-    some = count > 0
-    some[0] = False
-    return mean[some] / count[some], _area(height) * total[some] / count[some]
+    occupied = count > 0
+    occupied[0] = False
+    return mean[occupied] / count[occupied], _area(height) * total[occupied] / count[occupied]
 
 
 def _in_shells(shell: np.ndarray, values: np.ndarray, last: int) -> np.ndarray:
@@ -142,10 +142,10 @@ def angular_spectrum(
     power = wave_power(height.values) if power is None else power
     ny, nx = height.shape
     dqy, dqx = (2 * np.pi / (n * d) for n, d in zip(height.shape, spacing(height), strict=True))
-    least, most = sorted((dqy, dqx))
+    finer_step, coarser_step = sorted((dqy, dqx))
     theta = np.arange(0, 180, step)
-    radius = np.arange(1, np.pi / max(spacing(height)) / least) * least
-    radius = radius[radius >= most * (1 - 1e-9)]
+    radius = np.arange(1, np.pi / max(spacing(height)) / finer_step) * finer_step
+    radius = radius[radius >= coarser_step * (1 - 1e-9)]
     across = np.deg2rad(theta)[:, None]
     rows = np.minimum(radius * np.sin(across) / dqy, (ny - 1) // 2)
     columns = np.minimum(radius * np.cos(across) / dqx, (nx - 1) // 2)
@@ -153,16 +153,16 @@ def angular_spectrum(
     rows = np.where(columns < 0, -rows, rows) + ny // 2
     spectrum = np.fft.fftshift(power, axes=0)
     longer = _removed_waves(
-        spectrum, height.shape, math.ceil(most / least * (1 - 1e-9)) - 1, along_x=dqx < dqy
+        spectrum, height.shape, math.ceil(coarser_step / finer_step * (1 - 1e-9)) - 1, along_x=dqx < dqy
     )
     rays = map_coordinates(spectrum, [rows, np.abs(columns)], order=1, mode="nearest")
-    found = 2 * _area(height) * (rays * radius).sum(axis=1) * least / (2 * np.pi) ** 2
-    off = np.deg2rad(theta if dqx < dqy else theta - 90)
-    off = np.arcsin(np.abs(np.sin(off)))  # angle to the direction of the longer waves
+    variance = 2 * _area(height) * (rays * radius).sum(axis=1) * finer_step / (2 * np.pi) ** 2
+    deviation = np.deg2rad(theta if dqx < dqy else theta - 90)
+    deviation = np.arcsin(np.abs(np.sin(deviation)))  # angle to the direction of the longer waves
     for order, mean_square in enumerate(longer, start=1):
-        width = math.atan(most / least / order)
-        found += mean_square / width * np.maximum(1 - off / width, 0)
-    return theta, found
+        width = math.atan(coarser_step / finer_step / order)
+        variance += mean_square / width * np.maximum(1 - deviation / width, 0)
+    return theta, variance
 
 
 def _removed_waves(spectrum: np.ndarray, shape: tuple[int, ...], number: int, *, along_x: bool) -> np.ndarray:
@@ -175,12 +175,12 @@ def _removed_waves(spectrum: np.ndarray, shape: tuple[int, ...], number: int, *,
     # the sign that includes the highest frequency of an even side
     line = spectrum[middle] if along_x else spectrum[middle::-1, 0]
     weights = fourier.halfplane_weights(shape if along_x else shape[::-1])[0]
-    taken = (weights * line)[1 : number + 1]
+    removed = (weights * line)[1 : number + 1]
     if along_x:
         line[1 : number + 1] = 0
     else:
         spectrum[max(middle - number, 0) : middle + number + 1, 0] = 0
-    return taken
+    return removed
 
 
 def _area(height: xr.DataArray) -> float:

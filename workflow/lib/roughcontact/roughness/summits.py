@@ -105,14 +105,16 @@ def summit_that_stands_out(height: xr.DataArray, *, images: int = 1) -> dict[str
     (1.5, 0.666666666667)
     """
     values = height.values.astype(float, copy=False)
-    found = [_highest(values, *sides, images) for sides in (_SUMMIT, _SPIKE)]
-    if not all(heights[0] for heights, _ in found):
+    rankings = [_highest(values, *sides, images) for sides in (_SUMMIT, _SPIKE)]
+    if not all(heights[0] for heights, _ in rankings):
         return {}
-    chance, inverse, place = min((_chance(heights), heights[1] / heights[0], at) for heights, at in found)
+    chance, inverse, position = min(
+        (_chance(heights), heights[1] / heights[0], candidate) for heights, candidate in rankings
+    )
     return {
         "summit_chance": chance,
         "summit_over_next": 1 / inverse if inverse else math.inf,
-        **{f"summit_{axis}": float(height[axis][i]) for axis, i in zip("yx", place, strict=True)},
+        **{f"summit_{axis}": float(height[axis][i]) for axis, i in zip("yx", position, strict=True)},
     }
 
 
@@ -128,15 +130,15 @@ def _highest(values: np.ndarray, top: int, around: int, images: int) -> tuple[li
     rounding = 1e-12 * float(np.abs(values).max(initial=0.0))
     reach = np.arange(-(around // 2), around // 2 + 1)
     heights: list[float] = []
-    places: list[tuple[int, ...]] = []
+    positions: list[tuple[int, ...]] = []
     while len(heights) < _COMPARED:
-        place = tuple(int(i) for i in np.unravel_index(above.argmax(), above.shape))
-        if not above[place] > rounding:
+        position = tuple(int(i) for i in np.unravel_index(above.argmax(), above.shape))
+        if not above[position] > rounding:
             break
-        heights.append(float(above[place]))
-        places.append(place)
-        above[np.ix_(*((i + reach) % n for i, n in zip(place, above.shape, strict=True)))] = -np.inf
-    return heights + [0.0] * (_COMPARED - len(heights)), places[0] if places else ()
+        heights.append(float(above[position]))
+        positions.append(position)
+        above[np.ix_(*((i + reach) % n for i, n in zip(position, above.shape, strict=True)))] = -np.inf
+    return heights + [0.0] * (_COMPARED - len(heights)), positions[0] if positions else ()
 
 
 def _chance(heights: list[float]) -> float:
@@ -145,8 +147,8 @@ def _chance(heights: list[float]) -> float:
     if len(tail) < 3:
         return float(len(tail) - 1)  # alone, or one of two, of which neither stands out
     spacings = np.arange(1, len(tail)) * -np.diff(tail)
-    others = float(spacings[1:].sum())
-    return (1 + float(spacings[0]) / others) ** -(len(tail) - 2) if others else float(spacings[0] == 0)
+    remaining = float(spacings[1:].sum())
+    return (1 + float(spacings[0]) / remaining) ** -(len(tail) - 2) if remaining else float(spacings[0] == 0)
 
 
 def _is_summit(values: np.ndarray) -> np.ndarray:
@@ -155,14 +157,14 @@ def _is_summit(values: np.ndarray) -> np.ndarray:
     summit = np.ones(values.shape, dtype=bool)
     columns = np.arange(-1, nx + 1) % nx
     for start in range(0, ny, step):
-        own = summit[start : start + step]
-        around = values[np.arange(start - 1, start + len(own) + 1) % ny][:, columns]
+        block = summit[start : start + step]
+        around = values[np.arange(start - 1, start + len(block) + 1) % ny][:, columns]
         middle = around[1:-1, 1:-1]
         for dy in (-1, 0, 1):
             for dx in (-1, 0, 1):
-                neighbour = around[1 - dy : len(own) + 1 - dy, 1 - dx : nx + 1 - dx]
+                neighbour = around[1 - dy : len(block) + 1 - dy, 1 - dx : nx + 1 - dx]
                 if (dy, dx) > (0, 0):
-                    own &= middle > neighbour
+                    block &= middle > neighbour
                 elif (dy, dx) < (0, 0):
-                    own &= middle >= neighbour
+                    block &= middle >= neighbour
     return summit

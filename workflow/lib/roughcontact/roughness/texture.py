@@ -98,14 +98,14 @@ def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) ->
     correlation = autocorrelation(height, power)
     if np.isnan(correlation).any():
         return result
-    shortest, longest, known = decay_lengths(correlation, spacing(height))
+    shortest, longest, decays = decay_lengths(correlation, spacing(height))
     del correlation
     result |= {"Sal": shortest, "Ssw": _dominant_wavelength(power, height.shape, spacing(height))}
     if min(height.shape) > 1:
         aspect = shortest / longest
         theta, power = angular_spectrum(height, power)
         result |= {
-            "Str": aspect if known or aspect <= LAY else math.nan,
+            "Str": aspect if decays or aspect <= LAY else math.nan,
             "Std": float(theta[np.argmax(power)]),
         }
     return result
@@ -179,8 +179,8 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
             if abs(u) > 1e-12
         )
         distance = np.arange(0, min(reach, inside) + pitch / _POINTS_PER_PIXEL / 2, pitch / _POINTS_PER_PIXEL)
-        places = [m + distance * u / d for m, d, u in zip(middle, spacing, direction, strict=True)]
-        ray = map_coordinates(splines, places, order=3, prefilter=False, mode="nearest")
+        points = [m + distance * u / d for m, d, u in zip(middle, spacing, direction, strict=True)]
+        ray = map_coordinates(splines, points, order=3, prefilter=False, mode="nearest")
         below = np.nonzero(ray <= DECAY)[0]
         if below.size:
             end = below[0]

@@ -30,7 +30,7 @@ _SMALLEST = 0.001  # quantile of the steps between neighbours that is a quantum,
 _FEW_STEPS = 0.03  # of the median step between neighbours: steps up to it are counted beside those of zero
 _QUANTA = 0.7  # scale of the exponential distribution of steps in units of their median: ln 2
 _COARSE = 0.4  # quantum over median step from which on most steps of zero are those of the quantisation
-_SAME = 1e-6  # of the median step: equal, but for rounding
+_STEP_TOLERANCE = 1e-6  # of the median step: equal, but for rounding
 
 
 class _Bands(NamedTuple):
@@ -85,12 +85,12 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     power, frequency = wave_power(values), _frequencies(values.shape)
     gradient = float((wavenumbers(values.shape, steps) ** 2 * halfplane_weights(values.shape) * power).sum())
     bands = _bands(power, frequency)
-    exponents, places = _exponents(bands)
+    exponents, wavelengths = _exponents(bands)
     if exponents.size == 0 or gradient == 0:
         return {}
     profile = 1 in values.shape
-    beyond = exponents < STEEPEST + profile
-    fall = int(np.argmax(beyond) if beyond.any() else np.argmin(exponents))
+    steep = exponents < STEEPEST + profile
+    fall = int(np.argmax(steep) if steep.any() else np.argmin(exponents))
     pitches = [d for n, d in zip(values.shape, steps, strict=True) if n > 1]
     floor, top = _floor(power, frequency)
     white = floor * values.size * sum((np.pi / d) ** 2 / 3 for d in pitches)
@@ -98,10 +98,12 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     curvatures = _normal_curvatures(slopes, seconds)
     return {
         "spectrum_exponent": float(exponents.min()) - profile,
-        "spectrum_end": float(2 * max(pitches) / places[fall]),
+        "spectrum_end": float(2 * max(pitches) / wavelengths[fall]),
         "spectrum_bend": _bend(bands),
-        "rounded_peaks": float(np.mean([_roundness(part) for part in curvatures])),
-        "sharpest_peak_radius": float(-1 / np.mean([np.quantile(part, _TAIL) for part in curvatures])),
+        "rounded_peaks": float(np.mean([_roundness(curvature) for curvature in curvatures])),
+        "sharpest_peak_radius": float(
+            -1 / np.mean([np.quantile(curvature, _TAIL) for curvature in curvatures])
+        ),
         "top_exponent": top - profile,
         "noise_floor": float(np.sqrt(floor * values.size)),
         "noise_gradient_share": white / gradient,
@@ -141,13 +143,13 @@ def repeated_heights(values: np.ndarray) -> float:
     step = step[np.isfinite(step)]
     if step.size < 1000 or not step.any():
         return 0.0
-    other = step[step > _SAME * np.median(step[step > 0])]
-    median, quantum = np.median(other), np.quantile(other, _SMALLEST)
+    distinct_steps = step[step > _STEP_TOLERANCE * np.median(step[step > 0])]
+    median, quantum = np.median(distinct_steps), np.quantile(distinct_steps, _SMALLEST)
     if quantum > _COARSE * median:
         return 0.0
-    few = np.count_nonzero(other <= max(_FEW_STEPS * median, 1.5 * quantum))
+    few_steps = np.count_nonzero(distinct_steps <= max(_FEW_STEPS * median, 1.5 * quantum))
     expected = 0.5 * np.exp(_QUANTA * quantum / median)
-    return float((step.size - other.size) / few / expected)
+    return float((step.size - distinct_steps.size) / few_steps / expected)
 
 
 def _frequencies(shape: tuple[int, ...]) -> np.ndarray:
@@ -163,14 +165,16 @@ def _bands(power: np.ndarray, frequency: np.ndarray) -> _Bands:
     count, total, squares = (
         np.bincount(band, minlength=number, weights=weights) for weights in (None, waves, waves**2)
     )
-    every = max(1, power.size // _SAMPLE)
-    some, values = band[::every], waves[::every]
-    median = np.array([np.median(values[some == k]) if (some == k).any() else np.nan for k in range(number)])
-    enough = np.where(count >= _WAVES, 1.0, np.nan)
+    stride = max(1, power.size // _SAMPLE)
+    sampled_band, values = band[::stride], waves[::stride]
+    median = np.array(
+        [np.median(values[sampled_band == k]) if (sampled_band == k).any() else np.nan for k in range(number)]
+    )
+    sufficient = np.where(count >= _WAVES, 1.0, np.nan)
     mean = total / np.maximum(count, 1)
     # a few strong waves, as of a texture, tell little of the others
     error = np.sqrt(squares) / np.where(total > 0, total, np.nan)
-    return _Bands(*((part * enough)[1:-1] for part in (mean, median, error)))
+    return _Bands(*((statistic * sufficient)[1:-1] for statistic in (mean, median, error)))
 
 
 def _exponents(bands: _Bands) -> tuple[np.ndarray, np.ndarray]:
@@ -180,11 +184,11 @@ def _exponents(bands: _Bands) -> tuple[np.ndarray, np.ndarray]:
     the less steep of the two counts.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        falls = [np.log2(part[_ACROSS:] / part[:-_ACROSS]) / (_ACROSS / 4) for part in bands[:2]]
+        falls = [np.log2(power[_ACROSS:] / power[:-_ACROSS]) / (_ACROSS / 4) for power in bands[:2]]
     exponents = np.fmax(*falls)
-    places = np.sqrt(_EDGES[1 + _ACROSS :] * _EDGES[: -1 - _ACROSS])
-    judged = (places >= _LOWEST) & np.isfinite(exponents)
-    return exponents[judged], places[judged]
+    wavelengths = np.sqrt(_EDGES[1 + _ACROSS :] * _EDGES[: -1 - _ACROSS])
+    judged = (wavelengths >= _LOWEST) & np.isfinite(exponents)
+    return exponents[judged], wavelengths[judged]
 
 
 def _bend(bands: _Bands) -> float:
@@ -220,14 +224,14 @@ def _floor(power: np.ndarray, frequency: np.ndarray) -> tuple[float, float]:
 
 def _derivatives(values: np.ndarray, steps: tuple[float, float]) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Return first and second derivatives along each axis at some points of the map."""
-    every = max(1, values.size // _SAMPLE)
-    here = values.ravel()[::every]
+    stride = max(1, values.size // _SAMPLE)
+    sample = values.ravel()[::stride]
     slopes, seconds = [], []
     for axis, pitch in enumerate(steps):
         if values.shape[axis] > 1:
-            before, after = (np.roll(values, by, axis).ravel()[::every] for by in (1, -1))
+            before, after = (np.roll(values, step, axis).ravel()[::stride] for step in (1, -1))
             slopes.append((after - before) / (2 * pitch))
-            seconds.append((before + after - 2 * here) / pitch**2)
+            seconds.append((before + after - 2 * sample) / pitch**2)
     return slopes, seconds
 
 
@@ -255,5 +259,5 @@ def _roundness(curvature: np.ndarray) -> float:
 
 def _pixel_roughness(seconds: list[np.ndarray], pitches: list[float]) -> float:
     """Return the rms height (m) of the white noise that has the second derivatives of a map."""
-    parts = [np.mean(part**2) * d**4 / 6 for part, d in zip(seconds, pitches, strict=True)]
-    return float(np.sqrt(min(parts)))
+    variances = [np.mean(second**2) * d**4 / 6 for second, d in zip(seconds, pitches, strict=True)]
+    return float(np.sqrt(min(variances)))

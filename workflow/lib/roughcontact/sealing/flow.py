@@ -126,9 +126,11 @@ def _tensor(gap: np.ndarray, steps: tuple[float, float], axes: np.ndarray, toler
     for axis in (0, 1):
         ahead = np.roll(cubed, -1, axis)
         linked = is_open & np.roll(is_open, -1, axis)
-        here, there = cubed[linked], ahead[linked]
+        cubed_gap, cubed_ahead = cubed[linked], ahead[linked]
         # half a cell of each in series; the product of the cubes may underflow
-        conductance = 2 * here * (there / (here + there)) * steps[1 - axis] / steps[axis]
+        conductance = (
+            2 * cubed_gap * (cubed_ahead / (cubed_gap + cubed_ahead)) * steps[1 - axis] / steps[axis]
+        )
         links.append((number[linked], np.roll(number, -1, axis)[linked], conductance))
     start, end = (np.concatenate([link[side] for link in links]) for side in (0, 1))
     conductance = np.concatenate([link[2] for link in links])

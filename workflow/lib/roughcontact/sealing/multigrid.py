@@ -24,7 +24,7 @@ class _Level(NamedTuple):
 Cycle = Callable[[np.ndarray], np.ndarray]
 
 
-def multigrid(root: sp.csr_array, places: np.ndarray) -> tuple[sp.csr_array, Cycle]:
+def multigrid(root: sp.csr_array, coordinates: np.ndarray) -> tuple[sp.csr_array, Cycle]:
     """Return the matrix root' root of a network and a preconditioner: a V-cycle of smoothed aggregation [1]_.
 
     The network is divided into blocks of 3 x 3 points. The points of a block that are connected by links not
@@ -36,7 +36,7 @@ def multigrid(root: sp.csr_array, places: np.ndarray) -> tuple[sp.csr_array, Cyc
     ----------
     root : sparse array (links, n)
         a row for each link: the root of its conductance at its end, and less that at its start.
-    places : int array (n, 2)
+    coordinates : int array (n, 2)
         row and column of each unknown on the grid.
 
     Returns
@@ -69,7 +69,7 @@ def multigrid(root: sp.csr_array, places: np.ndarray) -> tuple[sp.csr_array, Cyc
     finest = matrix = transposed @ root
     while matrix.shape[0] > _COARSEST:
         points = np.arange(matrix.shape[0])
-        aggregate, count = _aggregates(matrix, places // _BLOCK)
+        aggregate, count = _aggregates(matrix, coordinates // _BLOCK)
         if count == points.size:  # no points are joined
             break
         # half the sum of the sizes in a row: the diagonal of a network, and never less than half the largest
@@ -87,7 +87,7 @@ def multigrid(root: sp.csr_array, places: np.ndarray) -> tuple[sp.csr_array, Cyc
         matrix = transposed @ root
         first = np.empty(count, int)
         first[aggregate] = points  # any member has the place of its block
-        places = places[first] // _BLOCK
+        coordinates = coordinates[first] // _BLOCK
     scaling = np.sqrt(_inverse(matrix.diagonal()))
     values, vectors = np.linalg.eigh(scaling[:, None] * matrix.toarray() * scaling)
     solved = values > values.size * np.finfo(float).eps  # the others are constants, which are free

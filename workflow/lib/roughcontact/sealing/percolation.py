@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from roughcontact.connectivity import runs_around
+from roughcontact.connectivity import percolates
 from roughcontact.kernels.choose import library_available
 from roughcontact.kernels.compiled import Regions
 
@@ -93,25 +93,25 @@ def _levels(gap: np.ndarray, *, axes: tuple[int, ...] = (0, 1), above: float = 0
     """Return the critical constriction along y and along x; `above` where it is no larger."""
     compiled = Regions(gap) if library_available() else None
 
-    def run_around(level: float) -> tuple[bool, bool]:
+    def open_along(level: float) -> tuple[bool, bool]:
         """Return whether a region at least this high runs around along y, and along x."""
-        return compiled.run_around(level) if compiled else runs_around(gap >= level)
+        return compiled.percolates(level) if compiled else percolates(gap >= level)
 
     heights = gap.ravel()
     # of each axis: a level at which it is open, or `above`, and one at which it is closed
     is_open, closed = [above, above], [np.inf, np.inf]
-    least_of_all = run_around(np.nextafter(heights.dtype.type(above), heights.dtype.type(np.inf)))
+    lowest = open_along(np.nextafter(heights.dtype.type(above), heights.dtype.type(np.inf)))
     sample = heights[:: max(1, heights.size // _SAMPLE)]
     for axis in axes:
-        if not least_of_all[axis]:
+        if not lowest[axis]:
             continue
-        for some in (sample, heights):
-            levels = np.sort(some[(some > is_open[axis]) & (some < closed[axis])])
+        for values in (sample, heights):
+            levels = np.sort(values[(values > is_open[axis]) & (values < closed[axis])])
             low, high = 0, levels.size
             while low < high:
                 middle = (low + high) // 2
                 level = float(levels[middle])
-                for side, around in enumerate(run_around(level)):
+                for side, around in enumerate(open_along(level)):
                     if around:
                         is_open[side] = max(is_open[side], level)
                     else:

@@ -79,12 +79,14 @@ def adhesion_in_words(statistics: xr.Dataset) -> str:
     """
     if "effective_work_of_adhesion" not in statistics:
         return ""
-    energy, left = (float(statistics[name]) for name in ("conforming_energy", "effective_work_of_adhesion"))
-    work = energy + left
+    energy, remaining = (
+        float(statistics[name]) for name in ("conforming_energy", "effective_work_of_adhesion")
+    )
+    work = energy + remaining
     paid = _ENERGY.text(work)
-    if left > 0:
+    if remaining > 0:
         return (
-            f"sticky: of the work of adhesion ({paid}) {_ENERGY.text(left)} is left when the surfaces "
+            f"sticky: of the work of adhesion ({paid}) {_ENERGY.text(remaining)} is left when the surfaces "
             "are pressed flat"
         )
     return (

@@ -61,9 +61,9 @@ def conductance_columns(
     columns = {"conductance_per_conductivity": per_conductivity}
     if have_layers(bodies):
         return columns
-    if (conductivities := _of_both(bodies, "thermal_conductivity")) is not None:
+    if (conductivities := _body_properties(bodies, "thermal_conductivity")) is not None:
         columns["thermal_conductance"] = 2 / (1 / conductivities).sum() * per_conductivity
-    if (resistivities := _of_both(bodies, "electrical_resistivity")) is not None:
+    if (resistivities := _body_properties(bodies, "electrical_resistivity")) is not None:
         columns["electrical_conductance"] = 2 / resistivities.sum() * per_conductivity
     return columns
 
@@ -77,12 +77,12 @@ def conductors(bodies: Bodies | None) -> dict[str, ConductingPair]:
     >>> list(conductors([{"thermal_conductivity": 50.0, "layers": [film]}, {"thermal_conductivity": 50.0}]))
     ['thermal_conductance']
     """
-    found = {
-        f"{kind}_conductance": conducting_pair(bodies or (), f"{kind}_{of}")
-        for kind, of in (("thermal", "conductivity"), ("electrical", "resistivity"))
+    conducting = {
+        f"{transport}_conductance": conducting_pair(bodies or (), f"{transport}_{property_name}")
+        for transport, property_name in (("thermal", "conductivity"), ("electrical", "resistivity"))
         if bodies and have_layers(bodies)
     }
-    return {name: pair for name, pair in found.items() if pair is not None}
+    return {name: pair for name, pair in conducting.items() if pair is not None}
 
 
 def over_holms_resistance(knudsen: npt.ArrayLike) -> np.ndarray:
@@ -99,14 +99,14 @@ def with_resistances(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]
     """Return columns with the resistance, times area, that belongs to each conductance per area."""
     with np.errstate(divide="ignore"):
         resistances = {
-            f"{kind}_resistance": 1 / columns[name]
-            for kind in ("thermal", "electrical")
-            if (name := f"{kind}_conductance") in columns
+            f"{transport}_resistance": 1 / columns[name]
+            for transport in ("thermal", "electrical")
+            if (name := f"{transport}_conductance") in columns
         }
     return {**columns, **resistances}
 
 
-def _of_both(bodies: Bodies | None, name: str) -> np.ndarray | None:
+def _body_properties(bodies: Bodies | None, name: str) -> np.ndarray | None:
     """Return a property of the two bodies, None unless both state it."""
     values = [value for body in bodies or () if (value := body.get(name)) is not None]
     return np.array(values) if len(values) == 2 else None

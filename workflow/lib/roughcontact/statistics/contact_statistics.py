@@ -230,10 +230,12 @@ def contact_statistics(
         for axis in ("x", "y"):  # a profile has no position across it
             columns[f"max_von_mises_{axis}"] += height[axis].values[0] if height[axis].size > 1 else np.nan
     dims = {density: ("load", f"{name}_bin") for density, name in _BINS.items()}
-    dims |= {f"{part}_share_above_ratio": ("load", "hardness_over_modulus") for part in ("load", "area")}
+    dims |= {
+        f"{quantity}_share_above_ratio": ("load", "hardness_over_modulus") for quantity in ("load", "area")
+    }
     dims["von_mises_profile"] = ("load", "depth")
-    dims |= {f"material_von_mises_{of}": ("load", "material") for of in ("stress", "depth")}
-    dims |= {f"interface_{kind}_stress": ("load", "interface") for kind in ("shear", "normal")}
+    dims |= {f"material_von_mises_{quantity}": ("load", "material") for quantity in ("stress", "depth")}
+    dims |= {f"interface_{component}_stress": ("load", "interface") for component in ("shear", "normal")}
     variables: dict[str, object] = {
         name: (dims.get(name, ("load",)), values) for name, values in columns.items()
     }
@@ -282,13 +284,13 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     """
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
-    words = {key: budget.attrs[key] for key in ("window_reason", "window_flag") if key in budget.attrs}
+    window_attrs = {key: budget.attrs[key] for key in ("window_reason", "window_flag") if key in budget.attrs}
     corrected = [str(name).removesuffix("_as_solved") for name in budget if str(name).endswith("_as_solved")]
     statistics = statistics.assign({name: budget[f"{name}_estimate"].variable for name in corrected})
     if "max_pressure" in corrected and "max_pressure_over_modulus" in statistics:
         relative = statistics["max_pressure"] / statistics["contact_modulus"]
         statistics = statistics.assign(max_pressure_over_modulus=relative.variable)
-    complete = statistics.merge(budget, compat="override", join="override").assign_attrs(words)
+    complete = statistics.merge(budget, compat="override", join="override").assign_attrs(window_attrs)
     return complete.assign(_ends_in_other_units(complete) | _ends_of_the_leak(complete))
 
 
@@ -296,16 +298,16 @@ def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
     """Return the ends of the intervals of conductances and resistances: those of K/E* in other units."""
     base = "conductance_per_conductivity"
     ends: dict[str, xr.DataArray] = {}
-    for kind in ("thermal", "electrical"):
-        if (name := f"{kind}_conductance") not in statistics or f"{base}_lower" not in statistics:
+    for transport in ("thermal", "electrical"):
+        if (name := f"{transport}_conductance") not in statistics or f"{base}_lower" not in statistics:
             continue
         if statistics[base].notnull().any():
             unit = statistics[name] / statistics[base]
             lower, upper = (unit * statistics[f"{base}_{end}"] for end in ("lower", "upper"))
             ends |= {f"{name}_lower": lower, f"{name}_upper": upper}
             # a conductance without an upper end leaves a resistance down to none
-            ends[f"{kind}_resistance_lower"] = (1 / upper).fillna(0.0).where(lower.notnull())
-            ends[f"{kind}_resistance_upper"] = (1 / lower).where(lower > 0)
+            ends[f"{transport}_resistance_lower"] = (1 / upper).fillna(0.0).where(lower.notnull())
+            ends[f"{transport}_resistance_upper"] = (1 / lower).where(lower > 0)
     return ends
 
 
@@ -388,7 +390,7 @@ def surface_numbers(
     return SurfaceNumbers(parameters, summit_statistics(height), float(np.ptp(height.values)))
 
 
-def statistics_of(
+def statistics_function(
     height: xr.DataArray, *, contact_modulus: float, **settings: Any
 ) -> Callable[[xr.Dataset], xr.Dataset]:
     """Return `contact_statistics` for solutions of one map, whose own numbers are computed once.
@@ -412,7 +414,7 @@ def statistics_of(
     >>> from roughcontact.contact.solve import solve_contact
     >>> from roughcontact.references.synthetic import rough_reference_surface
     >>> height = rough_reference_surface(64)
-    >>> count = statistics_of(height, contact_modulus=1.0, flow="never")
+    >>> count = statistics_function(height, contact_modulus=1.0, flow="never")
     >>> found = solve_contact(height, contact_modulus=1.0, mean_pressure=[0.1, 0.2], reduce=count)
     >>> found["rms_gradient"].dims, found["mean_gap"].dims
     ((), ('load',))
@@ -628,11 +630,11 @@ def _body_to_strain(stress: Extra, bodies: Bodies | None) -> Mapping[str, Any] |
     """Return the body whose stresses below the surface are computed; None where they are not wanted."""
     check_choice("stress", stress, Extra)
     body = strained_body(check_bodies(bodies) if bodies and have_layers(bodies) else bodies) or {}
-    known = body.get("poissons_ratio") is not None or bool(body.get("layers"))
-    if stress == "always" and not known:
+    deformable = body.get("poissons_ratio") is not None or bool(body.get("layers"))
+    if stress == "always" and not deformable:
         raise SettingsError("stress = 'always' needs bodies, for their Poisson's ratios", keys=["stress"])
     limited = bool(body) and min(yield_stresses(body)) < np.inf
-    return body if stress == "always" or (stress == "auto" and known and limited) else None
+    return body if stress == "always" or (stress == "auto" and deformable and limited) else None
 
 
 def _bins(edges: dict[str, np.ndarray]) -> dict[Hashable, tuple]:
@@ -644,6 +646,6 @@ def _bins(edges: dict[str, np.ndarray]) -> dict[Hashable, tuple]:
     for name, bounds in edges.items():
         centres = (bounds[1:] + bounds[:-1]) / 2
         coordinates[f"{name}_bin_centre"] = (f"{name}_bin", centres, {"bounds": f"{name}_bin_bounds"})
-        both = np.column_stack([bounds[:-1], bounds[1:]])
-        coordinates[f"{name}_bin_bounds"] = ((f"{name}_bin", "bounds"), both)
+        bin_bounds = np.column_stack([bounds[:-1], bounds[1:]])
+        coordinates[f"{name}_bin_bounds"] = ((f"{name}_bin", "bounds"), bin_bounds)
     return coordinates

@@ -88,19 +88,19 @@ def first_yield_pressure(
     # no point carries more than all of the load, and at least one carries the mean pressure
     low, high = float(np.log(goal / window.size)), float(np.log(goal))
     load = low + 0.7 * (high - low) if start is None else float(np.clip(np.log(start), low, high))
-    slope, before, tried = 0.2, None, set()
+    slope, before, visited = 0.2, None, set()
     for _ in range(_MOST_SOLVES):
-        here = excess(load)
-        tried.add(load)
-        low, high = (load, high) if here < 0 else (low, load)
+        excess_at_load = excess(load)
+        visited.add(load)
+        low, high = (load, high) if excess_at_load < 0 else (low, load)
         if before is not None and load != before[0]:
-            slope = float(np.clip((here - before[1]) / (load - before[0]), *_SLOPES))
-        step = load - here / slope
-        if abs(here) < _CLOSE:
+            slope = float(np.clip((excess_at_load - before[1]) / (load - before[0]), *_SLOPES))
+        step = load - excess_at_load / slope
+        if abs(excess_at_load) < _CLOSE:
             return float(np.exp(np.clip(step, low, high)))
-        before = load, here
+        before = load, excess_at_load
         load = float(np.clip(step, low, high))
-        if load in tried:
+        if load in visited:
             load = (low + high) / 2
         if high - low < _CLOSE:
             break
@@ -143,7 +143,7 @@ def with_first_yield(
         return statistics.assign(first_yield_pressure_by_ratio=("hardness_over_modulus", at_goals))
     hardness = float(statistics["hardness"])
     elastic = largest < hardness * (1 - _CLOSE)
-    found = first_yield_pressure(
+    pressures = first_yield_pressure(
         window,
         contact_modulus=modulus,
         hardness=hardness,
@@ -152,7 +152,7 @@ def with_first_yield(
         **{key: contact[key] for key in _SOLVER_SETTINGS if key in contact},
         **({"bodies": contact["bodies"]} if have_layers(contact.get("bodies")) else {}),
     )
-    return statistics.assign(first_yield_pressure=found)
+    return statistics.assign(first_yield_pressure=pressures)
 
 
 def _rising(loads: np.ndarray, largest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -18,11 +18,13 @@ _STEP = 0.25
 _DEEPEST = 2  # longer sides: there less than 1e-4 of any wave is left
 # Between two depths the stress at a point follows the polynomial through so many, linear in so many parts.
 _FITTED = 6
-_PARTS = 16
-_NEAR = 0.8  # of a limit: where the stress is less at two depths, it does not reach the limit between them
+_SUBINTERVALS = 16
+_NEAR_LIMIT = (
+    0.8  # of a limit: where the stress is less at two depths, it does not reach the limit between them
+)
 # Peaks within this share of the largest stress are refined, too: another point may exceed it in between.
-_BESIDE = 0.02
-_FAR = 0.8  # of the largest stress of Tresca so far: below it no eigenvalues are computed
+_PEAK_TOLERANCE = 0.02
+_TRESCA_SHARE = 0.8  # of the largest stress of Tresca so far: below it no eigenvalues are computed
 _FINE = 0.01  # relative difference from the wanted stress at which a load counts as having it
 
 Body = Mapping[str, Any]
@@ -84,13 +86,13 @@ def strained_body_in_words(bodies: Bodies) -> str:
     'body 2 (tool), the only one with layers'
     """
     ranks = [_rank(body) for body in bodies]
-    place = ranks.index(min(ranks))
-    name = f" ({bodies[place]['name']})" if bodies[place].get("name") else ""
-    softer = "of the softer base" if bodies[place].get("layers") else "the softer one"
+    index = ranks.index(min(ranks))
+    name = f" ({bodies[index]['name']})" if bodies[index].get("name") else ""
+    softer = "of the softer base" if bodies[index].get("layers") else "the softer one"
     reasons = ("of the lowest yield stress stated", "the only one with layers", softer)
-    differing = [why for why, *both in zip(reasons, *ranks, strict=True) if len(set(both)) > 1]
-    alike = "the first of two alike" if len(bodies) > 1 else "the only elastic one"
-    return f"body {place + 1}{name}, {[*differing, alike][0]}"
+    differing = [why for why, *pair in zip(reasons, *ranks, strict=True) if len(set(pair)) > 1]
+    default_reason = "the first of two alike" if len(bodies) > 1 else "the only elastic one"
+    return f"body {index + 1}{name}, {[*differing, default_reason][0]}"
 
 
 def yield_stresses(body: Body) -> list[float]:
@@ -104,7 +106,7 @@ def yield_stresses(body: Body) -> list[float]:
     return [material.get("yield_stress") or math.inf for material in _materials(body)]
 
 
-def largest_over_yield(found: Mapping[str, Any] | xr.Dataset, body: Body) -> np.ndarray:
+def largest_over_yield(statistics: Mapping[str, Any] | xr.Dataset, body: Body) -> np.ndarray:
     """Return the largest of the stresses of von Mises over the yield stresses of their materials (load).
 
     `found` are `stress_columns` of that body, or statistics with them.
@@ -116,9 +118,9 @@ def largest_over_yield(found: Mapping[str, Any] | xr.Dataset, body: Body) -> np.
     [1.]
     """
     if body.get("layers"):
-        ratio = np.asarray(found["material_von_mises_stress"]) / yield_stresses(body)
+        ratio = np.asarray(statistics["material_von_mises_stress"]) / yield_stresses(body)
         return np.asarray(ratio.max(axis=-1))
-    return np.asarray(found["max_von_mises_stress"]) / yield_stresses(body)[0]
+    return np.asarray(statistics["max_von_mises_stress"]) / yield_stresses(body)[0]
 
 
 def stress_columns(pressure: np.ndarray, steps: tuple[float, float], **body: Any) -> dict[str, Any]:
@@ -171,23 +173,25 @@ def stress_columns(pressure: np.ndarray, steps: tuple[float, float], **body: Any
         steps,
         **({"body": stack_of(body)} if layered else {"poissons_ratio": body["poissons_ratio"]}),
     )
-    parts = _depths(pressure.shape, steps, body)
+    sections = _depths(pressure.shape, steps, body)
     ratio = body.get("poissons_ratio") or 0.0
-    everywhere = float(pressure.mean()) * (1 - 2 * ratio) / (1 - ratio)
-    unlimited = body.get("base") is None and everywhere > limits[-1]
+    uniform_stress = float(pressure.mean()) * (1 - 2 * ratio) / (1 - ratio)
+    unlimited = body.get("base") is None and uniform_stress > limits[-1]
     volume, best, profile, shear = math.inf if unlimited else 0.0, [], [], 0.0
     faces = [0.0, *interface_depths(body)]
-    for number, (depths, limit) in enumerate(zip(parts, limits, strict=True)):
-        found, above = _in_material(partial(stress_at, material=number), depths, faces[number], limit, shear)
+    for number, (depths, limit) in enumerate(zip(sections, limits, strict=True)):
+        largest, above = _in_material(
+            partial(stress_at, material=number), depths, faces[number], limit, shear
+        )
         volume += above
-        profile += [at.von_mises for at in found[: depths.size]]
-        best.append(max(found, key=lambda at: at.von_mises))
-        shear = max(shear, *(at.tresca for at in found))
-    most = max(best, key=lambda at: at.von_mises)
-    row, column = np.unravel_index(most.place, pressure.shape)
+        profile += [candidate.von_mises for candidate in largest[: depths.size]]
+        best.append(max(largest, key=lambda candidate: candidate.von_mises))
+        shear = max(shear, *(candidate.tresca for candidate in largest))
+    largest_overall = max(best, key=lambda candidate: candidate.von_mises)
+    row, column = np.unravel_index(largest_overall.position, pressure.shape)
     columns: dict[str, Any] = {
-        "max_von_mises_stress": most.von_mises,
-        "max_von_mises_depth": most.depth,
+        "max_von_mises_stress": largest_overall.von_mises,
+        "max_von_mises_depth": largest_overall.depth,
         "max_von_mises_x": column * steps[1],
         "max_von_mises_y": row * steps[0],
         "max_tresca_stress": shear,
@@ -199,8 +203,8 @@ def stress_columns(pressure: np.ndarray, steps: tuple[float, float], **body: Any
         return columns
     lower = [stress_at(layer["thickness"], number) for number, layer in enumerate(body["layers"])]
     return columns | {
-        "material_von_mises_stress": np.array([at.von_mises for at in best]),
-        "material_von_mises_depth": np.array([at.depth for at in best]),
+        "material_von_mises_stress": np.array([candidate.von_mises for candidate in best]),
+        "material_von_mises_depth": np.array([candidate.depth for candidate in best]),
         "interface_shear_stress": np.array([np.hypot(stress[3], stress[4]).max() for stress in lower]),
         "interface_normal_stress": np.array([stress[2].max() for stress in lower]),
     }
@@ -231,13 +235,15 @@ def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.D
     if min(limits) == math.inf or "max_von_mises_stress" not in statistics:
         return statistics
     loads = statistics["mean_pressure"].values
-    found = statistics.assign(
+    extended = statistics.assign(
         first_subsurface_yield_pressure=_reached(loads, largest_over_yield(statistics, body))
     )
     if not body.get("layers"):
-        return found
-    each = (statistics["material_von_mises_stress"].transpose("load", ...) / limits).values.T
-    return found.assign(material_first_yield_pressure=("material", [_reached(loads, one) for one in each]))
+        return extended
+    ratios = (statistics["material_von_mises_stress"].transpose("load", ...) / limits).values.T
+    return extended.assign(
+        material_first_yield_pressure=("material", [_reached(loads, ratio) for ratio in ratios])
+    )
 
 
 def _rank(body: Body) -> tuple[float, bool, float]:
@@ -257,14 +263,14 @@ def _depths(shape: Sequence[int], steps: tuple[float, float], body: Body) -> lis
     faces = [0.0, *interface_depths(body)]
     if body.get("base") != "rigid":
         faces.append(max(deepest, 2 * faces[-1]))
-    parts = []
+    sections = []
     for upper, lower in pairwise(faces):
         first, last = math.log1p(upper / finest), math.log1p(lower / finest)
         count = max(_FITTED, math.ceil((last - first) / _STEP) + 1)
-        parts.append(finest * np.expm1(np.linspace(first, last, count)))
+        sections.append(finest * np.expm1(np.linspace(first, last, count)))
         if body.get("layers"):  # the faces without rounding
-            parts[-1][[0, -1]] = upper, lower
-    return parts
+            sections[-1][[0, -1]] = upper, lower
+    return sections
 
 
 def _in_material(
@@ -275,23 +281,25 @@ def _in_material(
     `face` is the depth from which that of `stress_at` counts, `shear` the largest stress of Tresca found
     elsewhere: what is far below it need not be exact.
     """
-    found: list[_Largest] = []
+    largest: list[_Largest] = []
     maps: list[np.ndarray] = []
     volume = 0.0
     for index, depth in enumerate(depths):
         stress = stress_at(depth - face)
         equivalent = von_mises(stress)
-        found.append(_largest(depth, stress, equivalent, shear=shear))
-        shear = max(shear, found[-1].tresca)
+        largest.append(_largest(depth, stress, equivalent, shear=shear))
+        shear = max(shear, largest[-1].tresca)
         if limit < math.inf:
             maps = [*maps[1 - _FITTED :], equivalent]
             volume += _volume_above(limit, maps, depths, index)
     for closer in (_middles, _vertex):
-        between = {depth for name in ("von_mises", "tresca") for depth in _near_peaks(found, name, closer)}
-        for depth in sorted(between):
+        midpoints = {
+            depth for name in ("von_mises", "tresca") for depth in _near_peaks(largest, name, closer)
+        }
+        for depth in sorted(midpoints):
             stress = stress_at(depth - face)
-            found.append(_largest(depth, stress, von_mises(stress)))
-    return found, volume
+            largest.append(_largest(depth, stress, von_mises(stress)))
+    return largest, volume
 
 
 def _reached(loads: np.ndarray, ratio: np.ndarray) -> float:
@@ -314,7 +322,7 @@ class _Largest(NamedTuple):
     depth: float
     von_mises: float
     tresca: float
-    place: int
+    position: int
 
 
 def _largest(depth: float, stress: np.ndarray, equivalent: np.ndarray, *, shear: float = 0.0) -> _Largest:
@@ -322,27 +330,29 @@ def _largest(depth: float, stress: np.ndarray, equivalent: np.ndarray, *, shear:
 
     At every point the stress of Tresca is at least that of von Mises, and at most 2/√3 of it.
     """
-    place = int(equivalent.argmax())
-    most = float(equivalent.flat[place])
-    if 2 / math.sqrt(3) * most < _FAR * shear:
-        return _Largest(float(depth), most, most, place)
-    near = equivalent >= math.sqrt(3) / 2 * most
-    return _Largest(float(depth), most, float(tresca(stress[:, near]).max()), place)
+    position = int(equivalent.argmax())
+    maximum = float(equivalent.flat[position])
+    if 2 / math.sqrt(3) * maximum < _TRESCA_SHARE * shear:
+        return _Largest(float(depth), maximum, maximum, position)
+    candidates = equivalent >= math.sqrt(3) / 2 * maximum
+    return _Largest(float(depth), maximum, float(tresca(stress[:, candidates]).max()), position)
 
 
 def _near_peaks(
-    found: Sequence[_Largest], name: str, closer: Callable[[np.ndarray, np.ndarray], Sequence[float]]
+    largest: Sequence[_Largest], name: str, closer: Callable[[np.ndarray, np.ndarray], Sequence[float]]
 ) -> Iterator[float]:
     """Yield depths near each peak of a stress that may have the largest of all beside it."""
-    found = sorted(found)
-    depths = np.array([at.depth for at in found])
-    stress = np.array([getattr(at, name) for at in found])
-    least = (1 - _BESIDE) * stress.max()
+    largest = sorted(largest)
+    depths = np.array([candidate.depth for candidate in largest])
+    stress = np.array([getattr(candidate, name) for candidate in largest])
+    threshold = (1 - _PEAK_TOLERANCE) * stress.max()
     for peak in range(1, stress.size - 1):
         three = slice(peak - 1, peak + 2)
-        before, at, after = stress[three]
-        curved = 2 * at - before - after > 1e-6 * at  # where it is flat there is nothing to gain but rounding
-        if at >= max(before, after, least) and curved:
+        before, candidate, after = stress[three]
+        curved = (
+            2 * candidate - before - after > 1e-6 * candidate
+        )  # where it is flat there is nothing to gain but rounding
+        if candidate >= max(before, after, threshold) and curved:
             yield from closer(depths[three], stress[three])
 
 
@@ -373,28 +383,28 @@ def _volume_above(limit: float, maps: Sequence[np.ndarray], depths: np.ndarray, 
 
 def _layer_above(limit: float, maps: Sequence[np.ndarray], depths: np.ndarray, layer: int) -> float:
     """Return the volume by area above a limit in one of the layers between depths, each with its map."""
-    near = np.maximum(maps[layer], maps[layer + 1]) > _NEAR * limit
-    stress = np.array([values[near] for values in maps])
+    candidates = np.maximum(maps[layer], maps[layer + 1]) > _NEAR_LIMIT * limit
+    stress = np.array([values[candidates] for values in maps])
     # a smooth curve leaves its chord by an eighth of its second difference; twice that is allowed for
     bend = np.abs(np.diff(stress[max(layer - 1, 0) : layer + 3], 2, axis=0)).max(axis=0) / 4
-    least, most = np.sort(stress[layer : layer + 2], axis=0) + np.stack([-bend, bend])
-    volume = float(depths[layer + 1] - depths[layer]) * np.count_nonzero(least > limit)
-    stress = stress[:, (least <= limit) & (most > limit)]
+    lower_bound, upper_bound = np.sort(stress[layer : layer + 2], axis=0) + np.stack([-bend, bend])
+    volume = float(depths[layer + 1] - depths[layer]) * np.count_nonzero(lower_bound > limit)
+    stress = stress[:, (lower_bound <= limit) & (upper_bound > limit)]
     # the polynomial through values at 0, 1, 2 ...
-    places, ends = np.arange(float(_FITTED)), layer + np.linspace(0, 1, _PARTS + 1)
-    fit = np.vander(ends, _FITTED) @ np.linalg.inv(np.vander(places))
+    nodes, ends = np.arange(float(_FITTED)), layer + np.linspace(0, 1, _SUBINTERVALS + 1)
+    fit = np.vander(ends, _FITTED) @ np.linalg.inv(np.vander(nodes))
     # by einsum: for so many points a product of matrices would wake the threads of BLAS
     upper = np.einsum("i,ij", fit[0], stress)
     for weights, thickness in zip(fit[1:], np.diff(fit @ depths), strict=True):
         lower = np.einsum("i,ij", weights, stress)
         volume += float(thickness) * _points_above(upper, lower, limit)
         upper = lower
-    return volume / near.size
+    return volume / candidates.size
 
 
 def _points_above(upper: np.ndarray, lower: np.ndarray, limit: float) -> float:
     """Return how many points of a layer are above a limit, of stresses linear between its two faces."""
-    least, most = np.minimum(upper, lower), np.maximum(upper, lower)
-    steep = most > least
-    share = np.divide(most - limit, most - least, out=(most > limit).astype(float), where=steep)
+    smaller, larger = np.minimum(upper, lower), np.maximum(upper, lower)
+    steep = larger > smaller
+    share = np.divide(larger - limit, larger - smaller, out=(larger > limit).astype(float), where=steep)
     return float(np.clip(share, 0.0, 1.0).sum())

@@ -11,9 +11,9 @@ import xarray as xr
 from roughcontact.bodies import have_layers
 from roughcontact.checking import check_choice, check_positive
 from roughcontact.choices import LoadTarget
-from roughcontact.connectivity import runs_around
+from roughcontact.connectivity import percolates
 from roughcontact.contact.loads import check_loads, plan_loads
-from roughcontact.contact.problem import pose
+from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.maps import spacing
@@ -32,7 +32,7 @@ from roughcontact.statistics.theory import xu_area
 TARGETS = ("target_area", "target_gap", "target")  # keys of the settings, as arguments of `target_loads`
 _SOLVER = ("tolerance", "influence", "precision")
 _CLOSE = 1e-4  # of the logarithm of the load, to which it is found
-_LEAST = 0.01  # load in units of E* g over the number of points, which a single point carries
+_SMALLEST_LOAD = 0.01  # load in units of E* g over the number of points, which a single point carries
 _FULL = 50.0  # excess of full contact over any target, in the logarithm
 
 
@@ -100,7 +100,7 @@ def target_loads(
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
     if have_layers(bodies):
         solver["bodies"] = bodies
-    gradient = pose(window).gradient
+    gradient = nondimensionalise(window).gradient
     if gradient == 0:
         raise HeightMapError("the map is flat and in full contact at every load: give mean_pressure in Pa")
     unit = modulus * gradient
@@ -109,53 +109,53 @@ def target_loads(
         """Return pressure and gap at a load."""
         return _state(window, load, contact_modulus=modulus, hardness=hardness, **solver)
 
-    crossing = partial(_crossing, least=_LEAST * unit / window.size, limit=hardness)
+    crossing = partial(_crossing, lower_limit=_SMALLEST_LOAD * unit / window.size, limit=hardness)
 
-    def area_excess(wanted: float, load: float) -> float:
+    def area_excess(target_value: float, load: float) -> float:
         """Return by how much the area exceeds the wanted one, in the logarithm."""
-        return math.log(relative_contact_area(state(load)[0] > 0) / wanted)
+        return math.log(relative_contact_area(state(load)[0] > 0) / target_value)
 
-    def gap_excess(wanted: float, load: float) -> float:
+    def gap_excess(target_value: float, load: float) -> float:
         """Return by how much the mean gap falls short of the wanted one, in the logarithm."""
         pressure, gap = state(load)
         mean = float(gap[pressure == 0].sum()) / gap.size
-        return min(math.log(wanted / mean), _FULL) if mean > 0 else _FULL
+        return min(math.log(target_value / mean), _FULL) if mean > 0 else _FULL
 
     def closed(axis: int, load: float) -> float:
         """Return 1 where no region of the gap runs around along an axis, else -1."""
         pressure, gap = state(load)
-        return -1.0 if runs_around((pressure == 0) & (gap > 0))[axis] else 1.0
+        return -1.0 if percolates((pressure == 0) & (gap > 0))[axis] else 1.0
 
     loads = []
-    for wanted in (
+    for target_value in (
         [] if target_area is None else check_loads("target_area", target_area, unit="shares of the area")
     ):
-        if wanted >= 1:
+        if target_value >= 1:
             raise SettingsError(
-                f"target_area = {wanted:g}: must be less than 1, all of the area", keys=["target_area"]
+                f"target_area = {target_value:g}: must be less than 1, all of the area", keys=["target_area"]
             )
-        load = crossing(partial(area_excess, wanted), unit * _xu_load(wanted))
+        load = crossing(partial(area_excess, target_value), unit * _xu_load(target_value))
         if load is None:
             raise SettingsError(
-                f"target_area = {wanted:g}: a single point of the map, 1/{window.size} of it, is more",
+                f"target_area = {target_value:g}: a single point of the map, 1/{window.size} of it, is more",
                 keys=["target_area"],
             )
         loads.append(load)
     unloaded = float(window.max() - window.mean())
-    for wanted in [] if target_gap is None else check_loads("target_gap", target_gap, unit="m"):
-        if wanted >= unloaded:
+    for target_value in [] if target_gap is None else check_loads("target_gap", target_gap, unit="m"):
+        if target_value >= unloaded:
             raise SettingsError(
-                f"target_gap = {wanted:g} m: must be less than the mean gap of the unloaded surfaces, "
+                f"target_gap = {target_value:g} m: must be less than the mean gap of the unloaded surfaces, "
                 f"{unloaded:.3g} m",
                 keys=["target_gap"],
             )
-        load = crossing(partial(gap_excess, wanted), 0.05 * unit)
+        load = crossing(partial(gap_excess, target_value), 0.05 * unit)
         loads += [] if load is None else [load]
-    for word in [target] if isinstance(target, str) else target or []:
-        check_choice("target", word, LoadTarget)
-        if word == "percolation":
-            found = (crossing(partial(closed, axis), 0.25 * unit, steady=False) for axis in (1, 0))
-            loads += dict.fromkeys(load for load in found if load is not None)
+    for event in [target] if isinstance(target, str) else target or []:
+        check_choice("target", event, LoadTarget)
+        if event == "percolation":
+            crossings = (crossing(partial(closed, axis), 0.25 * unit, steady=False) for axis in (1, 0))
+            loads += dict.fromkeys(load for load in crossings if load is not None)
         else:
             loads.append(
                 _first_yield(window, modulus, hardness=hardness, body=strained_body(bodies) or {}, **solver)
@@ -189,23 +189,27 @@ def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: i
     [100000.0]
     """
     material: dict[str, Any] = {key: contact.get(key) for key in ("contact_modulus", "hardness")}
-    given: dict[str, Any] = {key: contact.get(key) for key in ("mean_pressure", "relative_pressure")}
+    loads_in_settings: dict[str, Any] = {
+        key: contact.get(key) for key in ("mean_pressure", "relative_pressure")
+    }
     targets: dict[str, Any] = {key: contact.get(key) for key in TARGETS}
     loads = []
-    if any(value is not None for value in given.values()) or all(value is None for value in targets.values()):
-        loads = plan_loads(window, **material, **given)
+    if any(value is not None for value in loads_in_settings.values()) or all(
+        value is None for value in targets.values()
+    ):
+        loads = plan_loads(window, **material, **loads_in_settings)
     if any(value is not None for value in targets.values()):
         solver = {key: contact[key] for key in _SOLVER if key in contact}
-        found = target_loads(
+        loads_at_targets = target_loads(
             window, **material, **targets, bodies=contact.get("bodies"), threads=threads, **solver
         )
-        loads += [load for load in found if load not in loads]
+        loads += [load for load in loads_at_targets if load not in loads]
     if not loads:
-        asked = [key for key, value in targets.items() if value is not None]
+        target_keys = [key for key, value in targets.items() if value is not None]
         raise SettingsError(
-            f"{' and '.join(asked)}: what is asked for is there as soon as the surfaces touch, at any "
+            f"{' and '.join(target_keys)}: what is asked for is there as soon as the surfaces touch, at any "
             "load; give mean_pressure",
-            keys=asked,
+            keys=target_keys,
         )
     return loads
 
@@ -251,7 +255,7 @@ def _crossing(
     excess: Callable[[float], float],
     start: float,
     *,
-    least: float = 0.0,
+    lower_limit: float = 0.0,
     limit: float | None = None,
     steady: bool = True,
 ) -> float | None:
@@ -261,29 +265,29 @@ def _crossing(
     on the contact is full whatever the map; a `steady` excess is interpolated.
     """
 
-    def at(logarithm: float) -> float:
+    def value_at(logarithm: float) -> float:
         load = math.exp(logarithm)
         return _FULL if limit is not None and load >= limit else excess(load)
 
     step = math.log(2)
     low = high = math.log(start)
-    if at(low) < 0:
+    if value_at(low) < 0:
         high += step
-        while at(high) < 0:
+        while value_at(high) < 0:
             low, high = high, high + step
     else:
         low -= step
-        while at(low) >= 0:
-            if math.exp(low) < least:
+        while value_at(low) >= 0:
+            if math.exp(low) < lower_limit:
                 return None
             low, high = low - step, low
     if steady:
         from scipy.optimize import brentq  # imported late: it takes longer than solving a small map
 
-        return math.exp(brentq(at, low, high, xtol=_CLOSE / 2))
+        return math.exp(brentq(value_at, low, high, xtol=_CLOSE / 2))
     while high - low > _CLOSE:
         middle = (low + high) / 2
-        low, high = (middle, high) if at(middle) < 0 else (low, middle)
+        low, high = (middle, high) if value_at(middle) < 0 else (low, middle)
     return math.exp(high)
 
 

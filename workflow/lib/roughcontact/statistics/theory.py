@@ -181,8 +181,8 @@ def greenwood_williamson_area(
     pressure, area = greenwood_williamson_curve(summits, contact_modulus=contact_modulus)
     with np.errstate(divide="ignore"):
         load = np.log(mean_pressure)
-    found = np.exp(np.interp(load, np.log(pressure), np.log(area), left=np.nan, right=np.nan))
-    return np.where(found <= 1, found, np.nan)
+    interpolated = np.exp(np.interp(load, np.log(pressure), np.log(area), left=np.nan, right=np.nan))
+    return np.where(interpolated <= 1, interpolated, np.nan)
 
 
 @cache

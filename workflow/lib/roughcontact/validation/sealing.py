@@ -5,7 +5,7 @@ import xarray as xr
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from roughcontact.connectivity import runs_around
+from roughcontact.connectivity import percolates
 from roughcontact.contact.solve import solve_contact
 from roughcontact.maps import spacing
 from roughcontact.quantities import number, percent
@@ -130,7 +130,7 @@ def _closing_area(seed: int) -> float:
         return contact.touching
 
     closed = brentq(
-        lambda relative: 1.0 if any(runs_around(~touching(relative))) else -1.0, 0.1, 0.4, xtol=1e-3
+        lambda relative: 1.0 if any(percolates(~touching(relative))) else -1.0, 0.1, 0.4, xtol=1e-3
     )
     return relative_contact_area(touching(closed))
 

@@ -136,7 +136,7 @@ PASS(slope_power, { const REAL *spectrum; const double *weights, *along_y, *alon
 
 /* Whether a connected region of the points at or above `level` percolates through the period along y and along x: the
    first and the second sum. Regions consist of runs, uninterrupted pieces of a row: see `join`. */
-PASS(run_around, { const REAL *field; const int64_t *parent, *copies; double level; int64_t ny, nx; })
+PASS(percolates, { const REAL *field; const int64_t *parent, *copies; double level; int64_t ny, nx; })
 {
     const int64_t ny = given->ny, nx = given->nx;
     const struct Regions regions = {(int64_t *)given->parent, (struct Copy *)given->copies, found->sums};
