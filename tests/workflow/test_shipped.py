@@ -99,6 +99,26 @@ def test_every_platform_of_setup_is_run_before_a_release():
     assert set(workflow["publish"]["needs"]) == {"run", "run-musl"}
 
 
+def test_actions_are_pinned_by_commit_and_kept_up_to_date():
+    workflows = sorted((ROOT / ".github/workflows").glob("*.yml"))
+    used = [line for path in workflows for line in re.findall(r"uses: (.+)", path.read_text())]
+    assert len(used) > 20
+    assert [line for line in used if not re.fullmatch(r"[\w./-]+@[0-9a-f]{40} # v[\d.]+", line)] == []
+    updates = yaml.safe_load((ROOT / ".github/dependabot.yml").read_text())["updates"]
+    assert {update["package-ecosystem"] for update in updates} == {"github-actions", "pip", "docker"}
+
+
+def test_pull_requests_run_on_the_three_systems():
+    workflow = yaml.safe_load((ROOT / ".github/workflows/ci.yml").read_text())
+    assert "pull_request" in workflow[True]  # YAML 1.1 reads the key `on` as a truth value
+    systems = {*workflow["jobs"]["systems"]["strategy"]["matrix"]["system"]}
+    assert systems | {workflow["jobs"]["everything"]["runs-on"]} == {
+        "ubuntu-latest",
+        "macos-latest",
+        "windows-latest",
+    }
+
+
 def test_the_lowest_versions_are_the_same_everywhere():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     wanted = " ".join(project["optional-dependencies"]["workflow"])
