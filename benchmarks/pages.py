@@ -26,7 +26,7 @@ PAGES = {
 BLOCKS = {
     "peers": ROOT / "README.md",
     "aims": RESULTS / "speed.md",
-    "window": ROOT / "docs/explanation/surface.md",
+    "window": RESULTS / "window.md",
 } | dict.fromkeys(
     ("bank", "groups"),
     ROOT / "docs/explanation/uncertainty.md",
