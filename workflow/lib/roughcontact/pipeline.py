@@ -42,12 +42,8 @@ StatisticsFunction = Callable[[xr.Dataset], xr.Dataset]
 class Chain(NamedTuple):
     """The results of the chain for one map.
 
-    Attributes
-    ----------
-    levelled, window : DataArray (y, x), m
-        the map without form and outliers, and the periodic part of it that was solved.
-    statistics : Dataset
-        the content of statistics.nc, with its provenance.
+    `levelled`, `window` (y, x) in m: the map without form and outliers, and the periodic part of it that was
+    solved; `statistics`: the content of statistics.nc, with its provenance.
     """
 
     levelled: xr.DataArray
@@ -65,23 +61,10 @@ def run_chain(
 ) -> Chain:
     """Run the chain on a map in memory.
 
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        as `read_height_map` returns it.
-    settings : mapping
-        the `SECTIONS`, complete, as `resolve` returns them.
-    threads : int
-        threads of the solver.
-    progress : callable, optional
-        called as ``progress(done, total, text)`` before each part, and after each load.
-    fields : Path, optional
-        of the file for the solution with its maps, contact.nc.
-
-    Raises
-    ------
-    RoughContactError
-        as its parts raise it: `level`, `periodic_window`, `solve_contact`.
+    `height` (y, x) in m: as `read_height_map` returns it; `settings`: the `SECTIONS`, complete, as `resolve`
+    returns them; `threads`: threads of the solver; `progress`: called as ``progress(done, total, text)``
+    before each part, and after each load; `fields`: of the file for the solution with its maps, contact.nc.
+    Raises `RoughContactError`: as its parts raise it: `level`, `periodic_window`, `solve_contact`.
     """
     progress(0, None, "levelling")
     levelled = level(height, **settings["level"])
@@ -114,10 +97,7 @@ def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, thread
 
     The window is the map to be solved, for targets and for loads relative to its rms gradient.
 
-    Raises
-    ------
-    HeightMapError
-        for relative loads and targets on a flat map; it names the measured file.
+    Raises `HeightMapError`: for relative loads and targets on a flat map; it names the measured file.
 
     Examples
     --------
@@ -162,14 +142,9 @@ def bound_error(
 class Solved(NamedTuple):
     """What is kept of a solution.
 
-    Attributes
-    ----------
-    solution : Dataset
-        the numbers of the solver for each load, without fields.
-    statistics : Dataset
-        as of `contact_statistics`.
-    for_budget : Dataset or None
-        as of `budget_inputs`; None where the settings ask for no source of uncertainty.
+    `solution`: the numbers of the solver for each load, without fields; `statistics`: as of
+    `contact_statistics`; `for_budget`: as of `budget_inputs`; None where the settings ask for no source of
+    uncertainty.
     """
 
     solution: xr.Dataset
@@ -186,16 +161,9 @@ def solve_and_evaluate(
 ) -> Solved:
     """Solve the contact load by load, and compute the statistics of each solution before the next one.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic.
-    settings : mapping
-        the sections `contact` (only its `bodies` are used here), `statistics` and `uncertainty`.
-    solver : mapping
-        from `solver_arguments`; `progress` may be added.
-    store : callable, optional
-        receives the solution of each load, with its fields: `LoadByLoad.keep`.
+    `window` (y, x) in m: periodic; `settings`: the sections `contact` (only its `bodies` are used here),
+    `statistics` and `uncertainty`; `solver`: from `solver_arguments`; `progress` may be added; `store`:
+    receives the solution of each load, with its fields: `LoadByLoad.keep`.
     """
     count, bounded = statistics_of_settings(window, settings), bool(settings["uncertainty"]["sources"])
     statistics: dict[float, xr.Dataset] = {}
@@ -240,18 +208,9 @@ def complete_statistics(
 ) -> xr.Dataset:
     """Return the statistics with first yield, intervals, subsurface stresses, verdicts and reasons.
 
-    Parameters
-    ----------
-    statistics : Dataset
-        of `solve_and_evaluate`.
-    window : DataArray (y, x), m
-        the solved map, with the attributes of reading, levelling and windowing.
-    budget : Dataset
-        of `bound_error`, for the same loads.
-    settings : mapping
-        the section `contact`.
-    threads : int
-        of the solutions on the way to first yield.
+    `statistics`: of `solve_and_evaluate`; `window` (y, x) in m: the solved map, with the attributes of
+    reading, levelling and windowing; `budget`: of `bound_error`, for the same loads; `settings`: the section
+    `contact`; `threads`: of the solutions on the way to first yield.
     """
     yielding = with_first_yield(statistics, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])

@@ -25,16 +25,8 @@ _SQUARE = 1.5  # ratio of the pitches up to which cells count as square
 class Coarsening(NamedTuple):
     """One coarser grid of a hierarchy.
 
-    Attributes
-    ----------
-    shape : (ny, nx)
-        of the coarser grid.
-    pitches : (dy, dx)
-        of its complete cells.
-    factors : (fy, fx)
-        from the next finer grid to this one.
-    collapses_lines : bool
-        whether each cell is a whole line of the finer grid.
+    `shape` (ny, nx): of the coarser grid; `pitches` (dy, dx): of its complete cells; `factors` (fy, fx): from
+    the next finer grid to this one; `collapses_lines`: whether each cell is a whole line of the finer grid.
     """
 
     shape: tuple[int, int]

@@ -34,20 +34,9 @@ def as_dataset(
     they become those of the dataset. Points at the hardness have yielded until the gap was closed: it is zero
     there.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        the map, with its values in NumPy's memory.
-    load : float, Pa
-        mean pressure.
-    modulus : float, Pa
-        E*.
-    compliance : float, m/Pa
-        mean displacement per mean pressure.
-    hardness : float or None, Pa
-        largest pressure allowed.
-    attrs : dict
-        of the dataset; `tolerance` is the limit of the error bound of a converged solution.
+    `window` (y, x) in m: the map, with its values in NumPy's memory; `load` in Pa: mean pressure; `modulus`
+    in Pa: E*; `compliance` in m/Pa: mean displacement per mean pressure; `hardness` in Pa: largest pressure
+    allowed; `attrs`: of the dataset; `tolerance` is the limit of the error bound of a converged solution.
     """
     pressure_unit = unit_of_pressure(problem, modulus)
     pressure, gap, contact, least_gap, total, yielded = fields_in_units(
@@ -92,15 +81,8 @@ def unit_of_pressure(problem: Problem, modulus: float) -> float:
 class FieldsInUnits(NamedTuple):
     """The fields of one solution in SI units, and three numbers that are known on the way.
 
-    Attributes
-    ----------
-    pressure, gap : array (ny, nx), Pa and m
-    contact : array (ny, nx) of int8
-    least_gap : float, m
-    total : float, Pa
-        sum of the pressure.
-    yielded : float
-        share of the points at the hardness.
+    `pressure`, `gap` (ny, nx) in Pa and m; `contact` (ny, nx); `least_gap` in m; `total` in Pa: sum of the
+    pressure; `yielded`: share of the points at the hardness.
     """
 
     pressure: np.ndarray

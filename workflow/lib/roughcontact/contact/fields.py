@@ -20,13 +20,8 @@ from roughcontact.kernels.arrays import SINGLE
 class LoadFields(NamedTuple):
     """The solution of one load.
 
-    Attributes
-    ----------
-    load_index : int
-        place of the load in `mean_pressure`.
-    pressure, gap : array (ny, nx), Pa and m
-    error_bound : float
-        of the relative error of the pressure in the energy norm.
+    `load_index`: index of the load in `mean_pressure`; `pressure`, `gap` (ny, nx) in Pa and m; `error_bound`:
+    of the relative error of the pressure in the energy norm.
     """
 
     load_index: int
@@ -40,17 +35,10 @@ def solved_fields(
 ) -> Iterator[LoadFields]:
     """Yield the fields of every load, from the smallest to the largest.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic. One so flat that rounding hides its contact is solved as flat.
-    contact : mapping
-        keyword arguments of `solve_contact`; of these `contact_modulus` or `bodies`, `mean_pressure`,
-        `hardness`, `influence` and `threads` count.
-    tolerance : float
-        of the relative error of the pressure; what misses it says so by its `error_bound`.
-    precision : str
-        "float32" or "float64", of the fields.
+    `window` (y, x) in m: periodic. One so flat that rounding hides its contact is solved as flat; `contact`:
+    keyword arguments of `solve_contact`; of these `contact_modulus` or `bodies`, `mean_pressure`, `hardness`,
+    `influence` and `threads` count; `tolerance`: of the relative error of the pressure; what misses it says
+    so by its `error_bound`; `precision`: "float32" or "float64", of the fields.
     """
     modulus, layers = elasticity(contact.get("contact_modulus"), contact.get("bodies"))
     loads = np.atleast_1d(np.asarray(contact["mean_pressure"], float))

@@ -41,14 +41,9 @@ SMALL_CHANGE = 0.1  # of the residual's norm; smaller changes are added to it
 class Residual:
     """The residual r of a state, interpolated and transformed: half of the preconditioner.
 
-    Attributes
-    ----------
-    spectrum : array
-        of G^-1 P r. The next residual, and any application of the operator, overwrites it.
-    energy : float
-        <r, M r>, a mean over the grid.
-    certifies : bool
-        whether r is the gap on all of the contact, so that its energy bounds the error.
+    `spectrum`: of G^-1 P r. The next residual, and any application of the operator, overwrites it; `energy`:
+    <r, M r>, a mean over the grid; `certifies`: whether r is the gap on all of the contact, so that its
+    energy bounds the error.
     """
 
     spectrum: Array
@@ -78,22 +73,10 @@ class Grid:
     A height counts as (height - `reference`) / `unit`: the map itself is neither changed nor copied. All
     fields are dimensionless and have the shape (ny, nx) of the heights.
 
-    Parameters
-    ----------
-    heights : array (ny, nx)
-        the map.
-    lengths : (Ly, Lx)
-        of the periodic cell.
-    reference, unit : float
-        offset and scale that make the heights dimensionless.
-    cap : float
-        largest pressure allowed (the hardness), or infinity.
-    influence : {"sampled", "elements"}
-        symbol of the operator (`roughcontact.elasticity.influence`).
-    layers : LayeredPair, optional
-        of the bodies, thicknesses in the unit of the lengths.
-    threads : int
-        of transforms and passes.
+    `heights` (ny, nx): the map; `lengths`: of the periodic cell; `reference`, `unit`: offset and scale that
+    make the heights dimensionless; `cap`: largest pressure allowed (the hardness), or infinity; `influence`:
+    symbol of the operator (`roughcontact.elasticity.influence`); `layers`: of the bodies, thicknesses in the
+    unit of the lengths; `threads`: of transforms and passes.
     """
 
     def __init__(

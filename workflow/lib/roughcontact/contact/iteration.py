@@ -83,15 +83,10 @@ def solve_on_grid(
     `max_steps` steps, at the rounding floor, or after `PATIENCE` steps in vain: the caller compares
     `error_bound` with its tolerance.
 
-    Parameters
-    ----------
-    start : array (ny, nx)
-        pressure, nowhere negative; it is scaled to the load first, in place where its precision allows.
-    finish : str
-        precision of the last application; the first ones are in single, while the error is far above the
-        rounding error of that.
-    give_up : bool
-        take no step where the rounding of the result is above the tolerance.
+    `start` (ny, nx): pressure, nowhere negative; it is scaled to the load first, in place where its precision
+    allows; `finish`: precision of the last application; the first ones are in single, while the error is far
+    above the rounding error of that; `give_up`: take no step where the rounding of the result is above the
+    tolerance.
     """
     iterate = Iterate(grid, start, mean_pressure, tolerance=tolerance, finish=finish)
     del start

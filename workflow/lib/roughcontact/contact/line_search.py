@@ -14,10 +14,7 @@ class LineSearch:
     E(p) = <p, G p>/2 - <p, H> is quadratic along s = p' - p: it changes by t <s, v> + t^2 <s, v' - v>/2, with
     the separations v = G p - H.
 
-    Attributes
-    ----------
-    slope, slope_after : float
-        <s, v> and <s, v'>, means over the grid.
+    `slope`, `slope_after`: <s, v> and <s, v'>, means over the grid.
     """
 
     slope: float

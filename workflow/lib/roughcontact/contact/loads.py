@@ -95,10 +95,7 @@ def plan_loads(
 def check_loads(name: str, loads: Any, *, unit: str) -> list[float]:
     """Return loads, a number or a sequence of numbers in `unit`, as a list of positive floats.
 
-    Raises
-    ------
-    SettingsError
-        for an empty list, or a load that is not positive.
+    Raises `SettingsError`: for an empty list, or a load that is not positive.
 
     Examples
     --------

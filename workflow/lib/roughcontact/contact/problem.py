@@ -23,21 +23,10 @@ class Problem:
 
     H is never made for all of the map in double precision: it would fill memory.
 
-    Attributes
-    ----------
-    heights : array (ny, nx), m
-        h.
-    lengths : (float, float)
-        of the periodic cell, (Ly, Lx)/L.
-    unit_length : float, m
-        L = sqrt(Lx Ly).
-    reference : float, m
-        h_ref, the middle of the height range: subtracting it first preserves digits of nanometres beside an
-        offset of metres.
-    gradient : float
-        g, the spectral rms gradient; E* g is the unit of pressure. A flat map has g = 0.
-    spacing : (dy, dx), m
-        of the points.
+    `heights` (ny, nx) in m: h; `lengths`: of the periodic cell, (Ly, Lx)/L; `unit_length` in m: L = sqrt(Lx
+    Ly); `reference` in m: h_ref, the middle of the height range: subtracting it first preserves digits of
+    nanometres beside an offset of metres; `gradient`: g, the spectral rms gradient; E* g is the unit of
+    pressure. A flat map has g = 0; `spacing` (dy, dx) in m: of the points.
     """
 
     heights: Array
@@ -66,10 +55,7 @@ class Problem:
 def check_window(window: xr.DataArray) -> None:
     """Raise an error for a map that cannot be solved.
 
-    Raises
-    ------
-    HeightMapError
-        unless it is labelled, evenly spaced, with two cells or more.
+    Raises `HeightMapError`: unless it is labelled, evenly spaced, with two cells or more.
     """
     check_labelled(window)
     for axis in ("y", "x"):
@@ -96,10 +82,7 @@ def nondimensionalise(
     Its heights are not copied where they can be used as they are. They are in double precision, except for a
     result and a map in single precision. Heights of another array library stay where they are.
 
-    Raises
-    ------
-    HeightMapError
-        for a map with missing heights, and for those that `check_window` rejects.
+    Raises `HeightMapError`: for a map with missing heights, and for those that `check_window` rejects.
     """
     labelled_heights, window = check_labelled(window).data, on_host(window)
     check_window(window)

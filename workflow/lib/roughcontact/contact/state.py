@@ -17,18 +17,10 @@ from roughcontact.kernels.choose import kernels_for
 class State:
     """A pressure 0 <= p <= cap of the prescribed mean and its separation G p - H.
 
-    Attributes
-    ----------
-    pressure, separation : array (ny, nx)
-        dimensionless.
-    offset : float
-        mean separation over the free contact {0 < p < cap}: the gap is the separation less that.
-    norm : float
-        ||p||_G.
-    size : float
-        scale of rounding: the root mean square of G p plus that of H.
-    free_share : float
-        share of the points that can make up for the rounding of the cap, {0 < p < cap}; 1 without a cap.
+    `pressure`, `separation` (ny, nx): dimensionless; `offset`: mean separation over the free contact {0 < p <
+    cap}: the gap is the separation less that; `norm`: ||p||_G; `size`: scale of rounding: the root mean
+    square of G p plus that of H; `free_share`: share of the points that can make up for the rounding of the
+    cap, {0 < p < cap}; 1 without a cap.
     """
 
     pressure: Array
@@ -81,10 +73,7 @@ def scale_to_load(
     and those that the factor takes beyond the cap are held in turn, which ends after finitely many passes. A
     change to another `precision` rounds the cap: points at the cap before it are at the cap after it.
 
-    Raises
-    ------
-    ValueError
-        for a mean pressure that is not below the cap.
+    Raises `ValueError`: for a mean pressure that is not below the cap.
     """
     xp, total = namespace(pressure), mean_pressure * count_of(pressure)
     if cap == np.inf:

@@ -26,18 +26,9 @@ LARGE_LOAD = 1.0  # load in units of E* g; the full-contact pressure has a stand
 class Solution:
     """One load in dimensionless form: the state on the finest grid and how it was reached.
 
-    Attributes
-    ----------
-    state : State
-        pressure and separation.
-    error_bound : float
-        of the relative error.
-    steps : int
-        on all grids.
-    applications : float
-        operator applications (transform pairs), weighted by grid size.
-    floor : float
-        relative error below which rounding hides all changes.
+    `state`: pressure and separation; `error_bound`: of the relative error; `steps`: on all grids;
+    `applications`: operator applications (transform pairs), weighted by grid size; `floor`: relative error
+    below which rounding hides all changes.
     """
 
     state: State
@@ -64,22 +55,10 @@ def sweep(
     Flat maps and full contact are known in closed form and take no iteration. Otherwise every load starts
     from coarser grids (`roughcontact.contact.nested_iteration`).
 
-    Parameters
-    ----------
-    problem : Problem
-        the map in dimensionless form.
-    loads : sequence of float
-        rising mean pressures, in units of E* g.
-    tolerance : float
-        of the bound of the relative error.
-    cap : float
-        largest pressure allowed, in units of E* g.
-    layers : LayeredPair, optional
-        of the bodies, thicknesses in the unit of the lengths.
-    precision : str
-        of the result.
-    give_up : bool
-        take no step on the finest grid where rounding is above the tolerance.
+    `problem`: the map in dimensionless form; `loads`: rising mean pressures, in units of E* g; `tolerance`:
+    of the bound of the relative error; `cap`: largest pressure allowed, in units of E* g; `layers`: of the
+    bodies, thicknesses in the unit of the lengths; `precision`: of the result; `give_up`: take no step on the
+    finest grid where rounding is above the tolerance.
     """
     if problem.flat:
         for load in loads:

@@ -20,19 +20,10 @@ def elastic_energy(
 
     It is half the mean of pressure times displacement [1]_, zero for a uniform pressure.
 
-    Parameters
-    ----------
-    pressure : array (ny, nx), Pa
-        periodic.
-    steps : (dy, dx), m
-        of the points.
-    contact_modulus : float, Pa
-        E*.
-    influence : {"sampled", "elements"}
-        symbol S of the operator that the contact was solved with (`roughcontact.elasticity.influence`), 2/|q|
-        for ``sampled``.
-    layers : LayeredPair, optional
-        of the bodies (`roughcontact.elasticity.layers`); E* is then that of their surfaces.
+    `pressure` (ny, nx) in Pa: periodic; `steps` (dy, dx) in m: of the points; `contact_modulus` in Pa: E*;
+    `influence`: symbol S of the operator that the contact was solved with
+    (`roughcontact.elasticity.influence`), 2/|q| for ``sampled``; `layers`: of the bodies
+    (`roughcontact.elasticity.layers`); E* is then that of their surfaces.
 
     References
     ----------
@@ -65,18 +56,9 @@ def conforming_energy(
 ) -> float:
     """Return the elastic energy per area of a map that is pressed flat, U = E*/4 sum |q| |h(q)|^2, J/m^2.
 
-    Parameters
-    ----------
-    height : array (ny, nx), m
-        periodic.
-    steps : (dy, dx), m
-        of the points.
-    contact_modulus : float, Pa
-        E*.
-    power : array (ny, nx // 2 + 1), m^2, optional
-        of its waves (`roughcontact.kernels.waves.wave_power`), if already known.
-    layers : LayeredPair, optional
-        of the bodies: each wave is divided by their factor.
+    `height` (ny, nx) in m: periodic; `steps` (dy, dx) in m: of the points; `contact_modulus` in Pa: E*;
+    `power` (ny, nx // 2 + 1) in m^2: of its waves (`roughcontact.kernels.waves.wave_power`), if already
+    known; `layers`: of the bodies: each wave is divided by their factor.
 
     References
     ----------

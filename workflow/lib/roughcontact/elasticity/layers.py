@@ -246,11 +246,7 @@ def stack_of(body: Mapping[str, Any]) -> Stack:
 def compliance_factor(q: np.ndarray, body: Stack) -> np.ndarray:
     """Return S(q) E1* q/2 of one body, E1* = E/(1 - nu^2) of its surface: 1 for a half-space.
 
-    Parameters
-    ----------
-    q : array, rad per unit of the thicknesses
-        positive.
-    body : Stack
+    `q` in rad per unit of the thicknesses: positive.
 
     Examples
     --------
@@ -270,17 +266,9 @@ def compliance_factor(q: np.ndarray, body: Stack) -> np.ndarray:
 def stress_amplitudes(q: np.ndarray, body: Stack) -> Callable[[int, float], np.ndarray]:
     """Return the function that gives the stresses in a body below unit pressure waves cos(q x), q > 0.
 
-    Parameters
-    ----------
-    q : array, rad per unit of the thicknesses
-    body : Stack
-
-    Returns
-    -------
-    callable
-        index of the material from the surface inwards, depth below its upper face -> array (3, ...): the
-        normal stress across the surface over cos(q x), the shear over sin(q x), the normal stress along q
-        over cos(q x); tension is positive, the depth points inwards.
+    `q` in rad per unit of the thicknesses. Returns the function index of the material from the surface inwards, depth below
+    its upper face -> array (3, ...): the normal stress across the surface over cos(q x), the shear over sin(q
+    x), the normal stress along q over cos(q x); tension is positive, the depth points inwards.
 
     Examples
     --------

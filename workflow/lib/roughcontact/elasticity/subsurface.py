@@ -28,23 +28,10 @@ def subsurface_stress(
     The mean pressure acts at every depth, with the lateral pressure ν/(1 - ν) of a laterally constrained
     body. In a body with layers the waves are those of `roughcontact.elasticity.layers.stress_amplitudes`.
 
-    Parameters
-    ----------
-    pressure : array (ny, nx), Pa
-        periodic.
-    steps : (dy, dx), m
-        of the points.
-    poissons_ratio : float, optional
-        ν, of a half-space.
-    body : Stack, optional
-        with layers, instead of that.
-
-    Returns
-    -------
-    callable
-        depth (m) -> array (6, ny, nx), Pa: xx, yy, zz, yz, xz, xy; tension is positive, z points into the
-        body. With layers the depth is that below the upper face of a material, and the index of it follows,
-        from the surface inwards.
+    `pressure` (ny, nx) in Pa: periodic; `steps` (dy, dx) in m: of the points; `poissons_ratio`: ν, of a
+    half-space; `body`: with layers, instead of that. Returns depth (m) -> array (6, ny, nx), Pa: xx, yy, zz,
+    yz, xz, xy; tension is positive, z points into the body. With layers the depth is that below the upper
+    face of a material, and the index of it follows, from the surface inwards.
 
     References
     ----------

@@ -15,12 +15,8 @@ _ANGLE_TOLERANCE = 1e-9  # sine or cosine below which two axes count as parallel
 def check_pair(lower: Face, upper: Face, shift: Sequence[float], rotation: float) -> None:
     """Raise an error for two faces that cannot be combined at this shift (y, x; m) and rotation (degree).
 
-    Raises
-    ------
-    HeightMapError
-        for a map and a profile.
-    SettingsError
-        for an invalid shift or rotation.
+    Raises `HeightMapError`: for a map and a profile. Raises `SettingsError`: for an invalid shift or
+    rotation.
     """
     name = pair_name(lower, upper)
     across = [n == 1 for n in lower.shape]
@@ -95,10 +91,7 @@ def common_grid(
     It is the grid of the lower face, refined along an axis where the upper face has the smaller step. `turn`
     (cosine, sine) and `shift` (y, x; m) are those of the upper face.
 
-    Raises
-    ------
-    HeightMapError
-        for fewer than two points along an axis, or more points than a map may have.
+    Raises `HeightMapError`: for fewer than two points along an axis, or more points than a map may have.
     """
     name = pair_name(lower, upper)
     steps = along_axes(upper.step, turn) or (min(upper.step),) * 2

@@ -74,10 +74,7 @@ _view, _address = (ctypes.c_char * 0).from_buffer, ctypes.addressof
 def library() -> ctypes.CDLL:
     """Return the library of the passes.
 
-    Raises
-    ------
-    OSError
-        where it is missing, or was built from other sources.
+    Raises `OSError` where it is missing, or was built from other sources.
     """
     loaded = ctypes.CDLL(str(LIBRARY))
     try:
@@ -305,10 +302,7 @@ def run_pass(name, rows, scratch, arrays, *numbers, threads=1):
 
     `scratch` is the number of floats that each thread needs as work memory, `threads` the maximum number.
 
-    Raises
-    ------
-    MemoryError
-        where the work memory cannot be allocated.
+    Raises `MemoryError` where the work memory cannot be allocated.
     """
     packed = _pack[name](*[_address(_view(array)) for array in arrays], *numbers)
     address = _find(name, tuple([array.itemsize for array in arrays]))

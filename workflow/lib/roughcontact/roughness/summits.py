@@ -23,12 +23,9 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
     A summit is a point higher than its eight neighbours, with periodic boundaries; its curvature is the
     spectral mean curvature -(h_xx + h_yy) / 2 at the point.
 
-    Returns
-    -------
-    dict of float
-        `density` (m^-2), `mean_radius` (m, 1 / mean curvature), `height_std` (m, standard deviation of the
-        summit heights), `mean_height` (m, above the mean plane). All are NaN for a profile, and the last
-        three without summits.
+    Returns `density` (m^-2), `mean_radius` (m, 1 / mean curvature), `height_std` (m, standard deviation of
+    the summit heights), `mean_height` (m, above the mean plane). All are NaN for a profile, and the last
+    three without summits.
 
     References
     ----------

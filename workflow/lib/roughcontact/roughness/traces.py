@@ -120,16 +120,9 @@ def repeated_heights(values: np.ndarray) -> float:
     those up to a small share of the median step. The expected ratio is that of exponentially distributed
     steps.
 
-    Parameters
-    ----------
-    values : array (ny, nx)
-        heights as measured, in any unit; NaN where missing.
-
-    Returns
-    -------
-    float
-        about 1 for quantised heights, 0 where no height is repeated; 0, not known, for fewer than 1000 steps
-        or coarsely quantised heights.
+    `values` (ny, nx): heights as measured, in any unit; NaN where missing. Returns about 1 for quantised
+    heights, 0 where no height is repeated; 0, not known, for fewer than 1000 steps or coarsely quantised
+    heights.
 
     Examples
     --------

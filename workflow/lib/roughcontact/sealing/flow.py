@@ -27,21 +27,10 @@ def flow_columns(gap: np.ndarray, steps: tuple[float, float], *, tolerance: floa
     pixel wide, the factors are correct only to an order of magnitude. The pressure is found by conjugate
     gradients with multigrid; the flow decreases with every step.
 
-    Parameters
-    ----------
-    gap : array (ny, nx), m
-        periodic; zero or less where the surfaces touch.
-    steps : (dy, dx), m
-        pitch of the points.
-    tolerance : float
-        largest total change of each of the two diagonal factors in the last four steps of the iteration,
-        relative to the factor.
-
-    Returns
-    -------
-    dict of float
-        `flow_factor_xx`, `flow_factor_yy`, `flow_factor_xy`; 0 along an axis without percolation,
-        NaN where the iteration does not reach its tolerance.
+    `gap` (ny, nx) in m: periodic; zero or less where the surfaces touch; `steps` (dy, dx) in m: pitch of the
+    points; `tolerance`: largest total change of each of the two diagonal factors in the last four steps of
+    the iteration, relative to the factor. Returns `flow_factor_xx`, `flow_factor_yy`, `flow_factor_xy`; 0
+    along an axis without percolation, NaN where the iteration does not reach its tolerance.
 
     References
     ----------

@@ -17,16 +17,9 @@ def percolation_columns(gap: np.ndarray) -> dict[str, float]:
     height that such a path keeps everywhere: the largest level above which an open region still runs around
     [1]_. It is a height of one point of the map, found exactly, by bisection.
 
-    Parameters
-    ----------
-    gap : array (ny, nx), m
-        periodic; zero or less where the surfaces touch.
-
-    Returns
-    -------
-    dict
-        `gap_percolates_x`, `gap_percolates_y` (0 or 1), `critical_constriction_x`, `critical_constriction_y`
-        (m; 0 without percolation). Along an axis of a single point nothing varies.
+    `gap` (ny, nx) in m: periodic; zero or less where the surfaces touch. Returns `gap_percolates_x`,
+    `gap_percolates_y` (0 or 1), `critical_constriction_x`, `critical_constriction_y` (m; 0 without
+    percolation). Along an axis of a single point nothing varies.
 
     References
     ----------
@@ -56,11 +49,8 @@ def half_way_levels(gap: np.ndarray) -> dict[str, float]:
     A path around the period has to match at its seam, where a groove that leaves the map is cut. A path that
     crosses half of the map, anywhere in it, does not.
 
-    Returns
-    -------
-    dict
-        `critical_constriction_x`, `critical_constriction_y` (m; 0 without such a path): the largest of three
-        overlapping halves of the map, cut across the axis, for paths from edge to edge.
+    Returns `critical_constriction_x`, `critical_constriction_y` (m; 0 without such a path): the largest of
+    three overlapping halves of the map, cut across the axis, for paths from edge to edge.
 
     Examples
     --------

@@ -115,12 +115,9 @@ def with_first_yield(
     `statistics` are those of all loads, as of `contact_statistics`, `window` (y, x; m) is the solved map,
     `contact` the settings, of which `tolerance`, `influence` and `precision` count here.
 
-    Returns
-    -------
-    Dataset
-        with `first_yield_pressure` where there is a hardness. Where there is none, with
-        `first_yield_pressure_by_ratio` for each `hardness_over_modulus`: read off the loads that were solved,
-        NaN beyond them.
+    Returns the statistics with `first_yield_pressure` where there is a hardness. Where there is none, with
+    `first_yield_pressure_by_ratio` for each `hardness_over_modulus`: read off the loads that were solved, NaN
+    beyond them.
 
     Examples
     --------
