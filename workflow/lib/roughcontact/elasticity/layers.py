@@ -266,9 +266,10 @@ def compliance_factor(q: np.ndarray, body: Stack) -> np.ndarray:
 def stress_amplitudes(q: np.ndarray, body: Stack) -> Callable[[int, float], np.ndarray]:
     """Return the function that gives the stresses in a body below unit pressure waves cos(q x), q > 0.
 
-    `q` in rad per unit of the thicknesses. Returns the function index of the material from the surface inwards, depth below
-    its upper face -> array (3, ...): the normal stress across the surface over cos(q x), the shear over sin(q
-    x), the normal stress along q over cos(q x); tension is positive, the depth points inwards.
+    `q` in rad per unit of the thicknesses. The function takes the index of the material from the
+    surface inwards and the depth below its upper face; its array (3, ...) holds the normal stress across the
+    surface over cos(q x), the shear over sin(q x), the normal stress along q over cos(q x); tension is
+    positive, the depth points inwards.
 
     Examples
     --------
