@@ -170,8 +170,8 @@ def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: i
     solutions on the way to a target.
 
     Returns the loads (Pa), planned for the map where neither loads nor targets are given. Raises
-    `SettingsError`: for an area or a gap that no load gives, and for targets that any load meets where no load is given.
-    Raises `HeightMapError`: for relative loads or targets on a flat map.
+    `SettingsError`: for an area or a gap that no load gives, and for targets that any load meets where no
+    load is given. Raises `HeightMapError`: for relative loads or targets on a flat map.
 
     Examples
     --------
