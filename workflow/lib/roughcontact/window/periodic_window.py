@@ -225,8 +225,20 @@ def _window_in_largest_rectangle(
     band = [band_points(side, fade, within=n) for side, n in zip(sides, (height, breadth), strict=True)]
     used = [side + b for side, b in zip(sides, band, strict=True)]
     _check_window(levelled, used, used[0] * used[1] / values.size, min_share)
-    # centred in the rectangle
-    return (y0 + (height - used[0]) // 2, x0 + (breadth - used[1]) // 2), sides, band
+    rectangle = values[y0 : y0 + height, x0 : x0 + breadth]
+    return (y0 + _centre(rectangle, used[0]), x0 + _centre(rectangle.T, used[1])), sides, band
+
+
+def _centre(rectangle: np.ndarray, rows: int) -> int:
+    """Return the first row of the central `rows`; of two placements the one whose end rows differ less.
+
+    A mirrored map then has the mirrored window, and the smaller step is the better seam.
+    """
+    margin, odd = divmod(len(rectangle) - rows, 2)
+    if not odd:
+        return margin
+    steps = [np.sum((rectangle[first + rows - 1] - rectangle[first]) ** 2) for first in (margin, margin + 1)]
+    return margin + int(steps[1] < steps[0])
 
 
 def _made_periodic(
