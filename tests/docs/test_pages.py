@@ -44,7 +44,6 @@ SKIPPED = {
     "docs/how-to/groups.md": 2,
     "docs/how-to/install.md": 1,
     "docs/how-to/studies.md": 1,
-    "docs/maintainers.md": 1,
     "docs/tutorial/index.md": 2,
 }
 OPTIONS = doctest.ELLIPSIS

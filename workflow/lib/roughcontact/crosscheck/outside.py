@@ -19,7 +19,7 @@ def tamaas(heights: np.ndarray, lengths: np.ndarray, loads: np.ndarray) -> Itera
 
     The solver is that of Polonsky and Keer (1999), Wear 231, 206: conjugate gradients on the contact set.
     `heights` are one period of the `lengths` (Ly, Lx), the loads mean pressures, E* = 1. Of an odd number of
-    rows two periods are solved: Tamaas 2.9.0 has wrong wave numbers there (docs/maintainers.md).
+    rows two periods are solved: Tamaas 2.9.0 has wrong wave numbers there (tests/faults/upstream.md).
 
     Raises
     ------
