@@ -321,7 +321,10 @@ def test_a_profile_is_solved(capsys):
             ["solve", PERIODIC, *("--body", "210", "0.3") * 2],
             "--body[0].youngs_modulus = '210': 210 Pa ",
         ),
-        (["solve", PERIODIC, *("--body", "210GPa") * 2], "--body 210GPa: has 1 values; give Young's modulus"),
+        (
+            ["solve", PERIODIC, *("--body", "210GPa") * 2],
+            "--body 210GPa: has 1 values; give the name of a material",
+        ),
         (
             ["inspect", GROUND, "--dx", "one"],
             "argument --dx: 'one' is neither a number nor a number with its unit",

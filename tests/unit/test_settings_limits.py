@@ -366,8 +366,8 @@ def test_every_rule_has_its_sentence(key, value, line):
             {},
             (
                 "contact: no elasticity given; give either contact_modulus (E* in Pa) or bodies (two of "
-                "youngs_modulus in Pa and poissons_ratio): bodies: [{youngs_modulus: 210 GPa, "
-                "poissons_ratio: 0.3}, {youngs_modulus: 4 GPa, poissons_ratio: 0.4}]"
+                "youngs_modulus in Pa and poissons_ratio): bodies: [steel, PEEK] or [{youngs_modulus: 210 "
+                "GPa, poissons_ratio: 0.3}, {youngs_modulus: 4 GPa, poissons_ratio: 0.4}]"
             ),
         ),
         (

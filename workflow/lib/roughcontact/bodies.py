@@ -5,20 +5,22 @@ from typing import Any
 
 from roughcontact.checking import check_positive
 from roughcontact.errors import SettingsError
+from roughcontact.named_materials import named_bodies
 
 _RIGID = 1e9  # times as stiff as a layer: rigid beside it
 _MATERIAL = ("youngs_modulus", "poissons_ratio")
 
 
-def check_bodies(bodies: Sequence[Mapping[str, Any]], *, where: str = "bodies") -> list[dict[str, Any]]:
+def check_bodies(bodies: Sequence[str | Mapping[str, Any]], *, where: str = "bodies") -> list[dict[str, Any]]:
     """Return bodies whose numbers are checked; numbers in text are converted.
 
     Parameters
     ----------
-    bodies : sequence of one or two mappings
-        `youngs_modulus` (Pa) and `poissons_ratio` of the body, or `base` = "rigid"; `layers` bonded to it,
-        from the surface inwards, each with `thickness` (m), `youngs_modulus` and `poissons_ratio`. A second
-        body that is not given is rigid. Other properties are kept as they are.
+    bodies : sequence of one or two names or mappings
+        name of a material (`roughcontact.material`); or `youngs_modulus` (Pa) and `poissons_ratio` of the
+        body, or `base` = "rigid"; `layers` bonded to it, from the surface inwards, each with `thickness`
+        (m), `youngs_modulus` and `poissons_ratio`. A second body that is not given is rigid. Other
+        properties are kept as they are.
     where : str
         key of the bodies in error messages.
 
@@ -43,7 +45,7 @@ def check_bodies(bodies: Sequence[Mapping[str, Any]], *, where: str = "bodies") 
             f"{where} = {bodies!r}: give a list of two bodies, or of one on a rigid counter-body",
             keys=[where],
         )
-    return [_checked(body, f"{where}[{index}]") for index, body in enumerate(bodies)]
+    return [_checked(body, f"{where}[{index}]") for index, body in enumerate(named_bodies(bodies))]
 
 
 def have_layers(bodies: Sequence[Mapping[str, Any]] | None) -> bool:

@@ -9,6 +9,7 @@ from typing import Any
 
 from roughcontact.io.metadata import labelled
 from roughcontact.quantities import number, percent, prefix, quantity, with_interval
+from roughcontact.report.asked import bodies_in_words
 from roughcontact.uncertainty.measurands import beyond_the_map, measurand_in_words
 
 _WIDTH = 100
@@ -169,7 +170,7 @@ def _channel(channel: Mapping[str, Any]) -> str:
 
 def solution(result: Mapping[str, Any]) -> str:
     """Return the headline numbers of a result of `solve_file` as a table, and checks that did not pass."""
-    surface, window = result["surface"], result["window"]
+    surface, window, contact = result["surface"], result["window"], result["settings"]["contact"]
     lengths = [quantity(surface[f"window_length_{axis}"], "m") for axis in ("x", "y")]
     size = f"{window['nx']} × {window['ny']} points, {' × '.join(lengths)}"
     if 1 in (window["nx"], window["ny"]):
@@ -183,6 +184,7 @@ def solution(result: Mapping[str, Any]) -> str:
         ),
         _line("rms height", quantity(surface["rms_height"], "m")),
         _line("rms gradient", number(surface["rms_gradient"])),
+        *([_line("bodies", bodies_in_words(contact))] if contact["bodies"] else []),
         _line("contact modulus", quantity(surface["contact_modulus"], "Pa")),
         *_lines_of_hardness(surface),
         "",

@@ -79,19 +79,19 @@ def add_body(parser: ArgumentParser | _ArgumentGroup) -> None:
         "--body",
         nargs="+",
         action="append",
-        metavar=("E NU", "H"),
-        help="Young's modulus (Pa), Poisson's ratio and, if known, hardness (Pa) of one body; give "
-        "it twice; units are allowed: 210GPa 0.3 2GPa",
+        metavar=("NAME | E NU", "H"),
+        help="name of a material (steel, NBR), or Young's modulus (Pa), Poisson's ratio and, if known, "
+        "hardness (Pa) of one body; give it twice; units are allowed: 210GPa 0.3 2GPa",
     )
 
 
-def bodies_of(given: Sequence[Sequence[str]]) -> list[dict[str, str]]:
+def bodies_of(given: Sequence[Sequence[str]]) -> list[str | dict[str, str]]:
     """Return the two bodies, as in the configuration, from what `--body` was given.
 
     Raises
     ------
     SettingsError
-        where it is not given twice, or not with two or three values.
+        where it is not given twice, or with more than three values.
 
     Examples
     --------
@@ -101,13 +101,13 @@ def bodies_of(given: Sequence[Sequence[str]]) -> list[dict[str, str]]:
     if len(given) != 2:
         times = "once" if len(given) == 1 else f"{len(given)} times"
         raise SettingsError(f"--body is given {times}; give it twice, one for each body")
-    if wrong := [body for body in given if len(body) not in (2, 3)]:
+    if wrong := [body for body in given if len(body) > 3 or (len(body) == 1 and body[0][:1].isdigit())]:
         raise SettingsError(
-            f"--body {' '.join(wrong[0])}: has {len(wrong[0])} values; give Young's modulus, Poisson's "
-            "ratio and, if known, hardness"
+            f"--body {' '.join(wrong[0])}: has {len(wrong[0])} values; give the name of a material, or "
+            "Young's modulus, Poisson's ratio and, if known, hardness"
         )
     names = ("youngs_modulus", "poissons_ratio", "hardness")
-    return [dict(zip(names, body, strict=False)) for body in given]
+    return [body[0] if len(body) == 1 else dict(zip(names, body, strict=False)) for body in given]
 
 
 def chosen_settings(options: Namespace) -> dict:
@@ -134,7 +134,8 @@ def chosen_settings(options: Namespace) -> dict:
             config[section][key] = None if value == "null" else empty
     if config["contact"].get("contact_modulus") is None and not options.body:
         raise SettingsError(
-            "no elasticity given; give --contact-modulus (E* in Pa, or as 115GPa), or --body E NU twice"
+            "no elasticity given; give --contact-modulus (E* in Pa, or as 115GPa), or --body (a name, or E "
+            "NU) twice"
         )
     if options.body:
         config["contact"]["bodies"] = bodies_of(options.body)

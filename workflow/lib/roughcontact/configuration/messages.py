@@ -38,6 +38,17 @@ _TYPES = {
     "string": "must be text",
 }
 
+# keys of bodies by the letters of textbooks, small
+_SYMBOLS = {
+    "e": "youngs_modulus",
+    "nu": "poissons_ratio",
+    "ν": "poissons_ratio",
+    "h": "hardness",
+    "k": "thermal_conductivity",
+    "rho": "electrical_resistivity",
+    "t": "thickness",
+}
+
 
 def name_mistake(name: str) -> str:
     """Return what is wrong with the name of a surface or a case, an empty text for a good one.
@@ -114,7 +125,10 @@ def reason(detail: ErrorDetails) -> str:
     field = field_at(location)
     meaning = (field.description if field else None) or ""
     if detail["type"] == "extra_forbidden":
-        return f": unknown key, {nearest(location[-1], fields_at(location[:-1]))}"
+        key, valid = str(location[-1]), fields_at(location[:-1])
+        symbol = _SYMBOLS.get(key.lower())
+        hint = f"did you mean {symbol}?" if symbol in valid else nearest(key, valid)
+        return f": unknown key, {hint}"
     if detail["type"] == "missing":
         return f": missing ({meaning})"
     return f" = {detail['input']!r}: {_rule(detail)}" + (f" ({meaning})" if meaning else "")

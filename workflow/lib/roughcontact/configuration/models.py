@@ -244,8 +244,15 @@ class Window(Section):
 
 
 def _without_required(schema: dict[str, Any]) -> None:
-    """Require no elastic constants in the schema: a rigid base has none."""
+    """Require no elastic constants in the schema: a rigid base has none, a named material brings them."""
     schema.pop("required", None)
+    schema["properties"]["material"] = {"type": "string", "description": "name of a material of the table"}
+
+
+def _or_names(schema: dict[str, Any]) -> None:
+    """Admit names of materials for bodies in the schema: `resolve` replaces them."""
+    (bodies,) = (kind for kind in schema["anyOf"] if kind["type"] == "array")
+    bodies["items"] = {"anyOf": [bodies["items"], {"type": "string"}]}
 
 
 class Layer(Section):
@@ -337,8 +344,10 @@ class Contact(Section):
         default=None,
         min_length=2,
         max_length=2,
-        description="the two bodies, instead of contact_modulus: Young's moduli (Pa), Poisson's ratios, and "
-        "optional properties",
+        description="the two bodies, instead of contact_modulus: names of materials ([steel, PEEK]), or "
+        "Young's moduli (Pa), Poisson's ratios and optional properties, to which material: steel adds those "
+        "of a name",
+        json_schema_extra=_or_names,
         examples=[
             [
                 {

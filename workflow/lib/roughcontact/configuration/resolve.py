@@ -13,12 +13,14 @@ from roughcontact.configuration.models import Settings
 from roughcontact.configuration.plausible import implausible_together
 from roughcontact.errors import SettingsError
 from roughcontact.materials import contact_modulus
+from roughcontact.named_materials import modulus_uncertainty, named_bodies
 
 # keys of `contact` of which only one may be given: a case that gives one replaces the other of the base
 _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure"))
 # what steel on PEEK is written as
 _BODIES = (
-    "bodies: [{youngs_modulus: 210 GPa, poissons_ratio: 0.3}, {youngs_modulus: 4 GPa, poissons_ratio: 0.4}]"
+    "bodies: [steel, PEEK] or [{youngs_modulus: 210 GPa, poissons_ratio: 0.3}, {youngs_modulus: 4 GPa, "
+    "poissons_ratio: 0.4}]"
 )
 # keys that are the same for all cases
 _COMMON = ("surfaces", "composite", "report", "crosscheck", "validation", "cases")
@@ -77,6 +79,12 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     merged = _merge(base, overrides)
     where = f"cases.{name}.contact" if "contact" in overrides else "contact"
     mistakes = [SettingsError(text) for text in _mistakes_in_alternatives(merged["contact"], where)]
+    stated = merged["contact"].get("bodies") if isinstance(merged["contact"], dict) else None
+    try:
+        if isinstance(stated, list):
+            merged["contact"]["bodies"] = named_bodies(stated)
+    except SettingsError as error:
+        return {}, [*mistakes, SettingsError(f"{where}.bodies: {error}", keys=["contact.bodies"])]
     try:
         settings = Settings.model_validate(merged).model_dump(mode="json", exclude={"cases"})
     except ValidationError as error:
@@ -99,6 +107,8 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         mistakes.append(SettingsError(text, keys=["statistics.stress"]))
     if bodies := settings["contact"]["bodies"]:
         settings["contact"]["contact_modulus"] = contact_modulus(bodies)
+        if settings["contact"]["contact_modulus_uncertainty"] is None:
+            settings["contact"]["contact_modulus_uncertainty"] = modulus_uncertainty(stated or (), bodies)
         if stated := [body["hardness"] for body in bodies if body["hardness"] is not None]:
             settings["contact"]["hardness"] = min(stated)  # the softer body flows first
     hardness, loads = settings["contact"]["hardness"], settings["contact"]["mean_pressure"] or ()

@@ -28,7 +28,7 @@ def asked_in_words(
     [('', 'steel (210 GPa, ν 0.30, hardness 2.00 GPa) on a rigid body; contact area 10.0 %')]
     """
     return [
-        (name, "; ".join([_bodies(contact), _loads(contact), *(changed or {}).get(name, ())]))
+        (name, "; ".join([bodies_in_words(contact), _loads(contact), *(changed or {}).get(name, ())]))
         for name, contact in _contacts(settings)
     ]
 
@@ -100,7 +100,7 @@ def measured_in_words(dates: Mapping[str, str]) -> str:
     return words if len(stated) == len(dates) else f"{words} ({len(stated)} of {len(dates)} maps state it)"
 
 
-def _bodies(contact: Mapping[str, Any]) -> str:
+def bodies_in_words(contact: Mapping[str, Any]) -> str:
     """Return the bodies, or the contact modulus where that is given."""
     if bodies := contact.get("bodies"):
         return " on ".join([*map(_body, bodies), "a rigid body"][:2])

@@ -18,6 +18,7 @@ from roughcontact.elasticity.layers import ConductingPair, LayeredPair, layered_
 from roughcontact.errors import SettingsError
 from roughcontact.kernels.waves import wave_power
 from roughcontact.maps import spacing
+from roughcontact.named_materials import named_bodies
 from roughcontact.roughness.bearing import BEARING_PARAMETERS
 from roughcontact.roughness.parameters import roughness_parameters
 from roughcontact.roughness.summits import summit_statistics
@@ -419,6 +420,8 @@ def statistics_function(
     >>> found["rms_gradient"].dims, found["mean_gap"].dims
     ((), ('load',))
     """
+    if settings.get("bodies"):
+        settings["bodies"] = named_bodies(settings["bodies"])
     surface = surface_numbers(
         height,
         contact_modulus=contact_modulus,

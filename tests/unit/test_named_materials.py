@@ -1,0 +1,139 @@
+"""Materials by name: the table against physics and books, and how settings and commands take a name."""
+
+import re
+
+import numpy as np
+import pytest
+
+from roughcontact import evaluate, material, materials, solve_contact
+from roughcontact.command_line.options import bodies_of
+from roughcontact.configuration.resolve import resolve
+from roughcontact.errors import SettingsError
+from roughcontact.named_materials import _properties, _row, material_names, modulus_uncertainty, named_bodies
+from roughcontact.references.synthetic import rough_reference_surface
+
+PURE = [
+    "copper",
+    "gold",
+    "silver",
+    "aluminium",
+    "tin",
+    "nickel",
+    "platinum",
+    "lead",
+    "zinc",
+    "molybdenum",
+    "tungsten",
+]
+
+
+@pytest.mark.parametrize("name", material_names())
+def test_values_lie_in_their_ranges_and_are_plausible(name):
+    properties = _properties(name)
+    for value, lowest, highest in properties.values():
+        assert 0 < lowest <= value <= highest
+    modulus, ratio = properties["youngs_modulus"].value, properties["poissons_ratio"].value
+    assert materials.doubt_of_body(modulus, ratio) is None
+    if "hardness" in properties:
+        assert materials.doubt_of_hardness(properties["hardness"].value, modulus) is None
+        assert properties["hardness"].highest <= 0.15 * modulus  # fused silica comes nearest
+    assert _row(name)["source"]
+    resolve({"contact": {"bodies": [name, name]}})
+
+
+@pytest.mark.parametrize("name", PURE)
+def test_metals_obey_the_law_of_wiedemann_and_franz(name):
+    """Conductivity times resistivity is 2.44e-8 V2/K2 times the temperature, to a quarter."""
+    properties = material(name)
+    product = properties["thermal_conductivity"] * properties["electrical_resistivity"]
+    assert product == pytest.approx(2.44e-8 * 295, rel=0.25)
+
+
+@pytest.mark.parametrize(
+    ("name", "shore"),
+    [("NBR", 70), ("EPDM", 70), ("FKM", 75), ("silicone", 50), ("natural-rubber", 50), ("polyurethane", 90)],
+)
+def test_moduli_of_elastomers_follow_from_their_hardness(name, shore):
+    """Gent (1958), with five degrees of Shore A on either side for the range."""
+
+    def gent(hardness):
+        return 1e6 * 0.0981 * (56 + 7.62336 * hardness) / (0.137505 * (254 - 2.54 * hardness))
+
+    modulus = _properties(name)["youngs_modulus"]
+    np.testing.assert_allclose(modulus, [gent(shore + offset) for offset in (0, -5, 5)], rtol=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "book"),
+    [  # Incropera's table of metals (300 K), and tables of strength of Philpot (2017)
+        ("gold", "thermal_conductivity", 317),
+        ("lead", "thermal_conductivity", 35.3),
+        ("silver", "thermal_conductivity", 429),
+        ("silicon", "thermal_conductivity", 148),
+        ("aluminium-6061", "yield_stress", 276e6),
+        ("titanium-6Al-4V", "yield_stress", 827e6),
+        ("stainless-steel", "youngs_modulus", 193e9),
+        ("ductile-iron", "youngs_modulus", 168e9),
+    ],
+)
+def test_values_are_those_of_books(name, key, book):
+    assert material(name)[key] == pytest.approx(book, rel=0.005)
+
+
+def test_a_name_is_a_body_and_what_is_stated_goes_before_the_table():
+    steel, seal = named_bodies(["Mild Steel", {"material": "nbr", "youngs_modulus": 8e6}])
+    assert steel["name"] == "steel"
+    assert seal["youngs_modulus"] == 8e6
+    assert seal["poissons_ratio"] == 0.5
+    # an insulator: nothing of the current is asked
+    assert "electrical_resistivity" not in steel
+    assert steel["thermal_conductivity"] == 52.0
+
+
+def test_the_range_of_the_modulus_becomes_the_uncertainty_of_the_contact_modulus():
+    contact = resolve({"contact": {"bodies": ["steel", "PTFE"]}})[""]["contact"]
+    assert contact["contact_modulus_uncertainty"] == 0.15  # PTFE: 0.40 to 0.55 of 0.5 GPa, steel is stiff
+    alike = modulus_uncertainty(["steel", "steel"], named_bodies(["steel", "steel"]))
+    assert alike == pytest.approx(15 / 2 / 207 / np.sqrt(2), abs=6e-4)
+    stated = resolve({"contact": {"bodies": ["steel", "PTFE"], "contact_modulus_uncertainty": 0.02}})[""]
+    assert stated["contact"]["contact_modulus_uncertainty"] == 0.02
+    own = {"material": "PTFE", "youngs_modulus": "0.6 GPa"}
+    steel = resolve({"contact": {"bodies": ["steel", own]}})[""]["contact"]
+    assert steel["contact_modulus_uncertainty"] < 1e-3
+
+
+def test_an_unknown_name_is_answered_with_the_nearest():
+    with pytest.raises(SettingsError, match=r"contact\.bodies: 'stel' is no material .* did you mean steel"):
+        resolve({"contact": {"bodies": ["stel", "NBR"]}})
+    with pytest.raises(SettingsError, match="or give youngs_modulus and poissons_ratio"):
+        material("unobtainium")
+
+
+@pytest.mark.parametrize(
+    ("symbol", "key"),
+    [("E", "youngs_modulus"), ("nu", "poissons_ratio"), ("H", "hardness"), ("ν", "poissons_ratio")],
+)
+def test_symbols_of_textbooks_are_answered_with_the_key(symbol, key):
+    body = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, symbol: 1e9}
+    with pytest.raises(SettingsError, match=rf"bodies\[0\]\.{symbol}: unknown key, did you mean {key}\?"):
+        resolve({"contact": {"bodies": [body, "steel"]}})
+
+
+def test_the_option_takes_a_name():
+    assert bodies_of([["steel"], ["4GPa", "0.4"]])[0] == "steel"
+    with pytest.raises(SettingsError, match="210GPa: has 1 values; give the name of a material"):
+        bodies_of([["210GPa"], ["steel"]])
+
+
+def test_names_and_numbers_give_the_same_contact():
+    height = rough_reference_surface(64) * 1e-7
+    height = height.assign_coords(y=height["y"] * 1e-6, x=height["x"] * 1e-6)
+    bodies = [material("steel"), material("brass")]
+    named, numbers = (
+        evaluate(height, contact={"bodies": pair, "mean_pressure": 1e7}, uncertainty={"sources": []})
+        for pair in (["steel", "brass"], bodies)
+    )
+    assert named["relative_contact_area"].item() == numbers["relative_contact_area"].item()
+    assert re.search("brass", str(named.attrs))
+    directly = solve_contact(height, bodies=["steel", "brass"], mean_pressure=1e7)
+    assert float(directly["contact_modulus"]) == pytest.approx(materials.contact_modulus(bodies))
