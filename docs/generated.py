@@ -9,6 +9,7 @@ import contextlib
 import csv
 import io
 import os
+import re
 from itertools import groupby
 from pathlib import Path
 from unittest import mock
@@ -55,6 +56,7 @@ def write(generated: Path, reference: Path) -> None:
     pages = {
         generated / "settings.md": settings(),
         generated / "variables.md": variables(),
+        generated / "materials.md": materials(),
         generated / "command-line.md": command_line_help(),
         generated / "validation.md": validation(),
         **{reference / "api" / f"{name}.md": text for name, text in interface().items()},
@@ -87,6 +89,28 @@ def variables() -> str:
     """Return the table of all names that a result file can hold."""
     rows = [(f"`{name}`", unit or "", _cell(meaning)) for name, (unit, meaning) in VARIABLES.items()]
     return _table(("name", "unit", "meaning"), rows) + "\n"
+
+
+def materials() -> str:
+    """Return the table of materials by name, with the range of each property behind its value."""
+    text = (PACKAGE / "materials.tsv").read_text(encoding="utf-8")
+    sources = [line.removeprefix("# ") for line in text.splitlines() if line.startswith("#")]
+    header, *rows = (line.split("\t") for line in text.splitlines() if not line.startswith("#"))
+    shown = [
+        (
+            name,
+            aliases.replace(",", ", "),
+            *(re.sub(r" (\S+) (\S+)$", r" (\1 to \2)", cell) for cell in cells),
+        )
+        for name, aliases, *cells in rows
+    ]
+    return (
+        f"{sources[0]}\n\n"
+        + _table(header, shown)
+        + "\n\nSources:\n\n"
+        + "\n".join(f"- {s}" for s in sources[1:])
+        + "\n"
+    )
 
 
 def validation() -> str:
