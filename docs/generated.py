@@ -95,12 +95,12 @@ def materials() -> str:
     """Return the table of materials by name, with the range of each property behind its value."""
     text = (PACKAGE / "materials.tsv").read_text(encoding="utf-8")
     sources = [line.removeprefix("# ") for line in text.splitlines() if line.startswith("#")]
-    header, *rows = (line.split("\t") for line in text.splitlines() if not line.startswith("#"))
+    _, *rows = (line.split("\t") for line in text.splitlines() if not line.startswith("#"))
     shown = [
         (
             name,
             aliases.replace(",", ", "),
-            *(re.sub(r" (\S+) (\S+)$", r" (\1 to \2)", cell) for cell in cells),
+            *(re.sub(r" (\S+) (\S+)$", r" (\1–\2)", cell) for cell in cells),
         )
         for name, aliases, *cells in rows
     ]
