@@ -104,9 +104,20 @@ def materials() -> str:
         )
         for name, aliases, *cells in rows
     ]
+    heads = (
+        "name",
+        "also",
+        "E (GPa)",
+        "ν",
+        "hardness (GPa)",
+        "yield (MPa)",
+        "k (W/m K)",
+        "ρ (nΩ m)",
+        "source",
+    )
     return (
         f"{sources[0]}\n\n"
-        + _table(header, shown)
+        + _table(heads, shown)
         + "\n\nSources:\n\n"
         + "\n".join(f"- {s}" for s in sources[1:])
         + "\n"
