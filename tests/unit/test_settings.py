@@ -97,9 +97,11 @@ def test_contact_section_is_the_keyword_arguments_of_its_verbs():
     verbs = (plan_loads, target_loads, solve_contact)
     arguments = {name: each for verb in verbs for name, each in inspect.signature(verb).parameters.items()}
     of_the_run = {"window", "solver", "bodies", "fields", "reduce", "arrays", "threads", "progress"}
+    of_the_load = {"force", "area"}  # mean pressure is force by area
     of_the_budget = {"contact_modulus_uncertainty", "mean_pressure_uncertainty"}
     assert (
-        set(Contact.model_fields) - {"bodies", "keep_fields", *of_the_budget} == set(arguments) - of_the_run
+        set(Contact.model_fields) - {"bodies", "keep_fields", *of_the_budget, *of_the_load}
+        == set(arguments) - of_the_run
     )
     for name in ("tolerance", "zero_frequency", "on_failure"):
         assert Contact.model_fields[name].default == arguments[name].default
@@ -374,3 +376,33 @@ def test_a_source_of_older_files_is_named_with_the_way_out():
     line = mistakes({"uncertainty": {"sources": ["solver", "processing"]}})[-1]
     assert line.startswith("uncertainty.sources = ['solver', 'processing']: processing is a source no more")
     assert "leave it out" in line
+
+
+def test_force_and_area_are_another_way_to_state_the_mean_pressure():
+    contact = resolve(
+        {"contact": {"contact_modulus": "1 GPa", "force": ["30 N", "1.5 kN"], "area": "3 cm2"}}
+    )[""]
+    assert contact["contact"]["mean_pressure"] == pytest.approx([1e5, 5e6])
+    pressed = {"contact_modulus": "1 GPa", "mean_pressure": "1 MPa"}
+    cases = resolve(
+        {"contact": pressed, "cases": {"bolt": {"contact": {"force": "30 N", "area": "300 mm2"}}}}
+    )
+    assert cases["bolt"]["contact"]["mean_pressure"] == pytest.approx([1e5])
+
+
+@pytest.mark.parametrize(
+    ("contact", "sentence"),
+    [
+        ({"force": "50 N"}, r"contact\.area: missing, though force is given"),
+        ({"area": "1 m2"}, r"contact\.force: missing, though area is given"),
+        (
+            {"force": "5 N", "area": "1 mm2", "mean_pressure": 1e6},
+            r"mean_pressure \(Pa\) and force \(N\) given",
+        ),
+        ({"force": "50 kg", "area": "3 cm2"}, r"force\[0\] = '50 kg': unknown force unit 'kg'"),
+        ({"force": "50 N", "area": "3 cm"}, r"area = '3 cm': unknown area unit 'cm'; did you mean 'cm2'"),
+    ],
+)
+def test_a_force_without_its_area_is_a_question(contact, sentence):
+    with pytest.raises(SettingsError, match=sentence):
+        resolve({"contact": {"contact_modulus": "1 GPa"} | contact})

@@ -60,6 +60,8 @@ LIMITS = {
     "contact.bodies.yield_stress": ([SMALLEST_PRESSURE, None], [0, -1]),
     "contact.bodies.thermal_conductivity": ([f"{SMALLEST} W/(m K)"], [0, -1]),
     "contact.bodies.electrical_resistivity": ([f"{SMALLEST} Ohm m"], [0, -1]),
+    "contact.force": ([f"{SMALLEST} N", [f"{SMALLEST} N"], [1.0, 2.0]], [0, [], [1, -1]]),
+    "contact.area": ([f"{SMALLEST} m2"], [0, -1]),
     "contact.mean_pressure": (
         [SMALLEST_PRESSURE, [SMALLEST_PRESSURE], [1e5, 2e5, 3e5], None],
         [0, [], [0], [1e6, -1]],
@@ -130,6 +132,8 @@ def configured(key, value):
             "statistics": {"seal": SEAL | {key.rpartition(".")[2]: value}},
         }
     config = {"contact": {"contact_modulus": 1e9}}
+    if key in ("contact.force", "contact.area"):
+        config["contact"] |= {"force": 1.0, "area": 1e-6}
     *section, name = key.split(".")
     (config.setdefault(section[0], {}) if section else config)[name] = value
     return config
@@ -200,7 +204,12 @@ def test_every_setting_with_a_unit_has_a_range_in_which_bare_numbers_are_plausib
         for slip in (plausible.most * 1e6, plausible.least / 1e6 if plausible.least > 0 else -1e4):
             if slip >= plausible.rigid:
                 continue
-            listed = name in ("contact.mean_pressure", "contact.target_gap", "composite.rotations")
+            listed = name in (
+                "contact.mean_pressure",
+                "contact.force",
+                "contact.target_gap",
+                "composite.rotations",
+            )
             (line, _) = said(configured(name, [slip] if listed else slip))
             assert "write the unit behind it, even if the number is correct" in line
             with_unit = f"{slip:.17e} {plausible.base}"
@@ -253,7 +262,7 @@ def test_what_is_within_the_limits_is_kept(key):
         found = resolve(configured(key, value))[""]
         for part in key.split("."):
             found = found[-1][part] if isinstance(found, list) else found[part]
-        loads = key.endswith("_pressure") and isinstance(value, float | str)
+        loads = key.endswith(("_pressure", "force")) and isinstance(value, float | str)
         assert found == without_unit([value] if loads else value)
 
 

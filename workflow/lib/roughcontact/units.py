@@ -54,6 +54,12 @@ _RESISTIVITIES = {
     1e-9: ("nOhm m", "nΩ m"),
 }
 _WORKS = {1.0: ("J m-2", "J/m2", "N/m"), 1e-3: ("mJ/m2", "mN/m", "erg/cm2")}
+_FORCES = {1e-3: ("mN",), 1.0: ("N", "newton"), 1e3: ("kN",), 1e6: ("MN",), 9.80665: ("kgf",)}
+_AREAS = {
+    factor**2: tuple(f"{name}2" for name in names if name.isalpha() and not name.endswith("s"))
+    for factor, names in _LENGTHS.items()
+    if factor >= 1e-9
+}
 _VISCOSITIES = {1.0: ("Pa s", "Pa·s"), 1e-3: ("mPa s", "mPa·s", "cP"), 0.1: ("P",)}
 
 
@@ -72,6 +78,8 @@ _TABLES = {
     "Ohm m": _by_name(_RESISTIVITIES),
     "Pa s": _by_name(_VISCOSITIES),
     "J m-2": _by_name(_WORKS),
+    "N": _by_name(_FORCES),
+    "m2": _by_name(_AREAS),
 }
 # spellings offered in a message
 _USUAL = {
@@ -82,6 +90,8 @@ _USUAL = {
     "Ohm m": "Ohm m, Ohm cm, uOhm cm",
     "Pa s": "Pa s, mPa s, cP",
     "J m-2": "J/m2, mJ/m2",
+    "N": "mN, N, kN, MN, kgf",
+    "m2": "m2, cm2, mm2, um2, nm2",
 }
 _KINDS = {
     "m": "length",
@@ -91,6 +101,8 @@ _KINDS = {
     "Ohm m": "resistivity",
     "Pa s": "viscosity",
     "J m-2": "work of adhesion",
+    "N": "force",
+    "m2": "area",
 }
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)", re.DOTALL)
 

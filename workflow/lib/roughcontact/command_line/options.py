@@ -16,10 +16,12 @@ from roughcontact.errors import SettingsError
 # settings for the workflow alone, or with an option of their own here
 _LEFT_OUT = {"bodies", "keep_fields"}
 _LISTS = {
-    **dict.fromkeys(("mean_pressure", "relative_pressure", "target_area", "target_gap", "target"), "+"),
+    **dict.fromkeys(
+        ("mean_pressure", "relative_pressure", "force", "target_area", "target_gap", "target"), "+"
+    ),
     "sources": "*",
 }
-_LOADS = ("mean_pressure", "relative_pressure")  # one or the other
+_LOADS = ("mean_pressure", "relative_pressure", "force")  # one or the other
 _SECTIONS: dict[str, type[Section]] = {
     "contact": Contact,
     "level": Level,

@@ -29,6 +29,7 @@ _ASKED = tuple(
     f"contact.{name}"
     for name in (
         *("contact_modulus", "bodies", "hardness", "mean_pressure", "relative_pressure"),
+        *("force", "area"),
         *("target_area", "target_gap", "target", "keep_fields"),
     )
 )

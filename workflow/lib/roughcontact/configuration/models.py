@@ -97,6 +97,8 @@ Pressure = Annotated[
 # aerogels to diamond; metals to conductive polymers; air to cold oil; liquids on polymers to clean metals
 Conductivity = Annotated[Positive, BeforeValidator(Range("W m-1 K-1", 1e-3, 1e4)), _SCHEMA]
 Resistivity = Annotated[Positive, BeforeValidator(Range("Ohm m", 1e-9, 0.1)), _SCHEMA]
+Force = Annotated[Positive, BeforeValidator(Range("N", 1e-9, 1e8)), _SCHEMA]
+Area = Annotated[Positive, BeforeValidator(Range("m2", 1e-14, 1e3)), _SCHEMA]
 Viscosity = Annotated[Positive, BeforeValidator(Range("Pa s", 5e-6, 10)), _SCHEMA]
 Work = Annotated[Positive, BeforeValidator(Range("J m-2", 1e-5, 10)), _SCHEMA]
 Angle = Annotated[
@@ -112,12 +114,11 @@ RelativeLoads = Annotated[
     BeforeValidator(_as_list),
     WithJsonSchema({"anyOf": [_POSITIVE, {"type": "array", "minItems": 1, "items": _POSITIVE}]}),
 ]
-Loads = Annotated[
-    list[Pressure],
-    _LISTED,
-    BeforeValidator(_as_list),
-    WithJsonSchema({"anyOf": [*_WITH_UNIT["anyOf"], {"type": "array", "minItems": 1, "items": _WITH_UNIT}]}),
-]
+_LIST_SCHEMA = WithJsonSchema(
+    {"anyOf": [*_WITH_UNIT["anyOf"], {"type": "array", "minItems": 1, "items": _WITH_UNIT}]}
+)
+Loads = Annotated[list[Pressure], _LISTED, BeforeValidator(_as_list), _LIST_SCHEMA]
+Forces = Annotated[list[Force], _LISTED, BeforeValidator(_as_list), _LIST_SCHEMA]
 
 
 class Section(BaseModel):
@@ -377,6 +378,16 @@ class Contact(Section):
         default=None,
         description="nominal pressure / (E* x rms gradient of the window), no unit, one number or a list",
         examples=[[0.01, 0.05, 0.2]],
+    )
+    force: Forces | None = Field(
+        default=None,
+        description="N, one number or a list: with area another way to state mean_pressure",
+        examples=["50 N"],
+    )
+    area: Area | None = Field(
+        default=None,
+        description="nominal area that carries the force, m2",
+        examples=["3 cm2"],
     )
     target_area: Shares | None = Field(
         default=None,

@@ -16,7 +16,7 @@ from roughcontact.materials import contact_modulus
 from roughcontact.named_materials import modulus_uncertainty, named_bodies
 
 # keys of `contact` of which only one may be given: a case that gives one replaces the other of the base
-_ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure"))
+_ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure", "force"))
 # what steel on PEEK is written as
 _BODIES = (
     "bodies: [steel, PEEK] or [{youngs_modulus: 210 GPa, poissons_ratio: 0.3}, {youngs_modulus: 4 GPa, "
@@ -105,12 +105,8 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     if settings["statistics"]["stress"] == "always" and not settings["contact"]["bodies"]:
         text = "statistics.stress = 'always': needs contact.bodies, for their Poisson's ratios"
         mistakes.append(SettingsError(text, keys=["statistics.stress"]))
-    if bodies := settings["contact"]["bodies"]:
-        settings["contact"]["contact_modulus"] = contact_modulus(bodies)
-        if settings["contact"]["contact_modulus_uncertainty"] is None:
-            settings["contact"]["contact_modulus_uncertainty"] = modulus_uncertainty(stated or (), bodies)
-        if stated := [body["hardness"] for body in bodies if body["hardness"] is not None]:
-            settings["contact"]["hardness"] = min(stated)  # the softer body flows first
+    _derive(settings["contact"], stated or ())
+    bodies = settings["contact"]["bodies"]
     hardness, loads = settings["contact"]["hardness"], settings["contact"]["mean_pressure"] or ()
     if hardness is not None and max(loads, default=0.0) >= hardness:
         text = (
@@ -124,6 +120,18 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         text = f"{where}.target: first_yield needs the yield_stress of a body, or a hardness"
         mistakes.append(SettingsError(text, keys=["contact.target"]))
     return settings, mistakes
+
+
+def _derive(contact: dict[str, Any], stated: Sequence[Any]) -> None:
+    """Add the numbers that follow from others: E*, its uncertainty, the hardness, pressures from forces."""
+    if bodies := contact["bodies"]:
+        contact["contact_modulus"] = contact_modulus(bodies)
+        if contact["contact_modulus_uncertainty"] is None:
+            contact["contact_modulus_uncertainty"] = modulus_uncertainty(stated, bodies)
+        if hardness := [body["hardness"] for body in bodies if body["hardness"] is not None]:
+            contact["hardness"] = min(hardness)  # the softer body flows first
+    if contact["force"] and contact["area"]:
+        contact["mean_pressure"] = [force / contact["area"] for force in contact["force"]]
 
 
 def _mistakes_in_cases(cases: Any) -> list[str]:
@@ -164,9 +172,14 @@ def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
             "(E* in Pa) or bodies (two of youngs_modulus in Pa and poissons_ratio)"
         )
         mistakes.append(text if elasticity else f"{text}: {_BODIES}")
-    if len(loads) == 2:
+    if len(loads) > 1:
+        units = {"mean_pressure": "Pa", "relative_pressure": "no unit", "force": "N"}
+        both = " and ".join(f"{key} ({units[key]})" for key in loads)
+        mistakes.append(f"{where}: {both} given; give one of them or neither")
+    if (contact.get("force") is None) != (contact.get("area") is None):
+        missing, other = ("area", "force") if contact.get("area") is None else ("force", "area")
         mistakes.append(
-            f"{where}: mean_pressure (Pa) and relative_pressure (no unit) given; give one of them or neither"
+            f"{where}.{missing}: missing, though {other} is given; mean pressure is force by area"
         )
     bodies = contact.get("bodies")
     if contact.get("hardness") is not None and isinstance(bodies, list):
