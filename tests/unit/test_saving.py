@@ -98,6 +98,32 @@ def test_maps_are_those_of_the_solver(measured, tmp_path):
         assert "at a mean pressure of 5e+06 Pa" in file.pages[4].description
 
 
+def test_the_workbook_has_the_columns_of_the_summary_and_the_settings(measured, tmp_path):
+    sheets = pd.read_excel(saved(measured, tmp_path, ".xlsx"), sheet_name=None)
+    assert list(sheets) == ["summary", "uncertainty", "settings"]
+    summary = pd.read_csv(saved(measured, tmp_path / "csv", ".csv"))
+    pd.testing.assert_frame_equal(sheets["summary"], summary, check_dtype=False, rtol=1e-9)
+    assert {"solver", "combined"} == set(sheets["uncertainty"]["source"])
+    stated = sheets["settings"].set_index("setting")["value"]
+    assert stated["level.form"] == "plane"
+    assert float(stated["contact.contact_modulus"]) == 1e9
+
+
+def test_the_simple_field_is_the_pressure_at_the_largest_load(measured, tmp_path):
+    content = saved(measured, tmp_path, ".gsf").read_bytes()
+    head = content[: content.index(b"\0")].decode()
+    fields = dict(line.split(" = ") for line in head.splitlines()[1:])
+    assert head.startswith("Gwyddion Simple Field 1.0\n")
+    assert (fields["ZUnits"], fields["XYUnits"], fields["Title"]) == ("Pa", "m", "pressure")
+    window = rc.periodic_window(rc.level(rc.read_height_map(measured)))
+    pressure = rc.solve_contact(window, **CONTACT)["pressure"].values[0]
+    assert (int(fields["YRes"]), int(fields["XRes"])) == pressure.shape
+    assert float(fields["YReal"]) == pytest.approx(1.5e-6 * len(pressure))
+    start = len(head) + 4 - len(head) % 4  # zeros up to a multiple of four
+    picture = np.frombuffer(content, "<f4", offset=start).reshape(pressure.shape)
+    assert (picture[::-1] == pressure.astype(np.float32)).all()  # the upper row comes first
+
+
 def test_maps_of_a_kept_file_are_written_too(tmp_path, monkeypatch):
     """A library call; what no TIFF holds is refused before anything is written."""
     solved = rc.solve_contact(
@@ -114,7 +140,7 @@ def test_maps_of_a_kept_file_are_written_too(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("files", "output", "said"),
     [
-        (1, "result.xlsx", "end it with one of .nc, .csv, .html, .png, .vti, .tiff"),
+        (1, "result.doc", "end it with one of .nc, .csv, .xlsx, .html, .png, .vti, .tiff, .gsf"),
         (1, "result", "end it with one of .nc"),
         (
             2,

@@ -226,5 +226,6 @@ def complete_statistics(
     properties |= {key: window.attrs[key] for key in _BAND if key in window.attrs}
     if all(settings["contact"].get(key) is None for key in ("mean_pressure", "relative_pressure")):
         properties["loads"] = "found"  # planned, or for a target
+    properties["periodisation"] = window.attrs.get("periodisation", "none")
     properties["measured_by"] = instrument_kind(window.attrs).name
     return with_verdicts(complete.assign_attrs(properties), window)

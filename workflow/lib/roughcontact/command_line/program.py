@@ -107,7 +107,9 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     """Return the parser; some options of `verb` come from the settings, whose import takes a moment."""
     parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
-    verbs = parser.add_subparsers(required=True, metavar="inspect | solve | init | run | compare | crate")
+    verbs = parser.add_subparsers(
+        required=True, metavar="inspect | solve | init | run | methods | compare | crate"
+    )
 
     inspect = verbs.add_parser("inspect", help="describe the contents of a file, or of all in a folder")
     inspect.add_argument(
@@ -157,6 +159,15 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
         usage="roughcontact run [OPTION ...]",
         description=_RUN,
     )
+
+    methods = verbs.add_parser("methods", help="print a paragraph of methods and answers for a paper")
+    methods.add_argument(
+        "files",
+        nargs="+",
+        metavar="RESULT",
+        help="statistics.nc of a surface, result.nc of solve, or results/",
+    )
+    methods.set_defaults(run=_methods)
 
     compare = verbs.add_parser(
         "compare", help="list the numbers of two runs that differ by more than their ±"
@@ -343,6 +354,25 @@ def _compare(options: argparse.Namespace) -> int:
     rows: list[dict[str, Any]] = [dict(row) for _, row in table.iterrows()]
     print(as_json(rows) if options.json else comparison(rows, share=options.share))
     return int(any(row["differs"] for row in rows))
+
+
+def _methods(options: argparse.Namespace) -> int:
+    """Print the paragraph of methods of each result."""
+    from roughcontact.report.methods import methods_paragraph
+
+    files = [
+        path
+        for name in options.files
+        for path in (sorted(Path(name).glob("**/*/statistics.nc")) if Path(name).is_dir() else [Path(name)])
+    ]
+    for path in files:
+        statistics = _statistics_of(str(path))
+        if "surface" in statistics.dims:
+            raise InputFileError(
+                f"{path}: is of several surfaces; name the folder, or the file of one of them"
+            )
+        print(*([f"# {path.parent.name}"] if len(files) > 1 else []), methods_paragraph(statistics), sep="\n")
+    return 0
 
 
 def _statistics_of(path: str) -> "xr.Dataset":

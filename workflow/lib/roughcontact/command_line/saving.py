@@ -17,12 +17,14 @@ if TYPE_CHECKING:
 KINDS = {
     ".nc": "all numbers with their intervals, as statistics.nc of a surface (rc.read_statistics, compare)",
     ".csv": "a row for each load, the columns of summary.csv",
+    ".xlsx": "a workbook: the columns of summary.csv, the components of the ±, the settings, a sheet each",
     ".html": "the report, a page by itself",
     ".png": "a figure: area and pressures against the load; pressure and gap at the largest load",
     ".vti": "maps of height, pressure, gap and contact for ParaView",
     ".tiff": "the same maps for Gwyddion or ImageJ, a page each",
+    ".gsf": "the map of pressure at the largest load for Gwyddion",
 }
-_WITHOUT_MAPS = (".nc", ".csv")
+_WITHOUT_MAPS = (".nc", ".csv", ".xlsx")
 _BESIDE = re.compile(", or see <a .*? beside this page")  # what the page says of the files of a run
 
 
@@ -31,9 +33,11 @@ def check_output(output: Path, files: Sequence[str]) -> None:
 
     Examples
     --------
-    >>> check_output(Path("result.xlsx"), ["ground.txt"])
-    Traceback (most recent call last):
-    roughcontact.errors.SettingsError: -o result.xlsx: end it with one of .nc, .csv, .html, .png, .vti, .tiff
+    >>> try:
+    ...     check_output(Path("result.doc"), ["ground.txt"])
+    ... except SettingsError as error:
+    ...     print(error)
+    -o result.doc: end it with one of .nc, .csv, .xlsx, .html, .png, .vti, .tiff, .gsf
     """
     if output.suffix.lower() not in KINDS:
         raise SettingsError(f"-o {output}: end it with one of {', '.join(KINDS)}")
@@ -65,25 +69,45 @@ def save(
 
     `folder` is for files on the way to it; contact.nc is there if the maps are needed.
     """
-    from roughcontact.results.exchange import write_tiff, write_vti
+    from roughcontact.results.exchange import write_gsf, write_tiff, write_vti, write_workbook
     from roughcontact.results.storage import opened_dataset, write_dataset, write_table, write_text
 
     (name,), ending = surface_names([source]), output.suffix.lower()
     if ending == ".nc":
         write_dataset(chain.statistics, output)
-    elif ending == ".csv":
+    elif ending in (".csv", ".xlsx"):
+        import pandas as pd
+
+        from roughcontact.pipeline import SECTIONS
         from roughcontact.results.collect import collect_statistics, summary_table
+        from roughcontact.uncertainty.combination import uncertainty_table
 
         path = folder / "statistics.nc"
         write_dataset(chain.statistics, path)
-        found = collect_statistics([{"surface": name, "case": None, "statistics": path}])
-        write_table(summary_table(found), output)
+        summary = summary_table(collect_statistics([{"surface": name, "case": None, "statistics": path}]))
+        if ending == ".csv":
+            write_table(summary, output)
+        else:
+            stated = [
+                (f"{section}.{key}", str(settings[section][key]))
+                for section in SECTIONS
+                for key in settings[section]
+            ]
+            sheets = {
+                "summary": summary,
+                "uncertainty": uncertainty_table(chain.statistics),
+                "settings": pd.DataFrame(stated, columns=["setting", "value"]),
+            }
+            write_workbook(sheets, output)
     elif ending == ".html":
         write_text(_BESIDE.sub("", _page(name, folder, chain, height, settings)), output)
     else:
         with opened_dataset(folder / "contact.nc") as contact:
             if ending == ".png":
                 _draw(output, chain.statistics, contact, title=Path(source).name)
+            elif ending == ".gsf":
+                largest = contact.isel(load=int(contact["mean_pressure"].values.argmax()))
+                write_gsf(largest["pressure"].load(), output)
             else:
                 (write_vti if ending == ".vti" else write_tiff)(contact, output)
 

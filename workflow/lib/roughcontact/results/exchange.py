@@ -1,13 +1,15 @@
-"""Maps of a solution as files of other programs: VTK image data for ParaView, TIFF for Gwyddion and ImageJ.
+"""Results as files of other programs: VTK for ParaView, TIFF, Gwyddion's simple field, workbooks.
 
-Both hold the height of the window and, for each load, pressure, gap and contact, in SI units.
+Files of maps hold the height of the window and, for each load, pressure, gap and contact, in SI units.
 """
 
-from collections.abc import Iterator
+import io
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from roughcontact.errors import SettingsError
@@ -128,6 +130,78 @@ def write_tiff(contact: xr.Dataset, path: str | Path) -> None:
             picture = _values(contact, name, load)[::-1].astype(np.float32)
             Image.fromarray(picture).save(file, format="TIFF", tiffinfo=tags)
             file.newFrame()
+
+
+def write_gsf(values: xr.DataArray, path: str | Path) -> None:
+    """Write one map as a Gwyddion simple field, single precision, the picture of the surface upright.
+
+    Parameters
+    ----------
+    values : DataArray (y, x)
+        with evenly spaced coordinates in m; its name and its attribute `units` go into the header.
+    path : str or Path
+
+    References
+    ----------
+    .. [1] Gwyddion user guide, file formats, https://gwyddion.net/documentation/user-guide-en/gsf.html
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from roughcontact import read_height_map
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> height = rough_reference_surface(64)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_gsf(height, f"{folder}/height.gsf")
+    ...     print(abs(read_height_map(f"{folder}/height.gsf") - height.values).max().item() < 1e-8)
+    True
+    """
+    (ny, nx), (dy, dx) = values.shape, spacing(values)
+    fields = {
+        "XRes": nx,
+        "YRes": ny,
+        "XReal": nx * dx,
+        "YReal": ny * dy,
+        "XOffset": float(values["x"][0]) - dx / 2,
+        "YOffset": float(values["y"][0]) - dy / 2,
+        "Title": values.name or "map",
+        "XYUnits": "m",
+        "ZUnits": values.attrs.get("units", ""),
+    }
+    head = "Gwyddion Simple Field 1.0\n" + "".join(f"{name} = {value}\n" for name, value in fields.items())
+    encoded = head.encode()
+    encoded += bytes(
+        4 - len(encoded) % 4
+    )  # one to four zeros, so that the numbers begin at a multiple of four
+    with whole(path, size=len(encoded) + 4 * values.size) as partial:
+        partial.write_bytes(encoded + values.values[::-1].astype("<f4").tobytes())
+
+
+def write_workbook(sheets: Mapping[str, pd.DataFrame], path: str | Path) -> None:
+    """Write tables as a workbook (Office Open XML), a sheet each; those without rows are left out.
+
+    Parameters
+    ----------
+    sheets : mapping
+        name -> DataFrame, with the units in its headings.
+    path : str or Path
+        ending in .xlsx.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_workbook({"summary": pd.DataFrame({"mean_gap_m": [1e-7]})}, f"{folder}/result.xlsx")
+    ...     pd.read_excel(f"{folder}/result.xlsx", sheet_name="summary")["mean_gap_m"].item()
+    1e-07
+    """
+    content = io.BytesIO()
+    with pd.ExcelWriter(content, engine="openpyxl") as book:
+        for name, frame in sheets.items():
+            if len(frame):
+                frame.to_excel(book, sheet_name=name, index=False, freeze_panes=(1, 0))
+    with whole(path, size=content.tell()) as partial:
+        partial.write_bytes(content.getvalue())
 
 
 def _maps(contact: xr.Dataset) -> Iterator[tuple[str, int | None]]:

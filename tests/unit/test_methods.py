@@ -1,0 +1,65 @@
+"""The paragraph of methods: its numbers are those of the file, its words those of the settings."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from roughcontact import evaluate, self_affine_surface, write_dataset
+from roughcontact.command_line.program import main
+from roughcontact.quantities import quantity, with_interval
+from roughcontact.report.methods import methods_paragraph
+
+LOADS = [1e6, 5e6, 2e7, 8e7]
+
+
+@pytest.fixture(scope="module")
+def statistics():
+    height = self_affine_surface(
+        (60, 96), (1e-6, 1e-6), hurst=0.8, rms_height=1e-7, shortest=6e-6, longest=3e-5, seed=3
+    )
+    cut = height.isel(x=slice(0, 80))  # no longer periodic
+    contact = {"bodies": ["steel", "PEEK"], "mean_pressure": LOADS}
+    return evaluate(cut, level={"form": "mean", "s_filter": "3 um"}, contact=contact)
+
+
+def test_the_numbers_are_those_of_the_file(statistics):
+    text = methods_paragraph(statistics)
+    for index in (0, 2, 3):  # the lowest load, one between, the highest
+        load = statistics.isel(load=index)
+        ends = (float(load[f"relative_contact_area{end}"]) for end in ("", "_lower", "_upper"))
+        area = with_interval(*(100 * end for end in ends))
+        pressure = quantity(LOADS[index], "Pa")
+        assert (
+            f"A mean pressure of {pressure} gives a true contact area of {area} % of the nominal area" in text
+        )
+    assert quantity(LOADS[1], "Pa") not in text
+    assert f"E* = {quantity(float(statistics['contact_modulus']), 'Pa')}" in text
+    assert f"its rms height is {quantity(float(statistics['rms_height']), 'm')}" in text
+
+
+def test_the_words_are_those_of_the_settings(statistics):
+    text = methods_paragraph(statistics)
+    assert "were taken relative to their mean" in text
+    assert "an S-filter of cut-off 3.00 µm applied" in text
+    assert "steel (207 GPa, ν 0.30, hardness 1.40 GPa, yield stress 250 MPa) on PEEK (3.80 GPa" in text
+    assert "the pressure limited to the hardness of 250 MPa" in text
+    assert "made periodic (smooth-cross-fade)" in text
+
+
+def test_the_bound_is_never_rounded_down(statistics):
+    stated = statistics.assign(error_bound=("load", np.array([1.01e-5, 2e-6, 1e-6, 1e-7])))
+    assert "at most 1.1×10⁻⁵." in methods_paragraph(stated)
+    assert "at most 2.0×10⁻⁵." in methods_paragraph(statistics.assign(error_bound=("load", np.full(4, 2e-5))))
+
+
+def test_the_command_prints_it_for_each_result(statistics, tmp_path, capsys):
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        write_dataset(statistics, tmp_path / name / "statistics.nc")
+    assert main(["methods", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith(f"# one\n{methods_paragraph(statistics)}\n# two\n")
+    several = xr.concat([statistics, statistics], dim="surface", data_vars="all")
+    write_dataset(several, tmp_path / "all.nc")
+    assert main(["methods", str(tmp_path / "all.nc")]) == 2
+    assert "all.nc: is of several surfaces; name the folder" in capsys.readouterr().err

@@ -1,0 +1,140 @@
+"""The paragraph of methods for a paper: what was done to a map, and the answers, from its statistics."""
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import xarray as xr
+
+from roughcontact.bodies import have_layers
+from roughcontact.quantities import number, prefix, quantity, with_interval
+from roughcontact.report.asked import bodies_in_words
+from roughcontact.uncertainty.measurands import measurand_in_words
+
+_FORMS = {
+    "none": "were taken as measured",
+    "mean": "were taken relative to their mean",
+    "plane": "were levelled by a least-squares plane",
+    "polynomial": "were freed of a least-squares polynomial of order {order}",
+}
+_ANSWERS = {
+    "relative_contact_area": ("a true contact area of", "% of the nominal area"),
+    "mean_contact_pressure": ("a mean pressure in contact of", "Pa"),
+    "mean_gap": ("a mean gap of", "m"),
+}
+_MOST_LOADS = 3  # whose answers a paragraph has: the lowest, one between, the highest
+
+
+def methods_paragraph(statistics: xr.Dataset) -> str:
+    """Return a paragraph of methods and answers of one surface.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        a statistics.nc of one surface, as `roughcontact.read_dataset` reads it, or what `evaluate` returns.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> from roughcontact import evaluate, self_affine_surface
+    >>> height = self_affine_surface(
+    ...     (64, 64), (1e-6, 1e-6), hurst=0.8, rms_height=1e-7, shortest=8e-6, longest=3.2e-5
+    ... )
+    >>> statistics = evaluate(height, contact={"bodies": ["steel", "copper"], "mean_pressure": "20 MPa"})
+    >>> methods_paragraph(statistics).split(". ")[1][:56]
+    'A window of 64.0 µm × 64.0 µm was periodic as measured; '
+    """
+    settings, versions = (json.loads(statistics.attrs[name]) for name in ("settings", "versions"))
+    commit = str(statistics.attrs.get("commit", ""))[:7]
+    version = f"{versions['roughcontact']}{f' (commit {commit})' if commit else ''}"
+    sentences = [
+        _levelling(statistics, settings["level"]),
+        _window(statistics, settings["window"]),
+        _contact(statistics, settings["contact"]),
+        *_answers(statistics, settings["uncertainty"]),
+        f"All was computed with roughcontact {version}; its CITATION.cff says how to cite it.",
+    ]
+    return " ".join(sentences)
+
+
+def _levelling(statistics: xr.Dataset, level: Mapping[str, Any]) -> str:
+    """Return what was done to the heights."""
+    sha256 = str(statistics.attrs.get("source_sha256", ""))
+    source = f" (SHA-256 {sha256[:8]}…)" if sha256 else ""
+    words = _FORMS.get(level["form"], f"were freed of a least-squares {level['form']}").format(**level)
+    steps = [f"The measured heights{source} {words}"]
+    if level["outlier_threshold"]:
+        threshold = number(level["outlier_threshold"], digits=2)
+        steps.append(f"outliers beyond {threshold} robust standard deviations rejected")
+    steps += [
+        f"an {name[0].upper()}-filter of cut-off {quantity(level[name], 'm')} applied"
+        for name in ("s_filter", "l_filter")
+        if level[name]
+    ]
+    if level["fill"] != "none":
+        steps.append(f"missing points filled ({level['fill']})")
+    return f"{', '.join(steps)}."
+
+
+def _window(statistics: xr.Dataset, window: Mapping[str, Any]) -> str:
+    """Return the window that was solved, and its roughness."""
+    lengths = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
+    size = " × ".join(quantity(length, "m") for length in lengths if math.isfinite(length))
+    made = statistics.attrs.get("periodisation", window["method"])
+    steps = [
+        f"A window of {size} "
+        + ("was periodic as measured" if made == "none" else f"was made periodic ({made})")
+    ]
+    steps += [
+        f"waves {side} than {quantity(window[key], 'm')} were removed"
+        for side, key in (("shorter", "shortest_wavelength"), ("longer", "longest_wavelength"))
+        if window[key]
+    ]
+    height, gradient = (float(statistics[name]) for name in ("rms_height", "rms_gradient"))
+    return (
+        f"{', '.join(steps)}; its rms height is {quantity(height, 'm')}, its rms gradient {number(gradient)}."
+    )
+
+
+def _contact(statistics: xr.Dataset, contact: Mapping[str, Any]) -> str:
+    """Return the problem and how it was solved."""
+    modulus = quantity(float(statistics["contact_modulus"]), "Pa")
+    bodies = f" of {bodies_in_words(contact)}" if contact["bodies"] else ""
+    hardness = contact["hardness"]
+    limit = f", the pressure limited to the hardness of {quantity(hardness, 'Pa')}" if hardness else ""
+    solids = "bodies with layers" if have_layers(contact["bodies"]) else "half-spaces"
+    bound = float(statistics["error_bound"].max())
+    last_digit = 10.0 ** (math.floor(math.log10(bound)) - 1) if bound > 0 else 1.0
+    at_most = number(math.ceil(bound / last_digit * (1 - 1e-9)) * last_digit, digits=2)  # never rounded down
+    return (
+        f"The frictionless contact{bodies} under a prescribed mean pressure (E* = {modulus}{limit}) was "
+        f"solved for periodic elastic {solids} by fast Fourier transforms on the grid of the window; the "
+        f"relative error of the pressures in the energy norm is proved to be at most {at_most}."
+    )
+
+
+def _answers(statistics: xr.Dataset, uncertainty: Mapping[str, Any]) -> list[str]:
+    """Return the answers at a few loads, and what their intervals are for."""
+    rising = statistics["mean_pressure"].argsort().values.tolist()
+    few = [rising[0], rising[len(rising) // 2], rising[-1]] if len(rising) > _MOST_LOADS else rising
+    sentences = []
+    for index in few:
+        load = statistics.isel(load=index)
+        answers = [f"{words} {_answer(load, name, unit)}" for name, (words, unit) in _ANSWERS.items()]
+        pressure = quantity(float(load["mean_pressure"]), "Pa")
+        sentences.append(f"A mean pressure of {pressure} gives {', '.join(answers[:-1])} and {answers[-1]}.")
+    if "relative_contact_area_lower" in statistics:
+        extent = uncertainty["extent"] if uncertainty["measurand"] == "longer" else None
+        sentences.append(f"The intervals hold 95 % and are for {measurand_in_words(extent)}.")
+    return sentences
+
+
+def _answer(load: xr.Dataset, name: str, unit: str) -> str:
+    """Return a value with its interval and unit."""
+    value, lower, upper = (float(load.get(f"{name}{end}", math.nan)) for end in ("", "_lower", "_upper"))
+    factor, shown = (100.0, unit) if unit.startswith("%") else prefix(value, unit)
+    return f"{with_interval(value * factor, lower * factor, upper * factor)} {shown}"
