@@ -1,0 +1,142 @@
+"""After the load: the surface that plastic flow has left, and the contact while the load is taken off."""
+
+import json
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.checking import check_solution
+from roughcontact.contact.dataset import influence_of, layers_of
+from roughcontact.contact.loads import check_loads
+from roughcontact.contact.solve import solve_contact
+from roughcontact.elasticity.halfspace import HalfSpace
+from roughcontact.errors import SettingsError
+from roughcontact.maps import spacing
+from roughcontact.si import in_si
+from roughcontact.variables import describe
+
+
+@in_si
+def unload(
+    contact: xr.Dataset,
+    *,
+    mean_pressure: float | str | Sequence[float | str] | None = None,
+    tolerance: float = 1e-6,
+    threads: int = 1,
+) -> xr.Dataset:
+    """Take the largest load of a contact with a hardness off, and return the contact at lower loads.
+
+    Where the pressure reached the hardness, the heights are lowered by the overlap that the elastic bodies
+    would have [1]_. The elastic contact of that residual surface returns the pressure of the largest load,
+    and gives every lower one. Flow is confined to the pixels at the hardness: no material piles up beside
+    them, it does not harden, and the hardness is the same whatever the shape of a summit.
+
+    Parameters
+    ----------
+    contact : Dataset
+        of `solve_contact` with a `hardness`, with its maps; its largest load counts.
+    mean_pressure : float or sequence of float, Pa, optional
+        loads on the way back, none above the largest one; by default all loads of `contact`, falling.
+    tolerance : float
+        of the solver; at 1e-6 no pressure exceeds the hardness by more than a hundred thousandth.
+    threads : int
+        of the solver.
+
+    Returns
+    -------
+    Dataset
+        as of `solve_contact`, so that `contact_statistics` counts in it, with `residual_height` and
+        `plastic_depth` (y, x) m, the heights that are left and by how much they were lowered, their
+        `mean_plastic_depth` and `max_plastic_depth` (m), and `dissipated_energy` (J m-2): the hardness times
+        the mean depth, the area between the curves of mean pressure over approach of one cycle. `height` is
+        the residual height: a map to solve again.
+
+    Raises
+    ------
+    SettingsError
+        for a contact without hardness or maps, or a load above its largest one.
+
+    References
+    ----------
+    .. [1] A. Almqvist, F. Sahlin, R. Larsson, S. Glavatskih (2007), On the dry elasto-plastic contact of
+       nominally flat surfaces, Tribol. Int. 40, 574.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> height = rough_reference_surface(64)
+    >>> loaded = solve_contact(height, contact_modulus=1.0, mean_pressure=[0.05, 0.1], hardness=0.5)
+    >>> unloaded = unload(loaded, mean_pressure=[0.1, 0.05])
+    >>> areas = [float((dataset["pressure"] > 0).mean()) for dataset in (loaded, unloaded)]
+    >>> print(areas[1] >= areas[0], float(unloaded["pressure"].max() / 0.5) <= 1 + 1e-5)
+    True True
+    """
+    check_solution(contact)
+    if "hardness" not in contact:
+        raise SettingsError(
+            "the contact has no hardness: an elastic one is unloaded the way it was loaded; solve it with "
+            "hardness=... to see what flow leaves"
+        )
+    top, hardness = float(contact["mean_pressure"].max()), float(contact["hardness"])
+    largest = contact.isel(load=int(contact["mean_pressure"].values.argmax())).drop_vars("mean_pressure")
+    if mean_pressure is None:
+        loads = sorted(contact["mean_pressure"].values.tolist(), reverse=True)
+    else:
+        loads = check_loads("mean_pressure", mean_pressure, unit="Pa")
+    if max(loads) > top:
+        raise SettingsError(
+            f"mean_pressure = {max(loads):g} Pa is more than the largest load of the contact, {top:g} Pa: "
+            "the surface would flow further; solve_contact loads it",
+            keys=("mean_pressure",),
+        )
+    depth = plastic_depth(largest, threads=threads)
+    residual = (largest["height"] - depth).assign_attrs(largest["height"].attrs)
+    layers = layers_of(contact)
+    elastic = (
+        {"contact_modulus": float(contact["contact_modulus"])}
+        if layers is None
+        else {"bodies": json.loads(contact.attrs["bodies"])}
+    )
+    unloaded = solve_contact(
+        residual,
+        **elastic,
+        mean_pressure=loads,
+        tolerance=tolerance,
+        influence=influence_of(contact),
+        zero_frequency=contact.attrs.get("zero_frequency", "zero"),
+        threads=threads,
+    )
+    mean_depth = float(depth.mean())
+    return describe(
+        unloaded.assign(
+            residual_height=residual,
+            plastic_depth=depth,
+            mean_plastic_depth=mean_depth,
+            max_plastic_depth=float(depth.max()),
+            dissipated_energy=hardness * mean_depth,
+        )
+    )
+
+
+def plastic_depth(loaded: xr.Dataset, *, threads: int = 1) -> xr.DataArray:
+    """Return by how much (m) flow has lowered the heights at one load: the overlap of the elastic bodies.
+
+    The solver gives points at the hardness a gap of zero; the overlap there is that of G p - h + approach,
+    whose constant follows from all other points, where the gap is known.
+    """
+    height, pressure = loaded["height"], np.require(loaded["pressure"].values, dtype=float)
+    (ny, nx), (dy, dx) = height.shape, spacing(height)
+    body = HalfSpace(
+        (ny, nx),
+        (ny * dy, nx * dx),
+        influence=influence_of(loaded),
+        layers=layers_of(loaded),
+        threads=threads,
+    )
+    separation = body.displacement(pressure) / float(loaded["contact_modulus"]) - height.values
+    at_hardness = pressure >= float(loaded["hardness"])
+    others = ~at_hardness
+    gap = separation + np.mean(loaded["gap"].values[others] - separation[others])
+    depth = np.where(at_hardness, np.maximum(-gap, 0.0), 0.0)
+    return xr.DataArray(depth, coords=height.coords, dims=height.dims, name="plastic_depth")
