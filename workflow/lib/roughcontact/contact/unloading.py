@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -79,7 +80,6 @@ def unload(
             "hardness=... to see what flow leaves"
         )
     top, hardness = float(contact["mean_pressure"].max()), float(contact["hardness"])
-    largest = contact.isel(load=int(contact["mean_pressure"].values.argmax())).drop_vars("mean_pressure")
     if mean_pressure is None:
         loads = sorted(contact["mean_pressure"].values.tolist(), reverse=True)
     else:
@@ -90,23 +90,22 @@ def unload(
             "the surface would flow further; solve_contact loads it",
             keys=("mean_pressure",),
         )
-    depth = plastic_depth(largest, threads=threads)
-    residual = (largest["height"] - depth).assign_attrs(largest["height"].attrs)
     layers = layers_of(contact)
-    elastic = (
-        {"contact_modulus": float(contact["contact_modulus"])}
-        if layers is None
-        else {"bodies": json.loads(contact.attrs["bodies"])}
-    )
-    unloaded = solve_contact(
-        residual,
-        **elastic,
-        mean_pressure=loads,
-        tolerance=tolerance,
-        influence=influence_of(contact),
-        zero_frequency=contact.attrs.get("zero_frequency", "zero"),
-        threads=threads,
-    )
+    bodies = None if layers is None else json.loads(contact.attrs["bodies"])
+    problem: dict[str, Any] = {
+        "contact_modulus": None if bodies else float(contact["contact_modulus"]),
+        "bodies": bodies,
+        "tolerance": tolerance,
+        "influence": influence_of(contact),
+        "zero_frequency": contact.attrs.get("zero_frequency", "zero"),
+        "threads": threads,
+    }
+    height = contact["height"]
+    # once more to this tolerance: what the overlap has of an error, the pressures of all lower loads have
+    loaded = solve_contact(height, mean_pressure=top, hardness=hardness, **problem)
+    depth = plastic_depth(loaded.isel(load=0).drop_vars("mean_pressure"), threads=threads)
+    residual = (height - depth).assign_attrs(height.attrs)
+    unloaded = solve_contact(residual, mean_pressure=loads, **problem)
     mean_depth = float(depth.mean())
     return describe(
         unloaded.assign(
