@@ -374,16 +374,16 @@ def test_every_rule_has_its_sentence(key, value, line):
         (
             {},
             (
-                "contact: no elasticity given; give either contact_modulus (E* in Pa) or bodies (two of "
-                "youngs_modulus in Pa and poissons_ratio): bodies: [steel, PEEK] or [{youngs_modulus: 210 "
-                "GPa, poissons_ratio: 0.3}, {youngs_modulus: 4 GPa, poissons_ratio: 0.4}]"
+                "contact: no elasticity given; give either contact_modulus (E* in Pa) or bodies (two of a "
+                "material's name, or youngs_modulus in Pa and poissons_ratio): bodies: [steel, "
+                "{youngs_modulus: 4 GPa, poissons_ratio: 0.4}]"
             ),
         ),
         (
             {"contact_modulus": 1e9, "bodies": [STEEL, STEEL]},
             (
                 "contact: contact_modulus and bodies given; give either contact_modulus (E* in Pa) or bodies "
-                "(two of youngs_modulus in Pa and poissons_ratio)"
+                "(two of a material's name, or youngs_modulus in Pa and poissons_ratio)"
             ),
         ),
         (

@@ -18,10 +18,7 @@ from roughcontact.named_materials import modulus_uncertainty, named_bodies
 # keys of `contact` of which only one may be given: a case that gives one replaces the other of the base
 _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure", "force"))
 # what steel on PEEK is written as
-_BODIES = (
-    "bodies: [steel, PEEK] or [{youngs_modulus: 210 GPa, poissons_ratio: 0.3}, {youngs_modulus: 4 GPa, "
-    "poissons_ratio: 0.4}]"
-)
+_BODIES = "bodies: [steel, {youngs_modulus: 4 GPa, poissons_ratio: 0.4}]"
 # keys that are the same for all cases
 _COMMON = ("surfaces", "composite", "report", "crosscheck", "validation", "cases")
 
@@ -169,7 +166,7 @@ def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
     if len(elasticity) != 1:
         text = (
             f"{where}: {' and '.join(elasticity) or 'no elasticity'} given; give either contact_modulus "
-            "(E* in Pa) or bodies (two of youngs_modulus in Pa and poissons_ratio)"
+            "(E* in Pa) or bodies (two of a material's name, or youngs_modulus in Pa and poissons_ratio)"
         )
         mistakes.append(text if elasticity else f"{text}: {_BODIES}")
     if len(loads) > 1:
