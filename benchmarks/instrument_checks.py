@@ -152,7 +152,7 @@ def judged(task: tuple[str, str, xr.DataArray, int]) -> list[dict]:
         rows.append(
             {"kind": kind, "map": name, "half": ("even", "odd")[number % 2], "fault": fault}
             | {"area": float(area[1] / before[1] - 1), "peak": float((peak / peak_before).max() - 1)}
-            | {check.name: check.outcome == "look" for check in found}
+            | {check.name: check.outcome == "review" for check in found}
         )
     return rows
 

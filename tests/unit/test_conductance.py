@@ -144,7 +144,7 @@ def test_the_mean_free_path_counts_for_spots_of_its_size():
     copper = 1.7e-8
     path = 7e-16 / copper  # 41 nm; measured and computed ones of copper: 39 nm
     large, small = (mean_free_path(one_spot(radius, copper))[0] for radius in (100 * path, path))
-    assert (large.outcome, small.outcome) == ("passed", "look")
+    assert (large.outcome, small.outcome) == ("passed", "review")
     assert "a radius of 41 nm at the least" in small.sentence
     assert "go 41 nm without a collision (Knudsen number 1.0), which adds up to 63.4 % to" in small.sentence
     # Sharvin: 4ρλ/(3πa²) over ρ/(2a)

@@ -53,7 +53,7 @@ def test_a_rough_surface_passes():
 def test_a_gaussian_filter_is_found():
     window = window_of(ndimage.gaussian_filter(surface(), 2))
     check = checks.smoothed(window.attrs)
-    assert check.outcome == "look"
+    assert check.outcome == "review"
     assert "filter of the instrument's software" in check.sentence
     assert 3e-6 < window.attrs["spectrum_end"] < 12e-6
 
@@ -114,7 +114,7 @@ def test_a_lens_that_resolves_little_more_than_the_pixels_is_found(hurst):
     known = checks.smoothed(blurred | {"instrument_resolution": 9.2e-7})
     assert known[1:3] == ("passed", "The shortest waves are too low, as stated.")
     # another lens, far sharper than the pixels, does not do this
-    assert checks.smoothed(blurred | {"instrument_resolution": 2e-7}).outcome == "look"
+    assert checks.smoothed(blurred | {"instrument_resolution": 2e-7}).outcome == "review"
 
 
 @pytest.mark.parametrize("told", ["by nobody", "by the settings", "by the table", "by the file"])
@@ -150,7 +150,7 @@ def test_a_median_filter_is_found():
 
 def test_interpolation_is_found():
     finer = ndimage.zoom(surface(100), 2, order=3, mode="reflect", grid_mode=True)
-    assert checks.smoothed(window_of(finer, 5e-7).attrs).outcome == "look"
+    assert checks.smoothed(window_of(finer, 5e-7).attrs).outcome == "review"
 
 
 def test_a_smoothed_profile_is_found():
@@ -158,7 +158,7 @@ def test_a_smoothed_profile_is_found():
     sharp = window_of(profile.values[:, :3000])
     blurred = window_of(ndimage.gaussian_filter1d(profile.values[:, :3000], 2))
     assert checks.smoothed(sharp.attrs).outcome == "passed"
-    assert checks.smoothed(blurred.attrs).outcome == "look"
+    assert checks.smoothed(blurred.attrs).outcome == "review"
 
 
 @pytest.mark.parametrize(
@@ -172,12 +172,12 @@ def test_a_smoothed_profile_is_found():
 def test_smoothed_warns_just_beyond_its_limits(name, limit):
     step = 1e-6 if name == "rounded_peaks" else -1e-6
     assert checks.smoothed(SHARP | {name: limit}).outcome == "passed"
-    assert checks.smoothed(SHARP | {name: limit + step}).outcome == "look"
+    assert checks.smoothed(SHARP | {name: limit + step}).outcome == "review"
 
 
 def test_repeated_heights_warn_just_beyond_the_limit():
     assert checks.smoothed(SHARP | {"repeated_heights": checks.REPEATED}).outcome == "passed"
-    assert checks.smoothed(SHARP | {"repeated_heights": checks.REPEATED + 1e-6}).outcome == "look"
+    assert checks.smoothed(SHARP | {"repeated_heights": checks.REPEATED + 1e-6}).outcome == "review"
 
 
 @pytest.mark.parametrize(
@@ -190,7 +190,7 @@ def test_repeated_heights_warn_just_beyond_the_limit():
 )
 def test_what_the_settings_say_is_no_fault(known):
     ends = SHARP | {"spectrum_exponent": -12.0}
-    assert checks.smoothed(ends).outcome == "look"
+    assert checks.smoothed(ends).outcome == "review"
     assert checks.smoothed(ends | known).sentence == "Waves below 4.0 µm are missing, as stated."
 
 
@@ -214,7 +214,7 @@ def test_periodic_and_tiny_maps_are_not_judged():
     noisy = made + 3e-8 * np.random.default_rng(1).standard_normal(made.shape)
     noisy = window_of(noisy.values)
     assert noisy.attrs["periodisation"] == "none"
-    assert checks.noise(xr.Dataset(), noisy.attrs).outcome == "look"
+    assert checks.noise(xr.Dataset(), noisy.attrs).outcome == "review"
     assert checks.suspected_noise(noisy.attrs) == pytest.approx(3e-8, rel=0.1)
 
 
@@ -234,7 +234,7 @@ def test_noise_is_found():
     window = window_of(noisy)
     assert window.attrs["noise_floor"] == pytest.approx(2e-7, rel=0.2)
     check = checks.noise(xr.Dataset(), window.attrs)
-    assert check.outcome == "look"
+    assert check.outcome == "review"
     assert "one map cannot tell" in check.sentence
 
 
@@ -242,7 +242,7 @@ def test_noise_warns_just_beyond_its_limits():
     limit = checks.NOISE_SHARE
     assert checks.noise(xr.Dataset(), FLAT | {"noise_gradient_share": limit}).outcome == "passed"
     much = FLAT | {"noise_gradient_share": limit + 1e-6}
-    assert checks.noise(xr.Dataset(), much).outcome == "look"
+    assert checks.noise(xr.Dataset(), much).outcome == "review"
     assert "too small by up to 10.6 %" in checks.noise(xr.Dataset(), much).sentence
     assert checks.noise(xr.Dataset(), much | {"top_exponent": checks.WHITE}).outcome == "passed"
     assert "by an unknown factor" in checks.noise(xr.Dataset(), FLAT | {"noise_gradient_share": 1.2}).sentence
@@ -253,7 +253,7 @@ def test_stated_noise_counts_whatever_the_spectrum():
     check = checks.noise(xr.Dataset(), steep)
     assert check.outcome == "passed"
     assert check.sentence == "The stated noise of 2.00 nm makes up 15.0 % of the mean square gradient."
-    assert checks.noise(xr.Dataset(), steep | {"instrument_noise": 4e-9}).outcome == "look"
+    assert checks.noise(xr.Dataset(), steep | {"instrument_noise": 4e-9}).outcome == "review"
 
 
 def with_dust():
@@ -266,7 +266,7 @@ def test_dust_is_found():
     problem = {"contact_modulus": 1e9, "mean_pressure": 0.02e9 * window.attrs["rms_gradient_after"]}
     solved = rc.contact_statistics(rc.solve_contact(window, **problem, tolerance=1e-2), flow="never")
     check = checks.isolated_peak(solved, window.attrs)
-    assert check.outcome == "look"
+    assert check.outcome == "review"
     assert "at x = 90.5 µm and y = 70.5 µm; the largest pressure is" in check.sentence
 
 
@@ -290,10 +290,10 @@ def test_an_isolated_peak_warns_just_beyond_its_limits():
     mean, more = checks.PEAK_OVER_MEAN, 1 + 1e-6
     usual = {"summit_over_next": 1.1, "summit_chance": checks.CHANCE, "summit_x": 1e-5, "summit_y": 2e-5}
     dust = usual | {"summit_chance": checks.CHANCE / more}
-    assert checks.isolated_peak(loads([mean * more], [1]), dust).outcome == "look"
+    assert checks.isolated_peak(loads([mean * more], [1]), dust).outcome == "review"
     assert checks.isolated_peak(loads([mean], [1]), dust).outcome == "passed"
     assert checks.isolated_peak(loads([mean * more], [1]), usual).outcome == "passed"
-    assert checks.isolated_peak(loads([2, 20], [1, 1]), dust).outcome == "look"
+    assert checks.isolated_peak(loads([2, 20], [1, 1]), dust).outcome == "review"
     assert checks.isolated_peak(loads([20], [1]), {}).outcome == "not made"
 
 
@@ -311,7 +311,7 @@ def test_heights_below_all_noise_warn():
     limit = checks.QUIETEST
     assert checks.height_unit({}, SHARP | {"pixel_roughness": limit}).outcome == "passed"
     check = checks.height_unit({}, SHARP | {"pixel_roughness": limit * (1 - 1e-6)})
-    assert check.outcome == "look"
+    assert check.outcome == "review"
     assert check.sentence.endswith("(50 pm). Check the unit of the heights: were µm read as nm?")
     probe = {"instrument": '{"kind": "scanning probe microscope"}'}
     assert checks.height_unit(probe, SHARP | {"pixel_roughness": limit / 2}).outcome == "passed"
@@ -333,6 +333,6 @@ def test_pixels_of_another_instrument_warn():
         "Pixels of 2.0 µm are not those of an optical profiler with a lens of 50×: they would be 100 µm on "
         "its camera. Check the lateral unit, and whether the map was resampled."
     )
-    assert checks.pixel_size(optical, SHARP | {"pixel_pitch": 2e-3}).outcome == "look"
+    assert checks.pixel_size(optical, SHARP | {"pixel_pitch": 2e-3}).outcome == "review"
     unnamed = {"instrument": '{"kind": "optical profiler", "magnification": 5.14}'}
     assert checks.pixel_size(unnamed, SHARP | {"pixel_pitch": 1.6e-6}).outcome == "passed"

@@ -305,7 +305,7 @@ def test_quantisation_is_compared_with_the_roughness_and_not_with_the_tilt():
     tilt = 1e-3 * np.arange(64) * 1e-4
     height = height_map(np.round((rough() * 1e-2 + tilt) / 2e-9) * 2e-9, 1e-6)
     check = quantisation(level(height).attrs)
-    assert check.outcome == "look"
+    assert check.outcome == "review"
     assert check.sentence.startswith("The heights are multiples of 2.0 nm, 2")
 
 

@@ -36,7 +36,7 @@ from roughcontact.report import map_plots
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.gather import write_results
-from roughcontact.report.glance import one_line, shown_loads
+from roughcontact.report.glance import shown_loads
 from roughcontact.report.page import write_report
 from roughcontact.report.panel import write_panel
 from roughcontact.report.summary import read_summary, write_summary
@@ -229,7 +229,7 @@ def test_rows_of_numbers_have_the_colour_of_the_verdict_on_their_load(page, tmp_
     write_panel(tmp_path / "panel.html", surface="holes", case=None, settings=SETTINGS, **files)
     table = (tmp_path / "panel.html").read_text("utf-8").partition("<caption>Contact</caption>")[2]
     body = table.partition("<tbody>")[2].partition("</tbody>")[0]
-    assert re.findall(r"<tr([^>]*)>", body) == ["", ' class="failed"', ' class="look"']
+    assert re.findall(r"<tr([^>]*)>", body) == ["", ' class="failed"', ' class="review"']
 
 
 def test_the_overview_has_the_weightiest_reason_and_counts_the_others(page):
@@ -240,11 +240,14 @@ def test_the_overview_has_the_weightiest_reason_and_counts_the_others(page):
     assert {word: int(count) for count, word in counted} == Counter(verdicts)
     for name in SURFACES:
         panel = page.parent / "all" / name / "panel.html"
-        reasons = read_summary(panel)["reasons"]
+        summary = read_summary(panel)
+        reasons = summary["reasons"]
+        assert len(summary["doubts"]) == len(reasons)
         row = re.search(rf'<a href="#surface-{name}">{name}</a> <span class="badge.*?</th>', text)[0]
         more = re.search(r">(\d+) more reasons?</a>", row)
         assert (int(more[1]) if more else 0) == max(len(reasons) - 1, 0)
-        assert one_line(reasons[0]) in row if reasons else 'class="why"' not in row
+        assert summary["main_reason"] in row if reasons else 'class="why"' not in row
+        assert len(summary["main_reason"]) <= 150
 
 
 def test_the_head_says_what_was_asked_when_it_was_measured_and_by_which_version(page):
@@ -263,7 +266,7 @@ def test_a_reason_ends_with_one_mark(page, tmp_path, reason):
     panel = tmp_path / "panel.html"
     panel.write_text("", encoding="utf-8")
     known = read_summary(page.parent / "all" / "holes" / "panel.html")
-    write_summary({**known, "reasons": [reason]}, panel)
+    write_summary({**known, "reasons": [reason], "main_reason": reason}, panel)
     written = tmp_path / "report.html"
     entry = {"surface": "holes", "case": None, "statistics": page.parent / "all" / "holes" / "statistics.nc"}
     collected = collect_statistics([entry])
@@ -283,8 +286,10 @@ def test_the_summary_of_a_panel_lies_beside_it(page, tmp_path):
         "identifier": "one",
         "name": "one</script><p class='summary'>& \"two\"",
         "surface": "one",
-        "verdict": "look",
+        "verdict": "review",
         "reasons": ["Form: <b> & ±"],
+        "doubts": ["Form"],
+        "main_reason": "Form: <b> & ±",
         "measured": "2011-07-23",
         "waves": "waves longer than 2 µm",
     }
@@ -416,7 +421,7 @@ def test_each_check_can_ask_for_a_look(good):
             "summit_y": 1e-5,
         },
     )
-    looks = {name for name, check in found.items() if check.outcome == checks.LOOK}
+    looks = {name for name, check in found.items() if check.outcome == checks.REVIEW}
     notes = {"Steep places", "Missing points", "Outliers", "Resolution"}
     others = {"Solver", "Load range", "Longest wave", "Band", "Plasticity", "Units"}
     assert looks == set(found) - others - notes
@@ -459,12 +464,12 @@ def test_full_contact_is_worth_a_look_where_there_is_nothing_else(good):
     closed["relative_contact_area_pixels"][1] = closed["relative_contact_area"][1] = 1.0
     assert outcomes(closed)[0]["Load range"].outcome == checks.PASSED
     closed["relative_contact_area_pixels"][:] = 1.0
-    assert outcomes(closed)[0]["Load range"].outcome == checks.LOOK
+    assert outcomes(closed)[0]["Load range"].outcome == checks.REVIEW
 
 
 def test_edges_that_do_not_fit_together_ask_for_a_look(good):
     window = {"periodisation": "mirror", "rms_gradient_before": 1.0, "rms_gradient_after": 1.02}
-    for change, outcome in ((0.4, checks.PASSED), (0.6, checks.LOOK)):
+    for change, outcome in ((0.4, checks.PASSED), (0.6, checks.REVIEW)):
         found, _ = outcomes(good, window=window | {"periodisation_relative_change": change})
         assert found["Periodic window"].outcome == outcome
     assert "60.0 % of their rms and the rms gradient by 2.00 %" in found["Periodic window"].sentence
@@ -785,7 +790,7 @@ frame.addEventListener("load", async () => {
   said.blocked = [];
   said.captions = [...inside.querySelectorAll("table")].filter(table => !table.caption).length;
   const seen = kind => [...inside.querySelectorAll(kind)].map(check => check.checkVisibility());
-  said.doubts = seen(".checks .look, .checks .failed");
+  said.doubts = seen(".checks .review, .checks .failed");
   said.passed = seen(".checks .passed");
   const link = inside.querySelector("a[download]");
   said.table = link && link.href;

@@ -195,11 +195,11 @@ def test_levelling_aligns_by_default_where_it_is_clear():
     ("attributes", "outcome", "word"),
     [
         ({}, checks.PASSED, "No random shift"),
-        ({"evidence": "clear", "alignment": "jitter"}, checks.LOOK, "Compare level.line_alignment: none"),
-        ({"evidence": "clear", "alignment": "none"}, checks.LOOK, "Compare level.line_alignment: jitter"),
+        ({"evidence": "clear", "alignment": "jitter"}, checks.REVIEW, "Compare level.line_alignment: none"),
+        ({"evidence": "clear", "alignment": "none"}, checks.REVIEW, "Compare level.line_alignment: jitter"),
         ({"evidence": "clear", "alignment": "median", "by": "user"}, checks.PASSED, "as asked (median)"),
         ({"evidence": "clear", "alignment": "jitter", "jitter": 0.01}, checks.PASSED, "1.00 %"),
-        ({"evidence": "doubtful", "alignment": "none"}, checks.LOOK, "drift of the scanner or a lay"),
+        ({"evidence": "doubtful", "alignment": "none"}, checks.REVIEW, "drift of the scanner or a lay"),
         ({"evidence": "doubtful", "alignment": "none", "jitter": 0.005}, checks.PASSED, "0.500 %"),
     ],
 )

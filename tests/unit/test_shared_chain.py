@@ -116,7 +116,7 @@ def test_from_the_file_to_the_verdict(name, catalogue):
     outcome = checks.surface_checks(
         statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
     )
-    looks = {check.name for check in outcome if check.outcome == checks.LOOK}
+    looks = {check.name for check in outcome if check.outcome == checks.REVIEW}
     # a sentence for each suspicion of the reader, and no number that no one can read
     reading = next(check.sentence for check in outcome if check.name == "Reading the file")
     assert (reading == "Read without a warning.") == (height.attrs["ingest_warnings"] == "[]")

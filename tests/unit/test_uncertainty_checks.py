@@ -30,7 +30,7 @@ def found(longest, window=(), budget=None, *, levelled=(), statistics=(), **cont
     return {check.name: check for check in outcome}
 
 
-@pytest.mark.parametrize(("longest", "outcome"), [(0.2, checks.PASSED), (1.0, checks.LOOK)])
+@pytest.mark.parametrize(("longest", "outcome"), [(0.2, checks.PASSED), (1.0, checks.REVIEW)])
 def test_a_window_shorter_than_its_waves_asks_for_a_look(longest, outcome):
     assert found(longest)["Longest wave"].outcome == outcome
 
@@ -39,9 +39,9 @@ def test_what_the_interval_includes_is_a_note():
     check = found(1.0, budget=["window"])["Longest wave"]
     assert check.outcome == checks.NOTE
     assert check.sentence.endswith("The ± includes it.")
-    assert found(1.0, budget=["solver"])["Longest wave"].outcome == checks.LOOK
+    assert found(1.0, budget=["solver"])["Longest wave"].outcome == checks.REVIEW
     edges = {"periodisation": "mirror", "rms_gradient_before": 1.0, "rms_gradient_after": 0.5}
-    assert found(0.2, edges, budget=["solver"])["Periodic window"].outcome == checks.LOOK
+    assert found(0.2, edges, budget=["solver"])["Periodic window"].outcome == checks.REVIEW
     assert found(0.2, edges, budget=["window"])["Periodic window"].outcome == checks.NOTE
     assert checks.verdict([check]) == checks.PASSED
 
@@ -78,7 +78,7 @@ def test_coarse_patches_are_a_note(budget, words):
 @pytest.mark.parametrize(
     ("exponent", "share", "stated", "outcome"),
     [
-        (-1.0, 0.6, {}, checks.LOOK),
+        (-1.0, 0.6, {}, checks.REVIEW),
         (-1.0, 0.4, {}, checks.NOTE),
         (-1.8, 0.6, {}, checks.NOTE),  # as waves of a rough surface may end
         (-1.0, 0.6, {"instrument_noise": 2e-9}, checks.NOTE),
@@ -94,9 +94,9 @@ def test_noise_is_a_note_unless_it_is_a_guess_and_most_of_the_gradient(exponent,
     [
         (0.0, [], checks.PASSED),
         (2e-9, [], checks.PASSED),
-        (2.1e-9, [], checks.LOOK),
+        (2.1e-9, [], checks.REVIEW),
         (4e-8, ["instrument"], checks.NOTE),
-        (4.1e-8, ["instrument"], checks.LOOK),  # beyond what the interval was held against
+        (4.1e-8, ["instrument"], checks.REVIEW),  # beyond what the interval was held against
     ],
 )
 def test_steps_of_the_heights_are_a_note_where_the_interval_holds(step, budget, outcome):
@@ -111,7 +111,7 @@ def test_waves_beyond_the_lens_ask_for_a_look():
         "reliable_reason": "the lens (numerical aperture 0.1)",
     }
     check = found(0.2, lens)["Band"]
-    assert check.outcome == checks.LOOK
+    assert check.outcome == checks.REVIEW
     assert "5.00 µm" in check.sentence
     assert found(0.2, lens | {"band_shortest": 5e-6})["Band"].outcome == checks.PASSED
     pixels = lens | {"reliable_reason": "two pixels"}
@@ -134,9 +134,9 @@ def test_what_the_user_asked_for_and_which_channel_was_chosen_are_notes():
     for warnings, threshold, outcome in (
         ([], None, checks.PASSED),
         ([chosen], None, checks.NOTE),
-        ([chosen, spikes], None, checks.LOOK),
+        ([chosen, spikes], None, checks.REVIEW),
         ([chosen, spikes], 10.0, checks.NOTE),  # the check of the outliers judges them
-        ([chosen, doubt], 10.0, checks.LOOK),
+        ([chosen, doubt], 10.0, checks.REVIEW),
     ):
         said = height | {"ingest_warnings": json.dumps(warnings)}
         assert map_checks.reading(said, {"outlier_threshold": threshold}).outcome == outcome

@@ -160,7 +160,15 @@ def _solved(
             checks.load_flags(statistics, window.size),
             json.loads(statistics.attrs["verdicts"]),
         ),
-        "checks": [check._asdict() for check in outcome],
+        "checks": [
+            {
+                "name": check.name,
+                "outcome": check.outcome,
+                "sentence": check.sentence,
+                "answers": check.answers,
+            }
+            for check in outcome
+        ],
         "verdict": checks.VERDICTS[checks.verdict(outcome)],
         "verdicts": {
             words: checks.VERDICTS[checks.verdict(outcome, answer)]

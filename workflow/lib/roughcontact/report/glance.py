@@ -1,7 +1,6 @@
 """The table at a glance: the main answers for each surface at two or three loads, with their intervals."""
 
-import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +10,7 @@ from roughcontact.quantities import Unit, number, percent, with_interval
 from roughcontact.report.tables import as_the_area, is_profile
 from roughcontact.report.units import middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
-from roughcontact.statistics.outcome import FAILED, VERDICTS, Check
+from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.variables import ANSWERS, Numbers, values_at_load
 
 AREAS = (0.01, 0.1, 0.3)  # the loads with contact areas nearest to these are shown
@@ -28,7 +27,6 @@ HEADINGS = (
 )
 
 _NONE = "no ±"
-_LINE = 150  # letters of a reason; a line of a wide page has some 170
 _ALIKE = 100.0  # ratio of rms heights up to which one unit does for all
 # the units of the numbers in the table, as `unit_of` knows them
 _UNITS = {
@@ -47,35 +45,6 @@ _UNITS = {
     "thermal_resistance": "m2 K W-1",
     "electrical_resistance": "Ohm m2",
 }
-
-# checks by importance: errors of the map come before limits of the material
-_WEIGHT = (
-    "Units",
-    "Height unit",
-    "Pixel size",
-    "Faces",
-    "Solver",
-    "Outliers",
-    "Isolated peak",
-    "Missing points",
-    "Slopes",
-    "Steep places",
-    "Points in contact",
-    "Smoothed",
-    "Noise",
-    "Quantisation",
-    "Resolution",
-    "Scan lines",
-    "Form",
-    "Periodic window",
-    "Longest wave",
-    "Sample",
-    "Band",
-    "Window",
-    "Plasticity",
-    "Load range",
-    "Reading the file",
-)
 
 
 class Cell(NamedTuple):
@@ -200,50 +169,11 @@ def outcome_of(numbers: Numbers, place: int, answer: str = "") -> str:
     Examples
     --------
     >>> outcome_of(xr.Dataset({"mean_gap_verdict": ("load", [0, 1])}), 1, "mean_gap")
-    'look'
+    'review'
     """
     name = f"{answer}_verdict" if answer else "verdict"
     code = float(numbers[name][place]) if name in numbers else 0.0
     return list(VERDICTS)[int(code)] if code > 0 else ""
-
-
-def by_weight(doubts: Iterable[Check]) -> list[Check]:
-    """Return warnings and failed checks, the most important first.
-
-    Failed checks come before warnings, and those of the map before those of the material.
-
-    Examples
-    --------
-    >>> flows, rejected = Check("Plasticity", "look", "It flows."), Check("Outliers", "look", "They carry.")
-    >>> [check.name for check in by_weight([flows, rejected, Check("Window", "failed", "A step.")])]
-    ['Window', 'Outliers', 'Plasticity']
-    """
-
-    def weight(check: Check) -> tuple[bool, int]:
-        known = _WEIGHT.index(check.name) if check.name in _WEIGHT else len(_WEIGHT)
-        return check.outcome != FAILED, known
-
-    return sorted(doubts, key=weight)
-
-
-def one_line(reason: str) -> str:
-    """Return a reason for one line of the table: if it is too long, its first clause and what to do.
-
-    Examples
-    --------
-    >>> one_line("Units: did you mean 93 kPa?")
-    'Units: did you mean 93 kPa?'
-    >>> one_line(f"Noise: It is {'very ' * 40}high: much of it is guessed. Repeat the measurement")[-41:]
-    'very very very very very very very very …'
-    >>> one_line(f"Noise: It is high: {'or so ' * 40}. Repeat the measurement")
-    'Noise: It is high. Repeat the measurement'
-    """
-    if len(reason) <= _LINE:
-        return reason
-    name, _, sentences = reason.partition(": ")
-    first, *others = sentences.split(". ")
-    text = ". ".join([first.partition(": ")[0], *others[-1:]])
-    return textwrap.shorten(f"{name}: {text}", _LINE, placeholder=" …")
 
 
 def _known(numbers: Numbers, name: str) -> bool:

@@ -23,7 +23,6 @@ from roughcontact.report.glance import (
     glance_rows,
     glance_units,
     loads_to_compare,
-    one_line,
 )
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import comparison_rows, group_pictures, group_rows
@@ -126,7 +125,7 @@ def write_report(
             "sample": sample_of(*kinds[summary["name"]]),
             "group": grouped.get(summary["surface"], ""),
             "rank": len(checks.VERDICTS) - list(checks.VERDICTS).index(summary["verdict"]),
-            "doubts": ", ".join(_doubts(summary)),
+            "doubts": ", ".join(summary["doubts"]),
             "link": f"pages/{summary['surface']}.html#surface-{summary['identifier']}",
         }
         for summary in summaries
@@ -152,7 +151,7 @@ def write_report(
         words=checks.VERDICTS,
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in checks.VERDICTS},
         many=many,
-        doubts=Counter(doubt for summary in summaries for doubt in _doubts(summary)).most_common(),
+        doubts=Counter(doubt for summary in summaries for doubt in summary["doubts"]).most_common(),
         surfaces=len(by_surface),
         cases_of_run=list(
             dict.fromkeys(case for case in (*case_of.values(), *(one["case"] for one in failures)) if case)
@@ -222,12 +221,11 @@ def _part(panel: str | Path, folder: Path) -> str:
 
 def _glance(summary: Summary, numbers: xr.Dataset, units: Mapping[str, Unit]) -> dict[str, Any]:
     """Return the cells of a surface at two or three loads, its main reason, the number of the others."""
-    reasons = summary["reasons"]
     return {
         "glance": glance_rows(numbers, units),
         "loads": numbers.sizes["load"],
-        "reason": one_line(next(iter(reasons), "")),
-        "others": max(len(reasons) - 1, 0),
+        "reason": summary["main_reason"],
+        "others": max(len(summary["reasons"]) - 1, 0),
     }
 
 
@@ -357,11 +355,6 @@ def _compared(data: xr.Dataset, units: Mapping[str, Unit], place: int) -> list[d
 def _sorted(value: float) -> float | str:
     """Return the sorting key of a cell: its number, or an empty text where it has none."""
     return value if np.isfinite(value) else ""
-
-
-def _doubts(summary: Summary) -> list[str]:
-    """Return the names of the checks that did not pass, the most important first."""
-    return [reason.partition(":")[0].partition(" (")[0] for reason in summary["reasons"]]
 
 
 def _which_load(places: Sequence[int], results: Sequence[xr.Dataset]) -> str:

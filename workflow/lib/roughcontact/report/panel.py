@@ -15,13 +15,15 @@ from roughcontact.report import captions, facts, load_plots, map_plots, tables, 
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
 from roughcontact.report.files import beside
-from roughcontact.report.glance import HEADINGS, by_weight, glance_rows, outcome_of, shown_loads
+from roughcontact.report.glance import HEADINGS, glance_rows, outcome_of, shown_loads
 from roughcontact.report.stack import stack_of_layers
 from roughcontact.report.summary import write_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
 from roughcontact.statistics import checks
+
+_LINE = 150  # letters of a reason; a line of a wide page has some 170
 
 
 def write_panel(
@@ -78,7 +80,7 @@ def write_panel(
     name = surface if case is None else f"{surface} · {case}"
     identifier = surface if case is None else f"{case}--{surface}"
     verdict = checks.verdict(outcome)
-    doubts = by_weight(checks.reasons(outcome))
+    doubts = checks.by_importance(checks.reasons(outcome))
     notes = [check for check in outcome if check.outcome == checks.NOTE]
     not_judged = [check for check in outcome if check.outcome == checks.NOT_MADE]
     bodies = settings["contact"].get("bodies")
@@ -137,6 +139,8 @@ def write_panel(
             "surface": surface,
             "verdict": verdict,
             "reasons": [checks.reason(check) for check in doubts],
+            "doubts": [str(check.name) for check in doubts],
+            "main_reason": checks.reason(doubts[0], letters=_LINE) if doubts else "",
             "measured": date,
             "waves": facts.waves_in_words(solved),
         },

@@ -15,7 +15,9 @@ class Summary(TypedDict):
     name: str  # of the surface, with that of the case
     surface: str
     verdict: str  # a key of `checks.VERDICTS`
-    reasons: list[str]  # a sentence for each check that did not pass, the most important first
+    reasons: list[str]  # of each check that did not pass, the most important first
+    doubts: list[str]  # the names of these checks
+    main_reason: str  # the first reason, in one line of the table
     measured: str  # date of the measurement, ISO 8601; empty where the file states none
     waves: str  # for which the numbers hold, in words
 

@@ -1,6 +1,6 @@
 """All checks of a surface, their verdict, and the warnings of single loads.
 
-A check passes, notes what the interval includes, warns (`look`: the interval may be wrong, the sentence says
+A check passes, notes what the interval includes, warns (`review`: the interval may be wrong, the sentence says
 by how much, and what to do), or fails (do not use the result); one that cannot be made says so and never
 passes. The verdict on an answer is that of the worst check that concerns it; that on a load or a surface
 is the verdict on contact area and pressure in contact. The checks and their limits stand in
@@ -8,6 +8,7 @@ is the verdict on contact area and pressure in contact. The checks and their lim
 """
 
 import json
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -32,12 +33,14 @@ from roughcontact.statistics.map_checks import (
 from roughcontact.statistics.outcome import (
     ANSWERS,
     FAILED,
-    LOOK,
+    REVIEW,
     NOT_MADE,
     NOTE,
     PASSED,
     VERDICTS,
     Check,
+    CheckName,
+    by_importance,
     concerns,
     reason,
     reasons,
@@ -47,25 +50,25 @@ from roughcontact.variables import describe, values_at_load
 
 # what a check puts in doubt, where that is not every answer
 _SHORT_WAVES = ("relative_contact_area", "mean_contact_pressure", "yield", "max_pressure", "conductance")
-_CONCERNS = {
-    "Noise": _SHORT_WAVES,
-    "Isolated peak": ("mean_gap", "sealing", "yield", "max_pressure"),
-    "Sample": ("mean_gap", "sealing"),
-    "Mean free path": ("conductance",),
+_CONCERNS: dict[str, tuple[str, ...]] = {
+    CheckName.NOISE: _SHORT_WAVES,
+    CheckName.ISOLATED_PEAK: ("mean_gap", "sealing", "yield", "max_pressure"),
+    CheckName.SAMPLE: ("mean_gap", "sealing"),
+    CheckName.MEAN_FREE_PATH: ("conductance",),
 }
 # warnings that told nothing of where results of measured maps lie outside their intervals
-_NOTES = {"Resolution", "Missing points", "Outliers"}
+_NOTES = {CheckName.RESOLUTION, CheckName.MISSING_POINTS, CheckName.OUTLIERS}
 # warnings of what a source of the interval evaluates
-_IN_THE_INTERVAL = {
-    "Resolution": "discretisation",
-    "Periodic window": "window",
-    "Form": "window",
-    "Scan lines": "window",
-    "Window": "window",
-    "Longest wave": "window",
-    "Band": "instrument",
-    "Noise": "instrument",
-    "Quantisation": "instrument",
+_IN_THE_INTERVAL: dict[str, str] = {
+    CheckName.RESOLUTION: "discretisation",
+    CheckName.PERIODIC_WINDOW: "window",
+    CheckName.FORM: "window",
+    CheckName.SCAN_LINES: "window",
+    CheckName.WINDOW: "window",
+    CheckName.LONGEST_WAVE: "window",
+    CheckName.BAND: "instrument",
+    CheckName.NOISE: "instrument",
+    CheckName.QUANTISATION: "instrument",
 }
 
 __all__ = [
@@ -77,7 +80,7 @@ __all__ = [
     "GRADIENT_CHANGE",
     "HEIGHT_CHANGE",
     "LENGTHS",
-    "LOOK",
+    "REVIEW",
     "NOTE",
     "NOT_MADE",
     "OVERCOUNT",
@@ -90,6 +93,8 @@ __all__ = [
     "VERDICTS",
     "WINDOW_SHARE",
     "Check",
+    "CheckName",
+    "by_importance",
     "concerns",
     "load_flags",
     "reason",
@@ -158,15 +163,18 @@ def surface_checks(
 
 def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
     """Return a warning as a note where the interval includes what it says, or the settings ask for it."""
-    beyond = {"Noise": instrument_checks.is_mostly_noise, "Quantisation": instrument_checks.is_too_coarse}
-    if check.outcome != LOOK or (check.name in beyond and beyond[check.name](window)):
+    beyond: dict[str, Callable[[Attributes], bool]] = {
+        CheckName.NOISE: instrument_checks.is_mostly_noise,
+        CheckName.QUANTISATION: instrument_checks.is_too_coarse,
+    }
+    if check.outcome != REVIEW or (check.name in beyond and beyond[check.name](window)):
         return check
-    if check.name == "Plasticity" and "hardness" in statistics:
+    if check.name == CheckName.PLASTICITY and "hardness" in statistics:
         return check._replace(outcome=NOTE)
     source = _IN_THE_INTERVAL.get(check.name)
     budget = statistics.get("relative_contact_area_uncertainty")
     if source is not None and budget is not None and np.isfinite(budget.sel(source=source)).all():
-        return check._replace(outcome=NOTE, sentence=f"{check.sentence} The ± includes it.")
+        return check._replace(outcome=NOTE, advice=f"{check.advice} The ± includes it.".lstrip())
     return check._replace(outcome=NOTE) if check.name in _NOTES else check
 
 

@@ -12,7 +12,7 @@ from roughcontact import materials
 from roughcontact.contact.dataset import layers_of
 from roughcontact.quantities import number, percent, pressure_unit, quantity
 from roughcontact.statistics.conductance import over_holms_resistance
-from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, Check
+from roughcontact.statistics.outcome import FAILED, REVIEW, NOT_MADE, PASSED, Check, CheckName
 from roughcontact.variables import Numbers
 
 CONTACT_POINTS = 100  # fewer contact points are too few for statistics
@@ -43,9 +43,9 @@ def convergence(statistics: xr.Dataset) -> Check:
         text = (
             f"{failed} of {loads} loads missed the tolerance of {tolerance}; the error bound reaches {bound}."
         )
-        return Check("Solver", FAILED, text)
+        return Check(CheckName.SOLVER, FAILED, text)
     return Check(
-        "Solver", PASSED, f"All loads converged: error bound at most {bound}, tolerance {tolerance}."
+        CheckName.SOLVER, PASSED, f"All loads converged: error bound at most {bound}, tolerance {tolerance}."
     )
 
 
@@ -56,7 +56,7 @@ def contact_points(statistics: xr.Dataset, points: int) -> Check:
     --------
     >>> import xarray as xr
     >>> contact_points(xr.Dataset({"relative_contact_area_pixels": ("load", [0.02])}), 1024).outcome
-    'look'
+    'review'
     """
     counts = np.rint(statistics["relative_contact_area_pixels"].values * points).astype(int)
     few = int((counts < CONTACT_POINTS).sum())
@@ -64,10 +64,13 @@ def contact_points(statistics: xr.Dataset, points: int) -> Check:
         loads = f"At {few} of {counts.size} loads fewer" if counts.size > 1 else "Fewer"
         text = (
             f"{loads} than {CONTACT_POINTS} points are in contact (down to {counts.min()}): areas and "
-            "pressures are coarse there. Use higher loads or a finer map."
+            "pressures are coarse there."
         )
-        return Check("Points in contact", LOOK, text)
-    return Check("Points in contact", PASSED, f"At least {counts.min()} points in contact at every load.")
+        advice = "Use higher loads or a finer map."
+        return Check(CheckName.POINTS_IN_CONTACT, REVIEW, text, advice=advice)
+    return Check(
+        CheckName.POINTS_IN_CONTACT, PASSED, f"At least {counts.min()} points in contact at every load."
+    )
 
 
 def overcount(statistics: Numbers) -> np.ndarray:
@@ -89,7 +92,7 @@ def resolution(statistics: xr.Dataset) -> Check:
     """Check that the contact patches are more than a few points across."""
     resolution = float(statistics["points_per_shortest_wavelength"][0])
     if np.isnan(resolution):
-        return Check("Resolution", PASSED, "The map is flat: there is no wave to resolve.")
+        return Check(CheckName.RESOLUTION, PASSED, "The map is flat: there is no wave to resolve.")
     over = overcount(statistics)
     coarse = int((over > OVERCOUNT).sum())
     waves = f"The shortest wave of the map has {number(resolution, digits=2)} points"
@@ -97,13 +100,15 @@ def resolution(statistics: xr.Dataset) -> Check:
         loads = f"At {coarse} of {over.size} loads the" if over.size > 1 else "The"
         text = (
             f"{loads} contact patches are only a few points across: counting points overstates the area by "
-            f"up to {percent(over.max())}, and the correction is coarse. {waves}. Measure with finer pixels."
+            f"up to {percent(over.max())}, and the correction is coarse."
         )
-        return Check("Resolution", LOOK, text)
+        return Check(
+            CheckName.RESOLUTION, REVIEW, text, explanation=f"{waves}.", advice="Measure with finer pixels."
+        )
     text = (
         f"Counting points overstates the area by at most {percent(over.max())}; this is corrected. {waves}."
     )
-    return Check("Resolution", PASSED, text)
+    return Check(CheckName.RESOLUTION, PASSED, text)
 
 
 def plasticity(statistics: xr.Dataset) -> Check:
@@ -126,7 +131,7 @@ def plasticity(statistics: xr.Dataset) -> Check:
     >>> pressures = {"mean_contact_pressure": ("load", [5e9]), "max_pressure": ("load", [24.7e9])}
     >>> steel = xr.Dataset(pressures | {"mean_pressure": ("load", [1e8]), "contact_modulus": 1.154e11})
     >>> plasticity(steel).outcome
-    'look'
+    'review'
     """
     return _against_hardness(statistics) if "hardness" in statistics else _without_hardness(statistics)
 
@@ -143,16 +148,20 @@ def _against_hardness(statistics: xr.Dataset) -> Check:
     yielded = area_share > 0
     if not yielded.any():
         largest = percent(float(statistics["max_pressure"].max()) / hardness)
-        return Check("Plasticity", PASSED, f"No point carries {bears}: at most {largest} of it.{first}")
+        return Check(
+            CheckName.PLASTICITY, PASSED, f"No point carries {bears}: at most {largest} of it.{first}"
+        )
     worst = int(np.argmax(load_share))
     index = modulus * float(statistics["rms_gradient"]) / hardness
     text = (
         f"{_loads(yielded, statistics)} points carry {bears} and flow: up to {percent(load_share[worst])} of "
-        f"the load on {percent(area_share[worst])} of the contact area. The pressure is limited there, "
-        f"the shape after yielding is not known.{first} Plasticity index E* g / H = "
-        f"{number(index, digits=2)} (mostly elastic below 0.3, mostly plastic above 3)."
+        f"the load on {percent(area_share[worst])} of the contact area."
     )
-    return Check("Plasticity", LOOK, text)
+    explanation = (
+        f"The pressure is limited there, the shape after yielding is not known.{first} Plasticity index "
+        f"E* g / H = {number(index, digits=2)} (mostly elastic below 0.3, mostly plastic above 3)."
+    )
+    return Check(CheckName.PLASTICITY, REVIEW, text, explanation=explanation)
 
 
 def _without_hardness(statistics: xr.Dataset) -> Check:
@@ -170,7 +179,7 @@ def _without_hardness(statistics: xr.Dataset) -> Check:
     state = "State the hardness (contact.hardness, or that of the bodies)."
     if rubber_like(statistics):
         if mean.max() > 1:
-            return Check("Plasticity", LOOK, f"More than rubber bears: {figures}.")
+            return Check(CheckName.PLASTICITY, REVIEW, f"More than rubber bears: {figures}.")
         text = f"{not_stated}: {figures}; rubber-like solids (E* below {_RUBBER}) bear that."
         modulus = float(statistics["contact_modulus"])
         if modulus < materials.GEL and (
@@ -180,21 +189,21 @@ def _without_hardness(statistics: xr.Dataset) -> Check:
                 f"{not_stated}: {figures}; gels bear that, and E* = {quantity(modulus, 'Pa')} is that of "
                 f"one. If it was given in MPa, it is {quantity(1e6 * modulus, 'Pa')}, and metals flow there."
             )
-        return Check("Plasticity", NOT_MADE, text)
+        return Check(CheckName.PLASTICITY, NOT_MADE, text)
     beyond_all, flowing = mean > materials.HARDEST, beyond_metals(statistics).values
     if beyond_all.any():
         text = (
             f"{_loads(beyond_all, statistics)} the contact is beyond what any material bears, "
-            f"{materials.HARDEST:g} E*: {figures}. An elastic result means nothing there. {state}"
+            f"{materials.HARDEST:g} E*: {figures}."
         )
-        return Check("Plasticity", FAILED, text)
+        explanation = "An elastic result means nothing there."
+        return Check(CheckName.PLASTICITY, FAILED, text, explanation=explanation, advice=state)
     if flowing.any():
-        text = (
-            f"{_loads(flowing, statistics)} metals would flow, which they do at {limits}: {figures}. No "
-            f"hardness is stated, and the result is elastic whatever the pressure. {state}"
-        )
-        return Check("Plasticity", LOOK, text)
-    return Check("Plasticity", NOT_MADE, f"{not_stated}: {figures}; metals flow at {limits}. {state}")
+        text = f"{_loads(flowing, statistics)} metals would flow, which they do at {limits}: {figures}."
+        explanation = "No hardness is stated, and the result is elastic whatever the pressure."
+        return Check(CheckName.PLASTICITY, REVIEW, text, explanation=explanation, advice=state)
+    finding = f"{not_stated}: {figures}; metals flow at {limits}."
+    return Check(CheckName.PLASTICITY, NOT_MADE, finding, advice=state)
 
 
 def rubber_like(statistics: Numbers) -> bool:
@@ -278,21 +287,22 @@ def layers(statistics: xr.Dataset, points: int) -> list[Check]:
     if pair.thinnest < LAYER_PIXELS * pixel:
         text = (
             f"The thinnest layer ({thinnest}) is {pixels} pixels thick: the area is corrected by the "
-            f"perimeter as on a half-space, which holds from {LAYER_PIXELS} pixels on. Use a finer map, or "
-            "take the difference to the pixels counted for the error."
+            f"perimeter as on a half-space, which holds from {LAYER_PIXELS} pixels on."
         )
-        return [Check("Layers", LOOK, text)]
+        advice = "Use a finer map, or take the difference to the pixels counted for the error."
+        return [Check(CheckName.LAYERS, REVIEW, text, advice=advice)]
     if pair.thickest > max(sides):
         text = (
             f"The layers ({thickest}) are {share} times as thick as the window is long: what longer waves do "
-            "to the base is left out. Use a larger map, or leave the base out."
+            "to the base is left out."
         )
-        return [Check("Layers", LOOK, text)]
+        advice = "Use a larger map, or leave the base out."
+        return [Check(CheckName.LAYERS, REVIEW, text, advice=advice)]
     text = (
         f"The thinnest layer is {pixels} pixels thick, all at most {share} of the window's length. Not "
         "judged with layers: theories."
     )
-    return [Check("Layers", PASSED, text)]
+    return [Check(CheckName.LAYERS, PASSED, text)]
 
 
 def units(statistics: xr.Dataset) -> Check:
@@ -313,20 +323,20 @@ def units(statistics: xr.Dataset) -> Check:
     modulus, loads = float(statistics["contact_modulus"]), statistics["mean_pressure"].values
     if modulus == 1:
         text = "Not made: the contact modulus is 1, so that pressures are in units of it."
-        return Check("Units", NOT_MADE, text)
+        return Check(CheckName.UNITS, NOT_MADE, text)
     if doubt := materials.doubt_of_modulus(modulus):
-        return Check("Units", LOOK, f"Contact modulus: {doubt.question().rstrip('.')}")
+        return Check(CheckName.UNITS, REVIEW, f"Contact modulus: {doubt.question().rstrip('.')}")
     if statistics.attrs.get("loads") == "found":
         text = f"A contact modulus of {quantity(modulus, 'Pa')} is that of real materials; no load is stated."
-        return Check("Units", PASSED, text)
+        return Check(CheckName.UNITS, PASSED, text)
     doubts = [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]
     if doubts:
         text = f"At {len(doubts)} of {loads.size} loads the mean pressure is implausible: "
-        return Check("Units", LOOK, text + doubts[0].question())
+        return Check(CheckName.UNITS, REVIEW, text + doubts[0].question())
     low, high = (pressure_unit(modulus).text(float(f(loads))) for f in (np.min, np.max))
     span = low if low == high else f"{low} to {high}"
     text = f"A contact modulus of {quantity(modulus, 'Pa')} and loads of {span} are those of real materials."
-    return Check("Units", PASSED, text)
+    return Check(CheckName.UNITS, PASSED, text)
 
 
 def _loads(concerned: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
@@ -364,8 +374,8 @@ def mean_free_path(statistics: xr.Dataset) -> list[Check]:
         f"which adds up to {percent(more)} to the resistance"
     )
     if more < _BALLISTIC:
-        return [Check("Mean free path", PASSED, f"{text}.")]
-    return [Check("Mean free path", LOOK, f"{text} and is not in the ±. Add it.")]
+        return [Check(CheckName.MEAN_FREE_PATH, PASSED, f"{text}.")]
+    return [Check(CheckName.MEAN_FREE_PATH, REVIEW, f"{text} and is not in the ±.", advice="Add it.")]
 
 
 def load_range(statistics: xr.Dataset) -> Check:
@@ -383,7 +393,9 @@ def load_range(statistics: xr.Dataset) -> Check:
     loads = statistics.sizes["load"]
     if full == loads:
         where = "Full contact at every load" if loads > 1 else "Full contact"
-        return Check("Load range", LOOK, f"{where}: lower loads would show how it comes about.")
+        return Check(
+            CheckName.LOAD_RANGE, REVIEW, f"{where}.", advice="Lower loads would show how it comes about."
+        )
     low, high = (float(f(statistics["relative_contact_area"])) for f in (np.min, np.max))
     text = f"The contact covers {percent(low)} to {percent(high)} of the area."
-    return Check("Load range", PASSED, text)
+    return Check(CheckName.LOAD_RANGE, PASSED, text)

@@ -19,7 +19,7 @@ from roughcontact.levelling.record import s_filter_of
 from roughcontact.quantities import number, percent, quantity
 from roughcontact.roughness.traces import STEEPEST
 from roughcontact.statistics.map_checks import Attributes
-from roughcontact.statistics.outcome import LOOK, NOT_MADE, PASSED, Check
+from roughcontact.statistics.outcome import REVIEW, NOT_MADE, PASSED, Check, CheckName
 
 # Self-affine surfaces fall with an exponent of -2 to -4, those with a bounded curvature with -6; measured
 # maps that no filter touched reach -5.7. Filters, lenses and interpolation reach -8 to -20.
@@ -76,26 +76,28 @@ def smoothed(window: Attributes) -> Check:
     >>> smoothed(sharp).sentence
     'The spectrum reaches down to the pixels: its steepest fall is q^−3.6.'
     >>> smoothed(sharp | {"spectrum_exponent": -11.0, "pixel_pitch": 5e-7}).outcome
-    'look'
+    'review'
     """
     if window.get("periodisation") == "none":
-        return Check("Smoothed", NOT_MADE, _MADE)
+        return Check(CheckName.SMOOTHED, NOT_MADE, _MADE)
     if "spectrum_exponent" not in window:
-        return Check("Smoothed", NOT_MADE, "Not made: too few waves to judge the spectrum by.")
+        return Check(CheckName.SMOOTHED, NOT_MADE, "Not made: too few waves to judge the spectrum by.")
     looked_for = (_shape_of_spectrum(window), _blunt_peaks(window), _repeated_heights(window))
     traces = [trace for trace in looked_for if trace]
     if found := [trace for trace in traces if trace.ways_out]:
         ways_out = ", or ".join(dict.fromkeys(way for trace in found for way in trace.ways_out))
-        sentences = [
-            *(trace.sentence for trace in found),
-            _SMOOTHED_MEANS,
-            ways_out[0].upper() + ways_out[1:],
-        ]
-        return Check("Smoothed", LOOK, ". ".join(sentences) + ".")
+        first, *further = [f"{trace.sentence}." for trace in found]
+        return Check(
+            CheckName.SMOOTHED,
+            REVIEW,
+            first,
+            explanation=" ".join([*further, f"{_SMOOTHED_MEANS}."]),
+            advice=f"{ways_out[0].upper()}{ways_out[1:]}.",
+        )
     if traces:
-        return Check("Smoothed", PASSED, ". ".join(trace.sentence for trace in traces) + ".")
+        return Check(CheckName.SMOOTHED, PASSED, ". ".join(trace.sentence for trace in traces) + ".")
     text = f"The spectrum reaches down to the pixels: its steepest fall is {_exponent(window)}."
-    return Check("Smoothed", PASSED, text)
+    return Check(CheckName.SMOOTHED, PASSED, text)
 
 
 class _Trace(NamedTuple):
@@ -188,26 +190,28 @@ def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
     >>> pressures = {"max_pressure": ("load", [27.0]), "mean_contact_pressure": ("load", [1.0])}
     >>> dust = {"summit_over_next": 3.0, "summit_chance": 1e-5, "summit_x": 1e-5, "summit_y": 4e-5}
     >>> isolated_peak(xr.Dataset(pressures), dust).outcome
-    'look'
+    'review'
     """
     if "summit_chance" not in window:
-        return Check("Isolated peak", NOT_MADE, "Not made: the map has no summit.")
+        return Check(CheckName.ISOLATED_PEAK, NOT_MADE, "Not made: the map has no summit.")
     over_mean = float((statistics["max_pressure"] / statistics["mean_contact_pressure"]).max())
     times = f"{number(over_mean, digits=2)} times the mean in contact"
     if not (over_mean > PEAK_OVER_MEAN and window["summit_chance"] < CHANCE):
         text = f"The largest pressure is at most {times}, or not that of one summit alone."
-        return Check("Isolated peak", PASSED, text)
+        return Check(CheckName.ISOLATED_PEAK, PASSED, text)
     more = window["summit_over_next"]
     higher = f"{number(more, digits=2)} times as high above its surroundings as any other"
     if np.isinf(more):
         higher = "and no other summit does"
     where = " and ".join(f"{axis} = {quantity(window[f'summit_{axis}'], 'm')}" for axis in ("x", "y"))
-    text = (
-        f"One summit stands out, {higher}, at {where}; the largest pressure is {times}. Dust and burrs look "
-        "like this, and the largest pressure, and gaps at low loads, are theirs. Unless it belongs to the "
-        "surface, clean and measure again, cut the map, or lower level.outlier_threshold."
+    return Check(
+        CheckName.ISOLATED_PEAK,
+        REVIEW,
+        f"One summit stands out, {higher}, at {where}; the largest pressure is {times}.",
+        explanation="Dust and burrs look like this, and the largest pressure, and gaps at low loads, are theirs.",
+        advice="Unless it belongs to the surface, clean and measure again, cut the map, or lower "
+        "level.outlier_threshold.",
     )
-    return Check("Isolated peak", LOOK, text)
 
 
 def noise(statistics: xr.Dataset, window: Attributes) -> Check:
@@ -221,31 +225,34 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
     >>> import xarray as xr
     >>> flat = {"top_exponent": -0.2, "noise_floor": 2e-9, "noise_gradient_share": 0.6}
     >>> noise(xr.Dataset(), flat).outcome, noise(xr.Dataset(), flat | {"top_exponent": -3.0}).outcome
-    ('look', 'passed')
+    ('review', 'passed')
     """
     if "noise_floor" not in window:
-        return Check("Noise", NOT_MADE, "Not made: too few waves to judge the spectrum by.")
+        return Check(CheckName.NOISE, NOT_MADE, "Not made: too few waves to judge the spectrum by.")
     share, stated = float(window["noise_gradient_share"]), float(window.get("instrument_noise", 0.0))
     if stated and window["noise_floor"] > 0:
         share *= (stated / window["noise_floor"]) ** 2
         text = f"The stated noise of {quantity(stated, 'm')} makes up {_share(share)} of the {_SQUARE}"
         if "corrected_for" in window:
-            return Check("Noise", PASSED, f"{text} as measured, for which the map is corrected.")
-        return _judged_noise(text, share, " Average several maps, or remove short waves with level.s_filter.")
+            return Check(CheckName.NOISE, PASSED, f"{text} as measured, for which the map is corrected.")
+        return _judged_noise(
+            text, share, advice="Average several maps, or remove short waves with level.s_filter."
+        )
     if not _ends_flat(window):
         exponent = f"q^{number(window['top_exponent'], digits=2)}"
         text = f"The spectrum falls down to the pixels, as {exponent}: no white noise shows."
-        return Check("Noise", PASSED, text)
+        return Check(CheckName.NOISE, PASSED, text)
     floor = quantity(window["noise_floor"], "m", digits=2)
     text = (
         f"The spectrum is flat at its end, as with a white noise of {floor} (rms), which would make up "
         f"{_share(share)} of the {_SQUARE}"
     )
-    way_out = (
-        " It may be noise, or waves shorter than the pixel: one map cannot tell. Measure twice and state the "
-        "noise (instrument.noise), or remove short waves with level.s_filter."
+    return _judged_noise(
+        text,
+        share,
+        explanation="It may be noise, or waves shorter than the pixel: one map cannot tell.",
+        advice="Measure twice and state the noise (instrument.noise), or remove short waves with level.s_filter.",
     )
-    return _judged_noise(text, share, way_out)
 
 
 def suspected_noise(window: Attributes) -> float:
@@ -288,14 +295,19 @@ def _share(share: float) -> str:
     return percent(share) if share < 1 else "all"
 
 
-def _judged_noise(text: str, share: float, way_out: str) -> Check:
+def _judged_noise(text: str, share: float, *, advice: str, explanation: str = "") -> Check:
     """Return the check of a share of the mean square gradient."""
     if share <= NOISE_SHARE:
-        return Check("Noise", PASSED, f"{text}.")
+        return Check(CheckName.NOISE, PASSED, f"{text}.")
     # the area goes as 1 / g
     small = f"by up to {percent(1 - np.sqrt(1 - share))}" if share < 1 else "by an unknown factor"
+    effect = f"Areas would be too small {small}, and pressures too large."
     return Check(
-        "Noise", LOOK, f"{text}. Areas would be too small {small}, and pressures too large.{way_out}"
+        CheckName.NOISE,
+        REVIEW,
+        f"{text}.",
+        explanation=" ".join(filter(None, (effect, explanation))),
+        advice=advice,
     )
 
 
@@ -332,23 +344,21 @@ def quantisation(window: Attributes) -> Check:
     >>> quantisation({"quantisation_step": 1e-9, "Sq": 1e-7}).sentence
     'The heights are multiples of 1.0 nm, 1.00 % of the rms height.'
     >>> quantisation({"quantisation_step": 2e-8, "Sq": 1e-7}).outcome
-    'look'
+    'review'
     """
     if "quantisation_step" not in window:
-        return Check("Quantisation", NOT_MADE, "Not made: the map was not levelled.")
+        return Check(CheckName.QUANTISATION, NOT_MADE, "Not made: the map was not levelled.")
     step = float(window["quantisation_step"])
     if not step:
-        return Check("Quantisation", PASSED, "The heights are not rounded to steps.")
+        return Check(CheckName.QUANTISATION, PASSED, "The heights are not rounded to steps.")
     text = f"The heights are multiples of {quantity(step, 'm', digits=2)}"
     rms_height = float(window["Sq"])
     text += f", {percent(step / rms_height)} of the rms height" if rms_height else ""
     if not coarse_step(window):
-        return Check("Quantisation", PASSED, f"{text}.")
-    text += (
-        ": steps between them add to the gradient, so that areas are too small, and pressures and gaps too "
-        "large. Export the heights with more digits, or measure with a smaller range of heights."
-    )
-    return Check("Quantisation", LOOK, text)
+        return Check(CheckName.QUANTISATION, PASSED, f"{text}.")
+    text += ": steps between them add to the gradient, so that areas are too small, and pressures and gaps too large."
+    advice = "Export the heights with more digits, or measure with a smaller range of heights."
+    return Check(CheckName.QUANTISATION, REVIEW, text, advice=advice)
 
 
 def height_unit(height: Attributes, window: Attributes) -> Check:
@@ -357,13 +367,13 @@ def height_unit(height: Attributes, window: Attributes) -> Check:
     Examples
     --------
     >>> height_unit({}, {"pixel_roughness": 4e-12, "pixel_pitch": 1e-6, "spectrum_exponent": -3.0}).outcome
-    'look'
+    'review'
     """
     if window.get("periodisation") == "none":
-        return Check("Height unit", NOT_MADE, _MADE)
+        return Check(CheckName.HEIGHT_UNIT, NOT_MADE, _MADE)
     if window.get("spectrum_exponent", -np.inf) < SPECTRUM_ENDS:
         text = "Not made: the noise of the instrument does not show in a map that is smooth at its pixels."
-        return Check("Height unit", NOT_MADE, text)
+        return Check(CheckName.HEIGHT_UNIT, NOT_MADE, text)
     rough = float(window["pixel_roughness"])
     probe = instrument_kind(height) is PROBE or window.get("pixel_pitch", 1.0) < _PROBE_PIXEL
     quietest = QUIETEST_PROBE if probe else QUIETEST
@@ -371,10 +381,11 @@ def height_unit(height: Attributes, window: Attributes) -> Check:
     if rough < quietest:
         text += (
             f", less than that of the quietest {'probe microscopes' if probe else 'profilers'} "
-            f"({quantity(quietest, 'm', digits=1)}). Check the unit of the heights: were µm read as nm?"
+            f"({quantity(quietest, 'm', digits=1)})."
         )
-        return Check("Height unit", LOOK, text)
-    return Check("Height unit", PASSED, f"{text}: an instrument can measure that.")
+        advice = "Check the unit of the heights: were µm read as nm?"
+        return Check(CheckName.HEIGHT_UNIT, REVIEW, text, advice=advice)
+    return Check(CheckName.HEIGHT_UNIT, PASSED, f"{text}: an instrument can measure that.")
 
 
 def pixel_size(height: Attributes, window: Attributes) -> Check:
@@ -388,21 +399,24 @@ def pixel_size(height: Attributes, window: Attributes) -> Check:
     """
     kind, pixel = instrument_kind(height), float(window.get("pixel_pitch", 0.0))
     if kind is ANY or not pixel:
-        return Check("Pixel size", NOT_MADE, "Not made: the file does not name the kind of its instrument.")
+        return Check(
+            CheckName.PIXEL_SIZE, NOT_MADE, "Not made: the file does not name the kind of its instrument."
+        )
     words = f"Pixels of {quantity(pixel, 'm', digits=2)} are"
     low, high = kind.step
     if not low <= pixel <= high:
         text = f"{words} not those of {kind.words} ({quantity(low, 'm')} to {quantity(high, 'm')})."
-        return Check("Pixel size", LOOK, f"{text} Check the lateral unit.")
+        return Check(CheckName.PIXEL_SIZE, REVIEW, text, advice="Check the lateral unit.")
     times = _magnification(height)
     if not times:
-        return Check("Pixel size", PASSED, f"{words} those of {kind.words}.")
+        return Check(CheckName.PIXEL_SIZE, PASSED, f"{words} those of {kind.words}.")
     camera = pixel * times
     lens = f"{kind.words} with a lens of {number(times, digits=2)}×"
     if not _CAMERA[0] <= camera <= _CAMERA[1]:
         text = f"{words} not those of {lens}: they would be {quantity(camera, 'm', digits=2)} on its camera."
-        return Check("Pixel size", LOOK, f"{text} Check the lateral unit, and whether the map was resampled.")
-    return Check("Pixel size", PASSED, f"{words} those of {lens}.")
+        advice = "Check the lateral unit, and whether the map was resampled."
+        return Check(CheckName.PIXEL_SIZE, REVIEW, text, advice=advice)
+    return Check(CheckName.PIXEL_SIZE, PASSED, f"{words} those of {lens}.")
 
 
 def _instrument(height: Attributes) -> dict:

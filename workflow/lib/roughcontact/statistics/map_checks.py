@@ -15,9 +15,9 @@ from roughcontact.checking import STEEPEST
 from roughcontact.io.plausibility import SPIKES_ADVICE
 from roughcontact.levelling.record import kinds_in_words
 from roughcontact.quantities import number, percent, quantity, several
-from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, NOTE, PASSED, Check
+from roughcontact.statistics.outcome import FAILED, REVIEW, NOT_MADE, NOTE, PASSED, Check, CheckName
 
-FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points that were not measured: look, fail
+FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points that were not measured: review, fail
 REJECTED_LOAD = 0.02  # share of the load that rejected points would carry if they were kept
 ROW_JITTER = 0.01  # rms shift of the rows, of the rms height, from which on it moves the contact
 _LAY, _ALONG = 0.3, 5.0  # texture aspect ratio of a lay; degrees off the rows
@@ -29,7 +29,7 @@ STEEP_PLACES = 0.5  # share of the mean square gradient that the steepest 1 % of
 # 0.22 of its length, so that a window of fewer holds less than one of the longest waves.
 LENGTHS = 5
 WINDOW_SHARE = 0.5  # share of the measured area that was used
-# Ratio of the pixels of two faces: look, fail. The coarser one lacks the waves in between: with H = 0.8 (mean
+# Ratio of the pixels of two faces: review, fail. The coarser one lacks the waves in between: with H = 0.8 (mean
 # square gradient ~ pixel^-0.4, area ~ 1 / gradient) two faces of the same roughness have areas 7 % too large
 # with a ratio of 2, and 20 % with 10, beyond which the finer face decides alone, or a unit is wrong.
 FACE_PITCHES = (2.0, 10.0)
@@ -44,23 +44,25 @@ def missing_points(statistics: xr.Dataset, height: Attributes, levelled: Attribu
     missing, rejected = height.get("missing_share", 0.0), levelled.get("outliers_rejected", 0)
     filled = levelled.get("filled_share", 0.0)
     in_contact = float(statistics["contact_on_filled_points"].max())
-    look, fail = FILLED_IN_CONTACT
-    outcome = FAILED if in_contact > fail else LOOK if in_contact > look else PASSED
+    review, fail = FILLED_IN_CONTACT
+    outcome = FAILED if in_contact > fail else REVIEW if in_contact > review else PASSED
     if not (missing or rejected or filled):
-        return Check("Missing points", PASSED, "Every point was measured.")
+        return Check(CheckName.MISSING_POINTS, PASSED, "Every point was measured.")
     measured = (
         f"{percent(missing)} of the points were not measured" if missing else "Every point was measured"
     )
     points = f"{measured}; {rejected} were rejected as outliers; {percent(filled)} were filled in"
     if outcome == PASSED:
         text = f"{points}, and at most {percent(in_contact)} of the contact lies on them."
-        return Check("Missing points", outcome, text)
-    text = (
+        return Check(CheckName.MISSING_POINTS, outcome, text)
+    return Check(
+        CheckName.MISSING_POINTS,
+        outcome,
         f"Up to {percent(in_contact)} of the contact lies on points that were filled in: "
-        f"{points[0].lower()}{points[1:]}. The contact there is that of the filling, not of the surface. "
-        "Measure these places again."
+        f"{points[0].lower()}{points[1:]}.",
+        explanation="The contact there is that of the filling, not of the surface.",
+        advice="Measure these places again.",
     )
-    return Check("Missing points", outcome, text)
 
 
 def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
@@ -71,30 +73,31 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
     >>> import xarray as xr
     >>> shares = xr.Dataset({"rejected_load_share": ("load", [0.11, 0.04])})
     >>> outliers(shares, {"outliers_rejected": 138, "outlier_kinds": '{"spike": 138}'}).outcome
-    'look'
+    'review'
     """
     rejected = levelled.get("outliers_rejected", 0)
     if not rejected:
-        return Check("Outliers", PASSED, "No point was rejected.")
+        return Check(CheckName.OUTLIERS, PASSED, "No point was rejected.")
     named = kinds_in_words(levelled)
     they, was, kind = ("it", "was", "an outlier") if rejected == 1 else ("they", "were", "outliers")
     text = f"{several(rejected, 'point')} {was} rejected as {kind}" + (f" ({named})" if named else "")
     shares = statistics["rejected_load_share"].values if "rejected_load_share" in statistics else np.nan
     if np.isnan(shares).all():
         unknown = f"The load that {they} would carry if {they} were kept is not known."
-        return Check("Outliers", LOOK, f"{text}. {unknown}")
+        return Check(CheckName.OUTLIERS, REVIEW, f"{text}. {unknown}")
     share = float(np.nanmax(shares))
     text += f"; if {they} were kept, {they} would carry {percent(share)} of the load"
     text += " at most" if statistics.sizes["load"] > 1 else ""
     if share <= REJECTED_LOAD:
-        return Check("Outliers", PASSED, f"{text}.")
+        return Check(CheckName.OUTLIERS, PASSED, f"{text}.")
     are = "it is an error" if rejected == 1 else "they are errors"
     lie = "it lies" if rejected == 1 else "they lie"
-    text += (
-        f": the result depends on whether {are} of the measurement. See where {lie}; "
-        "level.outlier_threshold: null keeps every point."
+    return Check(
+        CheckName.OUTLIERS,
+        REVIEW,
+        f"{text}: the result depends on whether {are} of the measurement.",
+        advice=f"See where {lie}; level.outlier_threshold: null keeps every point.",
     )
-    return Check("Outliers", LOOK, text)
 
 
 def scan_lines(levelled: Attributes, statistics: xr.Dataset | None = None) -> Check:
@@ -106,7 +109,7 @@ def scan_lines(levelled: Attributes, statistics: xr.Dataset | None = None) -> Ch
     --------
     >>> shifted = {"row_jitter": 0.1, "row_jitter_evidence": "clear", "line_alignment": "none"}
     >>> scan_lines(shifted).outcome
-    'look'
+    'review'
     """
     jitter, evidence = levelled.get("row_jitter", 0.0), levelled.get("row_jitter_evidence", "none")
     aligned = levelled.get("line_alignment", "none")
@@ -116,23 +119,23 @@ def scan_lines(levelled: Attributes, statistics: xr.Dataset | None = None) -> Ch
             found += (
                 " The lay runs along the rows: beside grooves a few rows wide small shifts would not show."
             )
-        return Check("Scan lines", PASSED, found)
+        return Check(CheckName.SCAN_LINES, PASSED, found)
     text = f"The rows are shifted against one another, by {percent(jitter)} of the rms height (rms)"
     if evidence == "doubtful":
         text = (
             f"The rows share shifts of {percent(jitter)} of the rms height (rms), which may be drift of the "
             "scanner or a lay along the rows"
         )
-    outcome = PASSED if jitter <= ROW_JITTER else LOOK
+    outcome, other_alignment = PASSED if jitter <= ROW_JITTER else REVIEW, "none"
     if aligned == "none":
-        if outcome == LOOK:
-            text += ": it may carry much of the load. Compare level.line_alignment: jitter"
+        text += ": it may carry much of the load" if outcome == REVIEW else ""
+        other_alignment = "jitter"
     elif levelled.get("line_alignment_by") == "user":
         text, outcome = f"{text}; they were aligned as asked ({aligned})", PASSED
     else:
         text += f"; they were aligned ({aligned})"
-        text += ". Compare level.line_alignment: none" if outcome == LOOK else ""
-    return Check("Scan lines", outcome, f"{text}.")
+    advice = f"Compare level.line_alignment: {other_alignment}." if outcome == REVIEW else ""
+    return Check(CheckName.SCAN_LINES, outcome, f"{text}.", advice=advice)
 
 
 def _lay_along_rows(statistics: xr.Dataset) -> bool:
@@ -147,19 +150,20 @@ def form(levelled: Attributes, window: Attributes) -> Check:
     Examples
     --------
     >>> form({"form": "plane"}, {"form_share": 0.9}).outcome
-    'look'
+    'review'
     """
     share = window.get("form_share", 0.0)
     text = (
         f"A bow (second-order polynomial) makes up {percent(share)} of the mean square height of the window"
     )
     if share <= FORM:
-        return Check("Form", PASSED, f"{text}.")
+        return Check(CheckName.FORM, PASSED, f"{text}.")
     if levelled.get("form") in ("polynomial", "sphere", "cylinder"):
         way_out = "Compare another window.method: it came with the periodic window."
     else:
         way_out = "Remove it with level.form: polynomial, unless it belongs to the contact."
-    return Check("Form", LOOK, f"{text}: form, not roughness, decides where the surfaces touch. {way_out}")
+    finding = f"{text}: form, not roughness, decides where the surfaces touch."
+    return Check(CheckName.FORM, REVIEW, finding, advice=way_out)
 
 
 def periodicity(window: Attributes) -> Check:
@@ -172,7 +176,9 @@ def periodicity(window: Attributes) -> Check:
     """
     method = window.get("periodisation", "none")
     if method == "none":
-        return Check("Periodic window", PASSED, "The window was periodic already: nothing was changed.")
+        return Check(
+            CheckName.PERIODIC_WINDOW, PASSED, "The window was periodic already: nothing was changed."
+        )
     before, after = window["rms_gradient_before"], window["rms_gradient_after"]
     # a correction, and waves removed afterwards, on request, are not due to periodisation
     removed = window.get("band_removed_rms_gradient", 0.0)
@@ -183,13 +189,20 @@ def periodicity(window: Attributes) -> Check:
         f"Making the window periodic ({method}) changed the heights by {percent(relative)} of their rms and "
         f"the rms gradient by {percent(change)}."
     )
+    effects = []
     if abs(change) > GRADIENT_CHANGE:
-        text += " Peak pressures follow the gradient."
+        effects.append("Peak pressures follow the gradient.")
     if relative > HEIGHT_CHANGE:
-        text += " Opposite edges do not match, and joining them moved the contact."
-    if abs(change) > GRADIENT_CHANGE or relative > HEIGHT_CHANGE:
-        return Check("Periodic window", LOOK, f"{text} Compare another window.method.")
-    return Check("Periodic window", PASSED, text)
+        effects.append("Opposite edges do not match, and joining them moved the contact.")
+    if effects:
+        return Check(
+            CheckName.PERIODIC_WINDOW,
+            REVIEW,
+            text,
+            explanation=" ".join(effects),
+            advice="Compare another window.method.",
+        )
+    return Check(CheckName.PERIODIC_WINDOW, PASSED, text)
 
 
 def window_share(window: Attributes) -> Check:
@@ -203,9 +216,14 @@ def window_share(window: Attributes) -> Check:
     share = window.get("window_share", 1.0)
     text = f"The solved window covers {percent(share)} of the measured map."
     if share < WINDOW_SHARE:
-        text += " The rest was cropped away. See the frame on the levelled map."
-        return Check("Window", LOOK, text)
-    return Check("Window", PASSED, text)
+        return Check(
+            CheckName.WINDOW,
+            REVIEW,
+            text,
+            explanation="The rest was cropped away.",
+            advice="See the frame on the levelled map.",
+        )
+    return Check(CheckName.WINDOW, PASSED, text)
 
 
 def faces(levelled: Attributes, window: Attributes) -> list[Check]:
@@ -217,29 +235,33 @@ def faces(levelled: Attributes, window: Attributes) -> list[Check]:
     []
     >>> pair = {"face_pitches": [1e-6, 3e-6], "covered_share_of_larger": 0.8}
     >>> [faces(pair, {"band_shortest": limit})[0].outcome for limit in (2e-6, 6e-6)]
-    ['look', 'passed']
+    ['review', 'passed']
     """
     if "face_pitches" not in levelled:
         return []
     pitches, share = levelled["face_pitches"], float(levelled["covered_share_of_larger"])
     ratio, limit = max(pitches) / min(pitches), 2 * max(pitches)
     pixels = "The faces have pixels of " + " and ".join(quantity(float(pitch), "m") for pitch in pitches)
-    outcome, text = PASSED, f"{pixels}, and {percent(share)} of the larger one is solved."
+    outcome, text, advice = PASSED, f"{pixels}, and {percent(share)} of the larger one is solved.", ""
     if ratio > FACE_PITCHES[0] and window.get("band_shortest", 0.0) < limit * (1 - 1e-6):
-        outcome = FAILED if ratio > FACE_PITCHES[1] else LOOK
+        outcome = FAILED if ratio > FACE_PITCHES[1] else REVIEW
         too_large = percent(float(np.sqrt(2 / (1 + ratio**-0.4))) - 1)
         text = (
             f"{pixels}: the coarser one has no wave shorter than {quantity(limit, 'm')}, so that areas are "
-            f"{too_large} or more too large if both are equally rough. Check the unit of dx and dy, measure "
-            f"both alike, or solve the waves of both (window.shortest_wavelength: {quantity(limit, 'm')})."
+            f"{too_large} or more too large if both are equally rough."
+        )
+        advice = (
+            "Check the unit of dx and dy, measure both alike, or solve the waves of both "
+            f"(window.shortest_wavelength: {quantity(limit, 'm')})."
         )
     elif share < FACE_SHARE:
-        outcome = LOOK
+        outcome = REVIEW
         text = (
             f"Only {percent(share)} of the larger face is solved, as far as the smaller one reaches: longer "
-            "waves, which make gaps larger, are missing. Check the unit of dx and dy, or measure more of it."
+            "waves, which make gaps larger, are missing."
         )
-    return [Check("Faces", outcome, text)]
+        advice = "Check the unit of dx and dy, or measure more of it."
+    return [Check(CheckName.FACES, outcome, text, advice=advice)]
 
 
 def longest_wave(statistics: xr.Dataset) -> Check:
@@ -248,15 +270,13 @@ def longest_wave(statistics: xr.Dataset) -> Check:
     sides = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
     side = float(np.nanmin(sides))  # a profile has a length alone
     if np.isnan(length):
-        return Check("Longest wave", PASSED, "The map is flat: there is no wave.")
+        return Check(CheckName.LONGEST_WAVE, PASSED, "The map is flat: there is no wave.")
     text = f"The window is {number(side / length, digits=2)} autocorrelation lengths (Sal) long"
     if side < LENGTHS * length:
-        text += (
-            ": it is shorter than the longest waves of the surface, and another window would give other "
-            "numbers. Measure a larger field, or remove long waves (level.l_filter)."
-        )
-        return Check("Longest wave", LOOK, text)
-    return Check("Longest wave", PASSED, f"{text}: it holds the longest waves.")
+        text += ": it is shorter than the longest waves of the surface, and another window would give other numbers."
+        advice = "Measure a larger field, or remove long waves (level.l_filter)."
+        return Check(CheckName.LONGEST_WAVE, REVIEW, text, advice=advice)
+    return Check(CheckName.LONGEST_WAVE, PASSED, f"{text}: it holds the longest waves.")
 
 
 def sample(statistics: xr.Dataset) -> Check:
@@ -268,15 +288,15 @@ def sample(statistics: xr.Dataset) -> Check:
     --------
     >>> import xarray as xr
     >>> sample(xr.Dataset(attrs={"window_flag": "The map is too small."})).outcome
-    'look'
+    'review'
     """
     if "window_flag" not in statistics.attrs:
         text = "Not made: the surface beyond the map is not in the error budget (uncertainty.sources)."
-        return Check("Sample", NOT_MADE, text)
+        return Check(CheckName.SAMPLE, NOT_MADE, text)
     if flag := statistics.attrs["window_flag"]:
-        return Check("Sample", LOOK, flag)
+        return Check(CheckName.SAMPLE, REVIEW, flag)
     text = "The map gives no sign that the surface beyond it differs: see the sources of the ±."
-    return Check("Sample", PASSED, text)
+    return Check(CheckName.SAMPLE, PASSED, text)
 
 
 def band(window: Attributes) -> Check:
@@ -286,20 +306,22 @@ def band(window: Attributes) -> Check:
     --------
     >>> lens = {"reliable_wavelength": 5e-6, "reliable_reason": "the lens", "band_shortest": 2e-6}
     >>> band(lens).outcome
-    'look'
+    'review'
     """
     shortest, reliable = (window.get(name, 0.0) for name in ("band_shortest", "reliable_wavelength"))
     reason = window.get("reliable_reason", "two pixels")
     if reason == "two pixels":
         text = "Not made: the file does not say which waves the instrument resolves (its numerical aperture)."
-        return Check("Band", NOT_MADE, text)
+        return Check(CheckName.BAND, NOT_MADE, text)
     if shortest >= reliable * (1 - 1e-6):
-        return Check("Band", PASSED, "No wave is solved that the instrument is known not to resolve.")
-    text = (
-        f"Waves down to {quantity(shortest, 'm')} are solved; {reason} resolves {quantity(reliable, 'm')}. "
-        "Shorter waves are partly noise, and peaks are partly smoothed: compare window.reliable_band."
+        return Check(CheckName.BAND, PASSED, "No wave is solved that the instrument is known not to resolve.")
+    return Check(
+        CheckName.BAND,
+        REVIEW,
+        f"Waves down to {quantity(shortest, 'm')} are solved; {reason} resolves {quantity(reliable, 'm')}.",
+        explanation="Shorter waves are partly noise, and peaks are partly smoothed.",
+        advice="Compare window.reliable_band.",
     )
-    return Check("Band", LOOK, text)
 
 
 def slope(statistics: xr.Dataset) -> Check:
@@ -314,16 +336,14 @@ def slope(statistics: xr.Dataset) -> Check:
     gradient = float(statistics["rms_gradient"])
     text = f"The rms gradient is {number(gradient)}"
     if gradient > STEEPEST:
-        text += ": no rough surface is so steep. Check the units of heights and steps."
-        return Check("Slopes", FAILED, text)
+        advice = "Check the units of heights and steps."
+        return Check(CheckName.SLOPES, FAILED, f"{text}: no rough surface is so steep.", advice=advice)
     approximate, rough = STEEP
     if gradient > approximate:
-        text += (
-            ": steep for a theory of small slopes, an error of the model that the ± leaves out. Treat the "
-        )
-        text += "numbers as estimates."
-        return Check("Slopes", LOOK if gradient > rough else NOTE, text)
-    return Check("Slopes", PASSED, f"{text}: small, as the half-space theory assumes.")
+        text += ": steep for a theory of small slopes, an error of the model that the ± leaves out."
+        advice = "Treat the numbers as estimates."
+        return Check(CheckName.SLOPES, REVIEW if gradient > rough else NOTE, text, advice=advice)
+    return Check(CheckName.SLOPES, PASSED, f"{text}: small, as the half-space theory assumes.")
 
 
 def steep_places(window: Attributes) -> Check:
@@ -337,18 +357,20 @@ def steep_places(window: Attributes) -> Check:
     share = window.get("steepest_share", 0.0)
     text = f"The steepest 1 % of the points make up {percent(share)} of the mean square gradient"
     if share <= STEEP_PLACES:
-        return Check("Steep places", PASSED, f"{text}.")
+        return Check(CheckName.STEEP_PLACES, PASSED, f"{text}.")
     threshold = window.get("outlier_threshold")
     spikes = (
         f"Spikes beyond {number(threshold, digits=2)} standard deviations are removed already."
         if threshold
         else "Remove spikes with level.outlier_threshold."
     )
-    text += (
-        ": steps, defects or dust. A load relative to the gradient is high for the rest of the surface. Give "
-        f"loads as mean_pressure. {spikes}"
+    return Check(
+        CheckName.STEEP_PLACES,
+        NOTE,
+        f"{text}: steps, defects or dust.",
+        explanation="A load relative to the gradient is high for the rest of the surface.",
+        advice=f"Give loads as mean_pressure. {spikes}",
     )
-    return Check("Steep places", NOTE, text)
 
 
 def reading(height: Attributes, levelled: Attributes) -> Check:
@@ -363,11 +385,11 @@ def reading(height: Attributes, levelled: Attributes) -> Check:
     """
     warnings = json.loads(height.get("ingest_warnings", "[]"))
     if not warnings:
-        return Check("Reading the file", PASSED, "Read without a warning.")
+        return Check(CheckName.READING, PASSED, "Read without a warning.")
     facts = set(json.loads(height.get("ingest_facts", "[]")))
     text = " ".join(f"{warning[0].upper()}{warning[1:].rstrip('.')}." for warning in warnings)
     if levelled.get("outlier_threshold"):  # the check of the outliers judges them
         *before, last = text.split(f"; {SPIKES_ADVICE}")
         text = "".join(before) + f"; isolated ones were searched for and removed{last}" if before else text
         facts.update(warning for warning in warnings if SPIKES_ADVICE in warning)
-    return Check("Reading the file", NOTE if facts.issuperset(warnings) else LOOK, text)
+    return Check(CheckName.READING, NOTE if facts.issuperset(warnings) else REVIEW, text)

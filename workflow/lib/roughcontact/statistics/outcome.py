@@ -1,77 +1,141 @@
-"""Outcome of a check (passed, note, look, failed or not made) with its sentence, and the worst of several."""
+"""Outcome of a check (passed, note, review, failed or not made) with its sentences, and the worst of several."""
 
 import textwrap
 from collections.abc import Iterable
+from enum import StrEnum
 from typing import NamedTuple
 
 from roughcontact.variables import ANSWERS
 
-PASSED, LOOK, FAILED = "passed", "look", "failed"
+PASSED, REVIEW, FAILED = "passed", "review", "failed"
 NOTE = "note"  # worth knowing, but in the interval or in what was asked for; it does not affect the verdict
 NOT_MADE = "not made"  # for lack of data; it does not affect the verdict
-_SHORT = 200  # letters of a sentence in a list
-_ASKED = ("relative_contact_area", "mean_contact_pressure")
-VERDICTS = {PASSED: "use", LOOK: "review", FAILED: "do not use"}  # in the order of the flag `verdict`
+_LONGEST_SENTENCE = 200  # letters, in a list
+_MAIN_ANSWERS = ("relative_contact_area", "mean_contact_pressure")
+VERDICTS = {PASSED: "use", REVIEW: "review", FAILED: "do not use"}  # in the order of the flag `verdict`
+
+
+class CheckName(StrEnum):
+    """Identifiers of the checks with the names that are shown and stored, by importance.
+
+    Errors of the map come before limits of the material.
+    """
+
+    UNITS = "Units"
+    HEIGHT_UNIT = "Height unit"
+    PIXEL_SIZE = "Pixel size"
+    FACES = "Faces"
+    SOLVER = "Solver"
+    OUTLIERS = "Outliers"
+    ISOLATED_PEAK = "Isolated peak"
+    MISSING_POINTS = "Missing points"
+    SLOPES = "Slopes"
+    STEEP_PLACES = "Steep places"
+    POINTS_IN_CONTACT = "Points in contact"
+    SMOOTHED = "Smoothed"
+    NOISE = "Noise"
+    QUANTISATION = "Quantisation"
+    RESOLUTION = "Resolution"
+    SCAN_LINES = "Scan lines"
+    FORM = "Form"
+    PERIODIC_WINDOW = "Periodic window"
+    LONGEST_WAVE = "Longest wave"
+    SAMPLE = "Sample"
+    BAND = "Band"
+    WINDOW = "Window"
+    LAYERS = "Layers"
+    MEAN_FREE_PATH = "Mean free path"
+    PLASTICITY = "Plasticity"
+    LOAD_RANGE = "Load range"
+    READING = "Reading the file"
 
 
 class Check(NamedTuple):
-    """One check: its name, its outcome (one of those above), and sentences with the numbers.
+    """One check: its name, its outcome (one of those above), and complete sentences with the numbers.
 
-    The last sentence of a check that did not pass says what to do. `answers` are the keys of `ANSWERS` that
-    it concerns.
+    `finding` says what was found, `explanation` why it matters, `advice` what to do; `answers` are the keys of
+    `ANSWERS` that it concerns.
     """
 
     name: str
     outcome: str
-    sentence: str
+    finding: str
     answers: tuple[str, ...] = tuple(ANSWERS)
+    explanation: str = ""
+    advice: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """Return all sentences."""
+        return " ".join(filter(None, (self.finding, self.explanation, self.advice)))
 
 
 def verdict(checks: Iterable[Check], *answers: str) -> str:
-    """Return the worst outcome among the checks, a key of `VERDICTS`; `look` where none was made.
+    """Return the worst outcome among the checks, a key of `VERDICTS`; `review` where none was made.
 
     Only those count that concern one of the answers, by default contact area and pressure in contact, which
     every load is asked for. Notes count as passed, checks that were not made not at all.
 
     Examples
     --------
-    >>> dust = Check("Isolated peak", LOOK, "One summit stands out.", ("max_pressure",))
-    >>> found = [Check("Slopes", PASSED, "Small."), dust]
-    >>> verdict(found), verdict(found, "max_pressure")
-    ('passed', 'look')
+    >>> dust = Check("Isolated peak", REVIEW, "One summit stands out.", ("max_pressure",))
+    >>> checks = [Check("Slopes", PASSED, "Small."), dust]
+    >>> verdict(checks), verdict(checks, "max_pressure")
+    ('passed', 'review')
     """
-    asked = set(answers or _ASKED)
+    concerned = set(answers or _MAIN_ANSWERS)
     outcomes = {
-        PASSED if check.outcome == NOTE else check.outcome for check in checks if asked & {*check.answers}
+        PASSED if check.outcome == NOTE else check.outcome for check in checks if concerned & {*check.answers}
     }
-    return next((outcome for outcome in (FAILED, LOOK, PASSED) if outcome in outcomes), LOOK)
+    return next((outcome for outcome in (FAILED, REVIEW, PASSED) if outcome in outcomes), REVIEW)
 
 
 def reasons(checks: Iterable[Check]) -> list[Check]:
-    """Return the checks that did not pass: warnings (`look`) and failures.
+    """Return the checks that did not pass: warnings (`review`) and failures.
 
     Examples
     --------
-    >>> [check.name for check in reasons([Check("Form", PASSED, "No bow."), Check("Slopes", LOOK, "Steep.")])]
+    >>> [check.name for check in reasons([Check("Form", PASSED, "No bow."), Check("Slopes", REVIEW, "Steep.")])]
     ['Slopes']
     """
-    return [check for check in checks if check.outcome in (FAILED, LOOK)]
+    return [check for check in checks if check.outcome in (FAILED, REVIEW)]
 
 
-def reason(check: Check) -> str:
-    """Return name, answers concerned, first sentence and last, which says what to do, of a check for lists.
+def by_importance(checks: Iterable[Check]) -> list[Check]:
+    """Return warnings and failed checks, failed ones first, each in the order of `CheckName`.
 
     Examples
     --------
-    >>> reason(Check("Slopes", LOOK, "The rms gradient is 0.4: steep. It matters. Measure finer."))
-    'Slopes: The rms gradient is 0.4: steep. Measure finer'
-    >>> reason(Check("Sample", LOOK, "The map is small.", ("mean_gap", "sealing")))
+    >>> flows, rejected = Check("Plasticity", REVIEW, "It flows."), Check("Outliers", REVIEW, "They carry.")
+    >>> [check.name for check in by_importance([flows, rejected, Check("Window", FAILED, "A step.")])]
+    ['Window', 'Outliers', 'Plasticity']
+    """
+    order = list(CheckName)
+    return sorted(checks, key=lambda check: (check.outcome != FAILED, order.index(CheckName(check.name))))
+
+
+def reason(check: Check, *, letters: int | None = None) -> str:
+    """Return name, answers concerned, finding and advice of a check for lists, in so many letters at the most.
+
+    The finding is cut first: what to do stays.
+
+    Examples
+    --------
+    >>> steep = Check("Slopes", REVIEW, "The rms gradient is 0.4.", explanation="It matters.", advice="Refine.")
+    >>> reason(steep)
+    'Slopes: The rms gradient is 0.4. Refine'
+    >>> reason(steep, letters=30)
+    'Slopes: The rms … Refine'
+    >>> reason(Check("Sample", REVIEW, "The map is small.", ("mean_gap", "sealing")))
     'Sample (mean gap, sealing): The map is small'
     """
-    first, *others = check.sentence.rstrip(".").split(". ")
-    sentences = [textwrap.shorten(each, _SHORT, placeholder=" …") for each in (first, *others[-1:])]
     concerned = f" ({concerns(check)})" if concerns(check) else ""
-    return f"{check.name}{concerned}: {'. '.join(sentences)}"
+    head = f"{check.name}{concerned}:"
+    advice = textwrap.shorten(check.advice, _LONGEST_SENTENCE, placeholder=" …")
+    room = _LONGEST_SENTENCE if letters is None else max(letters - len(head) - len(advice) - 2, 0)
+    finding = textwrap.shorten(check.finding, min(room, _LONGEST_SENTENCE), placeholder=" …")
+    text = " ".join(filter(None, (head, finding, advice))).rstrip(".")
+    return text if letters is None else textwrap.shorten(text, letters, placeholder=" …")
 
 
 def concerns(check: Check) -> str:
@@ -79,10 +143,10 @@ def concerns(check: Check) -> str:
 
     Examples
     --------
-    >>> concerns(Check("Sample", LOOK, "The map is small.", ("mean_gap", "sealing")))
+    >>> concerns(Check("Sample", REVIEW, "The map is small.", ("mean_gap", "sealing")))
     'mean gap, sealing'
     """
-    others = [words for answer, words in ANSWERS.items() if answer not in check.answers]
-    if len(others) < len(check.answers):
-        return f"all but {', '.join(others)}" if others else ""
+    unconcerned = [words for answer, words in ANSWERS.items() if answer not in check.answers]
+    if len(unconcerned) < len(check.answers):
+        return f"all but {', '.join(unconcerned)}" if unconcerned else ""
     return ", ".join(ANSWERS[answer] for answer in check.answers)
