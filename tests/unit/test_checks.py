@@ -11,7 +11,7 @@ from roughcontact import materials
 from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics import checks, contact_checks, map_checks
-from roughcontact.statistics.outcome import FAILED, REVIEW, NOTE, PASSED
+from roughcontact.statistics.outcome import FAILED, NOTE, PASSED, REVIEW
 
 
 def per_load(**columns):

@@ -1,7 +1,7 @@
 """All checks of a surface, their verdict, and the warnings of single loads.
 
-A check passes, notes what the interval includes, warns (`review`: the interval may be wrong, the sentence says
-by how much, and what to do), or fails (do not use the result); one that cannot be made says so and never
+A check passes, notes what the interval includes, warns (`review`: the interval may be wrong, the sentence
+says by how much, and what to do), or fails (do not use the result); one that cannot be made says so and never
 passes. The verdict on an answer is that of the worst check that concerns it; that on a load or a surface
 is the verdict on contact area and pressure in contact. The checks and their limits stand in
 `contact_checks`, `map_checks` and `instrument_checks`; this module exports all that is needed to show them.
@@ -33,10 +33,10 @@ from roughcontact.statistics.map_checks import (
 from roughcontact.statistics.outcome import (
     ANSWERS,
     FAILED,
-    REVIEW,
     NOT_MADE,
     NOTE,
     PASSED,
+    REVIEW,
     VERDICTS,
     Check,
     CheckName,
@@ -80,12 +80,12 @@ __all__ = [
     "GRADIENT_CHANGE",
     "HEIGHT_CHANGE",
     "LENGTHS",
-    "REVIEW",
     "NOTE",
     "NOT_MADE",
     "OVERCOUNT",
     "PASSED",
     "REJECTED_LOAD",
+    "REVIEW",
     "ROW_JITTER",
     "STEEP",
     "STEEPEST",

@@ -12,7 +12,7 @@ from roughcontact import materials
 from roughcontact.contact.dataset import layers_of
 from roughcontact.quantities import number, percent, pressure_unit, quantity
 from roughcontact.statistics.conductance import over_holms_resistance
-from roughcontact.statistics.outcome import FAILED, REVIEW, NOT_MADE, PASSED, Check, CheckName
+from roughcontact.statistics.outcome import FAILED, NOT_MADE, PASSED, REVIEW, Check, CheckName
 from roughcontact.variables import Numbers
 
 CONTACT_POINTS = 100  # fewer contact points are too few for statistics

@@ -19,7 +19,7 @@ from roughcontact.levelling.record import s_filter_of
 from roughcontact.quantities import number, percent, quantity
 from roughcontact.roughness.traces import STEEPEST
 from roughcontact.statistics.map_checks import Attributes
-from roughcontact.statistics.outcome import REVIEW, NOT_MADE, PASSED, Check, CheckName
+from roughcontact.statistics.outcome import NOT_MADE, PASSED, REVIEW, Check, CheckName
 
 # Self-affine surfaces fall with an exponent of -2 to -4, those with a bounded curvature with -6; measured
 # maps that no filter touched reach -5.7. Filters, lenses and interpolation reach -8 to -20.
@@ -208,7 +208,7 @@ def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
         CheckName.ISOLATED_PEAK,
         REVIEW,
         f"One summit stands out, {higher}, at {where}; the largest pressure is {times}.",
-        explanation="Dust and burrs look like this, and the largest pressure, and gaps at low loads, are theirs.",
+        explanation="Dust and burrs look like this; the largest pressure, and gaps at low loads, are theirs.",
         advice="Unless it belongs to the surface, clean and measure again, cut the map, or lower "
         "level.outlier_threshold.",
     )
@@ -251,7 +251,8 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
         text,
         share,
         explanation="It may be noise, or waves shorter than the pixel: one map cannot tell.",
-        advice="Measure twice and state the noise (instrument.noise), or remove short waves with level.s_filter.",
+        advice="Measure twice and state the noise (instrument.noise), or remove short waves with "
+        "level.s_filter.",
     )
 
 

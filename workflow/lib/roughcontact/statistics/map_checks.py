@@ -15,9 +15,9 @@ from roughcontact.checking import STEEPEST
 from roughcontact.io.plausibility import SPIKES_ADVICE
 from roughcontact.levelling.record import kinds_in_words
 from roughcontact.quantities import number, percent, quantity, several
-from roughcontact.statistics.outcome import FAILED, REVIEW, NOT_MADE, NOTE, PASSED, Check, CheckName
+from roughcontact.statistics.outcome import FAILED, NOT_MADE, NOTE, PASSED, REVIEW, Check, CheckName
 
-FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points that were not measured: review, fail
+FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points not measured: review, fail
 REJECTED_LOAD = 0.02  # share of the load that rejected points would carry if they were kept
 ROW_JITTER = 0.01  # rms shift of the rows, of the rms height, from which on it moves the contact
 _LAY, _ALONG = 0.3, 5.0  # texture aspect ratio of a lay; degrees off the rows

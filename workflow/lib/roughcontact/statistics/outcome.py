@@ -1,4 +1,4 @@
-"""Outcome of a check (passed, note, review, failed or not made) with its sentences, and the worst of several."""
+"""Outcome of a check (passed, note, review, failed or not made), its sentences, the worst of several."""
 
 import textwrap
 from collections.abc import Iterable
@@ -53,8 +53,8 @@ class CheckName(StrEnum):
 class Check(NamedTuple):
     """One check: its name, its outcome (one of those above), and complete sentences with the numbers.
 
-    `finding` says what was found, `explanation` why it matters, `advice` what to do; `answers` are the keys of
-    `ANSWERS` that it concerns.
+    `finding` says what was found, `explanation` why it matters, `advice` what to do; `answers` are the keys
+    of `ANSWERS` that it concerns.
     """
 
     name: str
@@ -95,7 +95,8 @@ def reasons(checks: Iterable[Check]) -> list[Check]:
 
     Examples
     --------
-    >>> [check.name for check in reasons([Check("Form", PASSED, "No bow."), Check("Slopes", REVIEW, "Steep.")])]
+    >>> flat, steep = Check("Form", PASSED, "No bow."), Check("Slopes", REVIEW, "Steep.")
+    >>> [check.name for check in reasons([flat, steep])]
     ['Slopes']
     """
     return [check for check in checks if check.outcome in (FAILED, REVIEW)]
@@ -115,13 +116,13 @@ def by_importance(checks: Iterable[Check]) -> list[Check]:
 
 
 def reason(check: Check, *, letters: int | None = None) -> str:
-    """Return name, answers concerned, finding and advice of a check for lists, in so many letters at the most.
+    """Return name, answers concerned, finding and advice of a check, in so many letters at the most.
 
     The finding is cut first: what to do stays.
 
     Examples
     --------
-    >>> steep = Check("Slopes", REVIEW, "The rms gradient is 0.4.", explanation="It matters.", advice="Refine.")
+    >>> steep = Check("Slopes", REVIEW, "The rms gradient is 0.4.", advice="Refine.")
     >>> reason(steep)
     'Slopes: The rms gradient is 0.4. Refine'
     >>> reason(steep, letters=30)
