@@ -112,6 +112,42 @@ def specimen(folder: Path, number: int, *, parts: int = PARTS) -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True)
 
 
+def draw(table: pd.DataFrame, path: Path) -> None:
+    """Draw measured closures as points over the computed ones: loading with its interval, both ways."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10.5, 3.6), layout="constrained")
+    axes = figure.subplots(1, 3, sharey=True)
+    for ax, (number, rows) in zip(axes, table.groupby("specimen"), strict=True):
+        for way, color in (("up", "C0"), ("down", "C1")):
+            if way == "up":
+                part = rows[rows["way"] == "up"]
+                load, mean, half = (part[name] for name in ("mean_pressure_Pa", "closure_m", "half_width_m"))
+                ends = 1e6 * (mean - half), 1e6 * (mean + half)
+                ax.fill_between(load / 1e6, *ends, color=color, alpha=0.25, lw=0, label="computed, 95 %")
+                ax.plot(load / 1e6, 1e6 * mean, color=color, label="computed, elastic")
+            for hardness, style in zip(HARDNESSES, (":", "--", "-."), strict=True):
+                part = rows[rows["way"] == f"{way}, hardness {hardness / 1e6:.0f} MPa"]
+                label = f"hardness {hardness / 1e6:.0f} MPa" if way == "down" else None
+                ax.plot(
+                    part["mean_pressure_Pa"] / 1e6,
+                    1e6 * part["closure_m"],
+                    color=color,
+                    ls=style,
+                    lw=1,
+                    label=label,
+                )
+            measured = rows[rows["way"].isin([way, f"{way}, hardness {HARDNESSES[0] / 1e6:.0f} MPa"])]
+            fill = color if way == "up" else "none"
+            style = {"mec": color, "mfc": fill, "ls": "none", "label": f"measured, {way}"}
+            ax.plot(measured["mean_pressure_Pa"] / 1e6, 1e6 * measured["measured_m"], "o", **style)
+        ax.set(title=f"specimen {number}", xlabel="normal stress (MPa)")
+    axes[0].set_ylabel("closure from the first load above 1 MPa (µm)")
+    axes[2].legend(fontsize=7, loc="lower right")
+    FigureCanvasAgg(figure).print_png(path)
+
+
 def main() -> None:
     """Measure, print a summary, and write table and picture if asked."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
@@ -133,6 +169,7 @@ def main() -> None:
         )
     if options.write:
         table.to_csv(RESULTS, index=False, float_format="%.6g")
+        draw(table, PICTURE)
 
 
 if __name__ == "__main__":
