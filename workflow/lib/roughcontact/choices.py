@@ -14,6 +14,7 @@ WindowMethod = Literal["smooth-cross-fade", "periodic-plus-smooth", "cross-fade"
 
 ZeroFrequency = Literal["zero", "nogi-kato", "lattice"]
 Influence = Literal["sampled", "elements"]
+Boundary = Literal["periodic", "free"]
 Precision = Literal["double", "single"]
 OnFailure = Literal["raise", "flag"]
 LoadTarget = Literal["percolation", "first_yield"]

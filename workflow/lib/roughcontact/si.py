@@ -23,6 +23,7 @@ _NAMES = {
     "m": "s_filter l_filter shortest_wavelength longest_wavelength thickness shift seal.width "
     "noise resolution wavelength tip_radius",
     "Pa": "contact_modulus mean_pressure hardness youngs_modulus yield_stress seal.pressure_difference start",
+    "N": "force",
     "degree": "rotation rotations",
     "J m-2": "work_of_adhesion",
     "Pa s": "seal.viscosity",

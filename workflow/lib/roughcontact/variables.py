@@ -36,6 +36,7 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "contact": ("1", "1 where the surfaces touch (pressure > 0), 0 elsewhere"),
     # the solution, per load
     "mean_pressure": ("Pa", "nominal (applied, mean) pressure over the whole window"),
+    "force": ("N", "force on a body of finite size"),
     "relative_pressure": ("1", "mean pressure / (contact modulus x rms gradient)"),
     "approach": ("m", "place of the half-space on the scale of the heights; falls as the load rises"),
     "iterations": ("1", "outer iterations of the solver, all grids"),

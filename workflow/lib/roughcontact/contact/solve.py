@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,8 +10,9 @@ import xarray as xr
 
 from roughcontact.bodies import check_bodies
 from roughcontact.checking import check_choice, check_positive, warn_of_map
-from roughcontact.choices import SMALLEST_TOLERANCE, Influence, OnFailure, Precision, ZeroFrequency
+from roughcontact.choices import SMALLEST_TOLERANCE, Boundary, Influence, OnFailure, Precision, ZeroFrequency
 from roughcontact.contact.dataset import as_dataset, joined
+from roughcontact.contact.free_boundary import free_datasets
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.problem import nondimensionalise, on_host
 from roughcontact.contact.sweep import Solution, sweep
@@ -37,7 +38,9 @@ def solve_contact(
     window: xr.DataArray,
     *,
     contact_modulus: float | str | None = None,
-    mean_pressure: float | str | Sequence[float | str],
+    mean_pressure: float | str | Sequence[float | str] | None = None,
+    boundary: Boundary = "periodic",
+    force: float | str | Sequence[float | str] | None = None,
     bodies: Sequence[Mapping[str, Any]] | None = None,
     tolerance: float = 1e-4,
     hardness: float | None = None,
@@ -66,7 +69,12 @@ def solve_contact(
         E*, unless `bodies` are given; this and other numbers may be text with a unit, "115 GPa". Any unit of
         pressure that the loads share, where the map has no `units`.
     mean_pressure : float or sequence of float, Pa
-        one load or several, in any order; the dimension `load` keeps the order.
+        one load or several, in any order; the dimension `load` keeps the order. Not of a finite body.
+    boundary : {"periodic", "free"}
+        ``free``: the map is a body of finite size (a ball, a block) on the half-space, without neighbours
+        [4]_; the approach is then absolute, and the `force` is given instead of the pressure.
+    force : float or sequence of float, N
+        one or several, for ``boundary="free"``; the coordinate `force` of the result.
     bodies : sequence of one or two mappings, optional
         instead of E*: `youngs_modulus` (Pa) and `poissons_ratio`, or `base` = "rigid", and `layers` from the
         surface inwards, each with `thickness` (m), `youngs_modulus`, `poissons_ratio`. E* is then that of the
@@ -129,6 +137,8 @@ def solve_contact(
     .. [1] Johnson (1985), Contact Mechanics, chapter 13.
     .. [2] Polonsky and Keer (1999), Wear 231, 206, for the discrete problem.
     .. [3] Almqvist, Sahlin, Larsson and Glavatskih (2007), Tribol. Int. 40, 574.
+    .. [4] Vico, Greengard and Ferrando (2016), J. Comput. Phys. 323, 191, for the kernel that is cut off
+       beyond the contact (`roughcontact.elasticity.free_space`).
 
     Examples
     --------
@@ -144,9 +154,28 @@ def solve_contact(
     0.50
     >>> bool(contact.error_bound <= 1e-4)
     True
+
+    A ball of radius 10 mm under 1 N approaches by a^2/R, a^3 = 3 F R/(4 E*) (Hertz):
+
+    >>> x = np.linspace(-1, 1, 128) * 0.3e-3
+    >>> ball = rc.height_map(-(x[:, None] ** 2 + x**2) / 20e-3, x[1] - x[0])
+    >>> contact = rc.solve_contact(ball, boundary="free", contact_modulus=1e9, force="1 N")
+    >>> print(f"{-contact.approach.item() * 10e-3 / (0.75 * 10e-3 / 1e9) ** (2 / 3):.4f}")
+    1.0000
     """
     modulus, layers = elasticity(contact_modulus, bodies)
-    loads = check_loads("mean_pressure", mean_pressure, unit="Pa")
+    check_choice("boundary", boundary, Boundary)
+    free = boundary == "free"
+    if free:
+        _check_free(mean_pressure, force, layers, zero_frequency, arrays)
+        loads = check_loads("force", force, unit="N")
+    elif force is not None:
+        raise SettingsError(
+            "force is for boundary='free'; give the mean_pressure of a periodic map, force over nominal area",
+            keys=("force",),
+        )
+    else:
+        loads = check_loads("mean_pressure", [] if mean_pressure is None else mean_pressure, unit="Pa")
     tolerance = check_positive("tolerance", tolerance, unit="relative terms")
     if not SMALLEST_TOLERANCE <= tolerance < 1:
         raise SettingsError(
@@ -161,71 +190,38 @@ def solve_contact(
         raise SettingsError(
             f"reduce = {reduce!r}: give a function of a Dataset, such as roughcontact.contact_statistics"
         )
-    cap = np.inf if hardness is None else check_positive("hardness", hardness, unit="Pa")
-    if max(loads) >= cap:
-        raise SettingsError(
-            f"mean_pressure {max(loads):g} Pa is not below the hardness {cap:g} Pa: no contact carries it",
-            keys=("mean_pressure",),
-        )
-    if max(loads) > cap * (1 - NEAR_HARDNESS):
-        raise SettingsError(
-            f"mean_pressure {max(loads):.12g} Pa is less than one part in a million below the hardness "
-            f"{cap:.12g} Pa: all of the surface yields; lower the one or raise the other",
-            keys=("mean_pressure",),
-        )
-    working = DOUBLE if precision == "double" else SINGLE
-    problem = nondimensionalise(window, precision=working, arrays=arrays, threads=threads)
-    window = on_host(window)
-    warn_of_map(window.shape, problem.gradient)
-    if zero_frequency != "zero" and 1 in window.shape:
-        raise SettingsError(
-            f"zero_frequency = {zero_frequency!r} is for maps: the mean displacement of an infinitely wide "
-            "profile is infinite; use 'zero'",
-            keys=["zero_frequency"],
-        )
-    attrs: dict[str, Any] = {"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence}
-    attrs |= {} if layers is None else {"bodies": json.dumps(layers.as_settings())}
-    compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres)
-    compliance /= modulus if layers is None else layers.base_modulus
-    compliance += 0.0 if layers is None else layers.mean_compliance(elastic=zero_frequency != "zero")
+    hardness = None if hardness is None else check_positive("hardness", hardness, unit="Pa")
     order = np.argsort(loads, kind="stable")
-    unit = modulus * problem.gradient if not problem.flat else modulus
-    for load in (min(loads), max(loads)) if not problem.flat else ():
-        if not LEAST_LOAD <= load / unit <= MOST_LOAD:
-            raise SettingsError(
-                f"mean_pressure {load:g} Pa is {load / unit:.1g} of E* times the rms gradient of the map "
-                f"({unit:.3g} Pa); rounding allows {LEAST_LOAD:g} to {MOST_LOAD:g}: check the units of load, "
-                "modulus and heights",
-                keys=("mean_pressure",),
-            )
-    solutions = sweep(
-        problem,
-        [loads[i] / unit for i in order],
-        tolerance=tolerance,
-        cap=cap / unit,
-        influence=influence,
-        layers=layers and layers.scaled(problem.unit_length),
-        precision=working,
-        give_up=on_failure == "raise",
-        threads=threads,
-    )
+    rising = [loads[index] for index in order]
+    attrs: dict[str, Any] = {"tolerance": tolerance, "influence": influence}
+    if free:
+        datasets = free_datasets(
+            window,
+            rising,
+            modulus=modulus,
+            hardness=hardness,
+            give_up=on_failure == "raise",
+            threads=threads,
+            **attrs,
+        )
+    else:
+        datasets = _periodic_datasets(
+            window,
+            rising,
+            modulus=modulus,
+            layers=layers,
+            hardness=hardness,
+            zero_frequency=zero_frequency,
+            precision=precision,
+            on_failure=on_failure,
+            arrays=arrays,
+            threads=threads,
+            **attrs,
+        )
     load_datasets: dict[int, xr.Dataset] = {}
     for solved, index in enumerate(order, start=1):
         # no other name refers to the fields of a load while the next one is solved
-        solution, load = next(solutions), loads[index]
-        if solution.error_bound > tolerance and on_failure == "raise":
-            raise ConvergenceError(_missed(load, solution, tolerance=tolerance, precision=precision))
-        load_dataset = as_dataset(
-            solution,
-            problem,
-            window,
-            load=load,
-            modulus=modulus,
-            compliance=compliance,
-            hardness=hardness,
-            attrs=attrs,
-            threads=threads,
-        )
+        load_dataset = next(datasets)
         if reduce is not None:
             reduced = _reduced(load_dataset, reduce)
             load_dataset = load_dataset.drop_dims(["y", "x"]).merge(
@@ -234,10 +230,11 @@ def solve_contact(
         elif not fields:
             load_dataset = load_dataset.drop_dims(["y", "x"])
         load_datasets[int(index)] = load_dataset
-        del solution, load_dataset
+        del load_dataset
         if progress is not None:
-            progress(solved, len(loads), f"mean pressure {load:.4g} Pa")
-    del solutions  # and with them their workspace
+            load_in_words = f"force {loads[index]:.4g} N" if free else f"mean pressure {loads[index]:.4g} Pa"
+            progress(solved, len(loads), load_in_words)
+    del datasets  # and with them their workspace
     return describe(joined([load_datasets[index] for index in range(len(loads))]))
 
 
@@ -260,6 +257,108 @@ def elasticity(
                 keys=["contact_modulus", "bodies"],
             )
     return modulus, layered_pair(checked)
+
+
+def _periodic_datasets(
+    window: xr.DataArray,
+    loads: Sequence[float],
+    *,
+    modulus: float,
+    layers: LayeredPair | None,
+    tolerance: float,
+    hardness: float | None,
+    influence: Influence,
+    zero_frequency: ZeroFrequency,
+    precision: Precision,
+    on_failure: OnFailure,
+    arrays: Callable[[np.ndarray], Any] | None,
+    threads: int,
+) -> Iterator[xr.Dataset]:
+    """Yield the dataset of each of the rising loads (Pa) of a periodic map; arguments of `solve_contact`."""
+    cap = np.inf if hardness is None else hardness
+    if max(loads) >= cap:
+        raise SettingsError(
+            f"mean_pressure {max(loads):g} Pa is not below the hardness {cap:g} Pa: no contact carries it",
+            keys=("mean_pressure",),
+        )
+    if max(loads) > cap * (1 - NEAR_HARDNESS):
+        raise SettingsError(
+            f"mean_pressure {max(loads):.12g} Pa is less than one part in a million below the hardness "
+            f"{cap:.12g} Pa: all of the surface yields; lower the one or raise the other",
+            keys=("mean_pressure",),
+        )
+    working = DOUBLE if precision == "double" else SINGLE
+    problem = nondimensionalise(window, precision=working, arrays=arrays, threads=threads)
+    window = on_host(window)
+    warn_of_map(window.shape, problem.gradient, stacklevel=5)
+    if zero_frequency != "zero" and 1 in window.shape:
+        raise SettingsError(
+            f"zero_frequency = {zero_frequency!r} is for maps: the mean displacement of an infinitely wide "
+            "profile is infinite; use 'zero'",
+            keys=["zero_frequency"],
+        )
+    attrs: dict[str, Any] = {"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence}
+    attrs |= {} if layers is None else {"bodies": json.dumps(layers.as_settings())}
+    compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres)
+    compliance /= modulus if layers is None else layers.base_modulus
+    compliance += 0.0 if layers is None else layers.mean_compliance(elastic=zero_frequency != "zero")
+    unit = modulus * problem.gradient if not problem.flat else modulus
+    for load in (min(loads), max(loads)) if not problem.flat else ():
+        if not LEAST_LOAD <= load / unit <= MOST_LOAD:
+            raise SettingsError(
+                f"mean_pressure {load:g} Pa is {load / unit:.1g} of E* times the rms gradient of the map "
+                f"({unit:.3g} Pa); rounding allows {LEAST_LOAD:g} to {MOST_LOAD:g}: check the units of load, "
+                "modulus and heights",
+                keys=("mean_pressure",),
+            )
+    solutions = sweep(
+        problem,
+        [load / unit for load in loads],
+        tolerance=tolerance,
+        cap=cap / unit,
+        influence=influence,
+        layers=layers and layers.scaled(problem.unit_length),
+        precision=working,
+        give_up=on_failure == "raise",
+        threads=threads,
+    )
+    for load in loads:
+        solution = next(solutions)
+        if solution.error_bound > tolerance and on_failure == "raise":
+            raise ConvergenceError(_missed(load, solution, tolerance=tolerance, precision=precision))
+        load_dataset = [
+            as_dataset(
+                solution,
+                problem,
+                window,
+                load=load,
+                modulus=modulus,
+                compliance=compliance,
+                hardness=hardness,
+                attrs=attrs,
+                threads=threads,
+            )
+        ]
+        del solution
+        yield load_dataset.pop()
+
+
+def _check_free(
+    mean_pressure: Any, force: Any, layers: LayeredPair | None, zero_frequency: ZeroFrequency, arrays: Any
+) -> None:
+    """Raise SettingsError for what is not solved with, or lacks for, free boundaries."""
+    reasons = {
+        "mean_pressure": mean_pressure is not None
+        and "a finite body has no mean pressure; give its force in N",
+        "force": force is None and "missing: give the force on the finite body in N",
+        "bodies": layers is not None and "layers are solved for periodic maps only; leave them out",
+        "zero_frequency": zero_frequency != "zero"
+        and "the approach of a finite body is absolute; leave it out",
+        "arrays": arrays is not None and "finite bodies are solved by NumPy; leave it out",
+    }
+    for name, reason in reasons.items():
+        if reason:
+            raise SettingsError(f"{name}, boundary 'free': {reason}", keys=(name,))
 
 
 def _reduced(load_dataset: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset]) -> xr.Dataset:

@@ -174,13 +174,15 @@ _LAYERED: dict[Influence, Callable] = {"sampled": layered_sampled, "elements": l
 
 
 def symbol(
-    influence: Influence,
+    influence: Influence | Callable,
     qy: np.ndarray,
     qx: np.ndarray,
     spacing: tuple[float, float],
     layers: LayeredPair | None = None,
 ) -> np.ndarray:
-    """Return S(q) of an influence function, of half-spaces or of bodies with layers."""
+    """Return S(q) of an influence function, or of its name, of half-spaces or of bodies with layers."""
+    if callable(influence):
+        return np.asarray(influence(qy, qx, spacing))
     if layers is None:
         return np.asarray(INFLUENCE[influence](qy, qx, spacing))
     return np.asarray(_LAYERED[influence](qy, qx, spacing, layers))

@@ -1,0 +1,355 @@
+"""Bodies of finite size on the half-space: no neighbours, one certified solution.
+
+No point carries pressure beyond a region around the contact. In it the kernel that is cut off beyond its
+diameter is exact (`roughcontact.elasticity.free_space`), so the periodic solver with that symbol, in a cell
+about twice as wide as the region, solves the problem of free boundaries, and its certificate is the bound of
+this one. A coarse solution of all of the map gives the region. The gap beyond it, from the displacement of
+the half-space, shows whether more of the map touches: then the region grows, and is solved again.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import scipy.fft
+import xarray as xr
+
+from roughcontact.choices import Influence
+from roughcontact.contact.certificate import rounding_floor
+from roughcontact.contact.grid import Grid
+from roughcontact.contact.iteration import solve_on_grid
+from roughcontact.contact.nested_iteration import first_guess, nested_heights
+from roughcontact.contact.problem import nondimensionalise, on_host
+from roughcontact.contact.state import State
+from roughcontact.elasticity.energy import elastic_energy
+from roughcontact.elasticity.free_space import FADE, TruncatedKernel, love
+from roughcontact.errors import ConvergenceError, HeightMapError, SettingsError
+from roughcontact.kernels.arrays import DOUBLE, SINGLE
+
+COARSEST = 64  # points along the longer side of the map that shows where the contact is
+COARSE_TOLERANCE = 0.03
+MARGIN, MIN_MARGIN = 0.04, 3  # of the region beside the contact, over its width; in points
+MAX_PASSES = 12  # regions; each is larger than the one before
+SAFETY = 0.95  # of the tolerance, where a first solution has missed it
+DEPTH = 4.0  # of the padding below the heights, over the deepest possible gap of a smooth body
+CELL_DIVISOR = 16  # of the points along a cell, for coarser grids of whole cells
+
+
+@dataclass(frozen=True)
+class FreeSolution:
+    """The contact of a finite body under one force.
+
+    `pressure`, `gap` (ny, nx) in Pa and m; `approach` in m, absolute; `error_bound` of the relative error in
+    the energy norm, over that of the pressure in the window; `floor` of rounding, likewise; `steps` of the
+    iteration; `applications` of the operator, weighted by size over that of the map.
+    """
+
+    pressure: np.ndarray
+    gap: np.ndarray
+    approach: float
+    error_bound: float
+    floor: float
+    steps: int
+    applications: float
+
+
+@dataclass
+class Region:
+    """A disc within a rectangle of the map: the points that may touch.
+
+    `rows`, `columns`: slices of the map; `mask` (rows, columns): of the disc; `reach` in m: its diameter.
+    """
+
+    rows: slice
+    columns: slice
+    mask: np.ndarray
+    reach: float
+
+
+def free_datasets(
+    window: xr.DataArray,
+    forces: Sequence[float],
+    *,
+    modulus: float,
+    tolerance: float,
+    hardness: float | None,
+    influence: Influence,
+    give_up: bool,
+    threads: int,
+) -> Iterator[xr.Dataset]:
+    """Yield the dataset of each force (N), with `load` of size 1 and the variables of contact.nc.
+
+    `mean_pressure` is the force over the area of the map. Raises `ConvergenceError`: where `give_up` and a
+    force misses the tolerance.
+    """
+    window = on_host(window)
+    problem = nondimensionalise(window, threads=threads)
+    if min(window.shape) < 4:
+        raise HeightMapError(
+            f"a finite body is a map, this one has {window.shape[0]} x {window.shape[1]} points: the "
+            "approach of an endless ridge is infinite; solve a profile with boundary: periodic"
+        )
+    body = FreeBody(
+        np.asarray(window.values, float),
+        problem.spacing,
+        modulus=modulus,
+        hardness=np.inf if hardness is None else hardness,
+        influence=influence,
+        threads=threads,
+    )
+    area = window.size * problem.spacing[0] * problem.spacing[1]
+    for force in forces:
+        solution = body.solve(force, tolerance=tolerance)
+        if give_up and solution.error_bound > tolerance:
+            raise ConvergenceError(
+                f"force {force:g} N: the error bound stopped at {solution.error_bound:.2g}, above the "
+                f"tolerance {tolerance:g} (rounding allows {solution.floor:.1g}): raise the tolerance or set "
+                "on_failure: flag"
+            )
+        pressure, mean = solution.pressure, force / area
+        yielded = 0.0 if hardness is None else float((pressure >= hardness).mean())
+        gap = np.where(pressure >= body.hardness, 0.0, solution.gap)
+        fields = {"pressure": pressure, "gap": gap, "contact": (pressure > 0).astype(np.int8)}
+        numbers = {
+            "relative_pressure": np.inf if problem.flat else mean / (modulus * problem.gradient),
+            "approach": solution.approach,
+            "iterations": solution.steps,
+            "operator_applications": solution.applications,
+            "error_bound": solution.error_bound,
+            "rounding_floor": solution.floor,
+            "yielded_area": yielded,
+            "max_penetration": max(0.0, -float(gap.min())),
+            "converged": np.int8(solution.error_bound <= tolerance),
+            "load_error": abs(float(pressure.mean()) / mean - 1),
+        }
+        coords = {"mean_pressure": ("load", [mean]), "force": ("load", [force]), **window.coords.variables}
+        yield xr.Dataset(
+            {name: (("load", "y", "x"), field[None]) for name, field in fields.items()}
+            | {name: ("load", [value]) for name, value in numbers.items()}
+            | {"height": window.variable, "contact_modulus": modulus}
+            | ({} if hardness is None else {"hardness": hardness}),
+            coords=xr.Coordinates(coords, indexes=window.xindexes),
+            attrs={"tolerance": tolerance, "influence": influence, "boundary": "free"},
+        )
+
+
+class FreeBody:
+    """A map (ny, nx; m) with pixels `spacing` (dy, dx; m), pressed on a half-space of modulus E* (Pa)."""
+
+    def __init__(
+        self,
+        heights: np.ndarray,
+        spacing: tuple[float, float],
+        *,
+        modulus: float,
+        hardness: float = np.inf,
+        influence: Influence = "sampled",
+        threads: int = 1,
+    ):
+        self.heights, self.spacing, self.modulus = heights, spacing, modulus
+        self.hardness, self.threads = hardness, threads
+        self.influence: Influence = influence
+
+    def solve(self, force: float, *, tolerance: float) -> FreeSolution:
+        """Return the contact under a force (N)."""
+        region, ratio = self._first_region(force)
+        start, cell_tolerance, steps, applications = None, tolerance / ratio, 0, 0.0
+        for _ in range(MAX_PASSES):
+            cell = Cell(self, region, force)
+            solved = cell.solve(start, tolerance=cell_tolerance)
+            pressure = np.zeros(self.heights.shape)
+            pressure[region.rows, region.columns] = cell.pressure
+            steps, applications = steps + cell.steps, applications + cell.applications / pressure.size
+            ratio = self._norm_ratio(cell.energy, pressure)
+            bound = solved * ratio
+            gap = self._gap(cell, region, pressure)
+            # what touches at the rim of the region may touch beyond it
+            touching = (pressure > 0) | (gap < 0)
+            if self._is_inside(touching, region):
+                if bound <= tolerance or cell.is_stuck:
+                    break
+                cell_tolerance *= SAFETY * tolerance / bound
+            else:
+                region = self._region(touching, MIN_MARGIN)
+            start = pressure
+        else:
+            raise HeightMapError(f"the region of contact still grows after {MAX_PASSES} solutions")
+        self._check_border(pressure, force)
+        return FreeSolution(pressure, gap, cell.approach, bound, cell.floor * ratio, steps, applications)
+
+    def _first_region(self, force: float) -> tuple[Region, float]:
+        """Return the region of contact by a coarse solution, and the ratio of its norms."""
+        factor = -(-max(self.heights.shape) // COARSEST)
+        if factor == 1:
+            return self._region(np.ones(self.heights.shape, bool), 0), 1.0
+        ny, nx = (-(-n // factor) for n in self.heights.shape)
+        padding = [(0, ny * factor - self.heights.shape[0]), (0, nx * factor - self.heights.shape[1])]
+        blocks = np.pad(self.heights, padding, mode="edge").reshape(ny, factor, nx, factor)
+        coarse = FreeBody(
+            blocks.mean(axis=(1, 3)),
+            (self.spacing[0] * factor, self.spacing[1] * factor),
+            modulus=self.modulus,
+            hardness=self.hardness,
+        )
+        cell = Cell(coarse, coarse._region(np.ones((ny, nx), bool), 0), force)
+        cell.solve(None, tolerance=COARSE_TOLERANCE)
+        touching = np.repeat(np.repeat(cell.pressure > 0, factor, axis=0), factor, axis=1)
+        ratio = coarse._norm_ratio(cell.energy, cell.pressure)
+        return self._region(touching[: self.heights.shape[0], : self.heights.shape[1]], factor), ratio
+
+    def _region(self, touching: np.ndarray, margin: int) -> Region:
+        """Return the region around all points that touch, with a margin of at least so many points."""
+        lines = [np.flatnonzero(touching.any(axis=axis)) for axis in (1, 0)]
+        ends = []
+        for line, n in zip(lines, touching.shape, strict=True):
+            wide = max(margin, int(MARGIN * (line[-1] - line[0]))) if margin else 0
+            ends.append((max(line[0] - wide, 0), min(line[-1] + wide + 1, n)))
+        (top, bottom), (left, right) = ends
+        y, x = (
+            (np.arange(*pair) - 0.5 * (sum(pair) - 1)) * d for pair, d in zip(ends, self.spacing, strict=True)
+        )
+        distance = np.hypot(y[:, None], x)
+        radius = float(distance[touching[top:bottom, left:right]].max()) + margin * max(self.spacing)
+        mask = distance <= radius * (1 + MARGIN)
+        return Region(slice(top, bottom), slice(left, right), mask, 2 * float(distance[mask].max()))
+
+    def _norm_ratio(self, energy: float, pressure: np.ndarray) -> float:
+        """Return the norm of the pressure in its cell, of that energy (J), over that in the window."""
+        of_window = elastic_energy(
+            pressure, self.spacing, contact_modulus=self.modulus, influence=self.influence
+        )
+        return float(np.sqrt(energy / (of_window * pressure.size * np.prod(self.spacing))))
+
+    def _gap(self, cell: "Cell", region: Region, pressure: np.ndarray) -> np.ndarray:
+        """Return the gap (ny, nx) in m: that of the solution in the region, that of Love's pixels beyond."""
+        loaded = pressure[region.rows, region.columns]
+        sides = (region.rows, region.columns)
+        # each offset between a loaded point and one of the map has its own element of the transform
+        sizes = [2 * max(side.stop, n - side.start) for n, side in zip(pressure.shape, sides, strict=True)]
+        shape = scipy.fft.next_fast_len(sizes[0], real=True), scipy.fft.next_fast_len(sizes[1], real=True)
+        with scipy.fft.set_workers(self.threads):
+            spectrum = scipy.fft.rfft2(loaded, shape) * _free_symbol(shape, self.spacing)
+            displacement = scipy.fft.irfft2(spectrum, shape)
+        gap = np.roll(displacement, [side.start for side in sides], (0, 1))[
+            : pressure.shape[0], : pressure.shape[1]
+        ]
+        gap = gap / self.modulus - self.heights + cell.approach
+        gap[region.rows, region.columns][region.mask] = cell.gap[region.mask]
+        return gap
+
+    @staticmethod
+    def _is_inside(touching: np.ndarray, region: Region) -> bool:
+        """Return whether all that touches lies in the region."""
+        inner = np.zeros(touching.shape, bool)
+        inner[region.rows, region.columns] = region.mask
+        return not bool((touching & ~inner).any())
+
+    def _check_border(self, pressure: np.ndarray, force: float) -> None:
+        """Raise HeightMapError where the contact reaches the border of the map."""
+        border = pressure.copy()
+        border[1:-1, 1:-1] = 0
+        if not border.any():
+            return
+        sides = [n * d for n, d in zip(pressure.shape, self.spacing, strict=True)]
+        radius = self.radius_of_curvature()
+        if radius is None:
+            advice = "surround it by lower heights, at least a row or column, where the body ends there"
+        else:
+            contact_radius = (3 * force * radius / (4 * self.modulus)) ** (1 / 3)
+            side = max(2.2 * contact_radius, 1.1 * min(sides))
+            advice = (
+                f"a map of {side:.3g} m x {side:.3g} m would do (a ball of its mean radius of curvature, "
+                f"{radius:.3g} m, touches over {2 * contact_radius:.3g} m); or lower the force; where the "
+                "body itself ends there, surround it by lower heights"
+            )
+        raise HeightMapError(
+            f"under {force:g} N the contact reaches the border of the map, {sides[1]:.3g} m x "
+            f"{sides[0]:.3g} m, and what lies beyond is not known: {advice}"
+        )
+
+    def radius_of_curvature(self) -> float | None:
+        """Return the geometric mean radius (m) of the paraboloid that fits; None where it is not convex."""
+        y, x = (
+            (np.arange(n) - (n - 1) / 2) * d for n, d in zip(self.heights.shape, self.spacing, strict=True)
+        )
+        curvatures = []
+        for axis, line in enumerate((y, x)):
+            if line.size < 3:
+                return None
+            curvatures.append(-2 * np.polyfit(line, self.heights.mean(axis=1 - axis), 2)[0])
+        curved = min(curvatures) * max(y[-1], x[-1]) > 1e-9 and min(curvatures) > 0
+        return float(1 / np.sqrt(curvatures[0] * curvatures[1])) if curved else None
+
+
+class Cell:
+    """The periodic problem of a region: its heights in a cell where no image acts on it."""
+
+    def __init__(self, body: FreeBody, region: Region, force: float):
+        self.body, self.region = body, region
+        heights = body.heights[region.rows, region.columns]
+        self.shape = tuple(
+            CELL_DIVISOR
+            * int(scipy.fft.next_fast_len(int(np.ceil((n + FADE * region.reach / d + 1) / CELL_DIVISOR))))
+            for n, d in zip(heights.shape, body.spacing, strict=True)
+        )
+        lengths = [n * d for n, d in zip(self.shape, body.spacing, strict=True)]
+        self.unit_length = float(np.sqrt(lengths[0] * lengths[1]))
+        self.lengths = lengths[0] / self.unit_length, lengths[1] / self.unit_length
+        self.mean_pressure = force / (lengths[0] * lengths[1])
+        if self.mean_pressure * np.prod(self.shape) >= body.hardness * region.mask.sum():
+            raise SettingsError(
+                f"force {force:g} N is not below what the body carries at the hardness {body.hardness:g} Pa",
+                keys=("force",),
+            )
+        inside = heights[region.mask]
+        lowest, highest = float(inside.min()), float(inside.max())
+        low = lowest - DEPTH * (highest - lowest + force / (body.modulus * region.reach))
+        self.heights = np.full(self.shape, low)
+        self.heights[: heights.shape[0], : heights.shape[1]] = np.where(region.mask, heights, low)
+        self.reference = highest
+        # the unit of height g L and that of pressure E* g, with the dimensionless load 1
+        self.gradient = self.mean_pressure / body.modulus
+        self.kernel = TruncatedKernel(body.influence, region.reach / self.unit_length)
+
+    def _grid(self, heights: np.ndarray, **scale: float) -> Grid:
+        cap = self.body.hardness / self.mean_pressure
+        return Grid(heights, self.lengths, cap=cap, influence=self.kernel, threads=self.body.threads, **scale)
+
+    def solve(self, start: np.ndarray | None, *, tolerance: float) -> float:
+        """Solve to a tolerance, from a pressure (of the map) or from coarser grids; return the bound."""
+        scale = self.gradient * self.unit_length
+        finest = self._grid(self.heights, reference=self.reference, unit=scale)
+        ny, nx = self.region.mask.shape
+        self.steps, applications = 0, 0.0
+        if start is None:
+            nested = nested_heights(finest.heights_in(SINGLE), self.lengths)
+            grids = [finest, *(self._grid(heights) for _, heights in nested)]
+            fluctuation = grids[-1].halfspace.pressure(grids[-1].heights_in(SINGLE))
+            guess, self.steps = first_guess(grids, [factors for factors, _ in nested], 1.0, fluctuation)
+            applications = sum(grid.halfspace.applications * np.prod(grid.shape) for grid in grids[1:])
+        else:
+            guess = np.zeros(self.shape)
+            guess[:ny, :nx] = start[self.region.rows, self.region.columns] / self.mean_pressure
+        solution = solve_on_grid(finest, guess, 1.0, tolerance=tolerance, finish=DOUBLE)
+        state: State = solution.state
+        self.steps += solution.steps
+        self.applications = float(applications + finest.halfspace.applications * np.prod(self.shape))
+        spacing = self.body.spacing[0] / self.unit_length, self.body.spacing[1] / self.unit_length
+        mean = self.kernel.mean_displacement(self.shape, spacing)
+        self.approach = self.reference - scale * (state.offset + mean)
+        self.pressure = state.pressure[:ny, :nx] * self.mean_pressure
+        self.gap = state.gap[:ny, :nx] * scale
+        area = np.prod(self.shape) * np.prod(self.body.spacing)
+        self.energy = 0.5 * state.norm**2 * self.mean_pressure * scale * float(area)
+        self.floor = rounding_floor(finest.halfspace, state)
+        self.is_stuck = solution.error_bound > tolerance
+        return solution.error_bound
+
+
+@lru_cache(maxsize=2)
+def _free_symbol(shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarray:
+    """Return the transform of Love's kernel on a grid, exact up to half of it."""
+    kernel = love((shape[0] // 2 + 1, shape[1] // 2 + 1), spacing)
+    rows, columns = (np.minimum(i, n - i) for n in shape for i in [np.arange(n)])
+    return np.asarray(scipy.fft.rfft2(kernel[np.ix_(rows, columns)]).real)

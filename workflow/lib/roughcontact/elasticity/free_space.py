@@ -1,0 +1,91 @@
+"""The half-space under a body of finite size: the kernel 1/(pi E* r), cut off beyond its contact.
+
+Two points in contact are never further apart than the diameter of the contact. A kernel that is exact up to
+that reach and fades to zero beyond it displaces the contact as the half-space does, and in a periodic cell
+of at least the width of the contact plus the distance where it vanishes, no image acts on it [1]_. So the
+problem of free boundaries is one of the periodic solver with another symbol. That is positive: the kernel cut
+off at r = R has the symbol (2/|q|) F(|q| R), F(z) the integral of J0 from 0 to z, which is positive for all
+z > 0, and a linear fade is the mean of such cut-offs. So the certificate of the periodic solver holds as it
+is.
+
+References
+----------
+.. [1] Vico, Greengard and Ferrando (2016), J. Comput. Phys. 323, 191, for the cut-off.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.fft
+
+from roughcontact.choices import Influence
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
+
+FADE = 1.15  # distance where the kernel vanishes over the distance up to which it is exact
+_STEP = 0.05  # of |q| reach in the table of the symbol, whose shortest wave is 2 pi / FADE
+
+
+@dataclass(frozen=True)
+class TruncatedKernel:
+    """An influence function (`roughcontact.elasticity.influence`), exact up to the distance `reach`."""
+
+    influence: Influence
+    reach: float
+
+    def __call__(self, qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
+        """Return the symbol; infinite at q = 0, whose displacement `mean_displacement` is."""
+        if self.influence == "elements":
+            width = qx.size > 1 and round(2 * np.pi / (float(qx[0, 1]) * spacing[1]))
+            symbol = scipy.fft.rfft2(self._elements((qy.size, int(width)), spacing)).real
+        else:
+            q: np.ndarray = np.hypot(qy.astype(float), qx.astype(float))
+            q[0, 0] = 1.0
+            last = 2.0 ** np.ceil(np.log2(q.max() * self.reach))
+            symbol = 2 / q * _cut_off(float(last))(q * self.reach)
+        symbol[0, 0] = np.inf
+        return symbol.astype(np.result_type(qy, qx))
+
+    def mean_displacement(self, shape: tuple[int, int], spacing: tuple[float, float]) -> float:
+        """Return E* times the mean displacement per mean pressure: the symbol at q = 0."""
+        if self.influence == "elements":
+            return float(self._elements(shape, spacing).sum())
+        return (1 + FADE) * self.reach
+
+    def _elements(self, shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarray:
+        """Return E* times the displacement (ny, nx) by a pixel of unit pressure at [0, 0], periodic."""
+        y, x = (np.minimum(i, n - i) * d for n, d in zip(shape, spacing, strict=True) for i in [np.arange(n)])
+        fade = (FADE - np.hypot(y[:, None], x) / self.reach) / (FADE - 1)
+        kernel = love(tuple(n // 2 + 1 for n in shape), spacing)
+        rows, columns = (np.minimum(i, n - i) for n in shape for i in [np.arange(n)])
+        return kernel[np.ix_(rows, columns)] * np.clip(fade, 0, 1)
+
+
+def love(shape: tuple[int, ...], spacing: tuple[float, float]) -> np.ndarray:
+    """Return E* u (ny, nx) at the distances (i dy, j dx) from a pixel under unit pressure (Love 1929)."""
+    y, x = (np.abs(np.arange(n + 1) - 0.5)[:, None] * d for n, d in zip(shape, spacing, strict=True))
+    x = x.T
+    # the potential of a rectangle seen from its corner, which is odd in both sides
+    corner = (x * np.arcsinh(y / x) + y * np.arcsinh(x / y)) / np.pi
+    corner[0] *= -1
+    corner[:, 0] *= -1
+    return np.diff(np.diff(corner, axis=0), axis=1)
+
+
+@lru_cache(maxsize=8)
+def _cut_off(last: float) -> "CubicSpline":
+    """Return the factor of 2/|q| as a function of |q| reach up to `last`."""
+    from scipy.interpolate import CubicSpline
+    from scipy.special import itj0y0, j1
+
+    z: np.ndarray = np.arange(_STEP, last + 2 * _STEP, _STEP)
+
+    def integral(upper: np.ndarray) -> np.ndarray:
+        """Return the integral of F from 0."""
+        return np.asarray(upper * itj0y0(upper)[0] - upper * j1(upper))
+
+    factor = (integral(FADE * z) - integral(z)) / ((FADE - 1) * z)
+    return CubicSpline(np.concatenate([[0.0], z]), np.concatenate([[0.0], factor]))
