@@ -288,11 +288,12 @@ class Cell:
     def __init__(self, body: FreeBody, region: Region, force: float):
         self.body, self.region = body, region
         heights = body.heights[region.rows, region.columns]
-        self.shape = tuple(
+        ny, nx = (
             CELL_DIVISOR
             * int(scipy.fft.next_fast_len(int(np.ceil((n + FADE * region.reach / d + 1) / CELL_DIVISOR))))
             for n, d in zip(heights.shape, body.spacing, strict=True)
         )
+        self.shape = ny, nx
         lengths = [n * d for n, d in zip(self.shape, body.spacing, strict=True)]
         self.unit_length = float(np.sqrt(lengths[0] * lengths[1]))
         self.lengths = lengths[0] / self.unit_length, lengths[1] / self.unit_length
@@ -312,9 +313,17 @@ class Cell:
         self.gradient = self.mean_pressure / body.modulus
         self.kernel = TruncatedKernel(body.influence, region.reach / self.unit_length)
 
-    def _grid(self, heights: np.ndarray, **scale: float) -> Grid:
-        cap = self.body.hardness / self.mean_pressure
-        return Grid(heights, self.lengths, cap=cap, influence=self.kernel, threads=self.body.threads, **scale)
+    def _grid(self, heights: np.ndarray, *, reference: float = 0.0, unit: float = 1.0) -> Grid:
+        """Return the grid of heights, which count as (height - reference)/unit."""
+        return Grid(
+            heights,
+            self.lengths,
+            reference=reference,
+            unit=unit,
+            cap=self.body.hardness / self.mean_pressure,
+            influence=self.kernel,
+            threads=self.body.threads,
+        )
 
     def solve(self, start: np.ndarray | None, *, tolerance: float) -> float:
         """Solve to a tolerance, from a pressure (of the map) or from coarser grids; return the bound."""

@@ -18,6 +18,7 @@ from roughcontact.contact.state import (
     scale_to_load,
 )
 from roughcontact.elasticity.halfspace import HalfSpace
+from roughcontact.elasticity.influence import InfluenceFunction
 from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.kernels.array_api import CLOSED
 from roughcontact.kernels.arrays import SINGLE, Array, count_of, empty, in_precision, namespace, precision_of
@@ -87,7 +88,7 @@ class Grid:
         reference: float = 0.0,
         unit: float = 1.0,
         cap: float = np.inf,
-        influence: Influence = "sampled",
+        influence: Influence | InfluenceFunction = "sampled",
         layers: LayeredPair | None = None,
         threads: int = 1,
     ):

@@ -17,7 +17,7 @@ import numpy as np
 
 from roughcontact.checking import check_choice
 from roughcontact.choices import Influence, ZeroFrequency
-from roughcontact.elasticity.influence import symbol
+from roughcontact.elasticity.influence import InfluenceFunction, symbol
 from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.errors import SettingsError
 from roughcontact.fourier import halfplane_weights, wavevectors
@@ -48,8 +48,8 @@ class HalfSpace:
         of the grid.
     lengths : (Ly, Lx)
         of the periodic cell.
-    influence : {"sampled", "elements"}
-        symbol of G (`roughcontact.elasticity.influence`).
+    influence : {"sampled", "elements"} or function
+        symbol of G, or its name (`roughcontact.elasticity.influence`).
     layers : LayeredPair, optional
         of the bodies, thicknesses in the unit of the lengths: the symbol is then that of
         `roughcontact.elasticity.layers`.
@@ -77,7 +77,7 @@ class HalfSpace:
         shape: tuple[int, int],
         lengths: tuple[float, float],
         *,
-        influence: Influence = "sampled",
+        influence: Influence | InfluenceFunction = "sampled",
         layers: LayeredPair | None = None,
         threads: int = 1,
         like: Array | None = None,
@@ -87,7 +87,7 @@ class HalfSpace:
         self.applications = 0.0
         self._like = np.broadcast_to(np.float32(0), self.shape) if like is None else like
         self.layers = layers
-        self._influence: Influence = influence
+        self._influence = influence
         self._kernels = kernels_for(self._like, threads=threads)
         self._symbols: dict[str, Array] = {}
         self._counts: dict[str, Array] = {}

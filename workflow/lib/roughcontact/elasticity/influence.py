@@ -20,6 +20,8 @@ from roughcontact.kernels.memory import store
 if TYPE_CHECKING:
     from scipy.interpolate import RectBivariateSpline
 
+InfluenceFunction = Callable[[np.ndarray, np.ndarray, tuple[float, float]], np.ndarray]
+
 _NODES = 129  # along each axis of the first quarter of the Brillouin zone
 _IMAGES = 40  # aliases that are summed on each side
 _SMALL = 1e-9  # change of the factor of an alias by layers below which it is left out
@@ -174,7 +176,7 @@ _LAYERED: dict[Influence, Callable] = {"sampled": layered_sampled, "elements": l
 
 
 def symbol(
-    influence: Influence | Callable,
+    influence: Influence | InfluenceFunction,
     qy: np.ndarray,
     qx: np.ndarray,
     spacing: tuple[float, float],

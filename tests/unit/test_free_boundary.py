@@ -1,0 +1,236 @@
+"""Bodies of finite size on the half-space, against Hertz, Sneddon, Love, and solutions of their own."""
+
+import numpy as np
+import pytest
+from scipy.integrate import dblquad, quad
+from scipy.special import j0
+
+import roughcontact as rc
+from roughcontact.elasticity.free_space import FADE, TruncatedKernel, love
+from roughcontact.elasticity.halfspace import HalfSpace
+from roughcontact.fourier import wavevectors
+from roughcontact.maps import height_map
+from roughcontact.references.closed_forms import hertz, hertz_ellipse
+
+POINTS = 256
+STEEL = {"boundary": "free", "contact_modulus": 1.0}
+
+
+def coordinates(points=POINTS):
+    """Return x and y of a square of side 1, in pixels' centres, from its middle."""
+    x = (np.arange(points) + 0.5) / points - 0.5
+    return np.meshgrid(x, x)
+
+
+def paraboloid(radius_x, radius_y, points=POINTS):
+    x, y = coordinates(points)
+    return height_map(-(x**2) / (2 * radius_x) - y**2 / (2 * radius_y), 1 / points)
+
+
+def rough_body(seed, points):
+    """Return the heights of a rough ball, block or ellipsoid on a square of side 1, and a force over E*."""
+    rng, (x, y) = np.random.default_rng(seed), coordinates(points)
+    waves = np.fft.fftfreq(points, 1 / points)
+    k = np.hypot(waves[:, None], waves)
+    band = (k >= rng.integers(2, 10)) & (k <= points / 6)
+    decay = np.where(band, np.maximum(k, 1) ** -(1 + rng.uniform(0.4, 1)), 0)
+    rough = np.fft.ifft2(np.fft.fft2(rng.standard_normal((points, points))) * decay).real
+    rough *= 10 ** rng.uniform(-4, -2.3) / rough.std()
+    if seed % 3 == 0:
+        form, force = -(x**2 + y**2) / 10, 4 / 15 * rng.uniform(0.08, 0.35) ** 3
+    elif seed % 3 == 1:
+        side = rng.uniform(0.1, 0.3)
+        form = np.where(np.maximum(abs(x), abs(y)) < side, 0.0, -0.3)
+        force = 4 * side**2 * rough.std() * rng.uniform(0.5, 20)
+    else:
+        form, force = -(x**2 / 0.5 + y**2 / 4) / 2, 10 ** rng.uniform(-4, -2.2)
+    return height_map(rough + form, 1 / points), force
+
+
+@pytest.mark.parametrize("influence", ["sampled", "elements"])
+def test_kernel_is_positive(influence):
+    kernel = TruncatedKernel(influence, 0.4)
+    assert kernel(*wavevectors((120, 96), (1 / 96, 1 / 96)), (1 / 96, 1 / 96)).min() > 0
+
+
+def test_kernel_of_elements_is_exact_up_to_its_reach():
+    shape, spacing = (120, 96), (1 / 96, 1 / 96)
+    kernel = TruncatedKernel("elements", 0.4)
+    symbol = kernel(*wavevectors(shape, spacing), spacing)
+    symbol[0, 0] = kernel.mean_displacement(shape, spacing)
+    response = np.fft.irfft2(symbol, shape)[:30, :20]
+    np.testing.assert_allclose(response, love((30, 20), spacing), rtol=1e-12)
+
+
+def test_sampled_symbol_is_the_transform_of_the_kernel():
+    """2 times the integral of J0(q r), the kernel 1/(pi r) in polar coordinates, with the linear fade."""
+    qy, qx = wavevectors((64, 64), (1 / 64, 1 / 64))
+    reach, end = 0.4, 0.4 * FADE
+    symbol = TruncatedKernel("sampled", reach)(qy, qx, (1 / 64, 1 / 64))
+    for row, column in ((0, 1), (1, 1), (0, 3), (7, 20), (32, 32)):
+        q = np.hypot(qy[row, 0], qx[0, column])
+        exact = quad(lambda r, q: 2 * j0(q * r), 0, reach, args=(q,), limit=200)[0]
+        fade = quad(lambda r, q: 2 * j0(q * r) * (end - r), reach, end, args=(q,), limit=200)[0]
+        assert symbol[row, column] == pytest.approx(exact + fade / (end - reach), rel=1e-7)
+
+
+def test_love_is_the_integral_over_a_pixel():
+    dy, dx = 0.5, 0.2
+    integral, _ = dblquad(
+        lambda y, x: 1 / np.pi / np.hypot(2 * dy + y, 3 * dx + x), -dx / 2, dx / 2, -dy / 2, dy / 2
+    )
+    assert love((4, 5), (dy, dx))[2, 3] == pytest.approx(integral, rel=1e-9)
+
+
+@pytest.mark.parametrize("ratio", [0.15, 0.2, 0.3, 0.4, 0.45])
+def test_ball(ratio):
+    radius, x = 10.0, coordinates()[0]
+    force = 4 * ratio**3 / (3 * radius)
+    exact = hertz(force, radius, 1.0)
+    contact = rc.solve_contact(paraboloid(radius, radius), force=force, tolerance=1e-6, **STEEL)
+    assert -contact["approach"].item() == pytest.approx(exact["approach"], rel=1e-5)
+    assert contact["pressure"].max().item() == pytest.approx(exact["max_pressure"], rel=1e-3)
+    area = rc.contact_statistics(contact, flow="never")["relative_contact_area"].item()
+    assert np.sqrt(area / np.pi) == pytest.approx(ratio, rel=2e-3)
+    # the gap beside the contact, Johnson (1985), eq. (3.42a)
+    r = np.hypot(x, x.T)
+    out = r > 1.2 * ratio
+    r = r[out]
+    bulge = (2 - (r / ratio) ** 2) * np.arcsin(ratio / r) + np.sqrt((r / ratio) ** 2 - 1)
+    gap = ratio**2 / radius * (bulge / np.pi - 1) + r**2 / (2 * radius)
+    np.testing.assert_allclose(contact["gap"].values[0][out], gap, atol=3e-5 * exact["approach"])
+
+
+@pytest.mark.parametrize(("radius_x", "radius_y"), [(10.0, 4.0), (2.0, 40.0)])
+def test_ellipse(radius_x, radius_y):
+    force = 4e-4
+    exact = hertz_ellipse(force, (radius_x, radius_y), 1.0)
+    contact = rc.solve_contact(paraboloid(radius_x, radius_y), force=force, tolerance=1e-6, **STEEL)
+    assert -contact["approach"].item() == pytest.approx(exact["approach"], rel=2e-5)
+    assert contact["pressure"].max().item() == pytest.approx(exact["max_pressure"], rel=1e-3)
+    area = rc.contact_statistics(contact, flow="never")["relative_contact_area"].item()
+    assert area == pytest.approx(np.pi * exact["major"] * exact["minor"], rel=4e-3)
+
+
+def test_flat_punch_with_edges():
+    """F = 2 E* a δ (Sneddon 1965): the edges of a disc of pixels are half a pixel inside, about."""
+    x, y = coordinates()
+    inside = np.hypot(x, y) < 0.3
+    disc = np.where(inside, 0.0, -0.1)
+    contact = rc.solve_contact(height_map(disc, 1 / POINTS), force=1e-3, tolerance=1e-6, **STEEL)
+    radius = np.sqrt(inside.mean() / np.pi)
+    assert 1e-3 / -contact["approach"].item() / (2 * radius) == pytest.approx(1, abs=0.15 / (POINTS * radius))
+    assert (contact["contact"].values[0] == inside).all()
+    pressure = contact["pressure"].values[0][np.hypot(x, y) < 0.2]
+    exact = 1e-3 / (2 * np.pi * radius * np.sqrt(radius**2 - (x**2 + y**2)[np.hypot(x, y) < 0.2]))
+    np.testing.assert_allclose(pressure, exact, rtol=8e-3)
+
+
+def free_norm(pressure):
+    """Return the root of the mean of p times its displacement without neighbours, by direct convolution."""
+    n = pressure.shape[0]
+    kernel = TruncatedKernel("sampled", 1.5)
+    symbol = kernel(*wavevectors((4 * n, 4 * n), (1 / n, 1 / n)), (1 / n, 1 / n))
+    symbol[0, 0] = kernel.mean_displacement((4 * n, 4 * n), (1 / n, 1 / n))
+    displacement = np.fft.irfft2(symbol * np.fft.rfft2(pressure, (4 * n, 4 * n)))[:n, :n]
+    return np.sqrt((displacement * pressure).mean())
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_bound_is_above_the_error(seed):
+    body, force = rough_body(seed, 96)
+    exact = rc.solve_contact(body, force=force, tolerance=1e-9, **STEEL)["pressure"].values[0]
+    periodic = HalfSpace((96, 96), (1.0, 1.0))
+    norm = np.sqrt((exact * periodic.displacement(exact)).mean())
+    for tolerance in (0.1, 1e-2, 1e-4):
+        contact = rc.solve_contact(body, force=force, tolerance=tolerance, **STEEL)
+        error = contact["pressure"].values[0] - exact
+        assert contact["error_bound"].item() <= tolerance
+        periodic_error = np.sqrt((error * periodic.displacement(error)).mean())
+        for size in (free_norm(error), periodic_error):
+            assert size / norm <= contact["error_bound"].item() <= 1.5 * size / norm
+
+
+def test_asperity_far_from_the_contact_of_coarse_grid():
+    """A spike that means of blocks do not show is in contact all the same."""
+    ball = paraboloid(5.0, 5.0)
+    spiked = ball.copy()
+    spiked[20, 200] = 0.001
+    contact = rc.solve_contact(spiked, force=1e-4, tolerance=1e-6, **STEEL)
+    assert contact["contact"].values[0, 20, 200] == 1
+    assert contact["gap"].values.min() > 1e-6 * contact["approach"].item()
+    assert rc.solve_contact(ball, force=1e-4, **STEEL)["contact"].values[0, 20, 200] == 0
+
+
+def test_numbers_do_not_depend_on_units_and_orientation():
+    body, force = rough_body(3, 96)
+    contact = rc.solve_contact(body, force=force, **STEEL)
+    small = height_map(body.values * 1e-6, 1e-6 / 96)
+    scaled = rc.solve_contact(small, boundary="free", contact_modulus="1 GPa", force=force * 1e-12 * 1e9)
+    np.testing.assert_allclose(scaled["pressure"].values, contact["pressure"].values * 1e9, rtol=1e-6, atol=1)
+    assert scaled["approach"].item() == pytest.approx(contact["approach"].item() * 1e-6, rel=1e-9)
+    turned = rc.solve_contact(body.copy(data=body.values.T), force=force, **STEEL)
+    np.testing.assert_allclose(turned["pressure"].values[0].T, contact["pressure"].values[0], atol=2e-4)
+
+
+def test_pixels_longer_than_wide():
+    x = (np.arange(128) + 0.5) / 128 - 0.5
+    y = (np.arange(64) + 0.5) / 64 - 0.5
+    ball = height_map(-(y[:, None] ** 2 + x**2) / 20, (1 / 64, 1 / 128))
+    force = 4 * 0.3**3 / 30
+    contact = rc.solve_contact(ball, force=force, **STEEL)
+    assert -contact["approach"].item() == pytest.approx(0.3**2 / 10, rel=1e-4)
+
+
+def test_hardness_limits_the_pressure():
+    force, ball = 4 * 0.2**3 / 30, paraboloid(10.0, 10.0, 128)
+    elastic = rc.solve_contact(ball, force=force, **STEEL)
+    limit = 0.6 * elastic["pressure"].max().item()
+    contact = rc.solve_contact(ball, force=force, hardness=limit, **STEEL)
+    assert contact["pressure"].max().item() == pytest.approx(limit)
+    assert contact["error_bound"].item() <= 1e-4
+    assert contact["pressure"].values.mean() == pytest.approx(force)
+    assert contact["contact"].sum() > elastic["contact"].sum()
+    with pytest.raises(rc.SettingsError, match=r"force .* hardness"):
+        rc.solve_contact(ball, force=2 * limit, hardness=limit, **STEEL)
+
+
+def test_forces_keep_their_order():
+    forces = [1e-3, 1e-4]
+    contact = rc.solve_contact(paraboloid(10.0, 10.0, 64), force=forces, **STEEL)
+    assert contact["force"].values.tolist() == forces
+    np.testing.assert_allclose(contact["pressure"].mean(("y", "x")), forces)
+    assert contact["mean_pressure"].values.tolist() == forces  # over an area of 1
+
+
+def test_contact_at_the_border_is_refused_with_a_size():
+    with pytest.raises(
+        rc.HeightMapError, match=r"border of the map, 1 m x 1 m.* a map of (1\.\d+) m"
+    ) as caught:
+        rc.solve_contact(paraboloid(10.0, 10.0, 64), force=4 * 0.55**3 / 30, **STEEL)
+    side = float(str(caught.value).partition("a map of ")[2].split(" m")[0])
+    assert 1.1 < side < 1.5
+    block = height_map(np.zeros((64, 64)), 1 / 64)
+    with pytest.raises(rc.HeightMapError, match="surround it by lower heights"):
+        rc.solve_contact(block, force=1e-3, **STEEL)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"force": None}, "force, boundary 'free': missing"),
+        ({"mean_pressure": 1e-3}, "mean_pressure, boundary 'free'.* force in N"),
+        ({"zero_frequency": "lattice"}, "zero_frequency, boundary 'free': the approach"),
+        ({"boundary": "periodic"}, "force is for boundary='free'"),
+        ({"boundary": "open"}, "boundary = 'open'"),
+    ],
+)
+def test_options_that_do_not_fit(options, message):
+    with pytest.raises(rc.SettingsError, match=message):
+        rc.solve_contact(paraboloid(10.0, 10.0, 32), **STEEL | {"force": 1e-3} | options)
+
+
+def test_profiles_are_refused():
+    profile = height_map(-(np.linspace(-1, 1, 64)[None, :] ** 2), 1 / 64)
+    with pytest.raises(rc.HeightMapError, match=r"endless ridge .* boundary: periodic"):
+        rc.solve_contact(profile, force=1e-3, **STEEL)
