@@ -33,6 +33,7 @@ _HOME = {
     "relative_positions": "roughcontact.faces.positions",
     "periodic_window": "roughcontact.window.periodic_window",
     "solve_contact": "roughcontact.contact.solve",
+    "partial_slip": "roughcontact.contact.partial_slip",
     "unload": "roughcontact.contact.unloading",
     "contact_statistics": "roughcontact.statistics.contact_statistics",
     "first_yield_pressure": "roughcontact.statistics.first_yield",
