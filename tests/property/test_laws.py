@@ -61,6 +61,7 @@ LAWS = {
     **dict.fromkeys(["contact_on_filled_points", "rejected_load_share", "converged"], NUMBER),
     **dict.fromkeys(["gap_percolates_x", "gap_percolates_y", "points_per_shortest_wavelength"], NUMBER),
     **dict.fromkeys(["flow_factor_xx", "flow_factor_yy", "flow_factor_xy"], NUMBER),
+    **dict.fromkeys(["shear_flow_x", "shear_flow_y"], NUMBER),
     **dict.fromkeys(["area_persson", "area_xu", "area_bush_gibson_thomas"], NUMBER),
     "area_greenwood_williamson": NUMBER,
     **dict.fromkeys(["nayak_parameter", "row_jitter", "Ssk", "Sku", "Smr1", "Smr2", "Str", "Std"], NUMBER),

@@ -39,6 +39,7 @@ _HOME = {
     "first_yield_pressure": "roughcontact.statistics.first_yield",
     "error_budget": "roughcontact.uncertainty.budget",
     "evaluate": "roughcontact.evaluation",
+    "contact_table": "roughcontact.evaluation",
     "material": "roughcontact.named_materials",
     "group_statistics": "roughcontact.uncertainty.groups",
     "compare_groups": "roughcontact.uncertainty.differences",

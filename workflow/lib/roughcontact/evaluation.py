@@ -1,11 +1,12 @@
 """One call from a measured file to its numbers, with the settings of the configuration."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_labelled, warn_of_map
@@ -14,6 +15,10 @@ from roughcontact.errors import HeightMapWarning, SettingsError
 from roughcontact.io.read import read_height_map
 from roughcontact.pipeline import run_chain
 from roughcontact.si import labelled_in_si
+from roughcontact.variables import describe
+
+_TABLE_LOADS = 1e-3, 2.0  # E* times the rms gradient: from first contact to nearly closed
+_TABLE = ("mean_pressure", "relative_contact_area", "contact_stiffness", "conductance_per_conductivity")
 
 
 def evaluate(
@@ -96,3 +101,82 @@ def evaluate(
         result = run_chain(height, full, threads=threads)
     warn_of_map(result.window.shape, float(result.statistics["rms_gradient"]), stacklevel=3)
     return result.statistics
+
+
+def contact_table(
+    window: xr.DataArray,
+    *,
+    contact_modulus: float | str | None = None,
+    bodies: Sequence[str | Mapping[str, Any]] | None = None,
+    loads: int = 16,
+    threads: int = 1,
+    **contact: Any,
+) -> xr.Dataset:
+    """Return the contact of a periodic map over its mean gap, for codes of lubrication and structures.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic, of `periodic_window`.
+    contact_modulus : float or str, Pa, optional
+        E*, or `bodies`.
+    bodies : sequence of two, optional
+        names of materials, or mappings as in the settings.
+    loads : int
+        from a contact of about a thousandth of the area to one that is nearly closed.
+    threads : int
+        of the solver.
+    **contact
+        further settings of the section `contact`, such as `hardness`.
+
+    Returns
+    -------
+    Dataset
+        over `mean_gap` (m), falling: `mean_pressure` (Pa), `relative_contact_area`, `contact_stiffness` (Pa
+        m-1), `conductance_per_conductivity` (m-1), `pressure_flow_factor_x`, `_y` and `shear_flow_factor_x`,
+        `_y` [1]_ [2]_, with `{name}_lower` and `_upper` of those that have an interval. With plates at the
+        mean gap h the flow along x is -phi_p h^3/(12 eta) dp/dx + U/2 (h + sigma phi_s), U the speed of the
+        rough face; sigma is the attribute `rms_height`.
+
+    References
+    ----------
+    .. [1] Patir and Cheng (1978), ASME J. Lubr. Technol. 100, 12.
+    .. [2] Patir and Cheng (1979), ASME J. Lubr. Technol. 101, 220.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> table = contact_table(rough_reference_surface(64), contact_modulus="1 GPa", loads=4, tolerance=1e-3)
+    >>> table["relative_contact_area"].values.round(2), table["pressure_flow_factor_x"].values.round(2)
+    (array([0.  , 0.04, 0.3 , 1.  ]), array([0.84, 0.78, 0.14, 0.  ]))
+    """
+    stated = {"contact_modulus": contact_modulus, "bodies": bodies}
+    statistics = evaluate(
+        window,
+        level={"form": "none", "outlier_threshold": None},
+        window={"method": "raw"},
+        contact={
+            **{key: value for key, value in stated.items() if value is not None},
+            "relative_pressure": np.geomspace(*_TABLE_LOADS, loads).tolist(),
+            **contact,
+        },
+        statistics={"flow": "always"},
+        threads=threads,
+    )
+    return over_mean_gap(statistics)
+
+
+def over_mean_gap(statistics: xr.Dataset) -> xr.Dataset:
+    """Return the statistics of one surface, with their flow factors, as `contact_table` does."""
+    if "flow_factor_xx" not in statistics or "surface" in statistics.dims:
+        raise SettingsError(
+            "the statistics are to be of one surface with flow factors (statistics.flow: always)"
+        )
+    sigma, gap = float(statistics["rms_height"]), statistics["mean_gap"].values
+    names = [f"{name}{end}" for name in _TABLE for end in ("", "_lower", "_upper")]
+    columns = {name: statistics[name].values for name in names if name in statistics.variables}
+    for axis in "xy":
+        columns[f"pressure_flow_factor_{axis}"] = statistics[f"flow_factor_{axis}{axis}"].values
+        columns[f"shear_flow_factor_{axis}"] = statistics[f"shear_flow_{axis}"].values * gap / sigma
+    table = xr.Dataset({name: ("mean_gap", values) for name, values in columns.items()}, {"mean_gap": gap})
+    return describe(table.sortby("mean_gap", ascending=False).assign_attrs(rms_height=sigma))

@@ -100,6 +100,18 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "flow_factor_xx": ("1", "flow along x over that between plates at the mean gap, gradient along x"),
     "flow_factor_yy": ("1", "flow along y over that between plates at the mean gap, gradient along y"),
     "flow_factor_xy": ("1", "flow along x over that between plates at the mean gap, gradient along y"),
+    "shear_flow_x": (
+        "1",
+        "share of the mean gap whose fluid moves with a rough face sliding along x",
+    ),
+    "shear_flow_y": (
+        "1",
+        "share of the mean gap whose fluid moves with a rough face sliding along y",
+    ),
+    "pressure_flow_factor_x": ("1", "pressure flow factor of Patir and Cheng along x"),
+    "pressure_flow_factor_y": ("1", "pressure flow factor of Patir and Cheng along y"),
+    "shear_flow_factor_x": ("1", "shear flow factor of Patir and Cheng along x, of the sliding rough face"),
+    "shear_flow_factor_y": ("1", "shear flow factor of Patir and Cheng along y, of the sliding rough face"),
     "leak_rate_x": ("m2 s-1", "leak rate by length of the seal, flow along x"),
     "leak_rate_y": ("m2 s-1", "leak rate by length of the seal, flow along y"),
     "leak_rate_by_cube": ("m-1 s-1", "leak rate between parallel plates, over the cube of their distance"),

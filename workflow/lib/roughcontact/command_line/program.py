@@ -108,7 +108,7 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
     verbs = parser.add_subparsers(
-        required=True, metavar="inspect | solve | init | run | methods | compare | crate"
+        required=True, metavar="inspect | solve | init | run | methods | table | compare | crate"
     )
 
     inspect = verbs.add_parser("inspect", help="describe the contents of a file, or of all in a folder")
@@ -168,6 +168,11 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
         help="statistics.nc of a surface, result.nc of solve, or results/",
     )
     methods.set_defaults(run=_methods)
+
+    table = verbs.add_parser("table", help="print pressure, area and flow factors over the mean gap")
+    table.add_argument("file", metavar="RESULT", help="statistics.nc of a surface (statistics.flow: always)")
+    table.add_argument("-o", "--output", type=Path, metavar="TABLE", help="write it, as .csv or .nc")
+    table.set_defaults(run=_table)
 
     compare = verbs.add_parser(
         "compare", help="list the numbers of two runs that differ by more than their ±"
@@ -372,6 +377,25 @@ def _methods(options: argparse.Namespace) -> int:
                 f"{path}: is of several surfaces; name the folder, or the file of one of them"
             )
         print(*([f"# {path.parent.name}"] if len(files) > 1 else []), methods_paragraph(statistics), sep="\n")
+    return 0
+
+
+def _table(options: argparse.Namespace) -> int:
+    """Print or write the table of a result over the mean gap."""
+    from roughcontact.evaluation import over_mean_gap
+    from roughcontact.results.storage import table_text, write_dataset, write_table
+
+    table = over_mean_gap(_statistics_of(options.file))
+    if options.output is not None and options.output.suffix == ".nc":
+        write_dataset(table, options.output)
+        return 0
+    units = {name: str(table[name].attrs["units"]).replace(" ", "_") for name in table.variables}
+    headings = {name: name if unit == "1" else f"{name}_{unit}" for name, unit in units.items()}
+    frame = table.to_dataframe().reset_index().rename(columns=headings)
+    if options.output is None:
+        print(table_text(frame), end="")
+    else:
+        write_table(frame, options.output)
     return 0
 
 

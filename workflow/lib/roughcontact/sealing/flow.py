@@ -30,12 +30,17 @@ def flow_columns(gap: np.ndarray, steps: tuple[float, float], *, tolerance: floa
     `gap` (ny, nx) in m: periodic; zero or less where the surfaces touch; `steps` (dy, dx) in m: pitch of the
     points; `tolerance`: largest total change of each of the two diagonal factors in the last four steps of
     the iteration, relative to the factor. Returns `flow_factor_xx`, `flow_factor_yy`, `flow_factor_xy`; 0
-    along an axis without percolation, NaN where the iteration does not reach its tolerance.
+    along an axis without percolation, NaN where the iteration does not reach its tolerance. `shear_flow_x`
+    and `shear_flow_y` are the shares of the mean gap whose fluid moves with a sliding rough face rather than
+    with half its speed: 1 - <g G>/<g>, G the pressure gradient over its mean, since by reciprocity the flow
+    that a sliding face drives follows from that which a pressure drives; 1 without percolation [2]_.
 
     References
     ----------
     .. [1] Patir and Cheng (1978), An average flow model for determining effects of three-dimensional
        roughness on partial hydrodynamic lubrication, ASME J. Lubr. Technol. 100, 12.
+    .. [2] Patir and Cheng (1979), Application of average flow model to lubrication between rough sliding
+       surfaces, ASME J. Lubr. Technol. 101, 220.
 
     Examples
     --------
@@ -49,14 +54,18 @@ def flow_columns(gap: np.ndarray, steps: tuple[float, float], *, tolerance: floa
     """
     region, around = connected_regions(gap > 0)
     axes = np.flatnonzero(around.any(axis=0))
-    factors = np.zeros((2, 2))
+    factors, driven = np.zeros((2, 2)), np.zeros(2)
     if axes.size:
         is_open = around[region].any(axis=-1)
-        factors[np.ix_(axes, axes)] = _tensor(np.where(is_open, gap, 0) / gap.mean(), steps, axes, tolerance)
+        factors[np.ix_(axes, axes)], driven[axes] = _tensor(
+            np.where(is_open, gap, 0) / gap.mean(), steps, axes, tolerance
+        )
     return {
         "flow_factor_xx": factors[1, 1],
         "flow_factor_yy": factors[0, 0],
         "flow_factor_xy": factors[0, 1],
+        "shear_flow_x": 1 - driven[1],
+        "shear_flow_y": 1 - driven[0],
     }
 
 
@@ -104,8 +113,10 @@ def leak_columns(
     }
 
 
-def _tensor(gap: np.ndarray, steps: tuple[float, float], axes: np.ndarray, tolerance: float) -> np.ndarray:
-    """Return the flow factors along some axes of a gap, whose unit is the mean gap."""
+def _tensor(
+    gap: np.ndarray, steps: tuple[float, float], axes: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return along some axes the flow factors of a gap in units of its mean, and <g G> of each axis."""
     cubed = gap**3
     is_open = cubed >= np.finfo(float).tiny
     unknowns = int(is_open.sum())
@@ -120,14 +131,17 @@ def _tensor(gap: np.ndarray, steps: tuple[float, float], axes: np.ndarray, toler
         conductance = (
             2 * cubed_gap * (cubed_ahead / (cubed_gap + cubed_ahead)) * steps[1 - axis] / steps[axis]
         )
-        links.append((number[linked], np.roll(number, -1, axis)[linked], conductance))
+        # half the sum of both gaps, over the width of the link: what a sliding face carries through it
+        carried = (gap[linked] + np.roll(gap, -1, axis)[linked]) / 2 * steps[1 - axis]
+        links.append((number[linked], np.roll(number, -1, axis)[linked], conductance, carried))
     start, end = (np.concatenate([link[side] for link in links]) for side in (0, 1))
     conductance = np.concatenate([link[2] for link in links])
     # mean pressure drop over each link, for a unit gradient along each of the axes
     drops = np.zeros((conductance.size, axes.size))
     first = links[0][2].size
+    sides, carried = (slice(first), slice(first, None)), [link[3] for link in links]
     for column, axis in enumerate(axes):
-        drops[slice(first) if axis == 0 else slice(first, None), column] = steps[axis]
+        drops[sides[axis], column] = steps[axis]
     root = np.sqrt(conductance)
     rows = np.tile(np.arange(root.size), 2)
     difference = sp.coo_array(
@@ -143,7 +157,12 @@ def _tensor(gap: np.ndarray, steps: tuple[float, float], axes: np.ndarray, toler
         energy -= gain
         if len(gains) == _STEPS_COMPARED and (sum(gains) <= tolerance * energy).all():
             drops += difference @ pressure
-            return drops.T @ drops / (gap.size * steps[0] * steps[1])
+            area = gap.size * steps[0] * steps[1]
+            gradients = drops / root[:, None]  # pressure drops over the links
+            driven = [
+                float(carried[axis] @ gradients[sides[axis], column]) for column, axis in enumerate(axes)
+            ]
+            return drops.T @ drops / area, np.array(driven) / area
         if step == _MAX_STEPS:
             break
-    return np.full((axes.size, axes.size), np.nan)
+    return np.full((axes.size, axes.size), np.nan), np.full(axes.size, np.nan)
