@@ -31,6 +31,8 @@ PACKAGE = ROOT / "workflow/lib/roughcontact"
 NO_COMPILER = (
     "There is no C compiler: pip fetches one (ziglang, 100 MB), building the compiled passes, a minute ..."
 )
+# programs of the checkout, which no wheel has, by the argument that runs them
+EVIDENCE = {"validation": "validation", "crosscheck": "validation.crosscheck", "cost": "benchmarks.cost"}
 MAX_WORKERS = 4  # of the tests; each of them uses a few hundred megabytes
 
 
@@ -45,6 +47,9 @@ def main(arguments):
         del os.environ["PYTHONSAFEPATH"]  # tests and benchmarks import what lies beside them
         return jobs[arguments[0]](*arguments[1:])
     install("")
+    if arguments and arguments[0] in EVIDENCE:
+        os.environ["PYTHONPATH"] = str(ROOT)
+        return run([BIN / "python", "-m", EVIDENCE[arguments[0]], *arguments[1:]])
     return work(*arguments)
 
 
@@ -101,7 +106,11 @@ def lint():
     checks = [
         [BIN / "ruff", "format", "--check", "."],
         [BIN / "ruff", "check", "."],
-        [BIN / "numpydoc", "lint", *sorted(PACKAGE.parent.rglob("*.py"))],
+        [
+            BIN / "numpydoc",
+            "lint",
+            *sorted([*PACKAGE.parent.rglob("*.py"), *(ROOT / "validation").glob("*.py")]),
+        ],
         [BIN / "mypy"],
         [BIN / "lint-imports", "--no-logo"],
         [BIN / "snakefmt", "--check", "Snakefile", "workflow/Snakefile", "workflow/rules"],

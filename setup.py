@@ -30,7 +30,6 @@ SOURCES = Path("workflow/lib/roughcontact/kernels/c")
 # what a wheel needs to run the workflow; in a checkout it lies where it is
 WORKFLOW = ["workflow/Snakefile"]
 WORKFLOW += [f"workflow/{folder}/*" for folder in ("envs", "profiles/*", "report", "rules", "scripts")]
-WORKFLOW += ["data_samples/sandblasted.x3p"]  # for the validation
 # where the commit is noted in a wheel, and in a source distribution below MODULES
 COMMIT = "roughcontact/_commit.txt"
 MODULES = "workflow/lib"

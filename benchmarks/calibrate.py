@@ -36,6 +36,7 @@ import pages
 import pandas as pd
 from scipy.optimize import minimize
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
@@ -53,7 +54,7 @@ from roughcontact.uncertainty.scales import (
     to_scale,
 )
 from roughcontact.uncertainty.subwindows import scatter_of_subwindows
-from roughcontact.validation.masters import KINDS, master_surface
+from validation.masters import KINDS, master_surface
 
 LOADS = (0.005, 0.02, 0.1, 0.4, 1.0)  # of E* times the rms gradient of the whole map
 SMALLEST, LARGEST = 192, 540  # points along the sides of a map; larger ones are cut to their middle

@@ -26,6 +26,7 @@ import pages
 import pandas as pd
 import xarray as xr
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
@@ -39,7 +40,7 @@ from roughcontact.uncertainty.random_effects import (
     random_effects,
     welch,
 )
-from roughcontact.validation.masters import cut_out, master_surface
+from validation.masters import cut_out, master_surface
 
 KINDS = {"random": "self-affine", "ground": "ground", "honed": "honed"}
 POOL, MASTER, SIDE = 100, 192, 64

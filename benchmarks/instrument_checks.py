@@ -24,7 +24,7 @@ import roughcontact as rc
 from roughcontact.maps import height_map, spacing
 from roughcontact.references.synthetic import ground_surface, self_affine_surface
 from roughcontact.statistics import instrument_checks as checks
-from roughcontact.validation.masters import KINDS, master_surface
+from validation.masters import KINDS, master_surface
 
 SIDE, PIXEL, GREEN = 216, 0.3e-6, 550e-9
 LOADS = (0.02, 0.1)  # of E* g

@@ -115,7 +115,7 @@ def with_compressed_peaks(height: xr.DataArray, share: float, factor: float) -> 
 
 
 def other_surface(kind: str, points: int, longest: float, *, hurst: float, seed: int) -> xr.DataArray:
-    """Return a periodic surface of a kind that is not among `roughcontact.validation.masters`, of unit pitch.
+    """Return a periodic surface of a kind that is not among `validation.masters`, of unit pitch.
 
     "cratered": dents of scattered size, as by shot peening; "conical": cones of scattered height, as of
     abrasive grains; "stretched": self-affine with a lay, waves three times as long along y; "lognormal": the

@@ -28,6 +28,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import calibrate
@@ -38,8 +39,8 @@ import roughcontact as rc
 from roughcontact.maps import height_map, spacing
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.validation.masters import master_surface
 from roughcontact.window.rectangle import largest_rectangle
+from validation.masters import master_surface
 
 SHOWN = {  # quantities: names in the tables
     "relative_contact_area": "area",

@@ -22,6 +22,7 @@ import pages
 import pandas as pd
 from scipy.ndimage import fourier_gaussian
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
@@ -30,7 +31,7 @@ from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
-from roughcontact.validation.masters import grooves
+from validation.masters import grooves
 
 METHODS = get_args(WindowMethod)
 KINDS = ("isotropic", "anisotropic", "turned", "bimodal")

@@ -20,9 +20,9 @@ import roughcontact
 from roughcontact.command_line import program
 from roughcontact.configuration.fields import section_of, words_of
 from roughcontact.configuration.models import Settings
-from roughcontact.validation.lines import Evidence, Line
-from roughcontact.validation.page import cells
 from roughcontact.variables import VARIABLES
+from validation.lines import Evidence, Line
+from validation.page import cells
 
 PACKAGE = Path(roughcontact.__file__).parent
 VALIDATION = Path(__file__).parent / "explanation" / "validation.csv"

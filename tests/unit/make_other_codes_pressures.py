@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from roughcontact.crosscheck import outside
 from roughcontact.references.synthetic import self_affine_surface
+from validation import outside
 
 FILE = Path(__file__).with_name("other_codes_pressures.csv")
 SHAPE, PITCHES = (40, 32), (1.0, 0.75)

@@ -7,10 +7,10 @@ import xarray as xr
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
 from roughcontact.elasticity.energy import conforming_energy
-from roughcontact.references import closed_forms
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.statistics.adhesion import adhesion_in_words, adhesion_numbers
 from roughcontact.variables import describe
+from validation import closed_forms
 
 ROUGH = rough_reference_surface(64)
 

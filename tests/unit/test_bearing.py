@@ -12,9 +12,9 @@ from shared_data import DATA
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
-from roughcontact.references.closed_forms import gaussian_bearing
 from roughcontact.roughness.bearing import bearing_parameters
 from roughcontact.roughness.heights import height_parameters
+from validation.closed_forms import gaussian_bearing
 
 TABLE = Path(__file__).with_name("bearing_parameters.csv")
 # the other library takes areas from the nearest point of its curve on, not from where the line meets it

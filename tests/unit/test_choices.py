@@ -11,9 +11,8 @@ from pydantic import ValidationError
 
 from roughcontact import choices
 from roughcontact.checking import check_choice
-from roughcontact.configuration.models import Contact, Crosscheck, Level, Uncertainty, Window
+from roughcontact.configuration.models import Contact, Level, Uncertainty, Window
 from roughcontact.contact.solve import solve_contact
-from roughcontact.crosscheck.crosscheck import CODES, crosscheck
 from roughcontact.elasticity.halfspace import zero_frequency_compliance
 from roughcontact.elasticity.influence import INFLUENCE
 from roughcontact.errors import SettingsError
@@ -21,6 +20,7 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.window.periodic_window import periodic_window
+from validation.crosscheck import CODES, OutsideCode
 
 SECTIONS = [(Level, level), (Window, periodic_window), (Contact, solve_contact)]
 WORDS = {name: kind for name, kind in vars(choices).items() if get_origin(kind) is Literal}
@@ -38,17 +38,15 @@ def test_a_setting_takes_the_words_of_its_verb(section, verb):
     assert chosen == {key: hints[key] for key in chosen}
 
 
-def test_sources_and_codes_of_the_settings_are_those_of_the_verbs():
+def test_sources_of_the_settings_are_those_of_the_verb():
     assert get_args(get_type_hints(error_budget)["sources"]) == get_args(
         Uncertainty.model_fields["sources"].annotation
     )
-    code = get_type_hints(crosscheck)["code"]
-    assert get_args(Crosscheck.model_fields["code"].annotation) == ("none", *get_args(code))
 
 
 def test_every_word_has_what_it_names():
     assert tuple(INFLUENCE) == get_args(choices.Influence)
-    assert tuple(CODES) == get_args(choices.OutsideCode)
+    assert tuple(CODES) == get_args(OutsideCode)
     for rule in get_args(choices.ZeroFrequency):
         assert zero_frequency_compliance(rule, lengths=(1.0, 1.0)) >= 0
 

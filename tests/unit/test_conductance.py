@@ -8,7 +8,6 @@ import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
 from roughcontact.contact.response import linear_response
 from roughcontact.maps import height_map
-from roughcontact.references import closed_forms
 from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
 from roughcontact.report.glance import Cell, _conducts, glance_units
 from roughcontact.report.tables import number_tables
@@ -19,6 +18,7 @@ from roughcontact.statistics.conductance import (
 )
 from roughcontact.statistics.contact_checks import mean_free_path
 from roughcontact.variables import describe
+from validation import closed_forms
 
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
 COPPER = {"youngs_modulus": 1.2e11, "poissons_ratio": 0.34}

@@ -8,8 +8,9 @@ from shared_data import DATA
 
 import roughcontact as rc
 from roughcontact.maps import height_map
-from roughcontact.references import closed_forms, synthetic
+from roughcontact.references import synthetic
 from roughcontact.statistics.contact_geometry import relative_contact_area
+from validation import closed_forms
 
 MODULUS = 3e9
 

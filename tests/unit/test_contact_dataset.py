@@ -11,7 +11,7 @@ from roughcontact.contact.response import linear_response
 from roughcontact.fourier import wavenumbers
 from roughcontact.maps import height_map
 from roughcontact.references import synthetic
-from roughcontact.references.closed_forms import full_contact_fluctuation
+from validation.closed_forms import full_contact_fluctuation
 
 MODULUS = 2e9
 

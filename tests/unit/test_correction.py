@@ -14,9 +14,9 @@ from roughcontact.maps import height_map, spacing
 from roughcontact.report.facts import waves_in_words
 from roughcontact.results.collect import collect_statistics, summary_table
 from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.validation.masters import master_surface
 from roughcontact.window.instrument import window_arguments
 from roughcontact.window.transfer import corrected, transfer, with_noise
+from validation.masters import master_surface
 
 MODULUS = 1e9
 SHOWN = ("relative_contact_area", "mean_gap", "mean_contact_pressure", "max_pressure")

@@ -3,13 +3,13 @@
 import numpy as np
 import pandas as pd
 import pytest
+from cost import QUANTITIES, TOLERANCES, advice, cheapest, choices, main, run_time_against_error
 
-from roughcontact.cost.advice import advice, cheapest, choices
-from roughcontact.cost.measure import QUANTITIES, TOLERANCES, run_time_against_error
-from roughcontact.cost.page import write_page
+import roughcontact as rc
 from roughcontact.errors import HeightMapError
 from roughcontact.maps import height_map, refined
-from roughcontact.references import closed_forms, synthetic
+from roughcontact.references import synthetic
+from validation import closed_forms
 
 
 @pytest.mark.parametrize("shape", [(8, 6), (7, 6), (9, 5), (1, 8), (7, 1)])
@@ -110,13 +110,18 @@ def test_targets_that_one_choice_serves_share_a_sentence():
     assert sentences[1] == "For 5 % or 1 % or 0.2 % in mean gap, solve at 64 with tolerance 1e-1: 1.0 s."
 
 
-def test_the_page_has_charts_and_advice(table, tmp_path):
-    write_page(tmp_path / "cost.html", {"first & last": table})
-    html = (tmp_path / "cost.html").read_text()
-    assert html.count("<img ") == 3
-    assert "first &amp; last" in html
-    for sentence in advice(table):
-        assert sentence in html
+def test_the_command_prints_the_advice_and_keeps_the_table(tmp_path, capsys):
+    window = synthetic.rough_reference_surface(64)
+    contact = rc.solve_contact(window, contact_modulus=1.0, mean_pressure=[0.02, 0.1])
+    rc.write_dataset(window.to_dataset(name="height"), tmp_path / "window.nc")
+    rc.write_dataset(rc.contact_statistics(contact), tmp_path / "statistics.nc")
+    assert main([str(tmp_path)]) == 0
+    kept = pd.read_csv(tmp_path / "cost.csv")
+    assert sorted(set(kept["points_x"])) == [32, 64, 128]
+    assert kept["mean_pressure"].nunique() == 2
+    printed = capsys.readouterr().out
+    for sentence in advice(kept):
+        assert sentence in printed
 
 
 @pytest.mark.parametrize(("heights", "said"), [(np.eye(7, 6), "6 × 7 points"), (np.ones((64, 64)), "flat")])

@@ -5,15 +5,17 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 
 import roughcontact as rc
-from roughcontact.configuration.resolve import resolve
-from roughcontact.crosscheck.crosscheck import crosscheck
-from roughcontact.errors import CrossCheckError, HeightMapError, SettingsError
+from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.maps import height_map
-from roughcontact.references import closed_forms, synthetic
-from roughcontact.validation.rough import ensemble_map
+from roughcontact.references import synthetic
+from validation import closed_forms
+from validation.crosscheck import CrossCheckError, crosscheck, main, table
+from validation.rough import ensemble_map
 
 MODULUS = 2e9
 OTHER_CODE = Path(__file__).parents[1] / "other_code.py"
@@ -110,27 +112,71 @@ def test_a_flat_map_and_an_unknown_code_are_refused():
         crosscheck(flat, contact, rc.contact_statistics(contact), code="tamaas", python=sys.executable)
     with pytest.raises(SettingsError, match="'abaqus'"):
         crosscheck(flat, contact, rc.contact_statistics(contact), code="abaqus", python=sys.executable)
-    with pytest.raises(SettingsError, match=r"crosscheck\.python = '': .* a Python that has Tamaas"):
+    with pytest.raises(SettingsError, match=r"python = '': .* a Python that has Tamaas"):
         crosscheck(flat, contact, rc.contact_statistics(contact), code="tamaas", python="")
-
-
-def test_settings_ask_for_the_python():
-    contact = {"contact_modulus": 1e9}
-    with pytest.raises(SettingsError, match=r"crosscheck\.python: missing"):
-        resolve({"contact": contact, "crosscheck": {"code": "tamaas"}})
-    (settings,) = resolve({"contact": contact, "crosscheck": {"code": "tamaas", "python": "p"}}).values()
-    assert settings["crosscheck"] == {"code": "tamaas", "python": "p"}
 
 
 def test_no_other_code_is_imported():
     """Tamaas is AGPL: it is run by its own Python, never imported by this package."""
-    package = Path(rc.__file__).parent
+    folders = [Path(rc.__file__).parent, Path(closed_forms.__file__).parent]
     importing = [
-        path.relative_to(package)
-        for path in package.rglob("*.py")
+        path.name
+        for folder in folders
+        for path in folder.rglob("*.py")
         if "tamaas as" in path.read_text() or "import ContactMechanics" in path.read_text()
     ]
-    assert importing == [Path("crosscheck/outside.py")]
+    assert importing == ["outside.py"]
+
+
+@pytest.fixture
+def results(tmp_path):
+    """The folder of a finished run."""
+    contact, statistics = solved(MAPS["map"])
+    folder = tmp_path / "results/ground"
+    for name, result in (("window", MAPS["map"].to_dataset(name="height")), ("contact", contact)):
+        rc.write_dataset(result, folder / f"{name}.nc")
+    rc.write_dataset(statistics, folder / "statistics.nc")
+    return folder
+
+
+def test_the_command_writes_and_prints_the_differences(other, results, capsys):
+    assert main([str(results), "--python", other]) == 0
+    differences = pd.read_csv(results / "crosscheck.csv")
+    assert differences["points_that_differ"].tolist() == [0, 0]
+    assert (differences["pressure_rms_difference"] < 1e-7).all()
+    printed, _ = capsys.readouterr()
+    assert "solved by Tamaas tamaas 1.0" in printed
+
+
+def test_the_command_says_why_another_code_does_not_run(results, capsys):
+    assert main([str(results), "--python", sys.executable]) == 1
+    assert "ERROR: Tamaas did not solve the problem: " in capsys.readouterr().err
+    assert not (results / "crosscheck.csv").exists()
+
+
+def test_differences_are_relative_to_this_program():
+    """Peak 2 % less and gap 3 % more at the lower load; no gap at the higher one."""
+    statistics = xr.Dataset(
+        {
+            "relative_contact_area_pixels": ("load", [0.05, 0.2]),
+            "max_pressure": ("load", [1e8, 2e8]),
+            "mean_gap": ("load", [1e-6, 0.0]),
+        }
+    )
+    other = xr.Dataset(
+        {
+            "other_max_pressure": ("load", [0.98e8, 2e8]),
+            "other_mean_gap": ("load", [1.03e-6, 1e-9]),
+            "other_contact_area_pixels": ("load", [0.0625, 0.2]),
+            "contact_difference": ("load", [7.0, np.nan]),
+            "pressure_difference": ("load", [4.2e-3, np.nan]),
+        },
+        coords={"mean_pressure": ("load", [1e6, 4e6])},
+    )
+    differences = table(statistics, other)
+    assert differences["max_pressure_difference"].values == pytest.approx([-0.02, 0])
+    assert differences["mean_gap_difference"].values == pytest.approx([0.03, 0])
+    assert differences["pixels_by_the_other_code"].tolist() == [0.0625, 0.2]
 
 
 @pytest.mark.skipif(OTHER_PYTHON is None, reason="CROSSCHECK_PYTHON names no Python with the other codes")
@@ -199,6 +245,3 @@ def test_layers_that_no_other_code_solves_are_refused(code, counter_body, other)
     height, contact, statistics = solved_on_a_sheet(counter_body)
     with pytest.raises(SettingsError, match="one layer on a rigid base"):
         crosscheck(height, contact, statistics, code=code, python=other)
-    bodies = [{"base": "rigid", "layers": [SHEET]}, counter_body]
-    with pytest.raises(SettingsError, match="one layer on a rigid base"):
-        resolve({"contact": {"bodies": bodies}, "crosscheck": {"code": code, "python": "python"}})

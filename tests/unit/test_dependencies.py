@@ -10,10 +10,10 @@ import pytest
 from roughcontact.configuration import dependencies
 
 ROOT = Path(__file__).parents[2]
-PAGES = {"contact", "crosscheck", "report", "validation", "validation_page", "cost"}
-CHAIN = {"contact", "measure_cost"}  # both import roughcontact.pipeline
-READERS = {"prepare", *CHAIN, "validate"}
-KERNELS = {*CHAIN, "prepare", "crosscheck", "report", "validate"}  # roughness is transformed, too
+PAGES = {"contact", "report"}
+SOLVERS = {"contact"}
+READERS = {"prepare", "contact"}
+KERNELS = {"contact", "prepare", "report"}  # roughness is transformed, too
 SCRIPTS = sorted(path for path in (ROOT / "workflow/scripts").glob("[a-z]*.py"))
 _PROBE = """
 import ast, importlib, sys
@@ -63,17 +63,17 @@ def digests(workflow):
 @pytest.mark.parametrize(
     ("edited", "concerned"),
     [
-        ("lib/roughcontact/window/periodisation.py", {"prepare", *CHAIN, "validate"}),
-        ("lib/roughcontact/levelling/outliers.py", {"prepare", *CHAIN, "validate"}),
+        ("lib/roughcontact/window/periodisation.py", READERS),
+        ("lib/roughcontact/levelling/outliers.py", READERS),
         ("lib/roughcontact/io/units.py", READERS),
         ("lib/roughcontact/kernels/c/passes.h", KERNELS),
         ("lib/roughcontact/io/readers/sdf.py", READERS),  # found in its folder at run time
         ("lib/roughcontact/io/instruments/library.py", READERS),
-        ("lib/roughcontact/contact/solve.py", {*CHAIN, "validate"}),
+        ("lib/roughcontact/contact/solve.py", SOLVERS),
         ("lib/roughcontact/results/collect.py", {"report"}),
         ("lib/roughcontact/report/templates/report.css", PAGES),
         ("lib/roughcontact/configuration/models.py", set()),
-        ("lib/roughcontact/pipeline.py", CHAIN),
+        ("lib/roughcontact/pipeline.py", SOLVERS),
         ("scripts/_preparing.py", {"prepare", "contact"}),
     ],
 )

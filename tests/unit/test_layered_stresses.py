@@ -22,13 +22,13 @@ from roughcontact.elasticity.layers import (
     stress_amplitudes,
 )
 from roughcontact.elasticity.subsurface import subsurface_stress, tresca, von_mises
-from roughcontact.references.layered_wave import layered_wave_stresses
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.report.facts import _first_yield
 from roughcontact.report.tables import number_tables
 from roughcontact.statistics.subsurface import profile_depths, stress_columns, with_subsurface_yield
 from roughcontact.statistics.targets import target_loads
 from roughcontact.variables import describe
+from validation.layered_wave import layered_wave_stresses
 
 STEEL = {"youngs_modulus": 2.0, "poissons_ratio": 0.3, "yield_stress": 0.2}
 PLAIN = {"youngs_modulus": 2.0, "poissons_ratio": 0.3}

@@ -5,7 +5,7 @@ import pytest
 
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.roughness.texture import texture_parameters
-from roughcontact.validation.masters import FAULTS, KINDS, cut_out, master_surface
+from validation.masters import FAULTS, KINDS, cut_out, master_surface
 
 
 @pytest.mark.parametrize("kind", KINDS)

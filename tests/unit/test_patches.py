@@ -8,12 +8,6 @@ from scipy.special import ellipe
 
 import roughcontact as rc
 from roughcontact.connectivity import connected_regions, region_sizes
-from roughcontact.references.closed_forms import (
-    JGH_CONTACT_SHARE,
-    jgh_full_contact_pressure,
-    westergaard_contact_share,
-    westergaard_full_contact_pressure,
-)
 from roughcontact.references.synthetic import (
     product_wave_surface,
     rough_reference_surface,
@@ -23,6 +17,12 @@ from roughcontact.results.collect import collect_statistics, summary_table
 from roughcontact.results.storage import write_dataset
 from roughcontact.roughness.heights import height_parameters
 from roughcontact.variables import describe
+from validation.closed_forms import (
+    JGH_CONTACT_SHARE,
+    jgh_full_contact_pressure,
+    westergaard_contact_share,
+    westergaard_full_contact_pressure,
+)
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -135,17 +135,10 @@ def test_settings_of_a_file_are_all_that_it_depends_on():
     assert set(made.all_settings()) == {"hard", "soft"}
 
 
-def test_a_crosscheck_has_a_panel_of_its_own():
-    assert plan().panel("ground") == "results/ground/panel.html"
-    checked = plan(crosscheck={"code": "tamaas", "python": "python"})
-    assert checked.panel("ground") == "results/ground/panel-crosschecked.html"
-    assert checked.summary("ground") == "results/ground/panel-crosschecked.json"
-
-
 def test_memory_and_time_grow_with_the_map(tmp_path):
     np.save(tmp_path / "map.npy", np.zeros((1000, 1000)))
     made = plan(path=tmp_path / "map.npy")
-    for part in ("prepare", "contact", "crosscheck"):
+    for part in ("prepare", "contact"):
         small, large = (made.memory(part, "ground", points=points) for points in (1e6, 4e6))
         assert 700 < small < large
         small, large = (made.minutes(part, "ground", points=points) for points in (1e6, 4e6))
@@ -169,10 +162,9 @@ def test_logs_of_a_result_are_those_of_the_jobs_it_is_made_by():
     of_prepare = ["seal-face/prepare", "seal-counter-face/prepare", "seal-1/prepare"]
     prepared = [f"logs/hard/{name}.log" for name in of_prepare]
     for case in ("hard", "soft", "raw"):
-        own = [f"logs/{case}/seal-1/{job}.log" for job in ("contact", "crosscheck")]
-        assert made.log_files(Run("seal-1", case)) == [*prepared, *own]
+        assert made.log_files(Run("seal-1", case)) == [*prepared, f"logs/{case}/seal-1/contact.log"]
     one = plan().log_files(Run("ground", ""))
-    assert one == [f"logs/ground/{job}.log" for job in ("prepare", "contact", "crosscheck")]
+    assert one == [f"logs/ground/{job}.log" for job in ("prepare", "contact")]
 
 
 @pytest.mark.parametrize(

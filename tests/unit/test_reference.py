@@ -7,8 +7,8 @@ import pytest
 from scipy import special
 from scipy.integrate import quad
 
-from roughcontact.references import closed_forms
-from roughcontact.references.layered_sphere import rigid_base_factor, sphere_on_layer
+from validation import closed_forms
+from validation.layered_sphere import rigid_base_factor, sphere_on_layer
 
 D, WAVELENGTH, MODULUS = 1.5e-6, 2e-3, 3e9
 FULL = closed_forms.westergaard_full_contact_pressure(D, WAVELENGTH, MODULUS)

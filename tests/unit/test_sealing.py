@@ -15,12 +15,12 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.connectivity import connected_regions, percolates, region_sizes
 from roughcontact.kernels.compiled import Regions
 from roughcontact.maps import height_map
-from roughcontact.references import closed_forms
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.sealing.flow import flow_columns, leak_columns
 from roughcontact.sealing.multigrid import multigrid
 from roughcontact.sealing.percolation import half_way_levels, percolation_columns
 from roughcontact.variables import describe
+from validation import closed_forms
 
 SQUARE = (1e-6, 1e-6)
 

@@ -303,7 +303,7 @@ def test_cases_that_are_one_folder_on_other_systems_are_named():
     assert found == [f"cases.soft: {said}", f"cases.Soft: {said}"]
 
 
-@pytest.mark.parametrize("key", ["surfaces", "composite", "report", "crosscheck", "validation", "cases"])
+@pytest.mark.parametrize("key", ["surfaces", "composite", "report", "cases"])
 def test_what_is_common_to_all_cases_is_set_at_the_top(key):
     (line,) = mistakes({"contact": {"contact_modulus": 1e9}, "cases": {"a": {key: {}}}})
     assert line == f"cases.a.{key}: is common to all cases, set it at the top"

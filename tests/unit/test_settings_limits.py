@@ -94,7 +94,6 @@ LIMITS = {
     "instrument.finer_spectrum": (["patch.nid", None], [""]),
     "contact.contact_modulus_uncertainty": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
     "contact.mean_pressure_uncertainty": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
-    "validation.finest_grid": ([256, 16384], [255, 16385]),
     "surfaces": (["s"], [""]),
 }
 OTHERS = {
@@ -113,7 +112,6 @@ COUNTS = [
     "statistics.pressure_bins",
     "statistics.gap_bins",
     "uncertainty.windows",
-    "validation.finest_grid",
 ]
 
 
@@ -356,11 +354,13 @@ def test_a_count_is_a_whole_number(key):
             ["solver", "windows"],
             "uncertainty.sources[1] = 'windows': unknown choice, did you mean window? (list of",
         ),
-        ("crosscheck.code", "tamas", "crosscheck.code = 'tamas': unknown choice, did you mean tamaas? (the"),
         (
-            "crosscheck.code",
-            "tamaas",
-            "crosscheck.python: missing (path of the Python that has tamaas)",
+            "validation.finest_grid",
+            256,
+            (
+                "validation: is no setting but a command of the checkout: `python3 run.py validation "
+                "--finest-grid 256`; leave the key out"
+            ),
         ),
     ],
 )

@@ -10,7 +10,6 @@ from scipy.integrate import quad
 from roughcontact.connectivity import region_sizes
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
-from roughcontact.references import closed_forms
 from roughcontact.references.synthetic import product_wave_surface, rough_reference_surface
 from roughcontact.results.storage import opened_dataset, read_dataset, write_dataset
 from roughcontact.statistics import contact_geometry
@@ -20,6 +19,7 @@ from roughcontact.statistics.contact_statistics import (
     with_uncertainty,
 )
 from roughcontact.variables import describe
+from validation import closed_forms
 
 C = (np.pi - 1 + np.log(2)) / 24
 D, WAVELENGTH, MODULUS = 1.5e-6, 2e-3, 3e9

@@ -9,7 +9,6 @@ import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
 from roughcontact.elasticity.subsurface import subsurface_stress, tresca, von_mises
 from roughcontact.maps import height_map
-from roughcontact.references import closed_forms, depth_integral
 from roughcontact.references.synthetic import (
     rough_reference_surface,
     self_affine_surface,
@@ -26,6 +25,7 @@ from roughcontact.statistics.subsurface import (
 )
 from roughcontact.statistics.targets import target_loads
 from roughcontact.variables import describe
+from validation import closed_forms, depth_integral
 
 SOFT = {"youngs_modulus": 2e9, "poissons_ratio": 0.4, "yield_stress": 5e7}
 HARD = {"youngs_modulus": 2e11, "poissons_ratio": 0.3, "yield_stress": 4e8}

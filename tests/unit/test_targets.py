@@ -7,10 +7,10 @@ import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
 from roughcontact.connectivity import percolates
 from roughcontact.maps import height_map
-from roughcontact.references import closed_forms
 from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
 from roughcontact.statistics.subsurface import stress_columns
 from roughcontact.statistics.targets import target_loads, wanted_loads
+from validation import closed_forms
 
 ROUGH = rough_reference_surface(64)
 D, WAVELENGTH, MODULUS = 1e-6, 1e-3, 1e9

@@ -18,8 +18,8 @@ from roughcontact.uncertainty.budget import SOURCES, error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.headline import headline
 from roughcontact.uncertainty.scales import QUANTITIES
-from roughcontact.validation.coverage import measured_cases
 from roughcontact.window.periodic_window import periodic_window
+from validation.coverage import measured_cases
 
 CONTACT = {"contact_modulus": 1.0, "mean_pressure": [0.02, 0.002], "tolerance": 1e-4}
 SETTINGS = {"level": {}, "window": {}, "contact": CONTACT}

@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import DeviationError, SettingsError
+from roughcontact.errors import SettingsError
 from roughcontact.maps import spacing
-from roughcontact.references import closed_forms, synthetic
-from roughcontact.validation import convergence, page, paper
-from roughcontact.validation.lines import Evidence, Line, Part, Wording, compare
-from roughcontact.validation.parts import validate
+from roughcontact.references import synthetic
+from validation import __main__ as command
+from validation import closed_forms, convergence, page, paper
+from validation.lines import Evidence, Line, Part, Wording, compare
+from validation.page import DeviationError
+from validation.parts import validate
 
 ROOT = Path(__file__).parents[2]
 SAMPLE = ROOT / "data_samples/sandblasted.x3p"
@@ -37,6 +39,22 @@ def test_a_line_that_does_not_hold_is_marked_and_fails(tmp_path):
         DeviationError, match=r"wrong: 2\.50000 instead of 2, deviation 0\.25 .* tolerance 0\.10"
     ):
         page.check([part], "page.html")
+
+
+@pytest.mark.parametrize(("value", "status"), [(2.0, 0), (2.5, 1)])
+def test_the_command_leaves_page_and_table_and_fails_where_a_line_does_not_hold(
+    value, status, tmp_path, monkeypatch, capsys
+):
+    part = Part("sums", "Sums", "Sums of small numbers.", [line_of("a sum", value, 2.0)])
+    monkeypatch.setattr(command, "compute", lambda **_: [part])
+    assert command.main(["--directory", str(tmp_path)]) == status
+    printed, complaint = capsys.readouterr()
+    assert ("all 1 lines hold" in printed) == (status == 0)
+    assert ("a sum: 2.50000 instead of 2" in complaint) == (status == 1)
+    folder = tmp_path / "results/validation"
+    with (folder / "lines.csv").open(newline="", encoding="utf-8") as file:
+        assert [row["holds"] for row in csv.DictReader(file)] == [["yes", "no"][status]]
+    assert ("1 of 1 lines do not hold" in (folder / "validation.html").read_text()) == (status == 1)
 
 
 @pytest.mark.parametrize("measure", ["largest", "rms"])
@@ -74,7 +92,7 @@ def test_a_wrong_reference_is_noticed(monkeypatch, name, wrong):
         page.check([part], "page.html")
 
 
-@pytest.mark.parametrize("grid", [128, 300])
+@pytest.mark.parametrize("grid", [128, 300, 32768])
 def test_a_grid_that_does_not_serve_is_named(grid):
     with pytest.raises(SettingsError, match=f"finest_grid = {grid}"):
         validate("waves", finest_grid=grid)

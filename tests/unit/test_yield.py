@@ -11,12 +11,12 @@ from roughcontact import materials
 from roughcontact.contact.loads import plan_loads
 from roughcontact.maps import height_map
 from roughcontact.quantities import percent, quantity
-from roughcontact.references import closed_forms
 from roughcontact.references.synthetic import self_affine_surface, westergaard_surface
 from roughcontact.report.tables import material_table
 from roughcontact.statistics import checks, contact_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.first_yield import first_yield_pressure, with_first_yield
+from validation import closed_forms
 
 MODULUS = 1e11
 RADIUS, PERIOD, POINTS = 10.0, 1.0, 256  # m

@@ -40,7 +40,7 @@ def run_in(folder, *command):
 
 @pytest.fixture
 def study(tmp_path):
-    """A cross-checked study among modules of the names that a run imports; one of its maps has no point."""
+    """A study among modules of the names that a run imports; one of its maps has no point."""
     folder = tmp_path / "study"
     write_modules(folder)
     write_modules(folder / ".snakemake/scripts")  # where Snakemake writes the scripts of jobs
@@ -48,24 +48,19 @@ def study(tmp_path):
     write_maps(folder / "measured")
     np.save(folder / "measured/empty.npy", np.full((8, 8), np.nan))
     (folder / "surfaces.tsv").write_text("\n".join([*TABLE[:2], TABLE[1].replace("ground", "empty")]))
-    python = folder / "python"
-    python.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{ROOT / "tests/other_code.py"}" "$@"\n')
-    python.chmod(0o755)
-    settings = SETTINGS | {"crosscheck": {"code": "tamaas", "python": str(python)}}
     (folder / "config").mkdir()
-    (folder / "config/config.yaml").write_text(yaml.safe_dump(settings))
+    (folder / "config/config.yaml").write_text(yaml.safe_dump(SETTINGS))
     return folder
 
 
 def test_a_run_its_jobs_and_the_partial_report_import_nothing_of_the_study(study):
     status, said = run_in(study, PROGRAMS / "roughcontact", "run", "-n")
     assert (status, executed(study)) == (0, [])
-    assert "crosscheck        2" in said
     status, said = run_in(study, PROGRAMS / "roughcontact", "run", "--cores", "2")
     assert executed(study) == []
     assert status == 1
     assert "Not finished: empty." in said
-    assert (study / "results/ground/crosscheck.nc").stat().st_size
+    assert (study / "results/ground/statistics.nc").stat().st_size
     assert "empty" in (study / "results/report.html").read_text()
 
 
@@ -73,9 +68,9 @@ def test_snakemake_itself_imports_nothing_of_a_study_in_the_checkout(checkout, s
     """Its jobs neither; Snakemake puts the folder of the Snakefile on its path."""
     (study / "Snakefile").write_bytes((checkout / "Snakefile").read_bytes())
     (study / "workflow").symlink_to(checkout / "workflow")
-    status, said = run_in(study, PROGRAMS / "snakemake", "--cores", "2", "results/ground/crosscheck.nc")
+    status, said = run_in(study, PROGRAMS / "snakemake", "--cores", "2", "results/ground/statistics.nc")
     assert (status, executed(study)) == (0, []), said
-    assert (study / "results/ground/crosscheck.nc").stat().st_size
+    assert (study / "results/ground/statistics.nc").stat().st_size
 
 
 def test_run_py_imports_nothing_of_a_study_in_the_checkout(tmp_path):

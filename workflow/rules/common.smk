@@ -11,7 +11,7 @@ from pathlib import Path
 from snakemake.io import contains_wildcard
 from snakemake.logging import logger
 
-from roughcontact.configuration.dependencies import PACKAGE, source_digest
+from roughcontact.configuration.dependencies import source_digest
 from roughcontact.configuration.generated import changed_settings
 from roughcontact.configuration.places import check_places, left_over
 from roughcontact.configuration.plan import Plan, one_of
@@ -116,14 +116,6 @@ def files_of(part):
         return asked.inputs | {"sources": [local(path) for path in named]}
 
     return files
-
-
-def files_of_panel(wildcards):
-    """Return the files that a panel is drawn from, by name."""
-    names = ("height", "levelled", "window", "contact", "statistics")
-    if wildcards.surface in PLAN.members:
-        names += ("counter_face",)
-    return {name: of(PLAN.file, name)(wildcards) for name in names}
 
 
 def place_in_table(wildcards, input):

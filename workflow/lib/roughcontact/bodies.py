@@ -7,7 +7,6 @@ from roughcontact.checking import check_positive
 from roughcontact.errors import SettingsError
 from roughcontact.named_materials import named_bodies
 
-_RIGID = 1e9  # times as stiff as a layer: rigid beside it
 _MATERIAL = ("youngs_modulus", "poissons_ratio")
 
 
@@ -57,26 +56,6 @@ def have_layers(bodies: Sequence[Mapping[str, Any]] | None) -> bool:
     (False, True)
     """
     return any(body.get("layers") for body in bodies or ())
-
-
-def sheet_on_rigid_base(bodies: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
-    """Return the single layer of a contact of which all else is rigid; None where there is more to it.
-
-    Examples
-    --------
-    >>> sheet = {"thickness": 1e-3, "youngs_modulus": 3e6, "poissons_ratio": 0.5}
-    >>> rigid = {"youngs_modulus": 1e20, "poissons_ratio": 0.3}
-    >>> sheet_on_rigid_base([{"base": "rigid", "layers": [sheet]}, rigid])["thickness"]
-    0.001
-    >>> sheet_on_rigid_base([rigid | {"layers": [sheet]}, rigid]) is None
-    True
-    """
-    layered = [body for body in bodies if body.get("layers")]
-    others = [body["youngs_modulus"] for body in bodies if not body.get("layers")]
-    if len(layered) != 1 or layered[0].get("base") != "rigid" or len(layered[0]["layers"]) != 1:
-        return None
-    sheet: Mapping[str, Any] = layered[0]["layers"][0]
-    return sheet if all(stiff >= _RIGID * sheet["youngs_modulus"] for stiff in others) else None
 
 
 def _checked(body: Mapping[str, Any], where: str) -> dict[str, Any]:

@@ -27,7 +27,6 @@ Extra = Literal["auto", "always", "never"]  # what is computed beside the contac
 
 UncertaintySource = Literal["solver", "discretisation", "window", "instrument", "material", "unresolved"]
 HeadlineMeasurand = Literal["surface", "longer"]  # of the interval that is printed
-OutsideCode = Literal["tamaas", "contactmechanics"]
 Resampling = Literal["linear"]
 Checksum = Literal["ignore"]
 FirstRow = Literal["top", "bottom"]  # of a file, in the picture that programs show of it

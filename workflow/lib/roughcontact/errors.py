@@ -54,14 +54,6 @@ class ConvergenceError(RoughContactError, RuntimeError):
     """A load whose error bound did not reach the tolerance."""
 
 
-class DeviationError(RoughContactError, RuntimeError):
-    """A line of the validation whose deviation is beyond its tolerance."""
-
-
-class CrossCheckError(RoughContactError, RuntimeError):
-    """Another code, asked for a cross-check, that does not run or does not converge."""
-
-
 class HeightMapWarning(UserWarning):
     """A map that is solved as asked, though no measured surface is like it: too few points, too steep."""
 

@@ -188,12 +188,6 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "area_xu": ("1", "relative contact area after Xu et al. (2024)"),
     "area_bush_gibson_thomas": ("1", "relative contact area after Bush, Gibson and Thomas (1975), low load"),
     "area_greenwood_williamson": ("1", "relative contact area after Greenwood and Williamson (1966)"),
-    # cross-check by another code, per load
-    "other_contact_area_pixels": ("1", "share of the pixels in contact by the other code, uncorrected"),
-    "other_max_pressure": ("Pa", "largest pressure by the other code"),
-    "other_mean_gap": ("m", "mean of the gap over the window by the other code"),
-    "pressure_difference": ("1", "rms difference of the two pressures over the rms of the pressure"),
-    "contact_difference": ("1", "number of points in contact by one of the two codes only"),
     # roughness, per surface
     "rms_height": ("m", "root mean square height of the solved window"),
     "rms_gradient": ("1", "spectral root mean square gradient of the solved window"),

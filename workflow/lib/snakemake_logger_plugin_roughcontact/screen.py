@@ -20,7 +20,6 @@ ERASE = "\r\x1b[K"  # the line of the bar
 _PREAMBLE = ("Assuming unrestricted shared filesystem", "Building DAG of jobs", "host: ")
 _BAR = 20  # characters
 _LAST = "contact"  # what the last job of a surface does
-_BEFORE = ("prepare", "crosscheck")
 # seconds of a job, and those by minute of the plan and thread, as measured; the plan has upper limits
 _START = {"prepare": 3.0}
 _START_OF_OTHERS, _PER_MINUTE = 6.0, 1.0
@@ -331,7 +330,7 @@ class Clock:
             used = sum(t * n for t, n in rest)
             used += waiting * sum(t * n for t, n in each_of_them) / len(known)
             most = max(t for t, _ in [(0.0, 1), *rest, *(each_of_them if waiting else ())])
-            if kind in (_LAST, *_BEFORE):
+            if kind in ("prepare", _LAST):
                 share, longest = share + used, max(longest, most)
             else:  # one for all surfaces, at the end
                 alone += most

@@ -33,6 +33,7 @@ _SHOWS = re.compile(
     r"-[npqkFr]*[nSDv]|-n[npqkFr]*|--(dry-?run|summary|detailed-summary|list.*|lint|report|version"
     r"|dag|rulegraph|filegraph|d3dag)(=.*)?"
 )
+_OF_CHECKOUT = ("validation", "crosscheck", "cost")  # programs beside the package, by their names in run.py
 _FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")
 
 _SETTINGS_HEAD = """\
@@ -216,17 +217,22 @@ def run_workflow(arguments: Sequence[str]) -> int:
 
 
 def _understood(arguments: Sequence[str]) -> argparse.Namespace:
-    """Return the arguments of Snakemake that are also used here: the working directory, the configuration."""
+    """Return the arguments of Snakemake that are also used here: folder, configuration, targets."""
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--directory", "-d", type=Path, default=Path())
     parser.add_argument("--configfile", "--configfiles", type=Path, nargs="+", default=[])
-    return parser.parse_known_args(arguments)[0]
+    given, targets = parser.parse_known_args(arguments)
+    return argparse.Namespace(**vars(given), targets=targets)
 
 
 def _check_start(given: argparse.Namespace) -> None:
     """Raise an error where it is known beforehand that a run cannot begin."""
     from importlib.util import find_spec
 
+    for target in set(_OF_CHECKOUT) & set(given.targets):
+        raise SettingsError(
+            f"{target} is no target of a run but a command of the checkout: `python3 run.py {target} --help`"
+        )
     if find_spec("snakemake") is None:
         raise SettingsError("Snakemake is not installed: pip install 'roughcontact[workflow]'")
     for file in given.configfile:

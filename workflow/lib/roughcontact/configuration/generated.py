@@ -33,7 +33,6 @@ _ASKED = tuple(
         *("target_area", "target_gap", "target", "keep_fields"),
     )
 )
-_NO_RESULT = ("report", "crosscheck", "validation")
 
 
 def default_yaml(*, head: str = _HEAD, contact: Mapping[str, Any] | None = None) -> str:
@@ -82,7 +81,7 @@ def changed_settings(settings: Mapping[str, Any]) -> list[str]:
     return [
         f"{section}.{name}: {_in_words(settings[section][name], field)}"
         for section, of_section in Settings.model_fields.items()
-        if section not in _NO_RESULT and (model := section_of(of_section))
+        if section != "report" and (model := section_of(of_section))
         for name, field in model.model_fields.items()
         if f"{section}.{name}" not in _ASKED
         and settings[section][name] != field.get_default(call_default_factory=True)

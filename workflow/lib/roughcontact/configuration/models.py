@@ -24,7 +24,6 @@ from roughcontact.choices import (
     LineAlignment,
     LoadTarget,
     OnFailure,
-    OutsideCode,
     Placement,
     Precision,
     UncertaintySource,
@@ -587,30 +586,6 @@ class Report(Section):
     title: str = Field(default="Contact of rough surfaces", description="title of the page")
 
 
-class Crosscheck(Section):
-    """Cross-check of every result by another code, an outside program; see docs/explanation/validation.md."""
-
-    code: Literal["none", OutsideCode] = Field(
-        default="none", description="the other code; the report shows its differences, load by load"
-    )
-    python: str | None = Field(
-        default=None,
-        description="path of the Python that has the other code",
-        examples=["/opt/tamaas/bin/python"],
-    )
-
-
-class Validation(Section):
-    """The target `validation`: comparison with closed forms and published numbers."""
-
-    finest_grid: Count = Field(
-        default=2048,
-        ge=256,
-        le=16384,
-        description="points along the finest grid, a power of 2 from 256 on; tolerances follow the grid",
-    )
-
-
 class Settings(Section):
     """Settings of roughcontact."""
 
@@ -627,8 +602,6 @@ class Settings(Section):
     uncertainty: Uncertainty = Field(default_factory=Uncertainty)
     instrument: Instrument = Field(default_factory=Instrument)
     report: Report = Field(default_factory=Report)
-    crosscheck: Crosscheck = Field(default_factory=Crosscheck)
-    validation: Validation = Field(default_factory=Validation)
     cases: dict[str, dict[str, Any]] = Field(
         default_factory=dict,
         description="a study: name of a case -> settings that differ from those above; every surface runs "

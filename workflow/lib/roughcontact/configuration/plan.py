@@ -20,7 +20,7 @@ from roughcontact.configuration.stages import SECTIONS, owner, settings_of
 from roughcontact.configuration.surfaces import Member, Surface, measured, members, same_places
 
 Kind = Literal["single", "face", "member"]
-Part = Literal["prepare", "contact", "crosscheck"]
+Part = Literal["prepare", "contact"]
 
 PREPARED: dict[Kind, tuple[str, ...]] = {
     "single": ("height", "levelled", "window"),
@@ -257,10 +257,8 @@ class Plan:
         return f"{self.folder}/{name}.nc".format(surface=surface, case=self.owners[name][case])
 
     def panel(self, surface: str, case: str = "") -> str:
-        """Return the path of the panel for the report: that with the cross-check, if there is one."""
-        checked = self.common["crosscheck"]["code"] != "none"
-        name = "panel-crosschecked" if checked else "panel"
-        return f"{self.folder}/{name}.html".format(surface=surface, case=case)
+        """Return the path of the panel for the report."""
+        return f"{self.folder}/panel.html".format(surface=surface, case=case)
 
     def summary(self, surface: str, case: str = "") -> str:
         """Return the path of the summary of `panel`: verdict and reasons, as JSON."""
@@ -335,8 +333,6 @@ class Plan:
         prepare = max(reading, (130 if "repeat" in self.row(surface).given else 90) * millions)
         if part == "prepare":
             return BASE_MEMORY + prepare
-        if part == "crosscheck":
-            return BASE_MEMORY + (600 + 50 * self.loads(case)) * millions
         statistics, bodies = self.cases[case]["statistics"], self.cases[case]["contact"]["bodies"] or ()
         flow = statistics["flow"] == "always" or (statistics["flow"] == "auto" and bool(statistics["seal"]))
         materials = [material for body in bodies for material in (body, *(body["layers"] or ()))]
@@ -351,8 +347,6 @@ class Plan:
         prepare = 40 * points / 60e6 + megabytes(self.row(surface).path) / 100
         if part == "prepare":
             return prepare
-        if part == "crosscheck":
-            return (20 + 1000 * self.loads(case)) * points / 60e6
         solving = (240 + 190 * self.loads(case)) * points / 60e6
         return solving + (0 if case in self.preparing else prepare)
 
@@ -372,8 +366,7 @@ class Plan:
 
     def sources(self, run: Run) -> list[str]:
         """Return the paths of all files from outside that contribute to a result, each once."""
-        jobs = [job for job in self._contributing(run) if job[0] != "crosscheck"]
-        return list(dict.fromkeys(path for job in jobs for path in self.job(*job).sources))
+        return list(dict.fromkeys(path for job in self._contributing(run) for path in self.job(*job).sources))
 
     def log_files(self, run: Run) -> list[str]:
         """Return the paths of the logs of all jobs that contribute to a result, in their order.
@@ -398,7 +391,6 @@ class Plan:
                 first = stage in PREPARED["single"] and case in self.preparing
                 jobs["prepare" if first else "contact", run.surface, case] = None
         jobs["contact", run.surface, run.case] = None
-        jobs["crosscheck", run.surface, run.case] = None
         return list(jobs)
 
 

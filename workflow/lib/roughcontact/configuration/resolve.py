@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from roughcontact.bodies import check_bodies, have_layers, sheet_on_rigid_base
+from roughcontact.bodies import check_bodies
 from roughcontact.configuration.messages import mistake, name_mistake, named
 from roughcontact.configuration.models import Settings
 from roughcontact.configuration.plausible import implausible_together
@@ -20,7 +20,7 @@ _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pres
 # what steel on PEEK is written as
 _BODIES = "bodies: [steel, {youngs_modulus: 4 GPa, poissons_ratio: 0.4}]"
 # keys that are the same for all cases
-_COMMON = ("surfaces", "composite", "report", "crosscheck", "validation", "cases")
+_COMMON = ("surfaces", "composite", "report", "cases")
 
 
 def resolve(config: Mapping[str, Any], *, origin: str = "the settings") -> dict[str, dict[str, Any]]:
@@ -93,12 +93,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     if not mistakes:
         together = implausible_together(merged, settings["contact"])
         mistakes += [named(name, overrides, *doubtful) for doubtful in together]
-    crosscheck = settings["crosscheck"]
-    if crosscheck["code"] != "none" and not crosscheck["python"]:
-        text = f"crosscheck.python: missing (path of the Python that has {crosscheck['code']})"
-        mistakes.append(SettingsError(text))
     mistakes += [SettingsError(text) for text in _mistakes_in_bodies(settings["contact"]["bodies"], where)]
-    mistakes += [SettingsError(text) for text in _mistakes_with_layers(settings)]
     if settings["statistics"]["stress"] == "always" and not settings["contact"]["bodies"]:
         text = "statistics.stress = 'always': needs contact.bodies, for their Poisson's ratios"
         mistakes.append(SettingsError(text, keys=["statistics.stress"]))
@@ -212,20 +207,6 @@ def _check_layers(bodies: Sequence[Mapping[str, Any]] | None, where: str) -> Non
     constants = ("youngs_modulus", "poissons_ratio")
     if any(body["base"] or body["layers"] or None in map(body.get, constants) for body in bodies or ()):
         check_bodies(bodies or (), where=f"{where}.bodies")
-
-
-def _mistakes_with_layers(settings: Mapping[str, Any]) -> list[str]:
-    """Return what is asked for although it is not judged for bodies with layers."""
-    if not have_layers(settings["contact"]["bodies"]):
-        return []
-    code = settings["crosscheck"]["code"]
-    if code == "tamaas" or (code != "none" and sheet_on_rigid_base(settings["contact"]["bodies"]) is None):
-        text = (
-            f"crosscheck.code = {code!r}: of bodies with layers another code solves one layer on a rigid "
-            "base, pressed by a rigid body (youngs_modulus 1e20), and that is contactmechanics; set none"
-        )
-        return [text]
-    return []
 
 
 def _merge(base: Any, overrides: Any) -> Any:

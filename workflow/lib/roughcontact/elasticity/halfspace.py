@@ -33,7 +33,10 @@ from roughcontact.kernels.arrays import (
 )
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.fft import Plan, make_plan
-from roughcontact.references.closed_forms import LATTICE_CONSTANT
+
+# Displacement at q = 0 of a point force in a square period, in L/E*, with which a single contact has its
+# approach in free space: -1/π times the sum of 1/n over the square lattice (Glasser and Zucker 1980)
+LATTICE_CONSTANT = 3.900264920001956 / math.pi
 
 
 class HalfSpace:

@@ -37,7 +37,6 @@ def write_panel(
     contact: str | Path,
     statistics: str | Path,
     settings: dict,
-    crosscheck: str | Path | None = None,
     counter_face: str | Path | None = None,
     linked: bool = True,
 ) -> None:
@@ -53,8 +52,6 @@ def write_panel(
         the result files of the surface. Where `contact` keeps no maps of pressure and gap the part says so.
     settings : dict
         the settings of the run.
-    crosscheck : path or None
-        the results of another code, where the run was cross-checked.
     counter_face : path or None
         the other measured file of a pair of faces.
     linked : bool
@@ -114,7 +111,6 @@ def write_panel(
         tables=tables.number_tables(numbers, checks.load_flags(numbers, solved.size)),
         outcomes=[outcome_of(numbers, place) for place in range(numbers.sizes["load"])],
         material=tables.material_table(numbers, shown),
-        crosscheck=tables.crosscheck_table(crosscheck, numbers, order) if crosscheck else None,
         files=beside(
             path,
             {

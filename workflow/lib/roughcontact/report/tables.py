@@ -1,8 +1,7 @@
-"""The tables of the report, as text: numbers against load, scores of windows, cross-check."""
+"""The tables of the report, as text: numbers against load, scores of windows."""
 
 import json
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,6 @@ import xarray as xr
 
 from roughcontact.quantities import Unit, number, percent, quantity, with_interval
 from roughcontact.report.units import unit_of
-from roughcontact.results.storage import read_dataset
 from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.variables import VARIABLES, Numbers
 from roughcontact.window.score import WEIGHTS
@@ -232,39 +230,3 @@ def score_table(window: xr.DataArray) -> Table | None:
             {"cells": [size, corner, f"{candidate['score']:.3f}", *values], "words": ", ".join(words)}
         )
     return {"header": ["window, points", "corner, x and y", "score", *parts], "rows": rows}
-
-
-def crosscheck_table(path: str | Path, numbers: xr.Dataset, order: np.ndarray) -> Table:
-    """Return the table of the differences between two codes.
-
-    `path` is the file of `crosscheck`, in which `order` has the indices of the loads of `numbers`, which
-    rise. The table has `code` (name and version), `header` and `rows`, the cells of each load.
-    """
-    other = read_dataset(path).isel(load=order)
-    header = (
-        "mean pressure p̄",
-        "pixels in contact",
-        "by the other code",
-        "points that differ",
-        "pressure, rms difference",
-        "largest pressure, difference",
-        "mean gap, difference",
-    )
-    rows = []
-    for own, theirs in ((numbers.isel(load=i), other.isel(load=i)) for i in range(order.size)):
-        relative = [
-            float(theirs[f"other_{name}"]) / float(own[name]) - 1 if own[name] > 0 else 0.0
-            for name in ("max_pressure", "mean_gap")
-        ]
-        points = float(theirs["contact_difference"])
-        rows.append(
-            [
-                unit_of(numbers, "Pa").text(float(own["mean_pressure"])),
-                f"{100 * float(own['relative_contact_area_pixels']):.4f} %",
-                f"{100 * float(theirs['other_contact_area_pixels']):.4f} %",
-                "–" if np.isnan(points) else f"{points:.0f}",
-                number(float(theirs["pressure_difference"]), digits=2),
-                *(number(value, digits=2) for value in relative),
-            ]
-        )
-    return {"code": f"{other.attrs['code']} {other.attrs['version']}", "header": header, "rows": rows}

@@ -71,7 +71,6 @@ _TITLES = {
     "contact": "Solution of the contact",
     "uncertainty": "Error budget of the contact",
     "statistics": "Statistics of the contact",
-    "crosscheck": "Contact solved by another code",
 }
 
 

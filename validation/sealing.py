@@ -1,0 +1,156 @@
+"""Sealing: flow through channels, what two phases conduct, and the contact area at which a gap closes."""
+
+import numpy as np
+import xarray as xr
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+from roughcontact.connectivity import percolates
+from roughcontact.contact.solve import solve_contact
+from roughcontact.maps import spacing
+from roughcontact.quantities import number, percent
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.sealing.flow import flow_columns, leak_columns
+from roughcontact.sealing.percolation import percolation_columns
+from roughcontact.statistics.contact_geometry import relative_contact_area
+from validation import closed_forms
+from validation.lines import Part, Table
+from validation.problems import AMPLITUDE, Solution, solve, solved_ridges
+
+_ROW = 256  # points across a channel along an axis, where the answer is exact
+_SEEDS = 8
+_SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 1e-2}  # water, 1 bar, 10 mm
+_LOADS = (0.02, 0.05, 0.1, 0.15, 0.2)
+
+
+def add_lines(part: Part, *, finest_grid: int) -> None:
+    """Add lines and table: gaps on grids an eighth as fine, random heights on a quarter."""
+    points = finest_grid // 8
+    _channels(part, points)
+    _two_phases(part, points)
+    _low_roughness(part, points)
+    _leaks(part, points)
+    _random_heights(part, 2 * points)
+    _closing(part)
+    part.tables.append(_effective_medium())
+
+
+def _channels(part: Part, points: int) -> None:
+    """Add the lines of channels along an axis, and at 45° on a square of so many points a side."""
+    x, row = (2 * np.pi * np.arange(n) / n for n in (points, _ROW))
+    steps = (1 / points, 1 / points)
+    for depth in (0.5, 0.9):
+        along, across = closed_forms.channel_flow_factors(depth)
+        found = flow_columns((1 + depth * np.cos(row)) * np.ones((8, 1)), steps, tolerance=1e-9)
+        part.compare("channel along", found["flow_factor_yy"], along, 1e-8, depth=depth)
+        part.compare("channel across", found["flow_factor_xx"], across, 1e-8, depth=depth)
+    along, across = closed_forms.channel_flow_factors(0.5)
+    found = flow_columns(1 + 0.5 * np.cos(x[:, None] + x[None, :]), steps, tolerance=1e-9)
+    for axes, known in (("xx", (along + across) / 2), ("xy", (across - along) / 2)):
+        part.compare("diagonal", found[f"flow_factor_{axes}"], known, 100 / points**2, axes=axes, n=points)
+
+
+def _two_phases(part: Part, points: int) -> None:
+    """Add the lines of a checkerboard, and of the narrowest place between crossed waves."""
+    board = np.where((np.indices((points, points)) // (points // 2)).sum(axis=0) % 2, 1.0, 3.0) ** (1 / 3)
+    factor = flow_columns(board, (1 / points, 1 / points), tolerance=1e-9)["flow_factor_xx"]
+    part.compare("board", factor * board.mean() ** 3, np.sqrt(3), 0.5 * points**-1.2, n=points)
+    x = 2 * np.pi * np.arange(points) / points
+    crossed = 1 + (np.cos(x)[:, None] + np.cos(x)[None, :]) / 2
+    part.compare("saddle", percolation_columns(crossed)["critical_constriction_x"], 1.0, 1e-12)
+
+
+def _low_roughness(part: Part, points: int) -> None:
+    """Add the lines of a gap with roughness of a twentieth of it."""
+    relative = 0.05
+    height = self_affine_surface(
+        (points, points), 1.0, hurst=0.8, shortest=8.0, longest=points / 4, rms_height=relative
+    )
+    gap = 1 + height.values
+    factors = flow_columns(gap, (1.0, 1.0), tolerance=1e-9)
+    mean = (factors["flow_factor_xx"] + factors["flow_factor_yy"]) / 2
+    known = closed_forms.isotropic_flow_factor(relative) - 1
+    part.compare("low", mean - 1, known, relative)
+    part.compare("medium", closed_forms.effective_medium_flow_factor(gap) - 1, known, relative)
+
+
+def _leaks(part: Part, points: int) -> None:
+    """Add the lines of leak rates: between plates, and along the gap of ridges that touch."""
+    known = 1e-18 * _SEAL["pressure_difference"] / (12 * _SEAL["viscosity"] * _SEAL["width"])
+    plates = leak_columns(1e-6, flow_columns(np.full((4, 4), 1e-6), (1e-6, 1e-6)), **_SEAL)
+    part.compare("slit", plates["leak_rate_x"], known, 1e-12)
+    for ratio, contact in solved_ridges(points, (0.1, 0.5)).items():
+        gap = _open_gap(contact)
+        leak = leak_columns(gap.mean(), flow_columns(gap, contact.pixel), **_SEAL)["leak_rate_y"]
+        cubed, _ = quad(
+            lambda x, ratio=ratio: closed_forms.westergaard_gap(x, 1.0, AMPLITUDE, ratio) ** 3, 0.0, 0.5
+        )
+        relative = leak / (known * (AMPLITUDE / 1e-6) ** 3)
+        part.compare("ridges", relative, 2 * cubed / AMPLITUDE**3, 20 / points**2, r=ratio, n=points)
+
+
+def _open_gap(contact: Solution) -> np.ndarray:
+    """Return the gap of a contact, zero where it touches."""
+    return np.where(contact.touching, 0.0, contact.gap)
+
+
+def _random_heights(part: Part, points: int) -> None:
+    """Add the line of the threshold at which random heights percolate: mean over maps and axes."""
+    levels = [
+        list(percolation_columns(np.random.default_rng(seed).random((points, points))).values())[2:]
+        for seed in range(_SEEDS)
+    ]
+    tolerance = 3 * (0.7 * points**-0.75 / np.sqrt(2 * _SEEDS))
+    words = {"maps": _SEEDS, "values": 2 * _SEEDS, "n": points}
+    part.compare("sites", 1 - np.mean(levels), 0.592746, tolerance, **words)
+
+
+def _isotropic(seed: int) -> xr.DataArray:
+    """Return a surface with two octaves of waves."""
+    return self_affine_surface(
+        (256, 256), 1.0, hurst=0.8, shortest=8.0, longest=32.0, rms_height=1e-3, seed=seed
+    )
+
+
+def _closing(part: Part) -> None:
+    """Add the line of the contact area at which gaps close: mean of some small surfaces."""
+    areas = [_closing_area(seed) for seed in range(_SEEDS)]
+    scatter = number(float(np.std(areas, ddof=1)), digits=2)
+    part.compare("closing", np.mean(areas), 0.42, 0.03, maps=_SEEDS, scatter=scatter)
+
+
+def _closing_area(seed: int) -> float:
+    """Return the contact area at which the gap of one surface closes."""
+    height = _isotropic(seed)
+    gradient = rms_gradient(height)
+
+    def touching(relative: float) -> np.ndarray:
+        (contact,) = solve(height, [relative * gradient], 1e-3)
+        return contact.touching
+
+    closed = brentq(
+        lambda relative: 1.0 if any(percolates(~touching(relative))) else -1.0, 0.1, 0.4, xtol=1e-3
+    )
+    return relative_contact_area(touching(closed))
+
+
+def _effective_medium() -> Table:
+    """Return the table of flow factors beside those of Bruggeman's effective medium."""
+    height = _isotropic(seed=0)
+    loads = [relative * rms_gradient(height) for relative in _LOADS]
+    contact = solve_contact(height, contact_modulus=1.0, mean_pressure=loads)
+    rows = []
+    for pressure, gap in zip(contact["pressure"].values, contact["gap"].values, strict=True):
+        open_gap = np.where(pressure > 0, 0.0, gap)
+        factors = flow_columns(open_gap, spacing(height))
+        medium = closed_forms.effective_medium_flow_factor(open_gap)
+        values = (factors["flow_factor_xx"], factors["flow_factor_yy"], medium)
+        rows.append((percent(relative_contact_area(pressure > 0)), *map(number, values)))
+    return Table(
+        "Flow factors beside Bruggeman's effective medium",
+        ("contact area", "Φxx", "Φyy", "effective medium"),
+        rows,
+        "The effective medium of Dapp, Lücke, Persson and Müser (2012), Phys. Rev. Lett. 108, 244301, in two "
+        "dimensions: Σ (g³ − s)/(g³ + s) = 0, closed from half contact on. One isotropic surface.",
+    )

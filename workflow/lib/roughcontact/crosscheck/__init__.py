@@ -1,1 +1,0 @@
-"""The same problem solved by another code, run as an outside program."""
