@@ -185,7 +185,8 @@ def test_every_dependency_is_in_the_table_of_dependencies():
 def test_the_recipes_name_files_and_functions_that_exist():
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     named = set(re.findall(r"`([^`\n]+)`", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)))
-    source = "\n".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
+    modules = [*PACKAGE.rglob("*.py"), *ROOT.glob("validation/*.py")]
+    source = "\n".join(path.read_text(encoding="utf-8") for path in modules)
     files = {name for name in named if re.fullmatch(r"[\w./*-]+\.(py|md)", name) and "NAME" not in name}
     functions = {name for name in named if re.fullmatch(r"[a-z_]+_[a-z_]+|PartName|Check|RecognisedBy", name)}
     functions -= {"data_samples", *(path.name for path in PACKAGE.iterdir())}
