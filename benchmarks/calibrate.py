@@ -72,9 +72,18 @@ SHORT = {
     CONDUCTANCE: "conductance",
     "critical_constriction": "narrowest",
 }
-PLACES = {CONSTRICTIONS[0]: "narrowest_x", CONSTRICTIONS[1]: "narrowest_y"}
-OF_EACH = ("scatter", "trend")  # features of each quantity and load
-FEATURES = ("scatter", "gradient", "height", "lay")  # of the size of the error
+NARROWEST = {CONSTRICTIONS[0]: "narrowest_x", CONSTRICTIONS[1]: "narrowest_y"}
+OF_EACH = ("scatter", "trend")  # features of each quantity and load; narrowest places have none
+FEATURES = ("scatter", "gradient", "height", "lay")
+# those that the size of the error is fitted to: the others do not lower the score of measured maps left out
+SIZED_BY = {
+    "area": FEATURES,
+    "gap": ("gradient", "height", "lay"),
+    "peak": ("gradient", "lay"),
+    "conductance": ("gradient", "height", "lay"),
+    "narrowest": (),
+}
+MOVED_BY_TREND = ("peak",)
 COVERAGE = 0.95
 JUDGED_LOADS = LOADS[1:4]
 FITTED_LEVEL = 0.975  # of the arms while size and trend are fitted
@@ -105,8 +114,8 @@ def evaluated(height, loads: list[float]) -> dict | None:
     found = {"shape": levelled.shape}
     with np.errstate(all="ignore"):
         for name in NAMES:
-            key = PLACES.get(name) or SHORT[name]
-            unit = values[GAP] if name in PLACES else 1.0
+            key = NARROWEST.get(name) or SHORT[name]
+            unit = values[GAP] if name in NARROWEST else 1.0
             found[key] = to_scale(name, values[name]) / unit
             found[f"{key}_octave"] = found[key] - to_scale(name, coarse[name]) / unit
             features = scatter.features[name] if scatter.features else {}
@@ -127,8 +136,8 @@ def refined_results(height, loads: list[float], factor: int) -> dict | None:
     values = solve_member(window, contact, tolerance=1e-4, names=NAMES)
     with np.errstate(all="ignore"):
         return {
-            PLACES.get(name) or SHORT[name]: to_scale(name, values[name])
-            / (values[GAP] if name in PLACES else 1.0)
+            NARROWEST.get(name) or SHORT[name]: to_scale(name, values[name])
+            / (values[GAP] if name in NARROWEST else 1.0)
             for name in NAMES
         }
 
@@ -253,7 +262,7 @@ def without_copies(tables: list[pd.DataFrame]) -> pd.DataFrame:
 
 def errors_of(bank: pd.DataFrame, quantity: str, measurand: str) -> pd.DataFrame:
     """Return the errors of a quantity about the truths of a measurand, with their features, one row each."""
-    keys = {"narrowest": tuple(PLACES.values())}.get(quantity, (quantity,))
+    keys = {"narrowest": tuple(NARROWEST.values())}.get(quantity, (quantity,))
     rows = []
     for (name, kind), of_map in bank.groupby(["map", "kind"], sort=False):
         for key in keys:
@@ -265,14 +274,16 @@ def errors_of(bank: pd.DataFrame, quantity: str, measurand: str) -> pd.DataFrame
                     for row, truth in zip(some.itertuples(), truths, strict=True):
                         features = {f: getattr(row, f) for f in FEATURES[1:]}
                         own = (*OF_EACH, "octave") if measurand == "octave" else OF_EACH
-                        features |= {f: getattr(row, f"{key}_{f}") for f in own}
+                        features |= {f: getattr(row, f"{key}_{f}", 0.0) for f in own}
                         base = (
                             {"map": name, "kind": kind, "load": load, "area": row.area}
                             | features
                             | {"quantity": quantity}
                         )
                         rows += [base | {"error": value - getattr(row, key)} for value in truth]
-    found = pd.DataFrame(rows).dropna()
+    used = {*SIZED_BY[quantity], *(["trend"] if quantity in MOVED_BY_TREND else [])}
+    found = pd.DataFrame(rows).dropna(subset=["error", "area", *used])
+    found[list(OF_EACH)] = found[list(OF_EACH)].fillna(0.0)
     found["error"] = found["error"].clip(-LARGEST_ERROR, LARGEST_ERROR)
     count = found.groupby(["map", "load"])["error"].transform("size")
     found["weight"] = 1 / count
@@ -294,51 +305,54 @@ def _truths(
     return [list(truth[key])] * own.size
 
 
-def fitted(errors: pd.DataFrame) -> tuple[float, np.ndarray]:
-    """Return the share c of the trend, and b0, b of the size s = exp(b0 + sum b f), of some errors.
+def fitted(errors: pd.DataFrame) -> tuple[float, pd.Series]:
+    """Return the share c of the trend, and b of the size s = exp(sum b f), of some errors; b by feature.
 
-    Errors of the area are Student's t, scaled by s: maximum likelihood. All others have longer tails: theirs
-    are those of the lowest score of intervals whose arms are quantiles of (error - c trend)/s at each load. A
-    small penalty is on the slopes, in standard deviations of the features; the arms take up any constant.
+    The features are those of `SIZED_BY`, and a constant 1. Errors of the area are Student's t, scaled by s:
+    maximum likelihood. All others have longer tails: theirs are those of the lowest score of intervals whose
+    arms are quantiles of (error - c trend)/s at each load. A small penalty is on the slopes, in standard
+    deviations of the features; the arms take up any constant.
     """
     quantity = errors["quantity"].iloc[0]
-    if quantity == "narrowest":  # two constants score better
-        return 0.0, np.zeros(len(FEATURES) + 1)
+    names, by_trend = list(SIZED_BY[quantity]), quantity in MOVED_BY_TREND
+    if not names:
+        return 0.0, pd.Series({"constant": 0.0})
     errors = errors[errors["load"].isin(JUDGED_LOADS)]
-    features, trend, error = (errors[key].to_numpy() for key in (list(FEATURES), "trend", "error"))
+    features, trend, error = (errors[key].to_numpy() for key in (names, "trend", "error"))
     weight, loads = errors["weight"].to_numpy(), errors["load"].to_numpy()
     middle = np.average(features, axis=0, weights=weight)
     spread = np.sqrt(np.average((features - middle) ** 2, axis=0, weights=weight))
     scaled, groups = (features - middle) / spread, [loads == load for load in JUDGED_LOADS]
 
     def likelihood(b: np.ndarray) -> float:
-        size = b[-1] + scaled @ b[2:-1]
-        left = (error - b[0] * trend - b[1]) * np.exp(-size)
-        terms = size + (FREEDOM + 1) / 2 * np.log1p(left**2 / FREEDOM)
-        return float(np.average(terms, weights=weight) + RIDGE * np.sum(b[2:-1] ** 2))
+        size = b[1] + scaled @ b[2:]
+        ratio = (error - b[0]) * np.exp(-size)
+        terms = size + (FREEDOM + 1) / 2 * np.log1p(ratio**2 / FREEDOM)
+        return float(np.average(terms, weights=weight) + RIDGE * np.sum(b[2:] ** 2))
 
     def score(b: np.ndarray) -> float:
-        size, left, scores = np.exp(scaled @ b[1:]), error - b[0] * trend, []
+        slopes = b[1:] if by_trend else b
+        size, remaining, scores = np.exp(scaled @ slopes), error - (b[0] * trend if by_trend else 0.0), []
         for some in groups:
-            low, high = quantiles(left[some] / size[some], weight[some], FITTED_LEVEL)
-            of_some = interval_score(low * size[some], high * size[some], left[some])
+            low, high = quantiles(remaining[some] / size[some], weight[some], FITTED_LEVEL)
+            of_some = interval_score(low * size[some], high * size[some], remaining[some])
             scores.append(np.average(of_some, weights=weight[some]))
-        return float(np.mean(scores) + RIDGE * np.sum(b[1:] ** 2))
+        return float(np.mean(scores) + RIDGE * np.sum(slopes**2))
 
+    share = 0.0
     if quantity == SHORT[AREA]:
-        b = minimize(likelihood, np.r_[0.0, 0.0, np.zeros(len(FEATURES)), -1.0], method="BFGS").x
-        share, slopes = b[0], b[2:-1] / spread
+        slopes = minimize(likelihood, np.r_[0.0, -1.0, np.zeros(len(names))], method="BFGS").x[2:] / spread
     else:
         options = {"maxfev": 300, "xatol": 0.02, "fatol": 0.003}
-        start = np.r_[0.1, 0.3 * np.ones(len(FEATURES) - 1), -0.1]
-        b = minimize(score, start, method="Nelder-Mead", options=options).x
-        share, slopes = b[0], b[1:] / spread
-    return float(share), np.r_[-middle @ slopes, slopes]
+        start = np.array([-0.1 if name == "lay" else 0.3 for name in names])
+        b = minimize(score, np.r_[0.1, start] if by_trend else start, method="Nelder-Mead", options=options).x
+        share, slopes = (float(b[0]), b[1:] / spread) if by_trend else (0.0, b / spread)
+    return share, pd.Series({"constant": -middle @ slopes} | dict(zip(names, slopes, strict=True)))
 
 
-def size_of(b: np.ndarray, errors: pd.DataFrame) -> np.ndarray:
+def size_of(b: pd.Series, errors: pd.DataFrame) -> np.ndarray:
     """Return the expected size of errors from their features."""
-    return np.exp(b[0] + errors[list(FEATURES)].to_numpy() @ b[1:])
+    return np.exp(errors.assign(constant=1.0)[list(b.index)].to_numpy() @ b.to_numpy())
 
 
 def quantiles(values: np.ndarray, weight: np.ndarray, level: float) -> tuple[float, float]:
@@ -418,7 +432,7 @@ def discretisation_floor(bank: pd.DataFrame, quantity: str) -> float:
 
     The truth is extrapolated from pixels half and a quarter as large.
     """
-    keys = {"narrowest": tuple(PLACES.values())}.get(quantity, (quantity,))
+    keys = {"narrowest": tuple(NARROWEST.values())}.get(quantity, (quantity,))
     left, change = [], []
     for key in keys:
         levels = [
@@ -436,22 +450,24 @@ def discretisation_floor(bank: pd.DataFrame, quantity: str) -> float:
 
 def calibration(bank: pd.DataFrame) -> dict:
     """Return the content of `calibration.json`."""
-    found: dict = {"features": [*FEATURES], "size": {}, "arms": {}, "octave": {}, "discretisation": {}}
+    table: dict = {"extent": float(CUTS[0]), "size": {}, "trend": {}, "arms": {}, "octave": {}}
+    table["octave"]["least_change"] = LEAST_CHANGE
+    table["discretisation"] = {}
     for name, quantity in SHORT.items():
         surface = errors_of(bank, quantity, "surface")
         share, b = fitted(surface)
-        found["size"][name] = b.tolist()
+        table["size"][name], table["trend"][name] = b.to_dict(), share
         for measurand in ("surface", "next", "longer", "map"):
             errors = surface if measurand == "surface" else errors_of(bank, quantity, measurand)
             trend = 0.0 if measurand == "map" else share
             arms = arms_of(errors, trend, size_of(b, errors), LEVELS[quantity])
-            found["arms"].setdefault(measurand, {})[name] = {"trend": trend} | arms
+            table["arms"].setdefault(measurand, {})[name] = arms
         octave = errors_of(bank, quantity, "octave")
         ratio = (octave["error"] - OCTAVE_SHARE * octave["octave"]) / np.hypot(octave["octave"], LEAST_CHANGE)
         low, high = quantiles(ratio.to_numpy(), octave["weight"].to_numpy(), LEVELS[quantity])
-        found["octave"][name] = {"share": OCTAVE_SHARE, "down": -low, "up": high}
-        found["discretisation"][name] = discretisation_floor(bank, quantity)
-    return rounded(found)
+        table["octave"][name] = {"share": OCTAVE_SHARE, "down": -low, "up": high}
+        table["discretisation"][name] = discretisation_floor(bank, quantity)
+    return rounded(table)
 
 
 def needed(bank: pd.DataFrame) -> pd.DataFrame:

@@ -9,7 +9,7 @@ from roughcontact.fourier import wavevectors
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.uncertainty.headline import headline_and_answers
-from roughcontact.uncertainty.solver import mean_gap_uncertainty
+from roughcontact.uncertainty.solver import solver_uncertainty
 
 
 def loves_rectangle(x, y, dy, dx):
@@ -81,6 +81,9 @@ def test_the_numbers_of_a_contact_are_of_the_operator_that_solved_it():
         np.testing.assert_allclose(found["elastic_energy"], pressed_in / 2, rtol=1e-7)
         answers = headline_and_answers(contact)["conductance_per_conductivity"]
         assert answers[1].item() == pytest.approx(stiffness, rel=2e-3)
+        energy = found["elastic_energy"].values
         np.testing.assert_allclose(
-            mean_gap_uncertainty(contact), contact["error_bound"] * found["elastic_energy"] / loads, rtol=1e-9
+            solver_uncertainty(contact, energy=energy)["mean_gap"],
+            contact["error_bound"] * energy / loads,
+            rtol=1e-9,
         )

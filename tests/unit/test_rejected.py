@@ -72,7 +72,7 @@ def test_share_of_the_load_is_that_of_a_solution_with_the_points_kept():
     height = height_map(values, 1.0)
     levelled = level(height, form="none")
     assert 5 < rejected_points(levelled).sum() <= spikes.sum()
-    share = rejected_load_share(levelled, window={}, contact=PROBLEM).values
+    share = rejected_load_share(levelled, window={}, contact=PROBLEM)
     kept = periodic_window(level(height, form="none", outlier_threshold=None))
     rows, columns = (np.rint(kept[d].values - 0.5).astype(int) for d in ("y", "x"))
     pressure = solve_contact(kept, **PROBLEM)["pressure"].values
@@ -111,7 +111,7 @@ def test_points_that_the_window_leaves_out_carry_nothing():
 def test_the_budget_hands_it_on_whatever_its_sources():
     levelled = level(height_map(spiked(height=1.5)[0], 1.0))
     window, settings = periodic_window(levelled), {"level": {}, "window": {}, "contact": PROBLEM}
-    expected = rejected_load_share(levelled, window={}, contact=PROBLEM).values
+    expected = rejected_load_share(levelled, window={}, contact=PROBLEM)
     for sources in ([], ["solver"]):
         found = error_budget(levelled, window, settings, sources=sources)
         np.testing.assert_array_equal(found["rejected_load_share"], expected)

@@ -5,12 +5,13 @@ import pytest
 from scipy import special
 
 from roughcontact.uncertainty.combination import (
-    Component,
-    component,
+    added_up,
     component_from_units,
     ends_of,
+    half_widths,
     limited,
     monotonic,
+    one_sided,
 )
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, from_scale, to_scale
 
@@ -19,14 +20,14 @@ ONE, NONE = np.ones(1), np.zeros(1)
 
 def test_half_widths_add_as_squares_and_shifts_as_they_are():
     """Logarithms of 3 and 4 are 5 together; a shift of 1 upwards comes on top."""
-    parts = [component(3 * ONE, 3 * ONE), Component(4 * ONE, 4 * ONE, NONE, ONE)]
-    lower, upper = ends_of(GAP, NONE, parts)
+    parts = [half_widths(3 * ONE, 3 * ONE), half_widths(4 * ONE, 4 * ONE), one_sided(ONE)]
+    lower, upper = ends_of(GAP, NONE, added_up(parts))
     assert (lower.item(), upper.item()) == pytest.approx((np.exp(-5), np.exp(6)))
 
 
 def test_the_area_is_combined_as_its_inverse_error_function():
     middle = to_scale(AREA, np.array([0.2]))
-    lower, upper = ends_of(AREA, middle, [component(0.3 * ONE, 0.4 * ONE)])
+    lower, upper = ends_of(AREA, middle, half_widths(0.3 * ONE, 0.4 * ONE))
     x = special.erfinv(0.2)
     ends = special.erf(x * np.exp(-0.3)), special.erf(x * np.exp(0.4))
     assert (lower.item(), upper.item()) == pytest.approx(ends)
@@ -42,7 +43,8 @@ def test_the_area_is_combined_as_its_inverse_error_function():
     ],
 )
 def test_arms_beside_the_result_move_it_to_the_nearer_end(arms, ends):
-    found = ends_of(GAP, NONE, [component(4 * ONE, 4 * ONE)], tuple(arm * ONE for arm in arms))
+    window = half_widths(*(arm * ONE for arm in arms))
+    found = ends_of(GAP, NONE, added_up([half_widths(4 * ONE, 4 * ONE), window]))
     assert [np.log(end.item()) for end in found] == pytest.approx(ends)
 
 
@@ -51,7 +53,7 @@ def test_infinite_arms_leave_the_physical_limits():
     known = {AREA: (0, 1), GAP: (0, np.nan), PEAK: (0.1, np.nan), PRESSURE: (0.1, np.nan)}
     for name, limits in (known | {CONSTRICTIONS[0]: (0, np.nan)}).items():
         result = np.array([value[name]])
-        ends = ends_of(name, to_scale(name, result), [], (np.inf * ONE, np.inf * ONE))
+        ends = ends_of(name, to_scale(name, result), half_widths(np.inf * ONE, np.inf * ONE))
         ends = limited(name, ends, value=result, load=load, hardness=None)
         np.testing.assert_array_equal(np.concatenate(ends), limits)
     _, upper = limited(PEAK, (ONE, 20 * ONE), value=3 * ONE, load=load, hardness=10.0)
@@ -69,5 +71,6 @@ def test_one_load_bounds_the_others_as_far_as_the_quantity_is_monotonic():
 
 
 def test_units_and_scales_are_the_same_half_widths():
-    found = component_from_units(GAP, np.array([2.0]), {"down": ONE, "up": 2 * ONE, "shift_up": np.inf * ONE})
+    sides = half_widths(ONE, 2 * ONE) + one_sided(np.inf * ONE)
+    found = component_from_units(GAP, np.array([2.0]), sides)
     assert [side.item() for side in found] == pytest.approx([np.log(2), np.log(2), 0, np.inf])

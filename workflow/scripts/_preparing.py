@@ -10,8 +10,8 @@ from roughcontact.faces.composite import composite
 from roughcontact.faces.positions import relative_positions
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
+from roughcontact.levelling.repeats import noise_of_repeats
 from roughcontact.results.storage import opened_dataset, read_dataset
-from roughcontact.uncertainty.repeats import noise_of_repeats
 from roughcontact.window.instrument import window_arguments
 from roughcontact.window.periodic_window import periodic_window
 

@@ -1,6 +1,6 @@
 """The error budget: corrections, intervals and their components for each headline quantity and answer."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,26 +10,27 @@ from roughcontact.checking import check_choice
 from roughcontact.choices import HeadlineMeasurand, UncertaintySource
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
-from roughcontact.maps import spacing
 from roughcontact.si import in_si
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.combination import (
+    COMBINED,
+    SIDES,
     SOURCES,
-    Component,
     Components,
-    component,
+    added_up,
     component_from_units,
-    labels,
+    half_widths,
 )
 from roughcontact.uncertainty.discretisation import CORRECTED, discretisation_error
+from roughcontact.uncertainty.ensemble import Values, loads_of
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.inputs import AMPLIFICATIONS, input_uncertainty
-from roughcontact.uncertainty.instrument import added_up, instrument_components
-from roughcontact.uncertainty.intervals import Intervals, Octave
+from roughcontact.uncertainty.instrument import instrument_components
+from roughcontact.uncertainty.intervals import Intervals
 from roughcontact.uncertainty.magnification import magnification_curve
 from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.uncertainty.sample import constrictions_in_grooves, deficiency, description
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PRESSURE, QUANTITIES, to_scale
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PRESSURE, to_scale
 from roughcontact.uncertainty.subwindows import scatter_of_subwindows
 from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, next_octave
 from roughcontact.window.instrument import stated_instrument
@@ -129,40 +130,30 @@ def error_budget(
     _check_arguments(sources, measurand, extent)
     stated = settings["contact"]
     contact = {key: value for key, value in stated.items() if key not in MATERIAL_UNCERTAINTIES}
-    load = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
+    load = loads_of(contact)
     # a load that does not converge gives NaN instead of ending the job
     lenient = {**contact, "on_failure": "flag"}
     rejected = rejected_load_share(levelled, window=settings["window"], contact=lenient)
+    columns: dict[str, tuple] = {"rejected_load_share": ("load", rejected)}
     if not sources:
-        return xr.Dataset({rejected.name: rejected}, coords={"mean_pressure": ("load", load)})
+        return xr.Dataset(columns, coords={"mean_pressure": ("load", load)})
     if solved is None:
         solved = solve_contact(window, **contact, reduce=budget_inputs)
     as_solved = {name: solved[name].values for name in quantities_in(solved)}
     values = {name: value for name, value in as_solved.items() if name != PRESSURE}
     middle = {name: to_scale(name, value) for name, value in values.items()}
-    found: dict[UncertaintySource, Components] = {}
-    columns: dict[str, tuple] = {}
-    scatter, open_ended, attrs = None, {}, {}
+    components: dict[UncertaintySource, Components] = {}
+    scatter, octave, open_ended, attrs = None, {}, {}, {}
     if "solver" in sources:
-        found["solver"] = _of_solver(solved)
+        components["solver"] = _of_solver(solved)
     if "discretisation" in sources:
-        errors = discretisation_error(
-            window,
-            contact=lenient,
-            values=values,
-            pixel_share=load / as_solved[PRESSURE],
-            peak_index=int(solved["index_of_the_peak"].values[-1]),
-        )
-        found["discretisation"] = {name: component(width, width) for name, (_, width) in errors.items()}
-        middle |= {name: middle[name] + errors[name][0] for name in CORRECTED}
+        peak_index = int(solved["index_of_the_peak"].values[-1])
+        errors = discretisation_error(window, contact=lenient, values=values, peak_index=peak_index)
+        components["discretisation"] = {name: component for name, (_, component) in errors.items()}
+        middle = {name: centre + errors[name][0] for name, centre in middle.items()}
     if "window" in sources:
         scatter = scatter_of_subwindows(
-            levelled,
-            window,
-            contact=lenient,
-            arguments=settings["window"],
-            values=values,
-            number=windows,
+            levelled, window, contact=lenient, arguments=settings["window"], values=values, number=windows
         )
         grooves = constrictions_in_grooves(window) if CONSTRICTIONS[0] in values else []
         open_ended = {name: solved[f"{name}_half_way"].values > 0 for name in grooves}
@@ -173,20 +164,18 @@ def error_budget(
             "window_flag": deficiency(levelled, scatter),
         }
         members = scatter.members | {PRESSURE: load / scatter.members[AREA]}
-        columns |= {f"{name}_parts": (("member", "load"), v) for name, v in members.items()}
+        columns |= {f"{name}_parts": (("member", "load"), member) for name, member in members.items()}
     instrument = stated_instrument(levelled, settings.get("instrument"))
     inputs = _stated_inputs(window, lenient, solved, sources, stated, instrument)
     columns |= {
-        str(name): (("load", "input"), inputs[name].values)
-        for name in inputs
-        if str(name).endswith("_sensitivity")
+        f"{name}_sensitivity": (("load", "input"), inputs[f"{name}_sensitivity"].values) for name in as_solved
     }
     of_inputs = {key: _of_input(inputs.sel(input=key), as_solved) for key in inputs["input"].values}
-    if "material" in sources:
-        found["material"] = added_up(of_inputs[key] for key in MATERIAL_UNCERTAINTIES.values())
     true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
+    if "material" in sources:
+        components["material"] = _summed(of_inputs[key] for key in MATERIAL_UNCERTAINTIES.values())
     if "instrument" in sources:
-        causes, before = instrument_components(
+        causes, uncorrected = instrument_components(
             window,
             contact=lenient,
             values=values,
@@ -194,28 +183,21 @@ def error_budget(
             as_measured=_without_correction(levelled, window, settings["window"]),
             true_shapes=true_shapes,
         )
-        found["instrument"] = added_up([*causes, *(of_inputs[key] for key in AMPLIFICATIONS)])
-        before |= {PRESSURE: load / before[AREA]} if before else {}
-        columns |= {f"{name}_as_measured": ("load", value) for name, value in before.items()}
-    octave: Octave = {}
+        components["instrument"] = _summed([*causes, *(of_inputs[key] for key in AMPLIFICATIONS)])
+        columns |= {f"{name}_as_measured": ("load", value) for name, value in uncorrected.items()}
     if "unresolved" in sources:
         curve = magnification_curve(window, contact=lenient, solved=solved)
-        columns |= {
-            str(name): (v.dims, v.values) for name, v in curve.variables.items() if "cutoff" in v.dims
-        }
-        if not band_is_chosen(settings, 2 * max(spacing(window))):
-            found["unresolved"] = hidden_waves(window, curve, instrument, true_shapes)
+        columns |= {str(name): (v.dims, v.values) for name, v in curve.variables.items()}
+        if not band_is_chosen(settings, window):
+            components["unresolved"] = hidden_waves(window, curve, instrument, true_shapes)
             octave = next_octave(window, curve, instrument.get("finer_spectrum"))
     intervals = Intervals(
-        found, scatter, octave, open_ended, load, extent, contact.get("hardness"), measurand
+        components, scatter, octave, open_ended, load, extent, contact.get("hardness"), measurand
     )
     for name in as_solved:
         columns |= intervals.columns(name, as_solved, middle)
-    return xr.Dataset(
-        columns | {str(rejected.name): ("load", rejected.values)},
-        coords={"mean_pressure": ("load", load), **labels(), "input": list(inputs["input"].values)},
-        attrs=attrs,
-    )
+    labels = {"source": [*SOURCES, COMBINED], "component": list(SIDES), "input": list(inputs["input"].values)}
+    return xr.Dataset(columns, coords={"mean_pressure": ("load", load), **labels}, attrs=attrs)
 
 
 def _check_arguments(
@@ -227,6 +209,15 @@ def _check_arguments(
         check_choice("uncertainty.sources", source, UncertaintySource)
     if not extent >= 1:
         raise SettingsError(f"extent = {extent!r}: give a number of 1 or more")
+
+
+def _of_solver(solved: xr.Dataset) -> Components:
+    """Return the components of the solver, whose half-widths are in the unit of each quantity."""
+    components = {}
+    for name in CORRECTED:
+        width = solved[f"{name}_uncertainty"].values
+        components[name] = component_from_units(name, solved[name].values, half_widths(width, width))
+    return components
 
 
 def _without_correction(
@@ -247,26 +238,27 @@ def _stated_inputs(
     instrument: Mapping[str, Any],
 ) -> xr.Dataset:
     """Return `input_uncertainty` of load, modulus and scales, as far as the sources ask for them."""
-    material = {key: stated[name] for name, key in MATERIAL_UNCERTAINTIES.items() if stated.get(name)}
-    scales = {key: instrument[key] for key in AMPLIFICATIONS if instrument.get(key)}
-    propagated = (material if "material" in sources else {}) | (scales if "instrument" in sources else {})
-    return input_uncertainty(window, contact=contact, solved=solved, stated=propagated)
+    widths: dict[str, Any] = {}
+    if "material" in sources:
+        widths |= {key: stated.get(name) for name, key in MATERIAL_UNCERTAINTIES.items()}
+    if "instrument" in sources:
+        widths |= {key: instrument.get(key) for key in AMPLIFICATIONS}
+    known = {key: float(width) for key, width in widths.items() if width}
+    return input_uncertainty(window, contact=contact, solved=solved, stated=known)
 
 
-def _of_solver(solved: xr.Dataset) -> dict[str, Component]:
-    """Return the components of the solver, whose half-widths are in the unit of each quantity."""
-    found = {}
-    for name in QUANTITIES:
-        width = solved[f"{name}_uncertainty"].values
-        found[name] = component_from_units(name, solved[name].values, {"down": width, "up": width})
-    return found
-
-
-def _of_input(inputs: xr.Dataset, values: Mapping[str, np.ndarray]) -> dict[str, Component]:
-    """Return the components of one stated input; empty for one that is not stated."""
-    found = {}
+def _of_input(inputs: xr.Dataset, values: Values) -> Components:
+    """Return the components of one input; none where it is not stated."""
+    components = {}
     for name, value in values.items():
-        ends = {side: inputs[f"{name}_{side}"].values for side in ("down", "up")}
-        if not np.isnan(ends["up"]).all():
-            found[name] = component_from_units(name, value, ends)
-    return found
+        sides = half_widths(inputs[f"{name}_down"].values, inputs[f"{name}_up"].values)
+        if not np.isnan(sides[1]).all():
+            components[name] = component_from_units(name, value, sides)
+    return components
+
+
+def _summed(causes: Iterable[Components]) -> Components:
+    """Return the components of independent causes of one source, added up."""
+    causes = list(causes)
+    names = {name for cause in causes for name in cause}
+    return {name: added_up(cause[name] for cause in causes if name in cause) for name in names}

@@ -12,21 +12,12 @@ from roughcontact.uncertainty.solver import solver_uncertainty
 
 
 def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> xr.Dataset:
-    """Return what the error budget takes from a solution.
+    """Return what the error budget takes from a solution with its fields, along `load`.
 
-    Parameters
-    ----------
-    contact : Dataset
-        as `solve_contact` returns it, with its fields.
-    statistics : Dataset, optional
-        `contact_statistics` of the same loads, computed here where they are not given.
-
-    Returns
-    -------
-    Dataset
-        dim load: `QUANTITIES` and `ANSWERS`, `index_of_the_peak` (of the point of the largest pressure,
-        counted row by row), constrictions of paths half as long as the map, `loading_stiffness`, and
-        `{name}_uncertainty` of the solver.
+    Headline quantities and answers, `{name}_uncertainty` of the solver, `index_of_the_peak` (of the point of
+    the largest pressure, counted row by row), `loading_stiffness`, and `{name}_half_way`, the constrictions
+    (m) of gap paths half as long as the map (`roughcontact.sealing.percolation.half_way_levels`).
+    `statistics` are those of the same loads, computed here where they are missing.
 
     Examples
     --------
@@ -43,30 +34,14 @@ def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> 
     # of full contact it is infinite
     plain[CONDUCTANCE] = np.where(np.isfinite(plain[CONDUCTANCE]), plain[CONDUCTANCE], np.nan)
     plain[STIFFNESS] = statistics[STIFFNESS if STIFFNESS in statistics else "contact_stiffness"].values
-    of_solver = solver_uncertainty(contact, energy=statistics["elastic_energy"].values)
-    plain |= {f"{name}_uncertainty": of_solver[name].values for name in QUANTITIES}
+    widths = solver_uncertainty(contact, energy=statistics["elastic_energy"].values)
+    plain |= {f"{name}_uncertainty": width for name, width in widths.items()}
     plain["index_of_the_peak"] = np.array([pressure.argmax() for pressure, _ in fields_of(contact)])
-    for name, values in half_length_constrictions(contact).items():
-        plain[name] = values
+    levels = [half_way_levels(np.where(pressure > 0, 0.0, gap)) for pressure, gap in fields_of(contact)]
+    plain |= {f"{name}_half_way": np.array([level[name] for level in levels]) for name in CONSTRICTIONS}
     return xr.Dataset(
         {name: ("load", values) for name, values in plain.items()}
         | {"contact_modulus": contact["contact_modulus"].variable},
         coords={"mean_pressure": contact["mean_pressure"].variable},
         attrs=contact.attrs,
     )
-
-
-def half_length_constrictions(contact: xr.Dataset) -> dict[str, np.ndarray]:
-    """Return the critical constrictions (load; m) of gap paths half as long as the map.
-
-    `{name}_half_way`, as `roughcontact.sealing.percolation.half_way_levels` defines it.
-
-    Examples
-    --------
-    >>> fields = {"pressure": [[[0.0, 3.0], [0.0, 0.0]]], "gap": [[[0.5, 0.0], [0.2, 0.3]]]}
-    >>> contact = xr.Dataset({name: (("load", "y", "x"), values) for name, values in fields.items()})
-    >>> half_length_constrictions(contact)["critical_constriction_y_half_way"].tolist()
-    [0.5]
-    """
-    rows = [half_way_levels(np.where(pressure > 0, 0.0, gap)) for pressure, gap in fields_of(contact)]
-    return {f"{name}_half_way": np.array([row[name] for row in rows]) for name in CONSTRICTIONS}

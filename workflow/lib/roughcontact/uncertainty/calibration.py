@@ -7,10 +7,11 @@ expected size of the error is
 
     s = exp(b0 + sum b_i f_i)
 
-with the features f of `roughcontact.uncertainty.subwindows`; the arms are quantiles of e/s, each file with
-the same weight (split conformal prediction). They hold for a map that could be one of the bank's.
+with those features f of `roughcontact.uncertainty.subwindows` that lower the score of the quantity; the arms
+are quantiles of e/s, each file with the same weight (split conformal prediction). They hold for a map that
+could be one of the bank's.
 
-`calibration.json` is written by `benchmarks/calibrate.py`; the bank is `benchmarks/results/bank.csv`.
+`calibration.json` is written by `benchmarks/calibrate.py`; the bank is `benchmarks/results/bank`.
 
 References
 ----------
@@ -30,8 +31,7 @@ import numpy as np
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PRESSURE, inverse_erf_area
 
 Measurand = Literal["surface", "next", "longer", "map"]
-CONSTRICTION = "critical_constriction"  # both axes in one entry
-BANK_EXTENT = 3.0  # length of a whole map of the bank over that of its parts
+Features = Mapping[str, np.ndarray | float]  # feature -> number, or array (load)
 
 
 @cache
@@ -41,67 +41,49 @@ def table() -> dict[str, Any]:
 
 
 def entry(name: str) -> str:
-    """Return the name under which a quantity stands in the table."""
-    return CONSTRICTION if name in CONSTRICTIONS else AREA if name == PRESSURE else name
+    """Return the name under which a quantity stands in the table, both narrowest places in one entry."""
+    return "critical_constriction" if name in CONSTRICTIONS else AREA if name == PRESSURE else name
 
 
-def expected_error(name: str, features: Mapping[str, np.ndarray | float]) -> np.ndarray:
-    """Return the expected size of the error of a quantity of a map, on its scale; of places in mean gaps.
-
-    Parameters
-    ----------
-    name : str
-    features : mapping
-        feature -> number, or array (load).
-    """
-    constant, *slopes = table()["size"][entry(name)]
-    return np.exp(
-        constant + sum(b * np.asarray(features[f]) for f, b in zip(table()["features"], slopes, strict=True))
-    )
+def expected_error(name: str, features: Features) -> np.ndarray:
+    """Return the expected size of the error of a quantity on its scale; of narrowest places in mean gaps."""
+    size = table()["size"][entry(name)]
+    return np.exp(sum(slope * np.asarray(features.get(key, 1.0)) for key, slope in size.items()))
 
 
 def arms(
-    measurand: Measurand, name: str, features: Mapping[str, np.ndarray | float], area: np.ndarray
+    measurand: Measurand, name: str, features: Features, area: np.ndarray, *, extent: float = 1.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return how far the truth lies below and above a result, on its scale; negative if it is apart.
+    """Return how far the truth lies below and above a result (load), on its scale; negative if it is apart.
 
-    A share of the trend, of the mean of the subwindows less the result, moves both: a largest pressure far
-    above those of the subwindows is an outlier, and the surface shows less.
-
-    Parameters
-    ----------
-    measurand : str
-    name : str
-        of the quantity.
-    features : mapping
-        feature -> number, or array (load).
-    area : array (load)
-        relative contact area, which tells the loads of the bank from one another.
+    `area` (load) tells the loads of the bank from one another. A share of the trend, of the mean of the
+    subwindows less the result, moves both arms: a largest pressure far above those of the subwindows is an
+    outlier, and the surface shows less. Arms of a surface `extent` times as long as the map are those of the
+    bank's extent, and of the surface in the band of the map at 1, linear in ln(extent).
     """
-    known = table()["arms"][measurand][entry(name)]
+    if measurand == "longer":
+        share = math.log(extent) / math.log(table()["extent"])
+        surface, longer = (_arms(table()["arms"][m][entry(name)], area) for m in ("surface", "longer"))
+        lower, upper = ((1 - share) * a + share * b for a, b in zip(surface, longer, strict=True))
+    else:
+        lower, upper = _arms(table()["arms"][measurand][entry(name)], area)
+    size = expected_error(name, features)
+    trend = 0.0 if measurand == "map" else table()["trend"][entry(name)]
+    shift = trend * np.asarray(features["trend"]) if trend else 0.0
+    return lower * size - shift, upper * size + shift
+
+
+def _arms(quantiles: Mapping[str, list[float]], area: np.ndarray) -> list[np.ndarray]:
+    """Return the arms below and above over the expected error, interpolated at the contact areas (load)."""
     x = np.log(np.maximum(inverse_erf_area(area), 1e-12))
-    size, shift = expected_error(name, features), known["trend"] * np.asarray(features["trend"])
-    down, up = (np.interp(x, known["load"], known[side]) for side in ("down", "up"))
-    return down * size - shift, up * size + shift
+    return [np.interp(x, quantiles["load"], quantiles[side]) for side in ("down", "up")]
 
 
-def arms_of_longer(
-    name: str, features: Mapping[str, np.ndarray | float], area: np.ndarray, extent: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return `arms` for the surface over `extent` times the length of the map.
-
-    They are those of the bank's extent, and of the surface in the band of the map at 1, linear in ln(extent).
-    """
-    share = math.log(extent) / math.log(BANK_EXTENT)
-    near, far = arms("surface", name, features, area), arms("longer", name, features, area)
-    down, up = ((1 - share) * a + share * b for a, b in zip(near, far, strict=True))
-    return down, up
-
-
-def octave_arms(name: str) -> tuple[float, float, float]:
-    """Return the share of the last octave's change that the next one adds, and the arms about it."""
-    known = table()["octave"][entry(name)]
-    return known["share"], known["down"], known["up"]
+def octave_arms(name: str) -> tuple[float, float, float, float]:
+    """Return the share of the last octave's change that the next adds, arms about it, the least change."""
+    entries = table()["octave"]
+    known = entries[entry(name)]
+    return known["share"], known["down"], known["up"], entries["least_change"]
 
 
 def discretisation_floor(name: str) -> float:

@@ -1,128 +1,97 @@
-"""Combination of uncertainty sources into intervals, and the table of their components."""
+"""Combination of uncertainty sources into intervals, and the table of their components.
 
-from collections.abc import Mapping
-from typing import NamedTuple, get_args
+What one source contributes to the interval of a quantity, on its scale, is a component: an array (4, load) of
+half-widths below and above, which add as squares and are infinite where nothing bounds them, and of shifts of
+the lower and the upper end, of known direction and unknown extent (noise, lens, tip), which add.
+"""
+
+from collections.abc import Iterable, Mapping
+from typing import get_args
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from roughcontact.choices import UncertaintySource
-from roughcontact.uncertainty.scales import (
-    ANSWERS,
-    AREA,
-    CONDUCTANCE,
-    CONSTRICTIONS,
-    GAP,
-    PEAK,
-    PRESSURE,
-    QUANTITIES,
-    from_scale,
-    to_scale,
-)
+from roughcontact.uncertainty import scales
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, from_scale, to_scale
 
+Component = np.ndarray
+Components = Mapping[str, Component]  # by quantity
+Ends = tuple[np.ndarray, np.ndarray]  # lower and upper (load)
 SOURCES: tuple[UncertaintySource, ...] = get_args(UncertaintySource)
 COMBINED = "combined"
+SIDES = ("down", "up", "shift_down", "shift_up")
+SIGNS = np.array([[-1.0], [1.0], [-1.0], [1.0]])
 _NORMAL = 1.959963984540054  # coverage factor of 95 % for infinite degrees of freedom
-# A: evaluated from a scatter; B: from bounds, models and statements
-_TYPES = ["A" if source == "window" else "B" for source in SOURCES]
-# whether a quantity rises with the load, or falls; the pressure in contact may do either
-_RISING = {AREA: True, PEAK: True, CONDUCTANCE: True, GAP: False, **dict.fromkeys(CONSTRICTIONS, False)}
-_LEAST = 1e-6  # of a result: the logarithm of smaller values is meaningless
-_OF_THE_TABLE = {
-    "mean_pressure",
-    *(
-        f"{name}_{ending}"
-        for name in (*QUANTITIES, *ANSWERS)
-        for ending in ("uncertainty", "components", "estimate", "as_solved", "lower", "upper")
-    ),
-}
+_RISING = (AREA, PEAK, scales.CONDUCTANCE)  # with the load
+_FALLING = (GAP, *CONSTRICTIONS)
 _COMMENT = (
     "half-widths of 95 % intervals, in the unit of the quantity; the larger one where an interval is "
     "asymmetric; combined: root of the sum of squares of the sources on the scale of the quantity; NaN: not "
     "requested, not available from this map, or not bounded above by it"
 )
+_ALL = (*scales.QUANTITIES, *scales.ANSWERS)
+_ENDINGS = ("uncertainty", "components", "estimate", "as_solved", "lower", "upper")
+_TABLE_VARIABLES = {"mean_pressure", *(f"{name}_{ending}" for name in _ALL for ending in _ENDINGS)}
 
 
-class Component(NamedTuple):
-    """What one source contributes to the interval of one quantity, on its scale; arrays (load).
-
-    Attributes
-    ----------
-    down, up : array
-        half-widths, combined as the root of the sum of squares; infinite where nothing bounds them.
-    shift_down, shift_up : array
-        changes of known direction and unknown extent (noise, lens, tip), which are added.
-    """
-
-    down: np.ndarray
-    up: np.ndarray
-    shift_down: np.ndarray
-    shift_up: np.ndarray
-
-
-Components = Mapping[str, Component]  # by quantity
-
-
-def component(down: np.ndarray, up: np.ndarray) -> Component:
-    """Return a component without shifts."""
-    return Component(down, up, np.zeros_like(down), np.zeros_like(up))
-
-
-def component_from_units(name: str, value: np.ndarray, ends: Mapping[str, np.ndarray]) -> Component:
-    """Return a component from `down`, `up`, `shift_down` and `shift_up` in the unit of a quantity.
-
-    Those that are missing are 0.
+def half_widths(below: np.ndarray, above: np.ndarray) -> Component:
+    """Return a component from half-widths; a negative one, of a truth that lies apart, moves both ends.
 
     Examples
     --------
-    >>> found = component_from_units("mean_gap", np.array([1.0]), {"up": np.array([1.0])})
-    >>> float(found.up[0].round(3)), float(found.down[0])
-    (0.693, 0.0)
+    The truth lies 1 to 4 above the result.
+
+    >>> half_widths(np.array([-1.0]), np.array([4.0])).ravel()
+    array([ 0.,  3., -1.,  1.])
     """
-    least = 0 * value if name in CONSTRICTIONS else _LEAST * value
-    middle, sides = to_scale(name, value), []
-    for side, sign in zip(Component._fields, (-1, 1, -1, 1), strict=True):
-        by = np.asarray(ends.get(side, 0 * value), float)
-        with np.errstate(invalid="ignore"):
-            moved = np.abs(to_scale(name, np.maximum(value + sign * by, least)) - middle)
-        sides.append(np.where(np.isposinf(by), np.inf, np.where(by == 0, 0.0, moved)))
-    return Component(*sides)
+    moved = np.where(above < 0, above, np.where(below < 0, -below, 0.0))
+    return np.stack([below + moved, above - moved, -moved, moved])
 
 
-def ends_of(
-    name: str,
-    middle: np.ndarray,
-    components: list[Component],
-    arms: tuple[np.ndarray, np.ndarray] | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return both ends of an interval in the unit of a quantity, without limits; infinite if unbounded.
+def one_sided(shift: np.ndarray) -> Component:
+    """Return a component that moves the lower end by a negative shift, the upper end by a positive one."""
+    zero = np.zeros_like(shift)
+    return np.stack([zero, zero, np.maximum(-shift, 0.0), np.maximum(shift, 0.0)])
 
-    Parameters
-    ----------
-    name : str
-    middle : array (load)
-        the result on its scale.
-    components : list of Component
-    arms : pair of arrays (load), optional
-        how far the truth lies below and above the result, by calibration; negative where it is apart from the
-        result, which then moves to the nearer end.
+
+def added_up(components: Iterable[Component]) -> Component:
+    """Return the sum of independent components: half-widths in quadrature, shifts added.
+
+    Examples
+    --------
+    >>> two = (half_widths(np.array([width]), np.array([0.0])) for width in (3.0, 4.0))
+    >>> float(added_up(two)[0, 0])
+    5.0
     """
-    down, up = (np.sqrt(sum(getattr(one, side) ** 2 for one in components)) for side in ("down", "up"))
-    if arms is not None:
-        below, above = arms
-        moved = np.where(above < 0, above, np.where(below < 0, -below, 0.0))
-        middle = middle + moved
-        down, up = np.hypot(down, below + moved), np.hypot(up, above - moved)
+    stack = np.stack(list(components))
+    return np.concatenate([np.sqrt(np.sum(stack[:, :2] ** 2, axis=0)), np.sum(stack[:, 2:], axis=0)])
+
+
+def component_from_units(name: str, value: np.ndarray, sides: Component) -> Component:
+    """Return a component from one whose half-widths and shifts are in the unit of a quantity.
+
+    Examples
+    --------
+    >>> sides = half_widths(np.zeros(1), np.array([1.0]))
+    >>> component_from_units("mean_gap", np.array([1.0]), sides).round(3).ravel()
+    array([0.   , 0.693, 0.   , 0.   ])
+    """
+    least = 0.0 if name in CONSTRICTIONS else scales.SMALLEST * value
     with np.errstate(invalid="ignore"):
-        lower = middle - down - sum(one.shift_down for one in components)
-        upper = middle + up + sum(one.shift_up for one in components)
+        moved = SIGNS * (to_scale(name, np.maximum(value + SIGNS * sides, least)) - to_scale(name, value))
+    return np.where(np.isinf(sides), np.inf, np.where(sides == 0, 0.0, moved))
+
+
+def ends_of(name: str, middle: np.ndarray, total: Component) -> Ends:
+    """Return both ends (load) in the unit of a quantity, without limits, about a result on its scale."""
+    with np.errstate(invalid="ignore"):
+        lower, upper = middle - total[0] - total[2], middle + total[1] + total[3]
     return from_scale(name, lower), from_scale(name, upper)
 
 
-def monotonic(
-    name: str, ends: tuple[np.ndarray, np.ndarray], load: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def monotonic(name: str, ends: Ends, load: np.ndarray) -> Ends:
     """Return ends that rise or fall with the load as the quantity does: one load bounds the others.
 
     Examples
@@ -131,79 +100,55 @@ def monotonic(
     >>> upper.tolist()
     [3.0, 3.0]
     """
-    if name not in _RISING:
+    if name not in (*_RISING, *_FALLING):
         return ends
-    order = np.argsort(load if _RISING[name] else -load, kind="stable")
+    order = np.argsort(load if name in _RISING else -load, kind="stable")
     lower, upper = np.empty_like(ends[0]), np.empty_like(ends[1])
     lower[order] = np.fmax.accumulate(ends[0][order])
     upper[order[::-1]] = np.fmin.accumulate(ends[1][order[::-1]])
     return lower, upper
 
 
-def limited(
-    name: str,
-    ends: tuple[np.ndarray, np.ndarray],
-    *,
-    value: np.ndarray,
-    load: np.ndarray,
-    hardness: float | None,
-) -> tuple[np.ndarray, np.ndarray]:
+def limited(name: str, ends: Ends, *, value: np.ndarray, load: np.ndarray, hardness: float | None) -> Ends:
     """Return ends within physical limits; NaN where an upper end is unbounded, and both where none is known.
 
     The area lies between 0 and 1, the pressure in contact is at least the load, and no pressure exceeds the
     hardness. A result at a physical limit, up to rounding, stays inside its own interval.
     """
-    least = load if name in (PRESSURE, PEAK) else np.zeros_like(load)
-    most = np.inf if hardness is None or name not in (PRESSURE, PEAK) else hardness
-    most = 1.0 if name == AREA else most
+    is_pressure = name in (PRESSURE, PEAK)
+    least = load if is_pressure else np.zeros_like(load)
+    limit = 1.0 if name == AREA else np.inf if hardness is None or not is_pressure else hardness
     lower = np.fmin(np.fmax(ends[0], least), value)
-    upper = np.fmax(np.fmin(ends[1], most), value)
+    upper = np.fmax(np.fmin(ends[1], limit), value)
     unknown = np.isnan(value)
     return np.where(unknown, np.nan, lower), np.where(unknown | np.isinf(upper), np.nan, upper)
 
 
 def columns_of_components(
-    name: str,
-    value: np.ndarray,
-    found: Mapping[UncertaintySource, Components],
-    ends: tuple[np.ndarray, np.ndarray],
+    name: str, value: np.ndarray, components: Mapping[UncertaintySource, Component], ends: Ends
 ) -> dict[str, tuple]:
     """Return `{name}_uncertainty` and `{name}_components` in the unit of the quantity, by source.
 
     `ends` are those of the combined interval.
     """
-    middle = to_scale(name, value)
-    shape = (value.size, len(SOURCES), len(Component._fields))
-    parts, shown = np.zeros(shape), np.full((value.size, len(SOURCES) + 1), np.nan)
-    for column, source in enumerate(SOURCES):
-        if name not in found.get(source, {}):
-            continue
-        one = found[source][name]
+    middle, shape = to_scale(name, value), (value.size, len(SOURCES) + 1)
+    widths, sides = np.full(shape, np.nan), np.zeros((*shape, len(SIDES)))
+    sides[:, -1] = np.nan
+    for source, component in components.items():
         with np.errstate(invalid="ignore", over="ignore"):
-            for place, (by, sign) in enumerate(zip(one, (-1, 1, -1, 1), strict=True)):
-                moved = np.abs(from_scale(name, middle + sign * by) - value)
-                parts[:, column, place] = np.where(np.isinf(by), np.inf, np.where(by == 0, 0.0, moved))
-        shown[:, column] = np.maximum(
-            parts[:, column, 0] + parts[:, column, 2], parts[:, column, 1] + parts[:, column, 3]
-        )
-    unbounded = np.isinf(parts).any(axis=(1, 2))
-    shown[:, -1] = np.where(unbounded, np.inf, np.maximum(value - ends[0], ends[1] - value))
-    parts = np.concatenate([parts, np.full((value.size, 1, shape[2]), np.nan)], axis=1)
+            moved = SIGNS * (from_scale(name, middle + SIGNS * component) - value)
+        in_units = np.where(np.isinf(component), np.inf, np.where(component == 0, 0.0, moved))
+        column = SOURCES.index(source)
+        sides[:, column] = in_units.T
+        widths[:, column] = np.maximum(*(in_units[:2] + in_units[2:]))
+    unbounded = np.isinf(sides).any(axis=(1, 2))
+    widths[:, -1] = np.where(unbounded, np.inf, np.maximum(value - ends[0], ends[1] - value))
+    widths, sides = (np.where(np.isinf(values), np.nan, values) for values in (widths, sides))
     return {
-        f"{name}_uncertainty": (("load", "source"), _bounded(shown), {"comment": _COMMENT}),
-        f"{name}_components": (("load", "source", "component"), _bounded(parts)),
+        f"{name}_uncertainty": (("load", "source"), widths, {"comment": _COMMENT}),
+        f"{name}_components": (("load", "source", "component"), sides),
         f"{name}_estimate": ("load", value),
     }
-
-
-def labels() -> dict[str, list[str]]:
-    """Return the coordinates of the components."""
-    return {"source": [*SOURCES, COMBINED], "component": list(Component._fields)}
-
-
-def _bounded(values: np.ndarray) -> np.ndarray:
-    """Return the values with infinite ones replaced by NaN."""
-    return np.where(np.isinf(values), np.nan, values)
 
 
 def is_of_budget(name: str) -> bool:
@@ -214,7 +159,7 @@ def is_of_budget(name: str) -> bool:
     >>> is_of_budget("mean_gap_lower"), is_of_budget("mean_gap_parts")
     (True, False)
     """
-    return name in _OF_THE_TABLE
+    return name in _TABLE_VARIABLES
 
 
 def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
@@ -233,7 +178,7 @@ def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
         `standard_uncertainty_lower`, `standard_uncertainty_upper`, `coverage_factor` (1.96: the half-widths
         are quantiles of errors, or bounds, of 95 %), `one_sided_lower`, `one_sided_upper`, `lower`, `upper`.
         Of the source `combined` the standard uncertainties are the root of the sum of squares, and the ends
-        those of the interval.
+        those of the interval. A negative one-sided number moves its end towards the value.
 
     References
     ----------
@@ -250,7 +195,7 @@ def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
     ['solver', 'combined']
     """
     plain = {str(name): variable.values for name, variable in budget.variables.items()}
-    tables = [_rows(plain, name) for name in (*QUANTITIES, *ANSWERS) if f"{name}_uncertainty" in plain]
+    tables = [_rows(plain, name) for name in _ALL if f"{name}_uncertainty" in plain]
     if not tables:
         return pd.DataFrame(columns=["quantity", "mean_pressure_Pa", "source"])
     return pd.DataFrame({key: np.concatenate([table[key] for table in tables]) for key in tables[0]})
@@ -258,42 +203,30 @@ def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
 
 def _rows(values: Mapping[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
     """Return the columns of the table of one quantity: load by load its sources, and them combined."""
-    shape = values[f"{name}_uncertainty"].shape
-    estimate = values[f"{name}_estimate"]
-    load, value, lower, upper = (
-        np.broadcast_to(column[:, None], shape)
-        for column in (
-            values["mean_pressure"],
-            estimate,
-            values[f"{name}_lower"],
-            values[f"{name}_upper"],
-        )
-    )
+    widths, estimate = values[f"{name}_uncertainty"], values[f"{name}_estimate"][:, None]
+    source, nan = values["source"].astype(object), np.nan
     down, up, shift_down, shift_up = np.moveaxis(values[f"{name}_components"], 2, 0)
-    source = np.broadcast_to(values["source"].astype(object), shape)
     combined = source == COMBINED
     unbounded = ~combined & (np.isnan(up) | np.isnan(shift_up))
-    known = combined | unbounded | ~np.isnan(values[f"{name}_uncertainty"])
+    present = combined | unbounded | ~np.isnan(widths)
     below = np.where(~combined & np.isnan(down), np.inf, down / _NORMAL)
     above = np.where(unbounded, np.inf, up / _NORMAL)
     for side in (below, above):
-        side[:, -1] = np.sqrt(np.sum(np.where(known & ~combined, side, 0.0) ** 2, axis=1))
-    correction = np.where(
-        source == "discretisation", value - values.get(f"{name}_as_solved", estimate)[:, None], 0.0
-    )
+        side[:, -1] = np.sqrt(np.sum(np.where(present & ~combined, side, 0.0) ** 2, axis=1))
+    correction = estimate - values.get(f"{name}_as_solved", estimate[:, 0])[:, None]
     columns = {
-        "quantity": np.full(shape, name, dtype=object),
-        "mean_pressure_Pa": load,
+        "quantity": np.array(name, dtype=object),
+        "mean_pressure_Pa": values["mean_pressure"][:, None],
         "source": source,
-        "evaluation_type": np.broadcast_to(np.array([*_TYPES, np.nan], dtype=object), shape),
-        "value": value,
-        "correction": np.where(combined, np.nan, correction),
+        "evaluation_type": np.where(combined, nan, np.where(source == "window", "A", "B").astype(object)),
+        "value": estimate,
+        "correction": np.where(combined, nan, np.where(source == "discretisation", correction, 0.0)),
         "standard_uncertainty_lower": below,
         "standard_uncertainty_upper": above,
-        "coverage_factor": np.full(shape, _NORMAL),
+        "coverage_factor": _NORMAL,
         "one_sided_lower": shift_down,
         "one_sided_upper": np.where(unbounded, np.inf, shift_up),
-        "lower": np.where(combined, lower, np.nan),
-        "upper": np.where(combined, upper, np.nan),
+        "lower": np.where(combined, values[f"{name}_lower"][:, None], nan),
+        "upper": np.where(combined, values[f"{name}_upper"][:, None], nan),
     }
-    return {key: column[known] for key, column in columns.items()}
+    return {key: np.broadcast_to(column, widths.shape)[present] for key, column in columns.items()}

@@ -21,6 +21,7 @@ import xarray as xr
 from roughcontact.errors import SettingsError
 from roughcontact.quantities import percent
 from roughcontact.uncertainty.combination import SOURCES
+from roughcontact.uncertainty.ensemble import at_all_loads
 from roughcontact.uncertainty.groups import (
     HEIGHTS,
     SAME_LOAD,
@@ -34,7 +35,6 @@ from roughcontact.uncertainty.groups import (
     to_scale,
 )
 from roughcontact.uncertainty.headline import quantities_in
-from roughcontact.uncertainty.loads import at_all_loads
 from roughcontact.uncertainty.random_effects import (
     SIGNIFICANCE,
     correlation_at_least,

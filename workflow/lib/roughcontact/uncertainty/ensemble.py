@@ -1,4 +1,4 @@
-"""Ensemble members: solutions to a wide tolerance of which only some quantities are kept."""
+"""Ensemble members: solutions to a wide tolerance, at few loads, of which only some quantities are kept."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -12,8 +12,17 @@ from roughcontact.contact.solve import elasticity
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 from roughcontact.maps import spacing
 from roughcontact.uncertainty.headline import quantities_of
+from roughcontact.uncertainty.scales import from_scale, to_scale
 
-_SINGLE_PRECISION_FROM = 1e-4  # tolerance from which rounding in single precision does not count
+Values = Mapping[str, np.ndarray]  # quantity -> array (load)
+LOADS = 3  # at which a member is solved: both ends and the middle
+SCATTER_TOLERANCE = 1e-2  # of the pressure: 0.4 % of the area (rms), where subwindows differ by 5 % and more
+CHANGE_TOLERANCE = 1e-3  # of the pressure, where the change from the result counts; in single precision
+
+
+def loads_of(contact: Mapping[str, Any]) -> np.ndarray:
+    """Return the mean pressures (load; Pa) of keyword arguments of `solve_contact`."""
+    return np.atleast_1d(np.asarray(contact["mean_pressure"], float))
 
 
 def solve_member(
@@ -24,117 +33,99 @@ def solve_member(
     names: Sequence[str],
     loads: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
-    """Solve one window of an ensemble; its fields are not kept.
+    """Return quantities of a window, each an array of the loads of the indices `loads`, by default all.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic. A window whose heights are rounding errors only, after levelling, is solved as flat.
-    contact : dict
-        keyword arguments of `solve_contact`.
-    tolerance : float
-        relative tolerance of the pressure, unless `contact` has a wider one.
-    names : sequence of str
-        quantities that are asked for.
-    loads : array of int, optional
-        indices of the loads that are solved; all by default.
-
-    Returns
-    -------
-    dict
-        quantity -> array (load), of the loads that are solved; NaN for a load that misses the tolerance.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> problem = {"contact_modulus": 1.0, "mean_pressure": [0.1]}
-    >>> member = solve_member(
-    ...     rough_reference_surface(64), problem, tolerance=1e-2, names=["relative_contact_area"]
-    ... )
-    >>> member["relative_contact_area"].round(2)
-    array([0.34])
+    The tolerance of the pressure is that of `contact` where this is wider; a load that misses it is NaN. A
+    window whose heights are rounding errors only, after levelling, is solved as flat.
     """
-    pressures = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
-    pressures = pressures if loads is None else pressures[loads]
+    pressures = loads_of(contact) if loads is None else loads_of(contact)[loads]
     tolerance = max(tolerance, contact.get("tolerance", 0.0))
-    influence = contact.get("influence", "sampled")
+    single = tolerance >= CHANGE_TOLERANCE or contact.get("precision") == "single"
     layered = elasticity(contact.get("contact_modulus"), contact.get("bodies"))[1] is not None
     values = {name: np.full(pressures.shape, np.nan) for name in names}
-    single = tolerance >= _SINGLE_PRECISION_FROM or contact.get("precision") == "single"
-    precision = SINGLE if single else DOUBLE
-    problem = {**contact, "mean_pressure": pressures}
-    for solution in solved_fields(window, problem, tolerance=tolerance, precision=precision):
+    for solution in solved_fields(
+        window,
+        {**contact, "mean_pressure": pressures},
+        tolerance=tolerance,
+        precision=SINGLE if single else DOUBLE,
+    ):
         if solution.error_bound > tolerance:
             continue
-        row = quantities_of(
+        quantities = quantities_of(
             solution.pressure,
             solution.gap,
             names,
             steps=spacing(window),
-            influence=influence,
+            influence=contact.get("influence", "sampled"),
             layered=layered,
         )
         for name in names:
-            values[name][solution.load_index] = row[name]
+            values[name][solution.load_index] = quantities[name]
     return values
 
 
-def measured_slices(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slice]:
-    """Return the rows and columns of a map that its periodic window contains.
+def solve_again(
+    window: xr.DataArray, contact: Mapping[str, Any], values: Values, *, tolerance: float = CHANGE_TOLERANCE
+) -> dict[str, np.ndarray]:
+    """Return the results of a changed window, the change from `values` interpolated between few loads."""
+    load = loads_of(contact)
+    solved = few_loads(load)
+    member = solve_member(window, contact, tolerance=tolerance, names=list(values), loads=solved)
+    return {name: carried_to_all_loads(name, member[name], solved, load, values[name]) for name in values}
 
-    Blended bands and mirror images do not count.
 
-    Parameters
-    ----------
-    levelled : DataArray (y, x), m
-        the map.
-    periodic : DataArray (y, x), m
-        the window, from `periodic_window` of that map.
-
-    Returns
-    -------
-    dict
-        ``{"y": slice, "x": slice}``, indices into the map.
+def few_loads(load: np.ndarray, count: int = LOADS) -> np.ndarray:
+    """Return the indices of at most `count` loads: both ends, and those nearest to even steps of ln p.
 
     Examples
     --------
-    >>> from roughcontact.levelling.level import level
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> from roughcontact.window.periodic_window import periodic_window
-    >>> levelled = level(rough_reference_surface(64)[:40])
-    >>> mirrored = periodic_window(levelled, method="mirror")
-    >>> mirrored.shape, measured_slices(levelled, mirrored)
-    ((80, 128), {'y': slice(0, 40, None), 'x': slice(0, 64, None)})
+    >>> few_loads(np.array([1.0, 2.0, 4.0, 8.0, 64.0]), 3)
+    array([0, 3, 4])
     """
+    if load.size <= count:
+        return np.arange(load.size)
+    logarithms = np.log(load)
+    even = np.linspace(logarithms.min(), logarithms.max(), count)
+    return np.unique(np.abs(logarithms[:, None] - even).argmin(axis=0))
+
+
+def at_all_loads(values: np.ndarray, solved: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """Return numbers at all loads from those at the indices `solved`, linear in ln p; NaN beside a NaN.
+
+    Examples
+    --------
+    >>> at_all_loads(np.array([0.1, 0.3]), np.array([0, 2]), np.array([1.0, 2.0, 4.0]))
+    array([0.1, 0.2, 0.3])
+    """
+    rank = np.argsort(load[solved])
+    return np.interp(np.log(load), np.log(load[solved][rank]), np.asarray(values, float)[rank])
+
+
+def carried_to_all_loads(
+    name: str, values: np.ndarray, solved: np.ndarray, load: np.ndarray, result: np.ndarray
+) -> np.ndarray:
+    """Return a quantity of a member (load), whose change from the result is interpolated on its scale."""
+    if solved.size == load.size:
+        return values
+    middle = to_scale(name, result)
+    change = at_all_loads(to_scale(name, values) - middle[solved], solved, load)
+    return from_scale(name, middle + change)
+
+
+def measured_slices(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slice]:
+    """Return the rows ("y") and columns ("x") of a map in its window; blends and mirror images aside."""
     if "periodisation" not in periodic.attrs:  # a map that is its own window
-        return {d: slice(0, n) for d, n in zip("yx", levelled.shape, strict=True)}
+        return {axis: slice(0, n) for axis, n in zip("yx", levelled.shape, strict=True)}
     mirrored = periodic.attrs["periodisation"] == "mirror"
-    shown = {}
-    for d, n, step in zip("yx", periodic.shape, spacing(levelled), strict=True):
-        first = round(periodic.attrs[f"window_offset_{d}"] / step)
-        shown[d] = slice(first, first + (n // 2 if mirrored and n > 1 else n))
-    return shown
+    slices = {}
+    for axis, n, step in zip("yx", periodic.shape, spacing(levelled), strict=True):
+        first = round(periodic.attrs[f"window_offset_{axis}"] / step)
+        slices[axis] = slice(first, first + (n // 2 if mirrored and n > 1 else n))
+    return slices
 
 
 def form_order(levelled: xr.DataArray) -> int:
-    """Return the polynomial order that levels a subwindow as the whole map was levelled.
-
-    Parameters
-    ----------
-    levelled : DataArray (y, x), m
-        from `level`.
-
-    Returns
-    -------
-    int
-        0 where nothing or only the mean was subtracted; 1 for a plane; 2 for a sphere or a cylinder.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> form_order(rough_reference_surface(64).assign_attrs(form="sphere"))
-    2
-    """
+    """Return the polynomial order that levels a subwindow as the whole map was levelled."""
     form = levelled.attrs.get("form", "plane")
     if form == "polynomial":
         # coefficients are named c_i_j; the record of a plane has slopes instead

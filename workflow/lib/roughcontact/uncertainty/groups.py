@@ -31,7 +31,7 @@ import xarray as xr
 from roughcontact.errors import SettingsError
 from roughcontact.io.instrument_kinds import of_name
 from roughcontact.quantities import quantity
-from roughcontact.uncertainty.combination import SOURCES, Component, component_from_units
+from roughcontact.uncertainty.combination import SOURCES, component_from_units
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.random_effects import random_effects, stand_off, student
 from roughcontact.uncertainty.scales import (
@@ -333,9 +333,8 @@ def scaled_components(name: str, dataset: xr.Dataset) -> np.ndarray:
     parts = dataset[f"{name}_components"].transpose("load", "source", "component").values[:, : len(SOURCES)]
     # an unbounded half-width is NaN in the file
     sides = np.moveaxis(np.where(np.isnan(parts), np.inf, parts), 2, 0)
-    for place in range(len(SOURCES)):
-        ends = dict(zip(Component._fields, sides[:, :, place], strict=True))
-        found[:, place] = np.column_stack(component_from_units(name, values, ends))
+    for index in range(len(SOURCES)):
+        found[:, index] = component_from_units(name, values, sides[:, :, index]).T
     return found
 
 

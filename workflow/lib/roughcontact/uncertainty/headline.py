@@ -15,20 +15,10 @@ from roughcontact.contact.response import linear_response
 from roughcontact.maps import spacing
 from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics.contact_geometry import relative_contact_area
-from roughcontact.uncertainty.scales import (
-    ANSWERS,
-    AREA,
-    CONDUCTANCE,
-    CONSTRICTIONS,
-    GAP,
-    PEAK,
-    PRESSURE,
-    QUANTITIES,
-)
+from roughcontact.uncertainty import scales
+from roughcontact.uncertainty.scales import ANSWERS, CONSTRICTIONS, QUANTITIES
 
-_RESPONSE_TOLERANCE = (
-    3e-2  # of the linear response: the relative error of the conductance is about its square
-)
+_RESPONSE_TOLERANCE = 3e-2  # of the linear response; the error of the conductance is about its square
 
 
 def quantities_of(
@@ -40,18 +30,10 @@ def quantities_of(
     influence: Influence = "sampled",
     layered: bool = False,
 ) -> dict[str, float]:
-    """Return quantities of one load, as `contact_statistics` defines them.
+    """Return quantities of one load from pressure (Pa) and gap (m), as `contact_statistics` defines them.
 
-    Parameters
-    ----------
-    pressure, gap : array (ny, nx), Pa and m
-    names : sequence of str
-        of `QUANTITIES` and `ANSWERS`.
-    steps : (dy, dx), m
-    influence : {"sampled", "elements"}
-        that the contact was solved with.
-    layered : bool
-        whether the bodies have layers, whose conductance is another problem than their stiffness: NaN.
+    `steps` are the pitches (dy, dx; m). The conductance is NaN in full contact, where it is infinite, and of
+    layered bodies, for which it is another problem than their stiffness.
 
     Examples
     --------
@@ -60,78 +42,34 @@ def quantities_of(
     {'mean_gap': 0.2, 'max_pressure': 3.0}
     """
     touching = pressure > 0
-    found: dict[str, float] = {}
-    if AREA in names:
-        found[AREA] = relative_contact_area(touching)
-    if GAP in names:
-        found[GAP] = float(gap[~touching].sum(dtype=float)) / gap.size
-    if PEAK in names:
-        found[PEAK] = float(pressure.max())
-    if PRESSURE in names:
-        found[PRESSURE] = float(pressure[touching].mean(dtype=float))
-    if CONDUCTANCE in names:
-        compliance = (
-            0.0
-            if layered
-            else linear_response(touching, steps, 1.0, _RESPONSE_TOLERANCE, influence=influence)
-        )
-        found[CONDUCTANCE] = 1 / compliance if compliance > 0 else np.nan
+    values: dict[str, float] = {}
+    if scales.AREA in names:
+        values[scales.AREA] = relative_contact_area(touching)
+    if scales.GAP in names:
+        values[scales.GAP] = float(gap[~touching].sum(dtype=float)) / gap.size
+    if scales.PEAK in names:
+        values[scales.PEAK] = float(pressure.max())
+    if scales.PRESSURE in names:
+        values[scales.PRESSURE] = float(pressure[touching].mean(dtype=float))
+    if scales.CONDUCTANCE in names:
+        compliance = 0.0
+        if not layered:
+            compliance = linear_response(touching, steps, 1.0, _RESPONSE_TOLERANCE, influence=influence)
+        values[scales.CONDUCTANCE] = 1 / compliance if compliance > 0 else np.nan
     if CONSTRICTIONS[0] in names:
         narrowest = percolation_columns(np.where(touching, 0.0, gap))
-        found |= {name: narrowest[name] for name in CONSTRICTIONS}
-    return found
+        values |= {name: narrowest[name] for name in CONSTRICTIONS}
+    return values
 
 
 def headline(contact: xr.Dataset) -> xr.Dataset:
-    """Return the four headline quantities of each load, as `contact_statistics` defines them.
-
-    Parameters
-    ----------
-    contact : Dataset
-        as `solve_contact` returns it, with its fields.
-
-    Returns
-    -------
-    Dataset
-        dim load: `relative_contact_area` (1), `mean_gap` (m), `max_pressure` and `mean_contact_pressure`
-        (Pa).
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> fields = {"pressure": [[[0.0, 3.0, 1.0, 0.0]]], "gap": [[[0.5, 0.0, 0.0, 0.3]]]}
-    >>> found = headline(xr.Dataset({name: (("load", "y", "x"), v) for name, v in fields.items()}))
-    >>> [round(found[name].item(), 3) for name in ("mean_gap", "max_pressure", "mean_contact_pressure")]
-    [0.2, 3.0, 2.0]
-    """
+    """Return the four headline quantities of each load of a solution with its fields."""
     rows = [quantities_of(*fields, QUANTITIES, steps=(1.0, 1.0)) for fields in fields_of(contact)]
     return xr.Dataset({name: ("load", [row[name] for row in rows]) for name in QUANTITIES})
 
 
 def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
-    """Return headline quantities and answers of each load, as `contact_statistics` defines them.
-
-    Parameters
-    ----------
-    contact : Dataset
-        as `solve_contact` returns it, with its fields.
-
-    Returns
-    -------
-    Dataset
-        dim load: those of `headline` and `ANSWERS`; NaN for the infinite conductance of full contact,
-        and for that of bodies with layers.
-
-    Examples
-    --------
-    >>> from roughcontact.contact.solve import solve_contact
-    >>> from roughcontact.references.synthetic import westergaard_surface
-    >>> wave = westergaard_surface((1, 64), 1 / 64, amplitude=0.1, wavelength=1.0)
-    >>> problem = {"contact_modulus": 1.0, "mean_pressure": [0.15]}
-    >>> found = solve_contact(wave, **problem, reduce=headline_and_answers)
-    >>> found["critical_constriction_x"].item(), found["critical_constriction_y"].item() > 0
-    (0.0, True)
-    """
+    """Return headline quantities and answers of each load of a solution with its fields."""
     names, steps = (*QUANTITIES, *ANSWERS), spacing(contact["pressure"])
     influence, layered = influence_of(contact), layers_of(contact) is not None
     rows = [
@@ -141,29 +79,11 @@ def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
     return xr.Dataset({name: ("load", [row[name] for row in rows]) for name in names})
 
 
-def quantities_in(found: xr.Dataset) -> tuple[str, ...]:
-    """Return the names of the headline quantities, and of the answers that a dataset contains.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> quantities_in(xr.Dataset({"critical_constriction_x": 2.0}))[-2:]
-    ('mean_contact_pressure', 'critical_constriction_x')
-    """
-    return *QUANTITIES, *(name for name in ANSWERS if name in found)
+def quantities_in(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Return the names of the headline quantities, and of the answers that a dataset contains."""
+    return *QUANTITIES, *(name for name in ANSWERS if name in dataset)
 
 
 def fields_of(contact: xr.Dataset) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Yield pressure and gap of each load of a solution.
-
-    Parameters
-    ----------
-    contact : Dataset
-        as `solve_contact` returns it, with its fields.
-
-    Yields
-    ------
-    pressure : array (ny, nx), Pa
-    gap : array (ny, nx), m
-    """
+    """Yield pressure (Pa) and gap (m), arrays (ny, nx), of each load of a solution."""
     yield from zip(contact["pressure"].values, contact["gap"].values, strict=True)

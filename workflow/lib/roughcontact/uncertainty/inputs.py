@@ -27,7 +27,7 @@ import xarray as xr
 
 from roughcontact.contact.solve import NEAR_HARDNESS
 from roughcontact.errors import SettingsError
-from roughcontact.uncertainty.ensemble import solve_member
+from roughcontact.uncertainty.ensemble import Values, solve_member
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, CONSTRICTIONS, GAP, PEAK, PRESSURE
 
@@ -40,9 +40,6 @@ _EXPLICIT_POWER = {
     **{(source, name): 1.0 for source in (_MODULUS, _HEIGHTS) for name in (PEAK, PRESSURE)},
     **{(_LENGTHS, name): -1.0 for name in (PEAK, PRESSURE, CONDUCTANCE)},
 }
-_TOLERANCE = 1e-4  # of the pressure, as of the result
-# results with an input at one end, after the logarithm of the input (load) over its stated value
-_End = tuple[np.ndarray, dict[str, np.ndarray]]
 
 
 def input_uncertainty(
@@ -50,35 +47,12 @@ def input_uncertainty(
 ) -> xr.Dataset:
     """Return what load, modulus and scales do to each result: half-widths where stated, and sensitivities.
 
-    Each stated input costs two solutions, others none.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic.
-    contact : dict
-        keyword arguments of `solve_contact`. With bodies `contact_modulus` stands for all their moduli.
-    solved : Dataset
-        the result: quantities along `load`, with `mean_pressure`, and `loading_stiffness` (Pa/m) if known.
-    stated : mapping
-        input -> expanded relative uncertainty (95 %), of `mean_pressure`, `contact_modulus`,
-        `amplification_z` and `amplification_xy`.
-
-    Returns
-    -------
-    Dataset
-        with dims (load, input): `{quantity}_down` and `{quantity}_up`, half-widths in the unit of the
-        quantity, NaN for an input that is not stated, infinite where an end could not be solved;
-        `{quantity}_sensitivity`, d ln Q/d ln(input), NaN where it is not known.
-
-    Raises
-    ------
-    SettingsError
-        for an uncertainty below 0, or of 1 or more.
-
-    References
-    ----------
-    JCGM 100:2008, Guide to the expression of uncertainty in measurement.
+    `solved` are the quantities of the periodic window along `load`, with `mean_pressure`, and
+    `loading_stiffness` (Pa/m) if known; `stated` are relative expanded uncertainties (95 %) of inputs. Each
+    costs two solutions. With dims (load, input) the result has `{quantity}_down` and `{quantity}_up`,
+    half-widths in the unit of the quantity, NaN for an input that is not stated, infinite where an end could
+    not be solved; `{quantity}_sensitivity`, d ln Q/d ln(input), NaN where it is not known. With bodies
+    `contact_modulus` stands for all their moduli. Raises SettingsError for an uncertainty outside 0 to 1.
 
     Examples
     --------
@@ -87,43 +61,43 @@ def input_uncertainty(
     >>> from roughcontact.uncertainty.headline import headline
     >>> window, problem = rough_reference_surface(64), {"contact_modulus": 1.0, "mean_pressure": [0.1]}
     >>> solved = solve_contact(window, **problem, reduce=headline)
-    >>> found = input_uncertainty(window, contact=problem, solved=solved, stated={"contact_modulus": 0.1})
-    >>> found["relative_contact_area_sensitivity"].sel(input="contact_modulus").round(1).item()
+    >>> inputs = input_uncertainty(window, contact=problem, solved=solved, stated={"contact_modulus": 0.1})
+    >>> inputs["relative_contact_area_sensitivity"].sel(input="contact_modulus").round(1).item()
     -0.8
     """
-    names, values = quantities_in(solved), {name: solved[name].values for name in quantities_in(solved)}
+    values = {name: solved[name].values for name in quantities_in(solved)}
     elastic = values[PEAK] < (1 - NEAR_HARDNESS) * (contact.get("hardness") or math.inf)
     similar = dict.fromkeys(_POWER_IN_LOAD, elastic) | {_LOAD: np.ones_like(elastic)}
     if "bodies" in solved.attrs:
         similar[_LENGTHS] = np.zeros_like(elastic)
-    slopes = {name: np.full(elastic.shape, np.nan) for name in names}
+    load_slopes = {name: np.full(elastic.shape, np.nan) for name in values}
     if STIFFNESS in solved:
-        np.divide(-solved[_LOAD].values, values[GAP], out=slopes[GAP], where=values[GAP] > 0)
-        slopes[GAP] /= solved[STIFFNESS].values
-    between = {}
+        np.divide(-solved[_LOAD].values, values[GAP], out=load_slopes[GAP], where=values[GAP] > 0)
+        load_slopes[GAP] /= solved[STIFFNESS].values
+    effects = {}
     for source, power in _POWER_IN_LOAD.items():
         ends = _ends(source, stated.get(source), window, contact, solved)
-        for name in names:
-            between[source, name] = *_, secant = _between(values[name], ends, name)
+        for name, value in values.items():
+            effects[source, name] = *_, secant = _effect(value, ends, name)
             slope = (secant - _EXPLICIT_POWER.get((source, name), 0.0)) / power
-            usable = similar[source] & np.isnan(slopes[name]) & np.isfinite(slope)
-            slopes[name] = np.where(usable, slope, slopes[name])
-    found: dict[str, list[np.ndarray]] = {}
-    for (source, name), (down, up, secant) in between.items():
-        law = _EXPLICIT_POWER.get((source, name), 0.0) + _POWER_IN_LOAD[source] * slopes[name]
+            usable = similar[source] & np.isnan(load_slopes[name]) & np.isfinite(slope)
+            load_slopes[name] = np.where(usable, slope, load_slopes[name])
+    rows: dict[str, list[np.ndarray]] = {}
+    for (source, name), (below, above, secant) in effects.items():
+        law = _EXPLICIT_POWER.get((source, name), 0.0) + _POWER_IN_LOAD[source] * load_slopes[name]
         slope = np.where(np.isfinite(secant), secant, np.where(similar[source], law, np.nan))
-        for ending, column in (("sensitivity", slope), ("down", down), ("up", up)):
-            found.setdefault(f"{name}_{ending}", []).append(column)
+        for ending, column in (("sensitivity", slope), ("down", below), ("up", above)):
+            rows.setdefault(f"{name}_{ending}", []).append(column)
     return xr.Dataset(
-        {name: (("load", "input"), np.stack(columns, axis=1)) for name, columns in found.items()},
+        {name: (("load", "input"), np.stack(columns, axis=1)) for name, columns in rows.items()},
         coords={"input": list(_POWER_IN_LOAD)},
     )
 
 
 def _ends(
     source: str, width: float | None, window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset
-) -> list[_End]:
-    """Return the results at both ends of an input; none where its uncertainty is not stated."""
+) -> list[tuple[np.ndarray, Values]]:
+    """Return ln of the input over its stated value (load), and the results, at both ends, if stated."""
     if not width:
         return []
     if not 0 < width < 1:
@@ -135,14 +109,14 @@ def _ends(
 
 def _end(
     source: str, factor: float, window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset
-) -> _End:
-    """Return the results with an input `factor` times as large."""
+) -> tuple[np.ndarray, Values]:
+    """Return ln of the input over its stated value (load), and the results, with it a factor larger."""
     load, changed = solved[_LOAD].values, dict(contact)
     change = np.full(load.shape, math.log(factor))
     if source == _LOAD:
         # a contact of which all yields carries no more
-        most = (1 - 2 * NEAR_HARDNESS) * (contact.get("hardness") or math.inf)
-        changed[_LOAD] = np.minimum(factor * load, most)
+        largest = (1 - 2 * NEAR_HARDNESS) * (contact.get("hardness") or math.inf)
+        changed[_LOAD] = np.minimum(factor * load, largest)
         change = np.log(changed[_LOAD] / load)
     elif source == _MODULUS:
         changed[_MODULUS] = factor * float(solved[_MODULUS])
@@ -151,7 +125,7 @@ def _end(
         window = window.copy(data=factor * window.values)
     else:
         window = window.assign_coords({axis: factor * window[axis] for axis in ("y", "x")})
-    tolerance = contact.get("tolerance", _TOLERANCE)
+    tolerance = contact.get("tolerance", 1e-4)
     values = solve_member(window, changed, tolerance=tolerance, names=quantities_in(solved))
     if CONDUCTANCE in values:  # infinite, not unknown, in full contact
         infinite = np.isnan(values[CONDUCTANCE]) & np.isfinite(values[AREA])
@@ -168,7 +142,9 @@ def _stiffer(bodies: Any, factor: float) -> Any:
     return bodies
 
 
-def _between(value: np.ndarray, ends: list[_End], name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _effect(
+    value: np.ndarray, ends: list[tuple[np.ndarray, Values]], name: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return half-widths below and above a result, and the slope of its logarithm, from both ends."""
     if not ends:
         return (np.full(value.shape, np.nan),) * 3
@@ -176,6 +152,6 @@ def _between(value: np.ndarray, ends: list[_End], name: str) -> tuple[np.ndarray
     changes = np.stack([lower - value, upper - value, np.zeros(value.shape)])
     # an end that could not be solved bounds nothing
     unsolved = np.isnan(changes).any(axis=0) & ~np.isnan(value)
-    down, up = (np.where(unsolved, np.inf, side) for side in (-changes.min(axis=0), changes.max(axis=0)))
+    below, above = (np.where(unsolved, np.inf, side) for side in (-changes.min(axis=0), changes.max(axis=0)))
     with np.errstate(divide="ignore", invalid="ignore"):
-        return down, up, np.log(upper / lower) / (high - low)
+        return below, above, np.log(upper / lower) / (high - low)

@@ -1,6 +1,6 @@
 """The intervals of a quantity: of the surface, the next map, longer and shorter waves, and this map."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import get_args
 
@@ -9,21 +9,21 @@ import numpy as np
 from roughcontact.choices import HeadlineMeasurand, UncertaintySource
 from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.combination import (
-    SOURCES,
+    SIGNS,
     Component,
     Components,
+    Ends,
+    added_up,
     columns_of_components,
-    component,
     ends_of,
+    half_widths,
     limited,
     monotonic,
 )
 from roughcontact.uncertainty.discretisation import CORRECTED
+from roughcontact.uncertainty.ensemble import Values
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, from_scale
 from roughcontact.uncertainty.subwindows import Scatter
-
-Arms = tuple[np.ndarray, np.ndarray]  # below and above the result (load), on the scale
-Octave = Mapping[str, tuple[np.ndarray, np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -32,12 +32,12 @@ class Intervals:
 
     Attributes
     ----------
-    found : mapping
+    components : mapping
         source -> components of each quantity.
     scatter : Scatter or None
         of the subwindows; None where the source `window` is left out.
     octave : mapping
-        quantity -> shift, and half-widths below and above it, by waves one octave shorter.
+        quantity -> shift (load) by waves one octave shorter, and the component about it.
     open_ended : mapping
         narrowest place -> whether grooves lead out of the map (load).
     load : array, Pa
@@ -48,135 +48,106 @@ class Intervals:
         that of the ends `_lower` and `_upper`, and of the half-widths.
     """
 
-    found: Mapping[UncertaintySource, Components]
+    components: Mapping[UncertaintySource, Components]
     scatter: Scatter | None
-    octave: Octave
-    open_ended: Mapping[str, np.ndarray]
+    octave: Mapping[str, tuple[np.ndarray, Component]]
+    open_ended: Values
     load: np.ndarray
     extent: float
     hardness: float | None
     measurand: HeadlineMeasurand = "surface"
 
-    def columns(
-        self, name: str, as_solved: Mapping[str, np.ndarray], middle: Mapping[str, np.ndarray]
-    ) -> dict[str, tuple]:
-        """Return the ends of all intervals of a quantity, and what they are made of."""
-        area = from_scale(AREA, middle[AREA])
-        if name == PRESSURE:  # the load over the area
-            centre, own = np.log(self.load) - np.log(area), self._of_pressure(middle[AREA])
-        else:
-            centre, own = middle[name], {s: parts[name] for s, parts in self.found.items() if name in parts}
-        value = np.where(np.isnan(centre), as_solved[name], from_scale(name, centre))
+    def columns(self, name: str, as_solved: Values, middle: Values) -> dict[str, tuple]:
+        """Return the ends of all intervals of a quantity, and what they are made of.
+
+        `as_solved` are the results, `middle` the corrected ones on their scales.
+        """
+        value = self._value(name, middle, as_solved)
         if name in (AREA, PRESSURE):  # full contact, up to the rounding of its scale
             value = np.where(as_solved[AREA] >= 1, as_solved[name], value)
-        if self.hardness is not None and name in (PRESSURE, PEAK):
-            value = np.fmin(value, self.hardness)
-        arms = {
-            m: self._arms(m, name, area, as_solved[GAP], middle[AREA])
-            for m in get_args(calibration.Measurand)
+        sources = self._sources(name, middle[AREA])
+        windows: dict[str, Component] = {}
+        if self.scatter is not None:
+            windows = {m: self._window(m, name, middle, as_solved) for m in get_args(calibration.Measurand)}
+        headline = [windows[self.measurand]] if windows else []
+        ends = {"": self._ends(name, middle, value, [*sources.values(), *headline])}
+        for measurand in ("next", "longer", "map"):
+            window = [windows[measurand]] if windows else []
+            ends[f"{measurand}_"] = self._ends(name, middle, value, [*sources.values(), *window])
+        ends["octave_"] = ends[""]  # where the band is chosen
+        if (key := AREA if name == PRESSURE else name) in self.octave:
+            shorter = {q: middle[q] + shift for q, (shift, _) in self.octave.items()}
+            beyond = self._converted(name, shorter[AREA], self.octave[key][1])
+            moved = self._value(name, shorter, as_solved)
+            ends["octave_"] = self._ends(name, shorter, moved, [*sources.values(), *headline, beyond])
+        columns: dict[str, tuple] = {
+            f"{name}_{key}{end}": ("load", numbers)
+            for key, pair in ends.items()
+            for end, numbers in zip(("lower", "upper"), pair, strict=True)
         }
-        everything = [*own.values()]
-        ends = {
-            "": self._ends(name, centre, value, everything, arms[self.measurand]),
-            "next_": self._ends(name, centre, value, everything, arms["next"]),
-            "longer_": self._ends(name, centre, value, everything, arms["longer"]),
-            "map_": self._ends(name, centre, value, everything, arms["map"]),
-            "octave_": self._octave(name, centre, value, everything, arms[self.measurand], middle[AREA]),
-        }
-        columns: dict[str, tuple] = {}
-        for key, pair in ends.items():
-            for end, numbers in zip(("lower", "upper"), pair, strict=True):
-                columns[f"{name}_{key}{end}"] = ("load", numbers)
-        if (headline := arms[self.measurand]) is not None:
-            own["window"] = component(*(np.maximum(side, 0.0) for side in headline))
-        shown: dict[UncertaintySource, Components] = {s: {name: own[s]} for s in SOURCES if s in own}
-        columns |= columns_of_components(name, value, shown, ends[""])
         if name in (*CORRECTED, PRESSURE):
             columns[f"{name}_as_solved"] = ("load", as_solved[name])
-        return columns
+        if headline:
+            sources["window"] = headline[0]
+        return columns | columns_of_components(name, value, sources, ends[""])
 
-    def _arms(
-        self,
-        measurand: calibration.Measurand,
-        name: str,
-        area: np.ndarray,
-        gap: np.ndarray,
-        middle_of_area: np.ndarray,
-    ) -> Arms | None:
-        """Return how far the truth of a measurand may lie below and above a result, on its scale."""
-        if self.scatter is None:
-            return None
+    def _centre(self, name: str, middle: Values) -> np.ndarray:
+        """Return a result on its scale; the pressure in contact is the load over the area."""
+        if name != PRESSURE:
+            return middle[name]
+        return np.log(self.load) - np.log(from_scale(AREA, middle[AREA]))
+
+    def _value(self, name: str, middle: Values, as_solved: Values) -> np.ndarray:
+        """Return a corrected result in its unit; as solved in full contact, which has no gap on its scale."""
+        centre = self._centre(name, middle)
+        value = np.where(np.isnan(centre), as_solved[name], from_scale(name, centre))
+        return (
+            value if self.hardness is None or name not in (PRESSURE, PEAK) else np.fmin(value, self.hardness)
+        )
+
+    def _sources(self, name: str, area: np.ndarray) -> dict[UncertaintySource, Component]:
+        """Return the components of a quantity; of the pressure those of the area, but for stated inputs."""
+        sources = {}
+        for source, components in self.components.items():
+            if name in components:
+                sources[source] = components[name]
+            elif name == PRESSURE and AREA in components:
+                sources[source] = self._converted(name, area, components[AREA])
+        return sources
+
+    def _window(
+        self, measurand: calibration.Measurand, name: str, middle: Values, as_solved: Values
+    ) -> Component:
+        """Return the component by which the truth of a measurand may differ from this map."""
+        assert self.scatter is not None
         if not self.scatter.features:  # without parts of a map nothing bounds what other places would give
-            return (np.full(area.shape, np.inf if measurand != "map" else 0.0),) * 2
-        source = AREA if name == PRESSURE else name
-        features = self.scatter.features[source]
-        if measurand == "longer":
-            down, up = calibration.arms_of_longer(source, features, area, self.extent)
-        else:
-            down, up = calibration.arms(measurand, source, features, area)
+            width = np.full(self.load.shape, 0.0 if measurand == "map" else np.inf)
+            return half_widths(width, width)
+        key, area = AREA if name == PRESSURE else name, from_scale(AREA, middle[AREA])
+        below, above = calibration.arms(measurand, key, self.scatter.features[key], area, extent=self.extent)
         if name in CONSTRICTIONS:  # counted in mean gaps
-            down, up = down * gap, up * gap
-        if name == PRESSURE:
-            return _of_area_in_pressure(middle_of_area, down, up)
+            below, above = below * as_solved[GAP], above * as_solved[GAP]
         if name in self.open_ended and measurand != "map":
-            up = np.where(self.open_ended[name], np.inf, up)
-        return down, up
+            above = np.where(self.open_ended[name], np.inf, above)
+        return self._converted(name, middle[AREA], half_widths(below, above))
 
-    def _of_pressure(self, middle_of_area: np.ndarray) -> dict[UncertaintySource, Component]:
-        """Return the components of the pressure in contact: of the area, but for stated inputs."""
-        own: dict[UncertaintySource, Component] = {}
-        for source, parts in self.found.items():
-            if PRESSURE in parts and source != "solver":
-                own[source] = parts[PRESSURE]
-            elif AREA in parts:
-                area = parts[AREA]
-                below, above = _of_area_in_pressure(middle_of_area, area.down, area.up)
-                shifts = _of_area_in_pressure(middle_of_area, area.shift_down, area.shift_up)
-                own[source] = Component(below, above, *shifts)
-        return own
+    def _converted(self, name: str, area: np.ndarray, component: Component) -> Component:
+        """Return a component of the area as one of ln(pressure in contact); those of others as they are."""
+        if name != PRESSURE:
+            return component
+        with np.errstate(divide="ignore"):
+            ratio = from_scale(AREA, area) / from_scale(AREA, area + SIGNS * component)
+        return (-SIGNS * np.log(ratio))[[1, 0, 3, 2]]
 
-    def _ends(
-        self, name: str, centre: np.ndarray, value: np.ndarray, parts: list[Component], arms: Arms | None
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def _ends(self, name: str, middle: Values, value: np.ndarray, components: Iterable[Component]) -> Ends:
         """Return both ends of an interval, in the unit of the quantity; NaN without any source."""
-        if not parts and arms is None:
+        components = list(components)
+        if not components:
             return (np.full(value.shape, np.nan),) * 2
-        ends = ends_of(name, centre, parts, arms)
+        ends = ends_of(name, self._centre(name, middle), added_up(components))
         if name == GAP and self.scatter is not None:  # in full contact: that of the most open subwindow
             with np.errstate(all="ignore"):
                 widest = np.fmax.reduce(self.scatter.members[GAP], axis=0, initial=0.0)
             ends = np.where(value > 0, ends[0], 0.0), np.where(value > 0, ends[1], widest)
         ends = monotonic(name, ends, self.load)
         return limited(name, ends, value=value, load=self.load, hardness=self.hardness)
-
-    def _octave(
-        self,
-        name: str,
-        centre: np.ndarray,
-        value: np.ndarray,
-        parts: list[Component],
-        arms: Arms | None,
-        middle_of_area: np.ndarray,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return both ends with waves one octave shorter; those of the surface where the band is chosen."""
-        source = AREA if name == PRESSURE else name
-        if source not in self.octave:
-            return self._ends(name, centre, value, parts, arms)
-        shift, below, above = self.octave[source]
-        if name == PRESSURE:
-            moved, _ = _of_area_in_pressure(middle_of_area, 0 * shift, shift)
-            below, above = _of_area_in_pressure(middle_of_area + shift, below, above)
-            shift = -moved
-        moved_value = np.where(np.isnan(centre), value, from_scale(name, centre + shift))  # full contact
-        if self.hardness is not None and name in (PRESSURE, PEAK):
-            moved_value = np.fmin(moved_value, self.hardness)
-        return self._ends(name, centre + shift, moved_value, [*parts, component(below, above)], arms)
-
-
-def _of_area_in_pressure(middle: np.ndarray, down: np.ndarray, up: np.ndarray) -> Arms:
-    """Return arms of ln(pressure in contact) below and above, from those of the area on its scale."""
-    area = from_scale(AREA, middle)
-    with np.errstate(divide="ignore"):
-        below = np.log(from_scale(AREA, middle + up) / area)
-        above = np.log(area / from_scale(AREA, middle - down))
-    return below, above

@@ -23,7 +23,7 @@ def description(
     ny, nx = levelled.isel(scatter.slices[0]).shape
     if len(scatter.slices) == 1:
         return f"The window of {nx} × {ny} points is too small to be divided into parts."
-    covered = sum(math.prod(levelled.isel(part).shape) for part in scatter.slices) / levelled.size
+    covered = sum(math.prod(levelled.isel(area).shape) for area in scatter.slices) / levelled.size
     text = (
         f"The ± is for {measurand_in_words(extent)}. "
         f"{len(scatter.slices)} parts of about {nx} × {ny} points, {percent(covered)} of the map, were "
@@ -64,25 +64,11 @@ def deficiency(levelled: xr.DataArray, scatter: Scatter) -> str:
 
 
 def constrictions_in_grooves(window: xr.DataArray) -> list[str]:
-    """Return the critical constrictions that lie in grooves, or valleys, leading out of the map.
+    """Return the critical constrictions that lie in grooves, or valleys, leading out of a periodic map.
 
-    The criterion is the area that is open at the level where paths half as long as the map first percolate.
-    Random heights percolate when about half of the area is open [1]_, a groove with much less.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic.
-
-    Returns
-    -------
-    list of str
-        names of `CONSTRICTIONS`; empty for a profile, which has no paths.
-
-    References
-    ----------
-    .. [1] Dapp, Lücke, Persson and Müser (2012), Self-affine elastic contacts: percolation and leakage, Phys.
-       Rev. Lett. 108, 244301.
+    The criterion is the area that is open at the level where paths half as long as the map first percolate:
+    random heights percolate when about half of the area is open (Dapp, Lücke, Persson and Müser 2012, Phys.
+    Rev. Lett. 108, 244301), a groove with much less. A profile has no paths.
 
     Examples
     --------

@@ -22,7 +22,7 @@ CONSTRICTIONS = ("critical_constriction_x", "critical_constriction_y")
 CONDUCTANCE = "conductance_per_conductivity"
 ANSWERS = (CONDUCTANCE, *CONSTRICTIONS)
 
-_MAX_AREA = 1 - 1e-6  # keeps erfinv finite: hardly a point is open
+SMALLEST = 1e-6  # share of a result, and of the area that is open, below which its logarithm is meaningless
 
 
 def inverse_erf_area(area: np.ndarray) -> np.ndarray:
@@ -33,7 +33,7 @@ def inverse_erf_area(area: np.ndarray) -> np.ndarray:
     >>> inverse_erf_area(np.array([0.0, 0.5])).round(3)
     array([0.   , 0.477])
     """
-    return scipy.special.erfinv(np.clip(area, 0.0, _MAX_AREA))
+    return scipy.special.erfinv(np.clip(area, 0.0, 1 - SMALLEST))
 
 
 def to_scale(name: str, values: np.ndarray) -> np.ndarray:
@@ -61,8 +61,8 @@ def from_scale(name: str, values: np.ndarray) -> np.ndarray:
     if name in CONSTRICTIONS:
         return np.maximum(values, 0.0)
     with np.errstate(over="ignore"):
-        found = np.exp(values)
-        if name != AREA:
-            return found
-        full = scipy.special.erfinv(_MAX_AREA) * (1 - 1e-12)  # up to rounding
-        return np.where(found >= full, 1.0, scipy.special.erf(found))
+        result = np.exp(values)
+    if name != AREA:
+        return result
+    full = scipy.special.erfinv(1 - SMALLEST) * (1 - 1e-12)  # up to rounding
+    return np.where(result >= full, 1.0, scipy.special.erf(result))

@@ -8,12 +8,13 @@ gradient and the rms height of 4, 9, 16 and 36 subwindows need no solution; thei
 
     var(n) = a + b n,   a, b >= 0
 
-and var(1) is what is expected of maps of this size. Both, the scatter of the solved subwindows and the
-texture aspect ratio Str, which tells a lay, are the features of the calibrated arms (`calibration`).
+and var(1) is what is expected of maps of this size. Both, the scatter of the solved subwindows, their trend
+and the texture aspect ratio Str, which tells a lay, are the features of the calibrated arms (`calibration`).
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,19 +25,23 @@ from roughcontact.errors import SettingsError
 from roughcontact.levelling.polynomial import fit_polynomial
 from roughcontact.maps import spacing
 from roughcontact.roughness.texture import texture_parameters
-from roughcontact.uncertainty.ensemble import form_order, measured_slices, solve_member
-from roughcontact.uncertainty.loads import at_all_loads, few_loads
+from roughcontact.uncertainty.calibration import Features
+from roughcontact.uncertainty.ensemble import (
+    SCATTER_TOLERANCE,
+    Values,
+    at_all_loads,
+    few_loads,
+    form_order,
+    loads_of,
+    measured_slices,
+    solve_member,
+)
 from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, to_scale
 from roughcontact.window.periodic_window import subwindow
 
-_TOLERANCE = 1e-2  # of the pressure: 0.4 % of the area (rms), where subwindows differ by 5 % and more
-_LOADS = 4  # at which subwindows are solved
 _MIN_POINTS_PER_SIDE = 12  # of a subwindow
-_MIN_WAVES_PER_SIDE = 2  # side of a subwindow over the shortest wavelength that is kept
 _CUTS = (2, 3, 4, 6)  # of the sides, for statistics without a solution
-_LEAST_SCATTER = 0.02  # of a logarithm; less is chance
-_LARGEST_TREND = 3.0  # of a logarithm; more is a closed gap
-_LEAST_SHARE = 0.01  # of the result: the logarithm of smaller values is meaningless
+_LEAST_SCATTER = 0.02  # of a logarithm, and of a result that is not closed; less is chance
 
 Slices = dict[str, slice]  # rows ("y") and columns ("x") of a map
 
@@ -59,7 +64,7 @@ class Scatter(NamedTuple):
     """
 
     members: dict[str, np.ndarray]
-    features: dict[str, dict[str, Any]]
+    features: dict[str, Features]
     slices: list[Slices]
     incomplete: bool = False
     lay: float = 0.5
@@ -71,137 +76,90 @@ def scatter_of_subwindows(
     *,
     contact: Mapping[str, Any],
     arguments: Mapping[str, Any],
-    values: Mapping[str, np.ndarray],
+    values: Values,
     number: int = 9,
 ) -> Scatter:
     """Return the scatter of the results of a map's subwindows.
 
-    Parameters
-    ----------
-    levelled, window : DataArray (y, x), m
-        the levelled map and its periodic window.
-    contact, arguments : mapping
-        keyword arguments of `solve_contact` and `periodic_window` that led to the result.
-    values : mapping
-        quantity -> array (load) of the window.
-    number : int
-        most subwindows that are solved, 4 or more; 9 divides a map into 3 x 3 and a profile into 9.
-
-    Raises
-    ------
-    SettingsError
-        where `number` is below 4.
-
-    Examples
-    --------
-    >>> from roughcontact.levelling.level import level
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> from roughcontact.window.periodic_window import periodic_window
-    >>> levelled = level(rough_reference_surface(64))
-    >>> window, problem = periodic_window(levelled), {"contact_modulus": 1.0, "mean_pressure": [0.1]}
-    >>> values = solve_member(window, problem, tolerance=1e-2, names=["relative_contact_area"])
-    >>> found = scatter_of_subwindows(levelled, window, contact=problem, arguments={}, values=values)
-    >>> found.members["relative_contact_area"].shape
-    (9, 1)
+    `contact` and `arguments` are those of `solve_contact` and `periodic_window` that led to the `values` of
+    the window; at most `number` subwindows are solved, 9 being 3 x 3 of a map and 9 of a profile. Raises
+    SettingsError where `number` is below 4.
     """
     if number != int(number) or number < 4:
         raise SettingsError(f"windows = {number!r}: give a whole number of 4 or more")
-    whole = measured_slices(levelled, window)
-    slices = divided(whole, spacing(levelled), int(number), arguments.get("shortest_wavelength") or 0.0)
-    load = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
-    names, solved = list(values), few_loads(load, _LOADS)
-    members = {name: np.full((len(slices), load.size), np.nan) for name in names}
+    region = measured_slices(levelled, window)
+    slices = divided(region, spacing(levelled), int(number), arguments.get("shortest_wavelength") or 0.0)
+    load, order = loads_of(contact), form_order(levelled)
+    solved = few_loads(load)
+    members = {name: np.full((len(slices), load.size), np.nan) for name in values}
     if len(slices) < 2:
         return Scatter(members, {}, slices)
-    order = form_order(levelled)
-    for index, part in enumerate(slices):
-        periodic = subwindow(_relevelled(levelled.isel(part), order), **arguments)
-        member = solve_member(periodic, contact, tolerance=_TOLERANCE, names=names, loads=solved)
-        for name in names:
+    for index, area in enumerate(slices):
+        periodic = subwindow(_relevelled(levelled.isel(area), order), **arguments)
+        member = solve_member(
+            periodic, contact, tolerance=SCATTER_TOLERANCE, names=list(values), loads=solved
+        )
+        for name in values:
             members[name][index, solved] = member[name]
-    common = _common_features(levelled.isel(whole), window, order)
-    features = {}
-    gap = values[GAP][solved] if GAP in values else np.ones(solved.size)
-    for name in names:
-        spread, trend = _spread_and_trend(name, members[name][:, solved], values[name][solved], gap)
-        features[name] = common | {
-            "scatter": at_all_loads(np.log(spread), solved, load),
-            "trend": at_all_loads(trend, solved, load),
-        }
-    incomplete = bool(np.isnan(members[GAP][:, solved]).any()) if GAP in names else False
+    common = _common_features(levelled.isel(region), window, order)
+    features: dict[str, Features] = {}
+    for name, value in values.items():
+        features[name] = common
+        if name not in CONSTRICTIONS:
+            spread, trend = _spread_and_trend(name, members[name][:, solved], value[solved])
+            features[name] = common | {
+                "scatter": at_all_loads(np.log(spread), solved, load),
+                "trend": at_all_loads(trend, solved, load),
+            }
+    incomplete = bool(np.isnan(members[GAP][:, solved]).any()) if GAP in members else False
     return Scatter(members, features, slices, incomplete, common["lay"])
 
 
-def _spread_and_trend(
-    name: str, members: np.ndarray, result: np.ndarray, gap: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return standard deviation and mean of the members (member, load) about the result, on the scale.
-
-    Narrowest places are counted in mean gaps.
-    """
-    if name in CONSTRICTIONS:
-        known = np.where(np.isnan(members), result, members)
-        deviations = (known - result) / np.where(gap > 0, gap, 1.0)
-    else:
-        positive = np.where(result > 0, result, 1.0)
-        known = np.where(np.isnan(members), positive, np.fmax(members, _LEAST_SHARE * positive))
-        deviations = to_scale(name, known) - to_scale(name, positive)
-    spread = np.hypot(np.std(deviations, axis=0, ddof=1), _LEAST_SCATTER)
-    return spread, np.clip(deviations.mean(axis=0), -_LARGEST_TREND, _LARGEST_TREND)
+def _spread_and_trend(name: str, members: np.ndarray, result: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return standard deviation and mean of the members (member, load) about the result, on the scale."""
+    positive = np.where(result > 0, result, 1.0)
+    clipped = np.where(np.isnan(members), positive, np.fmax(members, _LEAST_SCATTER * positive))
+    deviations = to_scale(name, clipped) - to_scale(name, positive)
+    return np.hypot(np.std(deviations, axis=0, ddof=1), _LEAST_SCATTER), deviations.mean(axis=0)
 
 
 def _common_features(measured: xr.DataArray, window: xr.DataArray, order: int) -> dict[str, float]:
-    """Return the features of a map that are those of all quantities and loads."""
-    gradients, heights = _scatter_by_number(measured, order)
+    """Return the features that need no solution: of gradient and height, and the texture aspect ratio."""
     aspect = texture_parameters(window)["Str"]
-    return {
-        "gradient": _at_the_size_of_the_map(gradients),
-        "height": _at_the_size_of_the_map(heights),
-        "lay": 0.5 if math.isnan(aspect) else aspect,
-    }
-
-
-def _scatter_by_number(measured: xr.DataArray, order: int) -> tuple[dict[int, float], dict[int, float]]:
-    """Return the variances of ln rms gradient and ln rms height between so many subwindows."""
     heights, steps = measured.values, spacing(measured)
     squares = np.zeros([max(n - 1, 1) for n in heights.shape])
     for axis, step in enumerate(steps):
         if heights.shape[axis] > 1:
             slope = np.diff(heights, axis=axis) / step
             squares += slope[: squares.shape[0], : squares.shape[1]] ** 2
-    gradients, deviations = {}, {}
+    return {
+        "gradient": _at_the_size_of_the_map(_variances(squares, heights.shape, np.mean)),
+        "height": _at_the_size_of_the_map(
+            _variances(
+                heights, heights.shape, lambda piece: np.mean(_without_form(piece, max(order, 1)) ** 2)
+            )
+        ),
+        "lay": 0.5 if math.isnan(aspect) else aspect,
+    }
+
+
+def _variances(
+    values: np.ndarray, shape: tuple[int, ...], mean_square: Callable[[np.ndarray], float]
+) -> dict[int, float]:
+    """Return number of pieces -> variance of ln of the root of the mean square between so many of a map."""
+    variances = {}
     for cuts in _CUTS:
-        pieces = [cuts if n > 1 else 1 for n in heights.shape]
-        if any(n // k < _MIN_POINTS_PER_SIDE for n, k in zip(heights.shape, pieces, strict=True) if k > 1):
+        rows, columns = (cuts if n > 1 else 1 for n in shape)
+        if any(1 < n < cuts * _MIN_POINTS_PER_SIDE for n in shape):
             continue
-        number = math.prod(pieces)
-        parts = [_cut(values, pieces) for values in (squares, heights)]
-        gradients[number] = _log_variance([0.5 * math.log(max(part.mean(), 1e-300)) for part in parts[0]])
-        deviations[number] = _log_variance(
-            [0.5 * math.log(max(_variance_about_form(part, order), 1e-300)) for part in parts[1]]
-        )
-    return gradients, deviations
-
-
-def _cut(values: np.ndarray, pieces: list[int]) -> list[np.ndarray]:
-    """Return the pieces of an array, cut so many times along each axis."""
-    return [
-        piece
-        for rows in np.array_split(values, pieces[0], axis=0)
-        for piece in np.array_split(rows, pieces[1], axis=1)
-    ]
-
-
-def _variance_about_form(heights: np.ndarray, order: int) -> float:
-    """Return the mean square of heights about their own polynomial form."""
-    coordinates = [np.arange(n, dtype=float) for n in heights.shape]
-    form, _ = fit_polynomial(heights, coordinates, order=max(order, 1))
-    return float(np.mean((heights - form) ** 2))
-
-
-def _log_variance(logarithms: list[float]) -> float:
-    """Return the variance of some logarithms."""
-    return float(np.var(logarithms, ddof=1))
+        pieces = [
+            piece
+            for band in np.array_split(values, rows, axis=0)
+            for piece in np.array_split(band, columns, axis=1)
+        ]
+        logarithms = [0.5 * math.log(max(mean_square(piece), 1e-300)) for piece in pieces]
+        variances[len(pieces)] = float(np.var(logarithms, ddof=1))
+    return variances
 
 
 def _at_the_size_of_the_map(variances: Mapping[int, float]) -> float:
@@ -213,44 +171,49 @@ def _at_the_size_of_the_map(variances: Mapping[int, float]) -> float:
         return math.log(0.1)
     number, variance = (np.array(column, float) for column in zip(*variances.items(), strict=True))
     weight = np.sqrt(number - 1) / np.maximum(variance, 1e-6)
-    (a, b), _ = scipy.optimize.nnls(
-        np.column_stack([np.ones(number.size), number]) * weight[:, None], variance * weight
-    )
+    columns = np.column_stack([np.ones(number.size), number])
+    (a, b), _ = scipy.optimize.nnls(columns * weight[:, None], variance * weight)
     return 0.5 * math.log(a + b + 1e-4)
 
 
-def _relevelled(part: xr.DataArray, order: int) -> xr.DataArray:
+def _without_form(heights: np.ndarray, order: int) -> np.ndarray:
+    """Return heights about their own polynomial form."""
+    coordinates = [np.arange(n, dtype=float) for n in heights.shape]
+    return heights - fit_polynomial(heights, coordinates, order=order)[0]
+
+
+def _relevelled(area: xr.DataArray, order: int) -> xr.DataArray:
     """Return a subwindow of a levelled map with the same form removed again; no other step is repeated."""
-    if not order:
-        return part
-    form, _ = fit_polynomial(part.values, (part["y"].values, part["x"].values), order=order)
-    return part.copy(data=part.values - form)
+    return area.copy(data=_without_form(area.values, order)) if order else area
 
 
-def divided(whole: Slices, step: tuple[float, float], number: int, shortest: float = 0.0) -> list[Slices]:
+def divided(region: Slices, step: tuple[float, float], number: int, shortest: float = 0.0) -> list[Slices]:
     """Return the subwindows of a window, with the largest product of their number and squareness.
 
-    `step` is the pitch (dy, dx), `shortest` the shortest wavelength that is kept (m).
+    `step` is the pitch (dy, dx), `shortest` the shortest wavelength that is kept (m): a subwindow has
+    `_MIN_POINTS_PER_SIDE` points along each side, and two such waves.
     """
-    sides = [whole[d].stop - whole[d].start for d in "yx"]
-    most = [
-        max(1, int(n / max(_MIN_POINTS_PER_SIDE, _MIN_WAVES_PER_SIDE * shortest / s))) if n > 1 else 1
+    sides = [region[axis].stop - region[axis].start for axis in "yx"]
+    limits = [
+        max(1, int(n / max(_MIN_POINTS_PER_SIDE, 2 * shortest / s))) if n > 1 else 1
         for n, s in zip(sides, step, strict=True)
     ]
+
+    def score(cut: Iterable[int]) -> tuple[float, tuple[int, ...]]:
+        lengths = [n * s / k for n, s, k in zip(sides, step, cut, strict=True)]
+        return math.prod(cut) * (1.0 if 1 in sides else min(lengths) / max(lengths)), tuple(cut)
+
     cuts = [
-        (ky * kx * _squareness(sides[0] * step[0] / ky, sides[1] * step[1] / kx, sides), ky, kx)
-        for ky in range(1, min(number, most[0]) + 1)
-        for kx in range(1, min(number // ky, most[1]) + 1)
+        (ky, kx)
+        for ky in range(1, min(number, limits[0]) + 1)
+        for kx in range(1, min(number // ky, limits[1]) + 1)
     ]
-    _, *cut = max(cuts)
-    edges = [whole[d].start + np.arange(k + 1) * n // k for d, n, k in zip("yx", sides, cut, strict=True)]
+    rows, columns = (
+        region[axis].start + np.arange(k + 1) * n // k
+        for axis, n, k in zip("yx", sides, max(cuts, key=score), strict=True)
+    )
     return [
-        {"y": slice(int(top), int(bottom)), "x": slice(int(left), int(right))}
-        for top, bottom in zip(edges[0][:-1], edges[0][1:], strict=True)
-        for left, right in zip(edges[1][:-1], edges[1][1:], strict=True)
+        {"y": slice(int(top), int(bottom)), "x": slice(int(start), int(stop))}
+        for top, bottom in pairwise(rows)
+        for start, stop in pairwise(columns)
     ]
-
-
-def _squareness(length_y: float, length_x: float, sides: list[int]) -> float:
-    """Return the shorter side of a subwindow over the longer one; 1 for a profile."""
-    return 1.0 if 1 in sides else min(length_y, length_x) / max(length_y, length_x)

@@ -25,25 +25,22 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.uncertainty.calibration import octave_arms
-from roughcontact.uncertainty.combination import Component
+from roughcontact.uncertainty.combination import Component, Components, half_widths, one_sided
+from roughcontact.uncertainty.instrument import MARGIN
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, to_scale
 from roughcontact.window.transfer import reliability_length, shortest_transmitted
 
-_CHOSEN_BAND = 2.0  # shortest wave that is kept, over two pixels, from which on it defines the result
-_HIDDEN_FROM = 0.25  # octaves hidden by the instrument; less is the width of its own limit
-_MAX_OCTAVES = 2.0  # that are extrapolated
-_LEAST_CHANGE = 0.05  # of a logarithm in an octave, to scale the arms of the next one
-_FINER_UNCERTAINTY = 0.25  # of the change that a finer spectrum shows
-_PARTS_OF_PROFILE = 8  # whose scatter tells how well a line stands for the surface
+_MAX_OCTAVES = 2  # that are extrapolated
+_PROFILE_PIECES = 8  # whose scatter tells how well a line stands for the surface
 
 
-def band_is_chosen(settings: Mapping[str, Mapping[str, Any]], shortest: float) -> bool:
-    """Return whether the settings, not the pixels, define the shortest wave (`shortest`, two pixels, m)."""
+def band_is_chosen(settings: Mapping[str, Mapping[str, Any]], window: xr.DataArray) -> bool:
+    """Return whether the settings, by four pixels or more, and not the pixels, define the shortest wave."""
     limits = (
         settings.get("level", {}).get("s_filter"),
         settings.get("window", {}).get("shortest_wavelength"),
     )
-    return max(limit or 0.0 for limit in limits) >= _CHOSEN_BAND * shortest
+    return max(limit or 0.0 for limit in limits) >= 4 * max(spacing(window))
 
 
 def hidden_waves(
@@ -51,19 +48,11 @@ def hidden_waves(
     curve: xr.Dataset,
     instrument: Mapping[str, Any],
     true_shapes: Mapping[str, xr.DataArray],
-) -> dict[str, Component]:
+) -> Components:
     """Return the shifts of the ends by waves of the band that a stated lens or tip hides, on the scales.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic.
-    curve : Dataset
-        from `magnification_curve`.
-    instrument : mapping
-        what is stated of it.
-    true_shapes : mapping
-        `undone` of the window: what is restored already, with shorter waves, does not count twice.
+    `curve` is the `magnification_curve` of the periodic window; what its `true_shapes` (`undone`) have of
+    shorter waves does not count twice.
     """
     wavelengths, gradients = curve["cutoff_wavelength"].values, curve["gradient_at_cutoff"].values
     resolved = shortest_transmitted(instrument)
@@ -74,97 +63,71 @@ def hidden_waves(
         return {}
     # an octave below the next entry: of the waves of the window those in the corners of the grid are shorter
     octaves = math.log2(max(2 * resolved / wavelengths[1], 1.0))
-    if octaves < _HIDDEN_FROM:
+    index = min(round(octaves + 0.25), len(wavelengths) - 2)
+    if not index:  # less is the width of its own limit
         return {}
-    index = min(math.ceil(octaves - _HIDDEN_FROM), len(wavelengths) - 2)
     growth = math.log(gradients[index] / gradients[index + 1])
-    grown = math.log(rms_gradient(reference) / gradients[index]) if reference is not None else 0.0
+    restored = math.log(rms_gradient(reference) / gradients[index]) if reference is not None else 0.0
     # of the trend what the restored waves do not contain already
-    share = min(octaves, _MAX_OCTAVES) - (max(grown, 0.0) / growth if growth > 0 else 0.0)
-    unbounded = octaves >= _MAX_OCTAVES + 0.5
-    found = {}
+    share = min(octaves, _MAX_OCTAVES) - (max(restored, 0.0) / growth if growth > 0 else 0.0)
+    components = {}
     for name, change in _changes(curve, index).items():
         shift = max(share, 0.0) * change
-        if unbounded and name in (AREA, PEAK):
+        if round(octaves) > _MAX_OCTAVES and name in (AREA, PEAK):
             shift = np.full_like(change, -np.inf if name == AREA else np.inf)
-        nothing = np.zeros_like(shift)
-        found[name] = Component(nothing, nothing, np.maximum(-shift, 0.0), np.maximum(shift, 0.0))
-    return found
+        components[name] = one_sided(shift)
+    return components
 
 
 def next_octave(
     window: xr.DataArray, curve: xr.Dataset, finer: str | xr.DataArray | None = None
-) -> dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Return what waves one octave shorter than those of a map change, on the scales.
+) -> dict[str, tuple[np.ndarray, Component]]:
+    """Return by how much waves one octave shorter shift each quantity (load), and the component about that.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic.
-    curve : Dataset
-        from `magnification_curve`.
-    finer : path or DataArray (y, x), m, optional
-        finer map or profile of the same finish, whose spectrum tells how much steeper the surface is.
-
-    Returns
-    -------
-    dict
-        quantity -> shift, and half-widths below and above it (load); empty for a map too small to tell.
+    `curve` is the `magnification_curve` of the periodic window, `finer` a map or profile (m) of the same
+    finish, or its path, whose spectrum tells how much steeper the surface is. Empty for a map too small.
     """
     if curve.sizes["cutoff"] < 2:
         return {}
-    gradients = curve["gradient_at_cutoff"].values
+    octave = {}
+    gradients, growth, limit = curve["gradient_at_cutoff"].values, 0.0, 0.0
     last = math.log(gradients[0] / gradients[1]) if gradients.min() > 0 else 0.0
-    found = {}
-    known, limit = None, 0.0
     if finer is not None:
         finer = finer if isinstance(finer, xr.DataArray) else read_height_map(finer)
-        known, limit = growth_by_finer_spectrum(window, level(finer, form="plane"))
+        growth, limit = growth_by_finer_spectrum(window, level(finer, form="plane"))
     for name, change in _changes(curve, 0).items():
-        share, down, up = octave_arms(name)
+        share, down, up, least = octave_arms(name)
         unit = curve[f"{GAP}_at_cutoff"].values[:, 0] if name in CONSTRICTIONS else 1.0
-        size = np.hypot(change, _LEAST_CHANGE * unit)
+        size = np.hypot(change, least * unit)
         shift, below, above = share * change, down * size, up * size
-        if known is not None:  # as many octaves of the last one's growth
-            shift = change * min(known / last, 4.0) if last > 0 else 0 * change
+        if finer is not None:  # as many octaves of the last one's growth
+            shift = change * min(growth / last, 4.0) if last > 0 else 0 * change
             if name == AREA:
-                shift = np.minimum(shift, -known)
-            scatter = limit / known - 1 if known > 0 else 0.0
-            below = above = np.hypot(math.hypot(_FINER_UNCERTAINTY, scatter) * shift, _LEAST_CHANGE * unit)
-        found[name] = shift, below, above
-    return found
+                shift = np.minimum(shift, -growth)
+            scatter = limit / growth - 1 if growth > 0 else 0.0
+            below = above = np.hypot(math.hypot(MARGIN, scatter) * shift, least * unit)
+        octave[name] = shift, half_widths(below, above)
+    return octave
 
 
 def _changes(curve: xr.Dataset, index: int) -> dict[str, np.ndarray]:
     """Return the change (load) of each quantity on its scale by one octave of the curve; 0 where unknown."""
-    found = {}
+    changes = {}
     for variable in curve.data_vars:
         name = str(variable).removesuffix("_at_cutoff")
         if name != PRESSURE:
             fine, coarse = to_scale(name, curve[variable].values[:, index : index + 2]).T
-            found[name] = np.nan_to_num(fine - coarse)
-    return found
+            changes[name] = np.nan_to_num(fine - coarse)
+    return changes
 
 
 def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> tuple[float, float]:
-    """Return the growth of ln g by the waves that a finer map or profile of the same finish shows.
+    """Return the growth of ln g by the waves that a finer map or profile shows, and its upper limit (95 %).
 
-    Slopes along the lines of both are compared: up to the wavenumber q0 those of the window count, beyond it
-    those of the finer one. q0 is a quarter of the highest wavenumber of the window, where its pixels do not
-    yet attenuate, or the fourth wave of the finer line if that is shorter.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic.
-    finer : DataArray (y, x), m
-        a map or a profile (a single row or column), levelled; its lines are tapered by a Hann window.
-
-    Returns
-    -------
-    growth, limit : float
-        0 where the finer spectrum adds nothing; the upper limit (95 %) of a profile by the scatter between
-        its parts, of a map the growth itself.
+    Slopes along the lines of both are compared: up to the wavenumber q0 those of the periodic window count,
+    beyond it those of the finer one, which is levelled and whose lines are tapered by a Hann window. q0 is a
+    quarter of the highest wavenumber of the window, where its pixels do not yet attenuate, or the fourth wave
+    of the finer line if that is shorter. The limit of a profile is by the scatter between its pieces.
 
     Examples
     --------
@@ -176,17 +139,20 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> tuple
     >>> 0.0 < growth == limit < 1.0
     True
     """
-    own = _line_spectra(window, periodic=True)
-    fine = _line_spectra(finer, periodic=False)
-    limit = max([min(q[-1] for q, _ in own) / 4, *(4 * q[1] for q, _ in fine)])
-    kept = sum(float(np.sum(c[q <= limit])) for q, c in own) / len(own)
-    whole = sum(float(np.sum(c)) for _, c in own) / len(own)
-    added = sum(float(np.sum(c[q > limit])) for q, c in fine) / len(fine)
-    if not whole > 0:
+    coarse, fine = _line_spectra(window, periodic=True), _line_spectra(finer, periodic=False)
+    limit = max([min(q[-1] for q, _ in coarse) / 4, *(4 * q[1] for q, _ in fine)])
+    total, longer = (
+        sum(float(np.sum(square[q <= bound])) for q, square in coarse) / len(coarse)
+        for bound in (np.inf, limit)
+    )
+    shorter = sum(float(np.sum(square[q > limit])) for q, square in fine) / len(fine)
+    if not total > 0:
         return 0.0, 0.0
-    more = added * _relative_scatter(finer, limit) if min(finer.shape) == 1 else 0.0
-    growth, most = (max(0.5 * math.log((kept + a) / whole), 0.0) for a in (added, added + more))
-    return growth, most
+    scatter = _relative_scatter(finer, limit) if min(finer.shape) == 1 else 0.0
+    growth, upper = (
+        max(0.5 * math.log((longer + square) / total), 0.0) for square in (shorter, (1 + scatter) * shorter)
+    )
+    return growth, upper
 
 
 def _relative_scatter(profile: xr.DataArray, limit: float) -> float:
@@ -195,16 +161,16 @@ def _relative_scatter(profile: xr.DataArray, limit: float) -> float:
     slopes = np.fft.rfft(np.diff(profile.values.ravel()) / step)
     slopes[2 * np.pi * np.fft.rfftfreq(profile.size - 1, step) <= limit] = 0
     square = np.fft.irfft(slopes, profile.size - 1) ** 2
-    if square.size < 2 * _PARTS_OF_PROFILE or not square.any():
+    if square.size < 2 * _PROFILE_PIECES or not square.any():
         return 1.0
-    parts = [part.mean() for part in np.array_split(square, _PARTS_OF_PROFILE)]
-    student = float(scipy.special.stdtrit(len(parts) - 1, 0.975))
-    return student * float(np.std(parts, ddof=1) / np.mean(parts)) / math.sqrt(len(parts))
+    means = [piece.mean() for piece in np.array_split(square, _PROFILE_PIECES)]
+    student = float(scipy.special.stdtrit(len(means) - 1, 0.975))
+    return student * float(np.std(means, ddof=1) / np.mean(means)) / math.sqrt(len(means))
 
 
 def _line_spectra(height: xr.DataArray, *, periodic: bool) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return for each axis with lines the wavenumbers and their contributions to the mean square slope."""
-    found = []
+    spectra = []
     for axis, step in enumerate(spacing(height)):
         points = height.shape[axis]
         if points < 8:
@@ -217,5 +183,5 @@ def _line_spectra(height: xr.DataArray, *, periodic: bool) -> list[tuple[np.ndar
         power = np.mean(np.abs(np.fft.rfft(lines, axis=1)) ** 2, axis=0) / points**2
         power[1 : (points + 1) // 2] *= 2
         q = 2 * np.pi * np.fft.rfftfreq(points, step)
-        found.append((q, power * q**2))
-    return found
+        spectra.append((q, power * q**2))
+    return spectra

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from roughcontact.errors import HeightMapError
+from roughcontact.levelling.repeats import noise_of_repeats
 from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.uncertainty.repeats import noise_of_repeats
 
 
 @pytest.fixture(scope="module")
