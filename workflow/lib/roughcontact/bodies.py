@@ -84,15 +84,15 @@ def _checked(body: Mapping[str, Any], where: str) -> dict[str, Any]:
             "constants of a layer belong to it, in layers",
             keys=[f"{where}.base"],
         )
-    found = dict(body) if base == "rigid" else {**body, **_material(body, where)}
-    found["layers"] = []
+    checked = dict(body) if base == "rigid" else {**body, **_material(body, where)}
+    checked["layers"] = []
     for number, layer in enumerate(layers):
-        place = f"{where}.layers[{number}]"
+        layer_key = f"{where}.layers[{number}]"
         if layer.get("thickness") is None:
-            raise SettingsError(f"{place}.thickness: missing (m)", keys=[f"{place}.thickness"])
-        thickness = check_positive(f"{place}.thickness", layer["thickness"], unit="m")
-        found["layers"].append({**layer, "thickness": thickness, **_material(layer, place)})
-    return found
+            raise SettingsError(f"{layer_key}.thickness: missing (m)", keys=[f"{layer_key}.thickness"])
+        thickness = check_positive(f"{layer_key}.thickness", layer["thickness"], unit="m")
+        checked["layers"].append({**layer, "thickness": thickness, **_material(layer, layer_key)})
+    return checked
 
 
 def _material(values: Mapping[str, Any], where: str) -> dict[str, float]:

@@ -45,8 +45,10 @@ def check_labelled(height: object) -> "xr.DataArray":
             "roughcontact.height_map(values, spacing)"
         )
     name = height.attrs.get("source_file") or "the map"
-    kind = getattr(height.dtype, "kind", None)  # of NumPy's types
-    if kind not in ("f", "i", "u") and (kind or str(height.dtype).startswith(("bool", "complex"))):
+    dtype_kind = getattr(height.dtype, "kind", None)  # of NumPy's types
+    if dtype_kind not in ("f", "i", "u") and (
+        dtype_kind or str(height.dtype).startswith(("bool", "complex"))
+    ):
         raise HeightMapError(f"{name} holds values of type {height.dtype}: heights are real numbers")
     if height.dims != ("y", "x"):
         raise HeightMapError(f"{name} has the dimensions {height.dims}: transpose it to ('y', 'x')")
@@ -73,13 +75,13 @@ def check_solution(contact: object) -> None:
     """Raise SettingsError, with what is missing, for anything else than a solution with its maps."""
     import xarray as xr
 
-    what = f"this is of type {type(contact).__name__}"
+    problem = f"this is of type {type(contact).__name__}"
     if isinstance(contact, xr.Dataset):
         missing = (name for name in ("height", "pressure", "gap") if name not in contact)
-        what = " ".join(f"the dataset has no {name}" for name in [*missing][:1])
-    if what:
+        problem = " ".join(f"the dataset has no {name}" for name in [*missing][:1])
+    if problem:
         raise SettingsError(
-            f"{what}: give the solution of solve_contact, or contact.nc (contact.keep_fields: true)"
+            f"{problem}: give the solution of solve_contact, or contact.nc (contact.keep_fields: true)"
         )
 
 
@@ -166,12 +168,12 @@ def check_choice(key: str, value: object, choices: Any) -> None:
     ...
     roughcontact.errors.SettingsError: fill = 'harmonics': did you mean 'harmonic'? choose harmonic or none
     """
-    words = get_args(choices)
-    if value in words:
+    admitted = get_args(choices)
+    if value in admitted:
         return
-    near = difflib.get_close_matches(str(value), words, n=1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    valid = " or ".join(", ".join(words).rsplit(", ", 1))
+    close_matches = difflib.get_close_matches(str(value), admitted, n=1)
+    hint = f"did you mean {close_matches[0]!r}? " if close_matches else ""
+    valid = " or ".join(", ".join(admitted).rsplit(", ", 1))
     raise SettingsError(f"{key} = {value!r}: {hint}choose {valid}", keys=[key])
 
 
@@ -220,7 +222,7 @@ def marker_values(stated: float | str | None, where: str = "missing_value") -> l
     ([-9999.0, 0.0], [-25400.0], [])
     """
     try:
-        return [float(word) for word in str("" if stated is None else stated).split()]
+        return [float(marker) for marker in str("" if stated is None else stated).split()]
     except ValueError as error:
         raise SettingsError(
             f"{where} = {stated!r}: give numbers in the unit of the file's heights, separated by blanks"

@@ -63,12 +63,14 @@ def height_map(
         )
     if np.ma.isMaskedArray(values):
         heights = np.where(np.ma.getmaskarray(values), np.nan, heights)
-    lateral, vertical = (value_of(each, "m") for each in (unit, height_unit or unit))
+    lateral, vertical = (value_of(stated_unit, "m") for stated_unit in (unit, height_unit or unit))
     if lateral is None or vertical is None:
         raise SettingsError(unknown_unit(unit if lateral is None else height_unit, "m"))
     dy, dx = (
-        step if carries_unit(given) else step * lateral
-        for given, step in zip(np.broadcast_to(np.asarray(spacing, object), 2), pitches(spacing), strict=True)
+        step if carries_unit(stated_step) else step * lateral
+        for stated_step, step in zip(
+            np.broadcast_to(np.asarray(spacing, object), 2), pitches(spacing), strict=True
+        )
     )
     if not (0 < dy < np.inf and 0 < dx < np.inf):
         raise SettingsError(f"spacing = {spacing!r}: give positive numbers", keys=["spacing"])
@@ -126,8 +128,8 @@ def spacing(height: xr.DataArray) -> tuple[float, float]:
             steps[axis] = float(values[-1] - values[0]) / (values.size - 1)
     if not steps:
         return 1.0, 1.0
-    other = next(iter(steps.values()))
-    return steps.get("y", other), steps.get("x", other)
+    only_step = next(iter(steps.values()))
+    return steps.get("y", only_step), steps.get("x", only_step)
 
 
 def side_lengths(height: xr.DataArray) -> tuple[float, float]:

@@ -65,7 +65,7 @@ def contact_modulus(bodies: Sequence[Mapping[str, Any]]) -> float:
     '1.154e+11'
     """
     surfaces = [surface_of(body) for body in bodies]
-    return 1 / sum((1 - one["poissons_ratio"] ** 2) / one["youngs_modulus"] for one in surfaces)
+    return 1 / sum((1 - surface["poissons_ratio"] ** 2) / surface["youngs_modulus"] for surface in surfaces)
 
 
 def surface_of(body: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -161,20 +161,22 @@ def doubt_of_load(mean_pressure: float, contact_modulus: float) -> Doubt | None:
     >>> doubt_of_load(2.0, 1.15e5).reason
     '2.00 Pa is next to no load on a contact modulus of 115 kPa (115 GPa, were it given in MPa)'
     """
-    least = max(LEAST_RELATIVE_LOAD * contact_modulus, min(LEAST_LOAD, SOFT_RELATIVE_LOAD * contact_modulus))
-    most = contact_modulus
-    if mean_pressure < least:
+    lightest = max(
+        LEAST_RELATIVE_LOAD * contact_modulus, min(LEAST_LOAD, SOFT_RELATIVE_LOAD * contact_modulus)
+    )
+    heaviest = contact_modulus
+    if mean_pressure < lightest:
         reason = f"{quantity(mean_pressure, 'Pa')} is next to no load on a contact modulus of "
         factors: Sequence[float] = (_MEGA, _KILO)
-    elif mean_pressure > most:
+    elif mean_pressure > heaviest:
         reason = f"{quantity(mean_pressure, 'Pa')} is more than any contact bears at a contact modulus of "
         factors = (1 / _KILO, 1 / _MEGA)
     else:
         return None
     reason += quantity(contact_modulus, "Pa")
-    if mean_pressure < least and SOFTEST <= contact_modulus < GEL:
+    if mean_pressure < lightest and SOFTEST <= contact_modulus < GEL:
         reason += f" ({quantity(_MEGA * contact_modulus, 'Pa')}, were it given in MPa)"
-    return Doubt(reason, _within(mean_pressure, factors, least, HARDEST * most))
+    return Doubt(reason, _within(mean_pressure, factors, lightest, HARDEST * heaviest))
 
 
 def doubt_of_hardness(hardness: float, modulus: float) -> Doubt | None:
@@ -200,6 +202,6 @@ def doubt_of_hardness(hardness: float, modulus: float) -> Doubt | None:
     return Doubt(reason, _within(hardness, factors, LEAST_HARDNESS * modulus, HARDEST * modulus))
 
 
-def _within(value: float, factors: Sequence[float], least: float, most: float) -> tuple[float, ...]:
+def _within(value: float, factors: Sequence[float], lower: float, upper: float) -> tuple[float, ...]:
     """Return the value in other units, as far as it lies within a range."""
-    return tuple(value * factor for factor in factors if least <= value * factor <= most)
+    return tuple(value * factor for factor in factors if lower <= value * factor <= upper)

@@ -74,8 +74,8 @@ def named_bodies(bodies: Sequence[Any]) -> list[Any]:
     ]
     for name in _TRANSPORT:
         if not all(isinstance(body, Mapping) and body.get(name) is not None for body in full):
-            for body, own in zip(full, stated, strict=True):
-                if isinstance(own, Mapping) and "material" in own and name not in own:
+            for body, original in zip(full, stated, strict=True):
+                if isinstance(original, Mapping) and "material" in original and name not in original:
                     body.pop(name, None)
     return full
 
@@ -120,7 +120,7 @@ def _properties(name: str) -> dict[str, Property]:
         if text and key not in ("name", "aliases", "source"):
             # as decimal numbers are written: 1.4 GPa is 1400000000 Pa, not 1399999999.9999998
             value, lowest, highest = (
-                float(f"{float(part) * _SI.get(unit, 1.0):.6g}") for part in text.split()
+                float(f"{float(number_text) * _SI.get(unit, 1.0):.6g}") for number_text in text.split()
             )
             properties[key] = Property(value, lowest, highest)
     return properties
@@ -128,17 +128,17 @@ def _properties(name: str) -> dict[str, Property]:
 
 def _row(name: str) -> dict[str, str]:
     """Return the row of the table that has a name, or an error with the nearest names."""
-    rows = {_plain(word): row for row in _table() for word in (row["name"], *row["aliases"].split(","))}
+    rows = {_plain(alias): row for row in _table() for alias in (row["name"], *row["aliases"].split(","))}
     if (row := rows.get(_plain(name))) is not None:
         return row
-    close = [rows[word]["name"] for word in get_close_matches(_plain(name), rows, n=3, cutoff=0.6)]
-    known = (
+    close = [rows[alias]["name"] for alias in get_close_matches(_plain(name), rows, n=3, cutoff=0.6)]
+    suggestion = (
         f"did you mean {' or '.join(dict.fromkeys(close))}?"
         if close
         else "known are " + ", ".join(material_names())
     )
     raise SettingsError(
-        f"{name!r} is no material of the table, {known}; or give youngs_modulus and poissons_ratio"
+        f"{name!r} is no material of the table, {suggestion}; or give youngs_modulus and poissons_ratio"
     )
 
 

@@ -118,9 +118,12 @@ def maps(
     """
     check_choice("quantity", quantity, Map)
     check_solution(dataset)
-    one = dataset.isel(load=load) if "load" in dataset.dims else dataset
-    height, pressed, gap = one["height"], one["pressure"].values, one["gap"].values
-    units = {"rms_height": float(height.std()), "contact_modulus": float(one.get("contact_modulus", np.nan))}
+    chosen = dataset.isel(load=load) if "load" in dataset.dims else dataset
+    height, pressed, gap = chosen["height"], chosen["pressure"].values, chosen["gap"].values
+    units = {
+        "rms_height": float(height.std()),
+        "contact_modulus": float(chosen.get("contact_modulus", np.nan)),
+    }
     of_pressure, of_heights = unit_of(units, "Pa"), unit_of(units, "m")
     if quantity == "height":
         return _drawn(chart_of(map_plots.height_map, height, unit=of_heights), ax)
@@ -129,7 +132,7 @@ def maps(
     else:
         chart = chart_of(map_plots.gap_map, height, gap, pressed, unit=of_heights)
     touching = percent(np.count_nonzero(pressed > 0) / pressed.size)
-    chart.title = f"p̄ = {of_pressure.text(float(one['mean_pressure']))}: {touching} of the pixels touch"
+    chart.title = f"p̄ = {of_pressure.text(float(chosen['mean_pressure']))}: {touching} of the pixels touch"
     return _drawn(chart, ax)
 
 
@@ -206,9 +209,9 @@ def budget(
     return ax
 
 
-def _loads_of(dataset: xr.Dataset, *needed: str) -> xr.Dataset:
+def _loads_of(dataset: xr.Dataset, *required: str) -> xr.Dataset:
     """Return the loads of one surface in order, without padding, if the dataset has what is needed."""
-    if missing := [name for name in ("mean_pressure", *needed) if name not in dataset]:
+    if missing := [name for name in ("mean_pressure", *required) if name not in dataset]:
         raise SettingsError(
             f"the dataset has no {missing[0]}: give the result of evaluate, or of read_statistics"
         )
@@ -217,10 +220,10 @@ def _loads_of(dataset: xr.Dataset, *needed: str) -> xr.Dataset:
         raise SettingsError(f"the dataset has more than one {further[0]}: choose one, .sel({further[0]}=...)")
     if not dims:
         raise SettingsError("the dataset has a single load, no curve: choose loads by a list of pressures")
-    known = dataset.isel(load=np.isfinite(dataset["mean_pressure"].values))
-    if "cutoff_wavelength" in known:
-        known = known.isel(cutoff=np.isfinite(known["cutoff_wavelength"].values))
-    return known.isel(load=np.argsort(known["mean_pressure"].values, kind="stable"))
+    solved = dataset.isel(load=np.isfinite(dataset["mean_pressure"].values))
+    if "cutoff_wavelength" in solved:
+        solved = solved.isel(cutoff=np.isfinite(solved["cutoff_wavelength"].values))
+    return solved.isel(load=np.argsort(solved["mean_pressure"].values, kind="stable"))
 
 
 def _drawn(chart: Chart, ax: "Axes | None") -> "Axes":
@@ -232,18 +235,18 @@ def _drawn(chart: Chart, ax: "Axes | None") -> "Axes":
     ax.set(xlabel=chart.x.label, ylabel=chart.y.label, title=chart.title)
     for name, axis in (("x", chart.x), ("y", chart.y)):
         # of axes that show something already, the union
-        shown = {"x": ax.get_xlim, "y": ax.get_ylim}[name]() if ax.has_data() else ()
-        ends = [axis.low, axis.high, *shown]
+        limits = {"x": ax.get_xlim, "y": ax.get_ylim}[name]() if ax.has_data() else ()
+        ends = [axis.low, axis.high, *limits]
         ax.set(**{f"{name}scale": "log" if axis.log else "linear", f"{name}lim": (min(ends), max(ends))})
         _write_ticks({"x": ax.xaxis, "y": ax.yaxis}[name], axis)
-    for method, given in chart.steps:
-        _METHODS[method](ax, chart, **given)
+    for method, arguments in chart.steps:
+        _METHODS[method](ax, chart, **arguments)
     if chart.top is not None:
         ratio = chart.top.low / chart.x.low
-        both_ways: Any = partial(_times, ratio), partial(_times, 1 / ratio)
-        beside = ax.secondary_xaxis("top", functions=both_ways)
-        beside.set_xlabel(chart.top.label)
-        _write_ticks(beside.xaxis, chart.top)
+        conversions: Any = partial(_times, ratio), partial(_times, 1 / ratio)
+        secondary_axis = ax.secondary_xaxis("top", functions=conversions)
+        secondary_axis.set_xlabel(chart.top.label)
+        _write_ticks(secondary_axis.xaxis, chart.top)
     ax.set_axisbelow(True)
     if chart.grid:
         ax.grid(color="#dddddd")
@@ -259,19 +262,19 @@ def _times(ratio: float, values: Any) -> Any:
     return ratio * values
 
 
-def _write_ticks(shown: Any, axis: Axis) -> None:
+def _write_ticks(ticks: Any, axis: Axis) -> None:
     """Write the numbers of a logarithmic axis as the report does."""
     if axis.log:
         from matplotlib.ticker import LogLocator, NullFormatter
 
-        shown.set_major_locator(LogLocator(subs=(1, 2, 5) if axis.high < 1000 * axis.low else (1,)))
-        shown.set_major_formatter(lambda value, _: tick_text(value))
-        shown.set_minor_formatter(NullFormatter())
+        ticks.set_major_locator(LogLocator(subs=(1, 2, 5) if axis.high < 1000 * axis.low else (1,)))
+        ticks.set_major_formatter(lambda value, _: tick_text(value))
+        ticks.set_minor_formatter(NullFormatter())
 
 
 def _line(ax: "Axes", _: Chart, *, x: Any, y: Any, colour: str, width: float, dash: str, label: str) -> None:
     """Draw a line."""
-    style: Any = (0, tuple(float(part) / width for part in dash.split())) if dash else "-"
+    style: Any = (0, tuple(float(dash_length) / width for dash_length in dash.split())) if dash else "-"
     ax.plot(x, y, color=colour, linewidth=width * _POINTS, linestyle=style, label=label or None)
 
 

@@ -9,7 +9,7 @@ _ROUNDING = 1e-12
 _AS_FAR = 0.1  # largest relative difference of the two half-widths that are written as ±
 _UNEVEN = 0.1  # the wider of two half-widths carries one digit less than the narrower at most
 _BY_ENDS = 9.0  # half-width upwards over the value from which on an interval is written by its ends
-_NOTHING = 1e-9  # of a unit: a half-width about zero that is not worth writing
+_NEGLIGIBLE = 1e-9  # of a unit: a half-width about zero that is not worth writing
 _FINEST = 1e-3  # of a value: half-width of which two digits are shown, of narrower ones less
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # units that take a prefix; composed ones are given in powers of ten
@@ -234,22 +234,22 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
     if math.isnan(value):
         half = max((upper - lower) / 2, finest)
         return _by_ends(*(_end(end, half, 3) for end in (lower, upper)))
-    down = 0.0 if math.isclose(lower, value, rel_tol=_ROUNDING) else value - lower
-    up = 0.0 if math.isclose(upper, value, rel_tol=_ROUNDING) else upper - value
-    wider, narrower = max(down, up), min(down, up)
-    if math.isfinite(lower) != math.isfinite(upper) or up > _BY_ENDS * value > 0:
-        carried = max(down if math.isfinite(lower) else up, finest)
+    below = 0.0 if math.isclose(lower, value, rel_tol=_ROUNDING) else value - lower
+    above = 0.0 if math.isclose(upper, value, rel_tol=_ROUNDING) else upper - value
+    wider, narrower = max(below, above), min(below, above)
+    if math.isfinite(lower) != math.isfinite(upper) or above > _BY_ENDS * value > 0:
+        carried = max(below if math.isfinite(lower) else above, finest)
         digits = 2 if _is_long(value) else 3
         text = _with_half_widths(value, {}, carried) if 0 < carried < math.inf and digits > 2 else ""
         ends = _by_ends(*(_end(end, max(abs(end - value), finest), 2) for end in (lower, upper)))
         interval = f"({ends})" if carried or " to " in ends else ends.partition(" ")[2]
         return f"{text or number(value, digits=digits)} {interval}"
-    if not math.isfinite(wider) or wider <= (0 if value else _NOTHING):
+    if not math.isfinite(wider) or wider <= (0 if value else _NEGLIGIBLE):
         return number(value)
     if narrower < 0 or narrower >= (1 - _AS_FAR) * wider:
         return _with_half_widths(value, {" ± ": wider}, max(wider, finest))
     carried = max(narrower or wider, _UNEVEN * wider, finest)
-    return _with_half_widths(value, {" −": down, " +": up}, carried)
+    return _with_half_widths(value, {" −": below, " +": above}, carried)
 
 
 def _by_ends(low: str, high: str) -> str:
@@ -267,7 +267,9 @@ def _end(end: float, half_width: float, digits: int) -> str:
         return "0"
     if _is_long(end) or not 0 < half_width < math.inf:
         return number(end, digits=digits)
-    return _fixed(end, max(_places(max(half_width, _FINEST * abs(end))), _places(abs(end)) + digits - 2))
+    return _fixed(
+        end, max(_decimal_places(max(half_width, _FINEST * abs(end))), _decimal_places(abs(end)) + digits - 2)
+    )
 
 
 def _is_long(value: float) -> bool:
@@ -277,28 +279,28 @@ def _is_long(value: float) -> bool:
 
 def _with_half_widths(value: float, sides: Mapping[str, float], carried: float) -> str:
     """Return a value and its half-widths, by their signs, to the places of two digits of one `carried`."""
-    places = _places(max(carried, _FINEST * abs(value)))
-    if not -6 <= places <= 8:
+    decimals = _decimal_places(max(carried, _FINEST * abs(value)))
+    if not -6 <= decimals <= 8:
         return number(value) + "".join(
             f"{sign}{number(half, digits=2)}" for sign, half in sides.items() if half > 0
         )
-    texts = [_fixed(value, places)]
+    texts = [_fixed(value, decimals)]
     texts += [
-        f"{sign}{_fixed(half, min(places, _places(half)))}"
+        f"{sign}{_fixed(half, min(decimals, _decimal_places(half)))}"
         for sign, half in sides.items()
-        if round(half, places) > 0
+        if round(half, decimals) > 0
     ]
     return "".join(texts)
 
 
-def _places(half_width: float) -> int:
+def _decimal_places(half_width: float) -> int:
     """Return the decimal places of two digits of a positive number."""
     return 1 - math.floor(math.log10(float(f"{half_width:.1e}")))
 
 
-def _fixed(value: float, places: int) -> str:
+def _fixed(value: float, decimals: int) -> str:
     """Return a number rounded to decimal places, which may be negative; there is no -0."""
-    return f"{round(value, places) + 0.0:.{max(places, 0)}f}".replace("-", "−")
+    return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}".replace("-", "−")
 
 
 def percent(share: float) -> str:

@@ -49,8 +49,8 @@ def in_si(function: _Function) -> _Function:
     @wraps(function)
     def converted(*args: Any, **options: Any) -> Any:
         first = [_in_si(name, value) for name, value in zip(names, args, strict=False)]
-        rest = args[len(first) :]  # for the function to refuse
-        return function(*first, *rest, **{name: _in_si(name, value) for name, value in options.items()})
+        remaining = args[len(first) :]  # for the function to refuse
+        return function(*first, *remaining, **{name: _in_si(name, value) for name, value in options.items()})
 
     return cast("_Function", converted)
 
@@ -63,9 +63,9 @@ def _in_si(name: str, value: Any) -> Any:
         return labelled_in_si(value)
     if isinstance(value, Mapping):
         inside = "seal." if name == "seal" else ""
-        return {key: _in_si(f"{inside}{key}", each) for key, each in value.items()}
+        return {key: _in_si(f"{inside}{key}", entry) for key, entry in value.items()}
     if type(value) in (list, tuple):
-        return type(value)(_in_si(name, each) for each in value)
+        return type(value)(_in_si(name, entry) for entry in value)
     return quantity_in(QUANTITIES[name], name, value) if name in QUANTITIES else value
 
 
@@ -97,21 +97,21 @@ def labelled_in_si(labelled: _Labelled) -> _Labelled:
     >>> found.values, found["x"].values, found.attrs["units"]
     (array([[1.e-09, 2.e-09]]), array([0.e+00, 5.e-06]), 'm')
     """
-    own = {None: labelled.variable} if isinstance(labelled, xr.DataArray) else labelled.variables
+    variables = {None: labelled.variable} if isinstance(labelled, xr.DataArray) else labelled.variables
     changed: dict[Any, xr.Variable] = {}
     bare = []
-    for name, variable in {**labelled.coords.variables, **own}.items():
+    for name, variable in {**labelled.coords.variables, **variables}.items():
         unit, base = unit_of(variable.attrs), _FIELDS.get(name)
-        what = f"coordinate {name!r}" if name else "the heights"
+        coordinate = f"coordinate {name!r}" if name else "the heights"
         if unit is None and base and variable.size > 1:
-            bare.append(what)
+            bare.append(coordinate)
         if unit is None or unit == base:
             continue
         base = base or ("m" if value_of(unit, "m") else "Pa")
         factor = value_of(unit, base)
         if factor is None and name in _FIELDS:
             title = labelled.attrs.get("source_file") or "the map"
-            raise HeightMapError(f"{what} of {title}: {unknown_unit(unit, base)}")
+            raise HeightMapError(f"{coordinate} of {title}: {unknown_unit(unit, base)}")
         if factor not in (None, 1.0):
             attrs = {key: value for key, value in variable.attrs.items() if key != "unit"}
             data = variable.data * np.float64(factor)

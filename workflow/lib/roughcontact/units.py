@@ -93,7 +93,7 @@ _USUAL = {
     "N": "mN, N, kN, MN, kgf",
     "m2": "m2, cm2, mm2, um2, nm2",
 }
-_KINDS = {
+_QUANTITY_NAMES = {
     "m": "length",
     "Pa": "pressure",
     "degree": "angle",
@@ -132,9 +132,9 @@ def unknown_unit(unit: object, base: str) -> str:
     "unknown pressure unit 'Mpa'; did you mean 'MPa'? accepted are Pa, kPa, MPa, GPa, N/mm2, bar, psi"
     """
     names = {name.lower(): name for name in reversed(_TABLES[base])}
-    near = difflib.get_close_matches(_clean(unit).lower(), names, n=1)
-    hint = f"did you mean {names[near[0]]!r}? " if near else ""
-    return f"unknown {_KINDS[base]} unit {str(unit)!r}; {hint}accepted are {_USUAL[base]}"
+    close_matches = difflib.get_close_matches(_clean(unit).lower(), names, n=1)
+    hint = f"did you mean {names[close_matches[0]]!r}? " if close_matches else ""
+    return f"unknown {_QUANTITY_NAMES[base]} unit {str(unit)!r}; {hint}accepted are {_USUAL[base]}"
 
 
 def carries_unit(value: object) -> bool:
@@ -165,17 +165,21 @@ def in_base_unit(value: object, base: str) -> object:
     """
     if not isinstance(value, str) or _is_number(value):
         return value
-    parts = _NUMBER_AND_UNIT.fullmatch(value)
-    if parts is None:
+    number_and_unit = _NUMBER_AND_UNIT.fullmatch(value)
+    if number_and_unit is None:
         return value
-    if parts[2].startswith(","):
+    if number_and_unit[2].startswith(","):
         raise ValueError("write a decimal point, not a comma")
-    factor = value_of(parts[2], base)
+    factor = value_of(number_and_unit[2], base)
     if factor is None:
-        raise ValueError(unknown_unit(parts[2], base))
+        raise ValueError(unknown_unit(number_and_unit[2], base))
     # by a division where that is exact: 2.5e-06 for 2.5 µm, not 2.4999999999999998e-06
     inverse = round(1 / factor) if factor < 1 else 0
-    return float(parts[1]) / inverse if inverse and 1 / inverse == factor else float(parts[1]) * factor
+    return (
+        float(number_and_unit[1]) / inverse
+        if inverse and 1 / inverse == factor
+        else float(number_and_unit[1]) * factor
+    )
 
 
 def _clean(unit: object) -> str:

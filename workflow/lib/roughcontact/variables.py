@@ -321,11 +321,15 @@ _OF_INTERVALS = {
     "at_cutoff": "{} of the waves that are kept, by the shortest of them",
     "as_measured": "{} without the correction for the instrument",
 }
-_FROM_OTHERS = ["leak_rate_x", "leak_rate_y"]  # whose interval follows from another one
-_FROM_OTHERS += [f"{of}_{kind}" for of in ("thermal", "electrical") for kind in ("conductance", "resistance")]
+_DERIVED = ["leak_rate_x", "leak_rate_y"]  # whose interval follows from another one
+_DERIVED += [
+    f"{property_name}_{quantity_name}"
+    for property_name in ("thermal", "electrical")
+    for quantity_name in ("conductance", "resistance")
+]
 VARIABLES |= {
     f"{name}_{end}": (VARIABLES[name][0], _OF_INTERVALS[end].format(name.replace("_", " ")))
-    for name in _FROM_OTHERS
+    for name in _DERIVED
     for end in ("lower", "upper")
 }
 VARIABLES |= {
@@ -375,7 +379,7 @@ _AXES = {
 }
 
 
-def values_at_load(statistics: xr.Dataset, place: int) -> dict[str, np.ndarray]:
+def values_at_load(statistics: xr.Dataset, index: int) -> dict[str, np.ndarray]:
     """Return the plain values of all variables at one load; those of no load as they are.
 
     Looking up a variable of a dataset takes a hundred times as long, since it gathers its coordinates.
@@ -387,7 +391,7 @@ def values_at_load(statistics: xr.Dataset, place: int) -> dict[str, np.ndarray]:
     1e-07
     """
     return {
-        str(name): variable.values.take(place, variable.dims.index("load"))
+        str(name): variable.values.take(index, variable.dims.index("load"))
         if "load" in variable.dims
         else variable.values
         for name, variable in statistics.variables.items()

@@ -90,15 +90,15 @@ def fit_curved_form(
     )
     parameters = _start(start, start_form, reference, half, shape)
     if points[0].size > 2 * _START_POINTS:
-        few = np.random.default_rng(0).choice(points[0].size, _START_POINTS, replace=False)
-        parameters = _least_squares(parameters, [c[few] for c in points], robust=robust)
+        start_points = np.random.default_rng(0).choice(points[0].size, _START_POINTS, replace=False)
+        parameters = _least_squares(parameters, [c[start_points] for c in points], robust=robust)
     parameters = _least_squares(parameters, points, robust=robust)
     fitted, inside = _surface(parameters, (y[:, None] - middle_y) / half, (x[None, :] - middle_x) / half)
-    beyond = np.count_nonzero(measured & ~inside)
-    if beyond:
+    points_outside = np.count_nonzero(measured & ~inside)
+    if points_outside:
         raise HeightMapError(
-            f"level.form = {shape!r}: {beyond} points lie beyond the rim of the fitted {shape}, where it has "
-            "no height: cut the map to the curved part, or use level.form: polynomial"
+            f"level.form = {shape!r}: {points_outside} points lie beyond the rim of the fitted {shape}, "
+            "where it has no height: cut the map to the curved part, or use level.form: polynomial"
         )
     form = reference + half * fitted
     return form, _record(parameters, form, reference, half, (middle_y, middle_x))
@@ -182,8 +182,8 @@ def _least_squares(parameters: np.ndarray, points: Sequence[np.ndarray], *, robu
             return parameters  # no step reduces the cost: limit of rounding
         change = np.abs(trial - residual).max()
         parameters, residual, damping = parameters + step, trial, max(damping / 30, 1e-12)
-        enough = _CONVERGED_ROBUST if robust else _CONVERGED
-        if change <= enough * scale + 1e-15 * np.abs(z).max():
+        convergence = _CONVERGED_ROBUST if robust else _CONVERGED
+        if change <= convergence * scale + 1e-15 * np.abs(z).max():
             break
     return parameters
 
@@ -195,17 +195,19 @@ def _normal_equations(
     count = len(parameters)
     matrix, rhs = np.zeros((count, count)), np.zeros(count)
     for start in range(0, y.size, _CHUNK):
-        part = slice(start, start + _CHUNK)
+        block = slice(start, start + _CHUNK)
         columns = []
         for index in range(count):
             step = np.zeros(count)
             step[index] = _DERIVATIVE_STEP
-            ahead, behind = (_surface(parameters + sign * step, y[part], x[part])[0] for sign in (1, -1))
-            columns.append((ahead - behind) / (2 * _DERIVATIVE_STEP))
+            forward, backward = (
+                _surface(parameters + sign * step, y[block], x[block])[0] for sign in (1, -1)
+            )
+            columns.append((forward - backward) / (2 * _DERIVATIVE_STEP))
         jacobian = np.stack(columns)
-        weighted = jacobian * weights[part]
+        weighted = jacobian * weights[block]
         matrix += weighted @ jacobian.T
-        rhs += weighted @ residual[part]
+        rhs += weighted @ residual[block]
     return matrix, rhs
 
 

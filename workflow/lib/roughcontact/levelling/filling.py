@@ -85,21 +85,21 @@ def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[floa
     wy, wx = (min(spacing) / np.asarray(spacing)) ** 2
     filled = values - offset
     filled /= scale
-    wide = _wide_holes(inside, labels)
+    wide_holes = _wide_holes(inside, labels)
     is_wide = np.zeros(labels.max() + 1, dtype=bool)
-    is_wide[wide] = True
+    is_wide[wide_holes] = True
     narrow = inside & ~is_wide[labels]
     if narrow.any():
         filled[narrow] = _solve_narrow(filled, narrow, (wy, wx))
-    if wide.size:
+    if wide_holes.size:
         from scipy import ndimage
 
         boxes = ndimage.find_objects(labels)
-        for hole in wide:
+        for hole in wide_holes:
             # one row and column more on each side: the rim
             box = tuple(slice(s.start - 1, s.stop + 1) for s in boxes[hole - 1])
-            part, mask = filled[box], labels[box] == hole
-            part[mask] = _solve_wide(part, mask, (wy, wx))
+            subarray, mask = filled[box], labels[box] == hole
+            subarray[mask] = _solve_wide(subarray, mask, (wy, wx))
     filled *= scale
     filled += offset
     np.copyto(filled, values, where=~inside)
@@ -110,9 +110,9 @@ def _fill_profile(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
     """Return a profile with its holes filled by straight lines."""
     flat, inside = values.ravel(), inside.ravel()
     where = np.arange(flat.size)
-    known = ~np.isnan(flat)
+    measured = ~np.isnan(flat)
     filled = flat.copy()
-    filled[inside] = np.interp(where[inside], where[known], flat[known])
+    filled[inside] = np.interp(where[inside], where[measured], flat[measured])
     return filled.reshape(values.shape)
 
 
@@ -126,11 +126,11 @@ def _wide_holes(inside: np.ndarray, labels: np.ndarray) -> np.ndarray:
 
 def _right_hand_side(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) -> np.ndarray:
     """Return the weighted sum of known neighbours of each point of `mask`, which excludes the border."""
-    known = np.where(mask | np.isnan(values), 0.0, values)
+    boundary_values = np.where(mask | np.isnan(values), 0.0, values)
     wy, wx = weights
-    total = np.zeros_like(known)
-    total[1:-1, :] += wy * (known[:-2, :] + known[2:, :])
-    total[:, 1:-1] += wx * (known[:, :-2] + known[:, 2:])
+    total = np.zeros_like(boundary_values)
+    total[1:-1, :] += wy * (boundary_values[:-2, :] + boundary_values[2:, :])
+    total[:, 1:-1] += wx * (boundary_values[:, :-2] + boundary_values[:, 2:])
     return total[mask]
 
 

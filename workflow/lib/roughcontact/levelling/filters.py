@@ -38,11 +38,11 @@ def gaussian_mean_surface(values: np.ndarray, spacing: Sequence[float], nesting_
     >>> print(round(np.ptp(mean[0, 100:300]) / 2, 3))  # away from the ends
     0.5
     """
-    known = ~np.isnan(values)
-    offset = float(values[known].mean())
-    heights = np.where(known, values - offset, 0.0)
+    measured = ~np.isnan(values)
+    offset = float(values[measured].mean())
+    heights = np.where(measured, values - offset, 0.0)
     kernels = [_kernels(n, d, nesting_index) for n, d in zip(values.shape, spacing, strict=True)]
-    if known.all():
+    if measured.all():
         # each moment of the weights is a product of one along y and one along x
         along = [
             [_correlate(np.ones((1, n)), kernel, axis=1)[0] for kernel in axis]
@@ -50,10 +50,10 @@ def gaussian_mean_surface(values: np.ndarray, spacing: Sequence[float], nesting_
         ]
         moment = {(j, i): along[0][j][:, None] * along[1][i][None, :] for j, i in _MOMENTS}
     else:
-        moment = _moments(known.astype(float), kernels, _MOMENTS)
+        moment = _moments(measured.astype(float), kernels, _MOMENTS)
     of_heights = _moments(heights, kernels, _MOMENTS[:3])
 
-    weight = np.where(known, moment[0, 0], 1.0)
+    weight = np.where(measured, moment[0, 0], 1.0)
     middle_y, middle_x = moment[1, 0] / weight, moment[0, 1] / weight
     mean = of_heights[0, 0] / weight
     # variances of the positions, and their covariances with the heights
@@ -64,11 +64,11 @@ def gaussian_mean_surface(values: np.ndarray, spacing: Sequence[float], nesting_
     vxy = moment[1, 1] / weight - middle_y * middle_x
     cy = of_heights[1, 0] / weight - middle_y * mean
     cx = of_heights[0, 1] / weight - middle_x * mean
-    determinant = np.where(known, vyy * vxx - vxy**2, 1.0)
+    determinant = np.where(measured, vyy * vxx - vxy**2, 1.0)
     slope_y = (vxx * cy - vxy * cx) / determinant
     slope_x = (vyy * cx - vxy * cy) / determinant
     smooth = mean - slope_y * middle_y - slope_x * middle_x + offset
-    return np.where(known, smooth, np.nan)
+    return np.where(measured, smooth, np.nan)
 
 
 _MOMENTS = ((0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1))  # powers of y and x

@@ -118,31 +118,33 @@ def level(
     step = spacing(height)
     _check_nesting_indices(height, s_filter=s_filter, l_filter=l_filter)
 
-    kinds: dict[str, int] = {}
+    outlier_kinds: dict[str, int] = {}
     if outlier_threshold is not None:
-        values = _without_outliers(values, outlier_threshold, kinds)
-    jitter, done, offsets = _alignment(values, height, line_alignment)
-    if done != "none":
+        values = _without_outliers(values, outlier_threshold, outlier_kinds)
+    jitter, applied_alignment, offsets = _alignment(values, height, line_alignment)
+    if applied_alignment != "none":
         values = values - offsets[:, None]
         if outlier_threshold is not None:  # outliers that the shifts of the lines masked
-            values = _without_outliers(values, outlier_threshold, kinds)
+            values = _without_outliers(values, outlier_threshold, outlier_kinds)
     if scar_threshold is not None:
-        values = _without_scars(values, scar_threshold, kinds)
+        values = _without_scars(values, scar_threshold, outlier_kinds)
     missing = np.isnan(values)
-    _check_missing(missing, height, kinds, max_missing)
+    _check_missing(missing, height, outlier_kinds, max_missing)
     # positions and heights of rejected points only: memory may not hold another copy of a large map
     rejected = missing & np.isfinite(height.values)
-    kept = height.values[rejected].astype(float)
-    kept -= np.broadcast_to(offsets[:, None], values.shape)[rejected]
+    rejected_heights = height.values[rejected].astype(float)
+    rejected_heights -= np.broadcast_to(offsets[:, None], values.shape)[rejected]
 
     removed: dict[str, dict] = {}
     if form != "none":
         surface, removed = _fit(values, height, form, order, robust)
-        kept -= surface[rejected]
+        rejected_heights -= surface[rejected]
         values = without_form(values, surface)
         del surface
-    if kept.size and (s_filter or l_filter):
-        kept = _filter(_with_points(values.copy(), rejected, kept), step, s_filter, l_filter)[0][rejected]
+    if rejected_heights.size and (s_filter or l_filter):
+        rejected_heights = _filter(
+            _with_points(values.copy(), rejected, rejected_heights), step, s_filter, l_filter
+        )[0][rejected]
     values, filters = _filter(values, step, s_filter, l_filter)
     parameters = height_parameters(height.copy(data=values))
 
@@ -157,11 +159,11 @@ def level(
         "form": form,
         "form_removed": json.dumps(removed),
         "outlier_threshold": float(outlier_threshold or 0.0),
-        "outliers_rejected": int(sum(kinds.values())),
-        "outlier_kinds": json.dumps(kinds),
-        "line_alignment": done,
+        "outliers_rejected": int(sum(outlier_kinds.values())),
+        "outlier_kinds": json.dumps(outlier_kinds),
+        "line_alignment": applied_alignment,
         "line_alignment_by": "default" if line_alignment == "auto" else "user",
-        "row_jitter": _relative_jitter(jitter.rms, parameters["Sq"], aligned=done != "none"),
+        "row_jitter": _relative_jitter(jitter.rms, parameters["Sq"], aligned=applied_alignment != "none"),
         "row_jitter_evidence": jitter.evidence,
         "line_shift_rms": float(np.sqrt(np.mean(offsets**2))),
         "filters_removed": json.dumps(filters),
@@ -173,10 +175,13 @@ def level(
         "quantisation_step": quantisation_step(height.values) or 0.0,
     }
     coords = {"y": height["y"], "x": height["x"], "filled": (("y", "x"), filled)}
-    if done != "none":
+    if applied_alignment != "none":
         coords["line_offset"] = ("y", offsets)
-    if kept.size:
-        coords["rejected_height"] = (("y", "x"), _with_points(np.full(values.shape, np.nan), rejected, kept))
+    if rejected_heights.size:
+        coords["rejected_height"] = (
+            ("y", "x"),
+            _with_points(np.full(values.shape, np.nan), rejected, rejected_heights),
+        )
     return xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs | parameters)
 
 
@@ -225,15 +230,15 @@ def _check_nesting_indices(height: xr.DataArray, **nesting_indices: float | None
             )
 
 
-def _alignment(values: np.ndarray, height: xr.DataArray, wanted: str) -> tuple[RowJitter, str, np.ndarray]:
+def _alignment(values: np.ndarray, height: xr.DataArray, requested: str) -> tuple[RowJitter, str, np.ndarray]:
     """Return the row jitter found, the alignment applied, and the offsets (ny,) to subtract."""
     jitter = find_row_jitter(values, scanned=_is_scanned(height))
-    done = wanted
-    if wanted == "auto":
-        done = "jitter" if jitter.evidence == "clear" else "none"
-    if done == "none":
-        return jitter, done, np.zeros(len(values))
-    return jitter, done, jitter.offsets if done == "jitter" else line_offsets(values, method=done)
+    applied = requested
+    if requested == "auto":
+        applied = "jitter" if jitter.evidence == "clear" else "none"
+    if applied == "none":
+        return jitter, applied, np.zeros(len(values))
+    return jitter, applied, jitter.offsets if applied == "jitter" else line_offsets(values, method=applied)
 
 
 def _is_scanned(height: xr.DataArray) -> bool:
@@ -244,25 +249,25 @@ def _is_scanned(height: xr.DataArray) -> bool:
 
 def _relative_jitter(jitter: float, rms_height: float, *, aligned: bool) -> float:
     """Return the rms shift of the rows over the rms height of the map without it."""
-    without = rms_height if aligned else float(np.sqrt(max(rms_height**2 - jitter**2, 0.0)))
-    return jitter / without if without > 0 else 0.0
+    rms_without_jitter = rms_height if aligned else float(np.sqrt(max(rms_height**2 - jitter**2, 0.0)))
+    return jitter / rms_without_jitter if rms_without_jitter > 0 else 0.0
 
 
-def _without_outliers(values: np.ndarray, threshold: float, kinds: dict[str, int]) -> np.ndarray:
+def _without_outliers(values: np.ndarray, threshold: float, outlier_kinds: dict[str, int]) -> np.ndarray:
     """Return the heights with outliers set to NaN, in place; their counts are added to `kinds`."""
-    outliers, found = find_outliers(values, threshold=threshold)
-    for kind, count in found.items():
-        kinds[kind] = kinds.get(kind, 0) + count
+    outliers, counts = find_outliers(values, threshold=threshold)
+    for outlier_kind, count in counts.items():
+        outlier_kinds[outlier_kind] = outlier_kinds.get(outlier_kind, 0) + count
     values[outliers] = np.nan
     return values
 
 
-def _without_scars(values: np.ndarray, threshold: float, kinds: dict[str, int]) -> np.ndarray:
+def _without_scars(values: np.ndarray, threshold: float, outlier_kinds: dict[str, int]) -> np.ndarray:
     """Return the heights with scars set to NaN; their count is added to `kinds`."""
     scars = find_scars(values, threshold=threshold)
     if not scars.any():
         return values
-    kinds["scar"] = int(scars.sum())
+    outlier_kinds["scar"] = int(scars.sum())
     return np.where(scars, np.nan, values)
 
 
@@ -288,10 +293,10 @@ def _fit(
         raise HeightMapError(f"{height.attrs.get('source_file') or 'the map'}: {error}") from error
 
 
-def _with_points(whole: np.ndarray, where: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _with_points(heights: np.ndarray, where: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return a map with the heights of some points replaced, in place."""
-    whole[where] = points
-    return whole
+    heights[where] = points
+    return heights
 
 
 def _filter(
@@ -309,25 +314,25 @@ def _filter(
                 "remain"
             )
         smooth = gaussian_mean_surface(values, step, index)
-        kept, off = (smooth, values - smooth) if name == "s_filter" else (values - smooth, smooth)
-        off = off[~np.isnan(off)]
+        retained, difference = (smooth, values - smooth) if name == "s_filter" else (values - smooth, smooth)
+        difference = difference[~np.isnan(difference)]
         removed[name] = {
             "nesting_index": {"value": float(index), "units": "m"},
-            "rms_removed": {"value": float(np.sqrt(np.mean(off**2))), "units": "m"},
+            "rms_removed": {"value": float(np.sqrt(np.mean(difference**2))), "units": "m"},
         }
-        values = kept
+        values = retained
     return values, removed
 
 
 def _check_missing(
-    missing: np.ndarray, height: xr.DataArray, kinds: dict[str, int], max_missing: float
+    missing: np.ndarray, height: xr.DataArray, outlier_kinds: dict[str, int], max_missing: float
 ) -> None:
     """Raise HeightMapError where too many points are missing."""
     share = missing.mean()
     if share <= max_missing and not missing.all():
         return
     name = height.attrs.get("source_file") or "the map"
-    rejected = sum(kinds.values())
+    rejected = sum(outlier_kinds.values())
     also = f" ({rejected} of them rejected as outliers or scars)" if rejected else ""
     raise HeightMapError(
         f"{name}: {100 * share:.1f} % of the points are missing{also}, more than level.max_missing = "

@@ -59,22 +59,22 @@ def find_outliers(
     >>> np.argwhere(outliers).tolist(), kinds
     ([[20, 30]], {'spike': 1})
     """
-    found: dict[str, int] = {}
+    counts: dict[str, int] = {}
     outliers = np.zeros(values.shape, dtype=bool)
     for _ in range(_MAX_ROUNDS):
-        before = found.copy()
-        for kind, finder in (
+        before = counts.copy()
+        for outlier_kind, finder in (
             ("spike", lambda v, rejected: _spikes(v, rejected, threshold, bumps=bumps)),
             ("sentinel", lambda v, rejected: _sentinels(_without_rejected(v, rejected))),
             ("dead_line", lambda v, rejected: _dead_lines(_without_rejected(v, rejected))),
         ):
             new = finder(values, outliers)
             if new.any():
-                found[kind] = found.get(kind, 0) + int(new.sum())
+                counts[outlier_kind] = counts.get(outlier_kind, 0) + int(new.sum())
                 outliers |= new
-        if found == before:
+        if counts == before:
             break
-    return outliers, found
+    return outliers, counts
 
 
 def _without_rejected(values: np.ndarray, rejected: np.ndarray) -> np.ndarray:
@@ -85,17 +85,21 @@ def _without_rejected(values: np.ndarray, rejected: np.ndarray) -> np.ndarray:
 def _sentinels(values: np.ndarray) -> np.ndarray:
     """Return the mask of points whose value is farther from all others than the range of these."""
     result = np.zeros(values.shape, dtype=bool)
-    found = values.size >= _SENTINEL_POINTS
-    while found:  # one after the other: a distant sentinel masks a closer one
-        found = False
+    searching = values.size >= _SENTINEL_POINTS
+    while searching:  # one after the other: a distant sentinel masks a closer one
+        searching = False
         for sign in (1, -1):
-            rest = sign * values[~result & ~np.isnan(values)]
-            extreme = rest.min()
-            rest = rest[rest > extreme]
-            at = values == sign * extreme
-            if rest.size and rest.min() - extreme > np.ptp(rest) > 0 and at.sum() <= values.size / 3:
-                result |= at
-                found = True
+            remaining = sign * values[~result & ~np.isnan(values)]
+            extreme = remaining.min()
+            remaining = remaining[remaining > extreme]
+            sentinel = values == sign * extreme
+            if (
+                remaining.size
+                and remaining.min() - extreme > np.ptp(remaining) > 0
+                and sentinel.sum() <= values.size / 3
+            ):
+                result |= sentinel
+                searching = True
     return result
 
 
@@ -107,13 +111,13 @@ def _dead_lines(values: np.ndarray) -> np.ndarray:
 def _dead_rows(values: np.ndarray) -> np.ndarray:
     """Return the mask of rows with a single value that deviate from their neighbours."""
     result = np.zeros(values.shape, dtype=bool)
-    known = ~np.isnan(values)
-    measured = known.sum(axis=1) >= _MIN_LINE_POINTS
+    is_measured = ~np.isnan(values)
+    measured = is_measured.sum(axis=1) >= _MIN_LINE_POINTS
     rows = np.nonzero(measured)[0]
     if rows.size < _MIN_LINE_POINTS:
         return result
-    low = np.min(np.where(known, values, np.inf), axis=1)
-    high = np.max(np.where(known, values, -np.inf), axis=1)
+    low = np.min(np.where(is_measured, values, np.inf), axis=1)
+    high = np.max(np.where(is_measured, values, -np.inf), axis=1)
     constant = measured & (low == high)
     alive = np.nonzero(measured & ~constant)[0]
     # if all lines are constant, the surface is flat or has an exact lay
@@ -126,16 +130,16 @@ def _dead_rows(values: np.ndarray) -> np.ndarray:
         neighbours = alive[max(after - 1, 0) : after + 1]
         steps = _median_distance(values[neighbours], np.full(values.shape[1], low[row]))
         if np.nanmin(steps) > usual:
-            result[row] = known[row]
+            result[row] = is_measured[row]
     return result
 
 
-def _median_distance(lines: np.ndarray, others: np.ndarray) -> np.ndarray:
+def _median_distance(lines: np.ndarray, neighbours: np.ndarray) -> np.ndarray:
     """Return the median distance of each line from its counterpart; NaN without common points."""
-    difference = np.abs(lines - others)
+    difference = np.abs(lines - neighbours)
     result = np.full(len(difference), np.nan)
-    some = ~np.isnan(difference).all(axis=1)
-    result[some] = np.nanmedian(difference[some], axis=1)
+    has_values = ~np.isnan(difference).all(axis=1)
+    result[has_values] = np.nanmedian(difference[has_values], axis=1)
     return result
 
 
@@ -147,23 +151,27 @@ def _spikes(values: np.ndarray, rejected: np.ndarray, threshold: float, *, bumps
     profile = min(values.shape) == 1
     if max(values.shape) <= 2 * _MEDIAN_HALF_WIDTH or (rejected | np.isnan(values)).all():
         return result
-    near = [min(_MEDIAN_HALF_WIDTH, n - 1) for n in values.shape]
-    far = [min(_PROFILE_RING_HALF_WIDTH if profile else _RING_HALF_WIDTH, n - 1) for n in values.shape]
+    median_half_widths = [min(_MEDIAN_HALF_WIDTH, n - 1) for n in values.shape]
+    ring_half_widths = [
+        min(_PROFILE_RING_HALF_WIDTH if profile else _RING_HALF_WIDTH, n - 1) for n in values.shape
+    ]
     # memory may not hold more than is needed of a large map: arrays are deleted or reused early
     residual = _without_tilt(_without_rejected(values, rejected))
     missing = np.isnan(residual)
     heights = residual[~missing]
     floor = 1e-12 * np.ptp(heights)
     heights -= np.median(heights)
-    everywhere = robust_scale(heights, overwrite=True)
+    global_scale = robust_scale(heights, overwrite=True)
     del heights
     reference = _reference_points(missing)
-    padded = _extended_beyond_border(_with_missing_replaced(residual, reference, near), near, far)
+    padded = _extended_beyond_border(
+        _with_missing_replaced(residual, reference, median_half_widths), median_half_widths, ring_half_widths
+    )
     del residual
-    is_reference = np.pad(reference, [(f, f) for f in far], mode="reflect")
+    is_reference = np.pad(reference, [(f, f) for f in ring_half_widths], mode="reflect")
     del reference
-    size = [2 * n + 1 for n in near]
-    inner = tuple(slice(f, f + n) for f, n in zip(far, values.shape, strict=True))
+    size = [2 * n + 1 for n in median_half_widths]
+    inner = tuple(slice(f, f + n) for f, n in zip(ring_half_widths, values.shape, strict=True))
     medians = ndimage.median_filter(padded, size=size)
     signed = np.subtract(padded, medians, out=medians)[inner]
     del medians
@@ -171,19 +179,19 @@ def _spikes(values: np.ndarray, rejected: np.ndarray, threshold: float, *, bumps
     scale = robust_scale(signed[~missing], overwrite=True)
     # extreme spikes exceed disturbed patches that are too large for a group
     for limit in (threshold, _EXTREME_FACTOR * threshold):
-        least = max(limit * scale, floor)
-        groups = _small_groups(signed > least)
+        smallest_deviation = max(limit * scale, floor)
+        groups = _small_groups(signed > smallest_deviation)
         if not bumps:
-            groups = _without_bumps(groups, signed, padded, missing, far)
-        found = groups > 0
-        groups = _small_groups(signed < -least)
-        found |= groups > 0
+            groups = _without_bumps(groups, signed, padded, missing, ring_half_widths)
+        is_spike = groups > 0
+        groups = _small_groups(signed < -smallest_deviation)
+        is_spike |= groups > 0
         del groups
-        where = np.argwhere(found)
+        where = np.argwhere(is_spike)
         if where.size:
-            spread, measured = _ring(padded, is_reference, where, near, far)
+            spread, measured = _ring(padded, is_reference, where, median_half_widths, ring_half_widths)
             # points without surroundings are compared with the whole map
-            spread = np.where(measured < _MIN_RING_SHARE, np.maximum(spread, everywhere), spread)
+            spread = np.where(measured < _MIN_RING_SHARE, np.maximum(spread, global_scale), spread)
             worst = np.abs(signed[tuple(where.T)]) > limit * spread
             result[tuple(where[worst & (spread > floor)].T)] = True
     return result
@@ -199,7 +207,7 @@ def _reference_points(missing: np.ndarray) -> np.ndarray:
     return reference if reference.any() else ~missing
 
 
-def _with_missing_replaced(residual: np.ndarray, reference: np.ndarray, near: list[int]) -> np.ndarray:
+def _with_missing_replaced(residual: np.ndarray, reference: np.ndarray, half_widths: list[int]) -> np.ndarray:
     """Return the heights with missing points replaced, for the median filter only.
 
     A missing point takes the median of the nearest measured neighbourhood.
@@ -210,28 +218,30 @@ def _with_missing_replaced(residual: np.ndarray, reference: np.ndarray, near: li
     if not missing.any():
         return residual
     nearest = ndimage.distance_transform_edt(~reference, return_distances=False, return_indices=True)
-    references, which = np.unique(
+    references, reference_index = np.unique(
         np.ravel_multi_index(nearest[:, missing], residual.shape), return_inverse=True
     )
     del nearest
-    steps = np.meshgrid(*(np.arange(-n, n + 1) for n in near), indexing="ij")
+    steps = np.meshgrid(*(np.arange(-n, n + 1) for n in half_widths), indexing="ij")
     offsets = np.stack(steps, axis=-1).reshape(-1, 2)
-    bordered = np.pad(residual, [(n, n) for n in near], constant_values=np.nan)
-    bordered[tuple(slice(n, n + side) for n, side in zip(near, residual.shape, strict=True))][~reference] = (
-        np.nan
-    )
+    bordered = np.pad(residual, [(n, n) for n in half_widths], constant_values=np.nan)
+    bordered[tuple(slice(n, n + side) for n, side in zip(half_widths, residual.shape, strict=True))][
+        ~reference
+    ] = np.nan
     medians = np.empty(references.size)
     for start in range(0, references.size, _GATHER_CHUNK):
-        part = slice(start, start + _GATHER_CHUNK)
-        places = np.stack(np.unravel_index(references[part], residual.shape), axis=-1)
-        index = places[:, None, :] + offsets[None, :, :] + np.asarray(near)
-        medians[part] = np.nanmedian(bordered[index[..., 0], index[..., 1]], axis=1)
+        block = slice(start, start + _GATHER_CHUNK)
+        positions = np.stack(np.unravel_index(references[block], residual.shape), axis=-1)
+        index = positions[:, None, :] + offsets[None, :, :] + np.asarray(half_widths)
+        medians[block] = np.nanmedian(bordered[index[..., 0], index[..., 1]], axis=1)
     filled = residual.copy()
-    filled[missing] = medians[which]
+    filled[missing] = medians[reference_index]
     return filled
 
 
-def _extended_beyond_border(residual: np.ndarray, near: list[int], far: list[int]) -> np.ndarray:
+def _extended_beyond_border(
+    residual: np.ndarray, median_half_widths: list[int], ring_half_widths: list[int]
+) -> np.ndarray:
     """Return the heights extended beyond each border by point reflection, which continues slopes.
 
     The reflection is about the median of neighbouring border points, so that a spike on the border is not
@@ -241,7 +251,7 @@ def _extended_beyond_border(residual: np.ndarray, near: list[int], far: list[int
 
     for axis in (0, 1):
         heights = residual if axis == 0 else residual.T
-        count, along = far[axis], 2 * near[1 - axis] + 1
+        count, along = ring_half_widths[axis], 2 * median_half_widths[1 - axis] + 1
         if count:
             first, last = (ndimage.median_filter(heights[end], size=along) for end in (0, -1))
             before, after = 2 * first - heights[count:0:-1], 2 * last - heights[-2 : -2 - count : -1]
@@ -257,8 +267,8 @@ def _small_groups(candidates: np.ndarray) -> np.ndarray:
     groups, count = ndimage.label(candidates, structure=np.ones((3, 3)))
     sizes = np.zeros(count + 1, int)
     for rows in np.array_split(groups, -(-groups.size // _COUNT_CHUNK), axis=0):
-        found = np.bincount(rows.ravel())
-        sizes[: found.size] += found
+        counts = np.bincount(rows.ravel())
+        sizes[: counts.size] += counts
     small = sizes <= _MAX_SPIKE_POINTS
     small[0] = False
     groups[~small[groups]] = 0
@@ -266,7 +276,11 @@ def _small_groups(candidates: np.ndarray) -> np.ndarray:
 
 
 def _without_bumps(
-    groups: np.ndarray, signed: np.ndarray, padded: np.ndarray, missing: np.ndarray, far: list[int]
+    groups: np.ndarray,
+    signed: np.ndarray,
+    padded: np.ndarray,
+    missing: np.ndarray,
+    ring_half_widths: list[int],
 ) -> np.ndarray:
     """Return the groups that do not have the shape of a bump.
 
@@ -286,16 +300,16 @@ def _without_bumps(
     # points sorted by height within each group; the last one is its peak
     order = np.lexsort((signed[tuple(where.T)], of_point))
     peaks = where[order[np.cumsum(counts) - 1]]
-    reach = [min(2 * _MEDIAN_HALF_WIDTH, f) for f in far]
+    reach = [min(2 * _MEDIAN_HALF_WIDTH, f) for f in ring_half_widths]
     steps = np.stack(np.meshgrid(*(np.arange(-r, r + 1) for r in reach), indexing="ij"))
     ring = np.abs(steps).max(axis=0) > _MEDIAN_HALF_WIDTH
-    unmeasured = np.pad(missing, [(f, f) for f in far])
+    unmeasured = np.pad(missing, [(f, f) for f in ring_half_widths])
     cross = np.zeros((3, 3, 3), dtype=bool)
     cross[1] = ndimage.generate_binary_structure(2, 1)  # windows are not connected with one another
     is_bump = np.zeros(numbers.size, dtype=bool)
     for start in range(0, numbers.size, _GATHER_CHUNK):
-        part = slice(start, start + _GATHER_CHUNK)
-        index = peaks[part, :, None, None] + steps + np.reshape(far, (1, 2, 1, 1))
+        block = slice(start, start + _GATHER_CHUNK)
+        index = peaks[block, :, None, None] + steps + np.reshape(ring_half_widths, (1, 2, 1, 1))
         window = padded[index[:, 0], index[:, 1]]
         base = np.median(window[:, ring], axis=1)[:, None, None]
         height = window[:, reach[0], reach[1]][:, None, None] - base
@@ -304,38 +318,42 @@ def _without_bumps(
         top = (tops == tops[:, reach[0], reach[1]][:, None, None]) & (tops > 0)
         around = ndimage.binary_dilation(top, structure=cross) & ~unmeasured[index[:, 0], index[:, 1]]
         share = np.maximum(share, 0)  # a moat around a bump does not count against it
-        between = np.sum(4 * share * (1 - share) * around, axis=(1, 2))
-        is_bump[part] = between >= _MIN_BUMP_SCORE * np.maximum(around.sum(axis=(1, 2)), 1)
+        straddling = np.sum(4 * share * (1 - share) * around, axis=(1, 2))
+        is_bump[block] = straddling >= _MIN_BUMP_SCORE * np.maximum(around.sum(axis=(1, 2)), 1)
     groups[tuple(where[np.isin(of_point, numbers[is_bump])].T)] = 0
     return groups
 
 
 def _ring(
-    padded: np.ndarray, is_reference: np.ndarray, where: np.ndarray, near: list[int], far: list[int]
+    padded: np.ndarray,
+    is_reference: np.ndarray,
+    where: np.ndarray,
+    median_half_widths: list[int],
+    ring_half_widths: list[int],
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the standard deviation of the heights in the ring around each point, and the measured share."""
-    steps = (np.arange(-f, f + 1) for f in far)
+    steps = (np.arange(-f, f + 1) for f in ring_half_widths)
     offsets = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 2)
-    offsets = offsets[(np.abs(offsets) > near).any(axis=1)]
+    offsets = offsets[(np.abs(offsets) > median_half_widths).any(axis=1)]
     spread, measured = np.empty(len(where)), np.empty(len(where))
     for start in range(0, len(where), _GATHER_CHUNK):
-        part = slice(start, start + _GATHER_CHUNK)
-        index = where[part, None, :] + offsets[None, :, :] + np.asarray(far)
+        block = slice(start, start + _GATHER_CHUNK)
+        index = where[block, None, :] + offsets[None, :, :] + np.asarray(ring_half_widths)
         ring = padded[index[..., 0], index[..., 1]]
-        off = np.abs(ring - np.median(ring, axis=1, keepdims=True))
-        spread[part] = np.quantile(off, 0.9, axis=1) / 1.645
-        measured[part] = is_reference[index[..., 0], index[..., 1]].mean(axis=1)
+        deviation = np.abs(ring - np.median(ring, axis=1, keepdims=True))
+        spread[block] = np.quantile(deviation, 0.9, axis=1) / 1.645
+        measured[block] = is_reference[index[..., 0], index[..., 1]].mean(axis=1)
     return spread, measured
 
 
 def _without_tilt(values: np.ndarray) -> np.ndarray:
     """Return the heights less the tilt of the map, fitted to a subset of the points."""
-    every = max(1, int(np.sqrt(values.size / _PLANE_POINTS)))
+    stride = max(1, int(np.sqrt(values.size / _PLANE_POINTS)))
     coordinates = [np.arange(n, dtype=float) for n in values.shape]
-    thin = values[::every, ::every]
+    thin = values[::stride, ::stride]
     if np.isnan(thin).all():
         return values
-    _, tilt = fit_polynomial(thin, [c[::every] for c in coordinates], order=1, robust=True)
+    _, tilt = fit_polynomial(thin, [c[::stride] for c in coordinates], order=1, robust=True)
     y, x = coordinates
     tilted = tilt["slope_y"]["value"] * y[:, None] + tilt["slope_x"]["value"] * x[None, :]
     return np.subtract(values, tilted, out=tilted)

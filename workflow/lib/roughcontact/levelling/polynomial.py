@@ -81,10 +81,10 @@ def without_form(values: np.ndarray, form: np.ndarray) -> np.ndarray:
     array([0., 0., 0., 0., 0.])
     """
     rounding = _ROUNDING * max(np.nanmax(form), -np.nanmin(form))
-    left = np.subtract(values, form, out=form)
-    if max(np.nanmax(left), -np.nanmin(left)) <= rounding:
-        left[~np.isnan(values)] = 0.0
-    return left
+    residual = np.subtract(values, form, out=form)
+    if max(np.nanmax(residual), -np.nanmin(residual)) <= rounding:
+        residual[~np.isnan(values)] = 0.0
+    return residual
 
 
 def share_of_form(values: np.ndarray, coordinates: Sequence[np.ndarray], *, order: int = 2) -> float:
@@ -153,10 +153,10 @@ class _Axis:
         # all products P_a P_b, for the normal equations
         self.products = (self.basis[:, :, None] * self.basis[:, None, :]).reshape(coordinate.size, -1)
 
-    def thinned(self, every: int) -> "_Axis":
+    def thinned(self, stride: int) -> "_Axis":
         """Return the same polynomials at every n-th point."""
         thin = copy.copy(self)
-        thin.basis, thin.products = self.basis[::every], self.products[::every]
+        thin.basis, thin.products = self.basis[::stride], self.products[::stride]
         return thin
 
 
@@ -177,8 +177,8 @@ def _fit_weighted(
     matrix = moments[index_y[:, None], index_y[None, :], index_x[:, None], index_x[None, :]]
     coefficients = np.zeros((ky, kx))
     weighted = weights * heights
-    for again in (False, True):
-        if again:
+    for refining in (False, True):
+        if refining:
             np.subtract(heights, _evaluate(coefficients, axes), out=weighted)
             weighted *= weights
         rhs = (y.basis.T @ weighted @ x.basis)[index_y, index_x]
@@ -190,12 +190,12 @@ def _fit_robust(
     heights: np.ndarray, measured: np.ndarray, axes: list[_Axis], terms: list[tuple[int, int]]
 ) -> np.ndarray:
     """Return the robust coefficients, started from a fit to a thinned map if the map is large."""
-    every = int(np.sqrt(heights.size / _START_POINTS))
-    if every > 1 and measured[::every, ::every].sum() > _START_POINTS / 4:
+    stride = int(np.sqrt(heights.size / _START_POINTS))
+    if stride > 1 and measured[::stride, ::stride].sum() > _START_POINTS / 4:
         start = _fit_robust(
-            heights[::every, ::every],
-            measured[::every, ::every],
-            [axis.thinned(every) for axis in axes],
+            heights[::stride, ::stride],
+            measured[::stride, ::stride],
+            [axis.thinned(stride) for axis in axes],
             terms,
         )
         return _reweight(heights, measured, axes, terms, start, least_absolute=False)
@@ -241,13 +241,13 @@ def _record(coefficients: np.ndarray, axes: list[_Axis], order: int) -> dict[str
     quantity = {"mean": (coefficients[0, 0], "m")}
 
     def derivative(nth, along):
-        wanted = (nth, 0) if along == "y" else (0, nth)
+        orders = (nth, 0) if along == "y" else (0, nth)
         py, px = (
             [
                 legendre.legval(0.0, legendre.legder(np.eye(axis.order + 1)[k], m))
                 for k in range(axis.order + 1)
             ]
-            for axis, m in zip(axes, wanted, strict=True)
+            for axis, m in zip(axes, orders, strict=True)
         )
         at_middle = np.outer(py, px)
         half = y.half if along == "y" else x.half

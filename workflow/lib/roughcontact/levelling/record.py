@@ -34,9 +34,12 @@ def kinds_in_words(levelled: Mapping[str, Any]) -> str:
     >>> kinds_in_words({"outlier_kinds": '{"spike": 29, "dead_line": 128}'})
     '29 in spikes, 128 in dead lines'
     """
-    kinds = json.loads(levelled.get("outlier_kinds", "{}"))
-    words = ((count, kind.replace("_", " ")) for kind, count in kinds.items())
-    return ", ".join(f"1 {kind}" if count == 1 else f"{count} in {kind}s" for count, kind in words)
+    outlier_kinds = json.loads(levelled.get("outlier_kinds", "{}"))
+    counted = ((count, outlier_kind.replace("_", " ")) for outlier_kind, count in outlier_kinds.items())
+    return ", ".join(
+        f"1 {outlier_kind}" if count == 1 else f"{count} in {outlier_kind}s"
+        for count, outlier_kind in counted
+    )
 
 
 def s_filter_of(attrs: Mapping[str, Any]) -> float:

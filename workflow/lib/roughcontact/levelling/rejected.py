@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 
-def with_rejected(levelled: xr.DataArray, which: np.ndarray | None = None) -> xr.DataArray:
+def with_rejected(levelled: xr.DataArray, mask: np.ndarray | None = None) -> xr.DataArray:
     """Return a levelled map with rejected points restored where they had been filled.
 
     Rejected points connected to the border stay missing, so that the window does not change. The mask `which`
@@ -22,8 +22,8 @@ def with_rejected(levelled: xr.DataArray, which: np.ndarray | None = None) -> xr
     (True, False)
     """
     restored = rejected_points(levelled)
-    if which is not None:
-        restored &= which
+    if mask is not None:
+        restored &= mask
     if not restored.any():
         return levelled
     values = np.where(restored, _heights(levelled), levelled.values)

@@ -85,55 +85,55 @@ def find_row_jitter(values: np.ndarray, *, scanned: bool = False) -> RowJitter:
     clear 0.0017
     """
     ny, nx = values.shape
-    nothing = RowJitter(0.0, "none", np.zeros(ny), np.zeros(ny))
+    no_jitter = RowJitter(0.0, "none", np.zeros(ny), np.zeros(ny))
     if ny < _MIN_ROWS or nx < _BLOCKS * _MIN_BLOCK_POINTS:
-        return nothing
+        return no_jitter
     second_differences = values[:-2] - 2 * values[1:-1] + values[2:]
     measured = second_differences[~np.isnan(second_differences)]
     if not measured.size or not np.ptp(measured) > 0:
-        return nothing
+        return no_jitter
     middle = float(np.median(measured))
     limit = _CLIP * (robust_scale(measured - middle, overwrite=True) or float(measured.std()))
     del measured  # memory may not hold more than is needed of a large map
     np.clip(second_differences, middle - limit, middle + limit, out=second_differences)
-    pieces = np.stack(
-        [_row_means(part) for part in np.array_split(second_differences, _BLOCKS, axis=1)], axis=1
+    block_means = np.stack(
+        [_row_means(block) for block in np.array_split(second_differences, _BLOCKS, axis=1)], axis=1
     )
-    variance, evidence = _shared_variance(pieces, scanned=scanned)
+    variance, evidence = _shared_variance(block_means, scanned=scanned)
     rms = float(np.sqrt(variance))
     if evidence == "none" or rms <= _MIN_RELATIVE_RMS * float(values[~np.isnan(values)].std()):
-        return nothing
-    means = _row_means(second_differences)
+        return no_jitter
+    row_means = _row_means(second_differences)
     # steps at both ends, less the tilt of the row heights obtained by summing the second differences
     first, last = (_end_step(step, limit) for step in (values[1] - values[0], values[-2] - values[-1]))
-    profile = np.cumsum(np.concatenate([[0.0], first + np.cumsum(np.concatenate([[0.0], means]))]))
+    profile = np.cumsum(np.concatenate([[0.0], first + np.cumsum(np.concatenate([[0.0], row_means]))]))
     number = np.arange(ny) - (ny - 1) / 2
     tilt = float(number @ profile / (number @ number))
-    means = np.concatenate([[first - tilt], means, [last + tilt]])
-    return RowJitter(rms, evidence, *_estimate(means, variance))
+    row_means = np.concatenate([[first - tilt], row_means, [last + tilt]])
+    return RowJitter(rms, evidence, *_estimate(row_means, variance))
 
 
 def _end_step(step: np.ndarray, limit: float) -> float:
     """Return the mean step between two rows over their common points; 0 without common points."""
-    known = step[~np.isnan(step)]
-    if not known.size:
+    measured = step[~np.isnan(step)]
+    if not measured.size:
         return 0.0
-    middle = float(np.median(known))
-    return float(np.clip(known, middle - limit, middle + limit).mean())
+    middle = float(np.median(measured))
+    return float(np.clip(measured, middle - limit, middle + limit).mean())
 
 
-def _row_means(part: np.ndarray) -> np.ndarray:
+def _row_means(differences: np.ndarray) -> np.ndarray:
     """Return the mean of each row over its measured points; 0 without measured points."""
-    known = ~np.isnan(part)
-    return np.where(known, part, 0.0).sum(axis=1) / np.maximum(known.sum(axis=1), 1)
+    measured = ~np.isnan(differences)
+    return np.where(measured, differences, 0.0).sum(axis=1) / np.maximum(measured.sum(axis=1), 1)
 
 
-def _shared_variance(pieces: np.ndarray, *, scanned: bool) -> tuple[float, Evidence]:
+def _shared_variance(block_means: np.ndarray, *, scanned: bool) -> tuple[float, Evidence]:
     """Return the variance of the shifts common to the pieces (rows, blocks), and its evidence."""
-    rows, blocks = pieces.shape
+    rows, blocks = block_means.shape
     taper = np.sin(np.pi * (np.arange(rows) + 0.5) / rows) ** 2
     taper /= np.sqrt(np.sum(taper**2))
-    waves = np.fft.rfft(pieces * taper[:, None], axis=0)
+    waves = np.fft.rfft(block_means * taper[:, None], axis=0)
     frequency = np.fft.rfftfreq(rows)
     short, longer = frequency >= 0.25, (frequency >= 0.125) & (frequency < 0.25)
     # of the shifts themselves, not of their second differences
@@ -141,19 +141,23 @@ def _shared_variance(pieces: np.ndarray, *, scanned: bool) -> tuple[float, Evide
 
     def power(distances: range) -> np.ndarray:
         pairs = [(k, k + d) for d in distances for k in range(blocks - d)]
-        products = [waves[:, k] * waves[:, other].conj() for k, other in pairs]
+        products = [waves[:, k] * waves[:, second].conj() for k, second in pairs]
         return np.asarray(np.mean(products, axis=0).real)
 
-    far, near, own = power(range(blocks // 2, blocks)), power(range(1, 2)), power(range(1))
+    distant_power, adjacent_power, block_power = (
+        power(range(blocks // 2, blocks)),
+        power(range(1, 2)),
+        power(range(1)),
+    )
     # two thirds of the tapered waves are independent, times the number of pairs of distant pieces
     independent = np.count_nonzero(short) / 1.5 * sum(blocks - d for d in range(blocks // 2, blocks))
-    coherence = np.mean(far[short] / np.maximum(own[short], np.finfo(float).tiny))
+    coherence = np.mean(distant_power[short] / np.maximum(block_power[short], np.finfo(float).tiny))
     # of the shifts themselves, not of their second differences
-    variance = float(np.mean(far[short] / transfer[short]))
+    variance = float(np.mean(distant_power[short] / transfer[short]))
     if variance <= 0 or coherence <= max(_MIN_COHERENCE, _MIN_SIGNIFICANCE / np.sqrt(independent)):
         return 0.0, "none"
-    flatness = variance / max(float(np.mean(far[longer] / transfer[longer])), variance / 2)
-    uniformity = variance / max(float(np.mean(near[short] / transfer[short])), variance / 2)
+    flatness = variance / max(float(np.mean(distant_power[longer] / transfer[longer])), variance / 2)
+    uniformity = variance / max(float(np.mean(adjacent_power[short] / transfer[short])), variance / 2)
     if flatness >= _CLEAR_FLATNESS[scanned] and uniformity >= _CLEAR_UNIFORMITY[scanned]:
         return variance, "clear"
     if scanned or flatness >= _LAY_FLATNESS:
@@ -180,9 +184,9 @@ def _estimate(second_differences: np.ndarray, variance: float) -> tuple[np.ndarr
         for margin in (2 * scatter, 0.0)
     )
     waves[1:] *= gain
-    left = np.zeros(rows)
-    left[1:] = np.sqrt(variance * (1 - sure)) * np.random.default_rng(0).standard_normal(rows - 1)
-    return idct(waves, norm="ortho"), idct(left, norm="ortho")
+    remaining = np.zeros(rows)
+    remaining[1:] = np.sqrt(variance * (1 - sure)) * np.random.default_rng(0).standard_normal(rows - 1)
+    return idct(waves, norm="ortho"), idct(remaining, norm="ortho")
 
 
 def _smooth_power(power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

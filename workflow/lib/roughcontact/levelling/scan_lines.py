@@ -32,8 +32,8 @@ def line_offsets(values: np.ndarray, *, method: str) -> np.ndarray:
     >>> print(line_offsets(rows, method="matched-steps"))
     [-1.  0.  1.]
     """
-    known = ~np.isnan(values)
-    rows = np.nonzero(known.any(axis=1))[0]
+    measured = ~np.isnan(values)
+    rows = np.nonzero(measured.any(axis=1))[0]
     offsets = np.zeros(len(values))
     if method == "median":
         offsets[rows] = np.nanmedian(values[rows], axis=1)
