@@ -290,6 +290,8 @@ def test_the_summary_of_a_panel_lies_beside_it(page, tmp_path):
         "reasons": ["Form: <b> & ±"],
         "doubts": ["Form"],
         "main_reason": "Form: <b> & ±",
+        "halve": "measure 3 more places of this size",
+        "loads": [0, 2],
         "measured": "2011-07-23",
         "waves": "waves longer than 2 µm",
     }

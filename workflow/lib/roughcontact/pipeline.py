@@ -21,10 +21,12 @@ from roughcontact.statistics.checks import with_verdicts
 from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statistics_function, with_uncertainty
 from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.instrument_checks import instrument_kind
+from roughcontact.statistics.precision import with_precision
 from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import wanted_loads
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
+from roughcontact.uncertainty.improvement import MAP_SCATTER_RATIO, map_scatter_ratio, with_halving
 from roughcontact.variables import describe
 from roughcontact.window.band import lateral_period_limit
 from roughcontact.window.instrument import stated_instrument, window_arguments
@@ -136,7 +138,11 @@ def bound_error(
     verbs = {key: settings[key] for key in ("level", "instrument")}
     verbs["window"] = window_arguments(levelled, settings)
     verbs["contact"] = {**solver, **stated}
-    return error_budget(levelled, window, verbs, **settings["uncertainty"], solved=solved)
+    budget = error_budget(levelled, window, verbs, **settings["uncertainty"], solved=solved)
+    if "member" not in budget.dims:
+        return budget
+    ratio = map_scatter_ratio(levelled, budget.sizes["member"])
+    return budget.assign_attrs({MAP_SCATTER_RATIO: ratio})
 
 
 class Solved(NamedTuple):
@@ -228,4 +234,6 @@ def complete_statistics(
         properties["loads"] = "found"  # planned, or for a target
     properties["periodisation"] = window.attrs.get("periodisation", "none")
     properties["measured_by"] = instrument_kind(window.attrs).name
-    return with_verdicts(complete.assign_attrs(properties), window)
+    properties |= {key: window.attrs[key] for key in ("summit_x", "summit_y") if key in window.attrs}
+    judged = with_verdicts(with_precision(complete).assign_attrs(properties), window)
+    return with_halving(judged, ratio=budget.attrs.get(MAP_SCATTER_RATIO))

@@ -368,6 +368,18 @@ VARIABLES |= {
     for name, words in ANSWERS.items()
 }
 
+# how well answers are known
+_YES_OR_NO = ("sealing", "yield")
+VARIABLES |= {
+    f"{name}_known": (
+        "1",
+        f"0 where the interval tells {words} from none, none where it holds both"
+        if name in _YES_OR_NO
+        else f"larger half-width of the 95 % interval of the {words} over its value; none where not bounded",
+    )
+    for name, words in ANSWERS.items()
+}
+
 # meanings of the values 0, 1, 2 ... of a flag
 _FLAGS = {name: ("use", "review", "do_not_use") for name in VARIABLES if name.endswith("verdict")}
 

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.io.metadata import labelled
-from roughcontact.quantities import number, percent, prefix, quantity, with_interval
+from roughcontact.quantities import Unit, number, percent, prefix, quantity, with_interval
 from roughcontact.report.asked import bodies_in_words
+from roughcontact.statistics.precision import precision_in_words
 from roughcontact.uncertainty.measurands import beyond_the_map, measurand_in_words
 
 _WIDTH = 100
@@ -189,9 +190,11 @@ def solution(result: Mapping[str, Any]) -> str:
         *_lines_of_hardness(surface),
         "",
         *_table(result["loads"]),
+        *_precision(result["loads"]),
         *_about(result),
         "",
         _line("verdict", _verdict(result)),
+        *([_line("to halve the ±", result["halve"])] if result["halve"] else []),
     ]
     lines += [
         _line(check["name"], check["sentence"]) for check in result["checks"] if check["outcome"] != "passed"
@@ -247,6 +250,22 @@ def _lines_of_hardness(surface: Mapping[str, Any]) -> list[str]:
         return []
     first = f"mean pressure {quantity(surface['first_yield_pressure'], 'Pa')}"
     return [_line("hardness", quantity(surface["hardness"], "Pa")), _line("first yield", first)]
+
+
+def _precision(loads: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return a line for each number with an interval, how well it is known at the loads, which rise."""
+    rising = sorted(loads, key=lambda load: load["mean_pressure"])
+    lines = []
+    for name, heading, unit in _COLUMNS[1:]:
+        shown = Unit(100.0, "%") if unit == "%" else None
+        words = []
+        for load in rising:
+            value, lower, upper = (load.get(f"{name}{end}", math.nan) for end in ("", "_lower", "_upper"))
+            unit_shown = shown or Unit(*prefix(upper if upper > 0 else value, unit))
+            words.append(precision_in_words(value, lower, upper, unit_shown) or "–")
+        if {*words} != {"–"}:
+            lines.append(_line(f"{heading} known", "; ".join(words)))
+    return ["", *lines] if lines else []
 
 
 def _about(result: Mapping[str, Any]) -> list[str]:

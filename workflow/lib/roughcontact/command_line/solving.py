@@ -174,6 +174,7 @@ def _solved(
             words: checks.VERDICTS[checks.verdict(outcome, answer)]
             for answer, words in checks.ANSWERS.items()
         },
+        "halve": statistics.attrs.get("halve", ""),
         "warnings": json.loads(height.attrs["ingest_warnings"]),
         "settings": {key: settings[key] for key in SECTIONS},
     }

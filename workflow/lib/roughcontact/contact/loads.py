@@ -1,5 +1,6 @@
 """The loads to solve: given in pascal, given relative to E* g, or planned for the map."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -8,9 +9,12 @@ import xarray as xr
 from roughcontact.checking import check_positive
 from roughcontact.contact.problem import nondimensionalise
 from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.materials import HARDEST, RUBBER
 
 # 1-2-5 steps of p / (E* g), from below 1 % to near full contact of a random surface (A = erf(sqrt(2) p'))
 DEFAULT_PLAN = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
+_USEFUL_POINTS = 200  # in contact at the lowest planned load, twice what statistics need
+_FEWEST_LOADS = 4  # planned ones closer together, below which their steps are finer
 
 
 def plan_loads(
@@ -32,7 +36,7 @@ def plan_loads(
     mean_pressure : float or list of float, Pa, optional
         the loads as they are.
     relative_pressure : float or list of float, optional
-        p' = p / (E* g); with neither, the plan `DEFAULT_PLAN`.
+        p' = p / (E* g); with neither, loads are planned (`planned_pressures`).
     hardness : float, Pa, optional
         of the softer body: planned loads that are not below it are left out, given ones refused.
 
@@ -63,24 +67,28 @@ def plan_loads(
         raise SettingsError("mean_pressure and relative_pressure are both given; give one of them")
     if mean_pressure is not None:
         return check_loads("mean_pressure", mean_pressure, unit="Pa")
-    relative = DEFAULT_PLAN if relative_pressure is None else relative_pressure
-    relative = check_loads("relative_pressure", relative, unit="units of E* x rms gradient")
+    relative = None
+    if relative_pressure is not None:
+        relative = check_loads("relative_pressure", relative_pressure, unit="units of E* x rms gradient")
     gradient = nondimensionalise(window).gradient
     if gradient == 0:
         raise HeightMapError(
             "the map is flat: loads relative to its rms gradient mean nothing; give mean_pressure in Pa"
         )
-    loads = [value * modulus * gradient for value in relative]
-    if hardness is None:
-        return loads
-    if relative_pressure is not None:
-        if max(loads) >= hardness:
+    if relative is not None:
+        loads = [value * modulus * gradient for value in relative]
+        if hardness is not None and max(loads) >= hardness:
             raise SettingsError(
                 f"relative_pressure = {max(relative):g} is a mean pressure of {max(loads):.3g} Pa here, "
                 f"not below the hardness {hardness:g} Pa: no contact carries it; stay below "
                 f"{hardness / (modulus * gradient):.2g}, or leave relative_pressure out: planned loads do",
                 keys=["relative_pressure", "hardness"],
             )
+        return loads
+    limit = HARDEST * modulus if hardness is None and modulus >= RUBBER else math.inf
+    planned = planned_pressures(window.size, limit / (modulus * gradient))
+    loads = [value * modulus * gradient for value in planned]
+    if hardness is None:
         return loads
     carried = [load for load in loads if load < hardness]
     if not carried:
@@ -90,6 +98,35 @@ def plan_loads(
             keys=["hardness", "mean_pressure"],
         )
     return carried
+
+
+def planned_pressures(points: int, limit: float) -> list[float]:
+    """Return relative pressures from the first useful contact of a map to where the elastic model ends.
+
+    The first brings a few hundred of the `points` into contact. The last has a mean pressure in contact below
+    `limit`, in units of E* g: 0.1 E* of bodies that are not rubber-like, beyond which every material flows.
+    Both are estimated by A = erf(sqrt(2) p') (Persson 2001). Without such loads the plan is `DEFAULT_PLAN`.
+
+    Examples
+    --------
+    >>> planned_pressures(128**2, math.inf)
+    [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0]
+    >>> planned_pressures(1024**2, 0.8), planned_pressures(64**2, 0.65)
+    ([0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5], [0.05, 0.084, 0.14, 0.23])
+    """
+
+    def area(pressure: float) -> float:
+        return math.erf(math.sqrt(2) * pressure)
+
+    useful = [pressure for pressure in DEFAULT_PLAN if area(pressure) * points >= _USEFUL_POINTS]
+    planned = [pressure for pressure in useful if pressure < limit * area(pressure)]
+    if not planned:
+        return list(DEFAULT_PLAN)
+    if len(planned) == len(useful) or len(planned) >= _FEWEST_LOADS:
+        return planned
+    elastic = [float(p) for p in np.geomspace(planned[0], 1.0, 100) if p < limit * area(p)]
+    finer = np.geomspace(planned[0], elastic[-1], _FEWEST_LOADS)
+    return list(dict.fromkeys(float(f"{pressure:.2g}") for pressure in finer))
 
 
 def check_loads(name: str, loads: Any, *, unit: str) -> list[float]:

@@ -10,7 +10,8 @@ from roughcontact.quantities import Unit, number, percent, with_interval
 from roughcontact.report.tables import as_the_area, is_profile
 from roughcontact.report.units import middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
-from roughcontact.statistics.outcome import VERDICTS
+from roughcontact.statistics.outcome import FAILED, VERDICTS
+from roughcontact.statistics.precision import gap_is_decided, precision_in_words, yield_is_decided
 from roughcontact.variables import ANSWERS, Numbers, values_at_load
 
 AREAS = (0.01, 0.1, 0.3)  # the loads with contact areas nearest to these are shown
@@ -27,6 +28,7 @@ HEADINGS = (
 )
 
 _NONE = "no ±"
+_ONE_SIDED, _BOTH = "the whole ± agrees", "the ± holds both"  # of a yes or no
 _ALIKE = 100.0  # ratio of rms heights up to which one unit does for all
 # the units of the numbers in the table, as `unit_of` knows them
 _UNITS = {
@@ -48,11 +50,12 @@ _UNITS = {
 
 
 class Cell(NamedTuple):
-    """One cell of the table: the answer, details in small letters, and its verdict unless that is *use*."""
+    """One cell of the table: the answer, details, how well it is known, its verdict unless that is *use*."""
 
     text: str
     more: str = ""
     outcome: str = ""
+    precision: str = ""
 
 
 def shown_loads(areas: np.ndarray) -> list[int]:
@@ -74,6 +77,19 @@ def shown_loads(areas: np.ndarray) -> list[int]:
     if len(found) == 1:
         found |= {0, areas.size - 1}
     return sorted(found)
+
+
+def usable_loads(numbers: xr.Dataset) -> list[int]:
+    """Return the indices of the loads that are shown of a surface; of loads that nobody stated usable ones.
+
+    Planned loads may lie beyond what the material bears: those are left to the tables of all loads.
+    """
+    areas, usable = numbers["relative_contact_area"].values, np.arange(numbers.sizes["load"])
+    if numbers.attrs.get("loads") == "found" and "verdict" in numbers:
+        usable = np.flatnonzero(numbers["verdict"].values != list(VERDICTS).index(FAILED))
+    if not usable.size:
+        return shown_loads(areas)
+    return usable[shown_loads(areas[usable])].tolist()
 
 
 def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[int]:
@@ -191,7 +207,8 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], place:
         return Cell(f"{number(value)} {shown}")
     lower, upper = (float(numbers[f"{name}_{end}"][place]) * factor for end in ("lower", "upper"))
     text, _, interval = with_interval(value, lower, upper).partition(" ")
-    return Cell(f"{text} {shown}", interval.strip("()"))
+    precision = precision_in_words(value, lower, upper, Unit(1.0, shown))
+    return Cell(f"{text} {shown}", interval.strip("()"), precision=precision)
 
 
 def _seals(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
@@ -201,7 +218,9 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
     if is_profile(numbers):
         return Cell(NOT_JUDGED, "a profile does not tell")
     is_open = [axis for axis in ("x", "y") if float(numbers[f"gap_percolates_{axis}"][place])]
-    doubted = [axis for axis in ("x", "y") if _in_doubt(numbers, axis, place)]
+    decided = [gap_is_decided(numbers, axis)[place] for axis in "xy"]
+    doubted = [axis for axis, one_sided in zip("xy", decided, strict=True) if one_sided == 0]
+    precision = "" if np.isnan(decided).any() else _BOTH if doubted else _ONE_SIDED
     shown = [axis for axis in "xy" if axis in is_open + doubted]
     doubt, more = " (in doubt)" if doubted else "", [] if is_open else ["gap closed along x and y"]
     for words, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
@@ -211,23 +230,10 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
                 found = {"x and y": found["x"]}
             more.append(f"{words} {', '.join(f'{text} ({axis})' for axis, text in found.items())}")
     if not is_open:
-        return Cell(f"seals{doubt}", "; ".join(more))
+        return Cell(f"seals{doubt}", "; ".join(more), precision=precision)
     closed = {"x": "y", "y": "x"}[is_open[0]]
     answer = "leaks" if len(is_open) == 2 else f"seals along {closed}, leaks along {is_open[0]}"
-    return Cell(answer + doubt, "; ".join(more))
-
-
-def _in_doubt(numbers: Numbers, axis: str, place: int) -> bool:
-    """Return whether the interval of the narrowest place has both an open and a closed gap in it.
-
-    One without an upper end has an open one.
-    """
-    if not _known(numbers, f"critical_constriction_{axis}_lower"):
-        return False
-    lower, upper = (
-        float(numbers[f"critical_constriction_{axis}_{end}"][place]) for end in ("lower", "upper")
-    )
-    return lower <= 0 and (upper > 0 or np.isnan(upper))
+    return Cell(answer + doubt, "; ".join(more), precision=precision)
 
 
 def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], place: int) -> str:
@@ -242,14 +248,13 @@ def _yields(load: Mapping[str, Any]) -> Cell:
     """Return whether a body yields at a load, at its surface or below."""
     below = float(load.get("volume_above_yield", np.nan)) > 0  # infinite where all of the body yields
     if _known(load, "hardness"):
-        share = float(load["load_share_above_hardness"])
-        if share > 0:
-            return Cell("yes", f"{percent(share)} of the load flows")
-        if below:
+        share, decided = float(load["load_share_above_hardness"]), float(yield_is_decided(load))
+        if share == 0 and below:
             return Cell("yes", "below the surface")
-        # the interval of the largest pressure ends at the hardness, which limits it
-        reached = float(load.get("max_pressure_upper", 0.0)) >= float(load["hardness"]) * (1 - 1e-9)
-        return Cell("no (in doubt)" if reached else "no", "hardness nowhere reached")
+        precision = "" if np.isnan(decided) else _ONE_SIDED if decided else _BOTH
+        doubt = " (in doubt)" if decided == 0 else ""
+        more = f"{percent(share)} of the load flows" if share > 0 else "hardness nowhere reached"
+        return Cell(f"{'yes' if share > 0 else 'no'}{doubt}", more, precision=precision)
     if below or _known(load, "volume_above_yield"):
         return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")
     if rubber_like(load):
@@ -288,10 +293,10 @@ def _conducts(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
         ("conductance_per_conductivity", "by conductivity"),
     ):
         if _known(numbers, name):
-            text, interval, _ = interval_cell(numbers, name, units, place)
+            text, interval, _, precision = interval_cell(numbers, name, units, place)
             more = [f"{interval}, {words}" if interval else words]
             if (other := name.replace("conductance", "resistance")) in numbers:
                 cell = interval_cell(numbers, other, units, place)
                 more.append(cell.text if interval == _NONE else _unbroken(numbers, other, units, place))
-            return Cell(text, "; ".join(more))
+            return Cell(text, "; ".join(more), precision=precision)
     return Cell(NOT_JUDGED)

@@ -222,7 +222,7 @@ def _part(panel: str | Path, folder: Path) -> str:
 def _glance(summary: Summary, numbers: xr.Dataset, units: Mapping[str, Unit]) -> dict[str, Any]:
     """Return the cells of a surface at two or three loads, its main reason, the number of the others."""
     return {
-        "glance": glance_rows(numbers, units),
+        "glance": glance_rows(numbers, units, summary["loads"]),
         "loads": numbers.sizes["load"],
         "reason": summary["main_reason"],
         "others": max(len(summary["reasons"]) - 1, 0),

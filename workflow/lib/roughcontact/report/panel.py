@@ -15,7 +15,7 @@ from roughcontact.report import captions, facts, load_plots, map_plots, tables, 
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
 from roughcontact.report.files import beside
-from roughcontact.report.glance import HEADINGS, glance_rows, outcome_of, shown_loads
+from roughcontact.report.glance import HEADINGS, glance_rows, outcome_of, usable_loads
 from roughcontact.report.stack import stack_of_layers
 from roughcontact.report.summary import write_summary
 from roughcontact.report.template import template
@@ -66,17 +66,20 @@ def write_panel(
     numbers = read_dataset(statistics)
     order = np.argsort(numbers["mean_pressure"].values, kind="stable")
     numbers = numbers.isel(load=order)
-    shown = shown_loads(numbers["relative_contact_area"].values)
-    outcome = checks.surface_checks(
-        numbers,
+    shown = usable_loads(numbers)
+    checks_of = partial(
+        checks.surface_checks,
         height=plane.attrs if counter_face else measured.attrs,  # of both faces together
         levelled=plane.attrs,
         window=solved.attrs,
         points=solved.size,
     )
+    outcome = checks_of(numbers)
     name = surface if case is None else f"{surface} · {case}"
     identifier = surface if case is None else f"{case}--{surface}"
-    verdict = checks.verdict(outcome)
+    # of loads that nobody stated those are judged that are shown
+    judged = checks_of(numbers.isel(load=shown)) if numbers.attrs.get("loads") == "found" else outcome
+    verdict = checks.verdict(judged)
     doubts = checks.by_importance(checks.reasons(outcome))
     notes = [check for check in outcome if check.outcome == checks.NOTE]
     not_judged = [check for check in outcome if check.outcome == checks.NOT_MADE]
@@ -137,6 +140,8 @@ def write_panel(
             "reasons": [checks.reason(check) for check in doubts],
             "doubts": [str(check.name) for check in doubts],
             "main_reason": checks.reason(doubts[0], letters=_LINE) if doubts else "",
+            "halve": str(numbers.attrs.get("halve", "")),
+            "loads": shown,
             "measured": date,
             "waves": facts.waves_in_words(solved),
         },
@@ -226,6 +231,7 @@ def _each_load(numbers: xr.Dataset, drawn: Sequence[int]) -> list[tuple[str, str
     for place, (_, *cells) in enumerate(glance_rows(numbers, places=range(loads.size))):
         words = [
             f"{title} {cell.text}{' ' if cell.more[:1] in '±−+' else ', '}{cell.more}".rstrip(", ")
+            + (f", {cell.precision}" if cell.precision else "")
             + (f" ({checks.VERDICTS[cell.outcome]})" if cell.outcome else "")
             for title, cell in zip(HEADINGS[1:], cells, strict=True)
         ]

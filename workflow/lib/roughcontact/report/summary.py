@@ -18,6 +18,8 @@ class Summary(TypedDict):
     reasons: list[str]  # of each check that did not pass, the most important first
     doubts: list[str]  # the names of these checks
     main_reason: str  # the first reason, in one line of the table
+    halve: str  # what would halve the ± of the contact area; empty where there is none
+    loads: list[int]  # indices of those shown in tables, loads rising
     measured: str  # date of the measurement, ISO 8601; empty where the file states none
     waves: str  # for which the numbers hold, in words
 

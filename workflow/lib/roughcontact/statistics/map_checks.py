@@ -29,9 +29,9 @@ STEEP_PLACES = 0.5  # share of the mean square gradient that the steepest 1 % of
 # 0.22 of its length, so that a window of fewer holds less than one of the longest waves.
 LENGTHS = 5
 WINDOW_SHARE = 0.5  # share of the measured area that was used
-# Ratio of the pixels of two faces: review, fail. The coarser one lacks the waves in between: with H = 0.8 (mean
-# square gradient ~ pixel^-0.4, area ~ 1 / gradient) two faces of the same roughness have areas 7 % too large
-# with a ratio of 2, and 20 % with 10, beyond which the finer face decides alone, or a unit is wrong.
+# Ratio of the pixels of two faces: review, fail. The coarser one lacks the waves in between: with H = 0.8
+# (mean square gradient ~ pixel^-0.4, area ~ 1 / gradient) two faces of the same roughness have areas 7 % too
+# large with a ratio of 2, and 20 % with 10, beyond which the finer face decides alone, or a unit is wrong.
 FACE_PITCHES = (2.0, 10.0)
 FACE_SHARE = 0.25  # of the larger face: half of each side
 STEEP = (0.3, 0.6)  # rms gradient: small-slope elasticity is an approximation, a rough one
@@ -273,7 +273,10 @@ def longest_wave(statistics: xr.Dataset) -> Check:
         return Check(CheckName.LONGEST_WAVE, PASSED, "The map is flat: there is no wave.")
     text = f"The window is {number(side / length, digits=2)} autocorrelation lengths (Sal) long"
     if side < LENGTHS * length:
-        text += ": it is shorter than the longest waves of the surface, and another window would give other numbers."
+        text += (
+            ": it is shorter than the longest waves of the surface, and another window would give other "
+            "numbers."
+        )
         advice = "Measure a larger field, or remove long waves (level.l_filter)."
         return Check(CheckName.LONGEST_WAVE, REVIEW, text, advice=advice)
     return Check(CheckName.LONGEST_WAVE, PASSED, f"{text}: it holds the longest waves.")

@@ -1,0 +1,103 @@
+"""How well an answer is known: the number in the files and the words on page and screen are one statement."""
+
+import html
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import roughcontact as rc
+from roughcontact.command_line.describe import _precision
+from roughcontact.quantities import Unit, number
+from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.report.glance import glance_rows
+from roughcontact.results.collect import table
+from roughcontact.statistics.precision import (
+    gap_is_decided,
+    precision_in_words,
+    with_precision,
+    yield_is_decided,
+)
+
+PLAIN = Unit(1.0, "")
+
+
+@pytest.fixture(scope="module")
+def statistics():
+    contact = {"contact_modulus": "1 GPa", "relative_pressure": [0.02, 0.1, 0.4], "hardness": "0.5 GPa"}
+    return rc.evaluate(rough_reference_surface(64), contact=contact)
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "words"),
+    [
+        (0.7001, 1.29, "to ± 30 %"),
+        (0.6999, 1.2, "to a factor 1.4"),
+        (1 / 3, 2.9, "to a factor 3.0"),
+        (0.33, 1.0, "order of magnitude"),
+        (0.1, 10.0, "order of magnitude"),
+        (0.099, 2.0, "not by this map: at most 2.00 "),
+        (0.0, 0.33, "not by this map: at most 0.330 "),
+        (0.5, np.nan, "not by this map: at least 0.500 "),
+        (0.0, np.nan, "not by this map"),
+        (np.nan, np.nan, ""),
+        (1.0, 1.0, "exactly"),
+    ],
+)
+def test_words_follow_the_ends_of_the_interval(lower, upper, words):
+    assert precision_in_words(1.0, lower, upper, PLAIN) == words
+
+
+def test_the_files_hold_the_half_width_over_the_value(statistics):
+    frame = table(statistics)
+    for answer in ("relative_contact_area", "mean_contact_pressure", "mean_gap", "max_pressure"):
+        value, lower, upper = (statistics[f"{answer}{end}"].values for end in ("", "_lower", "_upper"))
+        expected = [
+            max(v - low, high - v) / v if v > 0 else np.nan
+            for v, low, high in zip(value, lower, upper, strict=True)
+        ]
+        np.testing.assert_allclose(statistics[f"{answer}_known"], expected, rtol=1e-12)
+        np.testing.assert_array_equal(frame[f"{answer}_known"], statistics[f"{answer}_known"])
+    combined = statistics["relative_contact_area_uncertainty"].sel(source="combined")
+    np.testing.assert_allclose(
+        statistics["relative_contact_area_known"], combined / statistics["relative_contact_area"]
+    )
+
+
+def test_page_and_screen_say_what_the_files_say(statistics):
+    rows = glance_rows(statistics)
+    names = [str(name) for name, variable in statistics.variables.items() if variable.dims == ("load",)]
+    loads = [{name: float(statistics[name][load]) for name in names} for load in range(3)]
+    screen = next(line for line in _precision(loads) if "A/A0 known" in line).split("known")[1]
+    for load, (cells, words) in enumerate(zip(rows, screen.split(";"), strict=True)):
+        known = float(statistics["relative_contact_area_known"][load])
+        assert " ".join(words.split()) == cells[1].precision
+        if known <= 0.3:
+            assert cells[1].precision == f"to ± {number(100 * known, digits=2)} %"
+        else:
+            assert not re.match(r"to ±", html.unescape(cells[1].precision))
+
+
+def test_a_yes_or_no_is_known_where_its_interval_lies_on_one_side():
+    names = {
+        "critical_constriction_x_lower": [0.0, 1e-7, 0.0],
+        "critical_constriction_x_upper": [0.0, 2e-7, 1e-7],
+    }
+    names |= {"max_pressure": [1e9, 5e8, 5e8], "max_pressure_lower": [9e8, 4e8, 4e8]}
+    names |= {"max_pressure_upper": [1e9, 9e8, 1e9]}
+    names |= {f"critical_constriction_y_{end}": [0.0, 0.0, 0.0] for end in ("lower", "upper")}
+    numbers = xr.Dataset({name: ("load", values) for name, values in names.items()} | {"hardness": 1e9})
+    numbers = numbers.assign_coords(mean_pressure=("load", [3e6, 2e6, 1e6]))
+    assert gap_is_decided(numbers, "x").tolist() == [1, 1, 0]
+    assert yield_is_decided(numbers).tolist() == [0, 1, 0]
+    everywhere = numbers.assign(max_pressure_parts=(("member", "load"), [[1e9, 5e8, 1e9], [1e9, 6e8, 2e8]]))
+    assert yield_is_decided(everywhere).tolist() == [1, 1, 0]
+    known = with_precision(everywhere)
+    np.testing.assert_array_equal(known["sealing_known"], [0.0, 0.0, np.nan])
+    np.testing.assert_array_equal(known["yield_known"], [0.0, 0.0, np.nan])
+
+
+def test_without_an_interval_nothing_is_said():
+    numbers = xr.Dataset({"mean_gap": ("load", [1e-6])}, {"mean_pressure": ("load", [1e6])})
+    assert not [name for name in with_precision(numbers) if str(name).endswith("_known")]

@@ -1,0 +1,98 @@
+"""How well each answer is known: the width of its 95 % interval, as a number and in words."""
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.quantities import Unit, number
+from roughcontact.variables import ANSWERS, Numbers
+
+PERCENT, FACTOR, MAGNITUDE = 0.3, 3.0, 10.0  # widest half-width over the value, ratios of end to value
+_CONDUCTANCE = "conductance_per_conductivity"
+_HARDNESS_ROUNDING = 1e-9
+
+
+def relative_half_width(
+    value: np.ndarray | float, lower: np.ndarray | float, upper: np.ndarray | float
+) -> np.ndarray:
+    """Return the larger half-width of an interval over the value; NaN without a value or an end.
+
+    Examples
+    --------
+    >>> relative_half_width(np.array([2.0, 2.0]), np.array([1.5, 1.5]), np.array([2.4, np.nan])).tolist()
+    [0.25, nan]
+    """
+    positive = np.where(np.greater(value, 0), value, np.nan)
+    return np.maximum(np.subtract(value, lower), np.subtract(upper, value)) / positive
+
+
+def precision_in_words(value: float, lower: float, upper: float, unit: Unit) -> str:
+    """Return how well a number is known by its interval; empty without an interval.
+
+    Examples
+    --------
+    >>> share = Unit(100.0, "%")
+    >>> [precision_in_words(0.1, *ends, share) for ends in ((0.09, 0.112), (0.05, 0.12), (0.02, 0.3))]
+    ['to ± 12 %', 'to a factor 2.0', 'order of magnitude']
+    >>> precision_in_words(0.01, 0.0, 0.33, share), precision_in_words(0.01, 0.005, np.nan, share)
+    ('not by this map: at most 33.0 %', 'not by this map: at least 0.500 %')
+    """
+    if np.isnan(lower) and np.isnan(upper):
+        return ""
+    half_width = float(relative_half_width(value, lower, upper))
+    if half_width <= PERCENT:
+        return f"to ± {number(100 * half_width, digits=2)} %" if half_width >= 1e-4 else "exactly"
+    if lower > 0 and value > 0 and (factor := max(upper / value, value / lower)) <= MAGNITUDE:
+        return f"to a factor {number(factor, digits=2)}" if factor <= FACTOR else "order of magnitude"
+    if np.isfinite(upper):
+        return f"not by this map: at most {unit.text(upper)}"
+    return f"not by this map: at least {unit.text(lower)}" if lower > 0 else "not by this map"
+
+
+def gap_is_decided(numbers: Numbers, axis: str) -> np.ndarray:
+    """Return per load 1 where the interval of the narrowest place is all open or all closed, 0 where not.
+
+    NaN without an interval; one without an upper end is open there.
+    """
+    name = f"critical_constriction_{axis}"
+    unknown = np.full(np.shape(numbers["mean_pressure"]), np.nan)
+    lower, upper = (np.asarray(numbers.get(f"{name}_{end}", unknown), float) for end in ("lower", "upper"))
+    one_sided = (lower > 0) | (upper <= 0)
+    return np.where(np.isnan(lower), np.nan, one_sided)
+
+
+def yield_is_decided(numbers: Numbers) -> np.ndarray:
+    """Return per load 1 where the interval of the largest pressure lies on one side of the hardness, else 0.
+
+    Where points carry the hardness, all parts of the window must do so, or the lower end of the interval.
+    NaN without a hardness or an interval.
+    """
+    limit = float(numbers.get("hardness", np.nan)) * (1 - _HARDNESS_ROUNDING)
+    value, lower, upper = (
+        np.asarray(numbers.get(f"max_pressure{end}", np.nan), float) for end in ("", "_lower", "_upper")
+    )
+    everywhere = lower >= limit
+    if "max_pressure_parts" in numbers:
+        parts = np.asarray(numbers["max_pressure_parts"], float)
+        known = np.isfinite(parts).any(axis=0)
+        everywhere = everywhere | (known & (np.fmin.reduce(parts, axis=0) >= limit))
+    one_sided = np.where(value >= limit, everywhere, upper < limit)
+    return np.where((np.isnan(lower) & np.isnan(upper)) | np.isnan(limit), np.nan, one_sided)
+
+
+def with_precision(statistics: xr.Dataset) -> xr.Dataset:
+    """Return the statistics with `{answer}_known` (load): the relative half-width of each answer.
+
+    Of sealing and yield, which are yes or no, it is 0 where the interval lies on one side, else NaN.
+    """
+    known = {}
+    for answer in ANSWERS:
+        name = _CONDUCTANCE if answer == "conductance" else answer
+        if f"{name}_lower" in statistics:
+            value, lower, upper = (statistics[f"{name}{end}"].values for end in ("", "_lower", "_upper"))
+            known[answer] = relative_half_width(value, lower, upper)
+    if "critical_constriction_x_lower" in statistics:
+        decided = [gap_is_decided(statistics, axis) for axis in "xy"]
+        known["sealing"] = np.where((decided[0] == 1) & (decided[1] == 1), 0.0, np.nan)
+    if "hardness" in statistics and "max_pressure_lower" in statistics:
+        known["yield"] = np.where(yield_is_decided(statistics) == 1, 0.0, np.nan)
+    return statistics.assign({f"{answer}_known": ("load", values) for answer, values in known.items()})

@@ -1,0 +1,168 @@
+"""What would halve the interval of a surface: one line, from the components of the contact area."""
+
+import json
+import math
+
+import numpy as np
+import scipy
+import xarray as xr
+
+from roughcontact.maps import spacing
+from roughcontact.quantities import number, percent, quantity, several
+from roughcontact.statistics.outcome import CheckName
+from roughcontact.statistics.precision import relative_half_width
+from roughcontact.uncertainty.combination import SOURCES
+from roughcontact.uncertainty.random_effects import student
+from roughcontact.uncertainty.scales import AREA
+
+MAP_SCATTER_RATIO = "map_scatter_ratio"  # attribute: scatter of maps of this size over that of their parts
+_CUTS = (2, 3, 4, 5)  # of each side
+_LEAST_VARIANCE = 1e-12
+_TYPICAL_AREA = 0.1  # the load with the contact area nearest to it is improved
+_MOST_MAPS = 100
+_LONGEST_FIELD = 10.0  # over the length of the map
+_ADVICE = {
+    "solver": "set contact.tolerance to a tenth",
+    "discretisation": "measure with pixels half as large",
+    "instrument": "repeat the measurement and average, or state the instrument more narrowly",
+    "material": "state contact modulus and load twice as narrowly",
+    "unresolved": "measure with pixels half as large, or state instrument.finer_spectrum",
+}
+
+
+def map_scatter_ratio(levelled: xr.DataArray, parts: int) -> float:
+    """Return the scatter of maps of this size over that of so many of their parts, by the rms gradient.
+
+    The variance of its logarithm is fitted by a + b n over cuts into n parts: b of independent places, a of
+    what differs over longer distances than the map.
+    """
+    heights, steps = levelled.values, spacing(levelled)
+    squares = np.zeros([max(n - 1, 1) for n in heights.shape])
+    for axis, step in enumerate(steps):
+        if heights.shape[axis] > 1:
+            slope = np.diff(heights, axis=axis) / step
+            squares += slope[: squares.shape[0], : squares.shape[1]] ** 2
+    counts, variances = [], []
+    for cuts in _CUTS:
+        pieces = [cuts if n > cuts else 1 for n in squares.shape]
+        rows = np.array_split(squares, pieces[0], axis=0)
+        boxes = [piece for row in rows for piece in np.array_split(row, pieces[1], axis=1)]
+        means = [float(np.nanmean(box)) for box in boxes if np.isfinite(box).any()]
+        if len(means) > 1:
+            counts.append(len(means))
+            variances.append(np.var(0.5 * np.log(np.maximum(means, 1e-300)), ddof=1) + _LEAST_VARIANCE)
+    if len(counts) < 2:
+        return 1.0
+    weights = np.sqrt(np.array(counts) - 1.0) / np.array(variances)
+    design = np.column_stack([np.ones(len(counts)), counts])
+    (a, b), _ = scipy.optimize.nnls(design * weights[:, None], np.array(variances) * weights)
+    return math.sqrt((a + b) / (a + b * parts)) if a + b > 0 else 1.0
+
+
+def scatter_of_maps(statistics: xr.Dataset, load: int, ratio: float) -> float:
+    """Return the standard deviation of ln(contact area) between maps of this size, at or near a load."""
+    parts = statistics[f"{AREA}_parts"].transpose("load", ...).values
+    solved = np.flatnonzero((np.isfinite(parts) & (parts > 0)).sum(axis=1) > 1)
+    if not solved.size:
+        return math.nan
+    areas = parts[solved[np.abs(solved - load).argmin()]]
+    return float(np.std(np.log(areas[areas > 0]), ddof=1)) * ratio
+
+
+def half_width_of_mean(scatter: float, maps: int, shared: float) -> float:
+    """Return the relative half-width of the mean of so many maps, with the errors that all of them share."""
+    return math.hypot(float(student(np.array(maps - 1.0))) * scatter / math.sqrt(maps), shared)
+
+
+def maps_to_halve(scatter: float, half_width: float, shared: float) -> int | None:
+    """Return how many maps in all bring the relative half-width to half; None for more than a hundred.
+
+    Examples
+    --------
+    Student's factors of n - 1 over the root of n (tables of Student's distribution): 1.24 of 5 maps.
+
+    >>> maps_to_halve(0.1, 0.25, 0.0), maps_to_halve(0.1, 0.2, 0.1)
+    (5, None)
+    """
+    counts = range(2, _MOST_MAPS + 1)
+    return next((n for n in counts if half_width_of_mean(scatter, n, shared) <= half_width / 2), None)
+
+
+def with_halving(statistics: xr.Dataset, *, ratio: float | None) -> xr.Dataset:
+    """Return the statistics with the attribute `halve`; `ratio` is that of `map_scatter_ratio`."""
+    line = halving_line(statistics, ratio)
+    return statistics.assign_attrs(halve=line) if line else statistics
+
+
+def halving_line(statistics: xr.Dataset, ratio: float | None) -> str:
+    """Return what would halve the interval of the contact area near 10 %; empty without an interval."""
+    if f"{AREA}_components" not in statistics:
+        return ""
+    areas = np.maximum(statistics[AREA].values, 1e-300)
+    load = int(np.abs(np.log(areas / _TYPICAL_AREA)).argmin())
+    at_load = statistics.isel(load=load)
+    value, lower, upper = (float(at_load[f"{AREA}{end}"]) for end in ("", "_lower", "_upper"))
+    half_width = float(relative_half_width(value, lower, upper))
+    widths = _relative_widths(at_load, value)
+    actions = [*_summit(statistics)]
+    shared = math.sqrt(sum(width**2 for source, width in widths.items() if source != "window"))
+    if not math.isfinite(half_width) or not widths.get("window", 0.0) < math.inf:
+        return "; ".join([*actions, "measure a field 3 times as long"])
+    by_size = sorted(widths, key=widths.__getitem__, reverse=True)
+    for source in by_size:
+        if source == "window" and ratio is not None:
+            actions.append(_more_places(scatter_of_maps(statistics, load, ratio), half_width, shared, widths))
+        elif source in _ADVICE:
+            actions.append(_lens(statistics) or _ADVICE[source])
+        rest = math.sqrt(sum(widths[name] ** 2 for name in by_size[by_size.index(source) + 1 :]))
+        if rest + widths[source] / 2 <= half_width / 2 or rest <= half_width / 2:
+            break
+    return "; ".join(dict.fromkeys(filter(None, actions)))
+
+
+def _relative_widths(at_load: xr.Dataset, value: float) -> dict[str, float]:
+    """Return the half-width of each source over the value; infinite where nothing bounds it."""
+    widths: dict[str, float] = {}
+    components = at_load[f"{AREA}_components"].transpose("source", "component").values
+    half_widths = at_load[f"{AREA}_uncertainty"].values
+    for row, source in enumerate(map(str, at_load["source"].values)):
+        if source in SOURCES and np.isnan(components[row]).any():
+            widths[source] = math.inf
+        elif source in SOURCES and np.isfinite(half_widths[row]):
+            widths[source] = float(half_widths[row]) / value
+    return widths
+
+
+def _more_places(scatter: float, half_width: float, shared: float, widths: dict[str, float]) -> str:
+    """Return how many more maps of this size, or how much longer a field, halve the interval."""
+    if math.isnan(scatter):
+        return "measure a field 3 times as long"
+    target = half_width / 2 if shared < half_width / 2 else math.hypot(shared, widths["window"] / 2)
+    maps = maps_to_halve(scatter, 2 * target, shared)
+    longer = widths["window"] / math.sqrt(max(target**2 - shared**2, 1e-300))
+    field = f"a field {number(longer, digits=2)} times as long" if longer <= _LONGEST_FIELD else ""
+    if maps is None:
+        return f"measure {field}" if field else "measure more places"
+    promised = percent(half_width_of_mean(scatter, maps, shared))
+    places = f"measure {several(maps - 1, 'more place')} of this size (their mean: to ± {promised})"
+    return f"{places}, or {field}" if field else places
+
+
+def _doubted(statistics: xr.Dataset, name: CheckName) -> bool:
+    """Return whether a check did not pass."""
+    return any(entry["check"] == name for entry in json.loads(statistics.attrs.get("reasons", "[]")))
+
+
+def _lens(statistics: xr.Dataset) -> str:
+    """Return the advice for a smoothed map whose lens is not stated."""
+    return (
+        "state the lens (instrument.numerical_aperture)" if _doubted(statistics, CheckName.SMOOTHED) else ""
+    )
+
+
+def _summit(statistics: xr.Dataset) -> list[str]:
+    """Return the advice for an isolated summit, where one is in doubt."""
+    if not _doubted(statistics, CheckName.ISOLATED_PEAK) or "summit_x" not in statistics.attrs:
+        return []
+    x, y = (quantity(float(statistics.attrs[f"summit_{axis}"]), "m") for axis in "xy")
+    return [f"clean the summit at ({x}, {y})"]
