@@ -149,7 +149,7 @@ def rough(n=64, seed=0):
     return 1e-6 * height / height.std()
 
 
-def words(height, dx=1e-6, dy=1e-6, kind=instrument_kinds.ANY):
+def words(height, dx=1e-6, dy=1e-6, kind=instrument_kinds.UNKNOWN):
     return "\n".join(suspicions(height, dx, dy, kind=kind))
 
 
@@ -239,7 +239,7 @@ def test_suspicions_reach_the_user(tmp_path):
         (instrument_kinds.STYLUS, 1, 1e-6, None),
         (instrument_kinds.STYLUS, 1, 2e-3, "steps of 2.00 mm are unusual for a stylus profiler"),
         (instrument_kinds.STYLUS, 1e-6, 1e-6, "heights that span"),
-        (instrument_kinds.ANY, 1, 2e-2, "a field of 1.28 m is unusual for a roughness measurement"),
+        (instrument_kinds.UNKNOWN, 1, 2e-2, "a field of 1.28 m is unusual for a roughness measurement"),
     ],
 )
 def test_ranges_of_the_kind_of_instrument(kind, scale, step, said):

@@ -147,7 +147,7 @@ class MeasuredFile:
 
 
 def choose_channel(
-    file: MeasuredFile, wanted: str | None, where: str, *, unit_given: bool = False
+    file: MeasuredFile, requested: str | None, where: str, *, unit_given: bool = False
 ) -> tuple[Channel, str]:
     """Return the channel to use and a sentence that says how it was chosen.
 
@@ -183,23 +183,23 @@ def choose_channel(
     """
     names = [channel.name for channel in file.channels]
     listing = ", ".join(map(repr, names[:_LISTED])) + (", ..." if len(names) > _LISTED else "")
-    if wanted is None and file.question:
+    if requested is None and file.question:
         raise InputFileError(
             f"{where}: {file.question}; name one with channel (table of surfaces or argument), of {listing}; "
             "or all, in a row each, as repeats of one part of a group"
         )
-    if wanted is None:
+    if requested is None:
         for channel in file.channels:
             if not channel.no_height or (unit_given and len(names) == 1):
                 chosen = f"the first height channel of {len(names)}" if len(names) > 1 else "the only channel"
                 return channel, f"{channel.name!r}, {chosen}"
         reasons = "; ".join(f"{channel.name!r}: {channel.no_height}" for channel in file.channels)
         raise InputFileError(f"{where}: no channel of this file holds heights ({reasons or 'it has none'})")
-    matches = [channel for channel in file.channels if channel.name == str(wanted)]
+    matches = [channel for channel in file.channels if channel.name == str(requested)]
     if not matches:
-        matches = [c for c in file.channels if c.name.casefold() == str(wanted).strip().casefold()]
+        matches = [c for c in file.channels if c.name.casefold() == str(requested).strip().casefold()]
     if len(matches) != 1:
-        raise InputFileError(f"{where}: no channel is named {str(wanted)!r}; the file has {listing}")
+        raise InputFileError(f"{where}: no channel is named {str(requested)!r}; the file has {listing}")
     return matches[0], f"{matches[0].name!r}, named by the user"
 
 
@@ -295,9 +295,13 @@ def even_step(positions: ArrayLike, name: str) -> float:
     """
     positions = np.asarray(positions, dtype=float)
     step = float((positions[-1] - positions[0]) / (positions.size - 1))
-    off = np.max(np.abs(positions - positions[0] - step * np.arange(positions.size)))
-    if not np.isfinite(step) or step == 0 or not off <= 0.02 * abs(step):
-        worst = "" if not step or not np.isfinite(off) else f": up to {off / abs(step):.2g} of a step off"
+    deviation = np.max(np.abs(positions - positions[0] - step * np.arange(positions.size)))
+    if not np.isfinite(step) or step == 0 or not deviation <= 0.02 * abs(step):
+        worst = (
+            ""
+            if not step or not np.isfinite(deviation)
+            else f": up to {deviation / abs(step):.2g} of a step off"
+        )
         raise UnevenPositionsError(f"the positions along {name} are not evenly spaced{worst}")
     return step
 

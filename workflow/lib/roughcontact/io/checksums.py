@@ -38,30 +38,30 @@ def checksum(path: str | Path, *, noted: Path = NOTED) -> str:
     False
     """
     state = state_of(path)
-    known = _noted(noted).get(str(path))
-    if known and known[0] == state:
-        return known[1]
+    recorded = _noted(noted).get(str(path))
+    if recorded and recorded[0] == state:
+        return recorded[1]
     try:
-        found = sha256(Path(path))
+        digest = sha256(Path(path))
     except OSError:
         return ""
     if state and state == state_of(path) and _is_settled(state):
-        _noted(noted)[str(path)] = state, found
+        _noted(noted)[str(path)] = state, digest
         with suppress(OSError), noted.open("a", encoding="utf-8") as file:
-            file.write(json.dumps([str(path), state, found]) + "\n")
-    return found
+            file.write(json.dumps([str(path), state, digest]) + "\n")
+    return digest
 
 
 @cache
 def _noted(file: Path) -> dict[str, tuple[list[int], str]]:
     """Return the noted states and checksums by path; damaged lines, as of a killed run, are left out."""
-    found = {}
+    checksums = {}
     with suppress(OSError, UnicodeDecodeError):
         for line in file.read_text(encoding="utf-8").splitlines():
             with suppress(ValueError):
                 path, state, digest = json.loads(line)
-                found[path] = state, digest
-    return found
+                checksums[path] = state, digest
+    return checksums
 
 
 def _is_settled(state: list[int]) -> bool:

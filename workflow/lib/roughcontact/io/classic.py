@@ -73,8 +73,8 @@ class _Header:
 
     def entries(self, tag: int, read: Callable[[], None]) -> None:
         """Read a list; each entry has at least eight bytes."""
-        found, count = self.number(4), self.number()
-        if found not in (tag, 0) or (found == 0 and count) or count > self.size // 8:
+        list_tag, count = self.number(4), self.number()
+        if list_tag not in (tag, 0) or (list_tag == 0 and count) or count > self.size // 8:
             self.refuse("its header has no list where one is due")
         for _ in range(count):
             read()
@@ -82,10 +82,10 @@ class _Header:
     def attribute(self) -> None:
         """Skip an attribute."""
         self.skip(self.number())
-        kind, count = self.number(4), self.number()
-        if kind not in _BYTES:
+        number_type, count = self.number(4), self.number()
+        if number_type not in _BYTES:
             self.refuse("an attribute has an unknown type")
-        self.skip(_BYTES[kind] * count)
+        self.skip(_BYTES[number_type] * count)
 
     def check(self) -> int | None:
         """Read the header, check it, and return the size of the file that it describes."""
@@ -106,34 +106,45 @@ class _Header:
             if any(axis >= len(lengths) for axis in axes):
                 self.refuse("a variable has an axis that does not exist")
             self.entries(_ATTRIBUTES, self.attribute)
-            kind, stated, begin = self.number(4), self.number(), self.number(self.position)
-            if kind not in _BYTES:
+            number_type, stated, begin = self.number(4), self.number(), self.number(self.position)
+            if number_type not in _BYTES:
                 self.refuse("a variable has an unknown type")
             sizes = [lengths[axis] for axis in axes]
             recorded = bool(sizes) and sizes[0] == 0
             placed.append(
-                _Placed(begin, _BYTES[kind] * prod(sizes[1:] if recorded else sizes), stated, recorded)
+                _Placed(begin, _BYTES[number_type] * prod(sizes[1:] if recorded else sizes), stated, recorded)
             )
 
         self.entries(_DIMENSIONS, dimension)
         self.entries(_ATTRIBUTES, self.attribute)
         self.entries(_VARIABLES, variable)
         streaming = records == 256**self.count - 1
-        needed = self.place(placed, 0 if streaming else records)
-        return None if streaming and any(each.recorded for each in placed) else needed
+        required_size = self.place(placed, 0 if streaming else records)
+        return (
+            None
+            if streaming and any(placed_variable.recorded for placed_variable in placed)
+            else required_size
+        )
 
     def place(self, placed: list[_Placed], records: int) -> int:
         """Check where the variables lie, and return the end of the last one."""
-        most = 256**self.count - 4  # larger ones state nothing
-        for each in placed:
-            padded = each.length + -each.length % 4
-            if each.stated not in (padded, each.length) and padded <= most:
-                self.refuse(f"a variable of {each.length} bytes is said to have {each.stated}")
-        alone = sum(each.recorded for each in placed) == 1
-        step = sum(each.length + (0 if alone else -each.length % 4) for each in placed if each.recorded)
-        stored = [each for each in placed if records or not each.recorded]
-        lasts = (each.begin + each.length + (step * (records - 1) if each.recorded else 0) for each in stored)
-        end = max([self.stream.tell(), *lasts])
+        largest = 256**self.count - 4  # larger ones state nothing
+        for variable in placed:
+            padded = variable.length + -variable.length % 4
+            if variable.stated not in (padded, variable.length) and padded <= largest:
+                self.refuse(f"a variable of {variable.length} bytes is said to have {variable.stated}")
+        alone = sum(variable.recorded for variable in placed) == 1
+        step = sum(
+            variable.length + (0 if alone else -variable.length % 4)
+            for variable in placed
+            if variable.recorded
+        )
+        stored = [variable for variable in placed if records or not variable.recorded]
+        ends = (
+            variable.begin + variable.length + (step * (records - 1) if variable.recorded else 0)
+            for variable in stored
+        )
+        end = max([self.stream.tell(), *ends])
         if end > self.size:
             self.refuse("numbers lie behind the end of the file")
         return min(end + -end % 4, self.size)

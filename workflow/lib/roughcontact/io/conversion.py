@@ -74,14 +74,14 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
         notes.append(f"channel {channel.name!r} is read as heights on request ({channel.no_height})")
     channel, settled = _settled(channel, request, path)
     channel, marked = _without_markers(channel, request, path)
-    channel, request, done = on_even_grid(channel, request, path)
+    channel, request, resampling = on_even_grid(channel, request, path)
     scale = decide_scale(channel, request, path)
     with np.errstate(over="ignore"):  # infinite heights are refused below
         heights = _checked(channel.read() * scale.height_factor, path)
     first_row, assumed, turned = _first_row(file, channel, request, path)
     if first_row == "top":
         heights = np.ascontiguousarray(heights[::-1])
-    facts = [*marked, *done, *scale.notes, *turned]
+    facts = [*marked, *resampling, *scale.notes, *turned]
     notes += [*settled, *facts]
     return Converted(channel, choice, heights, scale.dx, scale.dy, notes, facts, first_row, assumed)
 
@@ -97,8 +97,8 @@ def _without_markers(channel: Channel, request: Request, path: Path) -> tuple[Ch
     note = f"{marked.sum()} points are {request.missing_value} and taken as missing (missing_value)"
     if points is not None:
         y = None if points.y is None else points.y[~marked]
-        kept = Points(points.x[~marked], y, points.z[~marked], points.uneven)
-        return replace(channel, points=kept), [note]
+        unmarked = Points(points.x[~marked], y, points.z[~marked], points.uneven)
+        return replace(channel, points=unmarked), [note]
     values[marked] = np.nan
     return replace(channel, read=lambda: values), [note]
 
@@ -107,15 +107,19 @@ def _first_row(
     file: MeasuredFile, channel: Channel, request: Request, path: Path
 ) -> tuple[str, bool, list[str]]:
     """Return where row 0 of the file lies, whether that is assumed, a note if the user overrides the file."""
-    found, assumed = file.rows_of(channel)
-    wanted = request.first_row
-    if wanted is not None:
-        check_choice(f"{path}: first_row", wanted, FirstRow)
-    if wanted is None or channel.shape[0] == 1:  # a profile has only one row
-        return found, assumed and channel.shape[0] > 1, []
-    if assumed or wanted == found:
-        return wanted, False, []
-    return wanted, False, [f"first_row = {wanted} is given, the file has its first row at the {found}"]
+    orientation, assumed = file.rows_of(channel)
+    requested = request.first_row
+    if requested is not None:
+        check_choice(f"{path}: first_row", requested, FirstRow)
+    if requested is None or channel.shape[0] == 1:  # a profile has only one row
+        return orientation, assumed and channel.shape[0] > 1, []
+    if assumed or requested == orientation:
+        return requested, False, []
+    return (
+        requested,
+        False,
+        [f"first_row = {requested} is given, the file has its first row at the {orientation}"],
+    )
 
 
 def _checksum_notes(file: MeasuredFile, request: Request, path: Path) -> list[str]:
@@ -142,8 +146,8 @@ def _settled(channel: Channel, request: Request, path: Path) -> tuple[Channel, l
     one_row = channel.otherwise.shape[0] == 1
     if request.dx is not None and (one_row or request.dy is not None) and request.resample is None:
         ny, nx = channel.otherwise.shape
-        taken = f"the numbers are read as a map of {ny} rows of {nx}, because dx and dy are given"
-        return channel.otherwise, [taken]
+        decision = f"the numbers are read as a map of {ny} rows of {nx}, because dx and dy are given"
+        return channel.otherwise, [decision]
     if channel.doubt:
         raise InputFileError(f"{path}: {channel.doubt}")
     return channel, []

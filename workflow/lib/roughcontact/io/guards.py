@@ -58,9 +58,9 @@ def check_file(path: Path) -> None:
         With advice.
     """
     if len(str(path)) > _LONGEST_PATH or max(map(len, path.parts), default=0) > _LONGEST_NAME:
-        shown = str(path)
+        name = str(path)
         raise InputFileError(
-            f"{shown[:60]}...: a path of {len(shown)} characters, longer than any file's; check the path"
+            f"{name[:60]}...: a path of {len(name)} characters, longer than any file's; check the path"
         )
     try:
         path.stat()
@@ -114,10 +114,10 @@ def state_of(path: str | Path) -> list[int] | None:
         None where there is no such file.
     """
     try:
-        found = Path(path).stat()
+        status = Path(path).stat()
     except (OSError, ValueError):
         return None
-    return [found.st_size, found.st_mtime_ns, found.st_ctime_ns, found.st_ino]
+    return [status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino]
 
 
 @contextmanager
@@ -170,7 +170,7 @@ def check_points(shape: tuple[int, int], where: str | Path) -> None:
     check_memory(ny * nx * BYTES_PER_POINT, f"{ny} x {nx} points", where)
 
 
-def check_memory(needed: float, what: str, where: str | Path) -> None:
+def check_memory(required: float, purpose: str, where: str | Path) -> None:
     """Refuse to read data that need more memory than this computer has.
 
     Parameters
@@ -187,9 +187,9 @@ def check_memory(needed: float, what: str, where: str | Path) -> None:
         With both numbers.
     """
     total = memory_bytes()
-    if total is not None and needed > total:
+    if total is not None and required > total:
         raise InputFileError(
-            f"{where}: {what} need {needed / 2**30:.1f} GiB of memory to be read, this computer has "
+            f"{where}: {purpose} need {required / 2**30:.1f} GiB of memory to be read, this computer has "
             f"{total / 2**30:.1f} GiB; crop the map, or read it on a larger computer"
         )
 
@@ -202,12 +202,12 @@ def memory_bytes() -> float | None:
     float or None, bytes
         The smaller one of the limits of computer and container; None where unknown.
     """
-    found: list[float] = []
+    limits: list[float] = []
     with suppress(AttributeError, ValueError, OSError):
-        found.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+        limits.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     with suppress(OSError, ValueError):  # limit of a container or a batch job; "max": none
-        found.append(int(Path("/sys/fs/cgroup/memory.max").read_text()))
-    return min(found, default=None)
+        limits.append(int(Path("/sys/fs/cgroup/memory.max").read_text()))
+    return min(limits, default=None)
 
 
 def check_line_ends(path: Path) -> None:
@@ -264,34 +264,34 @@ def check_archive(path: Path) -> None:
         return
     try:
         with zipfile.ZipFile(path) as archive:
-            members = archive.infolist()
-            total = sum(member.file_size for member in members)
+            entries = archive.infolist()
+            total = sum(entry.file_size for entry in entries)
             if total > MAX_UNPACKED_BYTES:
                 raise InputFileError(
                     f"{path}: the archive would unpack to {total} bytes, more than the {MAX_UNPACKED_BYTES} "
                     "that are allowed"
                 )
-            for member in members:
-                if member.filename.lower().endswith(".xml"):
-                    _check_xml(archive, member, path)
+            for entry in entries:
+                if entry.filename.lower().endswith(".xml"):
+                    _check_xml(archive, entry, path)
     except ARCHIVE_ERRORS as error:
         if isinstance(error, RuntimeError) and "password" in str(error):
             raise InputFileError(f"{path}: the ZIP archive asks for a password; unpack it first") from error
         raise InputFileError(f"{path}: the ZIP archive is damaged or encrypted ({brief(error)})") from error
 
 
-def _check_xml(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: Path) -> None:
+def _check_xml(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, path: Path) -> None:
     """Refuse XML that is larger than 256 MiB or declares a document type or entities."""
-    large = member.file_size > _PROLOG * 16 and member.file_size > _PADDED * member.compress_size
-    if member.file_size > MAX_XML_BYTES or large:
+    large = entry.file_size > _PROLOG * 16 and entry.file_size > _PADDED * entry.compress_size
+    if entry.file_size > MAX_XML_BYTES or large:
         raise InputFileError(
-            f"{path}: {member.filename} in the archive has {member.file_size} bytes of XML, packed in "
-            f"{member.compress_size}: no description of a map is so long"
+            f"{path}: {entry.filename} in the archive has {entry.file_size} bytes of XML, packed in "
+            f"{entry.compress_size}: no description of a map is so long"
         )
-    with archive.open(member) as stream:
-        for declaration in _declarations(stream, f"{path}: {member.filename} in the archive"):
+    with archive.open(entry) as stream:
+        for declaration in _declarations(stream, f"{path}: {entry.filename} in the archive"):
             raise InputFileError(
-                f"{path}: {member.filename} in the archive declares {declaration}, which is "
+                f"{path}: {entry.filename} in the archive declares {declaration}, which is "
                 "refused because it can expand without limit or read other files; export the map again"
             )
 
@@ -299,12 +299,12 @@ def _check_xml(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: Path) ->
 def _declarations(stream: IO[bytes], where: str) -> Iterator[str]:
     """Yield the declarations of entities in XML, reading it in pieces."""
     before, total, started = b"", 0, False
-    while piece := stream.read(_PROLOG):
-        text = before + piece.replace(b"\0", b"").upper()  # makes UTF-16 searchable
+    while block := stream.read(_PROLOG):
+        text = before + block.replace(b"\0", b"").upper()  # makes UTF-16 searchable
         for declaration in (b"<!DOCTYPE", b"<!ENTITY"):
             if declaration in text:
                 yield declaration.decode()[2:]
-        before, total = text[-16:], total + len(piece)
+        before, total = text[-16:], total + len(block)
         started = started or bool(text.strip())
         if not started and total >= _PROLOG:
             raise InputFileError(f"{where} begins with {total} bytes of blanks: it is no XML")

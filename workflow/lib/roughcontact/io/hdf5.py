@@ -49,10 +49,10 @@ def stated_size(path: Path) -> int | None:
     with path.open("rb") as stream:
         head = stream.read(64)
     version = head[8] if len(head) == 64 else -1
-    place = {0: 24, 1: 28, 2: 12, 3: 12}.get(version)
-    if place is None or head[13 if version < 2 else 9] != 8:  # bytes of an address
+    offset = {0: 24, 1: 28, 2: 12, 3: 12}.get(version)
+    if offset is None or head[13 if version < 2 else 9] != 8:  # bytes of an address
         return None
-    base, _, end = struct.unpack_from("<3Q", head, place)
+    base, _, end = struct.unpack_from("<3Q", head, offset)
     return end if base == 0 else None
 
 
@@ -72,18 +72,18 @@ def _check_heaps(path: Path) -> None:
 
     A heap has a mark, a version, its size, then objects: a number (0 for the free space), a count, a size.
     """
-    left = _MOST_IN_HEAPS
+    remaining = _MOST_IN_HEAPS
     with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
         start = data.find(_HEAP)
         while start >= 0:
-            place = start + _HEAP_HEAD
-            end = start + int.from_bytes(data[start + len(_HEAP) : place], "little")
-            while place + _HEAP_HEAD <= min(end, len(data)):
-                number, size = struct.unpack_from("<H6xQ", data, place)
-                left -= 1
-                if left == 0 or (number == 0 and size == 0):
+            offset = start + _HEAP_HEAD
+            end = start + int.from_bytes(data[start + len(_HEAP) : offset], "little")
+            while offset + _HEAP_HEAD <= min(end, len(data)):
+                number, size = struct.unpack_from("<H6xQ", data, offset)
+                remaining -= 1
+                if remaining == 0 or (number == 0 and size == 0):
                     raise InputFileError(f"{path}: damaged or cut off HDF5 file (a heap without an end)")
-                place += _HEAP_HEAD + size + -size % 8 if number else size
+                offset += _HEAP_HEAD + size + -size % 8 if number else size
             start = data.find(_HEAP, start + 1)
 
 
@@ -92,7 +92,7 @@ def _arrays(file: "h5py.File", path: Path) -> Iterator[tuple[str, tuple[int, ...
     import h5py
 
     groups: list[tuple[Any, int]] = [(file, 0)]
-    seen = {h5py.h5o.get_info(file.id).addr}
+    visited = {h5py.h5o.get_info(file.id).addr}
     while groups:
         group, depth = groups.pop()
         for name in group:
@@ -106,15 +106,15 @@ def _arrays(file: "h5py.File", path: Path) -> Iterator[tuple[str, tuple[int, ...
                     continue
                 raise
             address = h5py.h5o.get_info(entry.id).addr
-            if isinstance(entry, h5py.Group) and (address in seen or depth == _DEEPEST):
+            if isinstance(entry, h5py.Group) and (address in visited or depth == _DEEPEST):
                 raise InputFileError(
                     f"{path}: {group.name.rstrip('/')}/{name} is a group that occurs twice or lies more than "
                     f"{_DEEPEST} groups deep in this HDF5 file, which is refused: the file may have no end"
                 )
-            if address in seen:
+            if address in visited:
                 continue
-            seen.add(address)
-            if len(seen) > _MOST_OBJECTS:
+            visited.add(address)
+            if len(visited) > _MOST_OBJECTS:
                 raise InputFileError(f"{path}: more than {_MOST_OBJECTS} objects in this HDF5 file")
             if isinstance(entry, h5py.Group):
                 groups.append((entry, depth + 1))
@@ -138,9 +138,10 @@ def _check_array(array: "h5py.Dataset", path: Path) -> None:
         )
 
 
-def _outside(path: Path, what: str) -> InputFileError:
+def _outside(path: Path, description: str) -> InputFileError:
     """Return the error for a file with data in other files."""
     return InputFileError(
-        f"{path}: {what}, which is refused: any file of this computer would be read as heights; copy the "
+        f"{path}: {description}, which is refused: any file of this computer would be read as heights; "
+        f"copy the "
         "numbers into one file"
     )

@@ -82,11 +82,11 @@ def inspect_file(
     except (InputFileError, HeightMapError) as error:
         problem = str(error)
         if request.channel is None:
-            name = next((each.name for each in file.channels if not each.no_height), None)
+            name = next((listed.name for listed in file.channels if not listed.no_height), None)
     else:
         name, choice, measured = converted.channel.name, converted.choice, _measured(converted)
-        found = suspicions(converted.heights, converted.dx, converted.dy, kind=file.kind)
-        warnings = converted.notes + found
+        doubts = suspicions(converted.heights, converted.dx, converted.dy, kind=file.kind)
+        warnings = converted.notes + doubts
         rows, assumed = converted.first_row, converted.first_row_assumed
     return {
         "file": path.name,
@@ -98,7 +98,7 @@ def inspect_file(
         "instrument": file.instrument,
         "channel": name,
         "channel_choice": choice,
-        "channels": [_described(each, chosen=each.name == name) for each in file.channels],
+        "channels": [_described(listed, chosen=listed.name == name) for listed in file.channels],
         "map": measured,
         "problem": problem,
         "warnings": warnings,

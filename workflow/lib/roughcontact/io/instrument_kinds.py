@@ -30,15 +30,18 @@ OPTICAL = Kind("optical profiler", step=(1e-8, 1e-3), field=(1e-6, 0.7), span=(1
 # Traces of up to 0.3 m, tips of 0.1 to 10 µm radius, ranges of up to 50 mm.
 STYLUS = Kind("stylus profiler", step=(1e-9, 1e-3), field=(1e-6, 0.5), span=(1e-10, 0.1))
 # where the file does not name the instrument
-ANY = Kind("", step=(1e-12, 1e-2), field=(1e-10, 1.0), span=(1e-12, 0.15))
+UNKNOWN = Kind("", step=(1e-12, 1e-2), field=(1e-10, 1.0), span=(1e-12, 0.15))
 
 
 def of_name(name: str | None) -> Kind:
-    """Return the kind that a file's `instrument` names, `ANY` where it names none.
+    """Return the kind that a file's `instrument` names, `UNKNOWN` where it names none.
 
     Examples
     --------
-    >>> of_name("optical profiler").words, of_name(None) is ANY
+    >>> of_name("optical profiler").words, of_name(None) is UNKNOWN
     ('an optical profiler', True)
     """
-    return next((kind for kind in (PROBE, OPTICAL, STYLUS) if kind.name == name), ANY)
+    return next(
+        (instrument_kind for instrument_kind in (PROBE, OPTICAL, STYLUS) if instrument_kind.name == name),
+        UNKNOWN,
+    )

@@ -7,7 +7,7 @@ from roughcontact.errors import InputFileError
 _EXAMINED = 2**20  # bytes of an excess that are compared with each other
 
 
-def compare_size(path: Path, needed: int) -> tuple[str, list[str]]:
+def compare_size(path: Path, required_size: int) -> tuple[str, list[str]]:
     """Compare the size of a file with the bytes that its header needs.
 
     Excess bytes may have been inserted anywhere, so that the heights behind them moved. Only where all of
@@ -17,20 +17,22 @@ def compare_size(path: Path, needed: int) -> tuple[str, list[str]]:
     is padding), and a warning about padding. A file that is too short is refused.
     """
     size = path.stat().st_size
-    if size < needed:
+    if size < required_size:
         raise InputFileError(
-            f"{path}: {size} bytes where its header needs {needed}: it was cut off, or lost bytes on the "
+            f"{path}: {size} bytes where its header needs {required_size}: it was cut off, or lost bytes "
+            f"on the "
             "way; copy or export it again"
         )
-    if size == needed:
+    if size == required_size:
         return "", []
     with path.open("rb") as stream:
-        stream.seek(needed)
+        stream.seek(required_size)
         excess = stream.read(_EXAMINED)
-    if excess.count(excess[:1]) == size - needed:
+    if excess.count(excess[:1]) == size - required_size:
         note = (
-            f"the file has {size} bytes where its header needs {needed}; the last {size - needed} of them "
+            f"the file has {size} bytes where its header needs {required_size}; the last "
+            f"{size - required_size} of them "
             f"are all {excess[0]} and are taken for padding behind the heights"
         )
         return "", [note]
-    return f"{size} bytes where its header needs {needed}", []
+    return f"{size} bytes where its header needs {required_size}", []

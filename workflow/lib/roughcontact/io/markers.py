@@ -15,7 +15,7 @@ _VALUES = (
 )
 
 
-def remove_marker_values(values: np.ndarray, others: Iterable[float] = ()) -> None:
+def remove_marker_values(values: np.ndarray, further_markers: Iterable[float] = ()) -> None:
     """Replace infinite values, numbers that mark a missing point, and exactly the `others` by NaN, in place.
 
     The largest double is infinite where its last digit was rounded up.
@@ -28,7 +28,7 @@ def remove_marker_values(values: np.ndarray, others: Iterable[float] = ()) -> No
     array([1.5, nan, nan])
     """
     values[np.isinf(values)] = np.nan
-    for value in others:
+    for value in further_markers:
         values[values == value] = np.nan
     for value in _VALUES:
         values[np.abs(np.abs(values) / value - 1) < 1e-5] = np.nan

@@ -66,7 +66,7 @@ _SPELLINGS = {
     "software": ("acquiredwithversion", "software", "creatingapplication"),
     "sample": ("samplename", "sample", "objectname", "partname", "title"),
 }
-_MEANING = {spelling: word for word, spellings in _SPELLINGS.items() for spelling in spellings}
+_MEANING = {spelling: entry for entry, spellings in _SPELLINGS.items() for spelling in spellings}
 _SILENT = {"", "0", "-", "none", "(none)", "null", "unknown", "not available", "n/a", "na", "default"}
 _LONGEST = 200  # characters of a name
 
@@ -85,37 +85,37 @@ def instrument_metadata(stated: Mapping[str, Any], header: Mapping | None = None
     """
     ranked: dict[str, tuple[int, str | float]] = {}
     _search(header, ranked, depth=0)
-    found = {word: value for word, (_, value) in ranked.items()}
-    for word, value in stated.items():
+    best = {entry: value for entry, (_, value) in ranked.items()}
+    for entry, value in stated.items():
         if (plain := _plain(value)) is not None:
-            found[word] = plain
-    aperture = found.get("numerical_aperture")
+            best[entry] = plain
+    aperture = best.get("numerical_aperture")
     if aperture is not None and not (isinstance(aperture, float | int) and 0 < aperture < 2):
-        del found["numerical_aperture"]
+        del best["numerical_aperture"]
     # the zero of a computer's clock is no date
-    for word in ("acquisition_time", "calibration_time"):
-        if str(found.get(word, "")).startswith(("1970-01-01", "1969-12-31", "1601-01-01", "0001-01-01")):
-            del found[word]
-    return {word: found.pop(word) for word in LABELS if word in found} | found
+    for entry in ("acquisition_time", "calibration_time"):
+        if str(best.get(entry, "")).startswith(("1970-01-01", "1969-12-31", "1601-01-01", "0001-01-01")):
+            del best[entry]
+    return {entry: best.pop(entry) for entry in LABELS if entry in best} | best
 
 
-def _search(header: Any, found: dict[str, tuple[int, str | float]], depth: int) -> None:
+def _search(header: Any, ranked: dict[str, tuple[int, str | float]], depth: int) -> None:
     """Add the entries of a header to `found` (key -> rank of its spelling, value)."""
     for key, value in header.items() if hasattr(header, "items") else ():
         name = re.sub(r"[^a-z0-9]", "", str(key).lower())
         if hasattr(value, "items"):
             if depth < 2 and name != "software":
-                _search(value, found, depth + 1)
+                _search(value, ranked, depth + 1)
             continue
         if name.endswith("serialnumber") and name.startswith(("tip", "software")):
             continue
-        word = _MEANING.get(name)
-        plain = None if word is None else _plain(value)
-        if word is None or plain is None:
+        entry = _MEANING.get(name)
+        plain = None if entry is None else _plain(value)
+        if entry is None or plain is None:
             continue
-        rank = _SPELLINGS[word].index(name)
-        if word not in found or rank < found[word][0]:
-            found[word] = rank, plain
+        rank = _SPELLINGS[entry].index(name)
+        if entry not in ranked or rank < ranked[entry][0]:
+            ranked[entry] = rank, plain
 
 
 def _plain(value: Any) -> str | float | None:
@@ -141,6 +141,9 @@ def labelled(instrument: Mapping[str, Any]) -> list[tuple[str, str]]:
     [('lens', '20X Mirau'), ('numerical aperture', '0.400')]
     """
     return [
-        (LABELS.get(word, word.replace("_", " ")), number(value) if isinstance(value, float) else str(value))
-        for word, value in instrument.items()
+        (
+            LABELS.get(entry, entry.replace("_", " ")),
+            number(value) if isinstance(value, float) else str(value),
+        )
+        for entry, value in instrument.items()
     ]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from roughcontact.checking import STEEPEST
-from roughcontact.io.instrument_kinds import ANY, Kind
+from roughcontact.io.instrument_kinds import UNKNOWN, Kind
 from roughcontact.quantities import number, percent, quantity
 
 _SAMPLE = 2**18  # quantiles and distinct values are estimated from about this many points
@@ -11,14 +11,14 @@ _LONGEST_PIXEL = 4.04  # ratio of the steps above which a slip is more likely th
 _FLATTEST = 1e-8  # rms gradient below that of polished optics
 _PLATEAU = 0.005  # share of the points at one height
 _FEW_LEVELS = 64
-_MOST = (0.005, 0.995)  # quantiles that enclose nearly all heights
+_CENTRAL_QUANTILES = (0.005, 0.995)  # quantiles that enclose nearly all heights
 
 SIZE_ADVICE = "check the size of the map, or whether the file was cut"
 MARKER_ADVICE = "missing_value states it"
 SPIKES_ADVICE = "level.outlier_threshold finds isolated ones"  # for a map as measured
 
 
-def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = ANY) -> list[str]:
+def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = UNKNOWN) -> list[str]:
     """Return a sentence for each implausible property of a map, with the numbers it rests on.
 
     `height` (ny, nx; m) is NaN where not measured and has at least one measured point; the steps are in m;
@@ -32,21 +32,21 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = ANY) ->
     measured = height[np.isfinite(height)]
     low, high = measured.min(), measured.max()
     spikes = _extremes(measured, low, high)
-    found = _geometry(height.shape, dx, dy)
+    doubts = _geometry(height.shape, dx, dy)
     # a few points far from all others determine the span: they have a warning of their own
-    span = np.ptp(np.quantile(_sample(measured), _MOST)) if spikes else high - low
-    found += _ranges(height.shape, span, dx, dy, kind)
+    span = np.ptp(np.quantile(_sample(measured), _CENTRAL_QUANTILES)) if spikes else high - low
+    doubts += _ranges(height.shape, span, dx, dy, kind)
     if low == high:
         return [
-            *found,
+            *doubts,
             f"all heights are equal ({quantity(low, 'm')}): the map is flat or holds no measurement",
         ]
-    found += _slopes(height, dx, dy)
-    found += spikes
-    found += _levels(height, measured, low, high)
-    found += _lines(height)
-    found += _noise(height)
-    return found
+    doubts += _slopes(height, dx, dy)
+    doubts += spikes
+    doubts += _levels(height, measured, low, high)
+    doubts += _lines(height)
+    doubts += _noise(height)
+    return doubts
 
 
 def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float, float]:
@@ -79,11 +79,11 @@ def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float
     )
     right = np.array([0.0, z.sum(axis=0) @ x, z.sum(axis=1) @ y])
     plane = np.linalg.lstsq(normal, right, rcond=None)[0]
-    off = np.where(measured, z - plane[0] - plane[1] * x - (plane[2] * y)[:, None], 0.0)
+    residual = np.where(measured, z - plane[0] - plane[1] * x - (plane[2] * y)[:, None], 0.0)
     slopes = [np.diff(height, axis=1) / dx, np.diff(height, axis=0) / dy]
-    spread = [part[np.isfinite(part)].var() for part in slopes if np.isfinite(part).any()]
+    spread = [slope[np.isfinite(slope)].var() for slope in slopes if np.isfinite(slope).any()]
     rms_gradient = float(np.sqrt(sum(spread))) if spread else np.nan
-    return float(np.sqrt((off**2).sum() / count)), rms_gradient
+    return float(np.sqrt((residual**2).sum() / count)), rms_gradient
 
 
 def quantisation_step(height: np.ndarray) -> float | None:
@@ -97,8 +97,8 @@ def quantisation_step(height: np.ndarray) -> float | None:
     >>> round(1e9 * quantisation_step(5e-9 * counts), 3)
     5.0
     """
-    some = _sample(height.reshape(-1))  # large maps leave no room for a copy
-    levels = np.unique(some[np.isfinite(some)])
+    sampled = _sample(height.reshape(-1))  # large maps leave no room for a copy
+    levels = np.unique(sampled[np.isfinite(sampled)])
     if levels.size < 3:
         return None
     gaps = np.diff(levels)
@@ -109,8 +109,8 @@ def quantisation_step(height: np.ndarray) -> float | None:
         return None
     step = np.median(gaps[gaps < 1.5 * gaps.min()])
     # a chance result for continuous heights is far smaller than their mean distance
-    places = (levels - levels[0]) / step
-    drift = np.abs(places - np.rint(places))
+    level_numbers = (levels - levels[0]) / step
+    drift = np.abs(level_numbers - np.rint(level_numbers))
     if step < 2 * rounding or np.mean(drift < 0.1) < 0.9:
         return None
     return float(step)
@@ -128,19 +128,19 @@ def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[str]:
     # one step a small multiple of the other is a user's choice; an odd ratio suggests a file that was cut off
     if ny == 1 or (ratio < _LONGEST_PIXEL and abs(ratio / round(ratio) - 1) <= 0.01):
         return []
-    found = (
+    doubts = (
         f"the pixels are not square: dx = {quantity(dx, 'm', digits=4)}, dy = {quantity(dy, 'm', digits=4)}: "
     )
     if abs(nx * dx / ny / (ny * dy / nx) - 1) <= 0.01:
         return [
             (
-                f"{found}they would be with {nx} rows of {ny} points: "
+                f"{doubts}they would be with {nx} rows of {ny} points: "
                 "rows and columns, or the two sizes, were exchanged"
             )
         ]
     if ratio > _LONGEST_PIXEL:
-        return [f"{found}one is {number(ratio)} times the other: check both, and their units"]
-    return [found + SIZE_ADVICE]
+        return [f"{doubts}one is {number(ratio)} times the other: check both, and their units"]
+    return [doubts + SIZE_ADVICE]
 
 
 def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kind) -> list[str]:
@@ -148,24 +148,25 @@ def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kin
     ny, nx = shape
     fields = [nx * dx, ny * dy] if ny > 1 else [nx * dx]
     steps = [dx, dy] if ny > 1 else [dx]
-    found = []
+    doubts = []
     if span > max(fields):
-        found.append(
+        doubts.append(
             f"the heights span {quantity(span, 'm')}, more than the field of {quantity(max(fields), 'm')}: "
             "check the height unit"
         )
-    for values, (low, high), what, unit in (
+    for values, (low, high), quantity_name, unit in (
         (steps, kind.step, "steps of {} are", "lateral"),
         (fields, kind.field, "a field of {} is", "lateral"),
         ([span] if span > 0 else [], kind.span, "heights that span {} are", "height"),
     ):
         wrong = [value for value in values if not low <= value <= high]
         if wrong:
-            found.append(
-                f"{what.format(quantity(wrong[0], 'm'))} unusual for {kind.words} ({quantity(low, 'm')} to "
+            doubts.append(
+                f"{quantity_name.format(quantity(wrong[0], 'm'))} unusual for {kind.words} "
+                f"({quantity(low, 'm')} to "
                 f"{quantity(high, 'm')}): check the {unit} unit"
             )
-    return found
+    return doubts
 
 
 def _slopes(height: np.ndarray, dx: float, dy: float) -> list[str]:
@@ -190,10 +191,10 @@ def _slopes(height: np.ndarray, dx: float, dy: float) -> list[str]:
 
 def _extremes(measured: np.ndarray, low: float, high: float) -> list[str]:
     """Suspect points far from all others."""
-    found: list[str] = []
+    doubts: list[str] = []
     if measured.size < 100:
-        return found
-    lower, upper = np.quantile(_sample(measured), _MOST)
+        return doubts
+    lower, upper = np.quantile(_sample(measured), _CENTRAL_QUANTILES)
     reach = 3 * (upper - lower)
     for count, side, worst in (
         (np.count_nonzero(measured < lower - reach), "below", f"down to {quantity(low, 'm')}"),
@@ -201,12 +202,12 @@ def _extremes(measured: np.ndarray, low: float, high: float) -> list[str]:
     ):
         if count:
             points = f"{count} points lie" if count > 1 else "1 point lies"
-            found.append(
+            doubts.append(
                 f"{points} far {side} all others ({worst}, where 99 % lie between "
                 f"{quantity(lower, 'm')} and {quantity(upper, 'm')}): spikes, dust, or a marker for missing "
                 f"points that was taken for a height ({MARKER_ADVICE}); {SPIKES_ADVICE}"
             )
-    return found
+    return doubts
 
 
 def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -> list[str]:
@@ -217,57 +218,59 @@ def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -
     if levels.size < _FEW_LEVELS:
         regular = quantisation_step(height) is not None
         return [] if regular else [f"only {levels.size} different heights occur, at odd distances"]
-    found = []
+    doubts = []
     for value, name in ((low, "lowest"), (high, "highest")):
         count = np.count_nonzero(measured == value)
         share = count / measured.size
         if count > 1 and share > _PLATEAU:  # one point is always at the extreme
-            found.append(
+            doubts.append(
                 f"{percent(share)} of the points have exactly the {name} height ({quantity(value, 'm')}): "
                 f"the instrument was saturated there, or this marks missing points ({MARKER_ADVICE})"
             )
     # a level inside the range that is far more frequent than its neighbours
-    most = int(np.argmax(counts))
-    beside = np.delete(counts[max(most - 10, 0) : most + 11], min(most, 10))
-    share = counts[most] / counts.sum()
-    if 0 < most < levels.size - 1 and share > _PLATEAU and counts[most] > 10 * max(int(beside.max()), 1):
-        found.append(
-            f"{percent(share)} of the points have exactly the height {quantity(levels[most], 'm')}, far more "
+    mode = int(np.argmax(counts))
+    neighbours = np.delete(counts[max(mode - 10, 0) : mode + 11], min(mode, 10))
+    share = counts[mode] / counts.sum()
+    if 0 < mode < levels.size - 1 and share > _PLATEAU and counts[mode] > 10 * max(int(neighbours.max()), 1):
+        doubts.append(
+            f"{percent(share)} of the points have exactly the height {quantity(levels[mode], 'm')}, far more "
             f"than any other: a plateau that was filled in, or a marker for missing points ({MARKER_ADVICE})"
         )
-    return found
+    return doubts
 
 
 def _lines(height: np.ndarray) -> list[str]:
     """Suspect rows and columns that are constant or equal to the preceding one."""
-    found = []
+    doubts = []
     for values, name in ((height, "rows"), (height.T, "columns")):
         count, length = values.shape
         if count < 4 or length < 4:
             continue
         first = np.take_along_axis(values, np.argmax(np.isfinite(values), axis=1)[:, None], axis=1)
         finite = np.isfinite(values)
-        enough = finite.sum(axis=1) > max(3, length // 100)  # lines of three points are inconclusive
-        flat = np.all((values == first) | ~finite, axis=1) & enough
+        long_enough = finite.sum(axis=1) > max(3, length // 100)  # lines of three points are inconclusive
+        flat = np.all((values == first) | ~finite, axis=1) & long_enough
         if 0 < flat.sum() < count / 2:
-            found.append(
+            doubts.append(
                 f"{flat.sum()} of {count} {name} are constant: lost lines or a marker for missing points"
             )
             continue
-        same = np.all((values[1:] == values[:-1]) | (~finite[1:] & ~finite[:-1]), axis=1) & enough[1:]
-        if 0 < same.sum() < count / 2:
-            found.append(f"{same.sum()} of {count} {name} repeat the one before exactly: lost lines")
-    return found
+        repeated = (
+            np.all((values[1:] == values[:-1]) | (~finite[1:] & ~finite[:-1]), axis=1) & long_enough[1:]
+        )
+        if 0 < repeated.sum() < count / 2:
+            doubts.append(f"{repeated.sum()} of {count} {name} repeat the one before exactly: lost lines")
+    return doubts
 
 
 def _noise(height: np.ndarray) -> list[str]:
     """Suspect a map with neighbours uncorrelated along x and y, as in files damaged by a transfer."""
     correlations = []
     for first, second in ((height[:, :-1], height[:, 1:]), (height[:-1], height[1:])):
-        both = np.isfinite(first) & np.isfinite(second)
-        if both.sum() < 1000:
+        both_finite = np.isfinite(first) & np.isfinite(second)
+        if both_finite.sum() < 1000:
             return []
-        a, b = first[both], second[both]
+        a, b = first[both_finite], second[both_finite]
         a, b = a - a.mean(), b - b.mean()
         norm = np.sqrt(np.dot(a, a) * np.dot(b, b))
         correlations.append(np.dot(a, b) / norm if norm > 0 else 1.0)

@@ -134,7 +134,7 @@ def read_height_map(
             "source_sha256": digest,
             "source_format": file.format,
             "channel": converted.channel.name,
-            "channels": json.dumps([each.name for each in file.channels], ensure_ascii=False),
+            "channels": json.dumps([listed.name for listed in file.channels], ensure_ascii=False),
             "instrument": json.dumps(file.instrument, ensure_ascii=False, sort_keys=True),
             "y_axis": "up",
             "first_row": converted.first_row,

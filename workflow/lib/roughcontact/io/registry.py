@@ -24,8 +24,8 @@ def readers() -> list[tuple[str, Reader]]:
     """
     package = import_module(_READERS)
     names = sorted(module.name for module in iter_modules(package.__path__))
-    found = [(name, import_module(f"{_READERS}.{name}").READER) for name in names]
-    return sorted(found, key=lambda named: named[1].recognised_by)
+    registered = [(name, import_module(f"{_READERS}.{name}").READER) for name in names]
+    return sorted(registered, key=lambda named: named[1].recognised_by)
 
 
 def recognised(path: Path) -> tuple[str, Reader]:

@@ -45,14 +45,14 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
     steps = given_steps(request, path)
     if any(steps):  # the steps are in `unit`: convert the positions
         unit = unit_of_steps(request, f"dx = {request.dx}, dy = {request.dy}", path)
-        own = metres(unit, where=f"{path}: unit", error=SettingsError)
+        stated_unit = metres(unit, where=f"{path}: unit", error=SettingsError)
         if is_length(channel.lateral_unit):
-            factor = metres(channel.lateral_unit) / own
+            factor = metres(channel.lateral_unit) / stated_unit
             y = None if points.y is None else points.y * factor
             points = points._replace(x=points.x * factor, y=y)
         channel = replace(channel, lateral_unit=unit)
-    gridded, done = resampled(channel, points, steps, path)
-    return gridded, replace(request, dx=None, dy=None), [done]
+    gridded, description = resampled(channel, points, steps, path)
+    return gridded, replace(request, dx=None, dy=None), [description]
 
 
 def resampled(
@@ -137,7 +137,9 @@ def _map(x, y, z, steps, where):
         heights = LinearNDInterpolator(scaled, z)(*grid)
     except QhullError as error:
         raise HeightMapError(f"{where}: all points lie on one line; give the file as a profile") from error
-    distance, _ = cKDTree(scaled).query(np.column_stack([part.ravel() for part in grid]), workers=1)
+    distance, _ = cKDTree(scaled).query(
+        np.column_stack([coordinates.ravel() for coordinates in grid]), workers=1
+    )
     heights[distance.reshape(heights.shape) > _REACH] = np.nan
     return along_x, along_y, heights
 

@@ -75,7 +75,7 @@ def given_steps(request: Request, path: Path) -> tuple[float | None, float | Non
     >>> given_steps(Request(dx="1.5 um", dy=2.0, unit="mm"), Path("map.txt"))
     (1.5e-06, 0.002)
     """
-    return _given("dx", request, path), _given("dy", request, path)
+    return _stated_length("dx", request, path), _stated_length("dy", request, path)
 
 
 def unit_of_steps(request: Request, steps: str, path: Path) -> str:
@@ -102,7 +102,7 @@ def _carry_units(request: Request) -> bool:
     return carries_unit(request.dx) or carries_unit(request.dy)
 
 
-def _given(name: str, request: Request, path: Path) -> float | None:
+def _stated_length(name: str, request: Request, path: Path) -> float | None:
     """Return a step from the user, in the unit of the steps."""
     value = getattr(request, name)
     if value is None or not _carry_units(request):
@@ -121,11 +121,11 @@ def _step(
     name: str, channel: Channel, request: Request, factor: float | None, path: Path, notes: list[str]
 ) -> float | None:
     """Return one step in m, None if unknown; add a note where file and user differ."""
-    given, stated = _given(name, request, path), getattr(channel, name)
-    if given is None:
+    requested, stated = _stated_length(name, request, path), getattr(channel, name)
+    if requested is None:
         return None if stated is None or factor is None else stated * factor
     unit = unit_of_steps(request, f"{name} = {getattr(request, name)}", path)
-    step = given * metres(unit, where=f"{path}: unit", error=SettingsError)
+    step = requested * metres(unit, where=f"{path}: unit", error=SettingsError)
     if stated is not None and is_length(channel.lateral_unit):
         in_file = stated * metres(channel.lateral_unit)
         if abs(in_file / step - 1) > 1e-3:
@@ -135,11 +135,11 @@ def _step(
 
 def _lateral_factor(channel: Channel, request: Request, path: Path, notes: list[str]) -> float | None:
     """Return the metres per unit of the file's own steps, None if unknown or not needed."""
-    stated, needed = channel.lateral_unit, request.dx is None or request.dy is None
+    stated, is_needed = channel.lateral_unit, request.dx is None or request.dy is None
     if request.unit is None:
-        return metres(stated, where=f"{path}: lateral unit") if stated is not None and needed else None
+        return metres(stated, where=f"{path}: lateral unit") if stated is not None and is_needed else None
     factor = metres(request.unit, where=f"{path}: unit", error=SettingsError)
-    if needed and channel.dx is not None and _differs(stated, factor):
+    if is_needed and channel.dx is not None and _differs(stated, factor):
         notes.append(
             f"the steps are taken in {request.unit} as given by the user, where the file says {stated}"
         )
@@ -186,12 +186,12 @@ def _positive(value: object, name: str, path: Path) -> float:
 def _missing_steps_message(channel: Channel, path: Path) -> str:
     """Return the error message for missing steps, with the arguments that the user must give."""
     ny, nx = channel.shape
-    kind = f"a profile of {nx} points" if ny == 1 else f"a map of {ny} x {nx} points"
-    known = f" (its heights are in {channel.height_unit})" if channel.height_unit else ""
+    description = f"a profile of {nx} points" if ny == 1 else f"a map of {ny} x {nx} points"
+    height_note = f" (its heights are in {channel.height_unit})" if channel.height_unit else ""
     stated = {"dx": channel.dx} if ny == 1 else {"dx": channel.dx, "dy": channel.dy}
     absent = [name for name, step in stated.items() if step is None]
     return (
-        f"{path}: {kind} that does not say its {'size' if absent else 'lateral unit'}{known}; "
+        f"{path}: {description} that does not say its {'size' if absent else 'lateral unit'}{height_note}; "
         f"give {', '.join([*absent, 'unit'])} in the table of surfaces or as arguments"
     )
 
@@ -207,14 +207,14 @@ def _refuse_cut_matrix(shape: tuple[int, int], dx: float, dy: float, rounding: f
     """
     ny, nx = shape
     ratio = dy / dx
-    whole = ny * ratio  # number of lines of square pixels
-    slack = whole * rounding
+    square_rows = ny * ratio  # number of lines of square pixels
+    slack = square_rows * rounding
     chosen = any(abs(ratio / simple - 1) <= 0.5 / ny for simple in (max(round(ratio), 1), 3 / 2, 4 / 3))
-    if ny < _FEWEST_LINES or whole - ny <= 0.5 + slack or chosen:
+    if ny < _FEWEST_LINES or square_rows - ny <= 0.5 + slack or chosen:
         return
     from_first_to_last = (ny * dy) / (nx * dx) * (nx - 1) + 1
-    ends = abs(from_first_to_last - ny) <= 0.01 + slack and abs(whole - ny - 1) > 0.01
-    if ends or abs(whole - round(whole)) > 0.01 + slack:
+    ends = abs(from_first_to_last - ny) <= 0.01 + slack and abs(square_rows - ny - 1) > 0.01
+    if ends or abs(square_rows - round(square_rows)) > 0.01 + slack:
         return
     raise InputFileError(
         f"{path}: {ny} lines of {nx} numbers do not fit the size in the header: the pixels would be "

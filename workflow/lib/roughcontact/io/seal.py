@@ -15,7 +15,7 @@ WAY_OUT = "delete it (of a surface: its folder) and run again"
 _SEAL = b"\nroughcontact: CRC-32 of all bytes before this line: %08x\n"
 _LENGTH = len(_SEAL % 0)
 _PATTERN = re.compile(re.escape(_SEAL).replace(b"%08x", b"([0-9a-f]{8})"))
-_PIECE = 2**20  # bytes
+_BLOCK_BYTES = 2**20  # bytes
 
 
 def seal(path: Path) -> None:
@@ -60,6 +60,6 @@ def _crc(path: Path, size: int) -> int:
     """Return the CRC-32 of the first bytes of a file."""
     checksum = 0
     with path.open("rb", buffering=0) as file:
-        while size > 0 and (piece := file.read(min(size, _PIECE))):
-            checksum, size = zlib.crc32(piece, checksum), size - len(piece)
+        while size > 0 and (block := file.read(min(size, _BLOCK_BYTES))):
+            checksum, size = zlib.crc32(block, checksum), size - len(block)
     return checksum

@@ -13,7 +13,7 @@ from roughcontact.io.guards import ARCHIVE_ERRORS, MAX_POINTS
 from roughcontact.io.interface import head_of
 from roughcontact.io.text.lines import looks_like_text
 
-_PIECE = 2**16  # bytes of a text that are examined
+_SAMPLE_BYTES = 2**16  # bytes of a text that are examined
 _HEADER = 2**20  # bytes of the header of an X3P file that are examined
 _SIZES = re.compile(rb"<(?:\w+:)?Size[XYZ]>\s*(\d{1,12})")
 # in instrument files with a single map: 2.3 to 8
@@ -41,12 +41,12 @@ def estimate_points(path: str | Path) -> int:
     try:
         head, size = head_of(path), path.stat().st_size
         if head.startswith(b"\x93NUMPY"):
-            found = _in_array(path)
+            points = _in_array(path)
         elif head.startswith(b"PK"):
-            found = _in_archive(path)
+            points = _in_archive(path)
         else:
-            found = _in_text(path, size) if looks_like_text(head) else 0
-        return min(found or size // _BYTES_PER_POINT, MAX_POINTS)
+            points = _in_text(path, size) if looks_like_text(head) else 0
+        return min(points or size // _BYTES_PER_POINT, MAX_POINTS)
     except OSError:  # the job that reads it reports the error
         return 0
 
@@ -65,11 +65,11 @@ def _in_archive(path: Path) -> int:
     """Return the number of points from the header of X3P, or the unpacked size of another archive."""
     try:
         with zipfile.ZipFile(path) as archive:
-            for member in archive.infolist():
-                if member.filename.rpartition("/")[2] == "main.xml":
-                    with archive.open(member) as stream:
+            for entry in archive.infolist():
+                if entry.filename.rpartition("/")[2] == "main.xml":
+                    with archive.open(entry) as stream:
                         return prod(map(int, _SIZES.findall(stream.read(_HEADER))))
-            return sum(member.file_size for member in archive.infolist()) // _BYTES_PER_POINT
+            return sum(entry.file_size for entry in archive.infolist()) // _BYTES_PER_POINT
     except ARCHIVE_ERRORS:
         return 0
 
@@ -77,16 +77,16 @@ def _in_archive(path: Path) -> int:
 def _in_text(path: Path, size: int) -> int:
     """Estimate the number of points of a text from a piece in its middle; 0 where that is no text."""
     with path.open("rb") as stream:
-        stream.seek(max(0, (size - _PIECE) // 2))
-        piece = stream.read(_PIECE)
-    text = piece.replace(b"\0", b"")  # of UTF-16
+        stream.seek(max(0, (size - _SAMPLE_BYTES) // 2))
+        sample = stream.read(_SAMPLE_BYTES)
+    text = sample.replace(b"\0", b"")  # of UTF-16
     if not looks_like_text(text):
         return 0
     lines = [_cells(line) for line in text.splitlines()]
-    whole = lines[1:-1] or lines
-    is_list = max(map(len, whole)) <= 3  # positions and height in each line
+    complete_lines = lines[1:-1] or lines
+    is_list = max(map(len, complete_lines)) <= 3  # positions and height in each line
     points = sum(map(bool, lines)) if is_list else len(list(chain.from_iterable(lines)))
-    return round(points / len(piece) * size)
+    return round(points / len(sample) * size)
 
 
 def _cells(line: bytes) -> list[bytes]:

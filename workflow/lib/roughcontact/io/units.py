@@ -35,7 +35,7 @@ def metres(unit: str, *, where: str = "unit", error: type[Exception] = InputFile
     return factor
 
 
-def same_length(unit: str, other: str) -> bool:
+def same_length(unit: str, second: str) -> bool:
     """Return whether two spellings stand for the same unit of length.
 
     Two texts that are no units of length are the same where they are spelled alike.
@@ -46,4 +46,4 @@ def same_length(unit: str, other: str) -> bool:
     (True, False, True)
     """
     value = value_of(unit, "m")
-    return unit == other or (value is not None and value == value_of(other, "m"))
+    return unit == second or (value is not None and value == value_of(second, "m"))

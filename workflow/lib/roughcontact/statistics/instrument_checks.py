@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.io.instrument_kinds import ANY, PROBE, Kind, of_name
+from roughcontact.io.instrument_kinds import PROBE, UNKNOWN, Kind, of_name
 from roughcontact.levelling.record import s_filter_of
 from roughcontact.quantities import number, percent, quantity
 from roughcontact.roughness.traces import STEEPEST
@@ -402,7 +402,7 @@ def pixel_size(height: Attributes, window: Attributes) -> Check:
     'Pixels of 1.1 µm are those of an optical profiler with a lens of 20×.'
     """
     kind, pixel = instrument_kind(height), float(window.get("pixel_pitch", 0.0))
-    if kind is ANY or not pixel:
+    if kind is UNKNOWN or not pixel:
         return Check(
             CheckName.PIXEL_SIZE, NOT_MADE, "Not made: the file does not name the kind of its instrument."
         )

@@ -20,7 +20,7 @@ _WORKBOOK = 2**20  # bytes of the list of sheets that are read
 _TIFF_TYPES = {3: "H", 4: "I", 5: "Q", 8: "h", 9: "i", 10: "q", 11: "f", 12: "d"}  # all others: bytes
 _STRIPS, _STRIP_LENGTHS = 273, 279  # tags
 # member of an archive -> its format in SurfaceTopography
-_MEMBERS = {
+_FORMATS_BY_ENTRY = {
     "index.xml": "plux",
     ".dsc": "nmm",
     ".oir": "poir",
@@ -54,12 +54,14 @@ class Tag(NamedTuple):
 def tiff_tags(stream: IO[bytes] | mmap.mmap) -> Iterator[Tag]:
     """Yield the tags of all pages of a TIFF that `check_tiff` has passed."""
     for order, begin, count in _tiff_pages(stream, ""):
-        for place in range(begin + 2, begin + 2 + 12 * count, 12):
-            stream.seek(place)
-            number, kind, values, position = struct.unpack(order + "HHII", stream.read(12))
-            letter = _TIFF_TYPES.get(kind, "s")
+        for entry_offset in range(begin + 2, begin + 2 + 12 * count, 12):
+            stream.seek(entry_offset)
+            number, value_type, values, position = struct.unpack(order + "HHII", stream.read(12))
+            letter = _TIFF_TYPES.get(value_type, "s")
             length = values * struct.calcsize(order + letter)
-            yield Tag(number, f"{order}{values}{letter}", position if length > 4 else place + 8, length)
+            yield Tag(
+                number, f"{order}{values}{letter}", position if length > 4 else entry_offset + 8, length
+            )
 
 
 def tiff_end(stream: IO[bytes] | mmap.mmap) -> int:
@@ -82,13 +84,13 @@ def _tiff_pages(stream: IO[bytes] | mmap.mmap, path: Path | str) -> Iterator[tup
     stream.seek(0)
     order = "<" if stream.read(4) == TIFF[0] else ">"
     position = _number(stream.read(4), order + "I")
-    seen: set[int] = set()
+    visited: set[int] = set()
     while position:
-        if position in seen or len(seen) == _MOST_PAGES:
+        if position in visited or len(visited) == _MOST_PAGES:
             raise InputFileError(
                 f"{path}: damaged TIFF: its pages form a loop, or are more than {_MOST_PAGES}"
             )
-        seen.add(position)
+        visited.add(position)
         stream.seek(min(position, size))
         tags = stream.read(2)
         count = _number(tags, order + "H")
@@ -107,8 +109,10 @@ def _number(data: bytes, layout: str) -> int:
 
 def formats_within(path: Path) -> set[str]:
     """Return the formats whose members a ZIP archive has; empty for an archive of another kind."""
-    names = [name.lower() for name in _members(path)]
-    within = {each for end, each in _MEMBERS.items() if any(name.endswith(end) for name in names)}
+    names = [name.lower() for name in _entry_names(path)]
+    within = {
+        format_ for end, format_ in _FORMATS_BY_ENTRY.items() if any(name.endswith(end) for name in names)
+    }
     return within if "DATA" in _sheets(path) else within - {"mitutoyo"}
 
 
@@ -127,7 +131,7 @@ def foreign(path: Path, head: bytes) -> str:
             "an Excel workbook, but not one of Mitutoyo's profiles; save the sheet with the heights as CSV "
             f"or text (its sheets: {named})"
         )
-    return _archive(_members(path)) if head.startswith(ZIP) else ""
+    return _archive(_entry_names(path)) if head.startswith(ZIP) else ""
 
 
 def _archive(names: list[str]) -> str:
@@ -155,7 +159,7 @@ def _sheets(path: Path) -> list[str]:
     return [html.unescape(name) for name in re.findall(r"<(?:\w+:)?sheet\s[^>]*?name=\"([^\"]*)\"", text)]
 
 
-def _members(path: Path) -> list[str]:
+def _entry_names(path: Path) -> list[str]:
     """Return the names of the files in an archive."""
     try:
         with zipfile.ZipFile(path) as archive:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact.io.instrument_kinds import ANY, OPTICAL, PROBE, STYLUS, Kind
+from roughcontact.io.instrument_kinds import OPTICAL, PROBE, STYLUS, UNKNOWN, Kind
 from roughcontact.io.instruments import containers, nanoscope
 from roughcontact.io.instruments.containers import OLE, TIFF, ZIP
 from roughcontact.io.interface import RecognisedBy
@@ -52,7 +52,7 @@ class Format:
 
     name: str
     marks: tuple[bytes, ...] = ()
-    kind: Kind = ANY
+    kind: Kind = UNKNOWN
     vendor: str = ""
     offset: int = 0
     text_header: bool = False
@@ -113,8 +113,11 @@ class _Gwyddion(Format):
     def why_no_map(self, path):
         """Return the units of the images, of which the library reads those of lengths over lengths."""
         unit = rb"si_unit_z\0oGwySIUnit\0.{4}(?:unitstr\0s([^\0]*))?"
-        found = {each.decode("utf-8", "replace") for each in re.findall(unit, path.read_bytes(), re.DOTALL)}
-        units = sorted(each or "no unit" for each in found)
+        stated_units = {
+            stated_unit.decode("utf-8", "replace")
+            for stated_unit in re.findall(unit, path.read_bytes(), re.DOTALL)
+        }
+        units = sorted(stated_unit or "no unit" for stated_unit in stated_units)
         return (
             f" of heights over lengths (images in {', '.join(units) or 'no unit'}); if they are heights, "
             "set the unit in Gwyddion (Basic Operations, Dimensions and Units) and save it again"
@@ -125,9 +128,9 @@ class _Igor(Format):
     def contradiction(self, path, header):
         # the 16-bit words of both headers of version 5 add up to zero (WaveMetrics, Technical Note 003)
         with path.open("rb") as stream:
-            words = np.frombuffer(stream.read(384), "<u2")
-        words = words if words[0] == 5 else words.byteswap()
-        return "the checksum of its header does not match its content" if int(words.sum()) & 0xFFFF else ""
+            numbers = np.frombuffer(stream.read(384), "<u2")
+        numbers = numbers if numbers[0] == 5 else numbers.byteswap()
+        return "the checksum of its header does not match its content" if int(numbers.sum()) & 0xFFFF else ""
 
 
 class _MetroPro(Format):
@@ -183,10 +186,10 @@ class _Park(Format):
         points = header["nb_grid_pts_x"] * header["nb_grid_pts_y"]
         with path.open("rb") as stream:
             stored = next((tag.length for tag in containers.tiff_tags(stream) if tag.number == _PARK_DATA), 0)
-        needed = points * (2 if header.get("data_type", 0) == 0 else 4)
-        if stored == needed:
+        required_size = points * (2 if header.get("data_type", 0) == 0 else 4)
+        if stored == required_size:
             return ""
-        return f"its tag of the heights has {stored} bytes where {points} points need {needed}"
+        return f"its tag of the heights has {stored} bytes where {points} points need {required_size}"
 
 
 class _Wyko(Format):
@@ -199,12 +202,12 @@ class _Wyko(Format):
         with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
             lens = re.search(rb"\x09\0\0\0Objective\x12\x01([\x01-\x40])", data)
             aperture = re.search(rb"\x05\0\0\0ObjNa\x0d(.{8})", data, re.DOTALL)
-            found = {}
+            instrument = {}
             if lens:
-                found["lens"] = data[lens.end() : lens.end() + lens[1][0]].decode("latin-1")
+                instrument["lens"] = data[lens.end() : lens.end() + lens[1][0]].decode("latin-1")
             if aperture:
-                found["numerical_aperture"] = struct.unpack("<d", aperture[1])[0]
-        return found
+                instrument["numerical_aperture"] = struct.unpack("<d", aperture[1])[0]
+        return instrument
 
     def sign_notes(self, header):
         inverted = str(header.get("Data_Invert", "No")).strip().lower() not in ("no", "")
@@ -258,4 +261,4 @@ def marked(head: bytes) -> list[Format]:
     >>> marked(b"KPK0 is how this text begins")
     []
     """
-    return [each for each in FORMATS if each.marks and each.has_mark(head)]
+    return [format_ for format_ in FORMATS if format_.marks and format_.has_mark(head)]

@@ -60,22 +60,22 @@ def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
         from SurfaceTopography.Exceptions import FileFormatMismatch
         from SurfaceTopography.IO import lookup_reader_by_format
 
-        for each in formats:
-            library = lookup_reader_by_format[each.name]
+        for format_ in formats:
+            library = lookup_reader_by_format[format_.name]
             try:
-                return _open(library(str(path)), each, path)
+                return _open(library(str(path)), format_, path)
             except InputFileError:
                 raise
             except FileFormatMismatch:
                 continue
             except Exception as error:  # a reader may fail on foreign bytes in any way
-                failures.append((library.name(), each, error))
-    known, reason = _likeliest(failures, within)
-    if reason is None and shared and (what := containers.foreign(path, head)):
-        raise InputFileError(f"{path}: this is {what}")
-    if reason is not None and any(each.marks for each in formats):
+                failures.append((library.name(), format_, error))
+    candidate, reason = _likeliest(failures, within)
+    if reason is None and shared and (foreign_format := containers.foreign(path, head)):
+        raise InputFileError(f"{path}: this is {foreign_format}")
+    if reason is not None and any(format_.marks for format_ in formats):
         raise InputFileError(
-            f"{path}: looks like {known}, but is damaged, cut off or of a kind that holds no map "
+            f"{path}: looks like {candidate}, but is damaged, cut off or of a kind that holds no map "
             f"({_message(reason)})"
         ) from reason
     raise InputFileError(
@@ -92,10 +92,10 @@ def _likeliest(
     The mark of a container does not identify its content: the members do, or the readers that did not accept
     the file.
     """
-    for name, each, error in failures:
-        if each.marks == containers.ZIP and each.name not in within:
+    for name, format_, error in failures:
+        if format_.marks == containers.ZIP and format_.name not in within:
             continue
-        if each.marks == containers.TIFF and isinstance(error, IndexError | KeyError | AttributeError):
+        if format_.marks == containers.TIFF and isinstance(error, IndexError | KeyError | AttributeError):
             continue  # without the tags of this format
         return name, error
     return "", None
@@ -233,8 +233,8 @@ def _instrument(info: Any, file_format: Format, path: Path) -> dict:
     stated = dict(info.info.get("instrument") or {})
     stated.setdefault("vendor", file_format.vendor)
     stated |= {"kind": file_format.kind.name, "acquisition_time": info.info.get("acquisition_time")}
-    found = {word: value for word, value in stated.items() if value is not None}
-    stated = file_format.instrument(path) | found
+    instrument = {key: value for key, value in stated.items() if value is not None}
+    stated = file_format.instrument(path) | instrument
     if info.info.get("comment"):
         stated["comment"] = info.info["comment"]
     return instrument_metadata(stated, info.info.get("raw_metadata"))

@@ -42,9 +42,9 @@ def corrected(channels: list[Any], path: Path) -> list[str]:
     from SurfaceTopography.IO.Reader import ChannelInfo
 
     with path.open("rb") as stream:
-        scan = next((part for part in sections(stream.read(_HEADER)) if "lines" in part), {})
+        scan = next((section for section in sections(stream.read(_HEADER)) if "lines" in section), {})
     notes = []
-    for place, info in enumerate(channels):
+    for index, info in enumerate(channels):
         image = info.info["raw_metadata"]
         (nx, ny), (x, y) = info.nb_grid_pts, info.physical_sizes
         stored, bytes_of_line = int(image["data length"]), nx * info.tags["elsize"]
@@ -64,9 +64,9 @@ def corrected(channels: list[Any], path: Path) -> list[str]:
             f"{image['scan size']}; the data are {lines} lines of {nx}, on {number(x)} x "
             f"{number(length)} {unit}"
         )
-        channels[place] = ChannelInfo(
+        channels[index] = ChannelInfo(
             info.reader,
-            place,
+            index,
             name=info.name,
             dim=2,
             nb_grid_pts=(nx, lines),
@@ -88,8 +88,8 @@ def _aspect(scan: dict[str, str], nx: int, lines: int, image: dict[str, str]) ->
     if int(scan.get("samps/line", 0)) != nx:
         return stated
     ratio = re.match(r"([\d.]+):([\d.]+)", scan.get("aspect ratio", ""))
-    whole = float(ratio[2]) / float(ratio[1]) if ratio else 1.0
+    aspect = float(ratio[2]) / float(ratio[1]) if ratio else 1.0
     planned = int(scan["lines"])
     if lines == planned:
-        return whole if stated == 1 else stated
-    return whole * lines / planned if lines < planned else lines / nx
+        return aspect if stated == 1 else stated
+    return aspect * lines / planned if lines < planned else lines / nx

@@ -61,18 +61,18 @@ def _sensofar(data: mmap.mmap, header: Header, points: int) -> Stated:
 
 def _wsxm(data: mmap.mmap, header: Header, points: int) -> Stated | None:
     """Count the header, whose size it states, and the points."""
-    found = re.search(rb"Image header size:\s*(\d+)", data[:4096])
-    kind = header["General Info"].get("Image Data Type", "short")
-    width = {"short": 2, "integer": 2, "float": 4, "double": 8}.get(kind)
-    return Stated(int(found[1]) + width * points) if found and width else None
+    match = re.search(rb"Image header size:\s*(\d+)", data[:4096])
+    data_type = header["General Info"].get("Image Data Type", "short")
+    width = {"short": 2, "integer": 2, "float": 4, "double": 8}.get(data_type)
+    return Stated(int(match[1]) + width * points) if match and width else None
 
 
 def _bcr(data: mmap.mmap, header: Header, points: int) -> Stated:
     """Count a header of a stated number of characters, and the points."""
-    kind = str(header["fileformat"])
+    file_format = str(header["fileformat"])
     characters = int(header.get("headersize", 2048))
-    width = 4 if kind.startswith("bcrf") else 2
-    return Stated(characters * (2 if kind.endswith("unicode") else 1) + width * points)
+    width = 4 if file_format.startswith("bcrf") else 2
+    return Stated(characters * (2 if file_format.endswith("unicode") else 1) + width * points)
 
 
 def _molecular_imaging(data: mmap.mmap, header: Header, points: int) -> Stated | None:
@@ -88,28 +88,28 @@ def _microprof(data: mmap.mmap, header: Header, points: int) -> Stated:
     """Count the tagged blocks."""
     entry = struct.Struct("<HI" if data[12:16] == b"1.00" else "<HQ")
     (blocks,) = struct.unpack_from("<H", data, 16)
-    place = 18
+    offset = 18
     for _ in range(blocks):
-        if place + entry.size > len(data):
-            return Stated(place + entry.size)
-        place += entry.size + entry.unpack_from(data, place)[1]
-    return Stated(place)
+        if offset + entry.size > len(data):
+            return Stated(offset + entry.size)
+        offset += entry.size + entry.unpack_from(data, offset)[1]
+    return Stated(offset)
 
 
 def _wyko(data: mmap.mmap, header: Header, points: int) -> Stated:
     """Count the directory and the blocks that it lists."""
     entry = struct.Struct("<16shiH")
     size = 2 + entry.unpack_from(data, 2)[2]
-    for place in range(2 + entry.size, min(size, len(data) - entry.size + 1), entry.size):
-        size += max(0, entry.unpack_from(data, place)[2])
+    for offset in range(2 + entry.size, min(size, len(data) - entry.size + 1), entry.size):
+        size += max(0, entry.unpack_from(data, offset)[2])
     return Stated(size)
 
 
 def _nanoscope(data: mmap.mmap, header: Header, points: int) -> Stated | None:
     """Count up to the end of the last block that a section of the header places."""
     text = data[: max(0, data.find(nanoscope.END))]
-    blocks = [each for each in nanoscope.sections(text) if "data offset" in each]
-    ends = [int(each["data offset"]) + int(each["data length"]) for each in blocks]
+    blocks = [block for block in nanoscope.sections(text) if "data offset" in block]
+    ends = [int(block["data offset"]) + int(block["data length"]) for block in blocks]
     return Stated(max(ends)) if ends else None
 
 
@@ -120,15 +120,15 @@ def _nanosurf(data: mmap.mmap, header: Header, points: int) -> Stated | None:
         return None
     sections: dict[bytes, dict[bytes, bytes]] = {}
     for section in re.split(rb"\r\n(?=\[)", data[:begin]):
-        name, _, rest = section.partition(b"]")
+        name, _, remainder = section.partition(b"]")
         sections[name.strip().lstrip(b"[")] = dict(
-            re.findall(rb"^([^=\r\n]+)=([^\r\n]*)", rest, re.MULTILINE)
+            re.findall(rb"^([^=\r\n]+)=([^\r\n]*)", remainder, re.MULTILINE)
         )
     size = begin + 4
     for key, name in sections.get(b"DataSet", {}).items():
-        said = sections.get(name, {})
-        if re.fullmatch(rb"Gr\d+-Ch\d+", key) and b"SaveBits" in said:
-            size += int(said[b"Points"]) * int(said[b"Lines"]) * int(said[b"SaveBits"]) // 8
+        statements = sections.get(name, {})
+        if re.fullmatch(rb"Gr\d+-Ch\d+", key) and b"SaveBits" in statements:
+            size += int(statements[b"Points"]) * int(statements[b"Lines"]) * int(statements[b"SaveBits"]) // 8
     return Stated(size)
 
 

@@ -55,7 +55,7 @@ _LAYOUT = np.dtype(
 # types of objects; behind those of other types may lie colours
 _PROFILE, _SURFACE, _PROFILES, _SURFACES = 1, 2, 4, 5
 _SERIES = (_PROFILES, _SURFACES)
-_WHOLE = (_PROFILE, _SURFACE, *_SERIES)
+_COMPLETE = (_PROFILE, _SURFACE, *_SERIES)
 _MIRRORED_X, _MIRRORED_Y = 2, 3  # inversions; 1 changes the sign alone, and so do these
 _MISSING = -2  # beside the lowest integer
 
@@ -84,7 +84,7 @@ def read(path: Path) -> MeasuredFile:
     check_line_ends(path)
     objects = _objects(path)
     first = objects[0].header
-    stale, notes = compare_size(path, objects[-1].end) if first["type"] in _WHOLE else ("", [])
+    stale, notes = compare_size(path, objects[-1].end) if first["type"] in _COMPLETE else ("", [])
     channels = [channel for item in objects for channel in _channels(item, path)]
     if len(channels) > 1:
         for number, channel in enumerate(channels, 1):
@@ -94,10 +94,10 @@ def read(path: Path) -> MeasuredFile:
 
 def _objects(path: Path) -> list[_Object]:
     """Return all objects of a file, which lie one behind the other."""
-    found: list[_Object] = []
+    objects: list[_Object] = []
     size, end = path.stat().st_size, 0
     with path.open("rb") as stream:
-        while not found or (found[0].header["type"] != _SURFACE and stream.read(len(_MARK)) == _MARK):
+        while not objects or (objects[0].header["type"] != _SURFACE and stream.read(len(_MARK)) == _MARK):
             stream.seek(end)
             data = stream.read(_HEADER_BYTES)
             if len(data) < _HEADER_BYTES:
@@ -117,12 +117,14 @@ def _objects(path: Path) -> list[_Object]:
                     f"{path}: {size} bytes where its headers need {end}: it was cut off, or lost bytes on "
                     "the way; copy or export it again"
                 )
-            found.append(_Object(header, begin, end))
+            objects.append(_Object(header, begin, end))
             stream.seek(end)
-    stated = int(found[0].header["objects"])
-    if found[0].header["type"] in _SERIES and len(found) < stated:
-        raise InputFileError(f"{path}: {len(found)} objects where its header states {stated}: it was cut off")
-    return found
+    stated = int(objects[0].header["objects"])
+    if objects[0].header["type"] in _SERIES and len(objects) < stated:
+        raise InputFileError(
+            f"{path}: {len(objects)} objects where its header states {stated}: it was cut off"
+        )
+    return objects
 
 
 def _channels(item: _Object, path: Path) -> Iterator[Channel]:
@@ -137,12 +139,12 @@ def _channels(item: _Object, path: Path) -> Iterator[Channel]:
     if rows[0].stop > 1 and dy and unit and not same_length(unit, unit_y):
         notes.append(f"the axes have different units, {unit} along x and {unit_y or 'none'} along y")
         dy = dy * metres(unit_y) / metres(unit) if is_length(unit) and is_length(unit_y) else None
-    for wanted in rows:
-        shape = wanted.stop - wanted.start, nx
+    for chosen_rows in rows:
+        shape = chosen_rows.stop - chosen_rows.start, nx
         yield Channel(
             "Default",
             shape,
-            partial(_read, item, wanted, path),
+            partial(_read, item, chosen_rows, path),
             height_unit=height_unit or None,
             dx=dx,
             dy=dy if shape[0] > 1 else None,

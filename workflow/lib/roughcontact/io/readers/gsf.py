@@ -36,10 +36,12 @@ def read(path: Path) -> MeasuredFile:
     with path.open("rb") as stream:
         text, zero, _ = stream.read(_MAX_HEADER_BYTES).partition(b"\0")
         lines = text.removeprefix(_MARK).decode("utf-8", "replace").splitlines()
-        said = {key.strip(): value.strip() for key, equals, value in (line.partition("=") for line in lines)}
+        statements = {
+            key.strip(): value.strip() for key, equals, value in (line.partition("=") for line in lines)
+        }
         try:
-            nx, ny = int(said["XRes"]), int(said["YRes"])
-            lengths = [float(said[key]) if key in said else None for key in ("XReal", "YReal")]
+            nx, ny = int(statements["XRes"]), int(statements["YRes"])
+            lengths = [float(statements[key]) if key in statements else None for key in ("XReal", "YReal")]
         except (KeyError, ValueError) as error:
             raise InputFileError(
                 f"{path}: looks like GSF, but is damaged: no size in its header ({error})"
@@ -62,15 +64,15 @@ def read(path: Path) -> MeasuredFile:
         values = np.frombuffer(stream.read(stored), "<f4").reshape(ny, nx)
     heights = as_heights(values, str(path))
     length_x, length_y = lengths
-    unit = said.get("ZUnits") or None
+    unit = statements.get("ZUnits") or None
     channel = Channel(
-        said.get("Title") or "height",
+        statements.get("Title") or "height",
         (ny, nx),
         heights.copy,
         height_unit=unit,
         dx=length_x / nx if length_x else None,
         dy=length_y / ny if length_y else None,
-        lateral_unit=said.get("XYUnits") or None,
+        lateral_unit=statements.get("XYUnits") or None,
         no_height=f"values in {unit!r}, no length" if unit and not is_length(unit) else "",
     )
     return MeasuredFile("Gwyddion Simple Field", [channel], first_row="top")

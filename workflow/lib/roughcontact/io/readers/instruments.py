@@ -14,8 +14,8 @@ from roughcontact.io.text.lines import is_text
 
 def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file begins with the mark of an instrument's format."""
-    found = [each for each in marked(head) if each.recognised_by is RecognisedBy.MARK]
-    return bool(found) and not (found[0].binary_data and is_text(path))
+    matching = [format_ for format_ in marked(head) if format_.recognised_by is RecognisedBy.MARK]
+    return bool(matching) and not (matching[0].binary_data and is_text(path))
 
 
 def read(path: Path) -> MeasuredFile:

@@ -45,26 +45,28 @@ def read(path: Path) -> MeasuredFile:
         measurements = [name for name in sorted(file) if name.startswith("Measurement_")]
         for name in measurements:
             measurement = file[name]
-            said = dict(measurement.attrs.items())
+            attrs_of_measurement = dict(measurement.attrs.items())
             before = f"{name} " if len(measurements) > 1 else ""
             for group in sorted(measurement):
                 if group.startswith("Channel_"):
-                    channels += _frames(measurement[group], said, before, path)
-            instrument = instrument or _instrument(said)
+                    channels += _frames(measurement[group], attrs_of_measurement, before, path)
+            instrument = instrument or _instrument(attrs_of_measurement)
     if not channels:
         raise InputFileError(f"{path}: this JPK file holds no map")
     channels.sort(key=lambda ranked: ranked[0])
-    needed = hdf5.stated_size(path)
-    stale, notes = ("", []) if needed is None else compare_size(path, needed)
+    required_size = hdf5.stated_size(path)
+    stale, notes = ("", []) if required_size is None else compare_size(path, required_size)
     return MeasuredFile(
         "JPK (HDF5)", [channel for _, channel in channels], "bottom", instrument, notes, stale
     )
 
 
-def _frames(group: Any, said: dict[str, Any], before: str, path: Path) -> list[tuple[int, Channel]]:
+def _frames(
+    group: Any, attrs_of_measurement: dict[str, Any], before: str, path: Path
+) -> list[tuple[int, Channel]]:
     """Return a channel for each frame of a group, with its place in the order."""
     attributes = dict(group.attrs.items())
-    nx, ny = int(said[_GRID + "ilength"]), int(said[_GRID + "jlength"])
+    nx, ny = int(attrs_of_measurement[_GRID + "ilength"]), int(attrs_of_measurement[_GRID + "jlength"])
     check_points((ny, nx), path)
     arrays = [name for name in group if name != "thumbnail"]
     if len(arrays) != 1:
@@ -76,10 +78,10 @@ def _frames(group: Any, said: dict[str, Any], before: str, path: Path) -> list[t
         )
     unit = _text(attributes.get(_SCALE + "unit.unit", ""))
     scale = float(attributes[_SCALE + "multiplier"]), float(attributes[_SCALE + "offset"])
-    lateral_unit = _text(said.get(_GRID + "unit.unit", "m"))
+    lateral_unit = _text(attrs_of_measurement.get(_GRID + "unit.unit", "m"))
     quantity = _text(attributes.get("channel.name", array.name))
     direction = "retrace" if _text(attributes.get("retrace", "")) == "true" else "trace"
-    turned = abs(float(said.get(_GRID + "theta", 0.0))) > 1e-3
+    turned = abs(float(attrs_of_measurement.get(_GRID + "theta", 0.0))) > 1e-3
     notes = ["the scan is turned in its file (theta): x and y are those of the scan"] if turned else []
     rank = _HEIGHTS.index(quantity) if quantity in _HEIGHTS else len(_HEIGHTS)
     frames = array.shape[1]
@@ -95,8 +97,8 @@ def _frames(group: Any, said: dict[str, Any], before: str, path: Path) -> list[t
                 (ny, nx),
                 partial(_read, path, array.name, frame, (ny, nx), scale),
                 height_unit=unit or None,
-                dx=float(said[_GRID + "ulength"]) / nx,
-                dy=float(said[_GRID + "vlength"]) / ny,
+                dx=float(attrs_of_measurement[_GRID + "ulength"]) / nx,
+                dy=float(attrs_of_measurement[_GRID + "vlength"]) / ny,
                 lateral_unit=lateral_unit,
                 no_height=no_height,
                 notes=list(notes),
@@ -115,17 +117,19 @@ def _read(
     return as_heights(counts.reshape(shape) * scale[0] + scale[1], str(path))
 
 
-def _instrument(said: dict[str, Any]) -> dict[str, Any]:
+def _instrument(attrs_of_measurement: dict[str, Any]) -> dict[str, Any]:
     """Return the instrument metadata from the attributes of a measurement."""
     return instrument_metadata(
         {
             "kind": instrument_kinds.PROBE.name,
             "vendor": "JPK",
-            "name": _text(said.get("description.instrument", "")),
-            "probe": _text(said.get("environment.cantilever-calibration-info.cantilever-name", "")),
-            "acquisition_time": _text(said.get("start-time", "")),
-            "software": _text(said.get("description.source-software", "")),
-            "comment": _text(said.get("description.comment", "")),
+            "name": _text(attrs_of_measurement.get("description.instrument", "")),
+            "probe": _text(
+                attrs_of_measurement.get("environment.cantilever-calibration-info.cantilever-name", "")
+            ),
+            "acquisition_time": _text(attrs_of_measurement.get("start-time", "")),
+            "software": _text(attrs_of_measurement.get("description.source-software", "")),
+            "comment": _text(attrs_of_measurement.get("description.comment", "")),
         }
     )
 

@@ -50,8 +50,8 @@ def read(path: Path) -> MeasuredFile:
     except Exception as error:  # the library fails on damaged files in any way
         raise InputFileError(f"{path}: damaged or cut off MATLAB file ({brief(error)})") from error
     channels = []
-    for name, shape, kind in variables:
-        if kind not in _NUMBERS or len(shape) not in (2, 3) or shape[0] * shape[1] < 2:
+    for name, shape, value_type in variables:
+        if value_type not in _NUMBERS or len(shape) not in (2, 3) or shape[0] * shape[1] < 2:
             continue
         ny, nx = (1, max(shape[:2])) if min(shape[:2]) == 1 else shape[:2]
         if prod(shape) > MAX_POINTS:
@@ -63,7 +63,7 @@ def read(path: Path) -> MeasuredFile:
             label = name if index is None else f"{name}(:,:,{index + 1})"
             channels.append(Channel(label, (ny, nx), partial(_read, path, name, (ny, nx), index)))
     if not channels:
-        listed = ", ".join(f"{name} ({kind})" for name, _, kind in variables[:8])
+        listed = ", ".join(f"{name} ({value_type})" for name, _, value_type in variables[:8])
         raise InputFileError(
             f"{path}: no matrix of real numbers in this MATLAB file; it has {listed or 'nothing'}"
         )
@@ -89,8 +89,8 @@ def _check_unpacked_size(path: Path) -> None:
     with path.open("rb") as stream:
         order: Literal["little", "big"] = "little" if stream.read(_HEADER_BYTES)[126:128] == b"IM" else "big"
         while len(tag := stream.read(8)) == 8:
-            kind, count = (int.from_bytes(part, order) for part in (tag[:4], tag[4:]))
-            if kind not in (_MATRIX, _COMPRESSED):
+            data_type, count = (int.from_bytes(field, order) for field in (tag[:4], tag[4:]))
+            if data_type not in (_MATRIX, _COMPRESSED):
                 raise InputFileError(
                     f"{path}: damaged MATLAB file: no variable begins {stream.tell() - 8} bytes from its "
                     "beginning, where the one before ends; copy or save it again"
@@ -99,7 +99,7 @@ def _check_unpacked_size(path: Path) -> None:
                 raise InputFileError(
                     f"{path}: the last variable of this MATLAB file is not whole: it was cut off"
                 )
-            if kind != _COMPRESSED:
+            if data_type != _COMPRESSED:
                 stream.seek(count, 1)
                 continue
             packed, unpacker = stream.read(count), zlib.decompressobj()

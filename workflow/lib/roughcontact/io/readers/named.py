@@ -11,7 +11,7 @@ _PICTURE = "a picture, whose colours are no heights; export the map itself as X3
 _PACKED = "a packed file; unpack it first"
 _SURFER = "a grid of Surfer, which is not read; save it as ASCII XYZ, or as an Arc/Info ASCII grid"
 # first bytes -> kind of file, and advice
-_KNOWN = {
+_UNREADABLE = {
     b"DSCOMPRESSED": (
         "a Digital Surf file in its compressed form (DSCOMPRESSED), which is not read; save it uncompressed "
         "(SUR), or export it as X3P or SDF"
@@ -58,15 +58,17 @@ def recognises(path: Path, head: bytes) -> bool:
     (True, False)
     """
     return head.startswith(tuple(_KNOWN_TEXTS)) or (
-        head.startswith(tuple(_KNOWN)) and not looks_like_text(head)
+        head.startswith(tuple(_UNREADABLE)) and not looks_like_text(head)
     )
 
 
 def read(path: Path) -> NoReturn:
     """Refuse a file by the name of its format, and say how to convert it."""
     head = head_of(path)
-    what = next(what for mark, what in (_KNOWN | _KNOWN_TEXTS).items() if head.startswith(mark))
-    raise InputFileError(f"{path}: this is {what}")
+    description = next(
+        description for mark, description in (_UNREADABLE | _KNOWN_TEXTS).items() if head.startswith(mark)
+    )
+    raise InputFileError(f"{path}: this is {description}")
 
 
 READER = Reader(RecognisedBy.MARK, recognises, read)

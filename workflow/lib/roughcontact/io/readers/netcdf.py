@@ -56,20 +56,20 @@ def read(path: Path) -> MeasuredFile:
     """
     head = head_of(path)
     sealed = check_seal(path)
-    needed = classic.check_header(path) if head.startswith(classic.MARKS) else hdf5.stated_size(path)
-    stale, notes = ("", []) if needed is None else compare_size(path, needed + sealed)
+    required_size = classic.check_header(path) if head.startswith(classic.MARKS) else hdf5.stated_size(path)
+    stale, notes = ("", []) if required_size is None else compare_size(path, required_size + sealed)
     arrays = hdf5.datasets(path) if head.startswith(hdf5.MARK) else {}
     engine = "scipy" if head.startswith(_SCIPY) else "netcdf4"
     too_long = {} if engine == "scipy" else _oversized_variables(path)
     with _opened(path, engine, too_long) as dataset:
         opener = partial(_opened, path, engine, too_long)
         channels = [
-            _variable(dataset, name, axes, at, path, opener)
+            _variable(dataset, name, axes, selection, path, opener)
             for name in dataset.data_vars
-            for axes, at in _maps(dataset[name])
+            for axes, selection in _maps(dataset[name])
         ]
         attributes = dict(dataset.attrs)
-        own = dict(dataset["height"].attrs) if "height" in dataset else {}
+        height_attrs = dict(dataset["height"].attrs) if "height" in dataset else {}
         names = sorted(map(str, dataset.variables))
     channels += [_oversized_channel(name, shape) for name, shape in too_long.items()]
     if not channels:
@@ -79,8 +79,10 @@ def read(path: Path) -> MeasuredFile:
         "netCDF",
         channels,
         # in files of early versions of this project y ran downwards where the measured file began at the top
-        first_row="top" if own.get("first_row") == "top" and "y_axis" not in own else "bottom",
-        instrument=_instrument(own.get("instrument"), attributes),
+        first_row="top"
+        if height_attrs.get("first_row") == "top" and "y_axis" not in height_attrs
+        else "bottom",
+        instrument=_instrument(height_attrs.get("instrument"), attributes),
         warnings=notes,
         stale=stale,
     )
@@ -127,10 +129,10 @@ def _no_map_message(path: Path, arrays: dict[str, tuple[int, ...]], names: list[
         listed = ", ".join(
             f"{name} ({' x '.join(map(str, shape)) or '1'})" for name, shape in sorted(arrays.items())[:5]
         )
-        more = f" and {len(arrays) - 5} more" if len(arrays) > 5 else ""
+        remainder = f" and {len(arrays) - 5} more" if len(arrays) > 5 else ""
         return (
             f"{path}: an HDF5 file, but neither netCDF nor one of Zygo's or JPK's, so that nothing says "
-            f"which of its arrays are heights; it has {listed}{more}; save the heights as .npy or netCDF"
+            f"which of its arrays are heights; it has {listed}{remainder}; save the heights as .npy or netCDF"
         )
     if not names:
         return (
@@ -144,10 +146,10 @@ def _is_hdf5(path: Path) -> bool:
     return head_of(path).startswith(hdf5.MARK)
 
 
-def _instrument(own: Any, attributes: dict) -> dict:
+def _instrument(height_attrs: Any, attributes: dict) -> dict:
     """Return the instrument metadata that this project wrote, otherwise those in the file attributes."""
     try:
-        stated = json.loads(own)
+        stated = json.loads(height_attrs)
     except (TypeError, ValueError, RecursionError):
         stated = None
     return stated if isinstance(stated, dict) else instrument_metadata({}, attributes)
@@ -157,13 +159,15 @@ def _variable(
     dataset: Any,
     name: Any,
     dims: tuple[str | None, str],
-    at: dict[str, int],
+    selection: dict[str, int],
     path: Path,
     opener: Callable[[], Any],
 ) -> Channel:
     """Return one variable, at some index of its other axes, as a channel that is read on demand."""
     variable = dataset[name]
-    label = str(name) + "".join(f"[{axis}={index}]" for axis, index in at.items() if variable.sizes[axis] > 1)
+    label = str(name) + "".join(
+        f"[{axis}={index}]" for axis, index in selection.items() if variable.sizes[axis] > 1
+    )
     y, x = dims
     ny, nx = variable.sizes[y] if y else 1, variable.sizes[x]
     if ny * nx > MAX_POINTS:
@@ -185,10 +189,10 @@ def _variable(
     if variable.dtype.kind not in "iuf":
         refused = f"{path}: variable {name!r} holds {no_height}, not real numbers"
         return Channel(label, (ny, nx), unreadable(refused), **attributes)
-    down = str(variable.attrs.get("positive", "")).lower() == "down"  # the CF convention for depths
-    if down:
+    positive_down = str(variable.attrs.get("positive", "")).lower() == "down"  # the CF convention for depths
+    if positive_down:
         attributes["notes"] = [f"the file counts {name!r} positive downwards: its sign was changed"]
-    read = partial(_values, opener, name, dims, at, path, down)
+    read = partial(_values, opener, name, dims, selection, path, positive_down)
     try:
         dx, first_x, backwards_x = _axis(dataset, x)
         dy, first_y, backwards_y = _axis(dataset, y)
@@ -219,17 +223,17 @@ def _values(
     opener: Callable[[], Any],
     name: Any,
     dims: tuple[str | None, str],
-    at: dict[str, int],
+    selection: dict[str, int],
     path: Path,
-    down: bool,
+    positive_down: bool,
 ) -> np.ndarray:
     """Return the values of a variable over its axes, with the sign of heights."""
-    kept = [axis for axis in dims if axis is not None]
+    map_axes = [axis for axis in dims if axis is not None]
     with opener() as dataset:
-        variable = dataset[name].isel(at)
+        variable = dataset[name].isel(selection)
         check_points((1, prod(variable.shape)), path)
-        values = as_heights(variable.transpose(*kept).values, str(path))
-    return -values if down else values
+        values = as_heights(variable.transpose(*map_axes).values, str(path))
+    return -values if positive_down else values
 
 
 def _maps(variable: Any) -> Iterator[tuple[tuple[str | None, str], dict[str, int]]]:
@@ -239,15 +243,15 @@ def _maps(variable: Any) -> Iterator[tuple[tuple[str | None, str], dict[str, int
     their names or as the last two, count the maps.
     """
     dims = list(variable.dims)
-    at = {}
+    selection = {}
     for axis in variable.dims:
         if len(dims) > 2 and variable.sizes[axis] == 1:
             dims.remove(axis)
-            at[axis] = 0
+            selection[axis] = 0
     if len(dims) not in (1, 2, 3) or 0 in variable.shape or "load" in dims or dims == ["time"]:
         return
     if len(dims) == 1:
-        yield (None, dims[0]), at
+        yield (None, dims[0]), selection
         return
     named = [axis for axis in dims if str(axis).lower().startswith(("x", "y"))]
     plane = named if len(named) == 2 else dims[-2:]
@@ -255,7 +259,7 @@ def _maps(variable: Any) -> Iterator[tuple[tuple[str | None, str], dict[str, int
         plane = plane[::-1]
     count = next((axis for axis in dims if axis not in plane), None)
     for index in range(variable.sizes[count] if count else 1):
-        yield (plane[0], plane[1]), at | ({count: index} if count else {})
+        yield (plane[0], plane[1]), selection | ({count: index} if count else {})
 
 
 def _off_grid(

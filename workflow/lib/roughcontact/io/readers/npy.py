@@ -38,8 +38,8 @@ def read(path: Path) -> MeasuredFile:
         )
     check_points(shape, path)
     stale, notes = compare_size(path, getattr(values, "offset", 0) + values.nbytes)
-    kind = "" if values.dtype.kind in "iuf" else f"values of type {values.dtype}, not real numbers"
-    channel = Channel("height", shape, lambda: as_heights(values, str(path)), no_height=kind)
+    problem = "" if values.dtype.kind in "iuf" else f"values of type {values.dtype}, not real numbers"
+    channel = Channel("height", shape, lambda: as_heights(values, str(path)), no_height=problem)
     return MeasuredFile(
         "NumPy array", [channel], first_row="bottom", warnings=notes, stale=stale, first_row_assumed=True
     )

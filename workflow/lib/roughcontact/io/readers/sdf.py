@@ -64,8 +64,8 @@ def read(path: Path) -> MeasuredFile:
     )
     # behind the heights of a binary file lies text or nothing
     trailer = file.trailer if isinstance(file.trailer, bytes) else b""
-    needed = size - len(trailer) if trailer.translate(None, _TEXT) else size
-    stale, notes = compare_size(path, needed)
+    required_size = size - len(trailer) if trailer.translate(None, _TEXT) else size
+    stale, notes = compare_size(path, required_size)
     return MeasuredFile("SDF (ISO 25178-71)", [channel], "bottom", instrument, notes, stale)
 
 

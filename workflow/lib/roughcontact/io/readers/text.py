@@ -72,7 +72,7 @@ class _Text(NamedTuple):
     counts: list[int]
     delimiter: str | None
     stated: Stated
-    said: dict[str, Any]
+    first_values: dict[str, Any]
     columns: list[Column] | None
 
     def refuse(self, text: str) -> InputFileError:
@@ -112,8 +112,8 @@ def read(path: Path) -> MeasuredFile:
         files[-1].warnings += doubts
     files[-1].warnings += cut_number(texts[-1].rows.texts, delimiter, path)
     file = files[0] if len(files) == 1 else _together(texts, files, path)
-    said = texts[0].said
-    file.instrument = instrument_metadata({word: said.get(key) for word, key in _INSTRUMENT.items()})
+    first_values = texts[0].first_values
+    file.instrument = instrument_metadata({key_: first_values.get(key) for key_, key in _INSTRUMENT.items()})
     return file
 
 
@@ -130,31 +130,33 @@ def _parsed(
     stated = statements(rows.heading, first=rows.first, sign=sign)
     refuse_lost_row(rows.heading, table.values.shape[1], delimiter, decimal_comma, path, rows.first)
     doubts = [
-        f"{word!r} occurs in {several(count, 'cell')} of the table and is taken as missing: "
+        f"{key_!r} occurs in {several(count, 'cell')} of the table and is taken as missing: "
         "write NaN if the point is missing, or correct it"
-        for word, count in table.spoken.items()
+        for key_, count in table.spoken.items()
     ]
     if wrong := disagreeing(stated):
         raise InputFileError(f"{path}: {wrong}; correct one of them")
-    said = first_of(stated)
-    remove_marker_values(table.values, said.get("missing", []))
+    first_values = first_of(stated)
+    remove_marker_values(table.values, first_values.get("missing", []))
     doubts += thousands(rows.heading, rows.texts, table.values, delimiter, decimal_comma, path)
     span = np.ptp(table.values[np.isfinite(table.values)]) if np.isfinite(table.values).any() else 0.0
-    if abs(said.get("height_range", np.inf) - span) <= 0.01 * span:  # in the unit of the heights
-        said.setdefault("height_unit", said.get("height_range_unit"))
+    if abs(first_values.get("height_range", np.inf) - span) <= 0.01 * span:  # in the unit of the heights
+        first_values.setdefault("height_unit", first_values.get("height_range_unit"))
     if unit := unit_of_heights(rows.heading):
-        if is_length(said.get("height_unit")) and not same_length(unit, said["height_unit"]):
+        if is_length(first_values.get("height_unit")) and not same_length(unit, first_values["height_unit"]):
             raise InputFileError(
                 f"{path}: {stated['height_unit'][0]}, and a heading of the heights {unit!r}; correct one"
             )
-        said.setdefault("height_unit", unit)
+        first_values.setdefault("height_unit", unit)
     values = table.values
     columns = headed(rows.heading, values.shape[1], delimiter)
-    if not {"length_x", "length_y", "nx", "ny"} & set(said):
-        kept = slice(table.empty_left, values.shape[1] - table.empty_right)
-        table = table._replace(values=values[:, kept])
-        columns = columns[kept] if columns else headed(rows.heading, table.values.shape[1], delimiter)
-    return _Text(path, rows, table, counts, delimiter, stated, said, columns), doubts
+    if not {"length_x", "length_y", "nx", "ny"} & set(first_values):
+        filled_columns = slice(table.empty_left, values.shape[1] - table.empty_right)
+        table = table._replace(values=values[:, filled_columns])
+        columns = (
+            columns[filled_columns] if columns else headed(rows.heading, table.values.shape[1], delimiter)
+        )
+    return _Text(path, rows, table, counts, delimiter, stated, first_values, columns), doubts
 
 
 def _together(texts: list[_Text], files: list[MeasuredFile], path: Path) -> MeasuredFile:
@@ -164,7 +166,7 @@ def _together(texts: list[_Text], files: list[MeasuredFile], path: Path) -> Meas
         number = texts[1 + stated[1:].index(False)].rows.start
         raise InputFileError(f"{path}: {_second_table(number)}, or give each a heading of its own")
     channels = []
-    titles = [text.said.get("channel") or _title(text) for text in texts]
+    titles = [text.first_values.get("channel") or _title(text) for text in texts]
     for number, file in enumerate(files):
         title = titles[number] or f"table {number + 1}"
         for channel in file.channels:
@@ -180,12 +182,12 @@ def _together(texts: list[_Text], files: list[MeasuredFile], path: Path) -> Meas
     file = replace(files[0], channels=channels, warnings=[])
     profiles = [channel for channel in channels if channel.shape[0] == 1 and not channel.no_height]
     if file.question or len(profiles) > 1 or not any(titles):
-        shown = "; ".join(
+        headings = "; ".join(
             f"{text.rows.heading[text.rows.start - text.rows.first].strip()!r} at line {text.rows.start}"
             for text in texts[1:4]
             if text.rows.start < text.rows.lines[0]
         )
-        file.question = f"{several(len(texts), 'table')} below one another ({shown})"
+        file.question = f"{several(len(texts), 'table')} below one another ({headings})"
     return file
 
 
@@ -206,24 +208,29 @@ def _title(text: _Text) -> str:
 
 def _file(text: _Text) -> MeasuredFile:
     """Return the file contents; header and headings decide on its kind, then the form of the columns."""
-    values, columns, said = text.table.values, text.columns, text.said
+    values, columns, first_values = text.table.values, text.columns, text.first_values
     rows, count = values.shape
-    _refuse_cut_table(values.shape, said, text.counts, text.path)
-    found = None
+    _refuse_cut_table(values.shape, first_values, text.counts, text.path)
+    column_layout = None
     if columns is not None and any(column.name for column in columns):
-        if not (found := layout(columns)) and not of_a_map(columns):
+        if not (column_layout := layout(columns)) and not of_a_map(columns):
             names = ", ".join(repr(f"{name} ({unit})" if unit else name) for name, unit, _ in columns)
             raise text.refuse(
                 f"nothing says which of the {count} columns {names} are positions and heights; name them x, "
                 "y and z, in the line above the table"
             )
     elif columns is not None and count in (2, 3):
-        found = layout(columns)
-    if found and not text.table.empty_corner:
-        return _lists(text, columns or [], found.positions, found.heights)
-    if count == 1 and rows > 1 and not _SIZES & set(said):
+        column_layout = layout(columns)
+    if column_layout and not text.table.empty_corner:
+        return _lists(text, columns or [], column_layout.positions, column_layout.heights)
+    if count == 1 and rows > 1 and not _SIZES & set(first_values):
         return _one_column(values, columns[0] if columns else None, text)
-    if count in (2, 3) and rows > 2 and not text.table.empty_corner and not _is_stated_matrix(values, said):
+    if (
+        count in (2, 3)
+        and rows > 2
+        and not text.table.empty_corner
+        and not _is_stated_matrix(values, first_values)
+    ):
         unnamed = columns or [Column("", None, "")] * count
         return _lists(text, unnamed, [[*range(count - 1)]], [count - 1], named=False)
     if text.rows.broken:
@@ -233,7 +240,7 @@ def _file(text: _Text) -> MeasuredFile:
 
 def _matrix_beside(text: _Text) -> MeasuredFile:
     """Return a matrix of heights without the positions in its first row and column."""
-    values, said = text.table.values, text.said
+    values, first_values = text.table.values, text.first_values
     ny, nx = values.shape
     if row := begins_anew(values):
         raise text.refuse(
@@ -241,14 +248,14 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
             "above them (x, y, z), or a second table, then leave one of them in the file"
         )
     cells = text.rows.texts[0].split(text.delimiter)[text.table.empty_left :]
-    empty = [not cell.strip() and np.isnan(values[:, place]).all() for place, cell in enumerate(cells[:nx])]
+    empty = [not cell.strip() and np.isnan(values[:, index]).all() for index, cell in enumerate(cells[:nx])]
     if begins_anew(values.T) or any(empty[1:-1]):
         raise text.refuse(
             f"line {text.rows.lines[0]} begins anew, or has an empty column: maps beside one another; leave "
             "one of them in the file, or write NaN where a column is missing"
         )
     axes = axes_of(values, corner=text.table.empty_corner and not text.table.empty_left)
-    if axes is None or (said.get("ny"), said.get("nx")) == (ny, nx):
+    if axes is None or (first_values.get("ny"), first_values.get("nx")) == (ny, nx):
         if text.table.short:
             raise text.refuse(f"line {text.rows.lines[0]} has {nx - 1} numbers where the others have {nx}")
         file = _matrix(values, text)
@@ -263,7 +270,7 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
         return file
     if wrong := _against(text, axes.steps, None, axes.values.shape):
         channel.doubt = f"{axes.note}: {wrong}; {_SCALE_ADVICE}"
-    elif not axes.rows and nx < _MANY_PROFILES and not {"length_y", "dy", "step", "ny"} & {*said}:
+    elif not axes.rows and nx < _MANY_PROFILES and not {"length_y", "dy", "step", "ny"} & {*first_values}:
         channel.doubt = (
             f"the first of {nx} columns holds positions: of {several(nx - 1, 'profile')}, then name the "
             "columns in a line above them (x, z1, ...), or of the rows of a map, then give dx, dy and unit"
@@ -276,13 +283,13 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
 def _against(text: _Text, steps: dict[str, float], unit: str | None, shape: tuple[int, ...]) -> str:
     """Return what of the header the steps of positions contradict; without a unit they have its unit."""
     for key, step in steps.items():
-        words = [word for word in (key, "step", f"length_{key[1]}") if word in text.stated]
-        one = {word: text.stated[word][:1] for word in words}
+        entries = [key_ for key_ in (key, "step", f"length_{key[1]}") if key_ in text.stated]
+        matching = {key_: text.stated[key_][:1] for key_ in entries}
         if not unit:
-            one = {word: [found._replace(unit="")] for word, (found,) in one.items()}
+            matching = {key_: [statement._replace(unit="")] for key_, (statement,) in matching.items()}
         name = f"the positions have {key} = {step:.6g} {unit or ''}".strip()
         position = Statement(step, unit or "", 0.01 * step, text.rows.lines[0], name)
-        if wrong := contradiction(one | {key: [position, *one.get(key, [])]}, (shape[0], shape[1])):
+        if wrong := contradiction(matching | {key: [position, *matching.get(key, [])]}, (shape[0], shape[1])):
             return wrong
     return ""
 
@@ -296,26 +303,30 @@ def _lists(
     named: bool = True,
 ) -> MeasuredFile:
     """Return lists of points or profiles: one for each column of heights, and each trace in it."""
-    values, said = text.table.values, text.said
-    valid = [place for place, column in enumerate(columns) if column.role == "valid"]
+    values, first_values = text.table.values, text.first_values
+    valid = [index for index, column in enumerate(columns) if column.role == "valid"]
     files, chosen = [], []
-    for places, height in zip(positions, heights, strict=True):
-        listed = values[:, [*places, height]]
-        for place in valid:
-            listed[values[:, place] == 0, -1] = np.nan
-        kept = ~np.isnan(listed).all(axis=1)
-        units = [columns[place].unit for place in (*places, height)]
-        lines = [line for line, keep in zip(text.rows.lines, kept, strict=True) if keep]
-        whole = None if named or text.rows.broken else values
-        if places:
-            file = (_points if len(places) == 2 else _profile)(listed[kept], units, lines, text, whole)
+    for indices, height in zip(positions, heights, strict=True):
+        listed = values[:, [*indices, height]]
+        for index in valid:
+            listed[values[:, index] == 0, -1] = np.nan
+        has_values = ~np.isnan(listed).all(axis=1)
+        units = [columns[index].unit for index in (*indices, height)]
+        lines = [line for line, has_value in zip(text.rows.lines, has_values, strict=True) if has_value]
+        matrix = None if named or text.rows.broken else values
+        if indices:
+            file = (_points if len(indices) == 2 else _profile)(
+                listed[has_values], units, lines, text, matrix
+            )
         else:
-            file = _one_column(listed[kept], columns[height], text)
+            file = _one_column(listed[has_values], columns[height], text)
         name = columns[height].name
         for channel in file.channels:
             if len(heights) > 1:
                 channel.name = (
-                    name if channel.name == said.get("channel", "height") else f"{name}, {channel.name}"
+                    name
+                    if channel.name == first_values.get("channel", "height")
+                    else f"{name}, {channel.name}"
                 )
             if name.lower().startswith(_DEPTHS):
                 channel.notes.append(
@@ -327,28 +338,36 @@ def _lists(
             chosen.append((columns[height], file))
     if len(files) == 1:
         return files[0]
-    by_name = [each for column, each in chosen if column.role == "z"]
-    likely = [each for column, each in chosen if column.role == "z" or is_length(column.unit)]
-    likely = likely or [each for _, each in chosen]
+    by_name = [listed_file for column, listed_file in chosen if column.role == "z"]
+    likely = [listed_file for column, listed_file in chosen if column.role == "z" or is_length(column.unit)]
+    likely = likely or [listed_file for _, listed_file in chosen]
     file = (by_name or likely or files)[0]
-    ordered = [file, *(each for each in files if each is not file)]
-    asked = file.question
+    ordered = [file, *(listed_file for listed_file in files if listed_file is not file)]
+    question_ = file.question
     if len(likely) > 1:
         names = ", ".join(repr(columns[height].name) for height in heights)
-        asked = f"{several(len(heights), 'column')} that may be heights: {names}"
-    return replace(file, channels=[channel for each in ordered for channel in each.channels], question=asked)
+        question_ = f"{several(len(heights), 'column')} that may be heights: {names}"
+    return replace(
+        file,
+        channels=[channel for listed_file in ordered for channel in listed_file.channels],
+        question=question_,
+    )
 
 
-def _is_stated_matrix(values: np.ndarray, said: dict[str, Any]) -> bool:
+def _is_stated_matrix(values: np.ndarray, first_values: dict[str, Any]) -> bool:
     """Return whether a header makes a table of two or three columns a matrix of heights.
 
     Beside a header that gives the size of the field, the columns are positions only where they form a whole
     grid of three lines and more each way (a profile: even steps), which heights do not.
     """
     rows, count = values.shape
-    if said.get("nx") is not None or said.get("ny") is not None:
-        return said.get("nx") in (count, None) and said.get("ny") in (rows, None)
-    if not ({"step"} <= set(said) or {"length_x", "length_y"} <= set(said) or {"dx", "dy"} <= set(said)):
+    if first_values.get("nx") is not None or first_values.get("ny") is not None:
+        return first_values.get("nx") in (count, None) and first_values.get("ny") in (rows, None)
+    if not (
+        {"step"} <= set(first_values)
+        or {"length_x", "length_y"} <= set(first_values)
+        or {"dx", "dy"} <= set(first_values)
+    ):
         return False
     if not np.isfinite(values[:, : count - 1]).all():
         return True
@@ -358,14 +377,16 @@ def _is_stated_matrix(values: np.ndarray, said: dict[str, Any]) -> bool:
         except UnevenPositionsError:
             return True
         return False
-    lines = [np.unique(values[:, place]).size for place in (0, 1)]
+    lines = [np.unique(values[:, index]).size for index in (0, 1)]
     return min(lines) < 3 or lines[0] * lines[1] != rows
 
 
-def _refuse_cut_table(shape: tuple[int, ...], said: dict[str, Any], counts: list[int], path: Path) -> None:
+def _refuse_cut_table(
+    shape: tuple[int, ...], first_values: dict[str, Any], counts: list[int], path: Path
+) -> None:
     """Refuse a table with fewer rows than the file states."""
     rows, columns = shape
-    stated = said.get("count")
+    stated = first_values.get("count")
     if len(counts) == 1:
         stated = counts[0]
     elif counts:
@@ -385,11 +406,11 @@ def _one_column(values: np.ndarray, column: Column | None, text: _Text) -> Measu
     """Return one height per line: a profile, or a map of one column if the user gives both steps."""
     if text.rows.broken:
         raise text.refuse(_second_table(text.rows.broken) + ", or write NaN where a height is missing")
-    said = text.said
-    unit = said.get("height_unit", column.unit if column else said.get("unit"))
-    heights, attributes = _heights(values.T, said, unit)
+    first_values = text.first_values
+    unit = first_values.get("height_unit", column.unit if column else first_values.get("unit"))
+    heights, attributes = _heights(values.T, first_values, unit)
     channel = Channel(
-        shape=heights.shape, read=lambda: heights, lateral_unit=said.get("lateral_unit"), **attributes
+        shape=heights.shape, read=lambda: heights, lateral_unit=first_values.get("lateral_unit"), **attributes
     )
     if column is None or not column.name:
         channel.otherwise = _matrix(values, text).channels[0]
@@ -399,21 +420,23 @@ def _one_column(values: np.ndarray, column: Column | None, text: _Text) -> Measu
 def _matrix(table: np.ndarray, text: _Text, positions: dict[str, float] | None = None) -> MeasuredFile:
     """Return a matrix of heights, with steps or size from the header, or by the positions beside it."""
     ny, nx = table.shape
-    said, path = text.said, text.path
-    for word, found, name in (("nx", nx, "columns"), ("ny", ny, "rows")):
-        if said.get(word) is not None and said[word] != found:
+    first_values, path = text.first_values, text.path
+    for key_, count, name in (("nx", nx, "columns"), ("ny", ny, "rows")):
+        if first_values.get(key_) is not None and first_values[key_] != count:
             raise InputFileError(
-                f"{path}: the header says {said[word]:g} {name}, the file has {found}; "
+                f"{path}: the header says {first_values[key_]:g} {name}, the file has {count}; "
                 "it was cut off or changed"
             )
-    if ny == 1 and "length_y" in said:
+    if ny == 1 and "length_y" in first_values:
         raise InputFileError(
             f"{path}: the header gives a size along y, the file has one line; it was cut off"
         )
     wrong = contradiction(text.stated, table.shape)
-    steps, lateral_unit = ({}, None) if wrong else _steps(said, {"x": nx, "y": ny}, path)
+    steps, lateral_unit = ({}, None) if wrong else _steps(first_values, {"x": nx, "y": ny}, path)
     steps = {axis: step for axis in "xy" if (step := (positions or {}).get("d" + axis))} | steps
-    heights, attributes = _heights(table, said, said.get("height_unit", said.get("unit")))
+    heights, attributes = _heights(
+        table, first_values, first_values.get("height_unit", first_values.get("unit"))
+    )
     channel = Channel(
         shape=heights.shape,
         read=lambda: heights,
@@ -425,12 +448,16 @@ def _matrix(table: np.ndarray, text: _Text, positions: dict[str, float] | None =
     if wrong:
         channel.otherwise = replace(channel)
         channel.doubt = f"{wrong}; {_SCALE_ADVICE}"
-    elif {"length_x", "length_y"} <= set(said) and not {"dx", "dy", "step", "nx", "ny"} & set(said):
+    elif {"length_x", "length_y"} <= set(first_values) and not {"dx", "dy", "step", "nx", "ny"} & set(
+        first_values
+    ):
         channel.size_rounding = tuple(
-            said[f"length_{axis}_rounding"] / said[f"length_{axis}"] if said[f"length_{axis}"] else 0.0
+            first_values[f"length_{axis}_rounding"] / first_values[f"length_{axis}"]
+            if first_values[f"length_{axis}"]
+            else 0.0
             for axis in "xy"
         )
-    assumed = not _SIZES & set(said)  # programs that write sizes begin at the top
+    assumed = not _SIZES & set(first_values)  # programs that write sizes begin at the top
     return MeasuredFile("text matrix", [channel], first_row="top", first_row_assumed=assumed)
 
 
@@ -439,44 +466,46 @@ def _profile(
     units: list[str | None],
     lines: list[int],
     text: _Text,
-    whole: np.ndarray | None,
+    full_table: np.ndarray | None,
 ) -> MeasuredFile:
     """Return a profile from positions that rise or fall, or several, where they begin anew."""
     if not np.isfinite(table[:, 0]).all():
-        place = lines[int(np.argmin(np.isfinite(table[:, 0])))]
-        raise text.refuse(f"the point in line {place} has no position")
-    pieces = runs(table[:, 0])
-    traces = len(pieces) > 1 and are_traces(table[:, 0], pieces)
-    if len(pieces) > 1 and not traces:
-        wrong = f"{turn(table[:, 0], pieces, lines)}: the heights are no profile over x"
-        matrix = None if whole is None else _as_matrix(whole, text.said)
+        index = lines[int(np.argmin(np.isfinite(table[:, 0])))]
+        raise text.refuse(f"the point in line {index} has no position")
+    traces_ = runs(table[:, 0])
+    traces = len(traces_) > 1 and are_traces(table[:, 0], traces_)
+    if len(traces_) > 1 and not traces:
+        wrong = f"{turn(table[:, 0], traces_, lines)}: the heights are no profile over x"
+        matrix = None if full_table is None else _as_matrix(full_table, text.first_values)
         if matrix is None:
             raise text.refuse(f"{wrong}; cut it there, or correct the positions")
         channel = Channel("height", (1, len(lines)), unreadable(wrong), otherwise=matrix)
         channel.doubt = f"{wrong}, or a map of 2 columns, then give dx, dy and unit"
         return MeasuredFile("text profile (x, z)", [channel], first_row="bottom")
-    channels = [_trace(table[piece], units, text, whole) for piece in (pieces if traces else pieces[:1])]
+    channels = [
+        _trace(table[trace], units, text, full_table) for trace in (traces_ if traces else traces_[:1])
+    ]
     if not traces:
         return MeasuredFile("text profile (x, z)", channels, first_row="bottom")
     for number, channel in enumerate(channels, start=1):
         channel.name, channel.otherwise = f"profile {number}", None
-    asked = question(table[:, 0], pieces, lines)
-    return MeasuredFile("text profiles (x, z)", channels, first_row="bottom", question=asked)
+    question_ = question(table[:, 0], traces_, lines)
+    return MeasuredFile("text profiles (x, z)", channels, first_row="bottom", question=question_)
 
 
-def _trace(table: np.ndarray, units: list[str | None], text: _Text, whole: np.ndarray | None) -> Channel:
+def _trace(table: np.ndarray, units: list[str | None], text: _Text, full_table: np.ndarray | None) -> Channel:
     """Return one profile from positions that rise, or fall."""
-    said = text.said
+    first_values = text.first_values
     x, z = table[:: -1 if table[0, 0] > table[-1, 0] else 1].T
-    _refuse_lost_lines((1, x.size), said, text.path)
-    (lateral_unit, height_unit), _ = _units(units, said, text.path)
-    heights, attributes = _heights(z[None, :], said, height_unit)
+    _refuse_lost_lines((1, x.size), first_values, text.path)
+    (lateral_unit, height_unit), _ = _units(units, first_values, text.path)
+    heights, attributes = _heights(z[None, :], first_values, height_unit)
     attributes["lateral_unit"] = lateral_unit
     try:
         step, notes = _even_step(x)
     except UnevenPositionsError as error:
         channel = scattered(x=x, y=None, z=heights, error=error, **attributes)
-        channel.otherwise = None if whole is None else _as_matrix(whole, said)
+        channel.otherwise = None if full_table is None else _as_matrix(full_table, first_values)
         return channel
     if wrong := _against(text, {"dx": step}, lateral_unit, heights.shape):
         notes = [*notes, f"{wrong}; the positions are used"]
@@ -502,22 +531,22 @@ def _points(
     units: list[str | None],
     lines: list[int],
     text: _Text,
-    whole: np.ndarray | None,
+    full_table: np.ndarray | None,
 ) -> MeasuredFile:
     """Return a list of points on the regular grid that it forms, or as an irregular list."""
-    said, path = text.said, text.path
-    (lateral_unit, height_unit), factor = _units(units, said, path)
+    first_values, path = text.first_values, text.path
+    (lateral_unit, height_unit), factor = _units(units, first_values, path)
     x, y, z = table[:, 0], table[:, 1] * factor, table[:, 2]
-    z, attributes = _heights(z, said, height_unit)
+    z, attributes = _heights(z, first_values, height_unit)
     attributes["lateral_unit"] = lateral_unit
     try:
         if not np.isfinite(table[:, :2]).all():
             raise InputFileError(f"{path}: a point of the list has no position")
         _refuse_repeated(x, y, lines, text)
         heights, steps, (first_x, first_y), notes = points_on_grid(x, y, z, path)
-        _refuse_lost_lines(heights.shape, said, path)
-        found = {"d" + axis: step for axis, step in steps.items() if step}
-        if wrong := _against(text, found, lateral_unit, heights.shape):
+        _refuse_lost_lines(heights.shape, first_values, path)
+        stated_steps = {"d" + axis: step for axis, step in steps.items() if step}
+        if wrong := _against(text, stated_steps, lateral_unit, heights.shape):
             notes = [*notes, f"{wrong}; the positions are used"]
         channel = Channel(
             shape=heights.shape,
@@ -530,14 +559,14 @@ def _points(
             **attributes,
         )
     except UnevenPositionsError as error:
-        if whole is not None and np.ptp(np.diff(x)) == 0 and abs(x[1] - x[0]) == 1:
+        if full_table is not None and np.ptp(np.diff(x)) == 0 and abs(x[1] - x[0]) == 1:
             error = UnevenPositionsError(
                 f"{error}; the first column counts the rows: delete it if it is no x"
             )
         channel = scattered(x=x, y=y, z=z, error=error, **attributes)
-        channel.otherwise = None if whole is None else _as_matrix(whole, said)
+        channel.otherwise = None if full_table is None else _as_matrix(full_table, first_values)
     except InputFileError as error:
-        if whole is None or (matrix := _as_matrix(whole, said)) is None:
+        if full_table is None or (matrix := _as_matrix(full_table, first_values)) is None:
             raise
         channel = Channel(
             shape=matrix.shape,
@@ -554,55 +583,63 @@ def _refuse_repeated(x: np.ndarray, y: np.ndarray, lines: list[int], text: _Text
     """Refuse points with the position of one above."""
     _, first = np.unique(x + 1j * y, return_index=True)
     if first.size < x.size:
-        place = int(np.setdiff1d(np.arange(x.size), first)[0])
+        index = int(np.setdiff1d(np.arange(x.size), first)[0])
         raise text.refuse(
-            f"several points of the list have the same position, the first is that in line {lines[place]}; "
+            f"several points of the list have the same position, the first is that in line {lines[index]}; "
             "leave one map in the file"
         )
 
 
-def _refuse_lost_lines(shape: tuple[int, ...], said: dict[str, Any], path: Path) -> None:
+def _refuse_lost_lines(shape: tuple[int, ...], first_values: dict[str, Any], path: Path) -> None:
     """Refuse a list with fewer lines or columns of points than its header states."""
-    for word, found, name in (("nx", shape[1], "columns"), ("ny", shape[0], "rows")):
+    for key_, count, name in (("nx", shape[1], "columns"), ("ny", shape[0], "rows")):
         if shape[0] == 1 and name == "rows":
             continue
-        if said.get(word, 0) > found:
+        if first_values.get(key_, 0) > count:
             raise InputFileError(
-                f"{path}: the header says {said[word]:g} {name}, the points make {found}; "
+                f"{path}: the header says {first_values[key_]:g} {name}, the points make {count}; "
                 "the list was cut off or changed"
             )
 
 
-def _as_matrix(table: np.ndarray, said: dict[str, Any]) -> Channel | None:
+def _as_matrix(table: np.ndarray, first_values: dict[str, Any]) -> Channel | None:
     """Return a table as a matrix, in case its columns are not positions; None if it cannot be a matrix."""
     rows, columns = table.shape
     if columns == 2:
         positions = bool(np.all(np.diff(table[:, 0]) > 0))
     else:  # each position along x and along y occurs several times: the lines of a scan
-        along_x, along_y = (np.unique(table[:, place]).size for place in (0, 1))
+        along_x, along_y = (np.unique(table[:, index]).size for index in (0, 1))
         positions = max(along_x, along_y) <= rows / 2 <= along_x * along_y
     if positions or rows > _MAX_NARROW_ROWS:
         return None
-    heights, attributes = _heights(table, said, said.get("height_unit", said.get("unit")))
+    heights, attributes = _heights(
+        table, first_values, first_values.get("height_unit", first_values.get("unit"))
+    )
     return Channel(
         shape=heights.shape,
         read=lambda: heights,
-        lateral_unit=said.get("lateral_unit"),
+        lateral_unit=first_values.get("lateral_unit"),
         first_row="top",
         **attributes,
     )
 
 
-def _steps(said: dict[str, Any], points: dict[str, int], path: Path) -> tuple[dict[str, float], str | None]:
+def _steps(
+    first_values: dict[str, Any], points: dict[str, int], path: Path
+) -> tuple[dict[str, float], str | None]:
     """Return the steps in the header, by axis, and their unit."""
     steps, units = {}, []
     for axis, count in points.items():
-        for word, share in (("d" + axis, 1), ("step", 1), ("length_" + axis, count)):
-            if said.get(word) is not None:
-                steps[axis] = said[word] / share
-                units.append(said.get(word + "_unit", said.get("lateral_unit", said.get("unit"))))
+        for key_, share in (("d" + axis, 1), ("step", 1), ("length_" + axis, count)):
+            if first_values.get(key_) is not None:
+                steps[axis] = first_values[key_] / share
+                units.append(
+                    first_values.get(
+                        key_ + "_unit", first_values.get("lateral_unit", first_values.get("unit"))
+                    )
+                )
                 break
-    lateral_unit = next((unit for unit in units if unit), said.get("lateral_unit"))
+    lateral_unit = next((unit for unit in units if unit), first_values.get("lateral_unit"))
     for axis, unit in zip(steps, units, strict=True):
         if unit and lateral_unit and unit != lateral_unit:  # x in µm, y in mm
             steps[axis] *= metres(unit, where=str(path)) / metres(lateral_unit, where=str(path))
@@ -610,32 +647,38 @@ def _steps(said: dict[str, Any], points: dict[str, int], path: Path) -> tuple[di
 
 
 def _heights(
-    numbers: np.ndarray, said: dict[str, Any], unit: str | None
+    numbers: np.ndarray, first_values: dict[str, Any], unit: str | None
 ) -> tuple[np.ndarray, dict[str, Any]]:
     """Return the heights and the arguments of their channel: name, unit, reason if they are not heights."""
-    if said.get("z_factor") is not None:  # the numbers are counts or phases; the factor makes them lengths
-        numbers, unit = numbers * said["z_factor"], said.get("z_factor_unit", unit)
+    if (
+        first_values.get("z_factor") is not None
+    ):  # the numbers are counts or phases; the factor makes them lengths
+        numbers, unit = numbers * first_values["z_factor"], first_values.get("z_factor_unit", unit)
     wrong = unit is not None and not is_length(unit)
     return numbers, {
-        "name": said.get("channel", "height"),
+        "name": first_values.get("channel", "height"),
         "height_unit": unit,
         "no_height": f"values in {unit!r}, no length" if wrong else "",
     }
 
 
 def _units(
-    columns: list[str | None], said: dict[str, Any], path: Path
+    columns: list[str | None], first_values: dict[str, Any], path: Path
 ) -> tuple[tuple[str | None, str | None], float]:
     """Return lateral and height unit of a list with columns x (y) z, and the unit of y over that of x."""
     lateral = [unit for unit in columns[:-1] if unit]
     factor = 1.0
     if len(set(lateral)) > 1 and not same_length(*lateral):
         factor = metres(lateral[1], where=f"{path}: y") / metres(lateral[0], where=f"{path}: x")
-    stated = said.get("lateral_unit", said.get("unit")), said.get("height_unit", said.get("unit"))
-    for found, key in ((lateral[0] if lateral else None, "lateral_unit"), (columns[-1], "height_unit")):
-        if found and said.get(key) and not same_length(found, said[key]):
+    stated = (
+        first_values.get("lateral_unit", first_values.get("unit")),
+        first_values.get("height_unit", first_values.get("unit")),
+    )
+    for unit_, key in ((lateral[0] if lateral else None, "lateral_unit"), (columns[-1], "height_unit")):
+        if unit_ and first_values.get(key) and not same_length(unit_, first_values[key]):
             raise InputFileError(
-                f"{path}: a column is in {found!r}, and the header says {said[key]!r}; correct one of them"
+                f"{path}: a column is in {unit_!r}, and the header says {first_values[key]!r}; correct one "
+                f"of them"
             )
     return (lateral[0] if lateral else stated[0], columns[-1] or stated[1]), factor
 

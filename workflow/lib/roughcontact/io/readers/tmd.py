@@ -39,22 +39,22 @@ def read(path: Path) -> MeasuredFile:
     """Open a file of one map; other versions are refused."""
     check_line_ends(path)
     with path.open("rb") as stream:
-        words = stream.read(_MAX_HEADER_BYTES).split(b"\0", 2)
-        if len(words) < 3 or not words[0].removeprefix(_MARK).strip().startswith(_VERSION):
+        fields = stream.read(_MAX_HEADER_BYTES).split(b"\0", 2)
+        if len(fields) < 3 or not fields[0].removeprefix(_MARK).strip().startswith(_VERSION):
             raise InputFileError(
                 f"{path}: looks like TrueMap TMD, but is damaged or of another version than 2.0; export the "
                 "map again, as X3P or SDF where the software can"
             )
-        comment = words[1].decode("latin-1").strip()
-        begin = len(words[0]) + len(words[1]) + 2
+        comment = fields[1].decode("latin-1").strip()
+        begin = len(fields[0]) + len(fields[1]) + 2
         stream.seek(begin)
         header = stream.read(_HEADER.size)
-        needed = begin + _HEADER.size
+        required_size = begin + _HEADER.size
         if len(header) == _HEADER.size:
             nx, ny, length_x, length_y, *_ = _HEADER.unpack(header)
             check_points((ny, nx), path)
-            needed += 4 * nx * ny
-        stale, notes = compare_size(path, needed)
+            required_size += 4 * nx * ny
+        stale, notes = compare_size(path, required_size)
         if not nx * ny or not (0 < length_x < np.inf and 0 < length_y < np.inf):
             raise InputFileError(
                 f"{path}: looks like TrueMap TMD, but is damaged ({nx} x {ny} points on {length_x:g} mm x "

@@ -16,7 +16,7 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a file by the first of the formats without a mark whose header agrees with it."""
     # a container too damaged to be examined has a mark nevertheless
-    formats = marked(head_of(path)) or [each for each in FORMATS if not each.marks]
+    formats = marked(head_of(path)) or [format_ for format_ in FORMATS if not format_.marks]
     return read_as(path, formats)
 
 

@@ -28,7 +28,7 @@ from roughcontact.io.guards import ARCHIVE_ERRORS, brief, check_points
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
 
-_KINDS = {"NonContacting": instrument_kinds.OPTICAL, "Contacting": instrument_kinds.STYLUS}
+_INSTRUMENT_KINDS = {"NonContacting": instrument_kinds.OPTICAL, "Contacting": instrument_kinds.STYLUS}
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -118,11 +118,11 @@ def _normalised_archive(path: Path, name: str, main: bytes, *, verify: bool) -> 
         return path
     packed = io.BytesIO()
     with zipfile.ZipFile(path) as archive, zipfile.ZipFile(packed, "w") as tidy:
-        for member in archive.infolist():
-            inner = member.filename.removeprefix(folder)
-            if member.is_dir() or not member.filename.startswith(folder) or inner == "main.xml":
+        for entry in archive.infolist():
+            inner = entry.filename.removeprefix(folder)
+            if entry.is_dir() or not entry.filename.startswith(folder) or inner == "main.xml":
                 continue
-            content = archive.read(member)
+            content = archive.read(entry)
             if inner.lower().endswith("md5checksum.hex"):
                 if verify:
                     _check_md5(main, content)
@@ -215,7 +215,7 @@ def _instrument(metadata: Any) -> dict:
     if metadata is None:
         return {}
     instrument, probe = metadata.instrument, metadata.probing_system
-    kind = _KINDS.get(str(getattr(probe, "type", "")))
+    kind = _INSTRUMENT_KINDS.get(str(getattr(probe, "type", "")))
     return instrument_metadata(
         {
             "kind": kind and kind.name,

@@ -6,14 +6,14 @@ import numpy as np
 
 from roughcontact.io.text.traces import are_traces, runs
 
-_FEW = 6  # positions in a row or column alone; fewer are even by chance, unless they begin at 0
-_LEAST = 4
-_MANY = 12  # positions
+_FEW_POSITIONS = 6  # positions in a row or column alone; fewer are even by chance, unless they begin at 0
+_LEAST_FROM_ZERO = 4
+_MANY_POSITIONS = 12  # positions
 _CLOSE, _ROUNDED = (
     0.02,
     0.06,
 )  # of a step: largest deviation of few positions, and of many, which may be rounded
-_ALIKE = 2.0  # ratio of the steps of lines of heights, which are even on a tilted plane
+_STEP_RATIO = 2.0  # ratio of the steps of lines of heights, which are even on a tilted plane
 _COMPARED = 50  # rows or columns that would be even as well if the first one were heights
 
 
@@ -50,15 +50,17 @@ def axes_of(values: np.ndarray, *, corner: bool = False) -> Axes | None:
         return None
     inner = values[1:, 1:]
     x, y = _progression(values[0, 1:], inner), _progression(values[1:, 0], inner.T)
-    if x is not None and y is not None and (corner or min(values.shape) > _LEAST):
+    if x is not None and y is not None and (corner or min(values.shape) > _LEAST_FROM_ZERO):
         rows = columns = 1
     elif corner:
         return None
     else:
         x, y = _progression(values[0], values[1:]), _progression(values[:, 0], values[:, 1:].T)
-        enough = [n >= _FEW or (n >= _LEAST and values[0, 0] == 0) for n in values.shape]
-        rows = int(x is not None and enough[1])
-        columns = int(not rows and y is not None and enough[0])
+        long_enough = [
+            n >= _FEW_POSITIONS or (n >= _LEAST_FROM_ZERO and values[0, 0] == 0) for n in values.shape
+        ]
+        rows = int(x is not None and long_enough[1])
+        columns = int(not rows and y is not None and long_enough[0])
         if not rows and not columns:
             return None
     steps, notes, heights = {}, [], values[rows:, columns:]
@@ -67,9 +69,11 @@ def axes_of(values: np.ndarray, *, corner: bool = False) -> Axes | None:
         if not used or step is None:
             continue
         counts = step == 1 and line[0] in (0, 1)
-        shown = ", ".join(f"{number:g}" for number in line[:3])
-        what = "numbers or positions, and left out" if counts else f"positions along {axis}"
-        notes.append(f"the first {'row' if axis == 'x' else 'column'} ({shown} ...) is taken as {what}")
+        example = ", ".join(f"{number:g}" for number in line[:3])
+        description = "numbers or positions, and left out" if counts else f"positions along {axis}"
+        notes.append(
+            f"the first {'row' if axis == 'x' else 'column'} ({example} ...) is taken as {description}"
+        )
         if not counts:
             steps["d" + axis] = abs(step)
         if axis == "x":
@@ -88,30 +92,38 @@ def begins_anew(values: np.ndarray) -> int:
     >>> begins_anew(np.column_stack([np.tile(np.arange(5), 3), heights]))
     5
     """
-    if min(values.shape) < _LEAST:
+    if min(values.shape) < _LEAST_FROM_ZERO:
         return 0
     for first, column in ((0, values[:, 0]), (0, values[:, 1]), (1, values[1:, 0])):
-        pieces = runs(column)
-        even = all(_step(column[piece]) is not None for piece in pieces)
-        if len(pieces) > 1 and even and are_traces(column, pieces):
-            return first + pieces[1].start
-    again = np.flatnonzero(np.all(values[1:, 1:] == values[0, 1:], axis=1))
-    return int(again[0]) + 1 if again.size and _progression(values[0, 1:], values[1:, 1:]) is not None else 0
+        runs_ = runs(column)
+        even = all(_step(column[run]) is not None for run in runs_)
+        if len(runs_) > 1 and even and are_traces(column, runs_):
+            return first + runs_[1].start
+    repeated_rows = np.flatnonzero(np.all(values[1:, 1:] == values[0, 1:], axis=1))
+    return (
+        int(repeated_rows[0]) + 1
+        if repeated_rows.size and _progression(values[0, 1:], values[1:, 1:]) is not None
+        else 0
+    )
 
 
-def _progression(line: np.ndarray, others: np.ndarray) -> float | None:
+def _progression(line: np.ndarray, rows: np.ndarray) -> float | None:
     """Return the step of an even progression that most of the others are not, else None."""
     step = _step(line) if np.isfinite(line).all() else None
-    even = [abs(other) for row in others[:_COMPARED] if (other := _step(row)) is not None]
-    alike = step is not None and even and min(even) / _ALIKE <= abs(step) <= max(even) * _ALIKE
-    return None if alike and 2 * len(even) > len(others[:_COMPARED]) else step
+    even = [abs(row_step) for row in rows[:_COMPARED] if (row_step := _step(row)) is not None]
+    like_rows = step is not None and even and min(even) / _STEP_RATIO <= abs(step) <= max(even) * _STEP_RATIO
+    return None if like_rows and 2 * len(even) > len(rows[:_COMPARED]) else step
 
 
 def _step(line: np.ndarray) -> float | None:
     """Return the step of numbers that are even within their rounding, None for others; NaN is left out."""
-    places = np.flatnonzero(np.isfinite(line))
-    if places.size < 2 or line[places[0]] == line[places[-1]]:
+    positions = np.flatnonzero(np.isfinite(line))
+    if positions.size < 2 or line[positions[0]] == line[positions[-1]]:
         return None
-    step = (line[places[-1]] - line[places[0]]) / (places[-1] - places[0])
-    off = np.max(np.abs(line[places] - line[places[0]] - step * (places - places[0])))
-    return float(step) if off <= (_CLOSE if places.size < _MANY else _ROUNDED) * abs(step) else None
+    step = (line[positions[-1]] - line[positions[0]]) / (positions[-1] - positions[0])
+    deviation = np.max(np.abs(line[positions] - line[positions[0]] - step * (positions - positions[0])))
+    return (
+        float(step)
+        if deviation <= (_CLOSE if positions.size < _MANY_POSITIONS else _ROUNDED) * abs(step)
+        else None
+    )

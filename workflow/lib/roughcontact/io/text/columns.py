@@ -10,7 +10,7 @@ from roughcontact.io.units import is_length
 _MAX_LINE_LENGTH = 4096  # characters of a line of headings
 _MAX_DISTANCE = 20  # lines above the table that may contain headings
 _ENTRY = re.compile(r"[^\W\d]\s*[:=]\s*[-+.]?\d")  # a number behind a word: no heading
-_WIDE = 8  # columns; so many with one heading are the columns of a map
+_WIDE_TABLE = 8  # columns; so many with one heading are the columns of a map
 
 # role of a column -> headings (lower case, letters and digits only)
 _ROLES = {
@@ -84,16 +84,19 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
             or statements([line])
         ):
             continue
-        found = [_column(cell) for cell in cells]
-        if not any(column.name for column in found):  # a line of units, below the names
-            if any(column.unit for column in found) and not any(units):
-                units = [column.unit for column in found]
-        elif any(column.unit or column.role for column in found):
+        columns = [_column(cell) for cell in cells]
+        if not any(column.name for column in columns):  # a line of units, below the names
+            if any(column.unit for column in columns) and not any(units):
+                units = [column.unit for column in columns]
+        elif any(column.unit or column.role for column in columns):
             return _indexed(
-                [column._replace(unit=column.unit or unit) for column, unit in zip(found, units, strict=True)]
+                [
+                    column._replace(unit=column.unit or unit)
+                    for column, unit in zip(columns, units, strict=True)
+                ]
             )
         elif delimiter is not None and delimiter in line and nearest is None:
-            nearest = found
+            nearest = columns
     if any(units):
         return [Column("", unit, "") for unit in units]
     return nearest
@@ -112,25 +115,25 @@ def layout(columns: Sequence[Column]) -> Layout | None:
     >>> layout([Column(name, "nm", name[0]) for name in ("x", "z1", "z2")])
     Layout(positions=[[0], [0]], heights=[1, 2])
     """
-    data = [place for place, column in enumerate(columns) if column.role not in ("index", "valid")]
-    x, y = ([place for place in data if columns[place].role == axis] for axis in "xy")
+    data = [index for index, column in enumerate(columns) if column.role not in ("index", "valid")]
+    x, y = ([index for index in data if columns[index].role == axis] for axis in "xy")
     if len(x) == len(y) == 1 and len(data) == 2:  # "X (µm), y1"
         return Layout([x], y)
     if len(x) == 1 and len(y) <= 1:
-        heights = [place for place in data if place not in x + y]
+        heights = [index for index in data if index not in x + y]
         return Layout([x + y] * len(heights), heights) if heights else None
     if len(x) > 1 and x == data[::2] and not y and len(data) == 2 * len(x):  # a pair for each profile
-        return Layout([[place] for place in x], data[1::2])
-    if data and all(columns[place].role == "z" for place in data) and len(data) < _WIDE:
+        return Layout([[index] for index in x], data[1::2])
+    if data and all(columns[index].role == "z" for index in data) and len(data) < _WIDE_TABLE:
         return Layout([[]] * len(data), data)
-    unnamed = not x and not y and not any(columns[place].role for place in data[:-1])
+    unnamed = not x and not y and not any(columns[index].role for index in data[:-1])
     return Layout([data[:-1]], data[-1:]) if unnamed and len(data) in (2, 3) else None
 
 
 def of_a_map(columns: Sequence[Column]) -> bool:
     """Return whether headings are those of the columns of a map: many, and equal but for numbers."""
-    alike = {(re.sub(r"[\W\d_]", "", column.name), column.unit) for column in columns}
-    return len(alike) == 1 and len(columns) >= _WIDE
+    distinct_headings = {(re.sub(r"[\W\d_]", "", column.name), column.unit) for column in columns}
+    return len(distinct_headings) == 1 and len(columns) >= _WIDE_TABLE
 
 
 def unit_of_heights(lines: Sequence[str]) -> str | None:
@@ -190,28 +193,32 @@ def _column(cell: str) -> Column:
 
 def _role(name: str) -> str:
     """Return the role of a column by its name: with its numbers, without them, or by the first word."""
-    words = re.split(r"[\s_]+", name.lower())
-    numbered = re.sub(r"[\W_]", "", "".join(words))
-    spellings = (numbered, *("".join(filter(str.isalpha, text)) for text in (numbered, words[0])))
-    return "index" if name == "#" else next((_ROLE[each] for each in spellings if each in _ROLE), "")
+    name_parts = re.split(r"[\s_]+", name.lower())
+    numbered = re.sub(r"[\W_]", "", "".join(name_parts))
+    spellings = (numbered, *("".join(filter(str.isalpha, text)) for text in (numbered, name_parts[0])))
+    return (
+        "index" if name == "#" else next((_ROLE[spelling] for spelling in spellings if spelling in _ROLE), "")
+    )
 
 
 def _name_and_unit(cell: str) -> tuple[str, str | None]:
     """Return a heading without its unit, and the unit."""
     if is_length(cell):
         return "", cell
-    name, opening, rest = cell.replace("[", "(").partition("(")
-    inside, closing, after = rest.replace("]", ")").partition(")")
+    name, opening, remainder = cell.replace("[", "(").partition("(")
+    inside, closing, after = remainder.replace("]", ")").partition(")")
     if opening and closing and inside.strip():
         return f"{name} {after}".strip(" _"), inside.strip()
     if "/" in cell:
         name, _, unit = cell.rpartition("/")
         if is_length(unit.strip()) or (" " not in unit.strip() and _role(name) in ("x", "y", "z")):
             return name.strip(), unit.strip()
-    words = re.split(r"[\s_,:]+", cell.strip())
-    if len(words) > 1 and is_length(words[-1]):
-        kept = words[:-2] if words[-2].lower() == "in" and len(words) > 2 else words[:-1]
-        return " ".join(kept), words[-1]
-    if len(words) > 1 and is_length(words[0]) and words[0] != "in":  # "µm x"
-        return " ".join(words[1:]), words[0]
+    cell_words = re.split(r"[\s_,:]+", cell.strip())
+    if len(cell_words) > 1 and is_length(cell_words[-1]):
+        name_words = (
+            cell_words[:-2] if cell_words[-2].lower() == "in" and len(cell_words) > 2 else cell_words[:-1]
+        )
+        return " ".join(name_words), cell_words[-1]
+    if len(cell_words) > 1 and is_length(cell_words[0]) and cell_words[0] != "in":  # "µm x"
+        return " ".join(cell_words[1:]), cell_words[0]
     return cell, None

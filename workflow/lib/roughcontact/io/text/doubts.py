@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.text.header import statements
-from roughcontact.io.text.table import COMMENT_SIGNS, pieces, word_in_row
+from roughcontact.io.text.table import COMMENT_SIGNS, text_chunks, word_in_row
 
 _LENGTHS = {"length_x", "length_y", "dx", "dy", "step"}  # entries of a header with a decimal sign
 _MIN_CELLS = 10  # cells with three digits behind the mark, of which fewer say nothing
@@ -22,18 +22,19 @@ def refuse_lost_row(
     header: list[str], width: int, delimiter: str | None, decimal_comma: bool, path: Path, first: int = 1
 ) -> None:
     """Refuse a table of `width` columns below a line that is one of its rows except for a word."""
-    number = next((place for place in reversed(range(len(header))) if header[place].strip()), None)
+    number = next((index for index in reversed(range(len(header))) if header[index].strip()), None)
     if number is None:
         return
     line = header[number]
-    word = word_in_row(line, width, delimiter, decimal_comma)
-    if word is None or re.search(r"[^\W\d]\s*[:=]", line) or statements([line]):
+    stray_word = word_in_row(line, width, delimiter, decimal_comma)
+    if stray_word is None or re.search(r"[^\W\d]\s*[:=]", line) or statements([line]):
         return
     if width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS):
         return
     raise InputFileError(
         f"{path}: line {first + number} has as many cells as the rows of the table below it, and "
-        f"{word[:40]!r} in place of a number: correct it, write NaN for a missing point, or delete the line "
+        f"{stray_word[:40]!r} in place of a number: correct it, write NaN for a missing point, or delete "
+        f"the line "
         "if it is no row of the map"
     )
 
@@ -72,23 +73,24 @@ def thousands(
         return []
     grouped = re.compile(rf"[-+]?[1-9]\d{{0,2}}{mark}\d{{3}}")
     marked: dict[int, int] = defaultdict(int)
-    whole: dict[int, str] = {}
+    integer_parts: dict[int, str] = {}
     below_thousand = re.compile(r"[-+]?[1-9]\d{0,2}")
     example = ""
-    rows = (chain.from_iterable(pieces(line.strip(), delimiter)) for line in body)
+    rows = (chain.from_iterable(text_chunks(line.strip(), delimiter)) for line in body)
     for column, cell in islice((cell for row in rows for cell in enumerate(row)), _MAX_CELLS):
         text = cell.strip()
         if grouped.fullmatch(text):
             marked[column] += 1
             example = example or text
         elif below_thousand.fullmatch(text):
-            whole.setdefault(column, text)
+            integer_parts.setdefault(column, text)
     if sum(marked.values()) < _MIN_CELLS:
         return []
     way_out = "write the numbers without separators of thousands"
-    if mixed := marked.keys() & whole.keys():
+    if mixed := marked.keys() & integer_parts.keys():
         raise InputFileError(
-            f"{path}: {example!r} and {whole[min(mixed)]!r} in one table, with three digits behind every "
+            f"{path}: {example!r} and {integer_parts[min(mixed)]!r} in one table, with three digits behind "
+            f"every "
             f"{sign!r}: it separates thousands or decimals; {way_out}, or with four decimals"
         )
     return [
@@ -117,12 +119,12 @@ def _refuse_both_marks(body: list[str], path: Path) -> None:
     number = re.compile(r"(?<![\d.,])\d+([.,])(\d+)(?![\d.,])")
     if not any("." in line and number.search(line) for line in body):
         return
-    behind: dict[str, set[int]] = {".": set(), ",": set()}
+    digits_behind: dict[str, set[int]] = {".": set(), ",": set()}
     examples: dict[str, str] = {}
-    for found in (found for line in body for found in number.finditer(line)):
-        behind[found[1]].add(len(found[2]))
-        examples.setdefault(found[1], found[0])
-    if len(examples) == 2 and {3} in behind.values():
+    for match in (match for line in body for match in number.finditer(line)):
+        digits_behind[match[1]].add(len(match[2]))
+        examples.setdefault(match[1], match[0])
+    if len(examples) == 2 and {3} in digits_behind.values():
         raise InputFileError(
             f"{path}: {examples[',']!r} and {examples['.']!r} in one table: either mark may be the "
             "decimal sign or separate thousands; write the numbers without separators of thousands"
@@ -131,9 +133,11 @@ def _refuse_both_marks(body: list[str], path: Path) -> None:
 
 def cut_number(rows: list[str], delimiter: str | None, path: Path) -> list[str]:
     r"""Return a warning where a text ends, without a line end, in a number shorter than all above it."""
-    ends = [cells[-1].strip() for line in rows[-_MAX_ENDS:] if (cells := [*chain(*pieces(line, delimiter))])]
+    ends = [
+        cells[-1].strip() for line in rows[-_MAX_ENDS:] if (cells := [*chain(*text_chunks(line, delimiter))])
+    ]
     marked = [re.fullmatch(r"[-+]?\d+[.,](\d*)", end) for end in ends]
-    decimals = {len(found[1]) for found in marked[:-1] if found}
+    decimals = {len(match[1]) for match in marked[:-1] if match}
     if len(marked) <= _MIN_COUNTED or not all(marked[:-1]) or len(decimals) > 1:
         return []
     if not re.fullmatch(r"[-+]?\d*[.,]?\d*", ends[-1]):

@@ -64,12 +64,12 @@ _HEADER_WORDS = {
     "date": "date, date time, acquisition date, acquisition time, measured",
 }
 # those with a text as value
-_WORDS = ("channel", "height_unit", "lateral_unit", "unit", "instrument", "serial", "lens", "date")
+_TEXT_ENTRIES = ("channel", "height_unit", "lateral_unit", "unit", "instrument", "serial", "lens", "date")
 _LENGTHS = ("length_x", "length_y", "dx", "dy", "step", "size")
 _COUNTS = ("nx", "ny", "count")
 _REPEATED = ("channel", "instrument", "serial", "lens", "date", "missing", "height_range", "count")
 _UNIT_IN_NAME = {"bit2nm": "nm"}  # keys that imply the unit of their value: counts to nanometres
-_BOTH = {"size": ("length_x", "length_y"), "step": ("dx", "dy")}  # entries with two values in one line
+_TWO_VALUES = {"size": ("length_x", "length_y"), "step": ("dx", "dy")}  # entries with two values in one line
 _PIXELS = {"length_x": "nx", "length_y": "ny"}  # a size in pixels is a number of them
 _PIXEL_WORDS = ("px", "pixel", "pixels", "points", "pts", "samples")
 _MEANING = {word: meaning for meaning, words in _HEADER_WORDS.items() for word in words.split(", ")}
@@ -131,8 +131,8 @@ def statements(lines: Iterable[str], *, first: int = 1, sign: str = "") -> State
         if not text or len(line) > _MAX_LINE_LENGTH:
             continue
         for key, value in _entries(text):
-            for meaning, found in _statements_of(key, value, sign):
-                stated.setdefault(meaning, []).append(found._replace(line=number, text=text[:_LONGEST]))
+            for meaning, statement in _statements_of(key, value, sign):
+                stated.setdefault(meaning, []).append(statement._replace(line=number, text=text[:_LONGEST]))
     return stated
 
 
@@ -141,22 +141,24 @@ def first_of(stated: Stated) -> dict[str, Any]:
 
     Of numbers that mark missing points all are returned.
     """
-    said: dict[str, Any] = {}
-    for meaning, (found, *_) in stated.items():
-        said[meaning] = found.value
-        if found.unit:
-            said[meaning + "_unit"] = found.unit
+    first_values: dict[str, Any] = {}
+    for meaning, (statement, *_) in stated.items():
+        first_values[meaning] = statement.value
+        if statement.unit:
+            first_values[meaning + "_unit"] = statement.unit
         if meaning.startswith("length"):
-            said[meaning + "_rounding"] = found.rounding
+            first_values[meaning + "_rounding"] = statement.rounding
     if "missing" in stated:
-        said["missing"] = [found.value for found in stated["missing"]]
-    return said
+        first_values["missing"] = [statement.value for statement in stated["missing"]]
+    return first_values
 
 
 def disagreeing(stated: Stated) -> str:
     """Return a sentence on repeated units and numbers of points that do not agree; empty where they do."""
-    others = {meaning: found for meaning, found in stated.items() if meaning not in _LENGTHS}
-    return next(_repeated(others), "")
+    without_lengths = {
+        meaning: statements_ for meaning, statements_ in stated.items() if meaning not in _LENGTHS
+    }
+    return next(_repeated(without_lengths), "")
 
 
 def contradiction(stated: Stated, shape: tuple[int, int]) -> str:
@@ -173,28 +175,35 @@ def contradiction(stated: Stated, shape: tuple[int, int]) -> str:
     ''
     """
     first = {meaning: repeated[0] for meaning, repeated in stated.items()}
-    lengths = {meaning: found for meaning, found in stated.items() if meaning in _LENGTHS}
+    lengths = {meaning: statements_ for meaning, statements_ in stated.items() if meaning in _LENGTHS}
     return next(chain(_repeated(lengths), _units_apart(first), _lengths_apart(stated, first, shape)), "")
 
 
 def _repeated(stated: Stated) -> Iterator[str]:
     """Yield sentences on numbers with two meanings, and on repeated entries that differ."""
-    for meaning, (one, *others) in stated.items():
-        for each in (one, *others):
-            if isinstance(each.value, float) and math.isnan(each.value):
-                yield f"{each}: its mark may be the decimal sign or separate thousands"
+    for meaning, (first, *repeats) in stated.items():
+        for statement in (first, *repeats):
+            if isinstance(statement.value, float) and math.isnan(statement.value):
+                yield f"{statement}: its mark may be the decimal sign or separate thousands"
         if meaning not in _REPEATED:
             yield from (
-                f"{one}, {each}: they do not agree" for each in others if not _equal(one, each, stated)
+                f"{first}, {statement}: they do not agree"
+                for statement in repeats
+                if not _equal(first, statement, stated)
             )
 
 
 def _units_apart(first: dict[str, Statement]) -> Iterator[str]:
     """Yield sentences on lengths in another unit than the one that is stated for all of them."""
     for meaning in _LENGTHS:
-        one, other = first.get(meaning), first.get("lateral_unit")
-        if one and other and is_length(one.unit) and not same_length(one.unit, other.value):
-            yield f"{one}, {other}: their units do not agree"
+        general_unit, lateral_unit = first.get(meaning), first.get("lateral_unit")
+        if (
+            general_unit
+            and lateral_unit
+            and is_length(general_unit.unit)
+            and not same_length(general_unit.unit, lateral_unit.value)
+        ):
+            yield f"{general_unit}, {lateral_unit}: their units do not agree"
 
 
 def _lengths_apart(stated: Stated, first: dict[str, Statement], shape: tuple[int, int]) -> Iterator[str]:
@@ -203,9 +212,9 @@ def _lengths_apart(stated: Stated, first: dict[str, Statement], shape: tuple[int
     for axis, count, name in (("x", shape[1], "columns"), ("y", shape[0], "rows")):
         keys = [key for key in ("d" + axis, "step", "length_" + axis) if key in first]
         lengths = [(first[key], count if key.startswith("length") else 1) for key in keys if count > 1]
-        for (one, points), (other, others) in combinations(lengths, 2):
-            if not _equal(one, other, stated, (points, others)):
-                yield f"{one}, {other}: they do not agree for {count} {name}"
+        for (one_length, points), (second, second_points) in combinations(lengths, 2):
+            if not _equal(one_length, second, stated, (points, second_points)):
+                yield f"{one_length}, {second}: they do not agree for {count} {name}"
         used += lengths[:1]
         bare = keys == ["length_" + axis] and not first[keys[0]].unit
         if bare and first[keys[0]].value == count > 1 and not {"n" + axis, "lateral_unit"} & {*first}:
@@ -213,7 +222,9 @@ def _lengths_apart(stated: Stated, first: dict[str, Statement], shape: tuple[int
     side = first.get("size")  # of one side, or of both
     if side and len(used) == 2:
         sides = zip(used, shape[::-1], strict=True)
-        if not any(_equal(side, one, stated, (count, points)) for (one, points), count in sides):
+        if not any(
+            _equal(side, one_length, stated, (count, points)) for (one_length, points), count in sides
+        ):
             yield f"{side}, {used[0][0]}: they do not agree for {shape[1]} columns and {shape[0]} rows"
     if len(used) == 2 and all(is_length(length.unit) and length.value > 0 for length, _ in used):
         x, y = (length.value / points for length, points in used)
@@ -222,43 +233,50 @@ def _lengths_apart(stated: Stated, first: dict[str, Statement], shape: tuple[int
             yield f"{used[0][0]}, {used[1][0]}: their units make pixels of {units * x / y:.3g} : 1"
 
 
-def _equal(one: Statement, other: Statement, stated: Stated, points: tuple[int, int] = (1, 1)) -> bool:
+def _equal(first: Statement, second: Statement, stated: Stated, points: tuple[int, int] = (1, 1)) -> bool:
     """Return whether two statements agree: texts, or lengths of so many points."""
-    if isinstance(one.value, str):
-        return same_length(one.value, other.value)
+    if isinstance(first.value, str):
+        return same_length(first.value, second.value)
     general = next((stated[key][0].value for key in ("lateral_unit", "unit") if key in stated), "")
-    units = [each.unit or general for each in (one, other)]
+    units = [statement.unit or general for statement in (first, second)]
     factors = [metres(unit) for unit in units] if all(map(is_length, units)) else [1.0, 1.0]
-    slack = _SLACK + sum(min(each.rounding / abs(each.value or 1), _WIDEST_SLACK) for each in (one, other))
-    a, b = (each.value * factor / n for each, factor, n in zip((one, other), factors, points, strict=True))
+    slack = _SLACK + sum(
+        min(statement.rounding / abs(statement.value or 1), _WIDEST_SLACK) for statement in (first, second)
+    )
+    a, b = (
+        statement.value * factor / n
+        for statement, factor, n in zip((first, second), factors, points, strict=True)
+    )
     return any(
-        abs(a * part - b) <= slack * max(abs(a), abs(b))
-        for part in (1, 1 - (points[0] != points[1]) / points[1])
+        abs(a * ratio - b) <= slack * max(abs(a), abs(b))
+        for ratio in (1, 1 - (points[0] != points[1]) / points[1])
     )
 
 
 def _entries(text: str) -> Iterator[tuple[str, str]]:
     """Yield the keys and values of a line: one, as ``Width: 5 mm``, or several, as ``h=305 w=75``."""
-    first, *parts = re.split(r"\s*[:=]\s*", text)
+    first, *value_texts = re.split(r"\s*[:=]\s*", text)
     keys, values = [first], []
-    for part in parts[:-1] if all(map(_NUMBER.match, parts)) else ():  # a value, its unit, the next key
-        words = re.split(r"[\s;]+|,\s+", part)
-        known = (
-            start for start in range(1, len(words)) if _meaning(" ".join(words[start:]).partition("(")[0])
+    for value_text in (
+        value_texts[:-1] if all(map(_NUMBER.match, value_texts)) else ()
+    ):  # a value, its unit, the next key
+        tokens = re.split(r"[\s;]+|,\s+", value_text)
+        key_length = (
+            start for start in range(1, len(tokens)) if _meaning(" ".join(tokens[start:]).partition("(")[0])
         )
-        start = next(known, len(words) - 1)
-        values.append(" ".join(words[:start]))
-        keys.append(" ".join(words[start:]))
+        start = next(key_length, len(tokens) - 1)
+        values.append(" ".join(tokens[:start]))
+        keys.append(" ".join(tokens[start:]))
     if values and all(key[:1].isalpha() for key in keys) and ("=" in text or _meaning(first)):
-        yield from zip(keys, [*values, parts[-1]], strict=True)
+        yield from zip(keys, [*values, value_texts[-1]], strict=True)
     elif (end := min((text.find(sign) for sign in ":=\t" if sign in text), default=-1)) > 0:
         yield text[:end], text[end + 1 :]
     elif any(sign in text for sign in ";,"):  # a line of a table, as "Width";"640,5";"µm"
         separator = next(sign for sign in (";", '","', ",") if sign in text)
         key, *cells = (cell.strip().strip('"').strip() for cell in text.split(separator))
         yield key, " ".join(cells[:2])
-    elif len(words := text.split()) == 2:
-        yield words[0], words[1]
+    elif len(tokens := text.split()) == 2:
+        yield tokens[0], tokens[1]
 
 
 def _meaning(key: str) -> str | None:
@@ -268,21 +286,23 @@ def _meaning(key: str) -> str | None:
 
 def _statements_of(key: str, value: str, sign: str) -> Iterator[tuple[str, Statement]]:
     """Yield the meanings and statements of one entry; none where it is not understood."""
-    name, opening, rest = key.replace("[", "(").partition("(")
-    unit = rest.replace("]", ")").partition(")")[0].removeprefix("->").strip() if opening else ""
+    name, opening, remainder = key.replace("[", "(").partition("(")
+    unit = remainder.replace("]", ")").partition(")")[0].removeprefix("->").strip() if opening else ""
     meaning, value = _meaning(name), value.strip().strip('"').strip()
     if meaning is None:
         return
-    if meaning in _WORDS:
+    if meaning in _TEXT_ENTRIES:
         if value and (meaning != "unit" or is_length(value)):
             yield meaning, Statement(value, "", 0.0, 0, "")
         return
-    both = re.split(r" x |(?<=\d)x(?=\d)", value.replace("×", "x").replace("*", "x"))
-    if len(both) == 2 and meaning in _BOTH:
-        own = _NUMBER.sub("", both[1], count=1).strip() or unit
-        known = is_length(own) or (own.lower() in _PIXEL_WORDS and meaning == "size")
-        for axis, part in zip(_BOTH[meaning], both, strict=True) if known else ():
-            length = part if _NUMBER.sub("", part, count=1).strip() else f"{part} {own}"
+    two_values = re.split(r" x |(?<=\d)x(?=\d)", value.replace("×", "x").replace("*", "x"))
+    if len(two_values) == 2 and meaning in _TWO_VALUES:
+        second_unit = _NUMBER.sub("", two_values[1], count=1).strip() or unit
+        unit_known = is_length(second_unit) or (second_unit.lower() in _PIXEL_WORDS and meaning == "size")
+        for axis, value_text in zip(_TWO_VALUES[meaning], two_values, strict=True) if unit_known else ():
+            length = (
+                value_text if _NUMBER.sub("", value_text, count=1).strip() else f"{value_text} {second_unit}"
+            )
             yield from _statements_of(_HEADER_WORDS[axis].partition(",")[0], length, sign)
     elif match := _NUMBER.match(value):
         yield from _numbers_of(name, meaning, match, unit, sign)
@@ -296,19 +316,23 @@ def _numbers_of(
     if meaning in _COUNTS and math.isnan(number):
         number = float(re.sub(r"\D", "", match[0]))
     after = match.string[match.end() :].strip().strip("()[]")
-    own = _PER_PIXEL.sub("", after) if _PER_PIXEL.search(after) else after.partition(" ")[0].strip("()[],;")
+    value_unit = (
+        _PER_PIXEL.sub("", after) if _PER_PIXEL.search(after) else after.partition(" ")[0].strip("()[],;")
+    )
     if meaning == "per_pixel":
         if not _PER_PIXEL.search(after or unit):
             return
         meaning = "step"
-    own, unit = own or _PER_PIXEL.sub("", unit), _PER_PIXEL.sub("", unit)
-    own = own or _UNIT_IN_NAME.get(name.strip().lower(), "")
-    if meaning == "size" and not is_length(own):
+    value_unit, unit = value_unit or _PER_PIXEL.sub("", unit), _PER_PIXEL.sub("", unit)
+    value_unit = value_unit or _UNIT_IN_NAME.get(name.strip().lower(), "")
+    if meaning == "size" and not is_length(value_unit):
         return
-    if meaning in _PIXELS and own.lower() in _PIXEL_WORDS:
-        meaning, own = _PIXELS[meaning], ""
-    yield meaning, Statement(number, own, rounding, 0, "")
-    if is_length(own) and is_length(unit) and not same_length(own, unit):  # both are named as they differ
+    if meaning in _PIXELS and value_unit.lower() in _PIXEL_WORDS:
+        meaning, value_unit = _PIXELS[meaning], ""
+    yield meaning, Statement(number, value_unit, rounding, 0, "")
+    if (
+        is_length(value_unit) and is_length(unit) and not same_length(value_unit, unit)
+    ):  # both are named as they differ
         yield meaning, Statement(number, unit, rounding, 0, "")
 
 
@@ -326,8 +350,8 @@ def _number(text: str, sign: str) -> tuple[float, float]:
             return math.nan, 0.0
     elif len(marks) > 1 and not re.fullmatch(r"[-+]?\d{1,3}([.,]\d{3})+([.,]\d*)?", mantissa):
         return math.nan, 0.0
-    whole, _, decimals = mantissa.partition(decimal) if decimal else (mantissa, "", "")
-    digits = re.sub("[.,]", "", whole) + "." + decimals
+    integer_part, _, decimals = mantissa.partition(decimal) if decimal else (mantissa, "", "")
+    digits = re.sub("[.,]", "", integer_part) + "." + decimals
     power = max(min(int(exponent or 0), 400), -400)
     rounding = 0.5 * 10.0 ** max(min(power - len(decimals), 300), -300) if decimals else 0.0
     return float(f"{digits}e{power}"), rounding

@@ -25,7 +25,7 @@ def looks_like_text(head: bytes) -> bool:
 def is_text(path: Path) -> bool:
     """Return whether a file is text to its end, not only at its beginning."""
     with path.open("rb") as stream:
-        return all(not piece.translate(None, _TEXT_BYTES) for piece in iter(lambda: stream.read(2**20), b""))
+        return all(not block.translate(None, _TEXT_BYTES) for block in iter(lambda: stream.read(2**20), b""))
 
 
 def _unmarked_utf16(head: bytes) -> str | None:

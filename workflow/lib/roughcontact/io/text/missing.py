@@ -3,7 +3,7 @@
 import re
 
 # Words that are taken as missing, in lower case.
-_WORDS = {
+_MARKERS = {
     "",  # empty cell
     *("nan", "inf", "+inf", "-inf", "infinity", "+infinity", "-infinity"),  # IEEE 754, as C, Java and Python
     *("nan(ind)", "-nan(ind)", "nan(snan)", "-nan(snan)"),  # C library of Windows, from 2015
@@ -52,7 +52,7 @@ _PHRASE = re.compile(
 )
 
 
-def is_missing(word: str) -> bool:
+def is_missing(cell: str) -> bool:
     """Return whether a cell without blanks around it stands for a missing point.
 
     Examples
@@ -60,12 +60,12 @@ def is_missing(word: str) -> bool:
     >>> [is_missing(word) for word in ("NaN", "***", "Ungültig", "1.5", "trace")]
     [True, True, True, False, False]
     """
-    return word.lower() in _WORDS or is_spoken(word) or not word.strip(_FILLING)
+    return cell.lower() in _MARKERS or is_spoken(cell) or not cell.strip(_FILLING)
 
 
-def is_spoken(word: str) -> bool:
+def is_spoken(cell: str) -> bool:
     """Return whether a cell is a word that may have another meaning beside that of a missing point."""
-    return word.lower() in _SPOKEN_WORDS
+    return cell.lower() in _SPOKEN_WORDS
 
 
 def joined(line: str) -> str:
@@ -76,4 +76,4 @@ def joined(line: str) -> str:
     >>> joined("1.5 No Data 2.5")
     '1.5 nodata 2.5'
     """
-    return _PHRASE.sub(lambda found: found[0].lower().replace(" ", ""), line) if " " in line else line
+    return _PHRASE.sub(lambda match: match[0].lower().replace(" ", ""), line) if " " in line else line

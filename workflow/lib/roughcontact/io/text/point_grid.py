@@ -61,9 +61,13 @@ def _refuse_cut_list(row: np.ndarray, column: np.ndarray, path: Path) -> None:
     for line, across in ((row, column), (column, row)):
         written_by_line = np.count_nonzero(np.diff(line)) == np.unique(line).size - 1
         counts = np.bincount(line)
-        others = np.delete(counts, line[-1])
-        if written_by_line and others.size and others.min() == others.max() > counts[line[-1]]:
-            before = across[line != line[-1]][: others[0]]
+        other_counts = np.delete(counts, line[-1])
+        if (
+            written_by_line
+            and other_counts.size
+            and other_counts.min() == other_counts.max() > counts[line[-1]]
+        ):
+            before = across[line != line[-1]][: other_counts[0]]
             if np.array_equal(across[line == line[-1]], before[: counts[line[-1]]]):
                 raise InputFileError(
                     f"{path}: the list of points ends in the middle of a grid line: the file was cut off"
@@ -76,10 +80,10 @@ def _lost_lines(row: np.ndarray, column: np.ndarray) -> list[str]:
         order = _by_appearance(line) * (across.max() + 1) + _by_appearance(across)
         steps = np.diff(order)
         if steps.min() > 0 and np.count_nonzero(steps > 1) == 1:
-            place = int(np.argmax(steps))
+            index = int(np.argmax(steps))
             return [
                 (
-                    f"{steps[place] - 1} points of the grid in a row have no line, behind point {place + 1} "
+                    f"{steps[index] - 1} points of the grid in a row have no line, behind point {index + 1} "
                     "of the list, and are taken as missing: lines were lost, or were not measured"
                 )
             ]
@@ -88,8 +92,8 @@ def _lost_lines(row: np.ndarray, column: np.ndarray) -> list[str]:
 
 def _by_appearance(numbers: np.ndarray) -> np.ndarray:
     """Return each number's place among the different ones, in the order in which they first appear."""
-    _, first, which = np.unique(numbers, return_index=True, return_inverse=True)
-    return np.argsort(np.argsort(first))[which]
+    _, first, inverse = np.unique(numbers, return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(first))[inverse]
 
 
 def _grid_lines(positions: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:

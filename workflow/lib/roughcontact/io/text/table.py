@@ -23,11 +23,11 @@ _FORTRAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)")  # double pre
 _MAX_HEADER_LINES = 100_000  # without empty lines
 _CHUNK_CHARACTERS = 2**20  # of a line, split at a time
 _MAX_PREFIX = 2**16  # characters of a line that decide whether it contains numbers
-_WIDE = 8  # columns; the headings of so many differ from one another
+_WIDE_TABLE = 8  # columns; the headings of so many differ from one another
 _MAX_CELL = 64  # characters of a cell, on the average
 _WHITE = re.compile(r"\s")
 _PLAIN = re.compile(r'[-+\d.,;\s"eEdD]*\Z')  # of a row without words
-_BETWEEN = ' \t;,"\r\n\f'  # what may stand between cells
+_CELL_SEPARATORS = ' \t;,"\r\n\f'  # what may stand between cells
 _UNEVEN = 0.1  # of a step, between positions that are rounded
 _FEW_ROWS = 3  # that show what a first row with one cell less is
 _FEW_CELLS = 32  # at the beginning of a line, which tell a row with words from a heading
@@ -112,10 +112,10 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
         return header, body
     delimiter = next((sign for sign in ";\t" if sign in first), ",")
     try:
-        both = [[*csv.reader([line], delimiter=delimiter)] for line in (*header, *body)]
+        cells_of_rows = [[*csv.reader([line], delimiter=delimiter)] for line in (*header, *body)]
     except csv.Error:  # a cell of more than 131 072 characters
         return header, body
-    lines = [";".join(rows[0]) if rows else "" for rows in both]
+    lines = [";".join(rows[0]) if rows else "" for rows in cells_of_rows]
     return lines[: len(header)], lines[len(header) :]
 
 
@@ -125,12 +125,14 @@ def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
     joined = "\n".join(sample)
     for sign in ";\t":
         if sign in joined:
-            twice = all(line.count(sign) == 2 * line.count(2 * sign) > 0 for line in sample)
-            return 2 * sign if twice else sign, any(map(re.compile(r"\d,|,\d").search, body))
+            doubled = all(line.count(sign) == 2 * line.count(2 * sign) > 0 for line in sample)
+            return 2 * sign if doubled else sign, any(map(re.compile(r"\d,|,\d").search, body))
     if "," not in joined:
         return None, False
-    words = [line.split() for line in sample]
-    if any(len(row) > 1 for row in words) and not any(word.endswith(",") for row in words for word in row):
+    tokens = [line.split() for line in sample]
+    if any(len(row) > 1 for row in tokens) and not any(
+        token.endswith(",") for row in tokens for token in row
+    ):
         return None, True
     if all(line.count(",") == 1 and "." not in line for line in sample) and len(sample) > 1:
         raise InputFileError(
@@ -148,15 +150,15 @@ def is_row(line: str) -> bool:
     >>> [is_row(line) for line in ("1.5;n/a", "0.5 hole", "Profile 2", "x (mm);z (µm)", "# 1 2 3", ";;")]
     [True, True, False, False, False, False]
     """
-    if not line.strip(_BETWEEN):
+    if not line.strip(_CELL_SEPARATORS):
         return False
     if _PLAIN.match(line):
         return True
     if line.lstrip()[0] in COMMENT_SIGNS and not _starts_with_missing(line):
         return False
-    cells = re.split(r'[;\t,\s"]+', joined(line[:_MAX_PREFIX]).strip(_BETWEEN), maxsplit=_FEW_CELLS)
-    known = [_is_number(cell) for cell in cells[:_FEW_CELLS]]
-    return 2 * sum(known) > len(known) or (known[0] and not is_missing(cells[0]))
+    cells = re.split(r'[;\t,\s"]+', joined(line[:_MAX_PREFIX]).strip(_CELL_SEPARATORS), maxsplit=_FEW_CELLS)
+    is_number = [_is_number(cell) for cell in cells[:_FEW_CELLS]]
+    return 2 * sum(is_number) > len(is_number) or (is_number[0] and not is_missing(cells[0]))
 
 
 def _is_number(cell: str) -> bool:
@@ -183,28 +185,28 @@ def split_tables(
     [([], [1, 2]), (['', 'Phase'], [5, 6])]
     """
     tables = [Rows(header, first - len(header), [], [])]
-    between: list[str] = []
+    skipped: list[str] = []
     width, alone = 0, True
     for number, line in enumerate(body, start=first):
         comment = line.lstrip()[:1] in ("#", "%")
-        ruled = not any(map(str.isalnum, line)) and any(text.strip() for text in between)
+        ruled = not any(map(str.isalnum, line)) and any(text.strip() for text in skipped)
         if (is_row(line) and not ruled) or (
             comment and word_in_row(line, width, delimiter, decimal_comma) is not None
         ):
             width = width or len(line.strip().split(delimiter))
-            heads = [text for text in between if text.strip(_BETWEEN)]
+            heads = [text for text in skipped if text.strip(_CELL_SEPARATORS)]
             if tables[-1].lines and any(_names_a_table(text) for text in heads):
-                tables.append(Rows(between, number - len(between), [], []))
-            elif tables[-1].lines and between and not tables[-1].broken:
+                tables.append(Rows(skipped, number - len(skipped), [], []))
+            elif tables[-1].lines and skipped and not tables[-1].broken:
                 tables[-1] = tables[-1]._replace(broken=number)
-            alone = alone and (bool(between) or not tables[-1].lines)
+            alone = alone and (bool(skipped) or not tables[-1].lines)
             tables[-1].texts.append(line)
             tables[-1].lines.append(number)
-            between = []
+            skipped = []
         else:
-            between.append(line)
-    for number, line in enumerate(between, start=first + len(body) - len(between)):
-        if line.strip(_BETWEEN) and line.lstrip()[0] not in "#%":
+            skipped.append(line)
+    for number, line in enumerate(skipped, start=first + len(body) - len(skipped)):
+        if line.strip(_CELL_SEPARATORS) and line.lstrip()[0] not in "#%":
             raise InputFileError(f"{path}: line {number} is no row of numbers ({brief(ValueError(line))})")
     if alone and len(tables) == 1 and len(tables[0].lines) > 2:
         tables[0] = tables[0]._replace(broken=0)
@@ -216,9 +218,9 @@ def below_a_label(rows: Rows, delimiter: str | None, decimal_comma: bool) -> Row
     if not rows.heading or not rows.heading[-1].strip():
         return None
     line = rows.heading[-1].replace(",", ".") if decimal_comma else rows.heading[-1]
-    word, *cells = line.strip().split(delimiter)
+    label, *cells = line.strip().split(delimiter)
     width = len(rows.texts[0].strip().split(delimiter))
-    if _is_number(word) or not _FEW_ROWS <= len(cells) == width - 1 or not all(map(_is_number, cells)):
+    if _is_number(label) or not _FEW_ROWS <= len(cells) == width - 1 or not all(map(_is_number, cells)):
         return None
     steps = np.diff([_number(cell) for cell in cells])
     even = steps.any() and np.ptp(steps) <= _UNEVEN * abs(steps.mean())  # also no missing point
@@ -322,9 +324,9 @@ def _refuse_unequal_rows(counts: array, lines: list[int], path: Path) -> None:
         width = widths.most_common(1)[0][0]
         bad = next(index for index, count in enumerate(counts) if count != width)
         cut = "; the last line is incomplete: the file was cut off" if bad == len(counts) - 1 else ""
-        found = several(counts[bad], "number")
+        number_count = several(counts[bad], "number")
         raise _UnequalRowsError(
-            f"{path}: row {bad + 1} has {found} where the others have {width} (line {lines[bad]}){cut}"
+            f"{path}: row {bad + 1} has {number_count} where the others have {width} (line {lines[bad]}){cut}"
         )
 
 
@@ -341,20 +343,20 @@ def word_in_row(line: str, width: int, delimiter: str | None, decimal_comma: boo
     while len(cells) > width and not cells[-1]:
         cells.pop()
     comment = bool(cells[0]) and cells[0][0] in COMMENT_SIGNS
-    if abs(len(cells) - width) > (width >= _WIDE and not comment) or (comment and len(cells[0]) > 1):
+    if abs(len(cells) - width) > (width >= _WIDE_TABLE and not comment) or (comment and len(cells[0]) > 1):
         return None
-    words, numbers, finite = [], 0, 0
+    non_numbers, numbers, finite = [], 0, 0
     for cell in cells:
         try:
             finite += bool(np.isfinite(_number(cell)))
             numbers += bool(cell)
         except ValueError:
-            words.append(cell)
-    if words and finite and 2 * numbers > len(cells):
-        return words[0]
-    repeated = len(set(words)) == 1 < len(words) and len(cells) == width >= _WIDE
-    if repeated and any(map(str.isalnum, words[0])) and not is_heading(words[0]):
-        return words[0]
+            non_numbers.append(cell)
+    if non_numbers and finite and 2 * numbers > len(cells):
+        return non_numbers[0]
+    repeated = len(set(non_numbers)) == 1 < len(non_numbers) and len(cells) == width >= _WIDE_TABLE
+    if repeated and any(map(str.isalnum, non_numbers[0])) and not is_heading(non_numbers[0]):
+        return non_numbers[0]
     return None
 
 
@@ -366,7 +368,7 @@ def _append(numbers: array, text: str, delimiter: str | None, spoken: Counter[st
     if "_" not in text:  # Python would read 1_000
         before = len(numbers)
         try:
-            for tokens in pieces(text, delimiter):
+            for tokens in text_chunks(text, delimiter):
                 numbers.extend(map(float, tokens))
         except ValueError:
             del numbers[before:]
@@ -377,11 +379,11 @@ def _append(numbers: array, text: str, delimiter: str | None, spoken: Counter[st
     tokens = joined(text).split(delimiter)
     numbers.extend([_number(token) for token in tokens])
     spoken.update(filter(is_spoken, map(str.strip, tokens)))
-    filled = [place for place, token in enumerate(tokens) if token.strip()]
+    filled = [index for index, token in enumerate(tokens) if token.strip()]
     return (filled[0], len(tokens) - 1 - filled[-1]) if filled else (len(tokens), len(tokens))
 
 
-def pieces(text: str, delimiter: str | None) -> Iterator[list[str]]:
+def text_chunks(text: str, delimiter: str | None) -> Iterator[list[str]]:
     """Yield the cells of a line, in chunks for a long line.
 
     Yields
@@ -392,8 +394,8 @@ def pieces(text: str, delimiter: str | None) -> Iterator[list[str]]:
     start = 0
     while len(text) - start > _CHUNK_CHARACTERS:
         if delimiter is None:
-            found = _WHITE.search(text, start + _CHUNK_CHARACTERS)
-            end = found.start() if found else -1
+            match = _WHITE.search(text, start + _CHUNK_CHARACTERS)
+            end = match.start() if match else -1
         else:
             end = text.find(delimiter, start + _CHUNK_CHARACTERS)
         if end < 0:

@@ -6,8 +6,8 @@ import numpy as np
 
 from roughcontact.quantities import several
 
-_FEW = 4  # points; fewer are no trace
-_SAME = 1.5  # steps within which traces begin, or end, at one place
+_FEW_POINTS = 4  # points; fewer are no trace
+_SAME_STEPS = 1.5  # steps within which traces begin, or end, at one place
 _SHORTEST = 0.5  # of a trace, over the longest
 
 
@@ -20,37 +20,37 @@ def runs(x: np.ndarray) -> list[slice]:
     [slice(0, 3, None), slice(3, 6, None), slice(6, 8, None)]
     """
     signs = np.sign(np.diff(x))
-    found, start = [], 0
+    run_slices, start = [], 0
     while start < x.size:
         direction = signs[start] if start < signs.size else 0.0
         turns = np.flatnonzero(signs[start:] != direction)
         stop = start + 1 + (int(turns[0]) if turns.size else signs.size - start) if direction else start + 1
-        found.append(slice(start, stop))
+        run_slices.append(slice(start, stop))
         start = stop
-    return found
+    return run_slices
 
 
-def are_traces(x: np.ndarray, pieces: Sequence[slice]) -> bool:
+def are_traces(x: np.ndarray, traces: Sequence[slice]) -> bool:
     """Return whether pieces of a list are traces over the same positions."""
-    sizes = [piece.stop - piece.start for piece in pieces]
-    if min(sizes) < max(_FEW, _SHORTEST * max(sizes)):
+    sizes = [trace.stop - trace.start for trace in traces]
+    if min(sizes) < max(_FEW_POINTS, _SHORTEST * max(sizes)):
         return False
-    step = _SAME * max(np.median(np.abs(np.diff(x[piece]))) for piece in pieces)
-    ends = np.array([(x[piece].min(), x[piece].max()) for piece in pieces])
+    step = _SAME_STEPS * max(np.median(np.abs(np.diff(x[trace]))) for trace in traces)
+    ends = np.array([(x[trace].min(), x[trace].max()) for trace in traces])
     return bool(min(np.ptp(ends, axis=0)) <= step < min(np.ptp(ends, axis=1)))
 
 
-def turn(x: np.ndarray, pieces: Sequence[slice], lines: Sequence[int]) -> str:
+def turn(x: np.ndarray, traces: Sequence[slice], lines: Sequence[int]) -> str:
     """Return a sentence on the place where positions do not go on; `lines` are those of the file."""
-    place = pieces[1].start
-    before, after = x[place - 1], x[place]
-    how = "repeats" if before == after else "restarts" if are_traces(x, pieces) else "turns back"
-    return f"x {how} at line {lines[place]}, from {before:g} to {after:g}"
+    index = traces[1].start
+    before, after = x[index - 1], x[index]
+    how = "repeats" if before == after else "restarts" if are_traces(x, traces) else "turns back"
+    return f"x {how} at line {lines[index]}, from {before:g} to {after:g}"
 
 
-def question(x: np.ndarray, pieces: Sequence[slice], lines: Sequence[int]) -> str:
+def question(x: np.ndarray, traces: Sequence[slice], lines: Sequence[int]) -> str:
     """Return the question for a list of several traces."""
     return (
-        f"{turn(x, pieces, lines)}: {several(len(pieces), 'profile')} below one another, 'profile 1' to "
-        f"'profile {len(pieces)}'"
+        f"{turn(x, traces, lines)}: {several(len(traces), 'profile')} below one another, 'profile 1' to "
+        f"'profile {len(traces)}'"
     )
