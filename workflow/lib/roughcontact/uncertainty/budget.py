@@ -9,7 +9,7 @@ import xarray as xr
 from roughcontact.checking import check_choice
 from roughcontact.choices import HeadlineMeasurand, UncertaintySource
 from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import SettingsError
+from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.si import in_si
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.combination import (
@@ -22,7 +22,7 @@ from roughcontact.uncertainty.combination import (
     half_widths,
 )
 from roughcontact.uncertainty.discretisation import CORRECTED, discretisation_error
-from roughcontact.uncertainty.ensemble import Values, loads_of
+from roughcontact.uncertainty.ensemble import Values, loads_of, measured_slices
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.inputs import AMPLIFICATIONS, input_uncertainty
 from roughcontact.uncertainty.instrument import instrument_components
@@ -111,6 +111,8 @@ def error_budget(
     ------
     SettingsError
         for an unknown source or measurand, too few windows, or an extent below 1.
+    HeightMapError
+        for a map with missing points, or one that was not levelled as the window was.
     ConvergenceError
         where the solution of the window misses its tolerance.
 
@@ -127,7 +129,7 @@ def error_budget(
     >>> budget["mean_gap_uncertainty"].sel(source="combined").item() < 1e-5
     True
     """
-    _check_arguments(sources, measurand, extent)
+    _check_arguments(levelled, window, sources, measurand, extent)
     stated = settings["contact"]
     contact = {key: value for key, value in stated.items() if key not in MATERIAL_UNCERTAINTIES}
     load = loads_of(contact)
@@ -201,9 +203,22 @@ def error_budget(
 
 
 def _check_arguments(
-    sources: Sequence[UncertaintySource], measurand: HeadlineMeasurand, extent: float
+    levelled: xr.DataArray,
+    window: xr.DataArray,
+    sources: Sequence[UncertaintySource],
+    measurand: HeadlineMeasurand,
+    extent: float,
 ) -> None:
-    """Raise a SettingsError for an unknown source or measurand, or an extent below 1."""
+    """Refuse an unknown source or measurand, an extent below 1, a map that `level` has not returned."""
+    wrong = ""
+    if missing := int(levelled.isel(measured_slices(levelled, window)).isnull().sum()):
+        wrong = f"the levelled map has {missing} missing points where the window lies"
+    elif "form" in window.attrs and "form" not in levelled.attrs:
+        wrong = "the window is of a levelled map, and this map was not levelled"
+    if wrong:
+        raise HeightMapError(
+            f"error_budget: {wrong}: pass the map that level returned, of which the window is a part"
+        )
     check_choice("uncertainty.measurand", measurand, HeadlineMeasurand)
     for source in sources:
         check_choice("uncertainty.sources", source, UncertaintySource)

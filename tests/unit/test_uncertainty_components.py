@@ -1,0 +1,141 @@
+"""The table of components makes the intervals up again; bands, grooves, transports that follow."""
+
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import roughcontact as rc
+from roughcontact.command_line import describe
+from roughcontact.errors import HeightMapError
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.report.budget_plots import shown_budget
+from roughcontact.statistics.contact_statistics import with_uncertainty
+from roughcontact.uncertainty.budget import error_budget
+from roughcontact.uncertainty.combination import uncertainty_table
+from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, PEAK, PRESSURE, to_scale
+
+CONTACT = {"contact_modulus": 1.0, "mean_pressure": [0.05]}
+
+
+def budget_of(height, **settings):
+    """Return the budget of a map that is levelled and made periodic by default settings."""
+    settings = {"level": {}, "window": {}, "contact": CONTACT} | settings
+    levelled = rc.level(height, **settings["level"])
+    return error_budget(levelled, rc.periodic_window(levelled, **settings["window"]), settings)
+
+
+@pytest.fixture(scope="module")
+def rough():
+    return self_affine_surface(
+        (96, 96), 1.0, hurst=0.7, shortest=4.0, longest=24.0, rms_gradient=0.3, seed=8
+    )[:80, :80]
+
+
+@pytest.fixture(scope="module")
+def stated(rough):
+    """A budget in which every source has a share: noise, scales, modulus and load are stated."""
+    contact = CONTACT | {"contact_modulus_uncertainty": 0.05, "mean_pressure_uncertainty": 0.02}
+    instrument = {"noise": 0.01 * float(rough.std()), "amplification_z": 0.02, "resolution": 6.0}
+    return budget_of(rough, contact=contact, instrument=instrument)
+
+
+@pytest.mark.parametrize("name", [AREA, GAP, PEAK, PRESSURE, CONDUCTANCE])
+def test_the_interval_is_that_of_its_components(stated, name):
+    """On the scale: half-widths of 95 % (1.96 u) as squares, shifts as they are (JCGM 100, 5.1.2)."""
+    table = uncertainty_table(stated)
+    rows = table[(table["quantity"] == name) & (table["source"] != "combined")]
+    assert set(rows["source"]) >= {"discretisation", "window", "instrument", "material", "unresolved"}
+    (combined,) = table[(table["quantity"] == name) & (table["source"] == "combined")].to_dict("records")
+    value = combined["value"]
+    for end, sign in (("lower", -1), ("upper", 1)):
+
+        def moved(by, sign=sign):
+            return sign * (to_scale(name, value + sign * by) - to_scale(name, np.float64(value)))
+
+        widths = moved(rows["coverage_factor"] * rows[f"standard_uncertainty_{end}"])
+        total = np.sqrt(np.sum(widths**2)) + np.sum(moved(rows[f"one_sided_{end}"]))
+        assert sign * (to_scale(name, combined[end]) - to_scale(name, value)) == pytest.approx(total)
+
+
+def test_a_band_chosen_in_the_settings_has_no_unresolved_waves(rough):
+    """A shortest wave of six pixels: neither waves that a lens hides, nor an octave beyond the band."""
+    lens = {"resolution": 24.0}
+    by_pixels, hidden = budget_of(rough), budget_of(rough, instrument=lens)
+    chosen = budget_of(rough, instrument=lens, window={"shortest_wavelength": 6.0})
+    assert hidden[f"{AREA}_lower"].item() == 0 < chosen[f"{AREA}_lower"].item()
+    assert by_pixels[f"{AREA}_octave_lower"].item() < by_pixels[f"{AREA}_lower"].item()
+    for name in (AREA, GAP, PEAK, PRESSURE):
+        assert not chosen[f"{name}_components"].sel(source="unresolved").any()
+        for end in ("lower", "upper"):
+            assert chosen[f"{name}_octave_{end}"].item() == chosen[f"{name}_{end}"].item()
+
+
+def test_grooves_leave_the_narrowest_place_without_upper_end():
+    """Deep grooves along y: elsewhere they may be wider; on this map they are what they are."""
+    x = np.arange(96)
+    ridges = -3.0 * np.exp(-(((x % 24) - 12) ** 2) / 4) + 0.05 * rough_reference_surface(96).values
+    found = budget_of(height_map(ridges, 1.0))
+    assert "Grooves or valleys lead out of the map along y" in found.attrs["window_reason"]
+    assert np.isnan(found["critical_constriction_y_upper"].item())
+    assert np.isfinite(found["critical_constriction_y_map_upper"].item())
+    assert np.isfinite(found["critical_constriction_x_upper"].item())
+
+
+def test_a_surface_that_is_its_own_mirror_image_has_equal_ends_along_x_and_y():
+    rough = rough_reference_surface(96).values
+    found = budget_of(height_map(rough + rough.T, 1.0 / 96))
+    for end in ("lower", "upper", "next_lower", "next_upper"):
+        ends = [found[f"critical_constriction_{axis}_{end}"].item() for axis in "xy"]
+        assert ends[0] == pytest.approx(ends[1], rel=1e-3)
+    assert found["critical_constriction_x_lower"].item() < found["critical_constriction_x_upper"].item()
+
+
+def test_leak_rates_go_as_the_cube_of_the_narrowest_place_and_conductances_as_theirs():
+    """Ends 0.5 and 1.5 of the narrowest place: 0.125 and 3.375 of the leak; K/E* times a constant."""
+    loads = {"mean_pressure": ("load", [1e6, 2e6])}
+    numbers = {"critical_constriction_x": [2e-6, 0.0], "leak_rate_x": [8e-12, 0.0]}
+    numbers |= {"leak_rate_by_cube": [1e6, 1e6], CONDUCTANCE: [1e4, 2e4], "thermal_conductance": [3e5, 6e5]}
+    statistics = xr.Dataset({name: ("load", values) for name, values in numbers.items()}, coords=loads)
+    ends = {"critical_constriction_x_lower": [1e-6, 0.0], "critical_constriction_x_upper": [3e-6, 1e-6]}
+    ends |= {f"{CONDUCTANCE}_lower": [5e3, 1e4], f"{CONDUCTANCE}_upper": [4e4, np.nan]}
+    budget = xr.Dataset({name: ("load", values) for name, values in ends.items()}, coords=loads)
+    found = with_uncertainty(statistics, budget)
+    np.testing.assert_allclose(found["leak_rate_x_lower"], [1e-12, 0.0])
+    np.testing.assert_allclose(found["leak_rate_x_upper"], [27e-12, 1e-12])
+    np.testing.assert_allclose(found["thermal_conductance_lower"], [1.5e5, 3e5])
+    np.testing.assert_allclose(found["thermal_conductance_upper"], [1.2e6, np.nan])
+    np.testing.assert_allclose(found["thermal_resistance_lower"], [1 / 1.2e6, 0.0])
+    np.testing.assert_allclose(found["thermal_resistance_upper"], [1 / 1.5e5, 1 / 3e5])
+
+
+def test_a_map_that_was_not_levelled_is_told_from_the_one_of_the_window(rough):
+    """Missing points in the window, and the map before `level`, are refused; nothing is guessed."""
+    settings = {"level": {}, "window": {}, "contact": CONTACT}
+    raw = rough + 0.01 * rough["x"]
+    levelled = rc.level(raw)
+    window = rc.periodic_window(levelled)
+    with pytest.raises(
+        HeightMapError, match="pass the map that level returned, of which the window is a part"
+    ):
+        error_budget(raw, window, settings)
+    holes = levelled.copy()
+    holes[40, 45] = np.nan
+    with pytest.raises(HeightMapError, match="has 1 missing points where the window lies: pass the map"):
+        error_budget(holes, window, settings)
+
+
+def test_page_and_screen_say_what_lies_beyond_the_map(rough):
+    """A line each: shorter waves, a longer surface, the next map, with the ends of the result."""
+    found = rc.evaluate(rough, contact={"contact_modulus": "1 GPa", "mean_pressure": "15 MPa"})
+    lines = shown_budget(found, loads=[0])["beyond"]
+    words = ("With waves one octave shorter", "Over 3 times the length", "Of the next map")
+    assert [line.split(":")[0] for line in lines] == list(words)
+    ends = [100 * found[f"{AREA}_next_{end}"].item() for end in ("lower", "upper")]
+    assert [float(text) for text in re.findall(r"[\d.]+", lines[2])[:2]] == pytest.approx(ends, abs=0.06)
+    loads = {name: found[name].item() for name in found.variables if found[name].dims == ("load",)}
+    screen = [" ".join(line.split()) for line in describe._beyond([loads], 3.0)]
+    assert [line.split(" % ")[1] for line in screen] == [word[0].lower() + word[1:] for word in words]
+    assert [float(text) for text in re.findall(r"[\d.]+", screen[2])[1:]] == pytest.approx(ends, abs=0.06)
