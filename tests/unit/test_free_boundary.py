@@ -10,7 +10,7 @@ from roughcontact.elasticity.free_space import FADE, TruncatedKernel, love
 from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.fourier import wavevectors
 from roughcontact.maps import height_map
-from validation.closed_forms import hertz, hertz_ellipse
+from roughcontact.references.closed_forms import hertz, hertz_ellipse
 
 POINTS = 256
 STEEL = {"boundary": "free", "contact_modulus": 1.0}

@@ -97,7 +97,7 @@ def test_contact_section_is_the_keyword_arguments_of_its_verbs():
     verbs = (plan_loads, target_loads, solve_contact)
     arguments = {name: each for verb in verbs for name, each in inspect.signature(verb).parameters.items()}
     of_the_run = {"window", "solver", "bodies", "fields", "reduce", "arrays", "threads", "progress"}
-    of_the_load = {"force", "area"}  # mean pressure is force by area
+    of_the_load = {"area"}  # mean pressure is force by area
     of_the_budget = {"contact_modulus_uncertainty", "mean_pressure_uncertainty"}
     assert (
         set(Contact.model_fields) - {"bodies", "keep_fields", *of_the_budget, *of_the_load}

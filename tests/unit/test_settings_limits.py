@@ -43,6 +43,7 @@ LIMITS = {
     "window.min_share": ([0, 1], [-SMALLEST, ABOVE_ONE]),
     "window.shortest_wavelength": ([SMALLEST_LENGTH, None], [0, -1]),
     "window.longest_wavelength": ([SMALLEST_LENGTH, None], [0, -1]),
+    "form.radius": ([1e-6, [1e-6], [1.0, 2.0]], [0, [], [1, -1], [1, 2, 3]]),
     "contact.contact_modulus": ([SMALLEST_PRESSURE], [0, -1]),
     "contact.bodies": ([[STEEL | MORE] * 2], [[], [STEEL], [STEEL] * 3]),
     "contact.bodies.youngs_modulus": ([SMALLEST_PRESSURE], [0, -1]),
@@ -130,6 +131,9 @@ def configured(key, value):
             "statistics": {"seal": SEAL | {key.rpartition(".")[2]: value}},
         }
     config = {"contact": {"contact_modulus": 1e9}}
+    if key == "form.radius":
+        free = {"contact_modulus": 1e9, "boundary": "free", "force": 1.0}
+        return {"form": {"radius": value}, "contact": free}
     if key in ("contact.force", "contact.area"):
         config["contact"] |= {"force": 1.0, "area": 1e-6}
     *section, name = key.split(".")
@@ -205,6 +209,7 @@ def test_every_setting_with_a_unit_has_a_range_in_which_bare_numbers_are_plausib
             listed = name in (
                 "contact.mean_pressure",
                 "contact.force",
+                "form.radius",
                 "contact.target_gap",
                 "composite.rotations",
             )
@@ -260,7 +265,7 @@ def test_what_is_within_the_limits_is_kept(key):
         found = resolve(configured(key, value))[""]
         for part in key.split("."):
             found = found[-1][part] if isinstance(found, list) else found[part]
-        loads = key.endswith(("_pressure", "force")) and isinstance(value, float | str)
+        loads = key.endswith(("_pressure", "force", "form.radius")) and isinstance(value, float | str)
         assert found == without_unit([value] if loads else value)
 
 

@@ -12,8 +12,7 @@ from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
 from roughcontact.levelling.repeats import noise_of_repeats
 from roughcontact.results.storage import opened_dataset, read_dataset
-from roughcontact.window.instrument import window_arguments
-from roughcontact.window.periodic_window import periodic_window
+from roughcontact.window.finite_body import solved_map
 
 
 def height(settings: dict) -> None:
@@ -56,7 +55,7 @@ def window(settings: dict) -> None:
     """Cut out a window without missing points and make it periodic."""
     with opened_dataset(FILES["levelled"]) as file:  # without the rejected heights, which are as large
         plane = file["height"].drop_vars("rejected_height", errors="ignore").load()
-    found = periodic_window(plane, **window_arguments(plane, settings))
+    found = solved_map(plane, settings)
     save(found, FILES["window"], settings, source=plane.attrs)
 
 

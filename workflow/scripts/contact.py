@@ -21,7 +21,7 @@ if "contact" in steps:
     shown = solver | {"progress": progress}
     path, own = FILES["contact"], of_step["contact"]
     if settings["contact"]["keep_fields"]:
-        with written_load_by_load(path, solver["mean_pressure"], window) as file:
+        with written_load_by_load(path, pipeline.mean_pressures(window, solver), window) as file:
             solution, statistics_of_loads, for_budget = pipeline.solve_and_evaluate(
                 window, settings, shown, store=file.keep
             )

@@ -85,6 +85,13 @@ def check_solution(contact: object) -> None:
         )
 
 
+def check_periodic_solution(contact: "xr.Dataset") -> None:
+    """Raise SettingsError for anything else than a solution of a periodic map, with its maps."""
+    check_solution(contact)
+    if contact.attrs.get("boundary") == "free":
+        raise SettingsError("the contact is that of a body of finite size: this is solved for periodic maps")
+
+
 def check_map(height: "xr.DataArray") -> "np.ndarray":
     """Return a copy of the heights (m) as float64, NaN where not finite, or raise an error.
 

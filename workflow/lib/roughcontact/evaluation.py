@@ -30,6 +30,7 @@ def evaluate(
     statistics: Mapping[str, Any] | None = None,
     uncertainty: Mapping[str, Any] | None = None,
     instrument: Mapping[str, Any] | None = None,
+    form: Mapping[str, Any] | None = None,
     threads: int = 1,
     **file: Any,
 ) -> xr.Dataset:
@@ -39,7 +40,7 @@ def evaluate(
     ----------
     source : str, Path or DataArray (y, x), m
         a measured file, or a height map as `read_height_map` or `height_map` returns it.
-    level, window, contact, statistics, uncertainty, instrument : mapping, optional
+    level, window, contact, statistics, uncertainty, instrument, form : mapping, optional
         sections of the configuration, with numbers possibly as text with a unit ("115 GPa"); missing keys
         have their defaults. `contact` states the elasticity, as `contact_modulus` or `bodies`.
     threads : int
@@ -91,6 +92,7 @@ def evaluate(
         "statistics": statistics,
         "uncertainty": uncertainty,
         "instrument": instrument,
+        "form": form,
     }
     if file and isinstance(source, xr.DataArray):
         raise SettingsError(f"{', '.join(file)}: of a file, the source is a map; read it with them")

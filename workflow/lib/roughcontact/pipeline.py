@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import xarray as xr
 
 from roughcontact.bodies import have_layers
@@ -16,6 +17,7 @@ from roughcontact.contact.dataset import joined
 from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
 from roughcontact.errors import HeightMapError
 from roughcontact.levelling.level import level
+from roughcontact.maps import spacing
 from roughcontact.results.storage import provenance, written_load_by_load
 from roughcontact.statistics.checks import with_verdicts
 from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statistics_function, with_uncertainty
@@ -24,13 +26,13 @@ from roughcontact.statistics.instrument_checks import instrument_kind
 from roughcontact.statistics.precision import with_precision
 from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import wanted_loads
-from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
+from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget, finite_body_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.improvement import MAP_SCATTER_RATIO, map_scatter_ratio, with_halving
 from roughcontact.variables import describe
 from roughcontact.window.band import lateral_period_limit
+from roughcontact.window.finite_body import solved_map
 from roughcontact.window.instrument import stated_instrument, window_arguments
-from roughcontact.window.periodic_window import periodic_window
 
 _BAND = ("band_shortest", "band_longest", "band_reason", "corrected_for")
 
@@ -71,12 +73,13 @@ def run_chain(
     progress(0, None, "levelling")
     levelled = level(height, **settings["level"])
     progress(0, None, "periodic window")
-    window = periodic_window(levelled, **window_arguments(levelled, settings))
+    window = solved_map(levelled, settings)
     solver = solver_arguments(window, settings["contact"], threads=threads)
-    loads = len(solver["mean_pressure"])
+    pressures = mean_pressures(window, solver)
+    loads = len(pressures)
     progress(0, loads, "solving")
     origin: dict[str, Any] = {
-        "settings": {key: settings[key] for key in SECTIONS},
+        "settings": {key: settings[key] for key in sections_of(settings)},
         "source_sha256": str(height.attrs.get("source_sha256", "")),
         "history": str(window.attrs.get("history", "")),
     }
@@ -84,7 +87,7 @@ def run_chain(
     if fields is None:
         result = solve_and_evaluate(window, settings, with_progress)
     else:
-        with written_load_by_load(fields, solver["mean_pressure"], window) as file:
+        with written_load_by_load(fields, pressures, window) as file:
             result = solve_and_evaluate(window, settings, with_progress, store=file.keep)
             solution = result.solution.assign(height=window)
             file.complete(solution.assign_attrs(provenance(**origin, stage="contact")))
@@ -92,6 +95,19 @@ def run_chain(
     budget = bound_error(levelled, window, settings, solver, result.for_budget)
     statistics = complete_statistics(result.statistics, window, budget, settings, threads=threads)
     return Chain(levelled, window, statistics.assign_attrs(provenance(**origin, stage="statistics")))
+
+
+def sections_of(settings: Settings) -> tuple[str, ...]:
+    """Return the sections that the numbers depend on; `form` is one of bodies of finite size."""
+    return (*SECTIONS, "form") if settings["contact"].get("boundary") == "free" else SECTIONS
+
+
+def mean_pressures(window: xr.DataArray, solver: Mapping[str, Any]) -> list[float]:
+    """Return the mean pressures (Pa) of `solver_arguments`, the forces on a finite body over the map."""
+    if "force" not in solver:
+        return list(solver["mean_pressure"])
+    dy, dx = spacing(window)
+    return [force / (window.size * dy * dx) for force in solver["force"]]
 
 
 def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> dict[str, Any]:
@@ -111,12 +127,14 @@ def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, thread
     >>> found["mean_pressure"], found["tolerance"]
     ([100000.0], 0.0001)
     """
+    chosen = {key: contact[key] for key in ("contact_modulus", *SOLVER_SETTINGS)}
+    if contact.get("boundary") == "free":
+        return chosen | {"boundary": "free", "force": contact["force"], "threads": threads}
     try:
         loads = wanted_loads(window, contact, threads=threads)
     except HeightMapError as error:
         file = window.attrs.get("source_file")
         raise HeightMapError(f"{f'{file}: ' if file else ''}{error} (section contact)") from error
-    chosen = {key: contact[key] for key in ("contact_modulus", *SOLVER_SETTINGS)}
     if have_layers(contact["bodies"]):
         chosen["bodies"] = contact["bodies"]
     return chosen | {"mean_pressure": loads, "threads": threads}
@@ -134,6 +152,10 @@ def bound_error(
     Uses the levelled map, the window, the sections `level`, `window`, `contact`, `uncertainty`,
     `instrument` of the settings, the solver arguments of `solver_arguments`, and `Solved.for_budget`.
     """
+    if "force" in solver:
+        pressures = np.array(mean_pressures(window, solver))
+        sources = settings["uncertainty"]["sources"]
+        return finite_body_budget(solved, pressures, sources=sources, hardness=solver["hardness"])
     stated = {key: settings["contact"][key] for key in MATERIAL_UNCERTAINTIES}
     verbs = {key: settings[key] for key in ("level", "instrument")}
     verbs["window"] = window_arguments(levelled, settings)
@@ -230,7 +252,7 @@ def complete_statistics(
         )
     # what a group of maps has to have in common
     properties |= {key: window.attrs[key] for key in _BAND if key in window.attrs}
-    if all(settings["contact"].get(key) is None for key in ("mean_pressure", "relative_pressure")):
+    if all(settings["contact"].get(key) is None for key in ("mean_pressure", "relative_pressure", "force")):
         properties["loads"] = "found"  # planned, or for a target
     properties["periodisation"] = window.attrs.get("periodisation", "none")
     properties["measured_by"] = instrument_kind(window.attrs).name

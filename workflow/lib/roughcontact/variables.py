@@ -37,6 +37,11 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     # the solution, per load
     "mean_pressure": ("Pa", "nominal (applied, mean) pressure over the whole window"),
     "force": ("N", "force on a body of finite size"),
+    "contact_area": ("m2", "area of the contact of a body of finite size, corrected by the perimeter rule"),
+    "contact_radius": ("m", "radius of the circle of that area"),
+    "hertz_radius": ("m", "radius of the circle of the area in contact of the smooth body (Hertz)"),
+    "hertz_max_pressure": ("Pa", "largest pressure of the smooth body (Hertz)"),
+    "hertz_approach": ("m", "approach of the smooth body (Hertz)"),
     "relative_pressure": ("1", "mean pressure / (contact modulus x rms gradient)"),
     "approach": ("m", "place of the half-space on the scale of the heights; falls as the load rises"),
     "iterations": ("1", "outer iterations of the solver, all grids"),

@@ -176,18 +176,19 @@ def solution(result: Mapping[str, Any]) -> str:
     size = f"{window['nx']} × {window['ny']} points, {' × '.join(lengths)}"
     if 1 in (window["nx"], window["ny"]):
         size = f"profile of {max(window['nx'], window['ny'])} points, {lengths[window['nx'] == 1]}"
+    kind = f"made periodic: {window['periodisation']}"
+    if result["settings"]["contact"]["boundary"] == "free":
+        kind = "a body of finite size"
     lines = [
         str(result["file"]),
         _line("levelled", result["levelled"]["removed_and_filled"]),
-        _line(
-            "window",
-            f"{size}, {percent(window['share'])} of the map, made periodic: {window['periodisation']}",
-        ),
+        _line("window", f"{size}, {percent(window['share'])} of the map, {kind}"),
         _line("rms height", quantity(surface["rms_height"], "m")),
         _line("rms gradient", number(surface["rms_gradient"])),
         *([_line("bodies", bodies_in_words(contact))] if contact["bodies"] else []),
         _line("contact modulus", quantity(surface["contact_modulus"], "Pa")),
         *_lines_of_hardness(surface),
+        *_lines_of_finite_body(result["loads"]),
         "",
         *_table(result["loads"]),
         *_precision(result["loads"]),
@@ -244,6 +245,23 @@ def _ends(load: Mapping[str, Any], name: str, unit: str) -> str:
     return f"{with_interval(math.nan, low * factor, high * factor)} {shown}"
 
 
+def _lines_of_finite_body(loads: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return the contact of a body of finite size at each load, and Hertz's of the smooth body beside it."""
+    lines = []
+    for load in loads:
+        if "contact_radius" not in load:
+            continue
+        text = f"radius {quantity(load['contact_radius'], 'm')}, approach {quantity(-load['approach'], 'm')}"
+        lines.append(_line(f"at {quantity(load['force'], 'N')}", f"{text} of the mean plane"))
+        if "hertz_radius" in load:
+            radius, approach = (quantity(load[f"hertz_{name}"], "m") for name in ("radius", "approach"))
+            peak = quantity(load["hertz_max_pressure"], "Pa")
+            lines.append(
+                _line("smooth (Hertz)", f"radius {radius}, approach {approach}, largest pressure {peak}")
+            )
+    return lines
+
+
 def _lines_of_hardness(surface: Mapping[str, Any]) -> list[str]:
     """Return hardness and first yield, if a hardness is given."""
     if "hardness" not in surface:
@@ -276,7 +294,9 @@ def _about(result: Mapping[str, Any]) -> list[str]:
     if corrected := result["window"].get("corrected_for"):
         lines.append(_line("corrected", f"for {corrected}"))
     uncertainty = result["settings"]["uncertainty"]
-    if "window" in uncertainty["sources"]:
+    if result["settings"]["contact"]["boundary"] == "free":
+        lines.append(_line("±", "of the solver alone, for this body: the other sources are of periodic maps"))
+    elif "window" in uncertainty["sources"]:
         extent = uncertainty["extent"]
         longer = uncertainty["measurand"] == "longer"
         lines.append(_line("±", f"for {measurand_in_words(extent if longer else None)}"))

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from pydantic.fields import FieldInfo
 
-from roughcontact.configuration.models import Contact, Instrument, Level, Section, Uncertainty, Window
+from roughcontact.configuration.models import Contact, Form, Instrument, Level, Section, Uncertainty, Window
 from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import SettingsError
 
@@ -17,7 +17,7 @@ from roughcontact.errors import SettingsError
 _LEFT_OUT = {"bodies", "keep_fields"}
 _LISTS = {
     **dict.fromkeys(
-        ("mean_pressure", "relative_pressure", "force", "target_area", "target_gap", "target"), "+"
+        ("mean_pressure", "relative_pressure", "force", "target_area", "target_gap", "target", "radius"), "+"
     ),
     "sources": "*",
 }
@@ -26,6 +26,7 @@ _SECTIONS: dict[str, type[Section]] = {
     "contact": Contact,
     "level": Level,
     "window": Window,
+    "form": Form,
     "uncertainty": Uncertainty,
     "instrument": Instrument,
 }
@@ -33,6 +34,7 @@ _HEADINGS = {
     "contact": "contact (give --contact-modulus or --body twice)",
     "level": "levelling",
     "window": "periodic window",
+    "form": "form of a body of finite size (--boundary free)",
     "uncertainty": "error budget, the ± of the numbers",
     "instrument": "what is known of the instrument, for the ±",
 }

@@ -14,7 +14,7 @@ from roughcontact.command_line import saving
 from roughcontact.errors import HeightMapError, RoughContactError, with_place
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.record import removed_and_filled
-from roughcontact.pipeline import SECTIONS, run_chain
+from roughcontact.pipeline import run_chain, sections_of
 from roughcontact.statistics import checks
 from roughcontact.uncertainty.groups import group_statistics, is_range
 from roughcontact.variables import VARIABLES
@@ -176,7 +176,7 @@ def _solved(
         },
         "halve": statistics.attrs.get("halve", ""),
         "warnings": json.loads(height.attrs["ingest_warnings"]),
-        "settings": {key: settings[key] for key in SECTIONS},
+        "settings": {key: settings[key] for key in sections_of(settings)},
     }
     return result, statistics
 

@@ -16,6 +16,7 @@ from pydantic_core import PydanticCustomError
 from roughcontact.choices import (
     HIGHEST_ORDER,
     SMALLEST_TOLERANCE,
+    Boundary,
     Extra,
     Fill,
     HeadlineMeasurand,
@@ -117,6 +118,12 @@ _LIST_SCHEMA = WithJsonSchema(
     {"anyOf": [*_WITH_UNIT["anyOf"], {"type": "array", "minItems": 1, "items": _WITH_UNIT}]}
 )
 Loads = Annotated[list[Pressure], _LISTED, BeforeValidator(_as_list), _LIST_SCHEMA]
+Radii = Annotated[
+    list[Annotated[Positive, BeforeValidator(Range("m", 1e-9, 1e3)), _SCHEMA]],
+    Field(min_length=1, max_length=2),
+    BeforeValidator(_as_list),
+    _LIST_SCHEMA,
+]
 Forces = Annotated[list[Force], _LISTED, BeforeValidator(_as_list), _LIST_SCHEMA]
 
 
@@ -198,6 +205,20 @@ class Composite(Section):
         description="minimum share of each side of the smaller map that the other one covers",
     )
     seed: Count = Field(default=0, ge=0, lt=2**32, description="of the random shifts")
+
+
+class Form(Section):
+    """The nominal form of a body of finite size, of which the map is the roughness (boundary: free)."""
+
+    radius: Radii | None = Field(
+        default=None,
+        description="of the body, m; two of an ellipsoid, along x and y; none: the map itself is the body",
+        examples=["5 mm"],
+    )
+    edges: bool = Field(
+        default=False,
+        description="whether the body ends where the map does, with sharp edges: a flat punch, a chip, a pin",
+    )
 
 
 class Window(Section):
@@ -378,9 +399,13 @@ class Contact(Section):
         description="nominal pressure / (E* x rms gradient of the window), no unit, one number or a list",
         examples=[[0.01, 0.05, 0.2]],
     )
+    boundary: Boundary = Field(
+        default="periodic",
+        description="periodic: the map repeats; free: a body of finite size (section form) under a force",
+    )
     force: Forces | None = Field(
         default=None,
-        description="N, one number or a list: with area another way to state mean_pressure",
+        description="N, one number or a list: on a body of finite size; with area instead of mean_pressure",
         examples=["50 N"],
     )
     area: Area | None = Field(
@@ -597,6 +622,7 @@ class Settings(Section):
     level: Level = Field(default_factory=Level)
     composite: Composite = Field(default_factory=Composite)
     window: Window = Field(default_factory=Window)
+    form: Form = Field(default_factory=Form)
     contact: Contact = Field(default_factory=Contact)
     statistics: Statistics = Field(default_factory=Statistics)
     uncertainty: Uncertainty = Field(default_factory=Uncertainty)

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from roughcontact.bodies import check_bodies
+from roughcontact.bodies import check_bodies, have_layers
 from roughcontact.configuration.messages import mistake, name_mistake, named
 from roughcontact.configuration.models import Settings
 from roughcontact.configuration.plausible import implausible_together
@@ -98,6 +98,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         text = "statistics.stress = 'always': needs contact.bodies, for their Poisson's ratios"
         mistakes.append(SettingsError(text, keys=["statistics.stress"]))
     _derive(settings["contact"], stated or ())
+    mistakes += [SettingsError(text) for text in _mistakes_in_finite_bodies(settings)]
     bodies = settings["contact"]["bodies"]
     hardness, loads = settings["contact"]["hardness"], settings["contact"]["mean_pressure"] or ()
     if hardness is not None and max(loads, default=0.0) >= hardness:
@@ -168,7 +169,18 @@ def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
         units = {"mean_pressure": "Pa", "relative_pressure": "no unit", "force": "N"}
         both = " and ".join(f"{key} ({units[key]})" for key in loads)
         mistakes.append(f"{where}: {both} given; give one of them or neither")
-    if (contact.get("force") is None) != (contact.get("area") is None):
+    if contact.get("boundary") == "free":
+        periodic = ("mean_pressure", "relative_pressure", "area", "target_area", "target_gap", "target")
+        mistakes += [
+            f"{where}.{key}: is of periodic maps; a body of finite size (boundary: free) takes a force in N"
+            for key in periodic
+            if contact.get(key) is not None
+        ]
+        if contact.get("force") is None:
+            mistakes.append(
+                f"{where}.force: missing, though boundary is free; give the force on the body in N"
+            )
+    elif (contact.get("force") is None) != (contact.get("area") is None):
         missing, other = ("area", "force") if contact.get("area") is None else ("force", "area")
         mistakes.append(
             f"{where}.{missing}: missing, though {other} is given; mean pressure is force by area"
@@ -181,6 +193,22 @@ def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
                 f"{where}: hardness given of the contact and of a body; give it of the bodies (the softer "
                 "counts) or of the contact"
             )
+    return mistakes
+
+
+def _mistakes_in_finite_bodies(settings: Mapping[str, Any]) -> list[str]:
+    """Return what is asked of a body of finite size, or of its form, although it is not solved."""
+    form, contact = settings["form"], settings["contact"]
+    if contact["boundary"] != "free":
+        stated = [key for key in form if form[key]]
+        return [f"form.{key} = {form[key]!r}: is of contact.boundary = free; set that, too" for key in stated]
+    mistakes = []
+    if have_layers(contact["bodies"]):
+        mistakes.append("contact.bodies: layers are solved for periodic maps only, not for boundary: free")
+    if contact["zero_frequency"] != "zero":
+        mistakes.append("contact.zero_frequency: the approach of a finite body is absolute; leave it out")
+    if settings["statistics"]["stress"] == "always":
+        mistakes.append("statistics.stress = 'always': is of periodic maps, not of boundary: free")
     return mistakes
 
 

@@ -36,6 +36,8 @@ def settings_of(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
     if "window" in sections and settings["instrument"]["correct"]:  # the window is corrected by it
         sections = tuple(dict.fromkeys([*sections, "instrument"]))
     found = {section: settings[section] for section in sections}
+    if "window" in sections and settings["contact"]["boundary"] == "free":
+        found |= {"form": settings["form"], "contact": found.get("contact", {"boundary": "free"})}
     if stage == "uncertainty":  # the same with and without fields
         found["contact"] = {key: value for key, value in found["contact"].items() if key != "keep_fields"}
     return found

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import check_positive, check_solution
+from roughcontact.checking import check_periodic_solution, check_positive
 from roughcontact.contact.dataset import influence_of, layers_of
 from roughcontact.contact.solve import solve_contact
 from roughcontact.elasticity.energy import elastic_energy
@@ -78,7 +78,7 @@ def partial_slip(
     >>> slip["shear_traction"].mean(("y", "x")).values.round(6), slip["stick_share"].values.round(2)
     (array([0.006, 0.03 ]), array([0.84, 0.  ]))
     """
-    check_solution(contact)
+    check_periodic_solution(contact)
     friction = check_positive("friction_coefficient", friction_coefficient, unit="relative terms")
     shares = [float(share) for share in np.atleast_1d(np.asarray(tangential_load, float))]
     if not shares or not all(0 < share <= 1 for share in shares):

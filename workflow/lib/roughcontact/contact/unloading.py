@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import check_solution
+from roughcontact.checking import check_periodic_solution
 from roughcontact.contact.dataset import influence_of, layers_of
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.solve import solve_contact
@@ -73,7 +73,7 @@ def unload(
     >>> print(areas[1] >= areas[0], float(unloaded["pressure"].max() / 0.5) <= 1 + 1e-5)
     True True
     """
-    check_solution(contact)
+    check_periodic_solution(contact)
     if "hardness" not in contact:
         raise SettingsError(
             "the contact has no hardness: an elastic one is unloaded the way it was loaded; solve it with "

@@ -136,6 +136,9 @@ def _loads(contact: Mapping[str, Any]) -> str:
 
 def _given(contact: Mapping[str, Any]) -> Iterator[str]:
     """Yield each kind of loads that is given."""
+    if contact.get("boundary") == "free":
+        forces = ", ".join(quantity(force, "N") for force in contact["force"])
+        yield f"force {forces} on a body of finite size"
     for key, words, show in (
         ("mean_pressure", "mean pressure", lambda value: quantity(value, "Pa")),
         ("relative_pressure", "p̄/(E* g)", number),

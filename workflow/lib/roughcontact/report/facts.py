@@ -59,10 +59,32 @@ def surface_facts(
         ("Gap closes", _closing(numbers)),
         ("Adhesion", adhesion_in_words(numbers)),
         ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
+        ("Body of finite size", _finite_body(numbers)),
         ("Hardness", _of_softer_body(numbers, "hardness")),
         ("First yield at p̄", _of_softer_body(numbers, "first_yield_pressure")),
     ]
     return [(name, text) for name, text in facts if text]
+
+
+def _finite_body(numbers: xr.Dataset) -> str:
+    """Return the contact of a body of finite size under its largest force, and Hertz's of the smooth body."""
+    if "contact_radius" not in numbers:
+        return ""
+    load = int(numbers["force"].values.argmax())
+
+    def text(name: str, unit: str) -> str:
+        return quantity(float(numbers[name][load]), unit)
+
+    contact = f"radius of the area in contact {text('contact_radius', 'm')}"
+    if "hertz_radius" in numbers:
+        contact += (
+            f", that of the smooth body (Hertz) {text('hertz_radius', 'm')} with a largest pressure of "
+            f"{text('hertz_max_pressure', 'Pa')} and an approach of {text('hertz_approach', 'm')}"
+        )
+    return (
+        f"{contact}, at {text('force', 'N')}; the ± is that of the solver alone: pixel size, other places on "
+        "the surface, instrument and material are not judged"
+    )
 
 
 def _first_row(measured: xr.DataArray) -> str:
@@ -245,7 +267,11 @@ def _first_yield(numbers: xr.Dataset) -> str:
 
 def _closing(numbers: xr.Dataset) -> str:
     """Return between which loads the gap closes along each axis, nothing for a profile and for a flat map."""
-    if "gap_percolates_x" not in numbers or not np.isfinite(numbers.get("Std", np.nan)):
+    if (
+        "gap_percolates_x" not in numbers
+        or "contact_radius" in numbers
+        or not np.isfinite(numbers.get("Std", np.nan))
+    ):
         return ""
     loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"]]
     found = {}

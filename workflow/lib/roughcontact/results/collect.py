@@ -21,6 +21,7 @@ _SUFFIX: dict[str | None, str] = {
     "m": "_m",
     "Pa": "_Pa",
     "m-1": "_per_m",
+    "N": "_N",
     "Pa m-1": "_Pa_per_m",
     "J m-2": "_J_per_m2",
     "W m-2 K-1": "_W_per_m2_K",

@@ -71,6 +71,12 @@ _IN_THE_INTERVAL: dict[str, str] = {
     CheckName.QUANTISATION: "instrument",
 }
 
+# checks of what a body of finite size, whose form and edges are meant, does not have
+_OF_PERIODIC_MAPS = {
+    *(CheckName.PERIODIC_WINDOW, CheckName.WINDOW, CheckName.LONGEST_WAVE, CheckName.SAMPLE),
+    *(CheckName.LOAD_RANGE, CheckName.SLOPES, CheckName.STEEP_PLACES, CheckName.FORM),
+}
+
 __all__ = [
     "ANSWERS",
     "CONTACT_POINTS",
@@ -155,6 +161,8 @@ def surface_checks(
         instrument_checks.pixel_size(height, window),
         map_checks.reading(height, levelled),
     ]
+    if statistics.attrs.get("boundary") == "free":
+        found = [check for check in found if check.name not in _OF_PERIODIC_MAPS]
     return [
         _noted(check._replace(answers=_CONCERNS.get(check.name, check.answers)), statistics, window)
         for check in found

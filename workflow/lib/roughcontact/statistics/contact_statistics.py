@@ -38,6 +38,7 @@ from roughcontact.statistics.densities import (
     density,
     logarithmic_edges,
 )
+from roughcontact.statistics.finite_body import THEORIES, of_finite_body
 from roughcontact.statistics.subsurface import (
     interface_depths,
     profile_depths,
@@ -77,7 +78,6 @@ FLOW_POINTS = 65536
 _OF_LOADING = 1e-3
 
 # variable of a density -> name of its bins, `{name}_bin`
-THEORIES = ("area_persson", "area_xu", "area_bush_gibson_thomas", "area_greenwood_williamson")
 
 _BINS = {"pressure_density": "pressure", "gap_density": "gap", "patch_area_density": "patch"}
 
@@ -160,7 +160,7 @@ def contact_statistics(
             raise SettingsError(
                 f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
             )
-    check_choice("flow", flow, Extra)
+    flow, stress = _extras(contact, flow, stress)
     check_solution(contact)
     layers, body = layers_of(contact), _body_to_strain(stress, bodies)
     height, modulus = contact["height"], float(contact["contact_modulus"])
@@ -234,8 +234,9 @@ def contact_statistics(
     dims |= {
         f"{quantity}_share_above_ratio": ("load", "hardness_over_modulus") for quantity in ("load", "area")
     }
-    dims["von_mises_profile"] = ("load", "depth")
-    dims |= {f"material_von_mises_{quantity}": ("load", "material") for quantity in ("stress", "depth")}
+    dims |= {f"material_von_mises_{quantity}": ("load", "material") for quantity in ("stress", "depth")} | {
+        "von_mises_profile": ("load", "depth")
+    }
     dims |= {f"interface_{component}_stress": ("load", "interface") for component in ("shear", "normal")}
     variables: dict[str, object] = {
         name: (dims.get(name, ("load",)), values) for name, values in columns.items()
@@ -245,11 +246,12 @@ def contact_statistics(
         material["hardness"] = hardness
     else:
         coordinates["hardness_over_modulus"] = ("hardness_over_modulus", np.array(HARDNESS_OVER_MODULUS))
-    return xr.Dataset(
+    statistics = xr.Dataset(
         variables | parameters | material,
         coords=coordinates,
         attrs=contact.attrs | ({} if body is None else {"stresses_of": strained_body_in_words(bodies or ())}),
     )
+    return statistics if contact.attrs.get("boundary") != "free" else of_finite_body(statistics, contact)
 
 
 def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
@@ -629,9 +631,15 @@ def _inverse(compliance: float) -> float:
     return 1 / compliance if compliance > 0 else np.inf
 
 
+def _extras(contact: xr.Dataset, flow: Extra, stress: Extra) -> tuple[Extra, Extra]:
+    """Return whether flow and stress are computed: those of a finite body have neither sides nor a period."""
+    check_choice("flow", flow, Extra)
+    check_choice("stress", stress, Extra)
+    return ("never", "never") if contact.attrs.get("boundary") == "free" else (flow, stress)
+
+
 def _body_to_strain(stress: Extra, bodies: Bodies | None) -> Mapping[str, Any] | None:
     """Return the body whose stresses below the surface are computed; None where they are not wanted."""
-    check_choice("stress", stress, Extra)
     body = strained_body(check_bodies(bodies) if bodies and have_layers(bodies) else bodies) or {}
     deformable = body.get("poissons_ratio") is not None or bool(body.get("layers"))
     if stress == "always" and not deformable:

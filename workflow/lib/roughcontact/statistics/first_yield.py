@@ -9,6 +9,7 @@ import xarray as xr
 from roughcontact.bodies import have_layers
 from roughcontact.checking import check_positive
 from roughcontact.contact.solve import solve_contact
+from roughcontact.maps import spacing
 from roughcontact.si import in_si
 
 _SOLVER_SETTINGS = ("tolerance", "influence", "precision")
@@ -36,7 +37,7 @@ def first_yield_pressure(
     Parameters
     ----------
     window : DataArray (y, x), m
-        periodic, no NaN.
+        periodic, no NaN, or a body of finite size (attribute `boundary`: free).
     contact_modulus : float, Pa
         E*.
     hardness : float, Pa
@@ -71,16 +72,19 @@ def first_yield_pressure(
     """
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
     goal = check_positive("hardness", hardness, unit="Pa")
+    free, area = window.attrs.get("boundary") == "free", window.size * float(np.prod(spacing(window)))
 
     def excess(load: float) -> float:
         """Return the logarithm of the largest pressure over the hardness."""
+        pressure = float(np.exp(load))
+        loaded = {"boundary": "free", "force": pressure * area} if free else {"mean_pressure": pressure}
         solved = solve_contact(
             window,
             contact_modulus=modulus,
-            mean_pressure=np.exp(load),
             tolerance=tolerance,
             on_failure="flag",
             reduce=_largest,
+            **loaded,
             **solver,
         )
         return float(np.log(solved["max_pressure"].item() / goal))
@@ -88,7 +92,8 @@ def first_yield_pressure(
     # no point carries more than all of the load, and at least one carries the mean pressure
     low, high = float(np.log(goal / window.size)), float(np.log(goal))
     load = low + 0.7 * (high - low) if start is None else float(np.clip(np.log(start), low, high))
-    slope, before, visited = 0.2, None, set()
+    # a ball (Hertz), a rough surface
+    slope, before, visited = 1 / 3 if free else 0.2, None, set()
     for _ in range(_MOST_SOLVES):
         excess_at_load = excess(load)
         visited.add(load)
@@ -140,11 +145,14 @@ def with_first_yield(
         return statistics.assign(first_yield_pressure_by_ratio=("hardness_over_modulus", at_goals))
     hardness = float(statistics["hardness"])
     elastic = largest < hardness * (1 - _CLOSE)
+    start = float(loads[elastic][-1]) if elastic.any() else None
+    if start is None and window.attrs.get("boundary") == "free":
+        start = float(loads[0])  # under a larger load the contact may leave the map
     pressures = first_yield_pressure(
         window,
         contact_modulus=modulus,
         hardness=hardness,
-        start=float(loads[elastic][-1]) if elastic.any() else None,
+        start=start,
         threads=threads,
         **{key: contact[key] for key in _SOLVER_SETTINGS if key in contact},
         **({"bodies": contact["bodies"]} if have_layers(contact.get("bodies")) else {}),

@@ -202,6 +202,31 @@ def error_budget(
     return xr.Dataset(columns, coords={"mean_pressure": ("load", load), **labels}, attrs=attrs)
 
 
+def finite_body_budget(
+    solved: xr.Dataset | None,
+    load: np.ndarray,
+    *,
+    sources: Sequence[UncertaintySource],
+    hardness: float | None,
+) -> xr.Dataset:
+    """Return the `error_budget` of a finite body, by the solver alone: other sources are of periodic maps."""
+    coords: dict[str, Any] = {"mean_pressure": ("load", load)}
+    if solved is None or "solver" not in sources:
+        return xr.Dataset(coords=coords)
+    components = _of_solver(solved)
+    intervals = Intervals({"solver": components}, None, {}, {}, load, 1.0, hardness)
+    values = {name: solved[name].values for name in (*components, PRESSURE)}
+    middle = {name: to_scale(name, value) for name, value in values.items() if name != PRESSURE}
+    columns: dict[str, tuple] = {}
+    for name in values:
+        columns |= intervals.columns(name, values, middle)
+    # of other maps and other waves the solver says nothing
+    for name in [n for n in columns if any(f"_{extent}_" in n for extent in ("next", "longer", "octave"))]:
+        columns[name] = (columns[name][0], np.full(np.shape(columns[name][1]), np.nan))
+    coords |= {"source": [*SOURCES, COMBINED], "component": list(SIDES)}
+    return xr.Dataset(columns, coords=coords)
+
+
 def _check_arguments(
     levelled: xr.DataArray,
     window: xr.DataArray,

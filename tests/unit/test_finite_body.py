@@ -1,0 +1,115 @@
+"""Bodies of finite size in a study: form, numbers beside Hertz, settings that do not fit."""
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.configuration.resolve import resolve
+from roughcontact.configuration.stages import settings_of
+from roughcontact.maps import height_map, spacing
+from roughcontact.references.closed_forms import hertz, hertz_ellipse
+from roughcontact.window.finite_body import finite_body
+
+FREE = {"contact_modulus": 115e9, "boundary": "free", "force": "5 N"}
+
+
+def ground(rms_height, shape=(160, 200)):
+    return rc.self_affine_surface(
+        shape, 5e-6, hurst=0.8, shortest=20e-6, longest=200e-6, rms_height=rms_height, seed=3
+    )
+
+
+def test_smooth_ball_is_that_of_hertz():
+    answer = rc.evaluate(ground(1e-10), contact=FREE, form={"radius": "5 mm"})
+    exact = hertz(5.0, 5e-3, 115e9)
+    assert answer["hertz_radius"].item() == pytest.approx(exact["contact_radius"])
+    assert answer["contact_radius"].item() == pytest.approx(exact["contact_radius"], rel=2e-3)
+    assert -answer["approach"].item() == pytest.approx(exact["approach"], rel=2e-3)
+    assert answer["max_pressure"].item() == pytest.approx(answer["hertz_max_pressure"].item(), rel=5e-3)
+    # dF/dδ = 2 E* a over the area of the map, and the energy 2/5 F δ
+    area = 160 * 200 * 25e-12
+    stiffness = 2 * 115e9 * exact["contact_radius"] / area
+    assert answer["contact_stiffness"].item() == pytest.approx(stiffness, rel=0.02)
+    assert answer["conductance_per_conductivity"].item() == pytest.approx(stiffness / 115e9, rel=0.02)
+    assert answer["elastic_energy"].item() * area == pytest.approx(exact["energy"], rel=5e-3)
+
+
+def test_roughness_lowers_the_area_and_raises_the_pressure():
+    answer = rc.evaluate(ground(1.5e-7), contact=FREE, form={"radius": ["5 mm", "10 mm"]})
+    smooth = hertz_ellipse(5.0, (5e-3, 10e-3), 115e9)
+    assert answer["hertz_radius"].item() == pytest.approx((smooth["major"] * smooth["minor"]) ** 0.5)
+    assert answer["contact_radius"] < answer["hertz_radius"]
+    assert answer["max_pressure"] > 1.2 * answer["hertz_max_pressure"]
+    assert answer["relative_contact_area_lower"] < answer["relative_contact_area"]
+    assert answer["relative_contact_area_uncertainty"].sel(source="window").isnull().all()
+    assert answer["area_persson"].isnull().all()
+    assert answer["gap_percolates_x"].isnull().all()
+    assert answer["verdict"].item() in (0, 1)
+
+
+def test_hardness_limits_the_pressure_of_a_study():
+    answer = rc.evaluate(ground(1.5e-7), contact=FREE | {"hardness": "1 GPa"}, form={"radius": "5 mm"})
+    assert answer["max_pressure"].item() == pytest.approx(1e9)
+    assert answer["error_bound"].item() <= 1e-4
+
+
+def test_flat_punch_with_the_edges_of_the_map():
+    """F = pi C E* δ, with the capacitance C = 0.36679 of a square of side 1 (Read 1997)."""
+    flat = height_map(1e-12 * np.indices((128, 128)).sum(axis=0) % 2e-12, 5e-6)
+    answer = rc.evaluate(flat, contact=FREE, form={"edges": True}, level={"form": "mean"})
+    side = 128 * 5e-6
+    assert answer["contact_area"].item() == pytest.approx(side**2, rel=0.02)
+    stiffness = -5.0 / (115e9 * side * answer["approach"].item())
+    assert stiffness == pytest.approx(np.pi * 0.3667896, rel=4e-3)
+
+
+def test_form_is_added_to_the_map():
+    map_ = ground(1e-7, (40, 50))
+    steps, (y, x) = spacing(map_), (map_[axis].values - map_[axis].values.mean() for axis in "yx")
+    body = finite_body(map_, radius=[2.0, 3.0])
+    np.testing.assert_allclose(body.values, map_.values - x**2 / 4 - y[:, None] ** 2 / 6)
+    np.testing.assert_allclose(body["x"].values, map_["x"].values)
+    punch = finite_body(map_, edges=True)
+    np.testing.assert_array_equal(punch.values[2:-2, 2:-2], map_.values)
+    assert punch["x"][2].item() == pytest.approx(map_["x"][0].item())
+    assert spacing(punch) == pytest.approx(steps)
+    assert punch.values[0].max() < map_.values.min()
+
+
+def test_map_smaller_than_the_contact_is_refused_with_a_size():
+    with pytest.raises(rc.HeightMapError, match=r"reaches the border .* a map of 0.00\d+ m x"):
+        rc.evaluate(ground(1e-9, (40, 40)), contact=FREE | {"force": "200 N"}, form={"radius": "5 mm"})
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"contact": {"boundary": "free"}}, r"contact.force: missing"),
+        ({"contact": FREE | {"mean_pressure": "1 MPa"}}, r"contact: mean_pressure .* and force"),
+        ({"contact": FREE | {"area": "1 cm2"}}, r"contact.area: is of periodic maps"),
+        ({"contact": FREE | {"target_area": 0.1}}, r"contact.target_area: is of periodic maps"),
+        ({"contact": FREE | {"zero_frequency": "lattice"}}, r"contact.zero_frequency: the approach"),
+        ({"form": {"radius": "5 mm"}}, r"form.radius .* contact.boundary = free"),
+        ({"contact": FREE, "form": {"radius": [1, 2, 3]}}, r"form.radius"),
+        ({"contact": FREE, "statistics": {"stress": "always"}}, r"statistics.stress"),
+    ],
+)
+def test_settings_that_do_not_fit(settings, message):
+    contact = {"contact_modulus": 115e9} | settings.get("contact", {})
+    with pytest.raises(rc.SettingsError, match=message):
+        resolve(settings | {"contact": contact})
+
+
+def test_window_depends_on_form_of_finite_bodies_alone():
+    free = resolve({"contact": FREE, "form": {"radius": 5e-3}})[""]
+    assert settings_of(free, "window")["form"]["radius"] == [5e-3]
+    periodic = resolve({"contact": {"contact_modulus": 1e9}})[""]
+    assert "form" not in settings_of(periodic, "window")
+
+
+def test_what_is_solved_for_periodic_maps_refuses_finite_bodies():
+    body = finite_body(ground(1e-7, (48, 48)), radius=[5e-3])
+    contact = rc.solve_contact(body, hardness=1e9, **FREE | {"force": 0.1})
+    for verb in (rc.unload, lambda one: rc.partial_slip(one, friction_coefficient=0.2, tangential_load=0.5)):
+        with pytest.raises(rc.SettingsError, match="body of finite size"):
+            verb(contact)

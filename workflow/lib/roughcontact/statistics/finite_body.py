@@ -1,0 +1,57 @@
+"""Numbers of a body of finite size: its contact, and Hertz's of the smooth body beside it."""
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.contact.dataset import influence_of
+from roughcontact.contact.free_boundary import FreeBody
+from roughcontact.maps import spacing
+from roughcontact.references.closed_forms import hertz_ellipse
+
+THEORIES = ("area_persson", "area_xu", "area_bush_gibson_thomas", "area_greenwood_williamson")
+_PASSAGE = ("gap_percolates", "critical_constriction")
+_STIFFNESS_TOLERANCE = 1e-3  # of a punch; the error of its stiffness is about the square of that
+
+
+def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
+    """Return the statistics of a finite body: stiffness, conductances, energy of its own, and its size.
+
+    The stiffness per area of the map is that of a flat punch on the points in contact, for these stay in
+    contact under a further force; heat and current flow in proportion (Barber 2003, Proc. R. Soc. A 459, 53).
+    The energy per area is half the mean of the pressure times the displacement, height - approach in contact.
+    The theories of endless surfaces are NaN; the gap has no sides between which it could be open.
+    """
+    height, modulus = contact["height"], float(contact["contact_modulus"])
+    steps = spacing(height)
+    map_area = height.size * steps[0] * steps[1]
+    area = statistics["relative_contact_area"].values * map_area
+    forces = contact["force"].values
+    stiffness, energy = np.empty_like(area), np.empty_like(area)
+    for load, force in enumerate(forces):
+        pressure = contact["pressure"].isel(load=load).values
+        approach = float(contact["approach"][load])
+        punch = np.where(pressure > 0, 0.0, -max(height.shape) * max(steps))
+        body = FreeBody(punch, steps, modulus=modulus, influence=influence_of(contact))
+        solution = body.solve(float(force), tolerance=_STIFFNESS_TOLERANCE)
+        stiffness[load] = force / -solution.approach / map_area
+        energy[load] = 0.5 * float((pressure * (height.values - approach)).mean())
+    scale = xr.Variable("load", stiffness / statistics["contact_stiffness"].values)
+    own = {str(name): statistics[name].variable for name in statistics}
+    own |= {name: values * scale for name, values in own.items() if "conductance" in name}
+    own |= {name: values / scale for name, values in own.items() if name.endswith("_resistance")}
+    without = (*THEORIES, "loading_stiffness", *(f"{kind}_{axis}" for kind in _PASSAGE for axis in "xy"))
+    own |= {name: xr.full_like(own[name], np.nan, dtype=float) for name in without if name in own}
+    columns = {
+        "contact_stiffness": stiffness,
+        "elastic_energy": energy,
+        "contact_area": area,
+        "contact_radius": np.sqrt(area / np.pi),
+    }
+    if "form_radius_x" in height.attrs:
+        radii = float(height.attrs["form_radius_x"]), float(height.attrs["form_radius_y"])
+        smooth = [hertz_ellipse(float(force), radii, modulus) for force in forces]
+        columns["hertz_radius"] = np.array([(one["major"] * one["minor"]) ** 0.5 for one in smooth])
+        columns["hertz_max_pressure"] = np.array([one["max_pressure"] for one in smooth])
+        columns["hertz_approach"] = np.array([one["approach"] for one in smooth])
+    own |= {name: xr.Variable("load", values) for name, values in columns.items()}
+    return statistics.assign(own).assign_coords(force=("load", forces))

@@ -1,0 +1,49 @@
+"""The map that is solved: the periodic window, or a body of finite size of which the map is the roughness."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.errors import HeightMapError
+from roughcontact.maps import height_map, spacing
+from roughcontact.window.instrument import window_arguments
+from roughcontact.window.periodic_window import periodic_window
+
+_RIM, _DEPTH = 2, 10.0  # points beyond an edge, and their depth in units of the side of the map
+
+
+def solved_map(levelled: xr.DataArray, settings: Mapping[str, Any]) -> xr.DataArray:
+    """Return the map to solve (y, x; m) of a levelled one, by the sections `window`, `form` and `contact`."""
+    if settings.get("contact", {}).get("boundary") != "free":
+        return periodic_window(levelled, **window_arguments(levelled, settings))
+    band = {key: settings["window"].get(key) for key in ("shortest_wavelength", "longest_wavelength")}
+    if any(band.values()):
+        chosen = next(key for key, value in band.items() if value)
+        raise HeightMapError(
+            f"window.{chosen}: waves are removed from periodic maps; use level.s_filter or .l_filter"
+        )
+    arguments = {key: settings["window"][key] for key in ("min_share",) if key in settings["window"]}
+    return finite_body(periodic_window(levelled, method="raw", **arguments), **settings.get("form", {}))
+
+
+def finite_body(
+    roughness: xr.DataArray, *, radius: Sequence[float] | None = None, edges: bool = False
+) -> xr.DataArray:
+    """Return a map (y, x; m) on a paraboloid of one radius or two (m; along x, y), or ending at its edges."""
+    heights, steps = roughness.values.astype(float), spacing(roughness)
+    if min(heights.shape) < 2:
+        raise HeightMapError("a profile is no body of finite size: solve it with contact.boundary: periodic")
+    if radius:
+        y, x = ((np.arange(n) - (n - 1) / 2) * d for n, d in zip(heights.shape, steps, strict=True))
+        heights = heights - x**2 / (2 * radius[0]) - y[:, None] ** 2 / (2 * radius[-1])
+    if edges:
+        below = float(heights.min()) - _DEPTH * max(np.ptp(heights), max(heights.shape) * max(steps) * 1e-3)
+        heights = np.pad(heights, _RIM, constant_values=below)
+    body = height_map(heights, steps)
+    margin = _RIM if edges else 0
+    first = {axis: float(roughness[axis][0]) - margin * step for axis, step in zip("yx", steps, strict=True)}
+    body = body.assign_coords({axis: body[axis] - body[axis][0] + first[axis] for axis in "yx"})
+    stated = {"form_radius_x": radius[0], "form_radius_y": radius[-1]} if radius else {}
+    return body.assign_attrs(roughness.attrs | stated | {"boundary": "free"})
