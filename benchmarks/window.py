@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
-from roughcontact.choices import WindowMethod
+from roughcontact.choices import Placement, WindowMethod
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.roughness.parameters import rms_gradient
@@ -35,6 +35,8 @@ from validation.masters import grooves
 
 METHODS = get_args(WindowMethod)
 KINDS = ("isotropic", "anisotropic", "turned", "bimodal")
+REPEATING = ("feed marks", "ground", "dimples")  # textures with a period; of placements alone
+PERIOD = 36.5  # points, of feed marks and dimples, about: a window of 256 points has seven of them
 LOADS = (0.02, 0.1, 0.4)  # mean pressure / (E* rms gradient)
 TOLERANCE = 1e-3
 KINDS_LOAD = 0.1  # of the table by kind of surface
@@ -43,9 +45,7 @@ RIM = 0.03  # of each side, at both ends
 FIRST_SEED = 50
 MARKS = {"area, same load": 0.01, "peak": 0.1, "rim": 0.1}  # what a good method keeps
 PARTS = ("methods", "placements")
-DEFECTS = ("", "hole", "bump")
-DEFECT_WIDTH = 0.2  # of a hole or a bump over the least side
-BUMP_HEIGHT = 3.0  # over the rms height
+PLACEMENTS = get_args(Placement)
 
 
 def master(kind: str, seed: int, points: int, *, longest: float | None = None, shortest: float = 8.0):
@@ -53,7 +53,9 @@ def master(kind: str, seed: int, points: int, *, longest: float | None = None, s
 
     isotropic: self-affine, Hurst exponent 0.8, waves up to `longest`, or half of the side; anisotropic: up to
     half of that, six times as long along y; turned: parabolic grooves of scattered depth along y,
-    self-affine roughness on them; bimodal: fine roughness on long waves that carry nearly all of the height.
+    self-affine roughness on them; bimodal: fine roughness on long waves that carry nearly all of the height;
+    feed marks: equal parabolic grooves along y, roughness on them; ground: roughness forty times as long
+    along y; dimples: equal pits on a square lattice in a rough plane.
     """
     shape = (points, points)
     longest = longest or points / 2
@@ -72,6 +74,18 @@ def master(kind: str, seed: int, points: int, *, longest: float | None = None, s
         count = round(points / (4.7 * shortest))  # a whole number of grooves
         turned = grooves(points, count, 0.1, np.random.default_rng(seed))
         heights = waves(shortest, 8 * shortest, rms_height=0.25) + turned
+        heights = np.fft.ifft2(fourier_gaussian(np.fft.fft2(heights), shortest / 4)).real
+    elif kind == "feed marks":
+        equal = grooves(points, round(points / PERIOD), 0.0, np.random.default_rng(seed))
+        heights = waves(shortest, 8 * shortest, rms_height=0.1) + equal
+        heights = np.fft.ifft2(fourier_gaussian(np.fft.fft2(heights), shortest / 4)).real
+    elif kind == "ground":
+        heights = waves(shortest, longest / 2, stretch=40.0)
+    elif kind == "dimples":
+        count = round(points / PERIOD)
+        phase = np.arange(points) * count / points % 1 - 0.5
+        radius = np.hypot(phase[:, None], phase[None, :]) / 0.3
+        heights = waves(shortest, 8 * shortest, rms_height=0.1) - 2 * np.clip(1 - radius**2, 0, None)
         heights = np.fft.ifft2(fourier_gaussian(np.fft.fft2(heights), shortest / 4)).real
     else:
         heights = waves(12.5 * shortest, 32 * shortest) + waves(
@@ -161,8 +175,8 @@ def natural_windows(kind, seeds, *, points, side, whole) -> list[dict]:
     return rows
 
 
-def compare_placements(kind, seed, *, points, side, defect="") -> list[dict]:
-    """Return a row for each map and way to place the window: the largest rectangle, or a search."""
+def compare_placements(kind, seed, *, points, side) -> list[dict]:
+    """Return a row for each map, cut out at random, and way to place the window."""
     surface = master(kind, seed, points)
     truth = area(solve(surface, [0.1])[0])
     generator = np.random.default_rng([7, seed])
@@ -171,29 +185,17 @@ def compare_placements(kind, seed, *, points, side, defect="") -> list[dict]:
         ny, nx = generator.integers(side, round(1.3 * side), 2)
         rolled = surface.roll(y=generator.integers(points), x=generator.integers(points))
         measured = height_map(rolled.values[:ny, :nx], 1.0)
-        if defect:
-            y, x = np.indices(measured.shape)
-            cy, cx = (generator.uniform(0, n) for n in measured.shape)
-            distance = np.hypot(y - cy, x - cx) / (DEFECT_WIDTH * side / 2)
-            height = np.nan if defect == "hole" else BUMP_HEIGHT * measured.values.std() * (1 - distance**2)
-            values = np.where(distance < 1, measured.values + height, measured.values)
-            measured = height_map(values, 1.0)
         levelled = rc.level(measured, outlier_threshold=None)
-        for placement in ("largest", "search"):
-            begin = time.perf_counter()
+        for placement in PLACEMENTS:
             window = rc.periodic_window(levelled, placement=placement)
-            placing = time.perf_counter() - begin
-            begin = time.perf_counter()
             pressure = solve(window, [0.1])[0]
             rows.append(
                 {
-                    "kind": f"{kind}, {defect}" if defect else kind,
+                    "kind": kind,
                     "placement": placement,
                     "area": area(pressure) / truth,
                     "gradient": float(window.attrs["rms_gradient_after"]),
                     "points": window.size / measured.size,
-                    "placing": placing,
-                    "solving": time.perf_counter() - begin,
                 }
             )
     return rows
@@ -202,14 +204,13 @@ def compare_placements(kind, seed, *, points, side, defect="") -> list[dict]:
 def run(part, *, points, side, seeds, say=print) -> list[dict]:
     """Return the rows of one comparison, "methods" or "placements"."""
     rows = []
-    for kind in KINDS:
+    for kind in KINDS if part == "methods" else (*KINDS, *REPEATING):
         for seed in seeds:
             begin = time.perf_counter()
             if part == "methods":
                 rows += compare_methods(kind, seed, points=points, side=side)
             else:
-                for defect in DEFECTS:
-                    rows += compare_placements(kind, seed, points=points, side=side, defect=defect)
+                rows += compare_placements(kind, seed, points=points, side=side)
             say(f"{part}, {kind}, seed {seed}: {time.perf_counter() - begin:.0f} s", flush=True)
         if part == "methods":  # as many windows as were cut out
             whole = [area(p) for p in solve(master(kind, seeds[0], points), LOADS)]
@@ -250,15 +251,21 @@ def best_method(missed: pd.DataFrame) -> str:
 
 
 def placement_table(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return area, scatter and error of both placements, and the cost of the search, by kind of map."""
-    found = {}
-    for placement in ("largest", "search"):
-        areas = rows[rows["placement"] == placement].groupby("kind", sort=False)["area"]
-        found[f"area, {placement}"] = areas.mean()
-        found[f"scatter, {placement}"] = areas.std(ddof=0)
-        found[f"error, {placement} (%)"] = areas.agg(rms_error)
-    found["cost of the search"] = {kind: search_cost(some) for kind, some in rows.groupby("kind", sort=False)}
-    return pd.DataFrame(found).reset_index(names="maps")
+    """Return mean and error of the area by both placements, and by how much their squares differ, by kind."""
+    return pd.DataFrame([placement_row(kind, some) for kind, some in rows.groupby("kind", sort=False)])
+
+
+def placement_row(kind: str, rows: pd.DataFrame) -> dict:
+    """Return the row of one kind; `gain` is the difference of the squared errors of a map, over its error."""
+    areas = {name: rows[rows["placement"] == name]["area"].values for name in PLACEMENTS}
+    gain = (areas["largest"] - 1) ** 2 - (areas["whole-periods"] - 1) ** 2
+    scatter = gain.std(ddof=1) / np.sqrt(gain.size)
+    return (
+        {"maps": kind}
+        | {f"area, {name}": values.mean() for name, values in areas.items()}
+        | {f"error, {name} (%)": rms_error(values) for name, values in areas.items()}
+        | {"gain over its standard error": gain.mean() / scatter if scatter else 0.0}
+    )
 
 
 def rms_error(areas) -> float:
@@ -266,54 +273,49 @@ def rms_error(areas) -> float:
     return float(100 * np.sqrt(np.mean((areas - 1) ** 2)))
 
 
-def search_cost(rows: pd.DataFrame) -> float:
-    """Return the time of the search beyond that of the largest rectangle, over one solve (medians)."""
-    placing = rows.groupby("placement")["placing"].median()
-    return float((placing["search"] - placing["largest"]) / rows["solving"].median())
-
-
-def tables(results: dict) -> dict[str, pd.DataFrame]:
-    """Return the tables of the page."""
-    methods, placements = (pd.DataFrame(results[part]["rows"]) for part in PARTS)
+def method_tables(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Return the tables of the methods."""
     forms = dict.fromkeys(("area, same load", "area", "scatter"), ".3f") | dict.fromkeys(RATIOS[1:], ".2f")
-    cut = methods[methods["same_area"].notna()].sort_values("load", kind="stable")
+    cut = rows[rows["same_area"].notna()].sort_values("load", kind="stable")
     by_load = summary(cut, ["load", "method"])
-    by_kind = summary(methods[methods["load"] == KINDS_LOAD], ["kind", "method"])
-    placed = placement_table(placements)
-    percent = (100 * misses(methods)).add_suffix(" (%)")
-    decimals = {name: ".1f" if "%" in name else ".2f" if "cost" in name else ".3f" for name in placed}
+    by_kind = summary(rows[rows["load"] == KINDS_LOAD], ["kind", "method"])
+    percent = (100 * misses(rows)).add_suffix(" (%)")
     return {
         "methods": pages.text(by_load.reset_index(names=["p̄ / E* g", "method"]), forms),
         "kinds": pages.text(by_kind.reset_index(names=["surface", "method"]), forms),
         "misses": pages.text(percent.reset_index(), dict.fromkeys(percent, ".1f")),
-        "placements": pages.text(placed, decimals),
     }
+
+
+def tables(results: dict) -> dict[str, pd.DataFrame]:
+    """Return the tables of the parts that were measured."""
+    found = method_tables(pd.DataFrame(results["methods"]["rows"])) if "methods" in results else {}
+    if "placements" in results:
+        placed = placement_table(pd.DataFrame(results["placements"]["rows"]))
+        decimals = {name: ".3f" if name.startswith("area") else ".1f" for name in placed.columns[1:]}
+        found["placements"] = pages.text(placed, decimals)
+    return found
 
 
 def about(results: dict) -> dict:
-    """Return sizes, and which method and placement is nearest to the truth."""
-    methods, placements = (pd.DataFrame(results[part]["rows"]) for part in PARTS)
-    side = results["placements"]["side"]
-    areas = {placement: some["area"].values for placement, some in placements.groupby("placement")}
-    gain = (areas["search"] - 1) ** 2 - (areas["largest"] - 1) ** 2
-    uncertainty = gain.std(ddof=1) / np.sqrt(gain.size)
-    nearer = "search" if gain.mean() < 0 else "largest"
-    return {
-        "points": results["methods"]["points"],
-        "side": side,
-        "surfaces of each kind": results["methods"]["seeds"],
-        "windows": int(methods.groupby(["method", "load"]).size().iloc[0]),
-        "nearest method": best_method(misses(methods)),
-        "maps": gain.size,
-        "longest side": round(1.3 * side),
-        "defect": round(DEFECT_WIDTH * side),
-        "error, largest (%)": f"{rms_error(areas['largest']):.2f}",
-        "error, search (%)": f"{rms_error(areas['search']):.2f}",
-        "cost of the search": f"{search_cost(placements):.2f}",
-        "squared error, search less largest (1e-4)": f"{1e4 * gain.mean():.1f}",
-        "standard error (1e-4)": f"{1e4 * uncertainty:.1f}",
-        "nearer placement": nearer if abs(gain.mean()) >= 2 * uncertainty else "neither",
-    }
+    """Return sizes, the nearest method, and numbers of maps, of the parts that were measured."""
+    found: dict = {}
+    if "methods" in results:
+        methods = pd.DataFrame(results["methods"]["rows"])
+        found |= {
+            "points": results["methods"]["points"],
+            "side": results["methods"]["side"],
+            "surfaces of each kind": results["methods"]["seeds"],
+            "windows": int(methods.groupby(["method", "load"]).size().iloc[0]),
+            "nearest method": best_method(misses(methods)),
+        }
+    if "placements" in results:
+        placements = pd.DataFrame(results["placements"]["rows"])
+        found |= {
+            "maps of each kind": int(placements.groupby(["kind", "placement"]).size().iloc[0]),
+            "longest side": round(1.3 * results["placements"]["side"]),
+        }
+    return found
 
 
 def main() -> None:
@@ -338,7 +340,9 @@ def main() -> None:
         options.results.parent.mkdir(parents=True, exist_ok=True)
         options.results.write_text(json.dumps(results), encoding="utf-8")
     if options.write:
-        pages.publish("window", tables(results), about(results))
+        facts = pages.RESULTS / "window/about.json"
+        kept = json.loads(facts.read_text("utf-8")) if facts.is_file() else {}
+        pages.publish("window", tables(results), kept | about(results))
     else:
         pages.show(tables(results))
 

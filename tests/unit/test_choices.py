@@ -100,7 +100,7 @@ def test_the_smallest_tolerance_is_what_rounding_leaves_of_the_smallest_maps():
         ("Fill", "harmonics", "key = 'harmonics': did you mean 'harmonic'? choose harmonic or none"),
         ("Resampling", "cubic", "key = 'cubic': choose linear"),
         ("ZeroFrequency", None, "key = None: choose zero, nogi-kato or lattice"),
-        ("Placement", ["search"], "key = ['search']: did you mean 'search'? choose largest or search"),
+        ("Placement", "search", "key = 'search': choose largest or whole-periods"),
     ],
 )
 def test_a_word_that_is_none_is_refused_with_the_valid_ones(kind, value, said):

@@ -1,37 +1,11 @@
 """The tables of the report: each cell is the number it is called after, with its sign and in its unit."""
 
-import json
-
 import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact.maps import height_map
 from roughcontact.report.glance import Cell, glance_rows, loads_to_compare
-from roughcontact.report.tables import number_tables, score_table
-
-
-def test_of_a_window_shares_are_in_percent_and_mismatches_are_not():
-    solved = {
-        "points": [40, 60],
-        "offset": [2e-6, 5e-6],
-        "score": 0.123,
-        "largest_rectangle": False,
-        "height_mismatch": 0.5,
-        "slope_mismatch": 0.25,
-        "missing": 0.01,
-        "stationarity": 0.1,
-        "representativeness": 0.2,
-        "size": 0.3,
-    }
-    largest = solved | {"points": [64, 96], "offset": [0.0, 0.0], "score": 0.5, "largest_rectangle": True}
-    window = height_map(np.zeros((2, 2)), 1e-6).assign_attrs(window_scores=json.dumps([solved, largest]))
-    first, second = score_table(window)["rows"]
-    cells = ["0.50", "0.25", "1.00 %", "10.0 %", "20.0 %", "30.0 %"]
-    # x before y, as everywhere on the page
-    assert first == {"cells": ["60 × 40", "5.00 µm, 2.00 µm", "0.123", *cells], "words": "solved"}
-    assert second == {"cells": ["96 × 64", "0 m, 0 m", "0.500", *cells], "words": "largest rectangle"}
-
+from roughcontact.report.tables import number_tables
 
 # of one load: variable -> value in SI, and as the tables of a steel part of 1 mm write it, with its unit
 SHOWN = {

@@ -17,7 +17,6 @@ from roughcontact.roughness.parameters import rms_gradient, rms_height
 from roughcontact.statistics.checks import FORM
 from roughcontact.window.periodic_window import periodic_window
 from roughcontact.window.rectangle import largest_rectangle
-from roughcontact.window.search import MIN_SIDE_SHARE
 from roughcontact.window.sides import friendly_sides
 
 METHODS = get_args(WindowMethod)
@@ -128,7 +127,6 @@ def test_record_of_each_method(method):
     levelled = level(cut_out((100, 130)))
     window = periodic_window(levelled, placement="largest", method=method, width=0.1)
     attrs = window.attrs
-    assert "window_scores" not in attrs
     assert attrs["periodisation"] == method
     assert np.isfinite(window.values).all()
     assert window.dims == ("y", "x")
@@ -278,7 +276,7 @@ def test_limits_of_the_options_are_allowed():
             periodic_window(levelled, **options)
 
 
-@pytest.mark.parametrize("placement", ["largest", "search"])
+@pytest.mark.parametrize("placement", ["largest", "whole-periods"])
 def test_a_window_may_be_just_as_small_as_the_least_share(placement):
     """27 x 50 of 30 x 100 points: the left half is missing, and three rows."""
     values = cut_out((30, 100)).values
@@ -288,16 +286,6 @@ def test_a_window_may_be_just_as_small_as_the_least_share(placement):
     assert periodic_window(height, min_share=0.45, **options).attrs["window_share"] == 0.45
     with pytest.raises(HeightMapError, match=r"has 50 x 27 points, 45\.0 % of the map"):
         periodic_window(height, min_share=0.4501, **options)
-
-
-def test_a_search_keeps_to_the_least_share_and_records_a_few():
-    levelled = level(cut_out((110, 120)))
-    least = 0.6
-    window = periodic_window(levelled, placement="search", method="raw", min_share=least)
-    scores = json.loads(window.attrs["window_scores"])
-    assert len(scores) in (6, 7)  # the best six, and the largest rectangle where it is none of them
-    assert all(np.prod(s["points"]) >= least * 110 * 120 for s in scores)
-    assert [s["score"] for s in scores[:6]] == sorted(s["score"] for s in scores[:6])
 
 
 def test_the_window_lies_in_the_middle_of_the_rectangle():
@@ -358,9 +346,8 @@ def test_real_files_get_a_window(file, kinds, least_share):
     # without a band for blending, which costs friendly sides
     whole = periodic_window(levelled, method="periodic-plus-smooth")
     assert whole.attrs["window_share"] > least_share
-    found = periodic_window(levelled, placement="search")
-    # the search goes down to sides of 0.7 of the largest rectangle's
-    for window, part in ((whole, 0.7), (periodic_window(levelled), 0.7), (found, MIN_SIDE_SHARE**2)):
+    shortened = periodic_window(levelled, placement="whole-periods")
+    for window, part in ((whole, 0.7), (periodic_window(levelled), 0.7), (shortened, 0.7**2)):
         assert np.isfinite(window.values).all()
         assert window.attrs["window_share"] > part * least_share
         gradients = [window.attrs[f"rms_gradient_{when}"] for when in ("before", "after")]

@@ -8,7 +8,7 @@ import window
 from roughcontact.roughness.parameters import rms_gradient
 
 
-@pytest.mark.parametrize("kind", ["isotropic", "anisotropic", "turned", "bimodal"])
+@pytest.mark.parametrize("kind", [*window.KINDS, *window.REPEATING])
 def test_masters_are_periodic_and_of_unit_gradient(kind):
     surface = window.master(kind, 3, 192)
     assert rms_gradient(surface) == pytest.approx(1.0)
@@ -50,5 +50,5 @@ def test_quick_run(monkeypatch):
     assert window.about(results)["nearest method"] != "raw"
     tables = window.tables(results)
     assert set(tables["methods"]["method"].value_counts()) == {len(window.LOADS)}
-    assert "isotropic, bump" in set(tables["placements"]["maps"])
+    assert set(tables["placements"]["maps"]) == {"isotropic", "turned", *window.REPEATING}
     assert not any(frame.eq("nan").any(axis=None) for frame in tables.values())

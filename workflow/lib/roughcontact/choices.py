@@ -9,7 +9,7 @@ LevelForm = Literal["none", "mean", "plane", "polynomial", "sphere", "cylinder"]
 LineAlignment = Literal["auto", "none", "jitter", "median", "matched-steps"]
 Fill = Literal["harmonic", "none"]
 
-Placement = Literal["largest", "search"]
+Placement = Literal["largest", "whole-periods"]
 WindowMethod = Literal["smooth-cross-fade", "periodic-plus-smooth", "cross-fade", "mirror", "taper", "raw"]
 
 ZeroFrequency = Literal["zero", "nogi-kato", "lattice"]

@@ -227,7 +227,7 @@ class Window(Section):
     placement: Placement = Field(
         default="largest",
         description="part of the map that is solved; largest: the largest rectangle without missing points; "
-        "search: the position and size with the best score, including whole periods of a lay",
+        "whole-periods: shortened to a whole number of periods of a texture that repeats",
     )
     method: WindowMethod = Field(
         default="smooth-cross-fade",

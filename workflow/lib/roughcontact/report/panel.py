@@ -103,7 +103,6 @@ def write_panel(
         stack=stack_of_layers(bodies, solved) if have_layers(bodies) else None,
         maps=maps,
         concerns=checks.concerns,
-        scores=tables.score_table(solved),
         profile=1 in solved.shape,
         fields=fields,
         drawn=shown,

@@ -1,17 +1,15 @@
-"""The tables of the report, as text: numbers against load, scores of windows."""
+"""The tables of the report, as text: numbers against load, materials."""
 
-import json
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import Unit, number, percent, quantity, with_interval
+from roughcontact.quantities import Unit, number, percent, with_interval
 from roughcontact.report.units import unit_of
 from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.variables import VARIABLES, Numbers
-from roughcontact.window.score import WEIGHTS
 
 # the tables of numbers: title, and for each column variable, short name, unit (a share is given in percent);
 # columns that the statistics lack are left out
@@ -70,16 +68,6 @@ _OF_LAYERS = (
 )
 TITLES = {name: title for columns in _GROUPS.values() for name, title, _ in columns}
 UNITS = {name: unit for columns in _GROUPS.values() for name, _, unit in columns}
-
-# the parts of the score of a window, as `WEIGHTS` names them, and whether in percent
-_SCORE_PARTS = (
-    ("height_mismatch", "heights at the seams", False),
-    ("slope_mismatch", "slopes at the seams", False),
-    ("missing", "filled points", True),
-    ("stationarity", "gradient among quarters", True),
-    ("representativeness", "spectrum off the map's", True),
-    ("size", "sampling error", True),
-)
 
 # materials with the hardness over modulus of `bearing.HARDNESS_OVER_MODULUS`
 _MATERIALS = (
@@ -199,34 +187,3 @@ def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:
         ]
         rows.append([number(float(ratio), digits=1), pressure(ratio * modulus), words, yields, *shares])
     return {"header": header, "rows": rows}
-
-
-def score_table(window: xr.DataArray) -> Table | None:
-    """Return the table of the scores of windows of different sizes; None where no window was searched for.
-
-    `header` has a title for each column; `rows` have their `cells` and `words` on the candidate.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from roughcontact.maps import height_map
-    >>> score_table(height_map(np.zeros((2, 2)), 1e-6)) is None
-    True
-    """
-    if "window_scores" not in window.attrs:
-        return None
-    candidates = json.loads(window.attrs["window_scores"])
-    parts = [f"{title} (weight {WEIGHTS[name]:g})" for name, title, _ in _SCORE_PARTS]
-    rows = []
-    for index, candidate in enumerate(candidates):
-        corner = ", ".join(quantity(value, "m") for value in candidate["offset"][::-1])
-        values = [
-            percent(candidate[name]) if in_percent else f"{candidate[name]:.2f}"
-            for name, _, in_percent in _SCORE_PARTS
-        ]
-        size = " × ".join(str(points) for points in candidate["points"][::-1])
-        words = ["solved"] * (index == 0) + ["largest rectangle"] * candidate["largest_rectangle"]
-        rows.append(
-            {"cells": [size, corner, f"{candidate['score']:.3f}", *values], "words": ", ".join(words)}
-        )
-    return {"header": ["window, points", "corner, x and y", "score", *parts], "rows": rows}

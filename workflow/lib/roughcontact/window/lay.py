@@ -1,11 +1,17 @@
-"""The period of the lay: the spacing of grooves."""
+"""The period of the lay, the spacing of grooves or dimples, and the sides with a whole number of them."""
+
+import math
 
 import numpy as np
+
+from roughcontact.window.sides import is_friendly
 
 _MIN_CORRELATION = 0.3  # autocorrelation after one period that a surface with a lay period must reach
 _MAXIMUM_SHARE = 0.8  # of the highest maximum: the first maximum that reaches it marks the period
 _MAX_LINES = 64  # evaluated
 _MIN_PERIODS = 4  # that must fit into the map
+_SHORTEST = 0.7  # share of a side that is left at least
+_TOLERANCE = 0.1  # periods: deviation of a side from a whole number of them
 
 
 def lay_period(values: np.ndarray, axis: int) -> float | None:
@@ -42,3 +48,24 @@ def lay_period(values: np.ndarray, axis: int) -> float | None:
         return None
     before, at, after = correlation[top - 1 : top + 2]
     return float(top + (before - after) / (2 * (before - 2 * at + after)))
+
+
+def side_of_whole_periods(longest: int, period: float | None) -> int:
+    """Return the longest side with a fast transform that has a whole number of periods, both in points.
+
+    Without a period, or where no side above 0.7 of the longest has one, that is the longest side itself.
+
+    Examples
+    --------
+    >>> side_of_whole_periods(256, 36.5), side_of_whole_periods(256, None)
+    (256, 256)
+    >>> side_of_whole_periods(240, 36.5)
+    216
+    """
+    if period is None:
+        return longest
+    for side in range(longest, math.ceil(_SHORTEST * longest) - 1, -1):
+        periods = side / period
+        if is_friendly(side) and abs(periods - round(periods)) <= _TOLERANCE:
+            return side
+    return longest

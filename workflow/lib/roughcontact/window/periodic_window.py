@@ -19,15 +19,12 @@ from roughcontact.roughness.traces import instrument_traces
 from roughcontact.si import in_si
 from roughcontact.window import periodisation
 from roughcontact.window.band import limit_band
+from roughcontact.window.lay import lay_period, side_of_whole_periods
 from roughcontact.window.rectangle import largest_rectangle
-from roughcontact.window.search import Candidate, search_window
-from roughcontact.window.sides import band_points, friendly_sides, used_points
+from roughcontact.window.sides import band_points, friendly_sides
 from roughcontact.window.transfer import corrected
 
 _BLENDING_METHODS = ("smooth-cross-fade", "cross-fade")  # need a band in addition to the window
-
-# Search candidates that are recorded, besides the largest rectangle.
-_RECORDED_CANDIDATES = 6
 
 
 @in_si
@@ -45,16 +42,16 @@ def periodic_window(
 ) -> xr.DataArray:
     """Cut out a rectangle without missing points and make it periodic.
 
-    The rectangle is the largest one, or the best one of a search (`roughcontact.window.search`). Its sides
-    have a fast Fourier transform; those of the largest one can also be halved often. A map that is already
-    periodic, as it is or with the form restored that levelling removed, is not changed.
+    The rectangle is the largest one without missing points whose sides have a fast Fourier transform. A map
+    that is already periodic, as it is or with the form restored that levelling removed, is not changed.
 
     Parameters
     ----------
     levelled : DataArray (y, x), m
         from `level`; NaN where missing.
-    placement : {"largest", "search"}
-        the largest rectangle without missing points, or the position and size with the best score.
+    placement : {"largest", "whole-periods"}
+        ``whole-periods`` shortens a side across grooves or rows of dimples to a whole number of their periods
+        (`roughcontact.window.lay`), if a period repeats along it.
     method : {"smooth-cross-fade", "periodic-plus-smooth", "cross-fade", "mirror", "taper", "raw"}
         see `roughcontact.window.periodisation`; `raw` changes nothing and keeps the steps at the seams.
     width : float, 0 to 0.5
@@ -85,9 +82,7 @@ def periodic_window(
         * what the instrument left in the map before waves were removed, by
           `roughcontact.roughness.traces.instrument_traces`, and the summit that stands out, by
           `roughcontact.roughness.summits.summit_that_stands_out`
-        * `window_offset_x`, `window_offset_y` (m), `window_share`, `window_reason`, and after a search
-          `window_scores` (JSON: the best candidates and the largest rectangle, with the terms of their
-          scores)
+        * `window_offset_x`, `window_offset_y` (m), `window_share`, `window_reason`
 
     Raises
     ------
@@ -120,21 +115,14 @@ def periodic_window(
         return unchanged
 
     fade = width if method in _BLENDING_METHODS else 0.0
-    start, sides, band = _window_in_largest_rectangle(levelled, values, fade, min_share)
+    whole = placement == "whole-periods"
+    start, sides, band, shortened = _largest_window(levelled, values, fade, min_share, whole_periods=whole)
     missing = bool(np.isnan(values).any())
-    scores = None
-    if placement == "search":
-        found = search_window(values, _filled_points(levelled), (start, sides), fade=fade)
-        least = min_share * values.size
-        found = [c for c in found if used_points(c.sides, fade) >= least]
-        scores = _scores(found, (start, sides), fade, spacing(levelled))
-        start, sides = found[0].start, found[0].sides
-        band = [band_points(side, fade) for side in sides]
     del values  # memory may not hold more than is needed of a large map
     used, before, blended = _cut_out(levelled, start, sides, band, method=method, width=width)
     after = blended.values
     change = _rms_difference(after[: before.shape[0], : before.shape[1]], before.values)
-    window = _record(
+    return _record(
         after,
         blended.coords,
         levelled.attrs,
@@ -145,11 +133,8 @@ def periodic_window(
         gradient_before=interior_rms_gradient(before),
         offset=[(s + b // 2) * d for s, b, d in zip(start, band, spacing(levelled), strict=True)],
         share=used[0] * used[1] / levelled.size,
-        reason=_reason(
-            levelled.shape, used, after.shape, method, missing=missing, searched=scores is not None
-        ),
+        reason=_reason(levelled.shape, used, after.shape, method, missing=missing, shortened=shortened),
     )
-    return window if scores is None else window.assign_attrs(window_scores=scores)
 
 
 def subwindow(
@@ -173,7 +158,7 @@ def subwindow(
         without missing points.
     """
     fade = width if method in _BLENDING_METHODS else 0.0
-    start, sides, band = _window_in_largest_rectangle(part, part.values, fade, 0.0)
+    start, sides, band, _ = _largest_window(part, part.values, fade, 0.0)
     _, _, blended = _cut_out(part, start, sides, band, method=method, width=width)
     blended = blended.assign_attrs(part.attrs)
     if correct_for:
@@ -215,18 +200,27 @@ def _filled_points(levelled: xr.DataArray) -> np.ndarray:
     return np.zeros(levelled.shape, dtype=np.int8)
 
 
-def _window_in_largest_rectangle(
-    levelled: xr.DataArray, values: np.ndarray, fade: float, min_share: float
-) -> tuple[tuple[int, int], tuple[int, int], list[int]]:
-    """Return start, sides and bands of the window in the largest rectangle without missing points."""
+def _largest_window(
+    levelled: xr.DataArray,
+    values: np.ndarray,
+    fade: float,
+    min_share: float,
+    *,
+    whole_periods: bool = False,
+) -> tuple[tuple[int, int], tuple[int, int], list[int], bool]:
+    """Return start, sides and bands of the window in the largest rectangle, and whether it was shortened."""
     fitting = friendly_sides(max(values.shape), fade=fade)
     y0, x0, height, breadth = largest_rectangle(~np.isnan(values), fitting)
-    sides = int(fitting[height]), int(fitting[breadth])
+    rectangle = values[y0 : y0 + height, x0 : x0 + breadth]
+    longest = sides = int(fitting[height]), int(fitting[breadth])
+    if whole_periods:
+        ny, nx = (side_of_whole_periods(n, lay_period(rectangle, axis)) for axis, n in enumerate(longest))
+        sides = ny, nx
     band = [band_points(side, fade, within=n) for side, n in zip(sides, (height, breadth), strict=True)]
     used = [side + b for side, b in zip(sides, band, strict=True)]
     _check_window(levelled, used, used[0] * used[1] / values.size, min_share)
-    rectangle = values[y0 : y0 + height, x0 : x0 + breadth]
-    return (y0 + _centre(rectangle, used[0]), x0 + _centre(rectangle.T, used[1])), sides, band
+    start = y0 + _centre(rectangle, used[0]), x0 + _centre(rectangle.T, used[1])
+    return start, sides, band, sides != longest
 
 
 def _centre(rectangle: np.ndarray, rows: int) -> int:
@@ -261,30 +255,6 @@ def _made_periodic(
     if method == "cross-fade":
         return periodisation.cross_fade(heights, band), flags
     return periodisation.smooth_cross_fade(heights, band, step), flags
-
-
-def _scores(
-    found: list[Candidate],
-    largest: tuple[tuple[int, int], tuple[int, int]],
-    fade: float,
-    step: tuple[float, float],
-) -> str:
-    """Return the record of a search: the best sizes and the largest rectangle, as JSON."""
-    own = [c for c in found if (c.start, c.sides) == largest]
-    shown = found[:_RECORDED_CANDIDATES] + [c for c in own if c not in found[:_RECORDED_CANDIDATES]]
-    rows = [
-        {
-            "points": list(c.sides),
-            "offset": [
-                (s + band_points(n, fade) // 2) * d for s, n, d in zip(c.start, c.sides, step, strict=True)
-            ],
-            "largest_rectangle": (c.start, c.sides) == largest,
-            "score": c.score,
-            **c.parts,
-        }
-        for c in shown
-    ]
-    return json.dumps(rows)
 
 
 def _already_periodic(
@@ -385,15 +355,15 @@ def _reason(
     method: str,
     *,
     missing: bool,
-    searched: bool,
+    shortened: bool,
 ) -> str:
     """Return a sentence on the part of the map that is used, the reason, and the periodisation."""
     ny, nx = shape
     if (ny, nx) == tuple(used):
         text = f"The whole map of {nx} × {ny} points is used"
     else:
-        if searched:
-            why = "the best score of the search"
+        if shortened:
+            why = "a whole number of periods of its texture"
         elif missing:
             why = "the largest rectangle without missing points, with sides that transform and halve well"
         else:
