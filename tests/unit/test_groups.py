@@ -14,11 +14,11 @@ from roughcontact.uncertainty.differences import case_differences, compare_all, 
 from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
 from roughcontact.uncertainty.random_effects import (
     correlation_at_least,
+    grubbs_outliers,
     holm,
     maps_needed,
     over_loads,
     random_effects,
-    stand_off,
     student,
     welch,
 )
@@ -127,7 +127,7 @@ def test_the_limit_of_grubbs_is_that_of_iso_5725(count, limit):
         for far in np.linspace(1, 60, 20000):
             values = np.r_[rest, far]
             if (far - values.mean()) / values.std(ddof=1) >= distance:
-                return bool(stand_off(values[:, None])[-1, 0])
+                return bool(grubbs_outliers(values[:, None])[-1, 0])
         raise AssertionError(distance)
 
     assert not off(limit - 0.003)

@@ -165,8 +165,11 @@ def error_budget(
             ),
             "window_flag": deficiency(levelled, scatter),
         }
-        members = scatter.members | {PRESSURE: load / scatter.members[AREA]}
-        columns |= {f"{name}_parts": (("member", "load"), member) for name, member in members.items()}
+        by_subwindow = scatter.members | {PRESSURE: load / scatter.members[AREA]}
+        columns |= {
+            f"{name}_parts": (("member", "load"), values_of_subwindows)
+            for name, values_of_subwindows in by_subwindow.items()
+        }
     instrument = stated_instrument(levelled, settings.get("instrument"))
     inputs = _stated_inputs(window, lenient, solved, sources, stated, instrument)
     columns |= {
@@ -283,8 +286,8 @@ def _stated_inputs(
         widths |= {key: stated.get(name) for name, key in MATERIAL_UNCERTAINTIES.items()}
     if "instrument" in sources:
         widths |= {key: instrument.get(key) for key in AMPLIFICATIONS}
-    known = {key: float(width) for key, width in widths.items() if width}
-    return input_uncertainty(window, contact=contact, solved=solved, stated=known)
+    widths_stated = {key: float(width) for key, width in widths.items() if width}
+    return input_uncertainty(window, contact=contact, solved=solved, stated=widths_stated)
 
 
 def _of_input(inputs: xr.Dataset, values: Values) -> Components:

@@ -82,8 +82,8 @@ def _arms(quantiles: Mapping[str, list[float]], area: np.ndarray) -> list[np.nda
 def octave_arms(name: str) -> tuple[float, float, float, float]:
     """Return the share of the last octave's change that the next adds, arms about it, the least change."""
     entries = table()["octave"]
-    known = entries[entry(name)]
-    return known["share"], known["down"], known["up"], entries["least_change"]
+    arms_of_octave = entries[entry(name)]
+    return arms_of_octave["share"], arms_of_octave["down"], arms_of_octave["up"], entries["least_change"]
 
 
 def discretisation_floor(name: str) -> float:

@@ -31,9 +31,9 @@ _COMMENT = (
     "asymmetric; combined: root of the sum of squares of the sources on the scale of the quantity; NaN: not "
     "requested, not available from this map, or not bounded above by it"
 )
-_ALL = (*scales.QUANTITIES, *scales.ANSWERS)
+_NAMES = (*scales.QUANTITIES, *scales.ANSWERS)
 _ENDINGS = ("uncertainty", "components", "estimate", "as_solved", "lower", "upper")
-_TABLE_VARIABLES = {"mean_pressure", *(f"{name}_{ending}" for name in _ALL for ending in _ENDINGS)}
+_TABLE_VARIABLES = {"mean_pressure", *(f"{name}_{ending}" for name in _NAMES for ending in _ENDINGS)}
 
 
 def half_widths(below: np.ndarray, above: np.ndarray) -> Component:
@@ -78,9 +78,11 @@ def component_from_units(name: str, value: np.ndarray, sides: Component) -> Comp
     >>> component_from_units("mean_gap", np.array([1.0]), sides).round(3).ravel()
     array([0.   , 0.693, 0.   , 0.   ])
     """
-    least = 0.0 if name in CONSTRICTIONS else scales.SMALLEST * value
+    lower_limit = 0.0 if name in CONSTRICTIONS else scales.SMALLEST * value
     with np.errstate(invalid="ignore"):
-        moved = SIGNS * (to_scale(name, np.maximum(value + SIGNS * sides, least)) - to_scale(name, value))
+        moved = SIGNS * (
+            to_scale(name, np.maximum(value + SIGNS * sides, lower_limit)) - to_scale(name, value)
+        )
     return np.where(np.isinf(sides), np.inf, np.where(sides == 0, 0.0, moved))
 
 
@@ -116,9 +118,9 @@ def limited(name: str, ends: Ends, *, value: np.ndarray, load: np.ndarray, hardn
     hardness. A result at a physical limit, up to rounding, stays inside its own interval.
     """
     is_pressure = name in (PRESSURE, PEAK)
-    least = load if is_pressure else np.zeros_like(load)
+    lower_limit = load if is_pressure else np.zeros_like(load)
     limit = 1.0 if name == AREA else np.inf if hardness is None or not is_pressure else hardness
-    lower = np.fmin(np.fmax(ends[0], least), value)
+    lower = np.fmin(np.fmax(ends[0], lower_limit), value)
     upper = np.fmax(np.fmin(ends[1], limit), value)
     unknown = np.isnan(value)
     return np.where(unknown, np.nan, lower), np.where(unknown | np.isinf(upper), np.nan, upper)
@@ -195,7 +197,7 @@ def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
     ['solver', 'combined']
     """
     plain = {str(name): variable.values for name, variable in budget.variables.items()}
-    tables = [_rows(plain, name) for name in _ALL if f"{name}_uncertainty" in plain]
+    tables = [_rows(plain, name) for name in _NAMES if f"{name}_uncertainty" in plain]
     if not tables:
         return pd.DataFrame(columns=["quantity", "mean_pressure_Pa", "source"])
     return pd.DataFrame({key: np.concatenate([table[key] for table in tables]) for key in tables[0]})
@@ -205,12 +207,12 @@ def _rows(values: Mapping[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
     """Return the columns of the table of one quantity: load by load its sources, and them combined."""
     widths, estimate = values[f"{name}_uncertainty"], values[f"{name}_estimate"][:, None]
     source, nan = values["source"].astype(object), np.nan
-    down, up, shift_down, shift_up = np.moveaxis(values[f"{name}_components"], 2, 0)
+    width_below, width_above, shift_down, shift_up = np.moveaxis(values[f"{name}_components"], 2, 0)
     combined = source == COMBINED
-    unbounded = ~combined & (np.isnan(up) | np.isnan(shift_up))
+    unbounded = ~combined & (np.isnan(width_above) | np.isnan(shift_up))
     present = combined | unbounded | ~np.isnan(widths)
-    below = np.where(~combined & np.isnan(down), np.inf, down / _NORMAL)
-    above = np.where(unbounded, np.inf, up / _NORMAL)
+    below = np.where(~combined & np.isnan(width_below), np.inf, width_below / _NORMAL)
+    above = np.where(unbounded, np.inf, width_above / _NORMAL)
     for side in (below, above):
         side[:, -1] = np.sqrt(np.sum(np.where(present & ~combined, side, 0.0) ** 2, axis=1))
     correction = estimate - values.get(f"{name}_as_solved", estimate[:, 0])[:, None]

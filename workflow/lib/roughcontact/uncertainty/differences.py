@@ -49,8 +49,8 @@ from roughcontact.uncertainty.random_effects import (
 
 RELEVANT = 0.1  # relative difference that matters, unless another one is stated
 DIFFER = "differ"
-_MOST = 500  # maps: more are not asked for
-_LEAST = 1e-4  # relative difference: no smaller one is named
+_MAX_MAPS = 500  # maps: more are not asked for
+_LEAST_DIFFERENCE = 1e-4  # relative difference: no smaller one is named
 _ALL_CASES = 3  # up to so many, every two are compared
 
 
@@ -100,7 +100,7 @@ def compare_groups(
     >>> compare_groups(made(1.0, 1.5, 0.7), made(1.1, 1.6, 0.8))["outcome"].values.tolist()
     [['cannot tell: 306 more maps of each would']]
     """
-    return _judged([_compared(first, second, paired=paired)], relevant)[0]
+    return _with_test_results([_compared(first, second, paired=paired)], relevant)[0]
 
 
 def compare_all(
@@ -116,22 +116,24 @@ def compare_all(
     under two cases, compared instead of every two groups; `same_places` are names of every two maps of the
     same place: two groups of the same places are compared map by map.
     """
-    found, left_out = {}, []
-    both = {*map(tuple, same_places), *(tuple(pair)[::-1] for pair in same_places)}
+    results, skipped = {}, []
+    repeated_pairs = {*map(tuple, same_places), *(tuple(pair)[::-1] for pair in same_places)}
     for pair in cases or combinations(groups, 2):
-        one, two = (groups[name].assign_attrs(group=name) for name in pair)
+        first_group, second_group = (groups[name].assign_attrs(group=name) for name in pair)
         earlier = [
-            "".join(other for other in one["map"].values if (other, name) in both)
-            for name in two["map"].values
+            "".join(map_name for map_name in first_group["map"].values if (map_name, name) in repeated_pairs)
+            for name in second_group["map"].values
         ]
-        paired = bool(cases) or sorted(earlier) == sorted(one["map"].values)
+        paired = bool(cases) or sorted(earlier) == sorted(first_group["map"].values)
         try:
-            found[pair] = _compared(
-                one, two if cases or not paired else two.assign_coords(map=earlier), paired=paired
+            results[pair] = _compared(
+                first_group,
+                second_group if cases or not paired else second_group.assign_coords(map=earlier),
+                paired=paired,
             )
         except SettingsError as error:
-            left_out.append(str(error))
-    return dict(zip(found, _judged(list(found.values()), relevant), strict=True)), left_out
+            skipped.append(str(error))
+    return dict(zip(results, _with_test_results(list(results.values()), relevant), strict=True)), skipped
 
 
 def case_pairs(names: Sequence[str]) -> list[tuple[str, str]]:
@@ -169,12 +171,15 @@ def shared_loads(datasets: Sequence[xr.Dataset]) -> list[np.ndarray]:
         data.get("relative_pressure", load / data.get("contact_modulus", np.nan))
         for data, load in zip(datasets, in_pascal, strict=True)
     ]
-    found = []
+    indices = []
     for loads in (in_pascal, relative):
-        same = [np.isclose(loads[0].values[:, None], other.values, rtol=SAME_LOAD, atol=0) for other in loads]
-        shared = np.all([each.any(axis=1) for each in same], axis=0)
-        found.append([each[shared].argmax(axis=1) for each in same])
-    return max(found, key=lambda places: places[0].size)
+        matching = [
+            np.isclose(loads[0].values[:, None], reference.values, rtol=SAME_LOAD, atol=0)
+            for reference in loads
+        ]
+        shared = np.all([matches.any(axis=1) for matches in matching], axis=0)
+        indices.append([matches[shared].argmax(axis=1) for matches in matching])
+    return max(indices, key=lambda chosen: chosen[0].size)
 
 
 def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
@@ -216,30 +221,30 @@ def compare_maps(
     >>> found["a", "b"]["outcome"].item()
     'differ'
     """
-    found, left_out = {}, []
+    results, skipped = {}, []
     for pair, maps in pairs.items():
         try:
             check_alike(" and ".join(pair), pair, maps)
-            found[pair] = _of_two(*_at_common_loads(pair, maps))
+            results[pair] = _of_two(*_at_common_loads(pair, maps))
         except SettingsError as error:
-            left_out.append(str(error))
-    return dict(zip(found, _judged(list(found.values()), relevant), strict=True)), left_out
+            skipped.append(str(error))
+    return dict(zip(results, _with_test_results(list(results.values()), relevant), strict=True)), skipped
 
 
 def _at_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[xr.Dataset]:
     """Return what comparisons need of two maps, loads rising, at the mean pressures that both reach."""
     loads = common_loads(" and ".join(names), names, maps)
-    found = []
+    tables = []
     for data in maps:
-        own, quantities = data["mean_pressure"].values, quantities_in(data)
-        kept, columns = data[needed_for_groups(map(str, data.variables))], {}
-        for name in [name for name, variable in kept.variables.items() if "load" in variable.dims]:
-            known = kept[name].transpose("load", ...)
-            values = to_scale(name, known.values) if name in quantities else known.values
-            values = at_loads(own, loads, values)
-            columns[name] = known.dims, from_scale(name, values) if name in quantities else values
-        found.append(kept.drop_vars([*columns]).assign(columns).assign(mean_pressure=("load", loads)))
-    return found
+        load, quantities = data["mean_pressure"].values, quantities_in(data)
+        selected, columns = data[needed_for_groups(map(str, data.variables))], {}
+        for name in [name for name, variable in selected.variables.items() if "load" in variable.dims]:
+            by_load = selected[name].transpose("load", ...)
+            values = to_scale(name, by_load.values) if name in quantities else by_load.values
+            values = at_loads(load, loads, values)
+            columns[name] = by_load.dims, from_scale(name, values) if name in quantities else values
+        tables.append(selected.drop_vars([*columns]).assign(columns).assign(mean_pressure=("load", loads)))
+    return tables
 
 
 def _widths(name: str, data: xr.Dataset) -> np.ndarray:
@@ -249,12 +254,12 @@ def _widths(name: str, data: xr.Dataset) -> np.ndarray:
     """
     if f"{name}_components" in data:
         return scaled_components(name, data)
-    found = np.zeros((data.sizes["load"], len(SOURCES), 4))
+    components = np.zeros((data.sizes["load"], len(SOURCES), 4))
     middle = to_scale(name, data[name].values)
-    for place, (end, sign) in enumerate((("lower", -1.0), ("upper", 1.0))):
+    for side, (end, sign) in enumerate((("lower", -1.0), ("upper", 1.0))):
         values = data.get(f"{name}_{end}", data[name] * np.nan).values
-        found[:, 0, place] = sign * (to_scale(name, values) - middle)
-    return found
+        components[:, 0, side] = sign * (to_scale(name, values) - middle)
+    return components
 
 
 class _Compared(NamedTuple):
@@ -265,144 +270,185 @@ class _Compared(NamedTuple):
     spread: np.ndarray  # standard deviation of a part (a pair of maps, where they are paired), on the scale
     shared: np.ndarray  # half-width, on the scale, that more maps would not make smaller
     mean: np.ndarray  # of the first group, on the scale
-    parts: int  # of the smaller group; 0 for two maps, of which more would not tell
+    maps: int  # or parts, of the smaller group; 0 for two maps, of which more would not tell
     noun: str  # what more of would tell
     paired: bool
-    alike: list[np.ndarray]  # of each quantity, correlations (load, load) of the scatter, at least
+    load_correlations: list[np.ndarray]  # of each quantity, of the scatter (load, load), at least
 
 
 def _of_two(first: xr.Dataset, second: xr.Dataset) -> _Compared:
     """Return the comparison of two maps, without a judgement."""
     loads = min(first.sizes["load"], second.sizes["load"])
-    one, two = (data.isel(load=slice(loads)) for data in (first, second))
-    names, nothing = _names(one, two), np.zeros(loads)
+    first_data, second_data = (data.isel(load=slice(loads)) for data in (first, second))
+    names, zeros = _names(first_data, second_data), np.zeros(loads)
     rows, p_values = [], []
     for name in names:
-        before, after = (to_scale(name, data[name].values) for data in (one, two))
-        left = _left(_widths(name, one), _widths(name, two), _correlations(name, one, two))
-        rows.append(_ratios(name, before, after - before, nothing, left))
-        towards_none = np.where(after > before, *left) / student(np.array(np.inf))
-        p_values.append(p_value(after - before, towards_none, nothing + np.inf))
-    table = _table(names, one["mean_pressure"].values, rows)
-    found = np.reshape(p_values, (len(names), loads))
+        before, after = (to_scale(name, data[name].values) for data in (first_data, second_data))
+        unshared = _unshared_half_widths(
+            _widths(name, first_data),
+            _widths(name, second_data),
+            _correlations(name, first_data, second_data),
+        )
+        rows.append(_ratios(name, before, after - before, zeros, unshared))
+        towards_none = np.where(after > before, *unshared) / student(np.array(np.inf))
+        p_values.append(p_value(after - before, towards_none, zeros + np.inf))
+    table = _table(names, first_data["mean_pressure"].values, rows)
+    shaped = np.reshape(p_values, (len(names), loads))
     # nothing is known of how the errors at two loads go together
-    alike, none = [np.eye(loads)] * len(names), np.zeros(found.shape)
-    return _Compared(table, found, none, none, none, parts=0, noun="", paired=True, alike=alike)
+    load_correlations, no_difference = [np.eye(loads)] * len(names), np.zeros(shaped.shape)
+    return _Compared(
+        table,
+        shaped,
+        no_difference,
+        no_difference,
+        no_difference,
+        maps=0,
+        noun="",
+        paired=True,
+        load_correlations=load_correlations,
+    )
 
 
 def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compared:
     """Return the comparison of two groups, without a judgement."""
-    words = [data.attrs.get("group") or noun for data, noun in ((first, "the first"), (second, "the second"))]
-    for word, data in zip(words, (first, second), strict=True):
+    labels = [
+        data.attrs.get("group") or noun for data, noun in ((first, "the first"), (second, "the second"))
+    ]
+    for label, data in zip(labels, (first, second), strict=True):
         if data.sizes["map"] < 2:
             raise SettingsError(
-                f"compare_groups: {word} has a single map, whose scatter is not known; add maps, or compare "
+                f"compare_groups: {label} has a single map, whose scatter is not known; add maps, or compare "
                 "both maps with compare_statistics"
             )
     if paired and set(first["map"].values) != set(second["map"].values):
         raise SettingsError(
-            f"compare_groups: {words[0]} and {words[1]} are not of the same maps; leave `paired` out"
+            f"compare_groups: {labels[0]} and {labels[1]} are not of the same maps; leave `paired` out"
         )
     for name, content in () if paired else zip(first["map"].values, first["content"].values, strict=True):
         if content and content in second["content"]:
             copied = second["map"].values[second["content"].values == content][0]
             raise SettingsError(
-                f"compare_groups: {name} of {words[0]} and {copied} of {words[1]} have the same results, as "
-                "copies of one map have; leave one out"
+                f"compare_groups: {name} of {labels[0]} and {copied} of {labels[1]} have the same results, "
+                "as copies of one map have; leave one out"
             )
     if paired:
         second = second.sel(map=first["map"].values)
-        same = shared_loads([first, second])
-        if same[0].size:
-            first, second = first.isel(load=same[0]), second.isel(load=same[1])
+        matching = shared_loads([first, second])
+        if matching[0].size:
+            first, second = first.isel(load=matching[0]), second.isel(load=matching[1])
             second = second.assign_coords(mean_pressure=first["mean_pressure"])
     groups = first, second
-    loads = common_loads(" and ".join(words), words, groups)
-    correlation = _alike(first, second)
+    loads = common_loads(" and ".join(labels), labels, groups)
+    correlation = _source_correlations(first, second)
     names = _names(first, second)
-    parts = 0
-    rows, columns, alike = [], [], []
-    of_parts = [list(data["part"].values) for data in groups]
+    count = 0
+    rows, columns, load_correlations = [], [], []
+    part_names = [list(data["part"].values) for data in groups]
     for name in names:
-        (values, shared), (others, of_others) = (_at(name, data, loads) for data in groups)
-        one, two = random_effects(values, of_parts[0]), random_effects(others, of_parts[1])
+        (first_values, shared), (second_values, second_shared) = (
+            _scaled_numbers(name, data, loads) for data in groups
+        )
+        first_effects, second_effects = (
+            random_effects(first_values, part_names[0]),
+            random_effects(second_values, part_names[1]),
+        )
         if paired:
-            change = random_effects(others - values, of_parts[0])
-            off = change.deviations
+            change = random_effects(second_values - first_values, part_names[0])
+            deviations = change.deviations
             difference, error, freedom = change.mean, change.error, change.freedom
-            spread, parts = error * math.sqrt(change.units), change.units
+            spread, count = error * math.sqrt(change.units), change.units
         else:
-            difference, error, freedom = welch(one, two)
-            off = np.concatenate([one.deviations, two.deviations])
-            spread = np.sqrt((one.error**2 * one.units + two.error**2 * two.units) / 2)
-            parts = min(one.units, two.units)
-        width, left = student(freedom) * error, _left(shared, of_others, correlation)
-        alike.append(correlation_at_least(off, len(off) - (1 if paired else 2)))
-        rows.append(_ratios(name, one.mean, difference, width, left))
-        columns.append((p_value(difference, error, freedom), spread, np.maximum(*left), one.mean))
+            difference, error, freedom = welch(first_effects, second_effects)
+            deviations = np.concatenate([first_effects.deviations, second_effects.deviations])
+            spread = np.sqrt(
+                (
+                    first_effects.error**2 * first_effects.units
+                    + second_effects.error**2 * second_effects.units
+                )
+                / 2
+            )
+            count = min(first_effects.units, second_effects.units)
+        width, unshared = student(freedom) * error, _unshared_half_widths(shared, second_shared, correlation)
+        load_correlations.append(correlation_at_least(deviations, len(deviations) - (1 if paired else 2)))
+        rows.append(_ratios(name, first_effects.mean, difference, width, unshared))
+        columns.append(
+            (p_value(difference, error, freedom), spread, np.maximum(*unshared), first_effects.mean)
+        )
     nested = any(1 < len(set(data["part"].values)) < data.sizes["map"] for data in groups)
     table = _table(names, loads, rows)
-    p_values, spreads, lefts, means = (
-        np.reshape([column[place] for column in columns], (len(names), loads.size)) for place in range(4)
+    p_values, spreads, lefts, averages = (
+        np.reshape([column[row] for column in columns], (len(names), loads.size)) for row in range(4)
     )
     noun = "part" if nested else "map"
     return _Compared(
-        table, p_values, spreads, lefts, means, parts=parts, noun=noun, paired=paired, alike=alike
+        table,
+        p_values,
+        spreads,
+        lefts,
+        averages,
+        maps=count,
+        noun=noun,
+        paired=paired,
+        load_correlations=load_correlations,
     )
 
 
-def _judged(found: Sequence[_Compared], relevant: float) -> list[xr.Dataset]:
+def _with_test_results(comparisons: Sequence[_Compared], relevant: float) -> list[xr.Dataset]:
     """Return the comparisons with p-values adjusted for all of them and their loads, and with outcomes."""
-    adjusted = [np.full(one.p_value.shape, np.nan) for one in found]
-    places: dict[str, list[tuple[int, int]]] = {}
-    for pair, one in enumerate(found):
-        for row, name in enumerate(one.table["quantity"].values):
-            places.setdefault(name, []).append((pair, row))
-    for each in places.values():
-        together = [over_loads(found[pair].p_value[row], found[pair].alike[row]) for pair, row in each]
-        for (pair, row), values in zip(each, holm(together), strict=True):
+    adjusted = [np.full(comparison.p_value.shape, np.nan) for comparison in comparisons]
+    rows_by_quantity: dict[str, list[tuple[int, int]]] = {}
+    for pair, comparison in enumerate(comparisons):
+        for row, name in enumerate(comparison.table["quantity"].values):
+            rows_by_quantity.setdefault(name, []).append((pair, row))
+    for pairs in rows_by_quantity.values():
+        together = [
+            over_loads(comparisons[pair].p_value[row], comparisons[pair].load_correlations[row])
+            for pair, row in pairs
+        ]
+        for (pair, row), values in zip(pairs, holm(together), strict=True):
             adjusted[pair][row] = values
     return [
-        one.table.assign(
+        comparison.table.assign(
             p_value=(("quantity", "load"), values),
-            outcome=(("quantity", "load"), _outcomes(one, values, relevant)),
+            outcome=(("quantity", "load"), _outcomes(comparison, values, relevant)),
         )
-        for one, values in zip(found, adjusted, strict=True)
+        for comparison, values in zip(comparisons, adjusted, strict=True)
     ]
 
 
-def _outcomes(found: _Compared, p_values: np.ndarray, relevant: float) -> np.ndarray:
+def _outcomes(comparison: _Compared, p_values: np.ndarray, relevant: float) -> np.ndarray:
     """Return for each ratio whether the groups differ, in words."""
-    words = np.full(p_values.shape, "", object)
-    ends = np.stack([found.table[f"ratio_{end}"].values for end in ("lower", "upper")])
-    for place in np.ndindex(*p_values.shape):
-        low, high = ends[(slice(None), *place)]
-        if not np.isfinite([low, high, p_values[place]]).all():
-            words[place] = "cannot tell: no interval"
-        elif p_values[place] < SIGNIFICANCE and not low <= 1 <= high:
-            words[place] = DIFFER
-        elif (most := max(1 - low, high - 1)) <= relevant:
-            words[place] = f"do not differ by more than {percent(max(most, _LEAST))}"
+    labels = np.full(p_values.shape, "", object)
+    ends = np.stack([comparison.table[f"ratio_{end}"].values for end in ("lower", "upper")])
+    for index in np.ndindex(*p_values.shape):
+        low, high = ends[(slice(None), *index)]
+        if not np.isfinite([low, high, p_values[index]]).all():
+            labels[index] = "cannot tell: no interval"
+        elif p_values[index] < SIGNIFICANCE and not low <= 1 <= high:
+            labels[index] = DIFFER
+        elif (largest_ratio := max(1 - low, high - 1)) <= relevant:
+            labels[index] = f"do not differ by more than {percent(max(largest_ratio, _LEAST_DIFFERENCE))}"
         else:
-            words[place] = f"cannot tell: {_more(found, place, relevant)}"
-    return words
+            labels[index] = f"cannot tell: {_maps_missing(comparison, index, relevant)}"
+    return labels
 
 
-def _more(found: _Compared, place: tuple[int, ...], relevant: float) -> str:
+def _maps_missing(comparison: _Compared, index: tuple[int, ...], relevant: float) -> str:
     """Return how many more maps would show a difference that matters."""
-    name = str(found.table["quantity"].values[place[0]])
-    mean = found.mean[place]
+    name = str(comparison.table["quantity"].values[index[0]])
+    mean = comparison.mean[index]
     ends = to_scale(name, from_scale(name, mean) * np.array([1 - relevant, 1 + relevant]))
     target = float(np.nanmin(np.abs(ends - mean)))
-    if not found.parts:
-        ratio, upper = (float(found.table[key].values[place]) for key in ("ratio", "ratio_upper"))
+    if not comparison.maps:
+        ratio, upper = (float(comparison.table[key].values[index]) for key in ("ratio", "ratio_upper"))
         return f"errors that they do not share are up to {percent(upper / ratio - 1)}"
-    if found.shared[place] >= target:
+    if comparison.shared[index] >= target:
         return f"all maps share errors of more than {percent(relevant)}; more maps would not help"
-    needed = maps_needed(float(found.spread[place]), target, paired=found.paired)
-    more = max(needed - found.parts, 1)
-    count = f"more than {_MOST}" if more > _MOST else str(more)
-    return f"{count} more {found.noun}{'s' if more > 1 else ''}{'' if found.paired else ' of each'} would"
+    required = maps_needed(float(comparison.spread[index]), target, paired=comparison.paired)
+    missing_maps = max(required - comparison.maps, 1)
+    plural = "s" if missing_maps > 1 else ""
+    count = f"more than {_MAX_MAPS}" if missing_maps > _MAX_MAPS else str(missing_maps)
+    return f"{count} more {comparison.noun}{plural}{'' if comparison.paired else ' of each'} would"
 
 
 def _names(first: xr.Dataset, second: xr.Dataset) -> list[str]:
@@ -410,17 +456,17 @@ def _names(first: xr.Dataset, second: xr.Dataset) -> list[str]:
     return [name for name in quantities_in(first) if name in first and name in second and name not in HEIGHTS]
 
 
-def _at(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _scaled_numbers(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the numbers of the maps of a group on their scale (map, load), and what these share."""
-    own = group["mean_pressure"].values
+    load = group["mean_pressure"].values
     of_maps = to_scale(name, group[f"{name}_of_maps"].values)
     shared = group[f"{name}_shared"].values
-    kept = np.array([source in (*SHARED, "solver") for source in SOURCES])[:, None]
-    shared = np.where(kept, np.where(np.isnan(shared), np.inf, shared), 0.0)
-    return at_loads(own, loads, of_maps.T).T, at_loads(own, loads, shared)
+    selected = np.array([source in (*SHARED, "solver") for source in SOURCES])[:, None]
+    shared = np.where(selected, np.where(np.isnan(shared), np.inf, shared), 0.0)
+    return at_loads(load, loads, of_maps.T).T, at_loads(load, loads, shared)
 
 
-def _alike(first: xr.Dataset, second: xr.Dataset) -> np.ndarray:
+def _source_correlations(first: xr.Dataset, second: xr.Dataset) -> np.ndarray:
     """Return the correlations (source) of the errors of two results that were measured and solved alike."""
     moduli = [float(data.get("contact_modulus", np.nan)) for data in (first, second)]
     independent = {"solver"} | ({"material"} if moduli[0] != moduli[1] else set())
@@ -429,21 +475,23 @@ def _alike(first: xr.Dataset, second: xr.Dataset) -> np.ndarray:
 
 def _correlations(name: str, first: xr.Dataset, second: xr.Dataset) -> np.ndarray:
     """Return the correlations (load, source) of the errors of one map under two cases."""
-    found = np.tile(_alike(first, second), (first.sizes["load"], 1))
+    correlations = np.tile(_source_correlations(first, second), (first.sizes["load"], 1))
     if any(f"{name}_components" not in data for data in (first, second)):
-        return 0 * found  # nothing is known of what they share
-    one, two = (_deviations(name, data) for data in (first, second))
-    found[:, SOURCES.index("window")] = _correlation(one, two, first["mean_pressure"].values)
-    return found
+        return 0 * correlations  # nothing is known of what they share
+    first_deviations, second_deviations = (_deviations(name, data) for data in (first, second))
+    correlations[:, SOURCES.index("window")] = _correlation(
+        first_deviations, second_deviations, first["mean_pressure"].values
+    )
+    return correlations
 
 
 def _deviations(name: str, data: xr.Dataset) -> np.ndarray:
     """Return the deviations (member, load) of the subwindows from their mean, on the scale."""
     if f"{name}_parts" not in data:
         return np.empty((0, data.sizes["load"]))
-    members = data[f"{name}_parts"].transpose(..., "load")
-    known = np.isfinite(members.values).any(axis=1)  # the others are padding
-    scaled = to_scale(name, members.values[known])
+    subwindow_values = data[f"{name}_parts"].transpose(..., "load")
+    finite = np.isfinite(subwindow_values.values).any(axis=1)  # the others are padding
+    scaled = to_scale(name, subwindow_values.values[finite])
     return scaled - scaled.mean(axis=0)
 
 
@@ -456,26 +504,30 @@ def _correlation(first: np.ndarray, second: np.ndarray, load: np.ndarray) -> np.
         return np.zeros(load.shape)
     with np.errstate(invalid="ignore", divide="ignore"):
         size = np.sqrt(np.sum(first**2, axis=0) * np.sum(second**2, axis=0))
-        found = np.sum(first * second, axis=0) / size
-    solved = np.flatnonzero(np.isfinite(found))
+        correlation = np.sum(first * second, axis=0) / size
+    solved = np.flatnonzero(np.isfinite(correlation))
     return (
-        np.clip(at_all_loads(found[solved], solved, load), -1.0, 1.0) if solved.size else np.zeros(load.shape)
+        np.clip(at_all_loads(correlation[solved], solved, load), -1.0, 1.0)
+        if solved.size
+        else np.zeros(load.shape)
     )
 
 
-def _left(first: np.ndarray, second: np.ndarray, correlation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _unshared_half_widths(
+    first: np.ndarray, second: np.ndarray, correlation: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the half-widths (load,) of a difference, down and up, from (load, source, component)."""
     widths = []
-    for side, other in ((0, 1), (1, 0)):
+    for side, opposite in ((0, 1), (1, 0)):
         # of the first error, the side that goes along with this one, and the one that goes against it
-        along = np.where(correlation >= 0, first[..., side], first[..., other])
+        along = np.where(correlation >= 0, first[..., side], first[..., opposite])
         with np.errstate(invalid="ignore"):
             squares = (second[..., side] - correlation * along) ** 2
             squares = squares + np.where(
-                correlation**2 < 1, (1 - correlation**2) * first[..., other] ** 2, 0.0
+                correlation**2 < 1, (1 - correlation**2) * first[..., opposite] ** 2, 0.0
             )
             shifts = np.maximum(second[..., 2 + side] - first[..., 2 + side], 0.0)
-            shifts = shifts + np.maximum(first[..., 2 + other] - second[..., 2 + other], 0.0)
+            shifts = shifts + np.maximum(first[..., 2 + opposite] - second[..., 2 + opposite], 0.0)
             widths.append(np.sqrt(squares.sum(axis=-1)) + shifts.sum(axis=-1))
     return widths[0], widths[1]
 
@@ -485,15 +537,16 @@ def _ratios(
     mean: np.ndarray,
     difference: np.ndarray,
     width: np.ndarray,
-    left: tuple[np.ndarray, np.ndarray],
+    unshared: tuple[np.ndarray, np.ndarray],
 ) -> list[np.ndarray]:
     """Return ratio and both ends of its interval (load,), from a difference on the scale."""
-    down, up = (np.hypot(width, each) for each in left)
+    below, above = (np.hypot(width, values) for values in unshared)
     base = from_scale(name, mean)
     ratios = [
-        from_scale(name, mean + each) / base for each in (difference, difference - down, difference + up)
+        from_scale(name, mean + values) / base
+        for values in (difference, difference - below, difference + above)
     ]
-    return [np.where(np.isfinite(each), each, np.nan) for each in ratios]
+    return [np.where(np.isfinite(values), values, np.nan) for values in ratios]
 
 
 def _table(names: Sequence[str], loads: np.ndarray, rows: Sequence[Sequence[np.ndarray]]) -> xr.Dataset:
@@ -501,6 +554,6 @@ def _table(names: Sequence[str], loads: np.ndarray, rows: Sequence[Sequence[np.n
     keys = ("ratio", "ratio_lower", "ratio_upper")
     arrays = np.reshape(rows, (len(names), len(keys), loads.size))
     return xr.Dataset(
-        {key: (("quantity", "load"), arrays[:, place]) for place, key in enumerate(keys)},
+        {key: (("quantity", "load"), arrays[:, index]) for index, key in enumerate(keys)},
         {"quantity": np.array(names, object), "mean_pressure": ("load", loads)},
     )

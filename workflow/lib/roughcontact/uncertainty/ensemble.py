@@ -70,8 +70,10 @@ def solve_again(
     """Return the results of a changed window, the change from `values` interpolated between few loads."""
     load = loads_of(contact)
     solved = few_loads(load)
-    member = solve_member(window, contact, tolerance=tolerance, names=list(values), loads=solved)
-    return {name: carried_to_all_loads(name, member[name], solved, load, values[name]) for name in values}
+    solved_values = solve_member(window, contact, tolerance=tolerance, names=list(values), loads=solved)
+    return {
+        name: carried_to_all_loads(name, solved_values[name], solved, load, values[name]) for name in values
+    }
 
 
 def few_loads(load: np.ndarray, count: int = LOADS) -> np.ndarray:

@@ -53,7 +53,7 @@ def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
     columns: dict[str, tuple[tuple[str, ...], np.ndarray]] = {}
     remarks: dict[str, dict[str, list[str]]] = {case or "": {} for case in cases}
     for group in groups:
-        place = cases.index(group.case), names.index(group.name)
+        position = cases.index(group.case), names.index(group.name)
         remarks[group.case or ""][group.name] = json.loads(group.answer.attrs["remarks"])
         numbers = group.answer.reset_coords()
         numbers = numbers.drop_vars(["source", "component", "map", "content"]).assign(
@@ -65,7 +65,7 @@ def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
             shape = (len(cases), len(names), *full)
             empty = np.full(shape, "", object) if text else np.full(shape, np.nan)
             _, values = columns.setdefault(str(name), (("case", "group", *map(str, variable.dims)), empty))
-            corner: tuple[int | slice, ...] = (*place, *(slice(size) for size in variable.shape))
+            corner: tuple[int | slice, ...] = (*position, *(slice(size) for size in variable.shape))
             values[corner] = variable.values
     labels = {f"group{end}": ("group", np.array(names, object)) for end in ("", "_name")}
     labels |= {f"case{end}": ("case", np.array(cases, object)) for end in ("", "_name")}
@@ -102,13 +102,13 @@ def groups_table(groups: Sequence[NamedGroup]) -> pd.DataFrame:
             for column in (quantity, *(f"{quantity}_{end}" for end in _ENDS))
         ]
         rows += [
-            first | {"mean_pressure_Pa": load} | {column: answer[column].values[place] for column in names}
-            for place, load in enumerate(answer["mean_pressure"].values)
+            first | {"mean_pressure_Pa": load} | {column: answer[column].values[index] for column in names}
+            for index, load in enumerate(answer["mean_pressure"].values)
         ]
     return pd.DataFrame(rows, columns=None if rows else ["group", "maps", "parts", "mean_pressure_Pa"])
 
 
-def comparisons_table(found: Mapping[tuple[str, str], xr.Dataset]) -> pd.DataFrame:
+def comparisons_table(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> pd.DataFrame:
     """Return one row for each comparison (by the names of both, as of `compare_all`), quantity and load.
 
     Examples
@@ -118,10 +118,10 @@ def comparisons_table(found: Mapping[tuple[str, str], xr.Dataset]) -> pd.DataFra
     """
     rows = [
         {"first": first, "second": second, "quantity": quantity, "mean_pressure_Pa": load}
-        | {key: one[key].values[row, column] for key in _COMPARED}
-        for (first, second), one in found.items()
-        for row, quantity in enumerate(one["quantity"].values)
-        for column, load in enumerate(one["mean_pressure"].values)
+        | {key: comparison[key].values[row, column] for key in _COMPARED}
+        for (first, second), comparison in comparisons.items()
+        for row, quantity in enumerate(comparison["quantity"].values)
+        for column, load in enumerate(comparison["mean_pressure"].values)
     ]
     return pd.DataFrame(rows, columns=["first", "second", "quantity", "mean_pressure_Pa", *_COMPARED])
 

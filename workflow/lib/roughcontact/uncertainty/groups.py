@@ -33,7 +33,7 @@ from roughcontact.io.instrument_kinds import of_name
 from roughcontact.quantities import quantity
 from roughcontact.uncertainty.combination import SOURCES, component_from_units
 from roughcontact.uncertainty.headline import quantities_in
-from roughcontact.uncertainty.random_effects import random_effects, stand_off, student
+from roughcontact.uncertainty.random_effects import grubbs_outliers, random_effects, student
 from roughcontact.uncertainty.scales import (
     ANSWERS,
     CONSTRICTIONS,
@@ -48,7 +48,7 @@ SHARED = ("discretisation", "instrument", "material", "unresolved")
 # the placements of two faces share their maps, and with them the places where these were measured
 SHARED_BY_PLACEMENTS = (*SHARED, "window")
 HEIGHTS = CONSTRICTIONS  # narrowest places: evaluated on their own scale
-FEW = 3  # parts, or maps, below which there is a range instead of an interval
+MIN_FOR_INTERVAL = 3  # parts, or maps, below which there is a range instead of an interval
 SAME_LOAD = 1e-6  # relative
 _GRID = "the grid"  # `band_reason` where no setting limits the band
 # largest ratio of the limits of the bands of two maps: a tenth at the short end changes the area by 2 % (at a
@@ -84,9 +84,9 @@ def needed_for_groups(names: Iterable[str]) -> list[str]:
     ['mean_gap', 'mean_gap_lower']
     """
     ends = ("", "_lower", "_upper", "_components", "_parts")
-    of_each = {f"{name}{end}" for name in (*QUANTITIES, *ANSWERS) for end in ends}
-    wanted = {*of_each, "mean_pressure", "contact_modulus", "hardness", "rms_height"}
-    return [name for name in names if name in wanted]
+    endings = {f"{name}{end}" for name in (*QUANTITIES, *ANSWERS) for end in ends}
+    needed_names = {*endings, "mean_pressure", "contact_modulus", "hardness", "rms_height"}
+    return [name for name in names if name in needed_names]
 
 
 def group_statistics(
@@ -152,51 +152,51 @@ def group_statistics(
     """
     if not datasets:
         raise SettingsError("group_statistics: no map is given; give the statistics of one or more")
-    names = [str(place + 1) for place in range(len(datasets))] if names is None else [*map(str, names)]
+    names = [str(index + 1) for index in range(len(datasets))] if names is None else [*map(str, names)]
     parts = names if parts is None else [*map(str, parts)]
     if not len(names) == len(parts) == len(datasets) == len(set(names)):
         raise SettingsError(
             f"group_statistics: {len(datasets)} maps, {len(names)} names, {len(parts)} parts; give one name "
             "of its own and one part for each map"
         )
-    words = f"group {group}" if group else "the group"
-    for name, one in zip(names, datasets, strict=True):
-        if one["mean_pressure"].dims != ("load",):
+    label = f"group {group}" if group else "the group"
+    for name, data in zip(names, datasets, strict=True):
+        if data["mean_pressure"].dims != ("load",):
             raise SettingsError(
-                f"{words}: {name} holds several surfaces; select one of them for each map (.sel(surface=...))"
+                f"{label}: {name} holds several surfaces; select one of them for each map (.sel(surface=...))"
             )
-    datasets = [one.isel(load=np.isfinite(one["mean_pressure"].values)) for one in datasets]
-    contents = [_content(one) for one in datasets]
+    datasets = [data.isel(load=np.isfinite(data["mean_pressure"].values)) for data in datasets]
+    contents = [_content(data) for data in datasets]
     for name, content in () if placements else zip(names, contents, strict=True):
         if content and (copied := names[contents.index(content)]) != name:
             raise SettingsError(
-                f"{words}: {copied} and {name} have the same results, as copies of one map have, which says "
+                f"{label}: {copied} and {name} have the same results, as copies of one map have, which says "
                 "nothing new; leave one out"
             )
     if len(datasets) > 1:
-        check_alike(words, names, datasets)
-    loads = common_loads(words, names, datasets)
-    found = [name for name in quantities_in(datasets[0]) if all(name in one for one in datasets)]
+        check_alike(label, names, datasets)
+    loads = common_loads(label, names, datasets)
+    quantities = [name for name in quantities_in(datasets[0]) if all(name in data for data in datasets)]
     columns: dict[str, tuple] = {}
-    off = np.zeros((len(datasets), loads.size), bool)
-    for name in found:
+    is_outlier = np.zeros((len(datasets), loads.size), bool)
+    for name in quantities:
         scaled = scaled_at(name, datasets, loads)
         if len(datasets) == 1:
-            columns |= _of_one(name, datasets[0], scaled)
+            columns |= _columns_of_map(name, datasets[0], scaled)
             continue
-        of_several, apart = _of_several(name, scaled, parts, placements=placements)
-        columns |= of_several
-        off |= apart
-        if placements and len(datasets) < FEW:
+        quantity_columns, apart = _columns_of_maps(name, scaled, parts, placements=placements)
+        columns |= quantity_columns
+        is_outlier |= apart
+        if placements and len(datasets) < MIN_FOR_INTERVAL:
             columns |= _hull(name, datasets, loads)
     hardness = float(datasets[0].get("hardness", np.nan))
     columns |= _limited({name: columns[name] for name in columns if name in _LIMITED}, loads, hardness)
-    columns["stands_off"] = (("map", "load"), off.astype(np.int8))
+    columns["stands_off"] = (("map", "load"), is_outlier.astype(np.int8))
     columns["contact_modulus"] = ((), float(datasets[0].get("contact_modulus", np.nan)))
     if np.isfinite(hardness):
         columns["hardness"] = ((), hardness)
-    if all("rms_height" in one for one in datasets):
-        columns["rms_height"] = ((), float(np.median([float(one["rms_height"]) for one in datasets])))
+    if all("rms_height" in data for data in datasets):
+        columns["rms_height"] = ((), float(np.median([float(data["rms_height"]) for data in datasets])))
     coordinates = {
         "source": [*SOURCES],
         "component": ["down", "up", "shift_down", "shift_up"],
@@ -205,7 +205,7 @@ def group_statistics(
         "part": ("map", np.array(parts, object)),
         "content": ("map", np.array(contents, object)),
     }
-    remarks = _remarks(datasets, names, parts, loads, off, placements=placements)
+    remarks = _remarks(datasets, names, parts, loads, is_outlier, placements=placements)
     return xr.Dataset(
         columns, coordinates, {"group": group, "remarks": json.dumps(remarks, ensure_ascii=False)}
     )
@@ -220,7 +220,7 @@ def is_range(answer: xr.Dataset) -> bool:
     True
     """
     parts = len(set(answer["part"].values))
-    return 1 < (answer.sizes["map"] if parts == 1 else parts) < FEW
+    return 1 < (answer.sizes["map"] if parts == 1 else parts) < MIN_FOR_INTERVAL
 
 
 def _content(dataset: xr.Dataset) -> str:
@@ -233,16 +233,16 @@ def _content(dataset: xr.Dataset) -> str:
     return hashlib.sha256(digits.encode()).hexdigest()[:16]
 
 
-def _of_several(
-    name: str, scaled: Scaled, parts: Sequence[str], *, placements: bool
+def _columns_of_maps(
+    name: str, scaled: Scaled, part_names: Sequence[str], *, placements: bool
 ) -> tuple[dict[str, tuple], np.ndarray]:
     """Return the columns of a quantity of several maps, and which of these stand off (map, load)."""
-    effects = random_effects(scaled.values, parts)
+    effects = random_effects(scaled.values, part_names)
     sources = SHARED_BY_PLACEMENTS if placements else SHARED
     shared = scaled.shared.mean(axis=0)
-    nothing = np.full(effects.mean.shape, np.nan)
-    columns = {"": from_scale(name, effects.mean), **dict.fromkeys(_FURTHER, nothing)}
-    if effects.units < FEW:
+    undefined = np.full(effects.mean.shape, np.nan)
+    columns = {"": from_scale(name, effects.mean), **dict.fromkeys(_FURTHER, undefined)}
+    if effects.units < MIN_FOR_INTERVAL:
         # a range, from map to map
         widths = {"": (effects.mean - scaled.values.min(axis=0), scaled.values.max(axis=0) - effects.mean)}
     else:
@@ -253,11 +253,11 @@ def _of_several(
             "next_": (further,) * 2,
             "next_part_": (student(effects.freedom) * effects.next_part,) * 2,
         }
-    for key, both in widths.items():
-        ends = _ends(name, effects.mean, both, shared, sources)
+    for key, widths_of_interval in widths.items():
+        ends = _ends(name, effects.mean, widths_of_interval, shared, sources)
         columns |= {f"{key}{end}": values for end, values in zip(_ENDS, ends, strict=True)}
     columns |= {"between": effects.between, "within": effects.within}
-    return _named(name, columns, scaled), stand_off(scaled.values)
+    return _named(name, columns, scaled), grubbs_outliers(scaled.values)
 
 
 def _limited(ends: Mapping[str, tuple], loads: np.ndarray, hardness: float) -> dict[str, tuple]:
@@ -285,13 +285,13 @@ def _hull(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> dict[
     return columns
 
 
-def _of_one(name: str, dataset: xr.Dataset, scaled: Scaled) -> dict[str, tuple]:
+def _columns_of_map(name: str, dataset: xr.Dataset, scaled: Scaled) -> dict[str, tuple]:
     """Return the columns of a quantity of a single map: what it was."""
     order = np.argsort(dataset["mean_pressure"].values)
-    nothing = np.full(order.size, np.nan)
+    undefined = np.full(order.size, np.nan)
     columns = {"": dataset[name].values[order]}
     columns |= {end: dataset.get(f"{name}_{end}", dataset[name] * np.nan).values[order] for end in _ENDS}
-    return _named(name, columns | dict.fromkeys((*_FURTHER, "between", "within"), nothing), scaled)
+    return _named(name, columns | dict.fromkeys((*_FURTHER, "between", "within"), undefined), scaled)
 
 
 def _named(name: str, columns: dict[str, np.ndarray], scaled: Scaled) -> dict[str, tuple]:
@@ -314,9 +314,11 @@ def _ends(
     """Return both ends of an interval of half-widths, with what the maps share; NaN where not bounded."""
     of_sources = shared[:, [SOURCES.index(source) for source in sources]]
     *sides, shift_down, shift_up = np.moveaxis(of_sources, 2, 0)
-    down, up = (np.sqrt(own**2 + np.sum(side**2, axis=1)) for own, side in zip(widths, sides, strict=True))
-    upper = mean + up + shift_up.sum(axis=1)
-    lower = from_scale(name, mean - down - shift_down.sum(axis=1))
+    below, above = (
+        np.sqrt(map_loads**2 + np.sum(side**2, axis=1)) for map_loads, side in zip(widths, sides, strict=True)
+    )
+    upper = mean + above + shift_up.sum(axis=1)
+    lower = from_scale(name, mean - below - shift_down.sum(axis=1))
     return lower, np.where(np.isinf(upper), np.nan, from_scale(name, upper))
 
 
@@ -327,15 +329,17 @@ def scaled_components(name: str, dataset: xr.Dataset) -> np.ndarray:
     unbounded.
     """
     values = dataset[name].values.astype(float)
-    found = np.zeros((values.size, len(SOURCES), 4))
+    components = np.zeros((values.size, len(SOURCES), 4))
     if f"{name}_components" not in dataset:
-        return found
-    parts = dataset[f"{name}_components"].transpose("load", "source", "component").values[:, : len(SOURCES)]
+        return components
+    in_units = (
+        dataset[f"{name}_components"].transpose("load", "source", "component").values[:, : len(SOURCES)]
+    )
     # an unbounded half-width is NaN in the file
-    sides = np.moveaxis(np.where(np.isnan(parts), np.inf, parts), 2, 0)
+    sides = np.moveaxis(np.where(np.isnan(in_units), np.inf, in_units), 2, 0)
     for index in range(len(SOURCES)):
-        found[:, index] = component_from_units(name, values, sides[:, :, index]).T
-    return found
+        components[:, index] = component_from_units(name, values, sides[:, :, index]).T
+    return components
 
 
 def scaled_at(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> Scaled:
@@ -343,13 +347,13 @@ def scaled_at(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> S
     values, shared = [], []
     for dataset in datasets:
         order = np.argsort(dataset["mean_pressure"].values)
-        own = dataset["mean_pressure"].values[order]
-        values.append(at_loads(own, loads, to_scale(name, dataset[name].values)[order]))
-        shared.append(at_loads(own, loads, scaled_components(name, dataset)[order]))
+        map_loads = dataset["mean_pressure"].values[order]
+        values.append(at_loads(map_loads, loads, to_scale(name, dataset[name].values)[order]))
+        shared.append(at_loads(map_loads, loads, scaled_components(name, dataset)[order]))
     return Scaled(np.stack(values), np.stack(shared))
 
 
-def at_loads(own: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np.ndarray:
+def at_loads(map_loads: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return numbers (load, ...), known at a map's own rising loads, at others within their range.
 
     Where the loads are not its own the numbers are interpolated (monotone cubic in the logarithm of the
@@ -360,73 +364,80 @@ def at_loads(own: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np.ndarr
     >>> at_loads(np.array([1.0, 100.0]), np.array([1.0, 10.0]), np.array([2.0, 4.0]))
     array([2., 3.])
     """
-    places = np.abs(own[None, :] - loads[:, None]).argmin(axis=1)
-    if np.allclose(own[places], loads, rtol=SAME_LOAD, atol=0.0):
-        return values[places]
+    nearest = np.abs(map_loads[None, :] - loads[:, None]).argmin(axis=1)
+    if np.allclose(map_loads[nearest], loads, rtol=SAME_LOAD, atol=0.0):
+        return values[nearest]
     finite = np.isfinite(values)
-    within = np.clip(np.log(loads), *np.log(own[[0, -1]]))  # up to rounding
-    found = scipy.interpolate.PchipInterpolator(np.log(own), np.where(finite, values, 0.0))(within)
-    beside = np.clip(np.searchsorted(own, loads), 1, own.size - 1)
+    within = np.clip(np.log(loads), *np.log(map_loads[[0, -1]]))  # up to rounding
+    interpolated = scipy.interpolate.PchipInterpolator(np.log(map_loads), np.where(finite, values, 0.0))(
+        within
+    )
+    next_index = np.clip(np.searchsorted(map_loads, loads), 1, map_loads.size - 1)
     unknown = np.where(finite, 0.0, values)  # 0, NaN or infinite
-    return found + unknown[beside] + unknown[beside - 1]
+    return interpolated + unknown[next_index] + unknown[next_index - 1]
 
 
-def common_loads(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> np.ndarray:
+def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> np.ndarray:
     """Return the loads (Pa, rising) at which all maps are known, some of them by interpolation."""
-    own = [np.sort(one["mean_pressure"].values.astype(float)) for one in datasets]
-    low, high = max(each[0] for each in own), min(each[-1] for each in own)
+    map_loads = [np.sort(data["mean_pressure"].values.astype(float)) for data in datasets]
+    low, high = max(value[0] for value in map_loads), min(value[-1] for value in map_loads)
     if low > high * (1 + SAME_LOAD):
         first, last = (
-            names[[each[place] for each in own].index(end)] for place, end in ((0, low), (-1, high))
+            names[[value[index] for value in map_loads].index(end)] for index, end in ((0, low), (-1, high))
         )
         raise SettingsError(
-            f"{words}: no load in common, {first} begins at {quantity(low, 'Pa', digits=5)} and {last} ends "
+            f"{label}: no load in common, {first} begins at {quantity(low, 'Pa', digits=5)} and {last} ends "
             f"at {quantity(high, 'Pa', digits=5)}; solve them at the same mean_pressure, or at more loads"
         )
-    every = np.sort(np.concatenate(own))
-    every = every[(every >= low * (1 - SAME_LOAD)) & (every <= high * (1 + SAME_LOAD))]
-    distinct = every[np.r_[True, np.diff(every) > SAME_LOAD * every[:-1]]]
-    most = max(each.size for each in own)
-    if distinct.size <= most:
+    all_loads = np.sort(np.concatenate(map_loads))
+    all_loads = all_loads[(all_loads >= low * (1 - SAME_LOAD)) & (all_loads <= high * (1 + SAME_LOAD))]
+    distinct = all_loads[np.r_[True, np.diff(all_loads) > SAME_LOAD * all_loads[:-1]]]
+    limit = max(value.size for value in map_loads)
+    if distinct.size <= limit:
         return distinct
-    return np.geomspace(low, high, most)
+    return np.geomspace(low, high, limit)
 
 
-def check_alike(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:
+def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:
     """Reject maps that do not answer the same question, in one sentence."""
     for key, symbol in (("contact_modulus", "E*"), ("hardness", "H")):
-        known = [float(one.get(key, np.nan)) for one in datasets]
-        for name, value in zip(names, known, strict=True):
-            if not np.isclose(value, known[0], rtol=SAME_LOAD, equal_nan=True):
-                first, other = (quantity(each, "Pa") if each > 0 else "none" for each in (known[0], value))
+        values = [float(data.get(key, np.nan)) for data in datasets]
+        for name, value in zip(names, values, strict=True):
+            if not np.isclose(value, values[0], rtol=SAME_LOAD, equal_nan=True):
+                first, second = (
+                    quantity(value, "Pa") if value > 0 else "none" for value in (values[0], value)
+                )
                 raise SettingsError(
-                    f"{words}: {names[0]} was solved with {symbol} = {first} and {name} with {other}; solve "
+                    f"{label}: {names[0]} was solved with {symbol} = {first} and {name} with {second}; solve "
                     "them with the same bodies, or put them into two groups"
                 )
-    for noun, most in _SAME_BAND.items():
+    for noun, limit in _SAME_BAND.items():
         limits = {
-            name: float(one.attrs[f"band_{noun}"])
-            for name, one in zip(names, datasets, strict=True)
-            if f"band_{noun}" in one.attrs
+            name: float(data.attrs[f"band_{noun}"])
+            for name, data in zip(names, datasets, strict=True)
+            if f"band_{noun}" in data.attrs
         }
         low, high = (choose(limits, key=limits.__getitem__, default="") for choose in (min, max))
-        if limits and limits[high] > most * limits[low]:
+        if limits and limits[high] > limit * limits[low]:
             band = limits[high if noun == "shortest" else low]
             raise SettingsError(
-                f"{words}: its maps hold different waves, the {noun} of {low} is "
+                f"{label}: its maps hold different waves, the {noun} of {low} is "
                 f"{quantity(limits[low], 'm')}, that of {high} {quantity(limits[high], 'm')}; state one band "
                 f"for all (window: {noun}_wavelength: {quantity(band, 'm')}), or compare them as two groups"
             )
-    kinds = {one.attrs.get("measured_by", ""): name for name, one in zip(names, datasets, strict=True)}
-    kinds.pop("", None)
+    instruments = {
+        data.attrs.get("measured_by", ""): name for name, data in zip(names, datasets, strict=True)
+    }
+    instruments.pop("", None)
     # a band that the settings state, and not the pixels
-    stated = all(one.attrs.get("band_reason", _GRID) != _GRID for one in datasets)
-    if len(kinds) > 1 and not stated:
+    stated = all(data.attrs.get("band_reason", _GRID) != _GRID for data in datasets)
+    if len(instruments) > 1 and not stated:
         first, second = (
-            f"{name} was measured by {of_name(kind).words}" for kind, name in [*kinds.items()][:2]
+            f"{name} was measured by {of_name(instrument).words}"
+            for instrument, name in [*instruments.items()][:2]
         )
         raise SettingsError(
-            f"{words}: {first}, {second}, which do not resolve the same waves; state a band that both "
+            f"{label}: {first}, {second}, which do not resolve the same waves; state a band that both "
             "resolve (window: shortest_wavelength), or compare them as two groups"
         )
 
@@ -434,34 +445,39 @@ def check_alike(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset]
 def _remarks(
     datasets: Sequence[xr.Dataset],
     names: Sequence[str],
-    parts: Sequence[str],
+    part_names: Sequence[str],
     loads: np.ndarray,
-    off: np.ndarray,
+    is_outlier: np.ndarray,
     *,
     placements: bool,
 ) -> list[str]:
     """Return what a reader of a group has to know, in sentences."""
-    units = len(set(parts)) if len(set(parts)) > 1 else len(names)
+    units = len(set(part_names)) if len(set(part_names)) > 1 else len(names)
     noun = "placements" if placements else "maps" if units == len(names) else "parts"
-    said = ["A single map: its own numbers and intervals."] if len(names) == 1 else []
-    if 1 < units < FEW:
-        of = "their intervals" if placements else "the maps"
-        said.append(
-            f"Two {noun}: a range, from the lowest to the highest of {of}; three {noun} or more have an "
+    sentences = ["A single map: its own numbers and intervals."] if len(names) == 1 else []
+    if 1 < units < MIN_FOR_INTERVAL:
+        source = "their intervals" if placements else "the maps"
+        sentences.append(
+            f"Two {noun}: a range, from the lowest to the highest of {source}; three {noun} or more have an "
             "interval."
         )
-    if len(set(parts)) == 1 < len(names):
-        said.append(f"All maps are of the part {parts[0]}: the interval says nothing of other parts.")
-    own = [one["mean_pressure"].values for one in datasets]
-    if any(each.size != loads.size or not np.allclose(np.sort(each), loads, rtol=SAME_LOAD) for each in own):
-        said.append(
+    if len(set(part_names)) == 1 < len(names):
+        sentences.append(
+            f"All maps are of the part {part_names[0]}: the interval says nothing of other parts."
+        )
+    map_loads = [data["mean_pressure"].values for data in datasets]
+    if any(
+        value.size != loads.size or not np.allclose(np.sort(value), loads, rtol=SAME_LOAD)
+        for value in map_loads
+    ):
+        sentences.append(
             f"The maps were solved at different loads: they are compared from {quantity(loads[0], 'Pa')} to "
             f"{quantity(loads[-1], 'Pa')}, which all of them reach, and interpolated there."
         )
-    said += [
+    sentences += [
         f"{name} stands off the others (Grubbs's test, 1 %) at {int(row.sum())} of {loads.size} loads; it is "
         "included."
-        for name, row in zip(names, off, strict=True)
+        for name, row in zip(names, is_outlier, strict=True)
         if row.any()
     ]
-    return said
+    return sentences

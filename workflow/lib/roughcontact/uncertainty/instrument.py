@@ -132,13 +132,13 @@ def _noise_shift(
 ) -> Components:
     """Return the one-sided uncertainty towards the results without noise (m, rms), extended by a margin."""
     noisy, noise_gradient = with_noise(window, noise)
-    share, back = _share_of_noise(window, noise_gradient), math.inf
+    share, exponent_back = _share_of_noise(window, noise_gradient), math.inf
     if share < _MOST_NOISE:  # ln(g/g_true) over ln(g with more noise/g)
         growth = math.log(rms_gradient(noisy) / rms_gradient(window))
-        back = -0.5 * math.log1p(-share) / max(growth, 1e-12)
+        exponent_back = -0.5 * math.log1p(-share) / max(growth, 1e-12)
     components = {}
     for name, change in _changes(values, solve_again(noisy, contact, values)).items():
         with np.errstate(invalid="ignore"):
-            shift = np.where(change == 0, 0.0, -(1 + margin) * back * change)
+            shift = np.where(change == 0, 0.0, -(1 + margin) * exponent_back * change)
         components[name] = one_sided(shift)
     return components

@@ -77,9 +77,11 @@ class Intervals:
         ends["octave_"] = ends[""]  # where the band is chosen
         if (key := AREA if name == PRESSURE else name) in self.octave:
             shorter = {q: middle[q] + shift for q, (shift, _) in self.octave.items()}
-            beyond = self._converted(name, shorter[AREA], self.octave[key][1])
+            octave_component = self._converted(name, shorter[AREA], self.octave[key][1])
             moved = self._value(name, shorter, as_solved)
-            ends["octave_"] = self._ends(name, shorter, moved, [*sources.values(), *headline, beyond])
+            ends["octave_"] = self._ends(
+                name, shorter, moved, [*sources.values(), *headline, octave_component]
+            )
         columns: dict[str, tuple] = {
             f"{name}_{key}{end}": ("load", numbers)
             for key, pair in ends.items()

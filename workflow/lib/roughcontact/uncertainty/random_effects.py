@@ -24,8 +24,8 @@ import scipy
 COVERAGE = 0.95
 SIGNIFICANCE = 0.05  # of a difference, over all that are tested together
 POWER = 0.9  # with which the maps that are asked for would show the difference
-_STANDS_OFF = 0.01  # significance of an outlier, ISO 5725-2:1994, 7.3.4
-_ALIKE = 1 - 1e-9  # largest correlation
+_OUTLIER_SIGNIFICANCE = 0.01  # significance of an outlier, ISO 5725-2:1994, 7.3.4
+_MAX_CORRELATION = 1 - 1e-9  # largest correlation
 _MOST_MAPS = 1000  # that are asked for
 
 
@@ -63,7 +63,7 @@ class Effects(NamedTuple):
     within: np.ndarray
 
 
-def random_effects(values: np.ndarray, parts: Sequence[str]) -> Effects:
+def random_effects(values: np.ndarray, part_names: Sequence[str]) -> Effects:
     """Return mean and scatter of the numbers of maps (map, load), each of a part.
 
     Examples
@@ -76,37 +76,42 @@ def random_effects(values: np.ndarray, parts: Sequence[str]) -> Effects:
     >>> round(found.within.item(), 2), round(found.between.item(), 2)
     (0.99, 1.87)
     """
-    names, place, counts = np.unique(np.asarray(parts, str), return_inverse=True, return_counts=True)
+    names, index, counts = np.unique(np.asarray(part_names, str), return_inverse=True, return_counts=True)
     if names.size in (1, len(values)):  # nothing to tell parts from maps by
-        place, counts = np.arange(len(values)), np.ones(len(values), int)
-    means = np.stack([values[place == part].mean(axis=0) for part in range(counts.size)])
-    units, harmonic, mean = counts.size, float(1 / np.mean(1 / counts)), means.mean(axis=0)
+        index, counts = np.arange(len(values)), np.ones(len(values), int)
+    averages = np.stack([values[index == label].mean(axis=0) for label in range(counts.size)])
+    units, harmonic, mean = counts.size, float(1 / np.mean(1 / counts)), averages.mean(axis=0)
     freedom = np.full(values.shape[1], max(units - 1.0, 0.0))
-    nothing = np.full(values.shape[1], np.nan)
-    scatter = means.var(axis=0, ddof=1) if units > 1 else nothing  # of the means of the parts
+    undefined = np.full(values.shape[1], np.nan)
+    scatter = averages.var(axis=0, ddof=1) if units > 1 else undefined  # of the means of the parts
     next_part = scatter * (1 + 1 / units)
-    next_map, of_map, known = next_part, freedom, np.sqrt(scatter)
-    between, within = (nothing, known) if names.size == 1 else (known, nothing)
-    if several := bool(counts.max() > 1):
-        own = len(values) - units
-        residual = np.sum((values - means[place]) ** 2, axis=0) / own
-        more = (1 - 1 / harmonic) * residual  # a single map scatters more than the mean of a part
-        next_map = next_part + more
+    next_map, of_map, deviation = next_part, freedom, np.sqrt(scatter)
+    scatter_of_parts, scatter_of_maps = (undefined, deviation) if names.size == 1 else (deviation, undefined)
+    if nested := bool(counts.max() > 1):
+        within_freedom = len(values) - units
+        residual = np.sum((values - averages[index]) ** 2, axis=0) / within_freedom
+        map_variance = (1 - 1 / harmonic) * residual  # a single map scatters more than the mean of a part
+        next_map = next_part + map_variance
         with np.errstate(invalid="ignore", divide="ignore"):
-            of_map = next_map**2 / (next_part**2 / freedom + more**2 / own)  # Satterthwaite (1946)
+            of_map = next_map**2 / (
+                next_part**2 / freedom + map_variance**2 / within_freedom
+            )  # Satterthwaite (1946)
         of_map = np.where(np.isfinite(of_map), of_map, freedom)
-        between, within = np.sqrt(np.maximum(scatter - residual / harmonic, 0.0)), np.sqrt(residual)
+        scatter_of_parts, scatter_of_maps = (
+            np.sqrt(np.maximum(scatter - residual / harmonic, 0.0)),
+            np.sqrt(residual),
+        )
     return Effects(
         units,
         mean,
-        means - mean,
+        averages - mean,
         np.sqrt(scatter / units),
         freedom,
         np.sqrt(next_map),
         of_map,
-        np.sqrt(next_part) if several else nothing,
-        between,
-        within,
+        np.sqrt(next_part) if nested else undefined,
+        scatter_of_parts,
+        scatter_of_maps,
     )
 
 
@@ -118,8 +123,10 @@ def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
     >>> student(np.array([0.0, 2.0, 9.0])).round(2)
     array([ nan, 4.3 , 2.26])
     """
-    known = np.asarray(freedom, float) > 0
-    return np.where(known, scipy.special.stdtrit(np.where(known, freedom, 1.0), (1 + coverage) / 2), np.nan)
+    deviation = np.asarray(freedom, float) > 0
+    return np.where(
+        deviation, scipy.special.stdtrit(np.where(deviation, freedom, 1.0), (1 + coverage) / 2), np.nan
+    )
 
 
 def welch(first: Effects, second: Effects) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -133,7 +140,7 @@ def welch(first: Effects, second: Effects) -> tuple[np.ndarray, np.ndarray, np.n
     >>> [round(each.item(), 3) for each in welch(one, two)]
     [4.0, 1.291, 2.941]
     """
-    squares = [each.error**2 for each in (first, second)]
+    squares = [value.error**2 for value in (first, second)]
     with np.errstate(invalid="ignore", divide="ignore"):
         fourth = squares[0] ** 2 / first.freedom + squares[1] ** 2 / second.freedom
         freedom = sum(squares) ** 2 / fourth
@@ -151,8 +158,8 @@ def p_value(difference: np.ndarray, error: np.ndarray, freedom: np.ndarray) -> n
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = np.where(error > 0, np.abs(difference) / error, np.where(difference == 0, 0.0, np.inf))
-    found = 2 * scipy.special.stdtr(np.maximum(freedom, 1e-9), -ratio)
-    return np.where(np.isnan(error) | np.isnan(difference) | ~(freedom > 0), np.nan, found)
+    bound = 2 * scipy.special.stdtr(np.maximum(freedom, 1e-9), -ratio)
+    return np.where(np.isnan(error) | np.isnan(difference) | ~(freedom > 0), np.nan, bound)
 
 
 def correlation_at_least(residuals: np.ndarray, freedom: float) -> np.ndarray:
@@ -169,14 +176,16 @@ def correlation_at_least(residuals: np.ndarray, freedom: float) -> np.ndarray:
     """
     products = residuals.T @ residuals
     sizes = np.sqrt(np.diag(products))
-    found = np.zeros(products.shape)
+    bound = np.zeros(products.shape)
     if freedom > 2:
         with np.errstate(invalid="ignore", divide="ignore"):
             measured = np.nan_to_num(products / np.outer(sizes, sizes))
         limit = scipy.special.ndtri(COVERAGE) / np.sqrt(freedom - 2)
-        found = np.maximum(np.tanh(np.arctanh(np.clip(measured, -_ALIKE, _ALIKE)) - limit), 0.0)
-    np.fill_diagonal(found, 1.0)
-    return found
+        bound = np.maximum(
+            np.tanh(np.arctanh(np.clip(measured, -_MAX_CORRELATION, _MAX_CORRELATION)) - limit), 0.0
+        )
+    np.fill_diagonal(bound, 1.0)
+    return bound
 
 
 def over_loads(p_values: np.ndarray, correlation: np.ndarray) -> np.ndarray:
@@ -200,9 +209,9 @@ def over_loads(p_values: np.ndarray, correlation: np.ndarray) -> np.ndarray:
     adjusted = np.full(p_values.shape, np.nan)
     order = np.argsort(p_values)[: np.isfinite(p_values).sum()]
     largest = 0.0
-    for place, load in enumerate(order):
-        left = order[place:]
-        eigenvalues = np.maximum(np.linalg.eigvalsh(correlation[np.ix_(left, left)]), 0.0)
+    for index, load in enumerate(order):
+        remaining = order[index:]
+        eigenvalues = np.maximum(np.linalg.eigvalsh(correlation[np.ix_(remaining, remaining)]), 0.0)
         tests = np.sqrt(eigenvalues).sum() ** 2 / eigenvalues.sum()
         largest = max(largest, float(-np.expm1(tests * np.log1p(-min(p_values[load], 1 - 1e-16)))))
         adjusted[load] = largest
@@ -224,14 +233,14 @@ def holm(p_values: Sequence[np.ndarray]) -> list[np.ndarray]:
     >>> [each.item() for each in holm([np.array([p]) for p in (0.01, 0.04, np.nan, 0.03)])]
     [0.03, 0.06, nan, 0.06]
     """
-    largest = np.array([np.nanmax(each, initial=-1.0) for each in p_values])
+    largest = np.array([np.nanmax(value, initial=-1.0) for value in p_values])
     adjusted = []
-    for place, own in enumerate(p_values):
-        others = np.sort(np.delete(largest, place))[::-1]
-        found = own.astype(float)
-        for count, other in enumerate(others[others >= 0], start=2):
-            found = np.maximum(found, count * np.minimum(own, other))
-        adjusted.append(np.minimum(found, 1.0))
+    for index, p_value_of_family in enumerate(p_values):
+        larger = np.sort(np.delete(largest, index))[::-1]
+        adjusted_family = p_value_of_family.astype(float)
+        for count, competitor in enumerate(larger[larger >= 0], start=2):
+            adjusted_family = np.maximum(adjusted_family, count * np.minimum(p_value_of_family, competitor))
+        adjusted.append(np.minimum(adjusted_family, 1.0))
     return adjusted
 
 
@@ -252,16 +261,16 @@ def maps_needed(spread: float, difference: float, *, paired: bool = False) -> in
     (23, 4)
     """
 
-    def enough(count: int) -> bool:
+    def sufficient(count: int) -> bool:
         freedom = count - 1.0 if paired else 2.0 * (count - 1)
         shift = difference / spread * np.sqrt(count if paired else count / 2)
         limit = scipy.special.stdtrit(freedom, 1 - SIGNIFICANCE / 2)
         return bool(1 - scipy.special.nctdtr(freedom, shift, limit) >= POWER)
 
-    return 2 + bisect_left(range(2, _MOST_MAPS), True, key=enough) if spread > 0 else 2
+    return 2 + bisect_left(range(2, _MOST_MAPS), True, key=sufficient) if spread > 0 else 2
 
 
-def stand_off(values: np.ndarray) -> np.ndarray:
+def grubbs_outliers(values: np.ndarray) -> np.ndarray:
     """Return which numbers (map, load) stand off the others of their load, by Grubbs's test at 1 %.
 
     One number of each load at the most; none of fewer than four, of which the test says nothing.
@@ -273,13 +282,13 @@ def stand_off(values: np.ndarray) -> np.ndarray:
 
     Examples
     --------
-    >>> stand_off(np.array([[1.0], [1.1], [0.9], [1.05], [3.0]])).ravel().tolist()
+    >>> grubbs_outliers(np.array([[1.0], [1.1], [0.9], [1.05], [3.0]])).ravel().tolist()
     [False, False, False, False, True]
     """
     count = len(values)
     if count < 4:
         return np.zeros(values.shape, bool)
-    square = scipy.special.stdtrit(count - 2, 1 - _STANDS_OFF / (2 * count)) ** 2
+    square = scipy.special.stdtrit(count - 2, 1 - _OUTLIER_SIGNIFICANCE / (2 * count)) ** 2
     limit = (count - 1) / np.sqrt(count) * np.sqrt(square / (count - 2 + square))
     distance = np.abs(values - values.mean(axis=0))
     largest = distance == distance.max(axis=0)

@@ -91,34 +91,36 @@ def scatter_of_subwindows(
     slices = divided(region, spacing(levelled), int(number), arguments.get("shortest_wavelength") or 0.0)
     load, order = loads_of(contact), form_order(levelled)
     solved = few_loads(load)
-    members = {name: np.full((len(slices), load.size), np.nan) for name in values}
+    by_subwindow = {name: np.full((len(slices), load.size), np.nan) for name in values}
     if len(slices) < 2:
-        return Scatter(members, {}, slices)
+        return Scatter(by_subwindow, {}, slices)
     for index, area in enumerate(slices):
         periodic = subwindow(_relevelled(levelled.isel(area), order), **arguments)
-        member = solve_member(
+        solved_values = solve_member(
             periodic, contact, tolerance=SCATTER_TOLERANCE, names=list(values), loads=solved
         )
         for name in values:
-            members[name][index, solved] = member[name]
+            by_subwindow[name][index, solved] = solved_values[name]
     common = _common_features(levelled.isel(region), window, order)
     features: dict[str, Features] = {}
     for name, value in values.items():
         features[name] = common
         if name not in CONSTRICTIONS:
-            spread, trend = _spread_and_trend(name, members[name][:, solved], value[solved])
+            spread, trend = _spread_and_trend(name, by_subwindow[name][:, solved], value[solved])
             features[name] = common | {
                 "scatter": at_all_loads(np.log(spread), solved, load),
                 "trend": at_all_loads(trend, solved, load),
             }
-    incomplete = bool(np.isnan(members[GAP][:, solved]).any()) if GAP in members else False
-    return Scatter(members, features, slices, incomplete, common["lay"])
+    incomplete = bool(np.isnan(by_subwindow[GAP][:, solved]).any()) if GAP in by_subwindow else False
+    return Scatter(by_subwindow, features, slices, incomplete, common["lay"])
 
 
-def _spread_and_trend(name: str, members: np.ndarray, result: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _spread_and_trend(
+    name: str, by_subwindow: np.ndarray, result: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Return standard deviation and mean of the members (member, load) about the result, on the scale."""
     positive = np.where(result > 0, result, 1.0)
-    clipped = np.where(np.isnan(members), positive, np.fmax(members, _LEAST_SCATTER * positive))
+    clipped = np.where(np.isnan(by_subwindow), positive, np.fmax(by_subwindow, _LEAST_SCATTER * positive))
     deviations = to_scale(name, clipped) - to_scale(name, positive)
     return np.hypot(np.std(deviations, axis=0, ddof=1), _LEAST_SCATTER), deviations.mean(axis=0)
 
@@ -136,7 +138,7 @@ def _common_features(measured: xr.DataArray, window: xr.DataArray, order: int) -
         "gradient": _at_the_size_of_the_map(_variances(squares, heights.shape, np.mean)),
         "height": _at_the_size_of_the_map(
             _variances(
-                heights, heights.shape, lambda piece: np.mean(_without_form(piece, max(order, 1)) ** 2)
+                heights, heights.shape, lambda block: np.mean(_without_form(block, max(order, 1)) ** 2)
             )
         ),
         "lay": 0.5 if math.isnan(aspect) else aspect,
@@ -152,13 +154,13 @@ def _variances(
         rows, columns = (cuts if n > 1 else 1 for n in shape)
         if any(1 < n < cuts * _MIN_POINTS_PER_SIDE for n in shape):
             continue
-        pieces = [
-            piece
+        blocks = [
+            block
             for band in np.array_split(values, rows, axis=0)
-            for piece in np.array_split(band, columns, axis=1)
+            for block in np.array_split(band, columns, axis=1)
         ]
-        logarithms = [0.5 * math.log(max(mean_square(piece), 1e-300)) for piece in pieces]
-        variances[len(pieces)] = float(np.var(logarithms, ddof=1))
+        logarithms = [0.5 * math.log(max(mean_square(block), 1e-300)) for block in blocks]
+        variances[len(blocks)] = float(np.var(logarithms, ddof=1))
     return variances
 
 

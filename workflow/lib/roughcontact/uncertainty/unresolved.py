@@ -96,16 +96,16 @@ def next_octave(
         finer = finer if isinstance(finer, xr.DataArray) else read_height_map(finer)
         growth, limit = growth_by_finer_spectrum(window, level(finer, form="plane"))
     for name, change in _changes(curve, 0).items():
-        share, down, up, least = octave_arms(name)
+        share, arm_below, arm_above, least_change = octave_arms(name)
         unit = curve[f"{GAP}_at_cutoff"].values[:, 0] if name in CONSTRICTIONS else 1.0
-        size = np.hypot(change, least * unit)
-        shift, below, above = share * change, down * size, up * size
+        size = np.hypot(change, least_change * unit)
+        shift, below, above = share * change, arm_below * size, arm_above * size
         if finer is not None:  # as many octaves of the last one's growth
             shift = change * min(growth / last, 4.0) if last > 0 else 0 * change
             if name == AREA:
                 shift = np.minimum(shift, -growth)
             scatter = limit / growth - 1 if growth > 0 else 0.0
-            below = above = np.hypot(math.hypot(MARGIN, scatter) * shift, least * unit)
+            below = above = np.hypot(math.hypot(MARGIN, scatter) * shift, least_change * unit)
         octave[name] = shift, half_widths(below, above)
     return octave
 
@@ -163,9 +163,9 @@ def _relative_scatter(profile: xr.DataArray, limit: float) -> float:
     square = np.fft.irfft(slopes, profile.size - 1) ** 2
     if square.size < 2 * _PROFILE_PIECES or not square.any():
         return 1.0
-    means = [piece.mean() for piece in np.array_split(square, _PROFILE_PIECES)]
-    student = float(scipy.special.stdtrit(len(means) - 1, 0.975))
-    return student * float(np.std(means, ddof=1) / np.mean(means)) / math.sqrt(len(means))
+    block_means = [block.mean() for block in np.array_split(square, _PROFILE_PIECES)]
+    student = float(scipy.special.stdtrit(len(block_means) - 1, 0.975))
+    return student * float(np.std(block_means, ddof=1) / np.mean(block_means)) / math.sqrt(len(block_means))
 
 
 def _line_spectra(height: xr.DataArray, *, periodic: bool) -> list[tuple[np.ndarray, np.ndarray]]:
