@@ -1,8 +1,13 @@
-"""One sphere in a square period: Hertz, with what the neighbours in the lattice change."""
+"""One sphere in a square period: Hertz, with what the neighbours in the lattice change, and bodies alone."""
+
+from typing import Any
 
 import numpy as np
 
 from roughcontact.contact.solve import solve_contact
+from roughcontact.maps import height_map
+from roughcontact.references.closed_forms import hertz_ellipse
+from roughcontact.statistics.contact_geometry import relative_contact_area
 from validation import closed_forms
 from validation.lines import Part
 from validation.problems import FORCE, RADIUS, solve, sphere
@@ -33,3 +38,29 @@ def add_lines(part: Part, *, finest_grid: int) -> None:
         0.1 * across**-2 + 2 * known["contact_radius"] ** 3,
         n=across,
     )
+    _bodies_of_finite_size(part, points)
+
+
+def _bodies_of_finite_size(part: Part, points: int) -> None:
+    """Add the lines of a sphere, an ellipsoid and a flat punch without neighbours."""
+    y = ((np.arange(points) + 0.5) / points - 0.5)[:, None]
+    x = y.T
+    radius, force = 10.0, 4 * 0.3**3 / 30
+    solver: dict[str, Any] = {"boundary": "free", "contact_modulus": 1.0, "tolerance": 1e-7}
+    ball = solve_contact(height_map(-(x**2 + y**2) / (2 * radius), 1 / points), force=force, **solver)
+    known = closed_forms.hertz(force, radius, 1.0)
+    across = known["contact_radius"] * points
+    area = relative_contact_area(ball["contact"].values[0] > 0)
+    part.compare("free_radius", np.sqrt(area / np.pi), known["contact_radius"], 0.2 / across, n=across)
+    part.compare("free_approach", -float(ball["approach"][0]), known["approach"], 0.1 * across**-2, n=across)
+    radii = (10.0, 4.0)
+    ellipsoid = height_map(-(x**2) / (2 * radii[0]) - y**2 / (2 * radii[1]), 1 / points)
+    approach = -float(solve_contact(ellipsoid, force=force, **solver)["approach"][0])
+    ellipse = hertz_ellipse(force, radii, 1.0)
+    across = ellipse["minor"] * points
+    part.compare("free_ellipse", approach, ellipse["approach"], 0.1 * across**-2, n=across)
+    inside = np.hypot(x, y) < 0.3
+    punch = solve_contact(height_map(np.where(inside, 0.0, -0.1), 1 / points), force=1e-3, **solver)
+    radius = float(np.sqrt(inside.mean() / np.pi))
+    stiffness = 1e-3 / -float(punch["approach"][0])
+    part.compare("free_punch", stiffness, 2 * radius, 0.15 / (radius * points), n=radius * points)
