@@ -154,7 +154,7 @@ def choose_channel(
     Parameters
     ----------
     file : MeasuredFile
-    wanted : str or None
+    requested : str or None
         Name of the channel. Without it, it is the first one that holds heights (a length unit, and no
         amplitude, phase, error or the like by name).
     where : str

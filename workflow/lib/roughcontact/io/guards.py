@@ -170,13 +170,13 @@ def check_points(shape: tuple[int, int], where: str | Path) -> None:
     check_memory(ny * nx * BYTES_PER_POINT, f"{ny} x {nx} points", where)
 
 
-def check_memory(required: float, purpose: str, where: str | Path) -> None:
+def check_memory(required: float, data_name: str, where: str | Path) -> None:
     """Refuse to read data that need more memory than this computer has.
 
     Parameters
     ----------
-    needed : float, bytes
-    what : str
+    required : float, bytes
+    data_name : str
         Name of the data, in the plural.
     where : str or Path
         Place that the message names.
@@ -189,7 +189,7 @@ def check_memory(required: float, purpose: str, where: str | Path) -> None:
     total = memory_bytes()
     if total is not None and required > total:
         raise InputFileError(
-            f"{where}: {purpose} need {required / 2**30:.1f} GiB of memory to be read, this computer has "
+            f"{where}: {data_name} need {required / 2**30:.1f} GiB of memory to be read, this computer has "
             f"{total / 2**30:.1f} GiB; crop the map, or read it on a larger computer"
         )
 
