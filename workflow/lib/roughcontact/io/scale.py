@@ -22,14 +22,9 @@ _FEWEST_LINES = 10  # of a matrix whose pixels reveal that it was cut off
 class Scale:
     """Steps and height unit of one map.
 
-    Attributes
-    ----------
-    dx, dy : float, m
-        Steps from point to point; of a profile without `dy` both are `dx`.
-    height_factor : float, m
-        Metres per unit of the file's heights.
-    notes : list of str
-        A sentence for each argument of the user that contradicts the file.
+    `dx`, `dy` in m: steps from point to point; of a profile without `dy` both are `dx`; `height_factor` in m:
+    metres per unit of the file's heights; `notes`: a sentence for each argument of the user that contradicts
+    the file.
     """
 
     dx: float

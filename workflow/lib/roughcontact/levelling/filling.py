@@ -16,13 +16,8 @@ def find_holes(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     Points are connected along their edges, not diagonally.
 
-    Returns
-    -------
-    labels : int array (ny, nx)
-        1 ... n in the n holes, 0 elsewhere: points measured, or missing and connected to the border. An axis
-        of one point has no border.
-    sizes : int array (n,)
-        points in each hole.
+    The labels are 1 ... n in the n holes, 0 elsewhere: points measured, or missing and connected to the border. An
+    axis of one point has no border..
 
     Examples
     --------
@@ -57,10 +52,7 @@ def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[floa
     hole; wide holes by conjugate gradients preconditioned by a fast Poisson solver (discrete sine transform)
     on the bounding box of the hole, a fictitious-domain method [1]_.
 
-    Raises
-    ------
-    HeightMapError
-        where a wide hole does not converge within 500 iterations.
+    Raises `HeightMapError` where a wide hole does not converge within 500 iterations.
 
     References
     ----------

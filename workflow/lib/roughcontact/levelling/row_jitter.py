@@ -28,16 +28,9 @@ _MIN_RELATIVE_RMS = 2e-3  # of the rms height; smaller shifts are negligible
 class RowJitter(NamedTuple):
     """Random shifts of the rows of a map.
 
-    Attributes
-    ----------
-    rms : float, m
-        root mean square of the shifts; 0 without evidence.
-    evidence : {"none", "doubtful", "clear"}
-        `doubtful`: the common part of the rows could also be a lay or a drift.
-    offsets : array (ny,), m
-        estimate of the shifts; 0 without evidence.
-    residual_offsets : array (ny,), m
-        one random realisation of the error of that estimate.
+    `rms` in m: root mean square of the shifts; 0 without evidence; `evidence`: `doubtful`: the common part of
+    the rows could also be a lay or a drift; `offsets` (ny,) in m: estimate of the shifts; 0 without evidence;
+    `residual_offsets` (ny,) in m: one random realisation of the error of that estimate.
     """
 
     rms: float
@@ -62,10 +55,7 @@ def find_row_jitter(values: np.ndarray, *, scanned: bool = False) -> RowJitter:
     variance of the shifts over the power of the wave. Long waves, dominated by the surface, are kept; a tilt
     of the map does not matter.
 
-    Parameters
-    ----------
-    scanned : bool
-        whether the map was measured line by line along x, as by a probe or a stylus.
+    `scanned`: whether the map was measured line by line along x, as by a probe or a stylus.
 
     References
     ----------

@@ -20,12 +20,8 @@ Header = Mapping[str, Any]
 class Stated(NamedTuple):
     """The size of a file as its header states it.
 
-    Attributes
-    ----------
-    size : int
-        Bytes up to the end of the last block that the header or directory counts.
-    more : bool
-        Whether the format has blocks behind these that nothing counts.
+    `size`: bytes up to the end of the last block that the header or directory counts; `more`: whether the
+    format has blocks behind these that nothing counts.
     """
 
     size: int

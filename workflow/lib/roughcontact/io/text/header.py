@@ -108,12 +108,9 @@ def statements(lines: Iterable[str], *, first: int = 1, sign: str = "") -> State
     the first 100 000, are skipped. `first` is the number of the first line in the file, `sign` the decimal
     sign in its table, empty where that has whole numbers.
 
-    Returns
-    -------
-    dict
-        The keys are `length_x`, `length_y`, `step`, `dx`, `dy`, `nx`, `ny`, `count`, `z_factor`, `missing`,
-        `height_range` (numbers), `height_unit`, `lateral_unit`, `unit`, `channel`, `instrument`, `serial`,
-        `lens`, `date` (texts).
+    The keys are `length_x`, `length_y`, `step`, `dx`, `dy`, `nx`, `ny`, `count`, `z_factor`,
+    `missing`, `height_range` (numbers), `height_unit`, `lateral_unit`, `unit`, `channel`, `instrument`,
+    `serial`, `lens`, `date` (texts).
 
     Examples
     --------
