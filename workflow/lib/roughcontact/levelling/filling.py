@@ -16,8 +16,8 @@ def find_holes(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     Points are connected along their edges, not diagonally.
 
-    The labels are 1 ... n in the n holes, 0 elsewhere: points measured, or missing and connected to the border. An
-    axis of one point has no border..
+    The labels are 1 ... n in the n holes, 0 elsewhere: points measured, or missing and connected to the
+    border; the sizes are points. An axis of one point has no border.
 
     Examples
     --------
