@@ -108,10 +108,10 @@ def write_report(
         by_surface.setdefault(surface, {})[case or ""] = data
     known = {_name(*key): data for key, data in series.items()}
     case_of = {_name(*key): key[1] for key in series}
-    kinds = dict(zip(known, _kinds(series, series), strict=True))
     summaries = [read_summary(panel) for panel in panels]
     # a placement stands with its pair, which comes last
     grouped = {str(name): group.name for group in groups for name in group.answer["map"].values}
+    kinds = dict(zip(known, _kinds(series, series, grouped), strict=True))
     units = dict(zip(known, glance_units(list(known.values())), strict=True))
     places = dict(zip(known, loads_to_compare(list(known.values())), strict=True))
     rows = [
@@ -161,7 +161,7 @@ def write_report(
             {(name, case or ""): float(data["mean_pressure"][0]) for (name, case), data in series.items()},
         ),
         which_load=_which_load(list(places.values()), list(known.values())),
-        comparisons=_comparisons(series, many=many),
+        comparisons=_comparisons(series, grouped, many=many),
         cases=_cases(by_surface, many=many, alike=alike),
         parts=[] if many else [_part(panel, folder) for panel in panels],
         failures=named,
@@ -234,7 +234,9 @@ def _as_download(text: str) -> str:
     return "data:text/csv;charset=utf-8;base64," + base64.b64encode(text.encode()).decode()
 
 
-def _comparisons(series: Mapping[tuple[str, str | None], xr.Dataset], *, many: bool) -> list[tuple[str, str]]:
+def _comparisons(
+    series: Mapping[tuple[str, str | None], xr.Dataset], grouped: Mapping[str, str], *, many: bool
+) -> list[tuple[str, str]]:
     """Return (image, caption) of area against load of all surfaces: in pascals, and relative to E* g.
 
     For `many` surfaces the latter alone; flat surfaces are left out; none for a single surface, whose panel
@@ -279,8 +281,9 @@ def _comparisons(series: Mapping[tuple[str, str | None], xr.Dataset], *, many: b
     # that of the stiffest, where the cases differ in it
     pressure = min((unit_of(data, "Pa") for data in rough.values()), key=lambda unit: unit.factor)
     bars = "Bars: the ±." if known else ""
-    kinds = list(_kinds(series, rough))
+    kinds = list(_kinds(series, rough, grouped))
     styles = " Surfaces are colours, cases are line styles." if any(case for _, case in kinds) else ""
+    styles += " The maps of a group have one colour." if grouped else ""
     return [
         (
             compare_areas(pascal, ends=ends, pressure=pressure, kinds=kinds),
@@ -305,12 +308,18 @@ def _cases(
 
 
 def _kinds(
-    series: Iterable[tuple[str, str | None]], drawn: Iterable[tuple[str, str | None]]
+    series: Iterable[tuple[str, str | None]],
+    drawn: Iterable[tuple[str, str | None]],
+    grouped: Mapping[str, str],
 ) -> Iterator[tuple[int, int]]:
-    """Yield the places of surface and case of results that are `drawn`, among those of all."""
+    """Yield the indices of colour and line style of results that are `drawn`, among those of all.
+
+    The maps of a group (name of a map -> of its group) have one colour, cases have line styles.
+    """
     surfaces, cases = (list(dict.fromkeys(names)) for names in zip(*series, strict=True))
+    colours = list(dict.fromkeys(grouped.get(surface, surface) for surface in surfaces))
     for surface, case in drawn:
-        yield surfaces.index(surface), cases.index(case)
+        yield colours.index(grouped.get(surface, surface)), cases.index(case)
 
 
 def _series(statistics: xr.Dataset) -> dict[tuple[str, str | None], xr.Dataset]:

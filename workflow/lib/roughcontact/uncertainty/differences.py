@@ -35,6 +35,7 @@ from roughcontact.uncertainty.groups import (
     to_scale,
 )
 from roughcontact.uncertainty.headline import quantities_in
+from roughcontact.uncertainty.improvement import ADVICE
 from roughcontact.uncertainty.random_effects import (
     SIGNIFICANCE,
     correlation_at_least,
@@ -74,7 +75,7 @@ def compare_groups(
     Dataset
         dims (quantity, load): `ratio` of the second to the first, `ratio_lower`, `ratio_upper` (95 % interval
         of this ratio), `p_value` (Welch's test [1]_, adjusted for all loads [2]_), and `outcome`:
-        "differ", "do not differ by more than x", or "cannot tell", with the number of maps that would.
+        "differ", "do not differ by more than x", or "inconclusive", with what would decide.
         Coordinates `quantity`, `mean_pressure` (load; Pa). Narrowest places, which may be closed, are left
         out.
 
@@ -98,7 +99,7 @@ def compare_groups(
     >>> round(found["ratio"].item(), 2), found["outcome"].item()
     (2.01, 'differ')
     >>> compare_groups(made(1.0, 1.5, 0.7), made(1.1, 1.6, 0.8))["outcome"].values.tolist()
-    [['cannot tell: 306 more maps of each would']]
+    [['inconclusive: about 306 more maps per group needed']]
     """
     return _with_test_results([_compared(first, second, paired=paired)], relevant)[0]
 
@@ -269,6 +270,7 @@ class _Compared(NamedTuple):
     p_value: np.ndarray
     spread: np.ndarray  # standard deviation of a part (a pair of maps, where they are paired), on the scale
     shared: np.ndarray  # half-width, on the scale, that more maps would not make smaller
+    largest_shared: np.ndarray  # index of the source with the largest part in it
     mean: np.ndarray  # of the first group, on the scale
     maps: int  # or parts, of the smaller group; 0 for two maps, of which more would not tell
     noun: str  # what more of would tell
@@ -299,6 +301,7 @@ def _of_two(first: xr.Dataset, second: xr.Dataset) -> _Compared:
     return _Compared(
         table,
         shaped,
+        no_difference,
         no_difference,
         no_difference,
         no_difference,
@@ -371,20 +374,26 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
         width, unshared = student(freedom) * error, _unshared_half_widths(shared, second_shared, correlation)
         load_correlations.append(correlation_at_least(deviations, len(deviations) - (1 if paired else 2)))
         rows.append(_ratios(name, first_effects.mean, difference, width, unshared))
+        by_source = [
+            np.maximum(*_unshared_half_widths(shared[:, [k]], second_shared[:, [k]], correlation[[k]]))
+            for k in range(len(SOURCES))
+        ]
+        largest = np.nan_to_num(by_source, nan=0.0).argmax(axis=0)
         columns.append(
-            (p_value(difference, error, freedom), spread, np.maximum(*unshared), first_effects.mean)
+            (p_value(difference, error, freedom), spread, np.maximum(*unshared), largest, first_effects.mean)
         )
     nested = any(1 < len(set(data["part"].values)) < data.sizes["map"] for data in groups)
     table = _table(names, loads, rows)
-    p_values, spreads, lefts, averages = (
-        np.reshape([column[row] for column in columns], (len(names), loads.size)) for row in range(4)
+    p_values, spreads, half_widths, sources, averages = (
+        np.reshape([column[row] for column in columns], (len(names), loads.size)) for row in range(5)
     )
     noun = "part" if nested else "map"
     return _Compared(
         table,
         p_values,
         spreads,
-        lefts,
+        half_widths,
+        sources,
         averages,
         maps=count,
         noun=noun,
@@ -423,32 +432,34 @@ def _outcomes(comparison: _Compared, p_values: np.ndarray, relevant: float) -> n
     for index in np.ndindex(*p_values.shape):
         low, high = ends[(slice(None), *index)]
         if not np.isfinite([low, high, p_values[index]]).all():
-            labels[index] = "cannot tell: no interval"
+            labels[index] = "inconclusive: no interval"
         elif p_values[index] < SIGNIFICANCE and not low <= 1 <= high:
             labels[index] = DIFFER
         elif (largest_ratio := max(1 - low, high - 1)) <= relevant:
             labels[index] = f"do not differ by more than {percent(max(largest_ratio, _LEAST_DIFFERENCE))}"
         else:
-            labels[index] = f"cannot tell: {_maps_missing(comparison, index, relevant)}"
+            labels[index] = f"inconclusive: {_what_decides(comparison, index, relevant)}"
     return labels
 
 
-def _maps_missing(comparison: _Compared, index: tuple[int, ...], relevant: float) -> str:
-    """Return how many more maps would show a difference that matters."""
+def _what_decides(comparison: _Compared, index: tuple[int, ...], relevant: float) -> str:
+    """Return what would show a difference that matters: more maps, or a smaller error that all maps share."""
     name = str(comparison.table["quantity"].values[index[0]])
     mean = comparison.mean[index]
     ends = to_scale(name, from_scale(name, mean) * np.array([1 - relevant, 1 + relevant]))
     target = float(np.nanmin(np.abs(ends - mean)))
     if not comparison.maps:
         ratio, upper = (float(comparison.table[key].values[index]) for key in ("ratio", "ratio_upper"))
-        return f"errors that they do not share are up to {percent(upper / ratio - 1)}"
+        return f"errors that differ are up to {percent(upper / ratio - 1)}; measure several places of each"
     if comparison.shared[index] >= target:
-        return f"all maps share errors of more than {percent(relevant)}; more maps would not help"
+        advice = ADVICE.get(SOURCES[int(comparison.largest_shared[index])], "state what they share")
+        return f"all maps share errors above {percent(relevant)}; {advice}"
     required = maps_needed(float(comparison.spread[index]), target, paired=comparison.paired)
     missing_maps = max(required - comparison.maps, 1)
     plural = "s" if missing_maps > 1 else ""
     count = f"more than {_MAX_MAPS}" if missing_maps > _MAX_MAPS else str(missing_maps)
-    return f"{count} more {comparison.noun}{plural}{'' if comparison.paired else ' of each'} would"
+    about, group = "about " * (missing_maps <= _MAX_MAPS), "" if comparison.paired else " per group"
+    return f"{about}{count} more {comparison.noun}{plural}{group} needed"
 
 
 def _names(first: xr.Dataset, second: xr.Dataset) -> list[str]:

@@ -21,7 +21,7 @@ _LEAST_VARIANCE = 1e-12
 _TYPICAL_AREA = 0.1  # the load with the contact area nearest to it is improved
 _MOST_MAPS = 100
 _LONGEST_FIELD = 10.0  # over the length of the map
-_ADVICE = {
+ADVICE = {
     "solver": "set contact.tolerance to a tenth",
     "discretisation": "measure with pixels half as large",
     "instrument": "repeat the measurement and average, or state the instrument more narrowly",
@@ -112,8 +112,8 @@ def halving_line(statistics: xr.Dataset, ratio: float | None) -> str:
     for source in by_size:
         if source == "window" and ratio is not None:
             actions.append(_more_places(scatter_of_maps(statistics, load, ratio), half_width, shared, widths))
-        elif source in _ADVICE:
-            actions.append(_lens(statistics) or _ADVICE[source])
+        elif source in ADVICE:
+            actions.append(_lens(statistics) or ADVICE[source])
         rest = math.sqrt(sum(widths[name] ** 2 for name in by_size[by_size.index(source) + 1 :]))
         if rest + widths[source] / 2 <= half_width / 2 or rest <= half_width / 2:
             break
