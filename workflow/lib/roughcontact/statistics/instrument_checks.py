@@ -357,10 +357,10 @@ def quantisation(window: Attributes) -> Check:
     text += f", {percent(step / rms_height)} of the rms height" if rms_height else ""
     if not coarse_step(window):
         return Check(CheckName.QUANTISATION, PASSED, f"{text}.")
-        text += (
-            ": steps between them add to the gradient, so that areas are too small, and pressures and gaps "
-            "too large."
-        )
+    text += (
+        ": steps between them add to the gradient, so that areas are too small, and pressures and gaps "
+        "too large."
+    )
     advice = "Export the heights with more digits, or measure with a smaller range of heights."
     return Check(CheckName.QUANTISATION, REVIEW, text, advice=advice)
 
