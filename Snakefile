@@ -3,7 +3,7 @@
 import sys
 
 # Snakemake puts this folder first on the path; what lies in it beside the maps is no code.
-sys.path[:] = [path for path in sys.path if path != str(workflow.current_basedir)]
+sys.path[:] = [path for path in sys.path if path != str(workflow.basedir)]
 
 
 include: "workflow/Snakefile"

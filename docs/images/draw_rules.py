@@ -2,7 +2,7 @@
 
     python docs/images/draw_rules.py
 
-The study has all kinds of jobs: a single surface, a pair of faces, two cases. An arrow that
+The study has all kinds of jobs: a single surface, a pair of faces, three cases. An arrow that
 follows from others is left out: where a → b → c is drawn, a → c is not.
 """
 
@@ -22,7 +22,11 @@ SETTINGS = {
     "surfaces": "surfaces.tsv",
     "contact": {"contact_modulus": 1e9},
     "composite": {"shifts": 1},
-    "cases": {"first": {}, "second": {"contact": {"contact_modulus": 2e9}}},
+    "cases": {
+        "first": {},
+        "second": {"contact": {"contact_modulus": 2e9}},
+        "third": {"statistics": {"gap_bins": 5}},
+    },
 }
 TABLE = (
     "surface\tpath\tcounter_face\tunit\tdx\tdy",

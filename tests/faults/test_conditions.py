@@ -1,10 +1,8 @@
 """Where a run has no room, no home or may not write: one sentence that names it, or the usual result."""
 
-import fcntl
 import os
 import re
 import shutil
-import socket
 import subprocess
 import sys
 import time
@@ -14,7 +12,6 @@ import numpy as np
 import pytest
 import study
 
-from roughcontact.command_line.hold import left_locked
 from roughcontact.command_line.program import main
 from roughcontact.results.storage import _commit
 
@@ -31,20 +28,6 @@ def run(folder, *arguments, **variables):
         text=True,
         check=False,
     )
-
-
-@pytest.mark.parametrize("held_by_another_computer", [False, True])
-def test_locks_of_a_run_that_is_gone_are_told_from_those_of_one_at_work(tmp_path, held_by_another_computer):
-    assert not left_locked(tmp_path)
-    (tmp_path / ".snakemake/locks").mkdir(parents=True)
-    (tmp_path / ".snakemake/locks/0.output.lock").touch()
-    assert not left_locked(tmp_path)  # nobody knows whose they are
-    held = tmp_path / ".snakemake/running"
-    held.write_text("another" if held_by_another_computer else socket.gethostname())
-    assert left_locked(tmp_path) is not held_by_another_computer
-    with held.open() as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        assert not left_locked(tmp_path)
 
 
 def test_a_read_only_folder_is_named_before_anything_starts(disk, capsys):

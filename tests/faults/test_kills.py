@@ -158,25 +158,6 @@ def test_beside_a_run_at_work_none_begins_and_its_locks_stay(tmp_path, started_b
 
 
 @pytest.mark.slow
-def test_the_scripts_of_killed_jobs_are_gone_after_the_next_run(tmp_path):
-    write_study(tmp_path, sides=(48,), cases=False)
-    words_of_it = command(tmp_path, "results/surface-1/levelled.nc")
-    with (tmp_path / "said.txt").open("w") as said:
-        run = subprocess.Popen(words_of_it, env=environment(), stdout=said, stderr=said)
-    while not any(words(each).endswith(".prepare.py") for each in family(run)):
-        assert run.poll() is None, (tmp_path / "said.txt").read_text()
-        time.sleep(0.002)
-    started = family(run)
-    for each in started:
-        each.kill()
-    run.wait()
-    psutil.wait_procs(started)
-    assert list(tmp_path.glob(".snakemake/scripts/tmp*"))
-    subprocess.run(words_of_it, env=environment(), check=True, capture_output=True)
-    assert not list(tmp_path.glob(".snakemake/scripts/tmp*"))
-
-
-@pytest.mark.slow
 def test_a_job_that_is_killed_says_how_much_memory_it_had_asked_for(tmp_path):
     write_study(tmp_path, sides=(40,), cases=False)
     with (tmp_path / "said.txt").open("w") as said:

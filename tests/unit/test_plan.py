@@ -1,4 +1,4 @@
-"""The plan of a run: which case computes, links and reads what, and what each job asks for."""
+"""The plan of a run: which result is made of which files, and what each job asks for."""
 
 import re
 from pathlib import Path
@@ -6,17 +6,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from roughcontact.configuration.plan import NOTHING, Plan, Run, one_of
+from roughcontact.configuration.plan import NOTHING, Plan, regex_of_names
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import Surface
 
 RAW = {"window": {"method": "raw"}}
 SOFT = {"contact": {"contact_modulus": 1e8}}
-ALL = ["height", "levelled", "window", "uncertainty", "contact", "statistics", "panel"]
+PREPARED = ("height", "levelled", "window")
+RULES = ("prepare", "prepare_face", "superpose", "contact", "statistics")
 
 
 def plan(cases=None, *, pair=False, path="ground.x3p", **sections):
-    """Return the plan of a single surface, or of a pair with two members, under some cases."""
+    """Return the plan of a single surface, or of a pair with two placements, under some cases."""
     settings = {"contact": {"contact_modulus": 1e9, "mean_pressure": [1e6, 2e6]}} | sections
     if cases:
         settings["cases"] = cases
@@ -26,113 +27,140 @@ def plan(cases=None, *, pair=False, path="ground.x3p", **sections):
     return Plan(resolve(settings | {"composite": {"shifts": 2}}), {name: surface})
 
 
+def used(made, result, *names):
+    """Return the folders of files that a result uses."""
+    return [made.file(name, result).rpartition("/")[0].removeprefix("results/") for name in names]
+
+
+def rules_of(made, result):
+    """Return the rules whose pattern has a result."""
+    return [rule for rule in RULES if re.fullmatch(made.pattern(rule), result)]
+
+
 def test_a_surface_has_two_jobs():
     made = plan()
-    prepare, contact = (made.job(part, "ground") for part in ("prepare", "contact"))
-    assert prepare == (ALL[:3], [], {}, ["ground.x3p"])
-    folder = "results/ground"
-    read = {name: f"{folder}/{name}.nc" for name in ("height", "levelled", "window")}
-    assert contact == (ALL[3:], [], read, [])
-    assert made.preparing == [""]
-    assert made.following == []
-    assert made.links() == []
-    assert made.runs == [Run("ground", "")]
+    assert made.results == ["ground"]
+    assert rules_of(made, "ground") == ["prepare", "contact"]
+    assert used(made, "ground", *PREPARED, "contact", "statistics") == ["ground"] * 5
+    assert made.sources("prepare", "ground") == ["ground.x3p"]
+    assert made.sources("contact", "ground") == []
 
 
-def test_the_first_case_prepares_and_others_link():
+def test_the_first_case_prepares_for_all_that_agree():
     made = plan({"hard": {}, "soft": SOFT, "same": {}})
-    assert made.preparing == ["hard"]
-    soft = made.job("contact", "ground", "soft")
-    assert soft.steps == ALL[3:]
-    assert soft.links == ALL[:3]
-    assert soft.inputs["window"] == "results/hard/ground/window.nc"
-    same = made.job("contact", "ground", "same")
-    assert (same.steps, same.links) == (["panel"], ALL[:-1])
-    assert same.inputs["statistics"] == "results/hard/ground/statistics.nc"
-    assert sorted(made.links()) == sorted(
-        [f"results/soft/ground/{name}.nc" for name in ALL[:3]]
-        + [f"results/same/ground/{name}.nc" for name in ALL[:-1]]
-    )
+    assert rules_of(made, "soft/ground") == ["contact"]
+    assert used(made, "soft/ground", *PREPARED, "contact") == ["hard/ground"] * 3 + ["soft/ground"]
+    assert rules_of(made, "same/ground") == ["statistics"]
+    assert used(made, "same/ground", *PREPARED, "contact", "statistics") == ["hard/ground"] * 5
+    assert made.other_case("statistics", "same/ground") == "hard"
+    assert made.other_case("contact", "soft/ground") == ""
 
 
-def test_a_case_prepares_by_itself_what_nobody_else_takes():
-    made = plan({"hard": {}, "raw": RAW})
-    assert made.preparing == ["hard"]
-    raw = made.job("contact", "ground", "raw")
-    assert (raw.steps, raw.links) == (ALL[2:], ALL[:2])
-    assert "window" not in raw.inputs
-
-
-def test_a_case_that_lends_its_window_has_a_job_for_it():
+def test_a_case_with_another_window_prepares_all_and_lends_it():
     made = plan({"hard": {}, "raw": RAW, "raw-soft": RAW | SOFT})
-    assert made.preparing == ["hard", "raw"]
-    prepare = made.job("prepare", "ground", "raw")
-    assert (prepare.steps, prepare.links) == (["window"], ["height", "levelled"])
-    assert made.job("contact", "ground", "raw-soft").inputs["window"] == "results/raw/ground/window.nc"
+    assert rules_of(made, "raw/ground") == ["prepare", "contact"]
+    assert used(made, "raw/ground", *PREPARED) == ["raw/ground"] * 3
+    assert rules_of(made, "raw-soft/ground") == ["contact"]
+    assert used(made, "raw-soft/ground", *PREPARED) == ["raw/ground"] * 3
 
 
-def test_a_case_with_other_bins_counts_in_the_solution_of_another():
+def test_a_case_with_other_bins_evaluates_the_solution_of_another():
     made = plan({"base": {}, "binned": {"statistics": {"gap_bins": 5}}})
-    binned = made.job("contact", "ground", "binned")
-    assert binned.steps == ["statistics", "panel"]
-    assert binned.inputs["contact"] == "results/base/ground/contact.nc"
+    assert rules_of(made, "binned/ground") == ["statistics"]
+    assert used(made, "binned/ground", "contact", "uncertainty", "statistics") == [
+        "base/ground",
+        "base/ground",
+        "binned/ground",
+    ]
 
 
-def test_members_of_a_pair_are_made_of_its_faces():
+def test_placements_of_a_pair_are_made_of_its_faces():
     made = plan(pair=True)
-    assert made.solved == ["seal-1", "seal-2"]
-    assert made.names("face") == ["seal-face", "seal-counter-face"]
-    assert made.job("prepare", "seal-face").steps == ["height", "levelled"]
-    member = made.job("prepare", "seal-2")
-    assert member.steps == ["levelled", "window"]
-    assert member.inputs == {
+    assert made.results == made.solved == ["seal-1", "seal-2"]
+    assert rules_of(made, "seal-face") == rules_of(made, "seal-counter-face") == ["prepare_face"]
+    assert rules_of(made, "seal-2") == ["superpose", "contact"]
+    assert rules_of(made, "seal-3") == ["prepare", "contact"]  # another surface could have this name
+    files = {name: made.file(name, "seal-2") for name in ("height", "counter_height", "face", "counter_face")}
+    assert files == {
+        "height": "results/seal-face/height.nc",
+        "counter_height": "results/seal-counter-face/height.nc",
         "face": "results/seal-face/levelled.nc",
-        "facing": "results/seal-counter-face/levelled.nc",
+        "counter_face": "results/seal-counter-face/levelled.nc",
     }
-    contact = made.job("contact", "seal-2").inputs
-    assert contact["height"] == "results/seal-face/height.nc"
-    assert contact["counter_face"] == "results/seal-counter-face/height.nc"
+    assert made.file("levelled", "seal-2") == "results/seal-2/levelled.nc"
+    assert made.file("levelled", "seal-face") == "results/seal-face/levelled.nc"
     assert made.settings("window", "seal-2")["surface"]["number"] == 2
+
+
+OUTPUTS = {
+    "prepare": PREPARED,
+    "prepare_face": ("height", "levelled"),
+    "superpose": ("levelled", "window"),
+    "contact": ("contact", "uncertainty", "statistics"),
+    "statistics": ("uncertainty", "statistics"),
+}
+INPUTS = {
+    "superpose": ("face", "counter_face"),
+    "contact": (*PREPARED, "counter_height"),
+    "statistics": (*PREPARED, "counter_height", "contact"),
+}
 
 
 @pytest.mark.parametrize("pair", [False, True])
 @pytest.mark.parametrize(
-    "cases", [None, {"a": {}, "b": RAW, "c": RAW | SOFT, "d": {"level": {"form": "mean"}}, "e": {}}]
+    "cases",
+    [
+        None,
+        {
+            "a": {},
+            "b": RAW,
+            "c": RAW | SOFT,
+            "d": {"level": {"form": "mean"}},
+            "e": {},
+            "f": {"statistics": {"gap_bins": 5}},
+            "g": {"contact": {"keep_fields": False}},
+            "h": {"uncertainty": {"sources": []}},
+        },
+    ],
 )
-def test_every_file_is_made_once_before_it_is_read_and_every_folder_is_complete(pair, cases):
-    """What rules would say by their patterns, followed from the measured files on."""
+def test_every_file_has_one_rule_and_is_made_before_it_is_read(pair, cases):
+    """What the rules do by their patterns, followed from the results back to the measured files."""
     made = plan(cases, pair=pair)
-    jobs, written = [], []
+    producers = {}
     for case in made.cases:
-        for name in [*made.measured, *made.members]:
-            kind = made.kind(name)
-            parts = ["prepare"] if kind == "face" or case in made.preparing else []
-            for part in (*parts, *(["contact"] if kind != "face" else [])):
-                whole = part == "contact" and case not in made.preparing
-                files = made.outputs(part, kind, whole=whole)
-                job = made.job(part, name, case)
-                expected = sorted([*job.steps, *job.links], key=ALL.index)
-                assert [*files] == expected + ["summary"] * (part == "contact")
-                jobs.append((job, [file.format(surface=name, case=case) for file in files.values()]))
-                written += jobs[-1][1]
-    assert len(written) == len(set(written))
-    assert set(made.links()) <= set(written)
-    wanted = {made.file(stage, *run) for run in made.runs for stage in ("statistics", "window")}
-    assert wanted | {made.panel(*run) for run in made.runs} <= set(written)
-    assert {made.summary(*run) for run in made.runs} <= set(written)
-    there, waiting = {"ground.x3p", "seal-face.x3p", "other.x3p"}, jobs
-    while waiting:
-        ready = [job for job in waiting if set(job[0].inputs.values()) <= there]
-        assert ready, [job[0].inputs for job in waiting]
-        there |= {file for _, files in ready for file in files}
-        waiting = [job for job in waiting if job not in ready]
+        for name in [*made.measured, *made.placements]:
+            result = f"{case}/{name}" if case else name
+            for rule in RULES:
+                if re.fullmatch(made.pattern(rule), result):
+                    for output in OUTPUTS[rule]:
+                        assert producers.setdefault(f"results/{result}/{output}.nc", (rule, result)) == (
+                            rule,
+                            result,
+                        )
+
+    def follow(file, waiting):
+        rule, result = producers[file]
+        assert (rule, result) not in waiting
+        names = [*INPUTS.get(rule, ())]
+        if rule in ("contact", "statistics"):
+            names += [name for name in ("uncertainty", "statistics") if made.other_case(name, result)]
+            names = names if rule == "statistics" else [name for name in names if name != "statistics"]
+        jobs = {(rule, result)}
+        for read in filter(None, (made.file(name, result) for name in names)):
+            jobs |= follow(read, {*waiting, (rule, result)})
+        return jobs
+
+    for result in made.results:
+        jobs = follow(f"results/{result}/statistics.nc", frozenset())
+        assert set(made.contributing(result)) <= jobs
 
 
 def test_settings_of_a_file_are_all_that_it_depends_on():
     made = plan({"hard": {}, "soft": SOFT})
-    assert made.settings("height", "ground", "soft") == {"surface": {"name": "ground", "dx": 2.0}}
-    assert list(made.settings("window", "ground", "soft")) == ["surface", "level", "window"]
-    assert set(made.all_settings()) == {"hard", "soft"}
+    assert made.settings("height", "soft/ground") == {"surface": {"name": "ground", "dx": 2.0}}
+    assert list(made.settings("window", "soft/ground")) == ["surface", "level", "window"]
+    assert set(made.report_arguments()["settings"]) == {"hard", "soft"}
+    assert set(plan().report_arguments()["settings"]) > {"level", "window", "contact"}
 
 
 def test_memory_and_time_grow_with_the_map(tmp_path):
@@ -158,24 +186,30 @@ def test_memory_and_time_grow_with_the_map(tmp_path):
 
 
 def test_logs_of_a_result_are_those_of_the_jobs_it_is_made_by():
-    made = plan({"hard": {}, "soft": SOFT, "raw": RAW}, pair=True)
-    of_prepare = ["seal-face/prepare", "seal-counter-face/prepare", "seal-1/prepare"]
-    prepared = [f"logs/hard/{name}.log" for name in of_prepare]
-    for case in ("hard", "soft", "raw"):
-        assert made.log_files(Run("seal-1", case)) == [*prepared, f"logs/{case}/seal-1/contact.log"]
-    one = plan().log_files(Run("ground", ""))
-    assert one == [f"logs/ground/{job}.log" for job in ("prepare", "contact")]
+    binned = {"statistics": {"gap_bins": 5}}
+    made = plan({"hard": {}, "soft": SOFT, "raw": RAW, "binned": binned}, pair=True)
+    faces = ["seal-face/prepare_face", "seal-counter-face/prepare_face"]
+    prepared = [f"logs/hard/{name}.log" for name in faces]
+    for case, window in (("hard", "hard"), ("soft", "hard"), ("raw", "raw")):
+        own = [f"logs/{window}/seal-1/superpose.log", f"logs/{case}/seal-1/contact.log"]
+        assert made.log_files(f"{case}/seal-1") == [*prepared, *own]
+    assert made.log_files("binned/seal-1")[2:] == [
+        "logs/hard/seal-1/superpose.log",
+        "logs/hard/seal-1/contact.log",
+        "logs/binned/seal-1/statistics.log",
+    ]
+    assert plan().log_files("ground") == [f"logs/ground/{job}.log" for job in ("prepare", "contact")]
 
 
 @pytest.mark.parametrize(
     "names", [["a"], ["a", "ab", "abc"], ["ground-1", "ground-2", "ground"], ["s1", "s10", "s2", "t"]]
 )
 def test_a_pattern_admits_its_names_and_no_other(names):
-    pattern = re.compile(one_of(names))
+    pattern = re.compile(regex_of_names(names))
     candidates = {*names, *(f"{name}0" for name in names), *(name[:-1] for name in names), "x"}
     assert {name for name in candidates if pattern.fullmatch(name)} == set(names)
 
 
 def test_the_pattern_of_no_name_admits_none():
-    assert one_of([]) == NOTHING
+    assert regex_of_names([]) == NOTHING
     assert not any(re.fullmatch(NOTHING, text) for text in ("", "a"))

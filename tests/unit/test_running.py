@@ -1,6 +1,5 @@
 """The workflow from the command line: settings and table to begin with, and what a run is refused for."""
 
-import fcntl
 import os
 import re
 import socket
@@ -16,8 +15,8 @@ import snakemake.io
 import yaml
 
 from roughcontact.command_line import running
-from roughcontact.command_line.hold import held, left_locked, remove_scripts
 from roughcontact.command_line.program import main
+from roughcontact.command_line.run_lock import run_lock
 from roughcontact.configuration.messages import name_mistake
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import read_surfaces
@@ -160,67 +159,53 @@ def test_a_run_that_cannot_begin_is_refused_in_a_sentence(monkeypatch, tmp_path,
 def test_a_run_holds_its_file_and_so_does_what_it_starts(folder):
     """The lock is gone when both are, however they end; a run that comes to its end leaves no name."""
     running = folder / ".snakemake/running"
-    with held(folder) as (files, run, killed):
-        assert running.read_text() == f"{run}\n"
-        assert not killed
-        started = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE, pass_fds=files)
-        (folder / ".snakemake/locks").mkdir()
-        (folder / ".snakemake/locks/0.output.lock").touch()
-    assert not left_locked(folder)  # Snakemake is at work, without the program that started it
+    with run_lock(folder) as lock:
+        assert running.read_text() == f"{lock.name}\n"
+        assert not lock.killed
+        started = subprocess.Popen(
+            [sys.executable, "-c", "input()"], stdin=subprocess.PIPE, pass_fds=lock.files
+        )
+        lock.ended = False  # as if Snakemake was killed
     at_work = rf"a run is at work there \(process {os.getpid()} on {socket.gethostname()}\): wait for its end"
     for unlocks in (False, True):
-        with pytest.raises(SettingsError, match=at_work), held(folder, unlocks=unlocks):
+        with pytest.raises(SettingsError, match=at_work), run_lock(folder, unlocks=unlocks):
             pass
     started.communicate()
-    assert left_locked(folder)
-    with held(folder) as (_, _, killed):
-        assert killed
-    (folder / ".snakemake/locks/0.output.lock").unlink()
-    with held(folder):
-        pass
+    with run_lock(folder) as lock:
+        assert lock.killed
     assert running.read_text() == ""
+    with run_lock(folder) as lock:
+        assert not lock.killed
 
 
 def test_a_run_on_another_computer_is_named_until_the_user_says_that_it_is_gone(folder):
-    (folder / ".snakemake/locks").mkdir(parents=True)
-    (folder / ".snakemake/locks/0.output.lock").touch()
+    (folder / ".snakemake").mkdir(parents=True)
     (folder / ".snakemake/running").write_text("node-7 4711-1700000000\n")
     with (
         pytest.raises(SettingsError, match=r"on the computer node-7 \(process 4711\).*--unlock"),
-        held(folder),
+        run_lock(folder),
     ):
         pass
     assert (folder / ".snakemake/running").read_text() == "node-7 4711-1700000000\n"
-    with held(folder, unlocks=True) as (_, run, killed):
-        assert run
-        assert not killed
-
-
-def test_what_killed_jobs_have_left_of_their_scripts_is_removed_and_no_other_file(folder):
-    scripts = folder / ".snakemake/scripts"
-    scripts.mkdir(parents=True)
-    for name in ("tmp1.prepare.py", "tmp2.contact.py", "mine.py"):
-        (scripts / name).touch()
-    with (scripts / "tmp2.contact.py").open() as at_work:
-        fcntl.flock(at_work, fcntl.LOCK_SH)
-        remove_scripts(folder)
-    assert {path.name for path in scripts.iterdir()} == {"tmp2.contact.py", "mine.py"}
+    with run_lock(folder, unlocks=True) as lock:
+        assert lock.name
+        assert not lock.killed
 
 
 @pytest.mark.parametrize("option", ["-n", "-np", "--dry-run", "--summary", "--list-rules", "--dag=mermaid"])
 def test_what_only_shows_something_is_not_held(option):
-    assert running._SHOWS.fullmatch(option)
+    assert running._DRY.fullmatch(option)
 
 
 @pytest.mark.parametrize("option", ["-k", "-p", "--nolock", "--unlock", "-j4", "-sn", "--report-after-run"])
 def test_what_runs_or_unlocks_is_held(option):
-    assert not running._SHOWS.fullmatch(option)
+    assert not running._DRY.fullmatch(option)
 
 
 def test_a_dry_run_holds_nothing(folder):
     np.save(folder / "a.npy", np.ones((4, 4)))
     assert main(["init", "a.npy", *BODIES]) == 0
-    with held(folder):
+    with run_lock(folder):
         assert main(["run", "-n", "--quiet"]) == 0
         assert main(["run", "--unlock"]) == 2
 
@@ -245,16 +230,19 @@ def test_a_run_says_which_settings_it_takes_and_what_an_earlier_table_left(folde
     assert "Not in the table: results/seat, results/soft/seat. They stay" in said  # ground is
 
 
-def test_a_dry_run_is_short_and_snakemake_has_its_own_screen_where_asked(folder, capfd):
+def test_a_dry_run_lists_the_jobs_with_their_files(folder, capfd):
     np.save(folder / "a.npy", np.ones((4, 4)))
     assert main(["init", "a.npy", *BODIES]) == 0
     assert main(["run", "-n"]) == 0
-    short, beside = capfd.readouterr()
-    assert not beside
-    assert "1 result, 4 jobs" in short
-    assert "rule prepare" not in short
-    assert main(["run", "-n", "--quiet", "host"]) == 0
-    assert "rule prepare" in capfd.readouterr().out
+    listed = "".join(capfd.readouterr())
+    jobs = re.findall(r"^rule (\w+):\n    input: (.*)\n    output: (.*)$", listed, re.MULTILINE)
+    files = {rule: (inputs.split(", "), outputs.split(", ")) for rule, inputs, outputs in jobs}
+    prepared = [f"results/a/{name}.nc" for name in ("height", "levelled", "window")]
+    assert files["prepare"] == (["a.npy"], prepared)
+    assert files["contact"][0] == prepared
+    assert "results/report.html" in files["report"][1]
+    assert main(["run", "-n", "--quiet", "rules"]) == 0
+    assert "rule prepare" not in "".join(capfd.readouterr())
 
 
 @pytest.mark.parametrize(

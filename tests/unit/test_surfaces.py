@@ -19,7 +19,7 @@ from roughcontact.configuration.surfaces import (
     REQUIRED,
     find,
     measured,
-    members,
+    placements,
     read_surfaces,
     same_places,
 )
@@ -78,7 +78,7 @@ def test_a_row_with_a_counter_face_is_a_pair(table, tmp_path):
     assert files["seal-counter-face"].path == tmp_path / "b.txt"
     assert files["seal-face"].given == files["seal-counter-face"].given == {"unit": "mm"}
     assert files["seal-face"].origin == f"{path}, line 3"
-    found = members(surfaces, 2)
+    found = placements(surfaces, 2)
     assert list(found) == ["seal-1", "seal-2"]
     assert (found["seal-2"].pair, found["seal-2"].number) == ("seal", 2)
     assert (found["seal-2"].face, found["seal-2"].counter_face) == ("seal-face", "seal-counter-face")
@@ -88,10 +88,10 @@ def test_a_row_with_a_counter_face_is_a_pair(table, tmp_path):
 def test_a_name_that_a_pair_needs(table, name, clash):
     path = table("surface\tpath\tcounter_face", "seal\ta\tb", f"{name}\tc")
     if not clash:
-        assert len(members(read_surfaces(path, members_each=2), 2)) == 2
+        assert len(placements(read_surfaces(path, placements_each=2), 2)) == 2
         return
     with pytest.raises(SettingsError, match=f"line 3, surface = {name}: the pair seal "):
-        read_surfaces(path, members_each=2)
+        read_surfaces(path, placements_each=2)
 
 
 def test_the_working_directory_comes_before_the_folder_of_the_table(table, tmp_path, monkeypatch):
@@ -279,7 +279,7 @@ def test_a_path_too_long_for_any_file_is_no_such_file(table):
 def test_the_pair_that_needs_a_name_is_named(table, name):
     path = table("surface\tpath\tcounter_face\tdx", "seal\ta\tb\t-1", f"{name}\tc\t1")
     with pytest.raises(SettingsError) as caught:
-        read_surfaces(path, members_each=1)
+        read_surfaces(path, placements_each=1)
     assert str(caught.value).splitlines()[1:] == [
         (
             "  line 2, dx = '-1': must be a number greater than 0 (decimal point), in `unit` or with its own "

@@ -1,5 +1,6 @@
-"""Cases share what they agree in: each folder is complete, nothing is done twice."""
+"""Cases share what they agree in: nothing is solved twice, and each result names the files it is made of."""
 
+import json
 import re
 
 import pytest
@@ -27,14 +28,15 @@ def run(tmp_path, checkout):
     return run_with
 
 
-def links(project):
-    """Return which files of the results are links, and to which case they lead."""
-    root = project.path("results")
-    return {
-        str(path.relative_to(root)): path.resolve().relative_to(root.resolve()).parts[0]
-        for path in root.rglob("*.nc")
-        if path.is_symlink()
-    }
+def files(project):
+    """Return the netCDF files of each case of a surface, and those of earlier cases that it names."""
+    own, used = {}, {}
+    for folder in sorted(project.path("results").glob("*/ground")):
+        case = folder.parent.name
+        own[case] = {path.stem for path in folder.glob("*.nc")}
+        attrs = read_dataset(folder / "statistics.nc").attrs
+        used[case] = json.loads(attrs.get("files_of_cases", "{}"))
+    return own, used
 
 
 @pytest.mark.slow
@@ -50,12 +52,12 @@ def test_a_failure_stays_in_its_surface_its_case_and_its_part(run):
     assert project.last.returncode != 0
     assert "Traceback" not in project.last.stderr
     for said in (
-        r"\[prepare base empty\] ERROR: measured/empty.txt",
-        r"\[contact_whole soft ground\] ERROR: .*hardness",
+        r"\[prepare base/empty\] ERROR: measured/empty.txt",
+        r"\[contact soft/ground\] ERROR: .*hardness",
     ):
         assert re.search(said, project.last.stderr), project.last.stderr
-    for case in ("base", "binned"):
-        for name in (*(f"{file}.nc" for file in FILES), "panel.html", "panel.json"):
+    for case, names in (("base", FILES), ("binned", ["uncertainty", "statistics"])):
+        for name in (*(f"{file}.nc" for file in names), "panel.html", "panel.json"):
             assert project.path(f"results/{case}/ground/{name}").exists(), (case, name)
     assert not project.path("results/soft/ground/contact.nc").exists()
     assert not project.path("results/base/empty/height.nc").exists()
@@ -70,25 +72,36 @@ def test_cases_share_what_they_agree_in(run):
         "raw-soft": {"window": {"method": "raw"}, "contact": {"contact_modulus": "1e8"}},
         "binned": {"statistics": {"gap_bins": 5}},
         "no-maps": {"contact": {"keep_fields": False}},
+        "same": {},
     }
     project = run(cases)
     assert project.last.returncode == 0, project.last.stderr
-    shared = {
-        "raw": {"height": "base", "levelled": "base"},
-        "raw-soft": {"height": "base", "levelled": "base", "window": "raw"},
-        "binned": dict.fromkeys(FILES[:-1], "base"),
-        "no-maps": dict.fromkeys(FILES[:4], "base"),
+    own, used = files(project)
+    of_base = dict.fromkeys(("height", "levelled", "window"), "base")
+    assert used == {
+        "base": {},
+        "raw": {},
+        "raw-soft": dict.fromkeys(of_base, "raw"),
+        "binned": of_base | dict.fromkeys(("contact", "uncertainty"), "base"),
+        "no-maps": of_base | {"uncertainty": "base"},
+        "same": of_base | dict.fromkeys(("contact", "uncertainty", "statistics"), "base"),
     }
-    assert links(project) == {
-        f"{case}/ground/{name}.nc": owner for case, names in shared.items() for name, owner in names.items()
+    solved = {"contact", "uncertainty", "statistics"}
+    assert own == {
+        "base": {*FILES},
+        "raw": {*FILES},
+        "raw-soft": solved,
+        "binned": solved - {"contact"},
+        "no-maps": solved,
+        "same": solved - {"contact"},
     }
-    for case in cases:
-        assert all(project.path(f"results/{case}/ground/{name}.nc").exists() for name in FILES)
+    base, same = (
+        read_dataset(project.path(f"results/{case}/ground/statistics.nc")) for case in ("base", "same")
+    )
+    assert base.equals(same)
     assert "Nothing to be done" in project.run().stderr
-    # other cases share with a later one what it does: `raw` has a job of its own for it, the rest have not
     project.path("results").rename(project.path("before"))
-    planned = project.jobs()
-    assert planned == {"prepare": 2, "contact": 2, "contact_whole": 3, "report": 1}
+    assert project.jobs() == {"prepare": 2, "contact": 4, "statistics": 2, "report": 1}
 
 
 @pytest.mark.slow
@@ -99,26 +112,23 @@ def test_what_is_counted_anew_is_what_is_counted_while_solving(run):
     kept, lean = (
         read_dataset(project.path(f"results/{case}/ground/statistics.nc")) for case in ("kept", "lean")
     )
-    assert project.path("results/kept/ground/contact.nc").is_symlink()
+    assert not project.path("results/kept/ground/contact.nc").exists()
     assert kept.equals(lean)
 
 
 @pytest.mark.slow
-def test_faces_and_members_of_pairs_share_as_well(run):
+def test_faces_and_placements_of_pairs_share_as_well(run):
     table = [
         "surface\tpath\tcounter_face\tunit\tdx\tdy",
         "seal\tmeasured/ground.npy\tmeasured/turned.txt\tum\t1\t1",
     ]
-    cases = {"base": {}, "flat": {"level": {"form": "mean"}}}
+    cases = {"base": {}, "flat": {"level": {"form": "mean"}}, "soft": {"contact": {"contact_modulus": "1e8"}}}
     project = run(cases, table, composite={"shifts": 1, "rotations": [0, 90]})
     assert project.last.returncode == 0, project.last.stderr
-    faces = ("seal-face", "seal-counter-face")
-    assert links(project) == {f"flat/{face}/height.nc": "base" for face in faces}
     assert counted(project.run("--forceall", "--dry-run")) == {
         "prepare_face": 4,
-        "prepare_member": 2,
-        "contact": 2,
-        "contact_whole_member": 2,
+        "superpose": 4,
+        "contact": 6,
         "report": 1,
     }
     assert "Nothing to be done" in project.run().stderr

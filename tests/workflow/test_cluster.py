@@ -30,7 +30,7 @@ def test_a_job_asks_for_what_its_own_map_needs(project):
     assert run.returncode == 0, run.stderr
     asked = {}
     for rule, text in re.findall(r"^rule (\w+):\n((?: .*\n)+)", run.stderr, re.MULTILINE):
-        if surface := re.search(r"wildcards: surface=(\w+)", text):
+        if surface := re.search(r"wildcards: result=(\w+)", text):
             needs = {name: int(re.search(rf"{name}=(\d+)", text)[1]) for name in ("mem_mb", "runtime")}
             asked[rule, surface[1]] = needs
     assert asked["contact", "small"]["mem_mb"] < 800

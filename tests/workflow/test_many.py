@@ -60,7 +60,7 @@ def test_a_study_of_many_surfaces_goes_to_its_index(tmp_path, checkout, number):
     lines = said.splitlines()
     results = number * len(CASES)
     assert f"{results} results, {jobs} jobs" in lines
-    assert len([line for line in lines if re.match(r"s\d+ \w+: done", line)]) == results
+    assert len([line for line in lines if re.match(r"\w+/s\d+: done", line)]) == results
     assert len(lines) < results + 10
     with project.path("results/summary.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))

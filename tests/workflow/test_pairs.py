@@ -24,7 +24,7 @@ MEMBERS = ["seal-1", "seal-2"]
 FIRST = {
     "prepare": 1,
     "prepare_face": 2,
-    "prepare_member": 2,
+    "superpose": 2,
     "contact": 3,
     "report": 1,
 }
@@ -124,7 +124,7 @@ def test_more_shifts_leave_those_there_are(paired):
     jobs = paired.jobs()
     paired.write(settings(), PAIR)
     # the members change places: one of the first rotation stays, but all carry the settings of the ensemble
-    assert jobs["prepare_member"] == 4
+    assert jobs["superpose"] == 4
     assert not {"prepare", "prepare_face"} & set(jobs)
 
 
@@ -137,7 +137,7 @@ def test_an_edited_counter_face_reruns_its_members_and_not_the_rest(paired):
     jobs = paired.jobs()
     path.write_text(text)
     os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
-    assert jobs == {"prepare_face": 1, "prepare_member": 2, "contact": 2, "report": 1}
+    assert jobs == {"prepare_face": 1, "superpose": 2, "contact": 2, "report": 1}
 
 
 @pytest.mark.slow
@@ -149,11 +149,12 @@ def test_cases_share_the_faces_and_the_composites(tmp_path, checkout):
     run = project.run()
     assert run.returncode == 0, run.stderr
     done = counted(run)
-    expected = {"prepare_face": 4, "prepare_member": 2, "contact": 2, "contact_whole_member": 2}
-    assert done == {**expected, "report": 1}  # two of the faces are links
+    assert done == {"prepare_face": 2, "superpose": 4, "contact": 4, "report": 1}
     rows = table(project, "pairs.csv")
     assert [(row["case"], row["surface"]) for row in rows] == [("base", "seal")] * 2 + [("raw", "seal")] * 2
-    assert project.path("results/raw/seal-2/levelled.nc").is_symlink()
+    assert not project.path("results/raw/seal-face").exists()
+    levelled = [read_dataset(project.path(f"results/{case}/seal-2/levelled.nc"))["height"] for case in cases]
+    assert levelled[0].equals(levelled[1])
 
 
 def test_a_name_that_a_pair_needs(project):

@@ -1,24 +1,26 @@
-# The chain: read, level, window in the job `prepare`; solve, count, draw in the job `contact`; the report of all.
-# A pair of faces is prepared face by face, and then as each member, the ways in which its faces lie on one another.
+# The chain: read, level, window in the job `prepare`; solve, evaluate, draw in the job `contact`; the report of all.
+# {result} is the folder of a result: `ground`, or `soft/ground` under a case. A case that agrees with an earlier one in
+# the settings that a file depends on has no such file: `file_of` names that of the earlier case.
 from roughcontact.report import ONE_PAGE
 
 
 rule prepare:
     """Read the measured file, level the map, cut out the periodic window."""
     input:
-        unpack(files_of("prepare")),
+        sources=sources_of("prepare"),
     output:
-        **outputs_of("prepare", "single"),
+        height="results/{result}/height.nc",
+        levelled="results/{result}/levelled.nc",
+        window="results/{result}/window.nc",
     log:
-        f"{PLAN.logs}/prepare.log",
+        "logs/{result}/prepare.log",
     wildcard_constraints:
-        surface=one_of(PLAN.names("single")),
-        case="|".join(PLAN.preparing),
+        result=pattern_of("prepare"),
     priority: 1  # before all others, so that every file that cannot be read is known soon
     conda:
         "../envs/roughcontact.yaml"
     resources:
-        **needs_of("prepare"),
+        **resources_of("prepare"),
     params:
         **params_of("prepare"),
     script:
@@ -27,130 +29,138 @@ rule prepare:
 
 use rule prepare as prepare_face with:
     output:
-        **outputs_of("prepare", "face"),
+        height="results/{result}/height.nc",
+        levelled="results/{result}/levelled.nc",
+    log:
+        "logs/{result}/prepare_face.log",
     wildcard_constraints:
-        surface=one_of(PLAN.names("face")),
-        case="|".join(PLAN.cases),
+        result=pattern_of("prepare_face"),
+    params:
+        **params_of("prepare_face"),
 
 
-use rule prepare as prepare_member with:
+rule superpose:
+    """Lay the two levelled faces of a pair on one another, in one of their relative positions."""
+    input:
+        face=file_of("face"),
+        counter_face=file_of("counter_face"),
     output:
-        **outputs_of("prepare", "member"),
+        levelled="results/{result}/levelled.nc",
+        window="results/{result}/window.nc",
+    log:
+        "logs/{result}/superpose.log",
     wildcard_constraints:
-        surface=one_of(PLAN.names("member")),
-        case="|".join(PLAN.preparing),
-    priority: 0
+        result=pattern_of("superpose"),
+    conda:
+        "../envs/roughcontact.yaml"
+    resources:
+        **resources_of("superpose"),
+    params:
+        **params_of("superpose"),
+    script:
+        "../scripts/superpose.py"
 
 
 rule contact:
-    """Bound the error, solve the contact for every load and count in it, draw the panel."""
+    """Solve the contact for every load, bound its error, compute the statistics, draw the panel."""
     input:
-        unpack(files_of("contact")),
+        sources=sources_of("contact"),
+        height=file_of("height"),
+        counter_height=file_of("counter_height"),
+        levelled=file_of("levelled"),
+        window=file_of("window"),
+        uncertainty=file_of("uncertainty", earlier=True),
     output:
-        **outputs_of("contact", "single"),
+        contact="results/{result}/contact.nc",
+        uncertainty="results/{result}/uncertainty.nc",
+        statistics=shown(
+            "results/{result}/statistics.nc", "surface_statistics", "all numbers"
+        ),
+        panel=shown(
+            "results/{result}/panel.html", "surface_panel", "figures and checks"
+        ),
+        summary="results/{result}/panel.json",
     log:
-        f"{PLAN.logs}/contact.log",
+        "logs/{result}/contact.log",
     wildcard_constraints:
-        surface=one_of(PLAN.solved),
-        case="|".join(PLAN.preparing),
+        result=pattern_of("contact"),
     conda:
         "../envs/roughcontact.yaml"
-    threads: lambda wildcards: PLAN.threads(wildcards.surface)
+    threads: threads_of()
     resources:
-        **needs_of("contact"),
+        **resources_of("contact"),
     params:
         **params_of("contact"),
     script:
         "../scripts/contact.py"
 
 
-# A case that reads nothing, and prepares nothing that another one takes, does all in one job.
-use rule contact as contact_whole with:
+# a case with other settings of statistics or uncertainty evaluates the solution of an earlier case
+use rule contact as statistics with:
+    input:
+        sources=sources_of("statistics"),
+        height=file_of("height"),
+        counter_height=file_of("counter_height"),
+        levelled=file_of("levelled"),
+        window=file_of("window"),
+        contact=file_of("contact"),
+        uncertainty=file_of("uncertainty", earlier=True),
+        statistics=file_of("statistics", earlier=True),
     output:
-        **outputs_of("contact", "single", whole=True),
+        uncertainty="results/{result}/uncertainty.nc",
+        statistics=shown(
+            "results/{result}/statistics.nc", "surface_statistics", "all numbers"
+        ),
+        panel=shown(
+            "results/{result}/panel.html", "surface_panel", "figures and checks"
+        ),
+        summary="results/{result}/panel.json",
+    log:
+        "logs/{result}/statistics.log",
     wildcard_constraints:
-        surface=one_of(PLAN.names("single") if PLAN.following else []),
-        case="|".join(PLAN.following),
+        result=pattern_of("statistics"),
+    resources:
+        **resources_of("statistics"),
+    params:
+        **params_of("statistics"),
 
 
-use rule contact as contact_whole_member with:
-    output:
-        **outputs_of("contact", "member", whole=True),
-    wildcard_constraints:
-        surface=one_of(PLAN.names("member") if PLAN.following else []),
-        case="|".join(PLAN.following),
+# files that only some studies have
+FURTHER = {}
+if REPORT["pairs"]:
+    FURTHER["pairs"] = shown("results/pairs.csv", "pairs", "pairs of faces")
+if REPORT["groups"]:
+    FURTHER["groups"] = shown("results/groups.nc", "groups", "results of groups")
+    FURTHER["groups_table"] = shown("results/groups.csv", "groups", "results of groups")
+    FURTHER["comparisons"] = shown(
+        "results/comparisons.csv", "comparisons", "differences of groups"
+    )
+if len(REPORT["results"]) > ONE_PAGE:
+    FURTHER["pages"] = directory("results/pages")
 
 
 rule report:
-    """Put all surfaces into one dataset, one table, and one self-contained page."""
+    """Put all results into one dataset, one table, and one self-contained page."""
     input:
-        statistics=[PLAN.file("statistics", *run) for run in PLAN.runs],
-        panels=[PLAN.panel(*run) for run in PLAN.runs],
+        statistics=expand("results/{result}/statistics.nc", result=REPORT["results"]),
+        panels=expand("results/{result}/panel.html", result=REPORT["results"]),
         # which are read beside the panels
-        summaries=[PLAN.summary(*run) for run in PLAN.runs],
+        summaries=expand("results/{result}/panel.json", result=REPORT["results"]),
     output:
-        **(
-            {
-                "pairs": for_report(
-                    "results/pairs.csv",
-                    "pairs",
-                    "All surfaces",
-                    holds="pairs of faces",
-                    file="table",
-                )
-            }
-            if PLAN.members
-            else {}
+        **FURTHER,
+        statistics=shown("results/statistics.nc", "statistics", "all numbers"),
+        summary=shown("results/summary.csv", "summary", "all numbers"),
+        budget=shown(
+            "results/uncertainty.csv", "uncertainty", "components of every interval"
         ),
-        **(outputs_of_groups() if PLAN.groups or PLAN.same_places else {}),
-        **({"pages": directory("results/pages")} if len(PLAN.runs) > ONE_PAGE else {}),
-        statistics=for_report(
-            "results/statistics.nc",
-            "statistics",
-            "All surfaces",
-            holds="all numbers",
-            file="netCDF",
-        ),
-        summary=for_report(
-            "results/summary.csv",
-            "summary",
-            "All surfaces",
-            holds="all numbers",
-            file="table",
-        ),
-        budget=for_report(
-            "results/uncertainty.csv",
-            "uncertainty",
-            "All surfaces",
-            holds="components of every interval",
-            file="table",
-        ),
-        page=for_report(
-            "results/report.html",
-            "page",
-            "All surfaces",
-            holds="figures, numbers, checks",
-            file="page",
-        ),
+        page=shown("results/report.html", "page", "figures, numbers, checks"),
     log:
         "logs/report.log",
     conda:
         "../envs/roughcontact.yaml"
     resources:
-        # each result takes 0.15 to 0.25 MB and 0.08 s
-        mem_mb=lambda wildcards, attempt: round(attempt * (700 + len(PLAN.runs) / 2)),
-        runtime=lambda wildcards, attempt: round(5 + attempt * len(PLAN.runs) / 300),
+        **resources_of("report"),
     params:
-        runs=[list(run) for run in PLAN.runs],
-        groups={name: [*group] for name, group in PLAN.groups.items()},
-        same_places=[list(pair) for pair in PLAN.same_places],
-        # of a function, in whose result braces stay
-        title=lambda wildcards: PLAN.common["report"]["title"],
-        settings=PLAN.all_settings(),
-        changed={case: changed_settings(own) for case, own in PLAN.cases.items()},
-        settings_of_statistics=PLAN.all_settings(
-            lambda settings: settings_of(settings, "statistics")
-        ),
-        code=code("report"),
+        **params_of("report"),
     script:
         "../scripts/report.py"

@@ -1,14 +1,9 @@
 # Where this workflow comes from: a checkout, an installed package, or a host from which another workflow imports it.
+import inspect
 import sys
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
-from snakemake.sourcecache import LocalSourceFile
-
-# The folder of this file, also where another workflow imports this one: workflow/rules of a checkout, or on a host.
-# `current_basedir` here, and `configfiles` in common.smk, are the two attributes of `workflow` beside `source_path`
-# and `basedir` that are used (Snakemake 9.22 to 9.27): nothing in its manual says the same.
-HERE = workflow.current_basedir
 
 
 def installed():
@@ -16,14 +11,12 @@ def installed():
 
     Snakemake fetches file by file, which a package cannot be: that which is installed must be of the same commit.
     """
-    host = getattr(HERE, "host", None)
-    source = f" @ git+https://{host}/{HERE.repo}@{HERE.ref}" if host else ""
-    command = f"pip install 'roughcontact[workflow]{source}'"
+    command = "pip install 'roughcontact[workflow]' of the same version"
     try:
         from roughcontact import __version__
         from roughcontact.command_line.running import workflow_file
     except ImportError:
-        sys.exit(f"{HERE}: needs the package, which is not installed: {command}")
+        sys.exit(f"The workflow needs the package, which is not installed: {command}")
     folder = workflow_file().parent
     for path in sorted([*folder.glob("rules/*.smk"), *folder.glob("scripts/*.py")]):
         # a script finds the others that it imports where all of them were fetched to
@@ -34,14 +27,15 @@ def installed():
             text = ""
         if text.strip() != path.read_text("utf-8").strip():
             sys.exit(
-                f"{HERE}: is another version than roughcontact {__version__}, which is installed "
+                f"The workflow is another version than roughcontact {__version__}, which is installed "
                 f"({path.name} differs): {command}"
             )
     return folder.parent
 
 
-if isinstance(HERE, LocalSourceFile):
-    ROOT = Path(HERE).parents[1]
+# The file that this stands in: of a checkout, or an address on a host. `source_path` fetches single files alone.
+ROOT = Path(inspect.getfile(installed)).parents[2]
+if (ROOT / "workflow/lib/roughcontact").is_dir():
     sys.path.insert(0, str(ROOT / "workflow/lib"))
 else:
     ROOT = installed()

@@ -7,6 +7,7 @@ job whose run was killed ends as well, so that two runs never write to one file.
 
 import atexit
 import errno
+import json
 import os
 import socket
 import sys
@@ -40,12 +41,10 @@ if TYPE_CHECKING:
     from roughcontact.results.storage import LoadByLoad
 
 _NAME = " ".join([snakemake.rule, *map(str, snakemake.wildcards)])
-# name -> path of all files that a job of the chain reads and writes
-FILES = dict(snakemake.output.items()) | dict(snakemake.input.items())
 # whether a screen shows the log: snakemake_logger_plugin_roughcontact
 _SCREEN = "ROUGHCONTACT_SCREEN" in os.environ
 
-_MEMORY = snakemake.resources.get("mem_mb")  # jobs that only link request none
+_MEMORY = snakemake.resources.get("mem_mb")
 _ASKED = (f"it had asked for {_MEMORY} MB; " if _MEMORY else "") + (
     "run fewer jobs at once (--cores 1), cut the map or measure it coarser, and run again"
 )
@@ -72,11 +71,18 @@ def _record(text: str) -> bool:
     return False
 
 
-def link() -> None:
-    """Link files that another case has computed into this case's folder."""
-    for name in snakemake.params.links:
-        here = Path(snakemake.output[name])
-        here.symlink_to(os.path.relpath(snakemake.input[name], here.parent))
+def result_of_job() -> str:
+    """Return the folder of the result for which this job works: "soft/ground"."""
+    return snakemake.wildcards.get("result", "")
+
+
+def earlier_cases() -> dict[str, str]:
+    """Return the attribute that names the earlier case of each file that is not of this result, as JSON."""
+    case, _, _ = result_of_job().rpartition("/")
+    files = {name: path for name, path in snakemake.input.items() if case and path and name != "sources"}
+    cases = {name: path.split("/")[-3] for name, path in files.items()}
+    used = {name: earlier for name, earlier in cases.items() if earlier != case}
+    return {"files_of_cases": json.dumps(used, sort_keys=True)} if used else {}
 
 
 def say(text: str) -> None:
@@ -116,12 +122,11 @@ def save(
 
     if hasattr(result, "to_dataset"):  # a single labelled array
         result = result.to_dataset()
-    wildcards = snakemake.wildcards
     origin = provenance(
         settings,
         source_sha256=source["source_sha256"],
         stage=Path(path).stem,
-        of=", ".join(filter(None, map(wildcards.get, ("surface", "case")))),
+        of=", ".join(reversed(result_of_job().split("/"))),
         history=source.get("history", ""),
     )
     result = result.assign_attrs(origin)
@@ -137,9 +142,9 @@ def _report_error(kind: type[BaseException], error: BaseException, trace: Traceb
     _record("".join(traceback.format_exception(kind, error, trace)))
     if kind is KeyboardInterrupt:  # by the user, who knows
         return
-    file = snakemake.params.get("file")
-    if isinstance(error, HeightMapError | SettingsError) and file:
-        text = with_place(error, file["path"], file["origin"])
+    row = snakemake.params.get("row")
+    if isinstance(error, HeightMapError | SettingsError) and row:
+        text = with_place(error, row["path"], row["origin"])
     elif isinstance(error, RoughContactError):
         text = str(error)
     elif isinstance(error, MemoryError):
@@ -199,17 +204,6 @@ def _end_with_the_run() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-def _hold_script() -> "TextIO | None":
-    """Lock the script that Snakemake wrote for this job, until it ends: the next run removes the others."""
-    with suppress(ImportError, OSError):
-        import fcntl
-
-        file = Path(sys.argv[0]).open(encoding="utf-8")  # noqa: SIM115 - open until the job ends
-        fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        return file
-    return None
-
-
 def _say_done() -> None:
     """Write the last line of a log, which a killed job does not have."""
     if sys.excepthook is _report_error:
@@ -219,7 +213,6 @@ def _say_done() -> None:
 collect_rarely()
 atexit.register(_say_done)
 _end_with_the_run()
-_SCRIPT = _hold_script()
 sys.excepthook = _report_error
 warnings.showwarning = _log_warning
 check_dates(snakemake.input)

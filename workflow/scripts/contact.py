@@ -1,57 +1,54 @@
-"""Solve, count, bound the error, draw: window.nc to contact.nc, uncertainty.nc, statistics.nc, panel.*."""
+"""Solve, bound the error, evaluate, draw: window.nc to contact.nc, uncertainty.nc, statistics.nc, panel.html.
 
-from _job import FILES, check_sources, link, progress, save, snakemake
-from _preparing import prepare
+Of an earlier case with the same settings the solution, the error budget and the statistics are taken over.
+"""
+
+from _job import check_sources, earlier_cases, progress, result_of_job, save, snakemake
 
 from roughcontact import pipeline
 from roughcontact.report.panel import write_panel
 from roughcontact.results.storage import opened_dataset, read_dataset, written_load_by_load
 
-link()
-prepare()  # if this case has no job of its own for it
+paths, output, recorded = snakemake.input, snakemake.output, snakemake.params.settings
+settings, threads = recorded["statistics"], snakemake.threads
+window = read_dataset(paths.window)["height"]
+solver = pipeline.solver_arguments(window, settings["contact"], threads=threads)
 
-steps, of_step = snakemake.params.steps, snakemake.params.settings
-settings = of_step["panel"]  # all sections
-if "statistics" in steps:
-    window = read_dataset(FILES["window"])["height"]
-    solver = pipeline.solver_arguments(window, settings["contact"], threads=snakemake.threads)
-
-for_budget = None
-if "contact" in steps:
-    shown = solver | {"progress": progress}
-    path, own = FILES["contact"], of_step["contact"]
+statistics = for_budget = None
+solution = paths.get("contact") or output.contact
+if not paths.get("contact"):
+    with_progress = solver | {"progress": progress}
     if settings["contact"]["keep_fields"]:
-        with written_load_by_load(path, pipeline.mean_pressures(window, solver), window) as file:
-            solution, statistics_of_loads, for_budget = pipeline.solve_and_evaluate(
-                window, settings, shown, store=file.keep
-            )
-            save(solution.assign(height=window), path, own, source=window.attrs, into=file)
+        with written_load_by_load(solution, pipeline.mean_pressures(window, solver), window) as file:
+            result = pipeline.solve_and_evaluate(window, settings, with_progress, store=file.keep)
+            fields = result.solution.assign(height=window)
+            save(fields, solution, recorded["contact"], source=window.attrs, into=file)
     else:
-        solution, statistics_of_loads, for_budget = pipeline.solve_and_evaluate(window, settings, shown)
-        save(solution, path, own, source=window.attrs)
-elif "statistics" in steps:
-    with opened_dataset(FILES["contact"]) as contact:  # load by load: the maps are large
-        statistics_of_loads = pipeline.statistics_of_settings(window, settings)(contact).load()
+        result = pipeline.solve_and_evaluate(window, settings, with_progress)
+        save(result.solution, solution, recorded["contact"], source=window.attrs)
+    statistics, for_budget = result.statistics, result.for_budget
+elif not paths.statistics:
+    with opened_dataset(solution) as contact:  # load by load: the maps are large
+        statistics = pipeline.statistics_of_settings(window, settings)(contact).load()
 
-if "uncertainty" in steps:
-    with opened_dataset(FILES["levelled"]) as levelled:  # read on demand, not beside the solution
+if paths.uncertainty:
+    budget = read_dataset(paths.uncertainty)
+else:
+    with opened_dataset(paths.levelled) as levelled:  # read on demand, not beside the solution
         budget = pipeline.bound_error(levelled["height"], window, settings, solver, for_budget)
-    save(budget, FILES["uncertainty"], of_step["uncertainty"], source=window.attrs)
+save(budget, output.uncertainty, recorded["uncertainty"], source=window.attrs)
 
-if "statistics" in steps:
-    budget = read_dataset(FILES["uncertainty"])
-    statistics = pipeline.complete_statistics(
-        statistics_of_loads, window, budget, settings, threads=snakemake.threads
-    )
-    save(statistics, FILES["statistics"], of_step["statistics"], source=window.attrs)
-    del window, statistics_of_loads
+if statistics is None:
+    complete = read_dataset(paths.statistics)
+else:
+    budget = read_dataset(output.uncertainty)
+    complete = pipeline.complete_statistics(statistics, window, budget, settings, threads=threads)
+complete = complete.assign_attrs(earlier_cases())
+save(complete, output.statistics, recorded["statistics"], source=window.attrs)
+del window, statistics, complete, budget, for_budget
 
-drawn = ("height", "counter_face", "levelled", "window", "contact", "statistics")
-write_panel(
-    snakemake.output.panel,
-    surface=snakemake.wildcards.surface,
-    case=snakemake.wildcards.get("case"),
-    settings=settings,
-    **{name: FILES[name] for name in drawn if name in FILES},
-)
+case, _, surface = result_of_job().rpartition("/")
+drawn = {name: paths[name] for name in ("height", "levelled", "window")}
+drawn |= {"contact": solution, "statistics": output.statistics, "counter_face": paths.counter_height or None}
+write_panel(output.panel, surface=surface, case=case or None, settings=settings, **drawn)
 check_sources()

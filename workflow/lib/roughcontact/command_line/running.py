@@ -9,11 +9,11 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import Any
 
-from roughcontact.command_line.hold import Hold, held, left_locked, remove_scripts
+from roughcontact.command_line.run_lock import RunLock, run_lock
 from roughcontact.configuration.places import check_places, check_writable
 from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import InputFileError, SettingsError
@@ -29,7 +29,7 @@ _LONGEST_STEM = 56  # letters of a name made of that of a file; a number may fol
 # with one of these the screen is Snakemake's own
 _SHOW = ("--logger", "--quiet", "-q", "--verbose", "--printshellcmds", "-p", "--debug-dag")
 # with one of these Snakemake runs nothing, and asks for no lock
-_SHOWS = re.compile(
+_DRY = re.compile(
     r"-[npqkFr]*[nSDv]|-n[npqkFr]*|--(dry-?run|summary|detailed-summary|list.*|lint|report|version"
     r"|dag|rulegraph|filegraph|d3dag)(=.*)?"
 )
@@ -53,10 +53,6 @@ _TABLE_EXAMPLE = "# ground\tmeasured/ground.x3p\n"
 def workflow_file() -> Path:
     """Return the Snakefile: that inside the installed package, otherwise that of the checkout.
 
-    Returns
-    -------
-    Path
-
     Examples
     --------
     >>> workflow_file().name
@@ -67,24 +63,11 @@ def workflow_file() -> Path:
 
 
 def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | None = None) -> list[Path]:
-    r"""Write settings and a table of surfaces into the folder `config` of the working directory.
+    r"""Write settings and a table into the folder `config` of the working directory; return their paths.
 
-    Parameters
-    ----------
-    files : sequence of str or Path
-        measured files; each becomes a row of the table, named after the file.
-    contact : mapping, optional
-        `bodies` and `mean_pressure`, as far as they are known; otherwise examples stand there as comments.
-
-    Returns
-    -------
-    list of Path
-        the written files.
-
-    Raises
-    ------
-    SettingsError
-        where one of them already exists, a measured file is missing, or for bodies that are not accepted.
+    Each of the measured `files` becomes a row of the table, named after the file; `contact` has `bodies` and
+    `mean_pressure` as far as they are known, otherwise examples stand there as comments. A SettingsError
+    where one already exists, a measured file is missing, or for bodies that are not accepted.
 
     Examples
     --------
@@ -118,18 +101,7 @@ def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | N
 
 
 def files_in(paths: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return the given files, and in the place of a folder those in it that can be measurements, by name.
-
-    Parameters
-    ----------
-    paths : sequence of str
-        files and folders.
-
-    Returns
-    -------
-    tuple of list of str
-        these files, and those of the folders that were left out, but for hidden ones.
-    """
+    """Return files, those in folders included that can be measurements, and the files of folders left out."""
     files: list[str] = []
     left_out: list[str] = []
     for path in paths:
@@ -143,16 +115,7 @@ def files_in(paths: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def surface_names(files: Sequence[str | Path]) -> list[str]:
-    """Return a different admitted name of a surface for each file.
-
-    Parameters
-    ----------
-    files : sequence of str or Path
-
-    Returns
-    -------
-    list of str
-    """
+    """Return a different admitted name of a surface for each file."""
     from roughcontact.configuration.messages import name_mistake
 
     names: list[str] = []
@@ -165,99 +128,80 @@ def surface_names(files: Sequence[str | Path]) -> list[str]:
 
 
 def run_workflow(arguments: Sequence[str]) -> int:
-    """Run the workflow in the working directory, on all cores unless the arguments say otherwise.
+    """Run the workflow in the working directory with `arguments` for Snakemake; return its exit status.
 
-    A run that was killed is continued; a bad file stops only its own surface.
-
-    Parameters
-    ----------
-    arguments : sequence of str
-        for Snakemake.
-
-    Returns
-    -------
-    int
-        exit status of Snakemake.
-
-    Raises
-    ------
-    SettingsError
-        where a run cannot begin: Snakemake, a configuration file or the right to write is missing.
-    InputFileError
-        for results that are not as they were written; a run would leave them as they are.
+    It takes all cores unless these say otherwise, continues a killed run, and a bad file stops only its own
+    surface. A SettingsError where a run cannot begin, an InputFileError for results that are not as they were
+    written, which a run would leave as they are.
     """
-    given = _understood(arguments)
-    _check_start(given)
+    options = stated_options(arguments)
+    _check_start(options)
+    dry = any(map(_DRY.fullmatch, arguments)) and "--report-after-run" not in arguments
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(workflow_file())]
-    if not any(word.split("=")[0] in _SHOW for word in arguments):
+    if not (dry or any(word.split("=")[0] in _SHOW for word in arguments)):
         command += ["--logger", "roughcontact"]
     # as in the default profile, which Snakemake would announce each time
     command += ["--rerun-incomplete", "--keep-going"]
     if not any(word.split("=")[0] in _PROFILES for word in arguments):
         command += ["--workflow-profile", "none"]
-    unlocks, folder = "--unlock" in arguments, given.directory
-    hold: AbstractContextManager[Hold]
-    shows = any(map(_SHOWS.fullmatch, arguments)) and "--report-after-run" not in arguments
-    hold = nullcontext(Hold([], "", killed=left_locked(folder))) if shows else held(folder, unlocks=unlocks)
-    with hold as (files, run, killed):
-        if not (shows or unlocks):
+    unlocks, folder = "--unlock" in arguments, options.directory
+    with nullcontext(RunLock()) if dry else run_lock(folder, unlocks=unlocks) as lock:
+        if not (dry or unlocks):
             _check_results(folder / "results")
-        if killed and not unlocks:
+        if lock.killed and not unlocks:
             print("The last run in this folder was killed: it is continued.", file=sys.stderr, flush=True)
-            if code := _wait([*command, "--unlock", *arguments, "--quiet"], folder, files=files):
+            if code := _wait([*command, "--unlock", *arguments, "--quiet"], folder, lock):
                 return code
-        if run and not any(word.split("=")[0] in _PROFILES for word in arguments):
-            remove_scripts(folder)
         if not any(word.split("=")[0] in _CORES for word in arguments):
             command += ["--cores", "all"]
-        code = _wait([*command, *arguments], folder, files=files, run=run)
+        code = _wait([*command, *arguments], folder, lock)
     if code and folder.is_dir() and shutil.disk_usage(folder).free < 1e6:
         print(f"The disk of {folder.absolute()} is full: make room and run again.", file=sys.stderr)
     return code
 
 
-def _understood(arguments: Sequence[str]) -> argparse.Namespace:
+def stated_options(arguments: Sequence[str]) -> argparse.Namespace:
     """Return the arguments of Snakemake that are also used here: folder, configuration, targets."""
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--directory", "-d", type=Path, default=Path())
     parser.add_argument("--configfile", "--configfiles", type=Path, nargs="+", default=[])
-    given, targets = parser.parse_known_args(arguments)
-    return argparse.Namespace(**vars(given), targets=targets)
+    options, targets = parser.parse_known_args(arguments)
+    return argparse.Namespace(**vars(options), targets=targets)
 
 
-def _check_start(given: argparse.Namespace) -> None:
+def _check_start(options: argparse.Namespace) -> None:
     """Raise an error where it is known beforehand that a run cannot begin."""
     from importlib.util import find_spec
 
-    for target in set(_OF_CHECKOUT) & set(given.targets):
+    for target in set(_OF_CHECKOUT) & set(options.targets):
         raise SettingsError(
             f"{target} is no target of a run but a command of the checkout: `python3 run.py {target} --help`"
         )
     if find_spec("snakemake") is None:
         raise SettingsError("Snakemake is not installed: pip install 'roughcontact[workflow]'")
-    for file in given.configfile:
+    for file in options.configfile:
         if not file.is_file():
             raise SettingsError(
                 f"--configfile {file}: no such file; `roughcontact init` writes one to change"
             )
         check_yaml(file)
-    homes = given.directory, workflow_file().parent, workflow_file().parents[1]
-    if not given.configfile:
+    homes = options.directory, workflow_file().parent, workflow_file().parents[1]
+    if not options.configfile:
         found = [home / _FILES[0] for home in homes if (home / _FILES[0]).is_file()]
         if not found:
-            folder = given.directory.absolute()
+            folder = options.directory.absolute()
             raise SettingsError(
                 f"there is no {_FILES[0]} in {folder}: `roughcontact init` writes one to change"
             )
         check_yaml(found[0])
-    check_places(given.directory)
-    check_writable(given.directory)
+    check_places(options.directory)
+    check_writable(options.directory)
 
 
 def _check_results(folder: Path) -> None:
     """Raise an error that names every result which is not as it was written: a run would let it stay."""
     damaged = []
-    for path in sorted(path for path in folder.rglob("*.nc") if not path.is_symlink()):
+    for path in sorted(folder.rglob("*.nc")):
         try:
             if not check_seal(path):
                 from roughcontact.results.storage import opened_dataset
@@ -280,13 +224,13 @@ def _cache(folder: Path) -> dict[str, str]:
     return {}
 
 
-def _wait(command: Sequence[str], folder: Path, *, files: Sequence[int] = (), run: str = "") -> int:
+def _wait(command: Sequence[str], folder: Path, lock: RunLock) -> int:
     """Run a command to its end, even after an interruption, which the command has received as well.
 
     A termination has reached this process alone: it interrupts the command and ends its jobs. The exit status
     is then that of a terminated program.
     """
-    run = run or str(os.getpid())  # a folder without locks
+    run = lock.name or str(os.getpid())
     variables = os.environ | _cache(folder) | {_RUN: run}  # for its jobs
     variables["PYTHONSAFEPATH"] = "1"  # nothing in the working folder is code, for this command and its jobs
     process: subprocess.Popen | None = None
@@ -302,7 +246,7 @@ def _wait(command: Sequence[str], folder: Path, *, files: Sequence[int] = (), ru
     before = signal.signal(signal.SIGTERM, terminate) if in_main_thread else None
     try:
         prepare = _end_with_this_process()
-        process = subprocess.Popen(command, env=variables, pass_fds=files, preexec_fn=prepare)  # noqa: PLW1509 - no threads
+        process = subprocess.Popen(command, env=variables, pass_fds=lock.files, preexec_fn=prepare)  # noqa: PLW1509 - no threads
         if terminated:  # while it was started
             _interrupt(process.pid, run)
         while True:
@@ -310,6 +254,7 @@ def _wait(command: Sequence[str], folder: Path, *, files: Sequence[int] = (), ru
                 code = process.wait()
             except KeyboardInterrupt:
                 continue
+            lock.ended = code >= 0
             while terminated and _end_jobs(run):
                 pass
             return 128 + signal.SIGTERM if terminated else code

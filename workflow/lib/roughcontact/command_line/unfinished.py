@@ -5,13 +5,32 @@ writes the partial report and names the missing surfaces.
 """
 
 import json
+import os
+import subprocess
 import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
-from roughcontact.configuration.generated import changed_settings
 from roughcontact.configuration.plan import Plan
 from roughcontact.configuration.study import read_study
 from roughcontact.errors import RoughContactError
-from roughcontact.report.partial import write_partial_results
+
+
+def start_partial_report(config: Mapping[str, Any], folders: Sequence[str | Path], root: Path) -> None:
+    """Write the partial report by a process of its own: that of Snakemake imports nothing that computes.
+
+    `config` is the content of the configuration, `folders` the search path of the table, `root` the checkout.
+    """
+    stated = {"config": config, "folders": folders, "measured_in": [".", root]}
+    path = os.pathsep.join([str(root / "workflow/lib"), *sys.path])
+    subprocess.run(
+        [sys.executable, "-m", "roughcontact.command_line.unfinished"],
+        input=json.dumps(stated, default=str),
+        text=True,
+        env=os.environ | {"PYTHONPATH": path, "PYTHONSAFEPATH": "1"},
+        check=False,
+    )
 
 
 def main() -> int:
@@ -19,11 +38,12 @@ def main() -> int:
 
     The exit code is 0.
     """
+    from roughcontact.report.partial import write_partial_results
+
     stated = json.load(sys.stdin)
     try:
         plan = Plan(*read_study(**stated, checked=True))
-        changed = {case: changed_settings(settings) for case, settings in plan.cases.items()}
-        failures = write_partial_results(plan, changed=changed)
+        failures = write_partial_results(plan)
     except (RoughContactError, OSError) as error:
         print(
             f"Not finished, and no report of what is finished can be written: {error}",
@@ -32,7 +52,7 @@ def main() -> int:
         return 0
     names = ", ".join(dict.fromkeys(failure["surface"] for failure in failures)) or "the report"
     lines = [f"Not finished: {names}. The lines with ERROR above give the reasons; logs/ has more."]
-    if 0 < len(failures) < len(plan.runs):
+    if 0 < len(failures) < len(plan.results):
         lines += [
             "results/report.html and results/summary.csv have the others, and name these with the reason.",
             "Correct the cause and run again; finished jobs are not repeated.",

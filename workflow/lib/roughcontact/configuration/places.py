@@ -34,8 +34,8 @@ def check_writable(folder: Path) -> None:
             )
 
 
-def left_over(planned: Iterable[str]) -> list[str]:
-    """Return the folders of results of the working directory that are not those of the planned panels.
+def left_over(results: Iterable[str]) -> list[str]:
+    """Return the folders with results in the working directory that are not among the `results` of this run.
 
     Examples
     --------
@@ -44,11 +44,11 @@ def left_over(planned: Iterable[str]) -> list[str]:
     ...     for name in ("seat", "ring"):
     ...         Path("results", name).mkdir(parents=True)
     ...         Path("results", name, "panel.html").touch()
-    ...     left_over(["results/ring/panel.html"])
+    ...     left_over(["ring"])
     ['results/seat']
     """
-    found = {path.parent for depth in ("*", "*/*") for path in Path("results").glob(f"{depth}/panel.html")}
-    return sorted(folder.as_posix() for folder in found - {Path(panel).parent for panel in planned})
+    folders = {path.parent for depth in ("*", "*/*") for path in Path("results").glob(f"{depth}/panel.html")}
+    return sorted(folder.as_posix() for folder in folders - {Path("results", result) for result in results})
 
 
 def check_dates(paths: Iterable[str]) -> None:
@@ -56,7 +56,7 @@ def check_dates(paths: Iterable[str]) -> None:
     now = time.time()
     for path in map(Path, paths):
         if path.exists() and (changed := path.stat().st_mtime) > now + _SKEW:
-            date, present = (f"{datetime.fromtimestamp(each):%Y-%m-%d %H:%M}" for each in (changed, now))
+            date, present = (f"{datetime.fromtimestamp(time_):%Y-%m-%d %H:%M}" for time_ in (changed, now))
             raise InputFileError(
                 f"{path}: is dated {date}, by a clock that was ahead, or that of this computer is behind "
                 f"({present}): set the clock right, or date such files of today: "

@@ -1,116 +1,68 @@
-"""The plan of a run: files and owners of all stages, and inputs, outputs and resources of each job.
+"""The plan of a run: which result is made of which files, and what each job asks for.
 
-A surface has two jobs: `prepare` reads, levels and cuts out the window, `contact` bounds the error, solves,
-counts and draws the panel. Each case has a folder of its own with all files: those that an earlier case has
-computed with the same settings are linked. A case with nothing to prepare, or only for itself, has a single
-job, `contact`, for all of its files.
-
-Surfaces are of three kinds: *single* ones, the two *faces* of a pair, which are measured and levelled, and
-the *members* of a pair, the relative positions of its faces, which are windowed and solved.
+A *result* is a folder: `ground`, or `soft/ground` for the surface ground under the case soft. Surfaces are
+*single* ones, the two measured *faces* of a pair, or its *placements*, relative positions of the faces. A
+case has its own files only where it differs in the settings that these depend on; otherwise those of the
+first case with the same settings are used.
 """
 
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+from roughcontact.configuration.generated import changed_settings
 from roughcontact.configuration.stages import SECTIONS, owner, settings_of
-from roughcontact.configuration.surfaces import Member, Surface, measured, members, same_places
+from roughcontact.configuration.surfaces import Placement, Surface, measured, placements, same_places
 
-Kind = Literal["single", "face", "member"]
-Part = Literal["prepare", "contact"]
+Rule = Literal["prepare", "prepare_face", "superpose", "contact", "statistics", "report"]
 
-PREPARED: dict[Kind, tuple[str, ...]] = {
-    "single": ("height", "levelled", "window"),
-    "face": ("height", "levelled"),
-    "member": ("levelled", "window"),
+# the stages whose files a rule writes; a case runs it where it differs in the settings of the decisive one
+STAGES: dict[str, tuple[str, ...]] = {
+    "prepare": ("height", "levelled", "window"),
+    "prepare_face": ("height", "levelled"),
+    "superpose": ("levelled", "window"),
+    "contact": ("contact", "uncertainty", "statistics"),
+    "statistics": ("uncertainty", "statistics"),
 }
-SOLVED = ("uncertainty", "contact", "statistics", "panel")
-# files that are read to make each file; the heights of a member are those of its face
-_READ = {
-    "height": (),
-    "levelled": ("height",),
-    "window": ("levelled",),
-    "uncertainty": ("levelled", "window"),
-    "contact": ("window",),
-    "statistics": ("window", "contact", "uncertainty"),
-    "panel": ("height", "counter_face", "levelled", "window", "contact", "statistics"),
+_DECISIVE = {"prepare": "window", "prepare_face": "levelled", "superpose": "window", "contact": "contact"}
+# files of a placement that are those of its faces
+_OF_FACES = {
+    "height": ("face", "height"),
+    "counter_height": ("counter_face", "height"),
+    "face": ("face", "levelled"),
+    "counter_face": ("counter_face", "levelled"),
 }
 NOTHING = "(?!)"  # the pattern that no name matches
+_NAME = "[A-Za-z0-9-]+"
 
 BASE_MEMORY = 700  # MB: a script and, on a cluster, the two Snakemakes that start it
 _SMALL = 4.0  # MB of a measured file, below which jobs run side by side, with one thread each
 
 
-class Job(NamedTuple):
-    """The steps of one job of a surface under one case.
-
-    Attributes
-    ----------
-    steps : list of str
-        the files it computes, in their order, by their names without ending.
-    links : list of str
-        the files it links, since another case has computed them.
-    inputs : dict
-        name -> path: files that the steps read and do not make themselves, and the targets of the links.
-    sources : list of str
-        paths of the files from outside that the steps read.
-    """
-
-    steps: list[str]
-    links: list[str]
-    inputs: dict[str, str]
-    sources: list[str]
-
-
-class Run(NamedTuple):
-    """One surface under one case: a row of the results.
-
-    The case is empty in a run without cases.
-    """
-
-    surface: str
-    case: str
-
-
 class Group(NamedTuple):
-    """Maps that have one answer together.
-
-    Attributes
-    ----------
-    parts : dict
-        name of a solved surface -> the part that it is of.
-    placements : bool
-        whether they are the relative positions of two faces.
-    """
+    """Maps with one result together: surface -> its part, and whether these are placements of a pair."""
 
     parts: dict[str, str]
     placements: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Plan:
-    """The plan of a run.
-
-    Attributes
-    ----------
-    cases : mapping
-        name -> full settings, as `resolve` returns them.
-    table : mapping
-        name -> Surface, as `read_surfaces` returns them.
+    """The plan of a run, from the settings of each case (`resolve`) and the table (`read_surfaces`).
 
     Examples
     --------
     >>> from roughcontact.configuration.resolve import resolve
-    >>> two = {"a": {}, "b": {"level": {"order": 3}}}
+    >>> two = {"a": {}, "b": {"contact": {"contact_modulus": 2e9}}}
     >>> cases = resolve({"contact": {"contact_modulus": 1e9}, "cases": two})
     >>> plan = Plan(cases, {"ground": Surface("ground", Path("ground.x3p"), "line 2", {})})
-    >>> plan.file("height", "ground", "b")
-    'results/a/ground/height.nc'
-    >>> plan.job("contact", "ground", "b").links
-    ['height']
+    >>> plan.results
+    ['a/ground', 'b/ground']
+    >>> plan.file("window", "b/ground"), plan.file("contact", "b/ground")
+    ('results/a/ground/window.nc', 'results/b/ground/contact.nc')
     """
 
     cases: Mapping[str, dict[str, Any]]
@@ -127,281 +79,254 @@ class Plan:
         return measured(self.table)
 
     @cached_property
-    def members(self) -> dict[str, Member]:
-        """Name -> member of a pair."""
+    def placements(self) -> dict[str, Placement]:
+        """Name -> placement of a pair."""
         composite = self.common["composite"]
-        return members(self.table, composite["shifts"] * len(composite["rotations"]))
+        return placements(self.table, composite["shifts"] * len(composite["rotations"]))
 
     @cached_property
     def solved(self) -> list[str]:
         """The names of the solved surfaces, in the order of the table."""
         of_pair: dict[str, list[str]] = {}
-        for name, member in self.members.items():
-            of_pair.setdefault(member.pair, []).append(name)
+        for name, placement in self.placements.items():
+            of_pair.setdefault(placement.pair, []).append(name)
         return [name for row in self.table for name in of_pair.get(row, [row])]
 
     @cached_property
     def groups(self) -> dict[str, Group]:
-        """Name -> group of maps: those of the table, then the pairs of faces with their members."""
-        found: dict[str, Group] = {}
+        """Name -> group of maps: those of the table, then the pairs of faces with their placements."""
+        groups: dict[str, Group] = {}
         for surface in self.solved:
-            member = self.members.get(surface)
-            row = self.row(surface)
+            placement, row = self.placements.get(surface), self.row(surface)
             if row.group:
-                group = found.setdefault(row.group, Group({}, placements=False))
+                group = groups.setdefault(row.group, Group({}, placements=False))
                 # placements of two faces are of one pair of parts
-                group.parts[surface] = row.part or (member.pair if member else surface)
-        for surface, member in self.members.items():
-            found.setdefault(member.pair, Group({}, placements=True)).parts[surface] = surface
-        return found
+                group.parts[surface] = row.part or (placement.pair if placement else surface)
+        for surface, placement in self.placements.items():
+            groups.setdefault(placement.pair, Group({}, placements=True)).parts[surface] = surface
+        return groups
 
     @cached_property
     def same_places(self) -> list[tuple[str, str]]:
-        """The names of every two surfaces that are the same place, the earlier one first."""
+        """The names of every two surfaces that are the same specimen at two times, the earlier one first."""
         return same_places(self.table)
 
     @cached_property
-    def runs(self) -> list[Run]:
-        """Every result of the run, case by case."""
-        return [Run(surface, case) for case in self.cases for surface in self.solved]
-
-    @cached_property
-    def folder(self) -> str:
-        """Pattern of the folder of a surface, with wildcards."""
-        return "results/{surface}" if "" in self.cases else "results/{case}/{surface}"
-
-    @cached_property
-    def logs(self) -> str:
-        """Pattern of the folder of the logs of a surface."""
-        return self.folder.replace("results", "logs", 1)
-
-    @cached_property
-    def owners(self) -> dict[str, dict[str, str]]:
-        """The case that computes a stage of a case: stage -> case -> case."""
-        return {stage: {case: owner(self.cases, case, stage) for case in self.cases} for stage in SECTIONS}
-
-    def kind(self, surface: str) -> Kind:
-        """Return whether a name is that of a single surface, a face or a member."""
-        if surface in self.members:
-            return "member"
-        return "single" if surface in self.table else "face"
+    def results(self) -> list[str]:
+        """The folders of all results of the run, case by case."""
+        return [_result(case, surface) for case in self.cases for surface in self.solved]
 
     def row(self, surface: str) -> Surface:
         """Return the row of the table from which a surface comes, or the measured file of a face."""
-        return self.table[self.members[surface].pair] if surface in self.members else self.measured[surface]
+        if surface in self.placements:
+            return self.table[self.placements[surface].pair]
+        return self.measured[surface]
 
-    def names(self, *kinds: Kind) -> list[str]:
-        """Return the names of all surfaces of some kinds."""
-        return [name for name in [*self.measured, *self.members] if self.kind(name) in kinds]
+    def pattern(self, rule: Rule) -> str:
+        r"""Return the regular expression of the results that a rule makes.
+
+        It has the names of the pairs and of the cases alone: one of all names slows Snakemake down.
+        """
+        first = self._first
+        stage = _DECISIVE.get(rule)
+        cases = [case for case in self.cases if stage is None or first(case, stage) == case]
+        if rule == "statistics":
+            cases = [case for case in self.cases if first(case, "contact") != case]
+        pairs = regex_of_names(dict.fromkeys(placement.pair for placement in self.placements.values()))
+        last = max((placement.number for placement in self.placements.values()), default=0)
+        face = f"{pairs}-(?:counter-)?face"
+        placement = f"{pairs}-{regex_of_names(map(str, range(1, last + 1)))}"
+        name = {
+            "prepare": f"(?!(?:{face}|{placement})(?:/|$)){_NAME}" if self.placements else _NAME,
+            "prepare_face": face,
+            "superpose": placement,
+        }.get(rule, f"(?!{face}(?:/|$)){_NAME}" if self.placements else _NAME)
+        return name if "" in cases else f"{regex_of_names(cases)}/{name}"
 
     @cached_property
-    def preparing(self) -> list[str]:
-        """The cases with a job `prepare`: the first, which reads, and those whose files others link."""
-        taken = {
-            self.owners[stage][case]
-            for stage in PREPARED["single"]
-            for case in self.cases
-            if self.owners[stage][case] != case
-        }
-        first = next(iter(self.cases))
-        return [case for case in self.cases if case == first or case in taken]
+    def _owners(self) -> dict[tuple[str, str], str]:
+        return {(case, stage): owner(self.cases, case, stage) for stage in SECTIONS for case in self.cases}
 
-    @cached_property
-    def following(self) -> list[str]:
-        """The cases whose job `contact` also makes, or links, the files of `prepare`."""
-        return [case for case in self.cases if case not in self.preparing]
+    def _first(self, case: str, stage: str) -> str:
+        """Return the first case with the same settings of a stage."""
+        return self._owners[case, stage]
 
-    def job(self, part: Part, surface: str, case: str = "") -> Job:
-        """Return the files that a job ("prepare" or "contact") computes, links and reads."""
-        kind = self.kind(surface)
-        alone = part == "contact" and case in self.preparing
-        made = [*(() if alone else PREPARED[kind]), *(SOLVED if part == "contact" else ())]
-        steps = [name for name in made if name not in SECTIONS or self.owners[name][case] == case]
-        links = [name for name in made if name not in steps]
-        read = [name for step in steps for name in self._read(step, kind) if name not in steps]
-        inputs = {name: self.file(name, surface, case) for name in sorted({*read, *links})}
-        return Job(steps, links, inputs, self._sources(steps, surface, case))
+    def file(self, name: str, result: str) -> str:
+        """Return the path of a file that a result uses, of the first case with the same settings.
 
-    def _sources(self, steps: Iterable[str], surface: str, case: str) -> list[str]:
-        """Return the files from outside that some steps read: maps, repeats of them, finer maps."""
-        found = []
-        if "height" in steps:
+        The name is that of a stage; of a placement also "face" and "counter_face", its levelled faces, and
+        "counter_height", the measured heights of the counter-face ("height" has those of the face), which is
+        empty for others.
+        """
+        case, surface = split(result)
+        placement = self.placements.get(surface)
+        if placement and name in _OF_FACES:
+            side, name = _OF_FACES[name]
+            return f"results/{_result(self._first(case, 'levelled'), getattr(placement, side))}/{name}.nc"
+        if name == "counter_height":
+            return ""
+        stage = name
+        if name in STAGES["prepare"]:  # one job makes all three
+            stage = "window" if placement or surface in self.table else "levelled"
+        return f"results/{_result(self._first(case, stage), surface)}/{name}.nc"
+
+    def other_case(self, stage: str, result: str) -> str:
+        """Return the case whose file of a stage a result uses, empty where it is its own."""
+        case, _ = split(result)
+        first = self._first(case, stage)
+        return first if first != case else ""
+
+    def sources(self, rule: Rule, result: str) -> list[str]:
+        """Return the paths of the measured files that a job reads: a map and its repeat, or a finer map."""
+        case, surface = split(result)
+        if rule in ("prepare", "prepare_face"):
             row = self.measured[surface]
             repeat = row.given.get("repeat")
-            found += [str(row.path), *([repeat["path"]] if repeat else [])]
+            return [str(row.path), *([repeat["path"]] if repeat else [])]
         finer = self.cases[case]["instrument"]["finer_spectrum"]
-        return found + ([finer] if finer and "uncertainty" in steps else [])
-
-    def _read(self, step: str, kind: Kind) -> tuple[str, ...]:
-        """Return the files that are read to make a file of a surface of some kind."""
-        if kind == "member":
-            return ("face", "facing") if step == "levelled" else _READ[step]
-        return tuple(name for name in _READ[step] if name != "counter_face")
-
-    def file(self, name: str, surface: str, case: str = "") -> str:
-        """Return the path of a file of a surface, in the folder of the case that computes it.
-
-        The name is that of a stage, or "panel"; for a member also "counter_face" (the heights of
-        the counter-face), "face" and "facing" (both faces, levelled).
-        """
-        if name == "panel":
-            return f"{self.folder}/panel.html".format(surface=surface, case=case)
-        if surface in self.members:
-            face, facing = self.members[surface].face, self.members[surface].counter_face
-            name, surface = {
-                "height": ("height", face),
-                "counter_face": ("height", facing),
-                "face": ("levelled", face),
-                "facing": ("levelled", facing),
-            }.get(name, (name, surface))
-        return f"{self.folder}/{name}.nc".format(surface=surface, case=self.owners[name][case])
-
-    def panel(self, surface: str, case: str = "") -> str:
-        """Return the path of the panel for the report."""
-        return f"{self.folder}/panel.html".format(surface=surface, case=case)
-
-    def summary(self, surface: str, case: str = "") -> str:
-        """Return the path of the summary of `panel`: verdict and reasons, as JSON."""
-        return self.panel(surface, case).removesuffix("html") + "json"
-
-    def outputs(self, part: Part, kind: Kind, *, whole: bool = False) -> dict[str, str]:
-        """Return the files of a job ("prepare" or "contact"), name -> path with wildcards.
-
-        `whole`: those of the job `contact` of a case without a job `prepare`.
-        """
-        names = (
-            *(PREPARED[kind] if part == "prepare" or whole else ()),
-            *(SOLVED if part == "contact" else ()),
+        return (
+            [finer]
+            if finer and rule in ("contact", "statistics") and not self.other_case("uncertainty", result)
+            else []
         )
-        files = {name: f"{self.folder}/{name}.{'html' if name == 'panel' else 'nc'}" for name in names}
-        return files | ({"summary": f"{self.folder}/panel.json"} if part == "contact" else {})
 
-    def links(self) -> list[str]:
-        """Return the links of all cases, so that every folder is complete."""
-        return [
-            self.folder.format(surface=surface, case=case) + f"/{stage}.nc"
-            for case in self.cases
-            for surface in [*self.measured, *self.members]
-            for stage in self._stages(self.kind(surface))
-            if self.owners[stage][case] != case
-        ]
+    def settings(self, stage: str, result: str) -> dict[str, Any]:
+        """Return all settings on which a stage of a result depends, as its file records them.
 
-    def _stages(self, kind: Kind) -> list[str]:
-        """Return the stages with files for surfaces of a kind."""
-        return [*PREPARED[kind], *(name for name in SOLVED if name in SECTIONS and kind != "face")]
-
-    def settings(self, stage: str, surface: str, case: str = "") -> dict[str, Any]:
-        """Return all settings on which a stage of a surface depends, as its file records them.
-
-        The stage is one of `SECTIONS`. The result has a key for each section; `surface` has the cells of the
-        table.
+        The stage is one of `SECTIONS`; the key `surface` has the cells of the table.
         """
-        if surface in self.members:
-            row = {**vars(self.members[surface]), "composite": self.common["composite"]}
+        case, surface = split(result)
+        if surface in self.placements:
+            row = {**vars(self.placements[surface]), "composite": self.common["composite"]}
         else:
             row = self.measured[surface].given
-        return {"surface": {"name": surface, **row}, **settings_of(self.cases[case], stage)}
+        return {"surface": {"name": surface, **row}, **self._settings_of(case, stage)}
 
-    def all_settings(self, part: Callable[[dict[str, Any]], dict[str, Any]] = dict) -> dict[str, Any]:
-        """Return the settings of the whole run, or a `part` of them: of each case, if there are cases."""
-        if "" in self.cases:
-            return part(self.cases[""])
-        return {case: part(settings) for case, settings in self.cases.items()}
+    @cache  # noqa: B019 - there is one plan
+    def _settings_of(self, case: str, stage: str) -> dict[str, Any]:
+        return settings_of(self.cases[case], stage)
 
-    def threads(self, surface: str) -> int:
+    def report_arguments(self) -> dict[str, Any]:
+        """Return the keyword arguments of `write_results` that the settings and the table give."""
+        settings = dict(self.cases)
+        of_statistics = {case: settings_of(own, "statistics") for case, own in settings.items()}
+        return {
+            "title": self.common["report"]["title"],
+            "settings": settings.get("", settings),
+            "settings_of_statistics": of_statistics.get("", of_statistics),
+            "changed": {case: changed_settings(own) for case, own in settings.items()},
+            "groups": {name: tuple(group) for name, group in self.groups.items()},
+            "same_places": self.same_places,
+        }
+
+    def threads(self, result: str) -> int:
         """Return the threads of the solver: one for small maps, where jobs run side by side instead.
 
         It depends on the measured file alone: rounding of sums over the grid depends on the number of
         threads, and results must not depend on the computer.
         """
-        return 1 if megabytes(self.row(surface).path) < _SMALL else 4
+        return 1 if megabytes(self.row(split(result)[1]).path) < _SMALL else 4
 
     def loads(self, case: str = "") -> int:
         """Return the number of loads; a load plan for the map has about ten."""
         contact = self.cases[case]["contact"]
         return len(contact["mean_pressure"] or contact["relative_pressure"] or range(10))
 
-    def memory(self, part: Part, surface: str, case: str = "", *, points: int) -> float:
+    def memory(self, rule: Rule, result: str, *, points: int) -> float:
         """Return the memory (MB) of a job for a measured map of about so many `points`, including a margin.
 
         docs/how-to/cluster.md compares it with measurements.
         """
+        if rule == "report":  # each result takes 0.15 to 0.25 MB and 0.08 s
+            return BASE_MEMORY + len(self.results) / 2
+        case, surface = split(result)
         millions = points / 1e6
-        if part == "prepare" and surface in self.members:
+        if rule == "superpose":
             return BASE_MEMORY + 400 * millions
-        reading = 0.0 if surface in self.members else reading_memory(self.row(surface).path)
-        prepare = max(reading, (130 if "repeat" in self.row(surface).given else 90) * millions)
-        if part == "prepare":
-            return BASE_MEMORY + prepare
+        if rule in ("prepare", "prepare_face"):
+            row = self.row(surface)
+            return BASE_MEMORY + max(
+                reading_memory(row.path), (130 if "repeat" in row.given else 90) * millions
+            )
+        # the error budget takes 200 bytes for each of the first million points, and no more for larger maps
+        return BASE_MEMORY + (115 + self._bytes_of_statistics(case)) * millions + 200 * min(millions, 1)
+
+    @cache  # noqa: B019
+    def _bytes_of_statistics(self, case: str) -> int:
+        """Return the memory (bytes) for each point that flow and stresses take, where they are computed."""
         statistics, bodies = self.cases[case]["statistics"], self.cases[case]["contact"]["bodies"] or ()
         flow = statistics["flow"] == "always" or (statistics["flow"] == "auto" and bool(statistics["seal"]))
         materials = [material for body in bodies for material in (body, *(body["layers"] or ()))]
         yields = any(material["yield_stress"] for material in materials)
         stress = statistics["stress"] == "always" or (statistics["stress"] == "auto" and yields)
-        # the error budget takes 200 bytes for each of the first million points, and no more for larger maps
-        solving = (115 + 1800 * flow + 200 * stress) * millions + 200 * min(millions, 1)
-        return BASE_MEMORY + max(solving, 0 if case in self.preparing else prepare)
+        return 1800 * flow + 200 * stress
 
-    def minutes(self, part: Part, surface: str, case: str = "", *, points: int) -> float:
+    def minutes(self, rule: Rule, result: str, *, points: int) -> float:
         """Return the run time (minutes) of a job after its start, including a margin, as `memory` does."""
-        prepare = 40 * points / 60e6 + megabytes(self.row(surface).path) / 100
-        if part == "prepare":
-            return prepare
-        solving = (240 + 190 * self.loads(case)) * points / 60e6
-        return solving + (0 if case in self.preparing else prepare)
+        if rule == "report":
+            return len(self.results) / 300
+        case, surface = split(result)
+        if rule in ("prepare", "prepare_face", "superpose"):
+            return 40 * points / 60e6 + megabytes(self.row(surface).path) / 100
+        return (240 + 190 * self.loads(case)) * points / 60e6
 
-    def expected(self, points: Callable[[str], int]) -> dict[tuple[str, str, str], tuple[float, int]]:
-        """Return minutes and threads of the chain's jobs by part, surface and case; `points` of a surface."""
-        jobs: list[tuple[Part, str, str]] = [("contact", *run) for run in self.runs]
-        jobs += [
-            ("prepare", name, case) for name in [*self.measured, *self.members] for case in self.preparing
-        ]
+    def contributing(self, result: str) -> list[tuple[Rule, str]]:
+        """Return rule and result of all jobs of the chain that contribute to a result, in their order."""
+        _, surface = split(result)
+        window = _folder(self.file("window", result))
+        jobs: list[tuple[Rule, str]] = [("prepare", window)]
+        if surface in self.placements:
+            jobs = [("prepare_face", _folder(self.file(name, result))) for name in ("face", "counter_face")]
+            jobs.append(("superpose", window))
+        for stage in ("contact", "uncertainty", "statistics"):
+            folder = _folder(self.file(stage, result))
+            case, _ = split(folder)
+            jobs.append(("contact" if self._first(case, "contact") == case else "statistics", folder))
+        jobs.append(("statistics" if self.other_case("contact", result) else "contact", result))
+        return list(dict.fromkeys(jobs))
+
+    def expected(self, points: Callable[[str], int]) -> dict[tuple[Rule, str], tuple[float, int]]:
+        """Return minutes and threads of the jobs of the chain, by rule and result; `points` of a result."""
+        jobs = dict.fromkeys(job for result in self.results for job in self.contributing(result))
         return {
-            job: (
-                self.minutes(*job, points=points(job[1])),
-                self.threads(job[1]) if job[0] == "contact" else 1,
+            (rule, result): (
+                self.minutes(rule, result, points=points(result)),
+                self.threads(result) if rule in ("contact", "statistics") else 1,
             )
-            for job in jobs
+            for rule, result in jobs
         }
 
-    def sources(self, run: Run) -> list[str]:
-        """Return the paths of all files from outside that contribute to a result, each once."""
-        return list(dict.fromkeys(path for job in self._contributing(run) for path in self.job(*job).sources))
-
-    def log_files(self, run: Run) -> list[str]:
-        """Return the paths of the logs of all jobs that contribute to a result, in their order.
-
-        Some of these jobs may not exist.
-        """
-        return [
-            f"{self.logs}/{part}.log".format(surface=surface, case=case)
-            for part, surface, case in self._contributing(run)
-        ]
-
-    def _contributing(self, run: Run) -> list[tuple[Part, str, str]]:
-        """Return part, surface and case of all jobs that contribute to a result; some may not exist."""
-        member = self.members.get(run.surface)
-        faces = [member.face, member.counter_face] if member else []
-        jobs: dict[tuple[Part, str, str], None] = {}  # each once
-        for stage in SECTIONS:
-            case = self.owners[stage][run.case]
-            for face in faces if stage in PREPARED["face"] else ():
-                jobs["prepare", face, case] = None
-            if not (member and stage == "height"):
-                first = stage in PREPARED["single"] and case in self.preparing
-                jobs["prepare" if first else "contact", run.surface, case] = None
-        jobs["contact", run.surface, run.case] = None
-        return list(jobs)
+    def log_files(self, result: str) -> list[str]:
+        """Return the paths of the logs of all jobs that contribute to a result, in their order."""
+        return [f"logs/{folder}/{rule}.log" for rule, folder in self.contributing(result)]
 
 
-def one_of(names: Iterable[str]) -> str:
-    r"""Return the pattern of some names, letter by letter, which matches thousands of them as fast as a few.
-
-    Nothing matches the pattern of no names.
+def split(result: str) -> tuple[str, str]:
+    """Return the case, empty where there are none, and the surface of a result.
 
     Examples
     --------
-    >>> one_of(["ground-1", "ground-2", "turned"])
+    >>> split("soft/ground"), split("ground")
+    (('soft', 'ground'), ('', 'ground'))
+    """
+    case, _, surface = result.rpartition("/")
+    return case, surface
+
+
+def _result(case: str, surface: str) -> str:
+    return f"{case}/{surface}" if case else surface
+
+
+def _folder(file: str) -> str:
+    return file.removeprefix("results/").rpartition("/")[0]
+
+
+def regex_of_names(names: Iterable[str]) -> str:
+    r"""Return the regular expression of some names, a tree by their letters; without names nothing matches.
+
+    Examples
+    --------
+    >>> regex_of_names(["ground-1", "ground-2", "turned"])
     '(?:ground\\-(?:1|2)|turned)'
     """
     branches: dict[str, list[str]] = {}
@@ -410,9 +335,9 @@ def one_of(names: Iterable[str]) -> str:
     if not branches:
         return NOTHING
     may_end = branches.pop("", None) is not None
-    each = [re.escape(letter) + one_of(rests) for letter, rests in branches.items()]
-    pattern = "|".join(each)
-    if len(each) > 1 or (each and may_end):
+    alternatives = [re.escape(letter) + regex_of_names(ends) for letter, ends in branches.items()]
+    pattern = "|".join(alternatives)
+    if len(alternatives) > 1 or (alternatives and may_end):
         return f"(?:{pattern})" + "?" * may_end
     return pattern
 
@@ -423,8 +348,5 @@ def megabytes(path: str | Path) -> float:
 
 
 def reading_memory(path: str | Path) -> float:
-    """Return the memory (MB) for the content of a measured file.
-
-    NumPy files are not compressed, others may be.
-    """
+    """Return the memory (MB) for the content of a measured file, which may be compressed, but not as .npy."""
     return (10 if str(path).endswith(".npy") else 50) * megabytes(path)

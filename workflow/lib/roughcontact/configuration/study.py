@@ -80,9 +80,9 @@ def read_study(
     table = config.get("surfaces", Settings.model_fields["surfaces"].default)
     if isinstance(table, str) and table:  # otherwise it is among the mistakes in the settings
         try:
-            path, each = find(table, folders) or table, _members_each(config)
+            path, each = find(table, folders) or table, _placements_each(config)
             surfaces = read_surfaces(
-                path, measured_in, check=None if checked else _mistakes_in, members_each=each
+                path, measured_in, check=None if checked else _mistakes_in, placements_each=each
             )
         except SettingsError as error:
             mistakes.append(str(error))
@@ -96,8 +96,8 @@ def read_study(
     return cases, surfaces
 
 
-def _members_each(config: Mapping[str, Any]) -> int:
-    """Return the number of members of each pair; 1 where the settings of pairs have mistakes of their own."""
+def _placements_each(config: Mapping[str, Any]) -> int:
+    """Return the number of placements of each pair; 1 where the settings of pairs have mistakes."""
     try:
         composite = Composite.model_validate(config.get("composite", {}))
     except ValidationError:

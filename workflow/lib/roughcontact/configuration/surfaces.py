@@ -5,7 +5,7 @@ A tab-separated text with a header; columns `surface` and `path`, optionally `ch
 that start with # are ignored.
 
 A row that names a `counter_face` is a pair: two measured files that touch. Its files are read and levelled as
-`{surface}-face` and `{surface}-counter-face`; its members `{surface}-1`, `{surface}-2` ..., the relative
+`{surface}-face` and `{surface}-counter-face`; its placements `{surface}-1`, `{surface}-2` ..., the relative
 positions of the faces (`roughcontact.faces.positions`), are solved.
 """
 
@@ -78,7 +78,7 @@ class Surface:
 
 
 @dataclass(frozen=True)
-class Member:
+class Placement:
     """One relative position of the faces of a pair."""
 
     pair: str  # its name in the table
@@ -110,7 +110,7 @@ def read_surfaces(
     folders: Sequence[str | Path] = (".",),
     *,
     check: Callable[[Surface], list[str]] | None = None,
-    members_each: int = 0,
+    placements_each: int = 0,
 ) -> dict[str, Surface]:
     r"""Read the table of surfaces: name -> Surface, in the order of the table.
 
@@ -122,8 +122,8 @@ def read_surfaces(
         search path for relative paths in the table; the table's own folder comes second.
     check : callable, optional
         returns further mistakes of a row, which the table alone does not show, such as missing files.
-    members_each : int
-        number of members of each pair, whose names no row may have; 0 skips this check.
+    placements_each : int
+        number of placements of each pair, whose names no row may have; 0 skips this check.
 
     Raises
     ------
@@ -180,8 +180,8 @@ def read_surfaces(
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
     mistakes += _mistakes_in_places(surfaces)
     mistakes += _mistakes_in_groups(surfaces)
-    if members_each:
-        mistakes += _names_of_parts(surfaces, members(surfaces, members_each))
+    if placements_each:
+        mistakes += _names_of_parts(surfaces, placements(surfaces, placements_each))
     if mistakes:
         raise SettingsError(
             "\n".join([f"mistakes in the table of surfaces {table}:", *(f"  {m}" for m in mistakes)])
@@ -213,24 +213,24 @@ def measured(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
     return files
 
 
-def members(surfaces: Mapping[str, Surface], count: int) -> dict[str, Member]:
-    """Return the members of all pairs, name -> Member, with `count` members of each pair.
+def placements(surfaces: Mapping[str, Surface], count: int) -> dict[str, Placement]:
+    """Return the placements of all pairs, name -> Placement, with `count` placements of each pair.
 
     Examples
     --------
     >>> pair = Surface("seal", Path("a.x3p"), "line 2", {}, counter_face=Path("b.x3p"))
-    >>> list(members({"seal": pair}, 3))
+    >>> list(placements({"seal": pair}, 3))
     ['seal-1', 'seal-2', 'seal-3']
     """
     return {
-        f"{name}-{number}": Member(name, number, f"{name}-face", f"{name}-counter-face")
+        f"{name}-{number}": Placement(name, number, f"{name}-face", f"{name}-counter-face")
         for name, row in surfaces.items()
         if row.counter_face is not None
         for number in range(1, count + 1)
     }
 
 
-def _names_of_parts(surfaces: Mapping[str, Surface], found: Mapping[str, Member]) -> list[str]:
+def _names_of_parts(surfaces: Mapping[str, Surface], found: Mapping[str, Placement]) -> list[str]:
     """Return the mistakes of surfaces and groups that have the name of a member or of a face of a pair."""
     parts = {name.lower(): member.pair for name, member in found.items()}
     parts |= {side.lower(): each.pair for each in found.values() for side in (each.face, each.counter_face)}

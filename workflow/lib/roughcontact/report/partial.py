@@ -4,12 +4,10 @@ import json
 import os
 import re
 import shutil
-from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from roughcontact.configuration.plan import Plan, Run
-from roughcontact.configuration.stages import settings_of
+from roughcontact.configuration.plan import Plan, split
 from roughcontact.errors import InputFileError
 from roughcontact.io.checksums import checksum
 from roughcontact.report.gather import Finished, write_results
@@ -21,29 +19,26 @@ _DATED_BACK = "uncertainty.csv"
 _LONG_AGO = 315_532_800  # 1980-01-01, s
 
 
-def write_partial_results(
-    plan: Plan, folder: str | Path = "results", *, changed: Mapping[str, Sequence[str]] | None = None
-) -> list[Failure]:
+def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Failure]:
     """Write the results of the finished surfaces, if any, and return a `Failure` for each of the others.
 
     A result counts as finished where all its files exist, are not older than those they are made of, record
     the settings of this run and the current checksum of the measured file, and where its jobs have logged
     that they are done, and the checksums of all files from outside, since a job that fails may leave its
     previous files. One of them is dated long ago, so that the next run makes all again; they are complete
-    before they are moved to `folder`. Nothing is written where all or none is finished. `changed` is as of
-    `write_results`.
+    before they are moved to `folder`. Nothing is written where all or none is finished.
     """
     folder = Path(folder)
     finished: list[Finished] = []
     failures: list[Failure] = []
-    for run in plan.runs:
-        surface, case = run.surface, run.case or None
-        reason = _reason(plan, run)
-        if reason is None and _is_of_this_run(plan, run):
-            statistics, panel = plan.file("statistics", *run), plan.panel(*run)
-            finished.append(Finished(surface=surface, case=case, statistics=statistics, panel=panel))
+    for result in plan.results:
+        case, surface = split(result)
+        reason = _reason(plan, result)
+        if reason is None and _is_of_this_run(plan, result):
+            statistics, panel = f"results/{result}/statistics.nc", f"results/{result}/panel.html"
+            finished.append(Finished(surface=surface, case=case or None, statistics=statistics, panel=panel))
         else:
-            failures.append(Failure(surface=surface, case=case, reason=reason or "not finished"))
+            failures.append(Failure(surface=surface, case=case or None, reason=reason or "not finished"))
     if not (finished and failures):
         return failures
     staging = Path(".snakemake/partial")
@@ -52,12 +47,7 @@ def write_partial_results(
     write_results(
         staging,
         finished=finished,
-        title=plan.common["report"]["title"],
-        settings=plan.all_settings(),
-        changed=changed,
-        settings_of_statistics=plan.all_settings(lambda settings: settings_of(settings, "statistics")),
-        groups=plan.groups,
-        same_places=plan.same_places,
+        **plan.report_arguments(),
         failures=failures,
         seen_from=folder,
     )
@@ -70,33 +60,39 @@ def write_partial_results(
     return failures
 
 
-def _is_of_this_run(plan: Plan, run: Run) -> bool:
+def _is_of_this_run(plan: Plan, result: str) -> bool:
     """Return whether all files of a result are there, and of this run."""
-    stages = [Path(plan.file(stage, *run)) for stage in ("height", "levelled", "window", "statistics")]
-    files = [*stages, Path(plan.panel(*run)), Path(plan.summary(*run))]
+    folder, statistics = Path("results", result), Path("results", result, "statistics.nc")
+    prepared = [Path(plan.file(stage, result)) for stage in ("height", "levelled", "window")]
+    files = [*prepared, statistics, folder / "panel.html", folder / "panel.json"]
     try:
         dates = [file.stat().st_mtime_ns for file in files]
-        _, attrs = read_arrays(stages[-1])
+        _, attrs = read_arrays(statistics)
         recorded = json.loads(attrs["settings"]), attrs["source_sha256"]
-        expected = plan.settings("statistics", *run), _checksum(plan, run.surface)
+        expected = plan.settings("statistics", result), _checksum(plan, split(result)[1])
     except (OSError, InputFileError, KeyError):
         return False
-    logs = "".join(map(_text_of, plan.log_files(run)))
-    if not all(f"has read {path}, SHA-256 {checksum(path)}\n" in logs for path in plan.sources(run)):
+    logs = "".join(map(_text_of, plan.log_files(result)))
+    if not all(f"has read {path}, SHA-256 {checksum(path)}\n" in logs for path in _sources(plan, result)):
         return False
     return dates == sorted(dates) and recorded == (json.loads(json.dumps(expected[0])), expected[1])
 
 
+def _sources(plan: Plan, result: str) -> list[str]:
+    """Return the paths of all files from outside that contribute to a result."""
+    return [path for job in plan.contributing(result) for path in plan.sources(*job)]
+
+
 def _checksum(plan: Plan, surface: str) -> str:
     """Return the recorded checksum of the measured files of a surface, of both faces of a pair."""
-    member = plan.members.get(surface)
-    names = [surface] if member is None else [member.face, member.counter_face]
+    pair = plan.placements.get(surface)
+    names = [surface] if pair is None else [pair.face, pair.counter_face]
     return " + ".join(checksum(plan.measured[name].path) for name in names)
 
 
-def _reason(plan: Plan, run: Run) -> str | None:
+def _reason(plan: Plan, result: str) -> str | None:
     """Return why its first job failed, or which file is gone; None where all is well."""
-    for log in plan.log_files(run):
+    for log in plan.log_files(result):
         if not Path(log).is_file():
             continue
         text = _text_of(log)
@@ -104,7 +100,7 @@ def _reason(plan: Plan, run: Run) -> str | None:
             return said[-1]
         if not text.endswith("] done\n"):
             return f"ended without a word, as a job does that is killed: {log}"
-    gone = [path for path in plan.sources(run) if not Path(path).exists()]
+    gone = [path for path in _sources(plan, result) if not Path(path).exists()]
     return f"{gone[0]}: is gone since the run began; put it back and run again" if gone else None
 
 

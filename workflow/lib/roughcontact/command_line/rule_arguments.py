@@ -1,0 +1,135 @@
+"""What the rules of the workflow ask for: input functions, params and resources of jobs."""
+
+import inspect
+import time
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from roughcontact.configuration.dependencies import source_digest
+from roughcontact.configuration.plan import STAGES, Plan, Rule, split
+from roughcontact.io.checksums import checksum
+from roughcontact.io.size import estimate_points
+
+InputFunction = Callable[[Any], list[str] | str]  # of the wildcards
+# the scripts of rules that use those of others
+_SCRIPTS = {"prepare_face": "prepare", "statistics": "contact"}
+
+
+def _with_signature(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function with its signature noted, for which Snakemake asks several times for each job."""
+    function.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
+    return function
+
+
+class RuleArguments:
+    """The arguments of the rules of one run, from its plan and the folder of the scripts."""
+
+    def __init__(self, plan: Plan, scripts: Path):
+        self.plan, self.scripts = plan, scripts
+        self.points = cache(self._points)
+        self.code = cache(self._code)
+
+    def file_of(self, name: str, *, earlier: bool = False) -> InputFunction | list[str] | str:
+        """Return the input function of a file: the own one, or that of the first case with the same settings.
+
+        There is none where only pairs have it, and with `earlier` where it is the own one. Without pairs and
+        cases it is text, which Snakemake takes in less time.
+        """
+        if not self.plan.placements and len(self.plan.cases) == 1:
+            return [] if earlier or name == "counter_height" else f"results/{{result}}/{name}.nc"
+
+        @_with_signature
+        def file(wildcards: Any) -> list[str] | str:
+            own = earlier and not self.plan.other_case(name, wildcards.result)
+            return [] if own else self.plan.file(name, wildcards.result) or []
+
+        return file
+
+    def sources_of(self, rule: Rule, local: Callable[[str], str]) -> InputFunction | list[str]:
+        """Return the input function of measured files, `local` ones even where results have a prefix.
+
+        Two kinds are left out, whose content counts all the same, by its checksum: those from the future, by
+        a wrong clock, since every result would be older, and those with braces, which mark wildcards.
+        """
+        if not self._reads(rule):
+            return []
+
+        @_with_signature
+        def files(wildcards: Any) -> list[str]:
+            now = time.time()
+            paths = [path for path in self.plan.sources(rule, wildcards.result) if "{" not in path]
+            return [local(path) for path in paths if Path(path).stat().st_mtime <= now]
+
+        return files
+
+    def params_of(self, rule: Rule) -> dict[str, Any]:
+        """Return the params of a job: settings of its files, checksums of the measured files and of its code.
+
+        A change of these runs it again, but for the row of the table, which depends on `input`.
+        """
+        if rule == "report":  # a function, in whose result braces stay
+            arguments = self.plan.report_arguments()
+            return {
+                "results": self.plan.results,
+                "arguments": lambda wildcards: arguments,
+                "code": self.code(rule),
+            }
+
+        @_with_signature
+        def settings(wildcards: Any) -> dict[str, Any]:
+            return {stage: self.plan.settings(stage, wildcards.result) for stage in STAGES[rule]}
+
+        @_with_signature
+        def sources(wildcards: Any) -> dict[str, str]:
+            return {path: checksum(path) for path in self.plan.sources(rule, wildcards.result)}
+
+        @_with_signature
+        def row(wildcards: Any, input: Any) -> dict[str, str]:  # noqa: A002 - a name of Snakemake
+            measured = self.plan.measured.get(split(wildcards.result)[1])
+            return {"path": str(measured.path), "origin": measured.origin} if measured else {}
+
+        params: dict[str, Any] = {
+            "settings": settings,
+            "sources": sources if self._reads(rule) else {},
+            "code": self.code(rule),
+        }
+        return params | ({} if rule == "superpose" else {"row": row})
+
+    def resources_of(self, rule: Rule) -> dict[str, Callable[..., int]]:
+        """Return memory (MB) and run time (minutes) of a job, by the size of its map."""
+
+        @_with_signature
+        def mem_mb(wildcards: Any, attempt: int) -> int:
+            result = wildcards.get("result", "")
+            return round(attempt * self.plan.memory(rule, result, points=self.points(result)))
+
+        @_with_signature
+        def runtime(wildcards: Any, attempt: int) -> int:
+            result = wildcards.get("result", "")
+            return round(5 + attempt * self.plan.minutes(rule, result, points=self.points(result)))
+
+        return {"mem_mb": mem_mb, "runtime": runtime}
+
+    def threads_of(self) -> Callable[[Any], int]:
+        """Return the function of the threads of the solver."""
+
+        @_with_signature
+        def threads(wildcards: Any) -> int:
+            return self.plan.threads(wildcards.result)
+
+        return threads
+
+    def _reads(self, rule: Rule) -> bool:
+        """Return whether any job of a rule reads files from outside."""
+        finer = any(settings["instrument"]["finer_spectrum"] for settings in self.plan.cases.values())
+        return rule.startswith("prepare") or (finer and rule in ("contact", "statistics"))
+
+    def _points(self, result: str) -> int:
+        """Return about how many points a measured map has, which is known before anything ran."""
+        return estimate_points(self.plan.row(split(result)[1]).path) if result else 0
+
+    def _code(self, script: str) -> str:
+        """Return the checksum of the modules that a script, or that of a rule, imports."""
+        return source_digest(self.scripts / f"{_SCRIPTS.get(script, script)}.py")

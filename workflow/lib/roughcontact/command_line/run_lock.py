@@ -1,0 +1,133 @@
+"""One run at a time in a folder, and whether the last one was killed.
+
+A run locks .snakemake/running as long as it or the Snakemake that it starts lives. The system releases the
+lock when both have ended, in whatever way: by this a job knows that its run has ended (`_job.py`). The file
+names computer, process and run; a run that ends by itself leaves it empty, a killed one does not.
+"""
+
+import os
+import socket
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from roughcontact.errors import SettingsError
+
+_TRIES = 20  # tenths of a second in which jobs notice that their run has ended
+
+
+@dataclass
+class RunLock:
+    """The lock of a run; without one, where a folder or a system has none, there is no `name`.
+
+    `files`: descriptors that Snakemake has to inherit; `name`: computer, process and time of the run, as the
+    file has them; `killed`: whether the last run was killed; `ended`: whether this one has ended by itself.
+    """
+
+    files: list[int] = field(default_factory=list)
+    name: str = ""
+    killed: bool = False
+    ended: bool = True
+
+
+@contextmanager
+def run_lock(folder: Path, *, unlocks: bool = False) -> Iterator[RunLock]:
+    """Lock a folder for one run; a SettingsError where another one is at work there.
+
+    `unlocks`: whether the user states that no run is at work there, on another computer.
+    """
+    path = folder / ".snakemake/running"
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        file = None if os.name == "nt" else path.open("a+b", buffering=0)
+    except OSError:  # a folder that cannot be written
+        file = None
+    if file is None:
+        yield RunLock()
+        return
+    with file:
+        free, here = _locked(file.fileno()), socket.gethostname()
+        host, process = _last_run(path)
+        if free is None:
+            yield RunLock()
+            return
+        if not free:
+            raise SettingsError(_at_work(folder, host, process))
+        # plain Snakemake, and its jobs; those of a killed run of this program end by themselves
+        if others := _snakemakes(folder):
+            raise SettingsError(_at_work(folder, here, others[0]))
+        if host not in ("", here) and not unlocks:
+            raise SettingsError(
+                f"{folder.absolute()}: a run on the computer {host} (process {process}) may be at work "
+                "there, which cannot be seen from here: wait for its end or, if it has been killed, take its "
+                "locks away with --unlock and run again"
+            )
+        lock = RunLock([file.fileno()], f"{here} {os.getpid()}-{time.time_ns()}", killed=host == here)
+        line = f"{lock.name}\n".encode()
+        # in place, then truncated: after a kill in between the computer's name is there
+        with path.open("r+b", buffering=0) as content:
+            content.write(line)
+            content.truncate(len(line))
+        yield lock
+        if lock.ended:
+            file.truncate(0)
+
+
+def _at_work(folder: Path, host: str, process: str) -> str:
+    """Return the sentence about another run."""
+    who = f"process {process} on {host}" if host else "of another program"
+    return (
+        f"{folder.absolute()}: a run is at work there ({who}): wait for its end, or end it first; what it "
+        "has finished is kept, and --unlock is not needed"
+    )
+
+
+def _last_run(path: Path) -> tuple[str, str]:
+    """Return computer and process of the run that a file names; empty where there is none."""
+    try:
+        words = path.read_text(encoding="utf-8", errors="replace").split()
+    except OSError:
+        return "", ""
+    host, run = (*words, "", "")[:2]
+    return host, run.partition("-")[0]
+
+
+def _snakemakes(folder: Path) -> list[str]:
+    """Return the processes of other Snakemakes in a folder, and of their jobs, that stay for a moment."""
+    import psutil  # comes with Snakemake
+
+    ancestors = {os.getpid(), *(process.pid for process in psutil.Process().parents())}
+    numbers: list[str] = []
+    for attempt in range(_TRIES):
+        if attempt:
+            time.sleep(0.1)
+        numbers = []
+        for process in psutil.process_iter():
+            with suppress(psutil.Error, OSError):
+                words = process.cmdline()[:4]
+                of_snakemake = any(
+                    Path(word).name == "snakemake" or ".snakemake/scripts/" in word for word in words
+                )
+                if of_snakemake and process.pid not in ancestors and Path(process.cwd()) == folder.resolve():
+                    numbers.append(str(process.pid))
+        if not numbers:
+            break
+    return numbers
+
+
+def _locked(file: int) -> bool | None:
+    """Lock a file, if necessary after a moment; None where the folder has no locks."""
+    import fcntl
+
+    for _ in range(_TRIES):
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            time.sleep(0.1)
+        except OSError:
+            return None
+        else:
+            return True
+    return False
