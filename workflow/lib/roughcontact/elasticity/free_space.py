@@ -40,7 +40,7 @@ class TruncatedKernel:
         """Return the symbol; infinite at q = 0, whose displacement `mean_displacement` is."""
         if self.influence == "elements":
             width = qx.size > 1 and round(2 * np.pi / (float(qx[0, 1]) * spacing[1]))
-            symbol = scipy.fft.rfft2(self._elements((qy.size, int(width)), spacing)).real
+            symbol = _transform_of_elements((qy.size, int(width)), spacing, self.reach).copy()
         else:
             q: np.ndarray = np.hypot(qy.astype(float), qx.astype(float))
             q[0, 0] = 1.0
@@ -52,16 +52,18 @@ class TruncatedKernel:
     def mean_displacement(self, shape: tuple[int, int], spacing: tuple[float, float]) -> float:
         """Return E* times the mean displacement per mean pressure: the symbol at q = 0."""
         if self.influence == "elements":
-            return float(self._elements(shape, spacing).sum())
+            return float(_transform_of_elements(shape, spacing, self.reach)[0, 0])
         return (1 + FADE) * self.reach
 
-    def _elements(self, shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarray:
-        """Return E* times the displacement (ny, nx) by a pixel of unit pressure at [0, 0], periodic."""
-        y, x = (np.minimum(i, n - i) * d for n, d in zip(shape, spacing, strict=True) for i in [np.arange(n)])
-        fade = (FADE - np.hypot(y[:, None], x) / self.reach) / (FADE - 1)
-        kernel = love(tuple(n // 2 + 1 for n in shape), spacing)
-        rows, columns = (np.minimum(i, n - i) for n in shape for i in [np.arange(n)])
-        return kernel[np.ix_(rows, columns)] * np.clip(fade, 0, 1)
+
+@lru_cache(maxsize=1)
+def _transform_of_elements(shape: tuple[int, int], spacing: tuple[float, float], reach: float) -> np.ndarray:
+    """Return the symbol (ny, nx // 2 + 1) of Love's kernel, faded beyond the reach, kept for one grid."""
+    rows, columns = (np.minimum(i, n - i) for n in shape for i in [np.arange(n)])
+    distance = np.hypot(rows[:, None] * spacing[0], columns * spacing[1])
+    fade = np.clip((FADE - distance / reach) / (FADE - 1), 0, 1)
+    kernel = love(tuple(n // 2 + 1 for n in shape), spacing)[np.ix_(rows, columns)]
+    return np.asarray(scipy.fft.rfft2(kernel * fade).real)
 
 
 def love(shape: tuple[int, ...], spacing: tuple[float, float]) -> np.ndarray:
