@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "workflow" / "lib")]
+sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parent / "workflow" / "lib")]
 
 import generated  # noqa: E402 - lies beside this file
 
