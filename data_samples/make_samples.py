@@ -107,6 +107,18 @@ def periodic():
     return quantised(surface * (0.25e-6 / surface.std()))
 
 
+def blasted_surface():
+    """Return heights (512, 512) of an isotropic surface, a DataArray (m), of which the profiles are rows."""
+    return self_affine_surface(
+        (512, 512), 1e-6, hurst=0.8, shortest=6e-6, longest=60e-6, rms_height=0.4e-6, seed=11
+    )
+
+
+def blasted_profiles():
+    """Return heights (5, 512) of five profiles of `blasted_surface`, 0.1 mm apart. Pitch 1 µm."""
+    return quantised(blasted_surface().values[50:500:100])
+
+
 def x3p_bytes(values, pitch):
     import x3pio
 
@@ -151,8 +163,11 @@ def matrix_bytes(values, pitches):
 
 
 def profile_bytes(values, pitch):
-    rows = [f"{(i + 0.5) * pitch * 1e6:.2f},{value * 1e9:.1f}" for i, value in enumerate(values[0] + 0.0)]
-    return ("\n".join(["x (µm),z (nm)", *rows]) + "\n").encode()
+    numbers = range(1, len(values) + 1) if len(values) > 1 else [""]
+    header = ",".join(["x (µm)", *(f"z{number} (nm)" for number in numbers)])
+    heights = [",".join(f"{value * 1e9:.1f}" for value in column) for column in (values + 0.0).T]
+    rows = [f"{(i + 0.5) * pitch * 1e6:.2f},{column}" for i, column in enumerate(heights)]
+    return ("\n".join([header, *rows]) + "\n").encode()
 
 
 def netcdf_bytes(values, length):
@@ -175,6 +190,7 @@ def make_samples() -> dict[str, bytes]:
         "turned.sdf": sdf_bytes(turned(), 2e-6),
         "ground.txt": matrix_bytes(ground(), (2e-6, 1e-6)),
         "stylus-profile.csv": profile_bytes(stylus_profile(), 0.5e-6),
+        "blasted-profiles.csv": profile_bytes(blasted_profiles(), 1e-6),
         "periodic.nc": netcdf_bytes(periodic(), 100e-6),
     }
 

@@ -110,7 +110,9 @@ def test_ground_and_turned_samples_have_their_lay_along_y():
 
 def test_of_a_profile_without_its_highest_tips_light_loads_are_not_to_be_used():
     asked = {"contact_modulus": 4.67e9, "hardness": 3e8, "mean_pressure": [1e6, 50e6]}
-    found = rc.evaluate(FOLDER / "stylus-profile.csv", contact=asked, uncertainty={"sources": []})
+    found = rc.evaluate(
+        FOLDER / "stylus-profile.csv", lay="across", contact=asked, uncertainty={"sources": []}
+    )
     assert found["verdict"].values.tolist() == [2, 0]
     (reason,) = [each for each in json.loads(found.attrs["reasons"]) if each["check"] == "Missing points"]
     assert reason["loads"] == [0]

@@ -8,8 +8,8 @@ from _window import write_window
 
 from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
-from roughcontact.levelling.level import level
 from roughcontact.levelling.repeats import noise_of_repeats
+from roughcontact.profiles.surface import levelled_heights
 from roughcontact.results.storage import read_dataset
 
 settings, row, output = snakemake.params.settings, snakemake.params.row, snakemake.output
@@ -38,7 +38,7 @@ save(height, output.height, settings["height"], source=height.attrs)
 del height  # large maps leave no room for two
 measured = read_dataset(output.height)["height"]
 save(
-    level(measured, **settings["levelled"]["level"]),
+    levelled_heights(measured, settings["levelled"]["level"]),
     output.levelled,
     settings["levelled"],
     source=measured.attrs,

@@ -5,6 +5,7 @@ import math
 import warnings
 from typing import TYPE_CHECKING, Any, get_args
 
+from roughcontact.choices import Lay
 from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
 
 if TYPE_CHECKING:  # a run with nothing to do imports this module, but no large library
@@ -182,6 +183,17 @@ def check_choice(key: str, value: object, choices: Any) -> None:
     hint = f"did you mean {close_matches[0]!r}? " if close_matches else ""
     valid = " or ".join(", ".join(admitted).rsplit(", ", 1))
     raise SettingsError(f"{key} = {value!r}: {hint}choose {valid}", keys=[key])
+
+
+def check_lay(lay: object) -> None:
+    """Raise SettingsError for an unknown lay of a profile, and for one along which it was measured."""
+    if lay == "along":
+        raise SettingsError(
+            "lay = 'along': a profile along the lay runs on one ridge and shows nothing of the others, which "
+            "carry the load; measure across the lay, and state lay = across",
+            keys=["lay"],
+        )
+    check_choice("lay", lay, Lay)
 
 
 def check_positive(name: str, value: Any, *, unit: str) -> float:

@@ -29,4 +29,5 @@ UncertaintySource = Literal["solver", "discretisation", "window", "instrument", 
 HeadlineMeasurand = Literal["surface", "longer"]  # of the interval that is printed
 Resampling = Literal["linear"]
 Checksum = Literal["ignore"]
+Lay = Literal["across", "none"]  # of a profile
 FirstRow = Literal["top", "bottom"]  # of a file, in the picture that programs show of it

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import check_labelled, warn_of_map
+from roughcontact.checking import check_labelled, check_lay, warn_of_map
 from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import HeightMapWarning, SettingsError
 from roughcontact.io.read import read_height_map
 from roughcontact.pipeline import run_chain
+from roughcontact.profiles.surface import NONE, stacked
 from roughcontact.si import labelled_in_si
 from roughcontact.variables import describe
 
@@ -22,8 +23,9 @@ _TABLE = ("mean_pressure", "relative_contact_area", "contact_stiffness", "conduc
 
 
 def evaluate(
-    source: str | Path | xr.DataArray,
+    source: str | Path | xr.DataArray | Sequence[xr.DataArray],
     *,
+    lay: str | None = None,
     level: Mapping[str, Any] | None = None,
     window: Mapping[str, Any] | None = None,
     contact: Mapping[str, Any] | None = None,
@@ -39,7 +41,11 @@ def evaluate(
     Parameters
     ----------
     source : str, Path or DataArray (y, x), m
-        a measured file, or a height map as `read_height_map` or `height_map` returns it.
+        a measured file, or a height map as `read_height_map` or `height_map` returns it; or a list of
+        profiles of one isotropic finish, which have one answer.
+    lay : {"across", "none"}, optional
+        of a profile: whether it was measured across a lay, and is solved as endless ridges, or the surface
+        has none, and surfaces with its spectrum are solved (`surface_from_profiles`).
     level, window, contact, statistics, uncertainty, instrument, form : mapping, optional
         sections of the configuration, with numbers possibly as text with a unit ("115 GPa"); missing keys
         have their defaults. `contact` states the elasticity, as `contact_modulus` or `bodies`.
@@ -83,7 +89,16 @@ def evaluate(
     >>> int(found["verdict"].item()), found["verdict"].attrs["flag_meanings"]
     (2, 'use review do_not_use')
     """
-    if not isinstance(source, str | PathLike):
+    if lay is not None:
+        check_lay(lay)
+    if isinstance(source, Sequence) and not isinstance(source, str):
+        if lay != NONE:
+            raise SettingsError(
+                f"lay = {lay!r}: several profiles have one answer where lay = 'none'; evaluate those "
+                "across a lay one by one, and join them by group_statistics"
+            )
+        source = stacked(source)
+    elif not isinstance(source, str | PathLike):
         source = labelled_in_si(check_labelled(source))
     sections = {
         "level": level,
@@ -98,6 +113,8 @@ def evaluate(
         raise SettingsError(f"{', '.join(file)}: of a file, the source is a map; read it with them")
     full = resolve({section: dict(values) for section, values in sections.items() if values is not None})[""]
     height = source if isinstance(source, xr.DataArray) else read_height_map(source, **file)
+    if lay is not None:
+        height = height.assign_attrs(lay=lay)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HeightMapWarning)  # of every solution; said once below
         result = run_chain(height, full, threads=threads)

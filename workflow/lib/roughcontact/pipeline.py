@@ -6,6 +6,7 @@ which are here.
 """
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,8 +17,9 @@ from roughcontact.bodies import have_layers
 from roughcontact.contact.dataset import joined
 from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
 from roughcontact.errors import HeightMapError
-from roughcontact.levelling.level import level
 from roughcontact.maps import spacing
+from roughcontact.profiles.scatter import isotropic_contact, scatter_of_surfaces
+from roughcontact.profiles.surface import NONE, levelled_heights, solved_window
 from roughcontact.results.storage import provenance, written_load_by_load
 from roughcontact.statistics.checks import with_verdicts
 from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statistics_function, with_uncertainty
@@ -29,9 +31,9 @@ from roughcontact.statistics.targets import wanted_loads
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget, finite_body_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.improvement import MAP_SCATTER_RATIO, map_scatter_ratio, with_halving
+from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.variables import describe
 from roughcontact.window.band import lateral_period_limit
-from roughcontact.window.finite_body import solved_map
 from roughcontact.window.instrument import stated_instrument, window_arguments
 
 _BAND = ("band_shortest", "band_longest", "band_reason", "corrected_for")
@@ -71,9 +73,9 @@ def run_chain(
     Raises `RoughContactError`: as its parts raise it: `level`, `periodic_window`, `solve_contact`.
     """
     progress(0, None, "levelling")
-    levelled = level(height, **settings["level"])
+    levelled = levelled_heights(height, settings["level"])
     progress(0, None, "periodic window")
-    window = solved_map(levelled, settings)
+    window = solved_window(levelled, settings)
     solver = solver_arguments(window, settings["contact"], threads=threads)
     pressures = mean_pressures(window, solver)
     loads = len(pressures)
@@ -160,11 +162,19 @@ def bound_error(
     verbs = {key: settings[key] for key in ("level", "instrument")}
     verbs["window"] = window_arguments(levelled, settings)
     verbs["contact"] = {**solver, **stated}
-    budget = error_budget(levelled, window, verbs, **settings["uncertainty"], solved=solved)
-    if "member" not in budget.dims:
+    scatter_of: Callable[..., Scatter] = scatter_of_subwindows
+    if levelled.attrs.get("lay") == NONE:
+        scatter_of, levelled = partial(scatter_of_surfaces, levelled), window
+    budget = error_budget(
+        levelled, window, verbs, **settings["uncertainty"], solved=solved, scatter_of=scatter_of
+    )
+    if "member" in budget.dims:
+        ratio = map_scatter_ratio(levelled, budget.sizes["member"])
+        budget = budget.assign_attrs({MAP_SCATTER_RATIO: ratio})
+    if 1 not in window.shape or "lay" in window.attrs or not settings["uncertainty"]["sources"]:
         return budget
-    ratio = map_scatter_ratio(levelled, budget.sizes["member"])
-    return budget.assign_attrs({MAP_SCATTER_RATIO: ratio})
+    isotropic = isotropic_contact(levelled, solver)
+    return budget.assign({f"{name}_if_isotropic": ("load", value) for name, value in isotropic.items()})
 
 
 class Solved(NamedTuple):

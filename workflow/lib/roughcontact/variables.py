@@ -253,6 +253,9 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "depth": ("m", "depth below the surface"),
     "profile_depth": ("m", "depth below the surface"),
     "interface_depth": ("m", "depth of the lower face of each layer"),
+    # of a profile whose lay is not stated
+    "relative_contact_area_if_isotropic": ("1", "contact area of an isotropic surface with this profile"),
+    "mean_gap_if_isotropic": ("m", "mean gap of an isotropic surface with this profile"),
     # the window
     "window_length_x": ("m", "length of the window along x; not defined across a profile"),
     "window_length_y": ("m", "length of the window along y; not defined across a profile"),

@@ -43,6 +43,7 @@ _FILE_OPTIONS = {
     "checksum": "ignore: read a file that differs from the checksum in it (X3P edited by hand)",
     "first-row": "top or bottom: position of the first row of the file in the picture of the surface",
     "missing-value": "number that marks missing points, in the unit of the heights; several: '-9999 0'",
+    "lay": "of a profile: across (a lay, ridges) or none (an isotropic surface with its spectrum is solved)",
 }
 
 

@@ -128,7 +128,12 @@ class RuleArguments:
 
     def _points(self, result: str) -> int:
         """Return about how many points a measured map has, which is known before anything ran."""
-        return estimate_points(self.plan.row(split(result)[1]).path) if result else 0
+        if not result:
+            return 0
+        row = self.plan.row(split(result)[1])
+        # of profiles without a lay a surface is solved
+        least = 2**18 if row.given.get("lay") == "none" else 0
+        return max(estimate_points(row.path), least)
 
     def _code(self, script: str) -> str:
         """Return the checksum of the modules that a script, or that of a rule, imports."""

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from roughcontact.checking import check_choice, marker_values
+from roughcontact.checking import check_choice, check_lay, marker_values
 from roughcontact.choices import Checksum, FirstRow, Resampling
 from roughcontact.configuration.models import Composite, Settings
 from roughcontact.configuration.resolve import resolve
@@ -135,10 +135,12 @@ def _mistakes_in(row: Surface) -> list[str]:
         for key in ("unit", "height_unit")
         if key in row.given and value_of(row.given[key], "m") is None
     ]
-    try:
-        marker_values(row.given.get("missing_value"))
-    except SettingsError as error:
-        mistakes.append(str(error))
+    for check, key in ((marker_values, "missing_value"), (check_lay, "lay")):
+        try:
+            if key in row.given:
+                check(row.given[key])
+        except SettingsError as error:
+            mistakes.append(str(error))
     words = {**row.given, PAIR_FIRST_ROW: row.counter_face_first_row}
     for key, choices in (
         ("resample", Resampling),

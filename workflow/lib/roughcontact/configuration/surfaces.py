@@ -27,7 +27,7 @@ from roughcontact.units import carries_unit, in_base_unit
 
 REQUIRED = ("surface", "path")
 NUMBERS = ("dx", "dy")
-TEXTS = ("channel", "unit", "height_unit", "resample", "checksum", "first_row", "missing_value")
+TEXTS = ("channel", "unit", "height_unit", "resample", "checksum", "first_row", "missing_value", "lay")
 PAIR = "counter_face"
 PAIR_FIRST_ROW = "counter_face_first_row"
 INSTRUMENT = tuple(

@@ -28,13 +28,14 @@ def inspect_file(
     checksum: str | None = None,
     first_row: str | None = None,
     missing_value: float | str | None = None,
+    lay: str | None = None,
 ) -> dict:
     r"""Return the content of a file, without asking for missing units.
 
     Parameters
     ----------
     path : str or Path
-    channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value : optional
+    channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, lay : optional
         As for `read_height_map`.
 
     Returns
@@ -73,7 +74,7 @@ def inspect_file(
     >>> folder.cleanup()
     """
     path = Path(path)
-    request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value)
+    request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, lay)
     file = open_file(path)
     problem, warnings, name, choice, measured = None, list(file.warnings), None, None, None
     rows, assumed = file.first_row, file.first_row_assumed

@@ -10,11 +10,13 @@ instrument's software shows. The attribute `first_row` keeps the position of the
 
 import json
 from collections.abc import Mapping
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from roughcontact.errors import InputFileError
 from roughcontact.io.conversion import convert
 from roughcontact.io.guards import sha256, unchanged
 from roughcontact.io.plausibility import SIZE_ADVICE, suspicions
@@ -37,6 +39,7 @@ def read_height_map(
     checksum: str | None = None,
     first_row: str | None = None,
     missing_value: float | str | None = None,
+    lay: str | None = None,
     instrument: Mapping[str, float] | None = None,
 ) -> "xr.DataArray":
     r"""Read a measured height map (or a profile) into metres.
@@ -46,7 +49,8 @@ def read_height_map(
     path : str or Path
         An instrument file, X3P, SDF, text (matrix, list of points, profile), `.npy` or netCDF.
     channel : str, optional
-        Name of the channel; without it the first one that holds heights.
+        Name of the channel; without it the first one that holds heights. Of profiles without a `lay` several
+        names, between semicolons: they become the rows of one array.
     dx, dy : float or str, optional
         Steps from point to point, in `unit`, or with a unit of their own: ``"1.5 um"``. They override the
         file, with a warning.
@@ -66,6 +70,9 @@ def read_height_map(
         do not state it (NumPy, MATLAB, numbers without a header); it overrides the file, with a warning.
     missing_value : float or str, optional
         Number that marks missing points, in the unit of the file's heights; several as text, ``"-9999 0"``.
+    lay : str, optional
+        Of a profile: ``across`` a lay, whose ridges are endless, or ``none`` for a surface that has none;
+        kept as the attribute `lay`.
     instrument : mapping, optional
         What is known of the instrument beside the file, for the error budget: `noise`, `resolution`,
         `wavelength`, `tip_radius` (m), `numerical_aperture`, `amplification_z`, `amplification_xy`; kept as
@@ -110,7 +117,9 @@ def read_height_map(
     import xarray as xr
 
     path = Path(path)
-    request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value)
+    request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, lay)
+    if request.lay == "none" and ";" in (request.channel or ""):
+        return _together(path, request, instrument)
     with unchanged(path):
         file = open_file(path)
         converted = convert(file, request, path)
@@ -143,6 +152,24 @@ def read_height_map(
             "missing_share": missing / converted.heights.size,
             "ingest_warnings": json.dumps(notes, ensure_ascii=False),
             "ingest_facts": json.dumps(facts, ensure_ascii=False),
+            **({"lay": request.lay} if request.lay else {}),
             **{f"instrument_{key}": float(value) for key, value in (instrument or {}).items()},
         },
     )
+
+
+def _together(path: Path, request: Request, instrument: Mapping[str, float] | None) -> "xr.DataArray":
+    """Return several profiles of a file, whose channels stand between semicolons, as rows of one array."""
+    import xarray as xr
+
+    names = [name.strip() for name in str(request.channel).split(";") if name.strip()]
+    arguments = [asdict(replace(request, channel=name)) for name in names]
+    rows = [read_height_map(path, **each, instrument=instrument) for each in arguments]
+    if any(row.shape != (1, rows[0].size) for row in rows):
+        raise InputFileError(f"{path}: channel = {request.channel}: are no profiles of one length; name one")
+    joined = xr.concat(rows, "y", join="override", combine_attrs="override")
+    step = float(rows[0]["x"][1] - rows[0]["x"][0])
+    joined = joined.assign_coords(y=("y", (np.arange(len(rows)) + 0.5) * step, {"units": "m"}))
+    missing = sum(row.attrs["missing_points"] for row in rows)
+    facts = {"missing_points": missing, "missing_share": missing / joined.size, "profiles": len(rows)}
+    return joined.assign_attrs(facts | {"channel": "; ".join(names)})

@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass, fields
 from numbers import Real
 
+from roughcontact.checking import check_lay
+
 
 @dataclass(frozen=True)
 class Request:
@@ -26,11 +28,14 @@ class Request:
     checksum: str | None = None
     first_row: str | None = None
     missing_value: float | str | None = None
+    lay: str | None = None
 
     def __post_init__(self) -> None:
         for field in fields(self):
             if _is_empty(getattr(self, field.name)):
                 object.__setattr__(self, field.name, None)
+        if self.lay is not None:
+            check_lay(self.lay)
 
 
 def _is_empty(value: object) -> bool:

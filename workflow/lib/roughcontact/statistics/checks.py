@@ -152,6 +152,7 @@ def surface_checks(
         *map_checks.faces(levelled, window),
         map_checks.longest_wave(statistics),
         map_checks.sample(statistics),
+        *map_checks.lay(statistics, window),
         map_checks.band(window),
         contact_checks.plasticity(statistics),
         contact_checks.load_range(statistics),

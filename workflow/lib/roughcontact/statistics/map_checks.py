@@ -302,6 +302,36 @@ def sample(statistics: xr.Dataset) -> Check:
     return Check(CheckName.SAMPLE, PASSED, text)
 
 
+def lay(statistics: xr.Dataset, window: Attributes) -> list[Check]:
+    """Check that it is stated of a profile whether it is one of ridges or of an isotropic surface.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> [check.outcome for check in lay(xr.Dataset(), {"lay": "none", "profile_warnings": "[]"})]
+    ['passed']
+    """
+    if window.get("lay") == "none":
+        warnings = json.loads(window["profile_warnings"])
+        text = "No lay, as stated: the numbers are those of isotropic surfaces with this spectrum."
+        return [Check(CheckName.LAY, REVIEW if warnings else PASSED, " ".join(warnings) or text)]
+    if not np.isnan([statistics[f"window_length_{axis}"] for axis in "xy"]).any():
+        return []
+    if "lay" in window:
+        text = "The profile runs across a lay, as stated: its ridges are endless."
+        return [Check(CheckName.LAY, PASSED, text)]
+    both = ""
+    if "relative_contact_area_if_isotropic" in statistics:
+        ridges, isotropic = (
+            ", ".join(percent(area) for area in statistics[f"relative_contact_area{end}"].values)
+            for end in ("", "_if_isotropic")
+        )
+        both = f"Contact area of endless ridges, as shown: {ridges}; of an isotropic surface: {isotropic}."
+    advice = "State lay = across (turned, ground: ridges) or lay = none (blasted, etched, lapped: isotropic)."
+    finding = "Nothing states the lay of the profile."
+    return [Check(CheckName.LAY, REVIEW, finding, explanation=both, advice=advice)]
+
+
 def band(window: Attributes) -> Check:
     """Check that no wave is solved that the instrument is known not to resolve.
 

@@ -25,6 +25,7 @@ class CheckName(StrEnum):
     HEIGHT_UNIT = "Height unit"
     PIXEL_SIZE = "Pixel size"
     FACES = "Faces"
+    LAY = "Lay"
     SOLVER = "Solver"
     OUTLIERS = "Outliers"
     ISOLATED_PEAK = "Isolated peak"

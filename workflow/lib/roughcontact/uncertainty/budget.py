@@ -1,6 +1,6 @@
 """The error budget: corrections, intervals and their components for each headline quantity and answer."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,7 @@ from roughcontact.uncertainty.magnification import magnification_curve
 from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.uncertainty.sample import constrictions_in_grooves, deficiency, description
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PRESSURE, to_scale
-from roughcontact.uncertainty.subwindows import scatter_of_subwindows
+from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, next_octave
 from roughcontact.window.instrument import stated_instrument
 from roughcontact.window.periodic_window import periodic_window
@@ -55,6 +55,7 @@ def error_budget(
     measurand: HeadlineMeasurand = "surface",
     extent: float = 3.0,
     solved: xr.Dataset | None = None,
+    scatter_of: Callable[..., Scatter] = scatter_of_subwindows,
 ) -> xr.Dataset:
     """Return the intervals of the headline quantities and the answers, and what they are made of.
 
@@ -91,6 +92,8 @@ def error_budget(
         length of the surface of the third measurand, over that of the map; 1 or more.
     solved : Dataset, optional
         `budget_inputs` of the solution of the window; it is solved here where they are not given.
+    scatter_of : callable, optional
+        what the source `window` is made of, with the arguments of `scatter_of_subwindows`.
 
     Returns
     -------
@@ -154,9 +157,10 @@ def error_budget(
         components["discretisation"] = {name: component for name, (_, component) in errors.items()}
         middle = {name: centre + errors[name][0] for name, centre in middle.items()}
     if "window" in sources:
-        scatter = scatter_of_subwindows(
+        scatter = scatter_of(
             levelled, window, contact=lenient, arguments=settings["window"], values=values, number=windows
         )
+        middle |= {name: middle[name] + by for name, by in scatter.shift.items()}
         grooves = constrictions_in_grooves(window) if CONSTRICTIONS[0] in values else []
         open_ended = {name: solved[f"{name}_half_way"].values > 0 for name in grooves}
         attrs = {

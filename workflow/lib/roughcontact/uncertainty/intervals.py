@@ -122,11 +122,15 @@ class Intervals:
     ) -> Component:
         """Return the component by which the truth of a measurand may differ from this map."""
         assert self.scatter is not None
-        if not self.scatter.features:  # without parts of a map nothing bounds what other places would give
+        if not self.scatter.features and not self.scatter.arms:  # without parts of a map nothing bounds what other places would give
             width = np.full(self.load.shape, 0.0 if measurand == "map" else np.inf)
             return half_widths(width, width)
         key, area = AREA if name == PRESSURE else name, from_scale(AREA, middle[AREA])
-        below, above = calibration.arms(measurand, key, self.scatter.features[key], area, extent=self.extent)
+        if self.scatter.arms:  # of surfaces behind profiles, whatever their size
+            below, above = self.scatter.arms[key]
+        else:
+            features = self.scatter.features[key]
+            below, above = calibration.arms(measurand, key, features, area, extent=self.extent)
         if name in CONSTRICTIONS:  # counted in mean gaps
             below, above = below * as_solved[GAP], above * as_solved[GAP]
         if name in self.open_ended and measurand != "map":

@@ -20,6 +20,8 @@ def description(
     levelled: xr.DataArray, scatter: Scatter, grooves: list[str], extent: float | None = None
 ) -> str:
     """Return sentences on the subwindows of a map, and what the interval is for (`measurand_in_words`)."""
+    if scatter.reason:
+        return scatter.reason
     ny, nx = levelled.isel(scatter.slices[0]).shape
     if len(scatter.slices) == 1:
         return f"The window of {nx} × {ny} points is too small to be divided into parts."
@@ -40,6 +42,8 @@ def description(
 
 def deficiency(levelled: xr.DataArray, scatter: Scatter) -> str:
     """Return a sentence on what the subwindows do not tell, empty for nothing."""
+    if scatter.reason:
+        return "The solution of a surface missed the tolerance." if scatter.incomplete else ""
     ny, nx = levelled.isel(scatter.slices[0]).shape
     if len(scatter.slices) == 1:
         return (

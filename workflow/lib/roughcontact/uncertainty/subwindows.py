@@ -15,6 +15,7 @@ and the texture aspect ratio Str, which tells a lay, are the features of the cal
 import math
 from collections.abc import Callable, Iterable, Mapping
 from itertools import pairwise
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -61,6 +62,11 @@ class Scatter(NamedTuple):
         whether the solution of a subwindow missed its tolerance.
     lay : float
         texture aspect ratio Str of the window, 0.5 where it has none.
+    arms, shift : dict
+        of surfaces behind profiles, which have no calibrated features: quantity -> how far the truth may lie
+        below and above, and mean of the members less the result (load), on the scale; of places in mean gaps.
+    reason : str
+        what the members are, if they are no subwindows.
     """
 
     members: dict[str, np.ndarray]
@@ -68,6 +74,9 @@ class Scatter(NamedTuple):
     slices: list[Slices]
     incomplete: bool = False
     lay: float = 0.5
+    arms: Mapping[str, tuple[np.ndarray, np.ndarray]] = MappingProxyType({})
+    shift: Values = MappingProxyType({})
+    reason: str = ""
 
 
 def scatter_of_subwindows(

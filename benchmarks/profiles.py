@@ -1,0 +1,231 @@
+"""Calibrate the ± of surfaces behind profiles on maps that are cut into profiles.
+
+    python benchmarks/profiles.py FOLDER ...    # solve: results/profiles/errors.csv
+    python benchmarks/profiles.py               # calibrate anew from that table, and print what is reached
+
+Maps are made ones (self-affine, Gaussian and skewed both ways) and all those in the folders whose texture
+aspect ratio Str is above 0.5. Rows of each, five and one, are taken for stylus profiles; the surfaces behind
+them are held against the map at p' = 0.02, 0.1 and 0.4, p' being the mean pressure over E* and the rms
+gradient of the map. With each map left out the others are calibrated, and its errors held against their
+intervals. Files that hold the same map count once.
+"""
+
+import argparse
+import contextlib
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from cases import SCALES
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
+
+import roughcontact as rc
+from roughcontact.errors import RoughContactError
+from roughcontact.maps import height_map, spacing
+from roughcontact.profiles.scatter import member_surfaces, moments
+from roughcontact.profiles.surface import stacked
+from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.roughness.texture import texture_parameters
+from roughcontact.uncertainty.calibration import entry
+from roughcontact.uncertainty.ensemble import solve_member
+from roughcontact.uncertainty.scales import (
+    ANSWERS,
+    AREA,
+    CONSTRICTIONS,
+    GAP,
+    PEAK,
+    from_scale,
+    inverse_erf_area,
+    to_scale,
+)
+
+HERE = Path(__file__).parent
+ERRORS = HERE / "results" / "profiles" / "errors.csv"
+CALIBRATION = HERE.parent / "workflow" / "lib" / "roughcontact" / "profiles" / "calibration.json"
+LOADS = np.array([0.02, 0.1, 0.4])
+MEMBERS, SEEDS = 5, 2
+CUTS = (0.5, 0.25)  # where the profiles lie between one another
+MOST = 512  # points per side of a map
+ISOTROPIC = 0.5  # Str
+COVERAGE = 0.95
+NORMAL_MEDIAN = 0.6745  # of |e| over its standard deviation
+QUANTITIES = (AREA, GAP, PEAK, *ANSWERS)
+# Hurst exponent, longest and shortest wavelength in points, and s of heights -sign(s) exp(-s h)
+KINDS = {
+    "H 0.4": (0.4, 40, 2.5, 0.0),
+    "H 0.7": (0.7, 50, 3.3, 0.0),
+    "H 1": (1.0, 50, 4.0, 0.0),
+    "plateaus": (0.8, 40, 4.0, 0.5),
+    "peaks": (0.8, 40, 4.0, -0.5),
+}
+
+
+def made(kind: str, seed: int, points: int = 384) -> xr.DataArray:
+    """Return a levelled piece (points, points) of a surface, of flat spectrum above its longest wave."""
+    hurst, longest, shortest, skew = KINDS[kind]
+    q = np.hypot(np.fft.fftfreq(2 * points)[:, None], np.fft.rfftfreq(2 * points))
+    amplitude = np.maximum(q, 1 / longest) ** (-1 - hurst) * ((q < 1 / shortest) & (q > 0))
+    noise = np.random.default_rng(seed).standard_normal((2 * points,) * 2)
+    heights = np.fft.irfft2(np.fft.rfft2(noise) * amplitude, s=noise.shape)
+    heights /= heights.std()
+    if skew:
+        heights = -np.sign(skew) * np.exp(-skew * heights)
+    return rc.level(height_map(3e-7 * heights[:points, :points], 1e-6))
+
+
+def measured(folders: Sequence[Path]) -> Iterator[tuple[str, xr.DataArray, float]]:
+    """Yield name, levelled map and Str of each isotropic map in the folders, once."""
+    seen = set()
+    for path in sorted(path for folder in folders for path in folder.iterdir() if path.is_file()):
+        for scale in SCALES:
+            with contextlib.suppress(RoughContactError):
+                levelled = rc.level(rc.read_height_map(path, **scale).astype(float))
+                if min(levelled.shape) < 100:
+                    break
+                aspect = texture_parameters(rc.periodic_window(levelled))["Str"]
+                name = (levelled.shape, round(aspect, 3), f"{levelled.attrs['Sku']:.3g}")
+                if aspect > ISOTROPIC and name not in seen:
+                    yield path.name, levelled, aspect
+                seen.add(name)
+                break
+
+
+def profiles_of(levelled: xr.DataArray, number: int, cut: float) -> list[xr.DataArray]:
+    """Return rows of a map, as long as its window may be, without missing points."""
+    values = levelled.values[:, np.isfinite(levelled.values).mean(axis=0) > 0.5]
+    whole = values[np.isfinite(values).all(axis=1)]
+    if len(whole) < 20:  # a round map: its middle half
+        quarter = values.shape[1] // 4
+        middle = values[:, quarter:-quarter]
+        whole = middle[np.isfinite(middle).all(axis=1)]
+    rows = whole[((np.arange(number) + cut) / number * len(whole)).astype(int)]
+    return [rc.level(height_map(row, spacing(levelled)[1]), outlier_threshold=None) for row in rows]
+
+
+def rows_of(name: str, kind: str, aspect: float, levelled: xr.DataArray) -> list[dict]:
+    """Return the rows of the table of one map: errors of the surfaces behind its profiles."""
+    print(name, flush=True)
+    side = min(MOST, *levelled.shape)
+    truth = rc.periodic_window(levelled[:side, :side])
+    pressures = LOADS * rms_gradient(truth)
+    contact = {"contact_modulus": 1.0, "mean_pressure": pressures, "on_failure": "flag"}
+    true = solve_member(truth, contact, tolerance=1e-3, names=QUANTITIES)
+    rows = []
+    for number, cut in ((number, cut) for number in (1, 5) for cut in CUTS):
+        try:
+            profiles = profiles_of(levelled, number, cut)
+            window = rc.surface_from_profiles(profiles, points=min(truth.shape))
+        except RoughContactError as error:
+            print(name, number, cut, error)
+            continue
+        result = solve_member(window, contact, tolerance=1e-2, names=QUANTITIES)
+        others = [
+            solve_member(surface, contact, tolerance=1e-2, names=QUANTITIES)
+            for surface in member_surfaces(stacked(profiles), window, MEMBERS)
+        ]
+        for quantity in QUANTITIES:
+            unit = result[GAP] if quantity in CONSTRICTIONS else 1.0
+            members = np.array([other[quantity] for other in others])
+            mean, scatter = moments(quantity, members, result[quantity], result[GAP])
+            error = (to_scale(quantity, true[quantity]) - to_scale(quantity, result[quantity])) / unit - mean
+            for load, p in enumerate(LOADS):
+                case = {"map": name, "kind": kind, "Str": round(aspect, 2), "profiles": number, "cut": cut}
+                columns = {"area": result[AREA], "error": error, "scatter": scatter, "truth": true[quantity]}
+                numbers = {key: f"{column[load]:.4g}" for key, column in columns.items()}
+                rows.append(case | {"load": p, "quantity": quantity} | numbers)
+    return rows
+
+
+def solve(folders: Sequence[Path]) -> None:
+    """Write the table of errors of all maps."""
+    maps = [
+        (f"{kind}, seed {seed}", "made", 1.0, made(kind, seed)) for kind in KINDS for seed in range(SEEDS)
+    ]
+    maps += [(name, "measured", aspect, levelled) for name, levelled, aspect in measured(folders)]
+    with ProcessPoolExecutor(3) as pool:
+        rows = [row for part in pool.map(rows_of, *zip(*maps, strict=True)) for row in part]
+    ERRORS.parent.mkdir(exist_ok=True)
+    pd.DataFrame(rows).to_csv(ERRORS, index=False)
+
+
+def calibrated(errors: pd.DataFrame) -> dict[str, dict[str, list[float]]]:
+    """Return spread and quantile of each quantity at each load, each map with the same weight."""
+    table: dict[str, dict[str, list[float]]] = {}
+    for quantity, group in errors.groupby(errors["quantity"].map(entry)):
+        columns = []
+        for _, rows in group[np.isfinite(group["error"])].groupby("load"):
+            error, scatter = rows["error"].abs().values, rows["scatter"].values
+            weight = (1 / rows.groupby("map")["error"].transform("size")).values
+            spreads = np.geomspace(1e-3, 3, 200)
+            medians = [_quantile(error / np.hypot(scatter, c), weight, 0.5) for c in spreads]
+            spread = spreads[np.argmin(np.abs(np.array(medians) - NORMAL_MEDIAN))]
+            level = min(1.0, COVERAGE * (1 + 1 / rows["map"].nunique()))
+            wide = _quantile(error / np.hypot(scatter, spread), weight, level)
+            columns.append([np.log(inverse_erf_area(rows["area"].values)).mean(), spread, wide])
+        columns = [[float(f"{value:.4g}") for value in column] for column in zip(*columns, strict=True)]
+        table[str(quantity)] = dict(zip(("load", "spread", "quantile"), columns, strict=True))
+    return table
+
+
+def _quantile(values: np.ndarray, weight: np.ndarray, level: float) -> float:
+    """Return the smallest value up to which the share of the weight is `level`."""
+    order = np.argsort(values)
+    share = np.cumsum(weight[order]) / weight.sum()
+    return float(values[order][np.searchsorted(share, level - 1e-12)])
+
+
+def inside(errors: pd.DataFrame, table: dict) -> pd.Series:
+    """Return which errors lie inside the intervals of a calibration."""
+    quantity = errors["quantity"].map(entry)
+    x = np.log(inverse_erf_area(errors["area"].values))
+    spread, wide = (
+        [np.interp(v, table[q]["load"], table[q][key]) for q, v in zip(quantity, x, strict=True)]
+        for key in ("spread", "quantile")
+    )
+    return errors["error"].abs() <= np.array(wide) * np.hypot(errors["scatter"], spread)
+
+
+def report(errors: pd.DataFrame) -> pd.DataFrame:
+    """Return coverage with each map left out, and medians of |result/truth - 1| of area and gap."""
+    left_out = [
+        inside(rows, calibrated(errors[errors["map"] != name])) for name, rows in errors.groupby("map")
+    ]
+    errors = errors.assign(inside=pd.concat(left_out))
+    headline = errors[errors["quantity"].isin([AREA, GAP])]
+    ratio = [
+        from_scale(name, to_scale(name, truth) - error) / truth
+        for name, truth, error in zip(headline["quantity"], headline["truth"], headline["error"], strict=True)
+    ]
+    headline = headline.assign(deviation=np.abs(np.array(ratio) - 1))
+    keys = ["kind", "profiles", "quantity"]
+    deviation = headline.groupby([*keys, "load"])["deviation"].median().unstack()
+    together = headline.groupby(keys)["deviation"].median().rename("all loads")
+    coverage = errors.groupby(keys)["inside"].mean().rename("coverage")
+    return coverage.to_frame().join(deviation).join(together).round(3)
+
+
+def main() -> None:
+    """Solve where folders are given, calibrate, and print what is reached."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folders", nargs="*", type=Path)
+    folders = parser.parse_args().folders
+    if folders:
+        solve(folders)
+    errors = pd.read_csv(ERRORS)
+    content = {"maps": errors.groupby("kind")["map"].nunique().to_dict(), "quantities": calibrated(errors)}
+    CALIBRATION.write_text(json.dumps(content, indent=1) + "\n")
+    table = report(errors)
+    table.to_csv(ERRORS.with_name("reached.csv"))
+    print(table.to_string())
+
+
+if __name__ == "__main__":
+    main()

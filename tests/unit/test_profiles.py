@@ -1,0 +1,288 @@
+"""The surface behind profiles: spectra, heights and slopes that are known, seeds, warnings, the answer."""
+
+import json
+
+import numpy as np
+import pytest
+import scipy
+import xarray as xr
+
+import roughcontact as rc
+from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.fourier import halfplane_weights
+from roughcontact.maps import height_map
+from roughcontact.profiles import finish
+from roughcontact.profiles.finish import draw, finish_of
+from roughcontact.profiles.spectrum import ProfileFit
+from roughcontact.profiles.surface import profile_pieces, stacked
+from roughcontact.quantities import percent
+from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.statistics import map_checks
+
+SIDE = 256
+BAND = {"hurst": 0.8, "shortest": 6.0, "longest": 40.0, "rms_height": 1.0}
+CONTACT = {"contact_modulus": "1 GPa", "mean_pressure": ["2 MPa", "10 MPa"]}
+
+
+def rough(seed=1, stretch=1.0, side=SIDE):
+    return rc.self_affine_surface((side, side), 1.0, **BAND, stretch=stretch, seed=seed)
+
+
+def rows(surface, number=5):
+    return [height_map(row, 1.0) for row in surface.values[:: SIDE // number][:number]]
+
+
+def fitted(surface, number):
+    pieces, _ = profile_pieces(stacked(rows(surface, number)))
+    return pieces, ProfileFit(pieces, 1)
+
+
+def density_of(surface):
+    """Return wavenumbers (cycles per point) and spectral density of a periodic surface, wave by wave."""
+    side = len(surface)
+    f = np.hypot(np.fft.fftfreq(side)[:, None], np.fft.rfftfreq(side))
+    return f, np.abs(np.fft.rfft2(surface)) ** 2 / side**2
+
+
+def test_a_known_spectrum_is_recovered():
+    surface = rough(side=512)
+    pieces, _ = profile_pieces(surface)
+    spectrum, (f, density) = ProfileFit(pieces, 1).spectrum(), density_of(surface.values)
+    for low, high in ((1 / 38, 1 / 24), (1 / 24, 1 / 16), (1 / 16, 1 / 11), (1 / 11, 1 / 7)):
+        ring = (f > low) & (f < high)
+        assert np.mean(spectrum.at(f[ring])) == pytest.approx(np.mean(density[ring]), rel=0.1)
+    weights = halfplane_weights((512, 512)) * spectrum.at(f) / 512**2
+    assert np.sqrt(weights.sum()) == pytest.approx(float(surface.std()), rel=0.03)
+    gradient = np.sqrt(np.sum(weights * (2 * np.pi * f) ** 2))
+    assert gradient == pytest.approx(rms_gradient(surface), rel=0.02)
+
+
+def test_long_waves_that_levelling_took_from_each_line_are_put_back():
+    # of the waves as long as the profiles a parabola leaves little: their periodogram falls to a tenth
+    side, length, waves = 1024, 256, {**BAND, "longest": 1024.0}
+    surface = rc.self_affine_surface((side, side), 1.0, **waves, seed=3)
+    pieces = surface.values[::16].reshape(-1, length)
+    basis = np.linalg.qr(np.vander(np.arange(length), 3))[0]
+    spectra = {}
+    for order in (0, 2):
+        taken = basis[:, 2 - order :]
+        spectra[order] = ProfileFit(pieces - (pieces @ taken) @ taken.T, order)
+    assert spectra[2].measured[0] < 0.5 * spectra[0].measured[0]
+    f, density = density_of(surface.values)
+    for low, high in ((1 / 256, 1 / 64), (1 / 64, 1 / 16)):
+        ring = (f > low) & (f < high)
+        found = np.mean(spectra[2].spectrum().at(f[ring]))
+        assert found == pytest.approx(np.mean(density[ring]), rel=0.2)
+
+
+def test_the_density_along_a_line_is_the_integral_in_closed_form():
+    # of f^-3: integral of (q^2 + y^2)^-3/2 over |y| < 1/2 is 1/(q^2 sqrt(q^2 + 1/4))
+    _, fit = fitted(rough(), 5)
+    q = np.arange(SIDE + 1) / (2 * SIDE)
+    middle = slice(20, SIDE)
+    line = fit._lines(SIDE).sum(axis=1)[middle]
+    q = q[middle]
+    np.testing.assert_allclose(line, 1 / (q**2 * np.sqrt(q**2 + 0.25)), rtol=0.02)
+
+
+def test_the_periodogram_of_white_profiles_is_their_variance():
+    _, fit = fitted(rough(), 5)
+    kernel = fit._kernel(np.array([40]), SIDE)
+    assert kernel.sum() * SIDE == pytest.approx(SIDE, rel=1e-9)
+    assert kernel.argmax() == 80
+
+
+def test_normal_heights_stay_normal_and_skewed_ones_stay_skewed():
+    rng, scores = np.random.default_rng(0), finish._SCORES
+    normal = finish._heights(rng.standard_normal(500), 500.0)
+    near = np.abs(scores) < 2
+    assert np.abs(normal - scores)[near].max() < 0.15
+    sample = np.sort(rng.exponential(size=4000))
+    skewed = finish._heights(sample, 4000.0)
+    exact = -np.log1p(-scipy.special.ndtr(scores)) - 1  # mean 0, standard deviation 1
+    assert np.abs(skewed - exact)[near].max() < 0.15
+
+
+def test_the_tail_is_extrapolated_linearly_over_the_score():
+    heights = finish._heights(np.random.default_rng(0).exponential(size=400), 40.0)
+    beyond = -scipy.special.ndtri(0.5 / 40) < finish._SCORES
+    steps = np.diff(heights[beyond])
+    assert steps.min() > 0
+    np.testing.assert_allclose(steps, steps[0], rtol=1e-6)
+
+
+def test_a_drawn_surface_has_the_amplitudes_and_the_skewness():
+    surface = rough()
+    plateaus = surface.copy(data=-np.exp(-0.6 * surface.values))
+    pieces, fit = fitted(plateaus, 20)
+    told = finish_of(pieces, fit)
+    drawn = draw(told, SIDE, 1.0, np.random.default_rng(0))
+    f, density = density_of(drawn)
+    expected = told.spectrum.at(f)
+    np.testing.assert_allclose(density, expected, atol=1e-9 * expected.max())
+    # the amplitudes, which come last, take a part of it
+    skewness = [scipy.stats.skew(heights, axis=None) for heights in (drawn, plateaus.values)]
+    assert 0.6 < skewness[0] / skewness[1] < 1.1
+    steps, tops = np.diff(drawn, axis=1) ** 2, drawn[:, 1:] > np.quantile(drawn, 0.9)
+    true_steps = np.diff(plateaus.values, axis=1) ** 2
+    true_tops = plateaus.values[:, 1:] > np.quantile(plateaus.values, 0.9)
+    ratio, true = steps[tops].mean() / steps.mean(), true_steps[true_tops].mean() / true_steps.mean()
+    assert ratio == pytest.approx(true, abs=0.15)  # 0.2: flat tops, where independent slopes would give 1
+    assert ratio < 0.5
+
+
+def test_the_pitch_of_a_surface_is_chosen_and_its_spectrum_kept():
+    profiles = rows(rough())
+    fine = rc.surface_from_profiles(profiles, points=400, spacing=0.5)
+    coarse = rc.surface_from_profiles(profiles, points=200)
+    assert fine.shape == (400, 400)
+    assert float(fine["x"][1] - fine["x"][0]) == pytest.approx(0.5)
+    assert rms_gradient(fine) == pytest.approx(rms_gradient(coarse), rel=0.03)
+
+
+def test_the_seed_makes_the_surface():
+    profiles = rows(rough())
+    first, again, other = (rc.surface_from_profiles(profiles, seed=seed) for seed in (1, 1, 2))
+    xr.testing.assert_identical(first, again)
+    assert np.corrcoef(first.values.ravel(), other.values.ravel())[0, 1] < 0.2
+
+
+def test_profiles_of_several_lengths_and_with_missing_points():
+    long, short, holed = rows(rough(), 3)
+    holed = holed.copy(data=holed.values)
+    holed[0, :40] = np.nan
+    pieces, _ = profile_pieces(stacked([long, short[:, :100], holed]))
+    assert pieces.shape == (5, 100)  # 256 // 100, 1 and 216 // 100
+
+
+def test_columns_are_profiles_as_well():
+    row = rows(rough(), 1)[0]
+    column = row.rename(x="y", y="x").transpose("y", "x")
+    xr.testing.assert_allclose(rc.surface_from_profiles([row]), rc.surface_from_profiles([column]))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda profiles: [], "profiles: have no points"),
+        (lambda profiles: [rough()], "profiles: have 256 x 256 points; give one-row maps"),
+        (lambda profiles: [profiles[0], height_map(profiles[1].values, 2.0)], "give profiles of one pitch"),
+        (lambda profiles: [profiles[0][:, :50]], "50 points in one stretch are too few"),
+        (lambda profiles: [0 * profiles[0]], "is flat"),
+    ],
+)
+def test_profiles_without_a_surface(change, said):
+    with pytest.raises(HeightMapError, match=said):
+        rc.surface_from_profiles(change(rows(rough())))
+
+
+@pytest.mark.parametrize(
+    ("lay", "said"),
+    [
+        ("along", "runs on one ridge and shows nothing of the others"),
+        ("isotropic", "choose across or none"),
+        ("across", "are ridges, and are solved as they are"),
+    ],
+)
+def test_other_lays_have_no_surface(lay, said):
+    with pytest.raises(SettingsError, match=said):
+        rc.surface_from_profiles(rows(rough()), lay=lay)
+
+
+def test_sizes_that_are_none():
+    with pytest.raises(SettingsError, match="points = 0, spacing = None: give positive numbers"):
+        rc.surface_from_profiles(rows(rough()), points=0)
+
+
+def warnings_of(profiles):
+    return json.loads(rc.surface_from_profiles(profiles).attrs["profile_warnings"])
+
+
+def test_good_profiles_have_no_warnings():
+    assert warnings_of(rows(rough())) == []
+
+
+def test_profiles_of_two_directions_are_flagged():
+    lay = rough(stretch=8)
+    across, along = height_map(lay.values[10], 1.0), height_map(lay.values[:, 10], 1.0)
+    assert any("two directions" in text for text in warnings_of([across, along]))
+    assert not any(
+        "two directions" in text for text in warnings_of([across, height_map(lay.values[99], 1.0)])
+    )
+
+
+def test_short_profiles_are_flagged():
+    assert "correlation lengths" in warnings_of([rows(rough())[0][:, :64]])[0]
+
+
+def test_a_step_in_a_trace_is_flagged():
+    profile = rows(rough())[0]
+    profile[0, 100:] += 10
+    assert any("single step" in text for text in warnings_of([profile]))
+
+
+def test_waves_longer_than_the_surface_are_flagged():
+    wave = 30 * np.sin(np.arange(4096) / 400)
+    profile = height_map(np.resize(rough().values[5], 4096) + wave, 1.0)
+    assert any("Waves longer than the surface" in text for text in warnings_of([profile]))
+
+
+@pytest.fixture(scope="module")
+def answers():
+    surface = rough().assign_coords(x=np.arange(SIDE) * 1e-6, y=np.arange(SIDE) * 1e-6) * 3e-7
+    surface.attrs["units"] = "m"
+    profiles = [surface[[row]] for row in (20, 70, 120, 170, 220)]
+    options = {"contact": CONTACT, "uncertainty": {"sources": ["solver", "window"], "windows": 5}}
+    return {
+        "surface": rc.evaluate(surface, contact=CONTACT, uncertainty={"sources": []}),
+        "five": rc.evaluate(profiles, lay="none", **options),
+        "one": rc.evaluate(profiles[0], lay="none", **options),
+        "across": rc.evaluate(profiles[0], lay="across", **options),
+        "unstated": rc.evaluate(profiles[0], **options),
+    }
+
+
+def test_the_contact_of_the_surface_behind_profiles(answers):
+    true = answers["surface"]
+    for name in ("five", "one"):
+        found = answers[name]
+        for quantity in ("relative_contact_area", "mean_gap"):
+            assert (found[f"{quantity}_lower"] < true[quantity]).all()
+            assert (true[quantity] < found[f"{quantity}_upper"]).all()
+        assert "surfaces with this spectrum" in found.attrs["window_reason"]
+    area = answers["five"]["relative_contact_area"] / true["relative_contact_area"]
+    assert np.abs(area - 1).max() < 0.15
+    assert (answers["across"]["relative_contact_area"] > 1.3 * true["relative_contact_area"]).all()
+
+
+def test_the_lay_decides_and_is_asked_for(answers):
+    def reasons(name):
+        return {reason["check"]: reason["text"] for reason in json.loads(answers[name].attrs["reasons"])}
+
+    assert not {"Lay"} & ({*reasons("five")} | {*reasons("across")})
+    assert "State lay = across" in reasons("unstated")["Lay"]
+    assert (answers["unstated"]["verdict"] >= 1).all()
+    ridges, isotropic = (
+        answers["unstated"][f"relative_contact_area{end}"].values for end in ("", "_if_isotropic")
+    )
+    np.testing.assert_allclose(ridges, answers["across"]["relative_contact_area"])
+    np.testing.assert_allclose(isotropic, answers["one"]["relative_contact_area"], rtol=0.25)
+    for area in (ridges[0], isotropic[0]):
+        assert percent(area) in reasons("unstated")["Lay"]
+
+
+def test_a_lay_is_of_profiles():
+    with pytest.raises(HeightMapError, match="lay = none: is of profiles, and this is a map of 256 x 256"):
+        rc.evaluate(rough(), lay="none", contact=CONTACT)
+    with pytest.raises(SettingsError, match="have one answer where lay = 'none'"):
+        rc.evaluate(rows(rough()), lay="across", contact=CONTACT)
+    with pytest.raises(SettingsError, match="shows nothing of the others"):
+        rc.evaluate(rows(rough())[0], lay="along", contact=CONTACT)
+
+
+def test_the_check_names_what_is_wrong_with_the_profiles():
+    check = map_checks.lay(xr.Dataset(), {"lay": "none", "profile_warnings": '["Too short."]'})[0]
+    assert (check.outcome, check.sentence) == ("review", "Too short.")
+    ridge = xr.Dataset({"window_length_x": 1.0, "window_length_y": np.nan})
+    assert map_checks.lay(ridge, {"lay": "across"})[0].outcome == "passed"
+    assert map_checks.lay(ridge.assign(window_length_y=1.0), {}) == []

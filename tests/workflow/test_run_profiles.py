@@ -1,0 +1,60 @@
+"""Profiles from the table to the report, with each lay that may be stated."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from small_project import SETTINGS, Project
+
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.results.storage import read_dataset
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory, checkout):
+    """Return a finished project with three profiles of one surface as ridges, as a surface, and unstated."""
+    project = Project(tmp_path_factory.mktemp("profiles"), checkout)
+    surface = self_affine_surface(
+        (128, 128), 1.0, hurst=0.8, shortest=8, longest=32, rms_gradient=0.1, seed=1
+    )
+    columns = {"x (um)": np.arange(128.0)} | {f"z{k} (um)": surface.values[40 * k] for k in (1, 2, 3)}
+    pd.DataFrame(columns).to_csv(project.path("measured/stylus.csv"), index=False)
+    table = [
+        "surface\tpath\tchannel\tlay",
+        "ridges\tmeasured/stylus.csv\tz1\tacross",
+        "surface\tmeasured/stylus.csv\tz1; z2; z3\tnone",
+        "unstated\tmeasured/stylus.csv\tz1\t",
+    ]
+    settings = {**SETTINGS, "uncertainty": {"sources": ["solver", "window"], "windows": 4}}
+    project.write(settings=settings, table=table)
+    run = project.run()
+    assert run.returncode == 0, run.stderr
+    return project
+
+
+def test_the_lay_decides_what_is_solved(project):
+    shapes = {
+        name: read_dataset(project.path(f"results/{name}/window.nc"))["height"].shape
+        for name in ("ridges", "surface", "unstated")
+    }
+    assert shapes["ridges"] == shapes["unstated"]
+    assert shapes["ridges"][0] == 1
+    assert shapes["surface"] == (128, 128)
+    assert read_dataset(project.path("results/surface/height.nc"))["height"].shape == (3, 128)
+
+
+def test_the_report_asks_for_the_lay_with_both_numbers(project):
+    statistics = read_dataset(project.path("results/unstated/statistics.nc"))
+    reasons = [each["text"] for each in json.loads(statistics.attrs["reasons"]) if each["check"] == "Lay"]
+    assert "of an isotropic surface" in reasons[0]
+    assert "State lay = across" in project.path("results/report.html").read_text()
+    known = read_dataset(project.path("results/ridges/statistics.nc"))
+    assert not [each for each in json.loads(known.attrs["reasons"]) if each["check"] == "Lay"]
+
+
+def test_mistakes_in_the_lay_are_named_before_anything_runs(project):
+    project.write(table=["surface\tpath\tlay", "a\tmeasured/stylus.csv\talong"])
+    run = project.run("--dry-run")
+    assert run.returncode != 0
+    assert "a profile along the lay runs on one ridge" in run.stderr

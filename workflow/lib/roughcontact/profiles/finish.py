@@ -1,0 +1,144 @@
+"""What profiles tell of a surface: its spectrum, and the distributions of heights and slopes.
+
+Surfaces are drawn with the amplitudes of the spectrum and the ranks of the distributions in turns (Schreiber
+and Schmitz, 1996, Phys. Rev. Lett. 77, 635). Their slopes along x and y have the distribution that those of
+the profiles have at the same height: plateaus are flat, flanks of pits steep.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from roughcontact.profiles.spectrum import ProfileFit, Spectrum
+
+_TURNS = 6
+_CLASSES = 6  # of height, equally frequent, in which slopes have a distribution of their own
+_SCORES = np.linspace(-5.2, 5.2, 257)  # normal scores at which the distribution of heights is stored
+_SLOPE_RANKS = (np.arange(400) + 0.5) / 400
+_TAIL = 0.5  # of an independent height: beyond this expected number a quantile is extrapolated
+_CHANCE = 1.5  # mean square deviation of n normal heights from their quantiles, times n over the variance
+_CORRELATION = 0.2  # at the correlation length
+_PIECES = 5  # of each profile, which are drawn anew for the scatter
+_SORTED = 16  # every so manieth rank is interpolated between
+
+
+class Finish(NamedTuple):
+    """A spectrum, and heights and slopes over their standard deviation.
+
+    Attributes
+    ----------
+    spectrum : Spectrum
+    heights : array (scores,)
+        at `_SCORES`.
+    slopes : array (classes, ranks)
+        between neighbouring points, for each class of height from the lowest.
+    """
+
+    spectrum: Spectrum
+    heights: np.ndarray
+    slopes: np.ndarray
+
+
+def finish_of(profiles: np.ndarray, fit: ProfileFit) -> Finish:
+    """Return what levelled profiles (number, points; m) tell."""
+    return Finish(fit.spectrum(), _heights(profiles, independent_heights(profiles)), _slopes(profiles))
+
+
+def resampled(profiles: np.ndarray, fit: ProfileFit, finish: Finish, rng: np.random.Generator) -> Finish:
+    """Return what other profiles of the same surface might tell, by pieces of these drawn with replacement.
+
+    The spectrum scatters as that of a Gaussian surface does, and with the mean square slope of the pieces.
+    """
+    length = profiles.shape[1] // _PIECES
+    pieces = profiles[:, : length * _PIECES].reshape(-1, length)
+    drawn = pieces[rng.integers(len(pieces), size=len(pieces))]
+    change = np.mean(np.diff(drawn) ** 2) / np.mean(np.diff(pieces) ** 2)
+    periodograms = fit.resampled(finish.spectrum, rng) * change
+    heights = _heights(drawn, independent_heights(profiles))
+    return Finish(fit.spectrum(periodograms), heights, _slopes(drawn))
+
+
+def correlation_length(profiles: np.ndarray) -> int:
+    """Return the number of points within which the correlation of profiles (number, points) falls to 0.2."""
+    points = profiles.shape[1]
+    power = np.mean(np.abs(np.fft.rfft(profiles, 2 * points, axis=1)) ** 2, axis=0)
+    correlation = np.fft.irfft(power)[:points]
+    below = np.flatnonzero(correlation < _CORRELATION * correlation[0])
+    return int(below[0]) if below.size else points
+
+
+def independent_heights(profiles: np.ndarray) -> float:
+    """Return how many independent heights profiles have: one in two correlation lengths."""
+    return profiles.size / (2 * correlation_length(profiles))
+
+
+def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) -> np.ndarray:
+    """Return the heights (points, points; m) of a periodic surface of `ratio` times the profiles' pitch."""
+    shape, full = (points, points), points**2
+    fx, fy = np.fft.rfftfreq(points), np.fft.fftfreq(points)[:, None]
+    amplitude = full * np.sqrt(finish.spectrum.at(np.hypot(fx, fy) / ratio)) / (points * ratio)
+    weights = np.where((fx > 0) & (fx < 0.5), 2.0, 1.0) * (amplitude / full) ** 2
+    rms = np.sqrt(weights.sum())
+    steps = [np.exp(2j * np.pi * f) - 1 for f in (fx, fy)]  # from one point to the next
+    slopes = [finish.slopes * np.sqrt(np.sum(weights * np.abs(step) ** 2)) for step in steps]
+    square = np.maximum(sum(np.abs(step) ** 2 for step in steps), 1e-300)
+    ranks = (np.arange(full) + 0.5) / full
+    heights = np.interp(scipy.special.ndtri(ranks), _SCORES, finish.heights)
+    heights = (heights - heights.mean()) * (rms / heights.std())
+    edges = heights[np.arange(1, _CLASSES) * full // _CLASSES]
+
+    def with_amplitudes(waves: np.ndarray) -> np.ndarray:
+        return waves * (amplitude / np.maximum(np.abs(waves), 1e-300))
+
+    waves = with_amplitudes(np.fft.rfft2(rng.standard_normal(shape)))
+    for _ in range(_TURNS):
+        ranked = _with_ranks(np.fft.irfft2(waves, s=shape), heights)
+        waves = with_amplitudes(np.fft.rfft2(ranked))
+        group = np.digitize(np.fft.irfft2(waves, s=shape), edges)
+        rises = [np.fft.irfft2(waves * step, s=shape) for step in steps]
+        for rise, distribution in zip(rises, slopes, strict=True):
+            for number, quantiles in enumerate(distribution):
+                inside = group == number
+                rise[inside] = _with_ranks(rise[inside], quantiles)
+        joined = sum(np.fft.rfft2(rise) * step.conj() for rise, step in zip(rises, steps, strict=True))
+        waves = with_amplitudes(joined / square)
+    return np.fft.irfft2(waves, s=shape)
+
+
+def _with_ranks(values: np.ndarray, quantiles: np.ndarray) -> np.ndarray:
+    """Return values of which each has the quantile of its rank, by interpolation between some ranks."""
+    ordered, last = np.sort(values, axis=None), values.size - 1
+    few = np.arange(min(256, values.size))
+    some = np.unique(np.concatenate([few, np.arange(0, last + 1, _SORTED), last - few]))
+    ranks = (some + 0.5) / values.size * quantiles.size - 0.5
+    return np.interp(values, ordered[some], np.interp(ranks, np.arange(quantiles.size), quantiles))
+
+
+def _heights(profiles: np.ndarray, independent: float) -> np.ndarray:
+    """Return the quantiles of heights at `_SCORES`, extrapolated linearly beyond those that a sample shows.
+
+    The deviation from a normal distribution is reduced by the share that chance would give.
+    """
+    values = np.sort(profiles, axis=None)
+    scores = scipy.special.ndtri((np.arange(values.size) + 0.5) / values.size)
+    deviation = (values - values.mean()) / values.std() - scores
+    share = max(0.0, 1 - _CHANCE / (independent * np.mean(deviation**2)))
+    quantiles = _SCORES + np.interp(_SCORES, scores, share * deviation)
+    limit = -scipy.special.ndtri(min(0.2, _TAIL / independent))
+    for side in (-1, 1):
+        u = side * _SCORES
+        near = np.flatnonzero((u <= limit) & (u > limit - 1))
+        slope = max(np.polyfit(_SCORES[near], quantiles[near], 1)[0], 0.0)
+        edge = near[-1 if side > 0 else 0]
+        quantiles[u > limit] = quantiles[edge] + slope * (_SCORES[u > limit] - _SCORES[edge])
+    return np.maximum.accumulate(quantiles)
+
+
+def _slopes(profiles: np.ndarray) -> np.ndarray:
+    """Return the quantiles (classes, ranks) of the steps between neighbours, alike in both directions."""
+    steps = np.diff(profiles).ravel()
+    order = np.argsort((profiles[:, 1:] + profiles[:, :-1]).ravel(), kind="stable")
+    groups = (steps[chosen] for chosen in np.array_split(order, _CLASSES))
+    quantiles = [np.quantile(np.concatenate([group, -group]), _SLOPE_RANKS) for group in groups]
+    return np.array(quantiles) / steps.std()

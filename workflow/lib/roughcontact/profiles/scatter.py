@@ -1,0 +1,127 @@
+"""Scatter of the results of surfaces behind profiles, and the arms of their intervals.
+
+The members are surfaces drawn from pieces of the profiles that are chosen anew: they scatter by their phases,
+by the spectrum of few profiles, and by the heights, tails included, that these happen to show. What spectrum,
+heights and slopes do not hold is calibrated: profiles were cut out of maps, measured and made ones, and the
+error e of each result, on its scale, was held against the standard deviation s of the members.
+The arms are q sqrt(s^2 + c^2) about the mean of the members, with the spread c of the errors beyond s, and a
+quantile q of |e|/sqrt(s^2 + c^2) of 95 %, each map with the same weight (split conformal prediction).
+
+`calibration.json` is written by `benchmarks/profiles.py`; its data are `benchmarks/results/profiles`.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.errors import HeightMapError
+from roughcontact.maps import height_map, spacing
+from roughcontact.profiles.finish import draw, finish_of, resampled
+from roughcontact.profiles.spectrum import ProfileFit
+from roughcontact.profiles.surface import profile_pieces, surface_from_profiles
+from roughcontact.quantities import several
+from roughcontact.uncertainty.calibration import entry
+from roughcontact.uncertainty.discretisation import CORRECTED
+from roughcontact.uncertainty.ensemble import (
+    SCATTER_TOLERANCE,
+    at_all_loads,
+    few_loads,
+    form_order,
+    loads_of,
+    solve_member,
+)
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, inverse_erf_area, to_scale
+from roughcontact.uncertainty.subwindows import Scatter
+
+
+
+@cache
+def table() -> dict[str, Any]:
+    """Return the content of `calibration.json`."""
+    return json.loads(resources.files(__package__).joinpath("calibration.json").read_text())
+
+
+def scatter_of_surfaces(
+    profiles: xr.DataArray,
+    levelled: xr.DataArray,
+    window: xr.DataArray,
+    *,
+    contact: Mapping[str, Any],
+    arguments: Mapping[str, Any],
+    values: Mapping[str, np.ndarray],
+    number: int = 9,
+) -> Scatter:
+    """Return the scatter of the results of surfaces that profiles (number, x; m) leave open, about the mean.
+
+    `window` is the surface that was solved, with the results `values`, quantity -> array (load); `number` is
+    that of the members. Of `arguments`, those of the window, the members have the band of waves.
+    """
+    load = loads_of(contact)
+    solved = few_loads(load)
+    members = {name: np.full((number, load.size), np.nan) for name in values}
+    for index, surface in enumerate(member_surfaces(profiles, window, number)):
+        member = solve_member(surface, contact, tolerance=SCATTER_TOLERANCE, names=[*values], loads=solved)
+        for name in values:
+            members[name][index, solved] = member[name]
+    x = np.log(np.maximum(inverse_erf_area(values[AREA]), 1e-12))
+    arms, shift = {}, {}
+    for name, result in values.items():
+        mean, deviation = moments(name, members[name][:, solved], result[solved], values[GAP][solved])
+        calibrated = table()["quantities"][entry(name)]
+        beyond, quantile = (
+            np.interp(x, calibrated["load"], calibrated[key]) for key in ("spread", "quantile")
+        )
+        width = quantile * np.hypot(at_all_loads(deviation, solved, load), beyond)
+        mean = at_all_loads(mean, solved, load)
+        if name in CORRECTED:
+            arms[name], shift[name] = (width, width), mean
+        else:
+            arms[name] = np.maximum(width - mean, 0.0), np.maximum(width + mean, 0.0)
+    measured = several(len(profiles), "profile")
+    reason = (
+        f"The ± is for surfaces with this spectrum: {number} surfaces that {measured} might have shown "
+        "were drawn and solved; what spectrum, heights and slopes do not hold is that of "
+        "maps that were cut into profiles."
+    )
+    missed = bool(np.isnan(members[GAP][:, solved]).any())
+    return Scatter(members, {}, [], missed, arms=arms, shift=shift, reason=reason)
+
+
+def member_surfaces(profiles: xr.DataArray, window: xr.DataArray, number: int) -> Iterator[xr.DataArray]:
+    """Yield so many surfaces of the size of a window that profiles (number, x; m) leave open."""
+    pieces, pitch = profile_pieces(profiles)
+    fit = ProfileFit(pieces, max(1, form_order(profiles)))
+    finish = finish_of(pieces, fit)
+    step = spacing(window)[1]
+    for index in range(number):
+        rng = np.random.default_rng([index + 1, window.shape[1]])
+        other = resampled(pieces, fit, finish, rng)
+        yield height_map(draw(other, window.shape[1], step / pitch, rng), step)
+
+
+def isotropic_contact(profile: xr.DataArray, contact: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Return contact area and mean gap (load) of the isotropic surface behind a profile, if there is one."""
+    names = [AREA, GAP]
+    try:
+        surface = surface_from_profiles([profile])
+    except HeightMapError:
+        return {}
+    return solve_member(surface, {**contact, "on_failure": "flag"}, tolerance=SCATTER_TOLERANCE, names=names)
+
+
+def moments(
+    name: str, members: np.ndarray, result: np.ndarray, gap: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean and standard deviation of members (member, load) and result, less the result, on the scale.
+
+    Narrowest places are counted in mean gaps.
+    """
+    unit = np.where(gap > 0, gap, 1.0) if name in CONSTRICTIONS else 1.0
+    every = np.vstack([result[None], np.where(np.isnan(members), result, members)])
+    on_scale = np.nan_to_num(to_scale(name, every) - to_scale(name, result), nan=0.0) / unit
+    return on_scale.mean(axis=0), on_scale.std(axis=0, ddof=1)

@@ -1,0 +1,181 @@
+"""The isotropic spectrum of a surface from profiles of it, by non-negative least squares.
+
+The spectral density of a surface is a sum of hat functions of ln f with factors a >= 0,
+
+    C(f) = sum_j a_j r_j hat_j(ln f) f_j^3 / f^3,     y_b = sum_j A_bj a_j + error,
+
+y_b being the mean periodogram of the profiles in a band of frequencies. A has the whole way from the surface
+to y: the integral over the waves of all directions that a line crosses at one frequency, the polynomial that
+levelling has removed from each line, and the taper. What was removed of the long waves is therefore put back.
+The errors are those of a chi-square variable; the second differences of a are damped by a factor that
+cross-validation over the bands chooses.
+
+References
+----------
+Nayak (1971), J. Lubr. Technol. 93, 398, for the spectra of a surface and of its profiles; Lawson and Hanson
+(1974), Solving Least Squares Problems, chapter 23; Wahba (1990), Spline Models for Observational Data,
+chapter 4.
+"""
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+_HATS_PER_DECADE = 12
+_BANDS_PER_DECADE = 14
+_LONGEST = 4.0  # wavelength of the first hat over the length of the profiles: longer waves tilt them
+_FREQUENCIES = 24  # of a band, at most, at which the transfer is computed
+_DIRECTIONS = 96  # nodes of the integral over the waves that a line crosses
+_LINES = 300  # frequencies at which that integral is computed
+_DAMPING = 10.0 ** np.arange(-2.0, 4.1)
+_FOLDS = 4
+_WEIGHTINGS = 8  # passes, each with the variances of the fit before
+_NEGLIGIBLE = 1e-3  # of the largest density of slopes: weaker waves change no contact
+_REFERENCES, _SMOOTH = 2, 1.5  # fits that give the reference of the next, and its smoothing over the hats
+_CORRELATED = 1.94  # neighbouring ordinates of a Hann taper: 1 + 2 (2/3)^2 + 2 (1/6)^2
+_HIGHEST = np.sqrt(0.5)  # cycles per point, in the corner of a grid
+
+
+class Spectrum(NamedTuple):
+    """The spectrum of a surface; frequencies in cycles per point of the profiles, heights in m.
+
+    Attributes
+    ----------
+    frequency, density : array (hats,)
+        density (m^2 points^2) at its nodes, where density times frequency^3 is linear in ln f.
+    band : array (bands,)
+        frequencies of the mean periodograms of the profiles.
+    fitted : array (bands + 2,)
+        what the spectrum makes of the periodograms, and of the mean squares of steps and heights.
+    """
+
+    frequency: np.ndarray
+    density: np.ndarray
+    band: np.ndarray
+    fitted: np.ndarray
+
+    def at(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the density at some frequencies, cycles per point; 0 at 0 and beyond the last node."""
+        inside = (frequency > 0) & (frequency <= self.frequency[-1])
+        f = np.maximum(frequency, self.frequency[0])
+        cubed = np.interp(np.log(f), np.log(self.frequency), self.density * self.frequency**3)
+        return np.where(inside, cubed / f**3, 0.0)
+
+
+class ProfileFit:
+    """Periodograms of profiles (number, points; m), and the way to them from the spectrum of a surface.
+
+    Attributes
+    ----------
+    band : array (bands,)
+        frequencies.
+    measured, freedom : array (bands + 2,)
+        mean periodograms (m^2 points), mean squares of steps and heights (m^2), and degrees of freedom.
+    """
+
+    def __init__(self, profiles: np.ndarray, order: int) -> None:
+        """Take levelled profiles, from which polynomials of an order were removed."""
+        number, points = profiles.shape
+        self._basis = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1, 1, points), order))[0]
+        taper = np.sin(np.pi * (np.arange(points) + 0.5) / points) ** 2
+        self._taper = taper / np.sqrt(np.mean(taper**2))
+        power = np.abs(np.fft.rfft(profiles * self._taper, axis=1)) ** 2 / points
+        waves = points // 2 + 1
+        edges = np.geomspace(1, waves, int(_BANDS_PER_DECADE * np.log10(waves)) + 1)
+        edges = np.unique(edges.round().astype(int))
+        bands = [np.arange(*ends) for ends in pairwise(edges)]
+        size = np.array([band.size for band in bands])
+        self.band = np.array([np.sqrt(band[0] * band[-1]) for band in bands]) / points
+        self.measured = np.array([power[:, band].mean() for band in bands])
+        freedom = 2 * number * size
+        squares = np.array([np.mean(np.diff(profiles) ** 2), np.mean(profiles**2)])  # of steps and heights
+        shares = [size * self.measured * self.band**2, size * self.measured]
+        counts = [share.sum() ** 2 / np.sum(share**2 / freedom) for share in shares]
+        self.freedom = np.append(freedom / np.minimum(_CORRELATED, 1 + 0.44 * (size - 1)), counts)
+        lowest = 1 / (_LONGEST * points)
+        nodes = int(_HATS_PER_DECADE * np.log10(_HIGHEST / lowest)) + 2
+        self._frequency = np.geomspace(lowest, _HIGHEST, nodes)
+        floor = np.maximum(self.measured, 1e-9 * self.measured.max())
+        level = np.interp(np.log(self._frequency), np.log(self.band), np.log(floor / self.band))
+        kernels = np.array([self._kernel(band, points) for band in bands])
+        lines = np.vstack([kernels, self._squares(points)]) @ self._lines(points) * self._frequency**3
+        floor = _NEGLIGIBLE * np.max(self.measured * self.band**2) / self.band**2
+        self._floor = np.append(floor, _NEGLIGIBLE * squares)
+        self.measured = np.append(self.measured, squares)
+        for _ in range(_REFERENCES):
+            smooth = scipy.ndimage.gaussian_filter1d(level, _SMOOTH, mode="nearest")
+            self._reference = np.exp(smooth)
+            self._matrix = lines * self._reference
+            density = self._solve(self.measured, 1.0) * self._reference
+            slopes = density * self._frequency**4
+            weakest = _NEGLIGIBLE * slopes.max() / self._frequency**4
+            level = np.log(np.maximum(density, weakest))
+        self._damping = min(_DAMPING, key=self._deviance)
+
+    def spectrum(self, measured: np.ndarray | None = None) -> Spectrum:
+        """Return the spectrum, of the profiles or of others with the measured values (bands + 2,)."""
+        factors = self._solve(self.measured if measured is None else measured, self._damping)
+        return Spectrum(self._frequency, factors * self._reference, self.band, self._matrix @ factors)
+
+    def resampled(self, spectrum: Spectrum, rng: np.random.Generator) -> np.ndarray:
+        """Return the measured values (bands + 2,) of other profiles of a surface of some spectrum."""
+        return spectrum.fitted * rng.gamma(self.freedom / 2) / (self.freedom / 2)
+
+    def _lines(self, points: int) -> np.ndarray:
+        """Return the density along a line of each hat at the frequencies k/(2 points), (points + 1, hats)."""
+        q = np.maximum(np.arange(points + 1), 0.25) / (2 * points)
+        few = np.geomspace(q[0], q[-1], _LINES)
+        t = np.linspace(0, 1, _DIRECTIONS) * np.arcsinh(0.5 / few)[:, None]  # across: q sinh t, up to 1/2
+        f = few[:, None] * np.cosh(t)
+        step = np.log(self._frequency[1] / self._frequency[0])
+        position = np.maximum(np.log(f / self._frequency[0]) / step, 0.0)
+        hats = np.maximum(0.0, 1 - np.abs(position[..., None] - np.arange(self._frequency.size)))
+        density = f * np.maximum(f, self._frequency[0]) ** -3.0
+        across = 2 * np.trapezoid(density[..., None] * hats, t[..., None], axis=1)
+        # times q^2 the integral is flat enough to be interpolated
+        smooth = scipy.interpolate.interp1d(np.log(few), across * few[:, None] ** 2, axis=0)
+        return smooth(np.clip(np.log(q), *np.log(few[[0, -1]]))) / q[:, None] ** 2
+
+    def _kernel(self, band: np.ndarray, points: int) -> np.ndarray:
+        """Return the weights (points + 1,) of the frequencies k/(2 points) in the periodogram of a band."""
+        waves = band[np.linspace(0, band.size - 1, min(band.size, _FREQUENCIES)).round().astype(int)]
+        sums = self._taper * np.exp(-2j * np.pi / points * waves[:, None] * np.arange(points))
+        sums -= (sums @ self._basis) @ self._basis.T  # of the levelled profile
+        power = np.mean(np.abs(np.fft.fft(sums, 2 * points)) ** 2, axis=0)
+        folded = power[: points + 1]
+        folded[1:-1] += power[:points:-1]
+        return folded / (2 * points**2)
+
+    def _squares(self, points: int) -> np.ndarray:
+        """Return the weights (2, points + 1) in the mean square of steps, and of levelled heights."""
+        each = np.full(points + 1, 1 / points)
+        each[[0, -1]] /= 2
+        steps = 2 - 2 * np.cos(np.pi / points * np.arange(points + 1))
+        removed = np.sum(np.abs(np.fft.fft(self._basis.T, 2 * points)) ** 2, axis=0)[: points + 1] / points
+        return np.array([each * steps, each * (1 - removed)])
+
+    def _solve(
+        self, measured: np.ndarray, damping: float, used: slice | np.ndarray = slice(None)
+    ) -> np.ndarray:
+        """Return the factors a (hats,) of measured values (bands + 2,), of which only some are used."""
+        smooth = np.sqrt(damping) * np.diff(np.eye(self._frequency.size), 2, axis=0)
+        expected = measured
+        for _ in range(_WEIGHTINGS):
+            weight = 1 / np.hypot(expected / np.sqrt(self.freedom / 2), self._floor)
+            rows = np.vstack([(self._matrix * weight[:, None])[used], smooth])
+            right = np.concatenate([(measured * weight)[used], np.zeros(len(smooth))])
+            factors, _ = scipy.optimize.nnls(rows, right)
+            expected = np.sqrt(expected * np.maximum(self._matrix @ factors, 1e-2 * expected))
+        return factors
+
+    def _deviance(self, damping: float) -> float:
+        """Return how badly bands that are left out are predicted by the others: Whittle's deviance."""
+        # the mean squares are never left out
+        total, fold = 0.0, np.append(np.arange(self.band.size) % _FOLDS, [-1, -1])
+        for number in range(_FOLDS):
+            predicted = self._matrix @ self._solve(self.measured, damping, fold != number)
+            ratio = (self.measured + self._floor) / (predicted + self._floor)
+            total += np.sum((self.freedom / 2 * (ratio - np.log(ratio)))[fold == number])
+        return float(total)

@@ -1,0 +1,232 @@
+"""Surfaces drawn from profiles, as maps with what the profiles tell, and of what they warn."""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.checking import check_labelled, check_lay
+from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map, spacing
+from roughcontact.profiles.finish import Finish, correlation_length, draw, finish_of
+from roughcontact.profiles.spectrum import ProfileFit
+from roughcontact.quantities import number, percent, quantity
+from roughcontact.si import labelled_in_si
+from roughcontact.uncertainty.ensemble import form_order
+from roughcontact.window.finite_body import solved_map
+from roughcontact.window.sides import friendly_sides
+
+NONE = "none"  # the lay of an isotropic surface
+_MOST_POINTS = 512  # per side of a surface, unless others are asked for
+_LONGEST_PIECE = 8192  # points of a profile: longer ones are cut
+_LEAST_POINTS = 64
+_LENGTHS = 10  # correlation lengths of a profile, below which its long waves are unknown
+_UNLIKE = 3.0  # standard deviations of ln mean square slope, by chance, between profiles of one finish
+_STEP_SHARE = 0.2  # of the mean square slope in a single step between neighbours
+_LONG_SHARE = 0.2  # of the mean square height in waves that are longer than the surface
+
+
+def surface_from_profiles(
+    profiles: Sequence[xr.DataArray],
+    *,
+    lay: str = NONE,
+    points: int | None = None,
+    spacing: float | None = None,
+    seed: int = 0,
+) -> xr.DataArray:
+    """Draw a surface that has the spectrum, the heights and the slopes of profiles of it.
+
+    The surface is isotropic, periodic and as random as its `seed`. Its spectrum is fitted to the mean
+    periodogram of the profiles by non-negative least squares; what levelling has removed from each line is
+    put back. Heights have the distribution of the profiles, the highest summits, which no profile meets, by
+    linear extrapolation over the normal score, and slopes that of the profiles at the same height; amplitudes
+    and ranks are imposed in turns [1]_.
+
+    Parameters
+    ----------
+    profiles : sequence of DataArray (1, x), m
+        one or more of one finish, of equal pitch, as `level` returns them; of a profile with missing points
+        the longest stretch between them. A straight line is removed from each.
+    lay : {"none"}
+        isotropic. Across a lay profiles are solved as they are.
+    points : int, optional
+        per side; as many as the profiles have by default, but no more than 512.
+    spacing : float, optional, m
+        pitch of the surface; that of the profiles by default.
+    seed : int
+        of `numpy.random.default_rng`.
+
+    Returns
+    -------
+    DataArray (y, x), m
+        with the attributes of the first profile, `lay`, `profiles` (their number), `correlation_length` (m),
+        and `profile_warnings` (JSON, sentences).
+
+    Raises
+    ------
+    HeightMapError
+        for no profiles, maps, profiles of unlike pitch, of fewer than 64 points, or flat ones.
+    SettingsError
+        for another lay, or a size or pitch that is not positive.
+
+    References
+    ----------
+    .. [1] Schreiber and Schmitz (1996), Improved surrogate data for nonlinearity tests, Phys. Rev. Lett. 77,
+       635.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> made = rc.self_affine_surface((256, 256), 1e-6, hurst=0.8, shortest=8e-6, longest=5e-5, rms_height=1)
+    >>> surface = rc.surface_from_profiles([made[[row]] for row in (10, 90, 170)], seed=1)
+    >>> surface.shape, f"{float(surface.std()):.1g} m"
+    ((256, 256), '1 m')
+    """
+    check_lay(lay)
+    if lay != NONE:
+        raise SettingsError("lay = 'across': such profiles are ridges, and are solved as they are (evaluate)")
+    stack = stacked(profiles)
+    pieces, pitch = profile_pieces(stack)
+    ratio = 1.0 if spacing is None else float(spacing) / pitch
+    side = default_points(pieces) if points is None else points
+    if not 0 < ratio < np.inf or side != int(side) or side < 2:
+        raise SettingsError(f"points = {points!r}, spacing = {spacing!r}: give positive numbers")
+    fit = ProfileFit(pieces, max(1, form_order(stack)))
+    finish = finish_of(pieces, fit)
+    heights = draw(finish, int(side), ratio, np.random.default_rng(seed))
+    drawn = height_map(heights, pitch * ratio)
+    facts = {
+        "lay": NONE,
+        "profiles": stack.shape[0],
+        "correlation_length": correlation_length(pieces) * pitch,
+        "profile_warnings": json.dumps(_warnings(pieces, pitch, finish, side * ratio), ensure_ascii=False),
+        "missing_points": 0,
+        "missing_share": 0.0,
+    }
+    return drawn.assign_attrs(stack.attrs | facts)
+
+
+def stacked(profiles: Sequence[xr.DataArray]) -> xr.DataArray:
+    """Return profiles as the rows of one array (number, x; m), NaN beyond their ends."""
+    rows = [labelled_in_si(check_labelled(profile)) for profile in profiles]
+    if not rows or any(1 not in row.shape for row in rows):
+        shapes = ", ".join(f"{row.shape[1]} x {row.shape[0]}" for row in rows) or "no"
+        raise HeightMapError(f"profiles: have {shapes} points; give one-row maps, one or more")
+    if len(rows) == 1:
+        return rows[0] if rows[0].shape[0] == 1 else rows[0].rename(x="y", y="x").transpose("y", "x")
+    pitches = [spacing(row)[1] for row in rows]
+    if max(pitches) > 1.01 * min(pitches):
+        lengths = ", ".join(quantity(pitch, "m") for pitch in pitches)
+        raise HeightMapError(f"profiles: have pitches of {lengths}; give profiles of one pitch")
+    values = np.full((len(rows), max(row.size for row in rows)), np.nan)
+    for index, row in enumerate(rows):
+        values[index, : row.size] = row.values.ravel()
+    return height_map(values, pitches[0]).assign_attrs(rows[0].attrs | {"profiles": len(rows)})
+
+
+def levelled_heights(height: xr.DataArray, options: Mapping[str, Any]) -> xr.DataArray:
+    """Return the levelled map; of profiles without a lay each row is levelled by itself."""
+    lay = height.attrs.get("lay", "")
+    if lay and 1 not in height.shape and "profiles" not in height.attrs:
+        ny, nx = height.shape
+        raise HeightMapError(
+            f"lay = {lay}: is of profiles, and this is a map of {nx} x {ny} points; leave it out"
+        )
+    if lay != NONE:
+        return level(height, **options)
+    rows = [height[[row]].dropna("x") for row in range(len(height))]
+    return stacked([level(row, **options) for row in rows]).assign_attrs(lay=NONE)
+
+
+def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, Any]]) -> xr.DataArray:
+    """Return the map that is solved: of profiles without a lay the surface behind them."""
+    if levelled.attrs.get("lay") != NONE:
+        return solved_map(levelled, settings)
+    drawn = surface_from_profiles([levelled[[row]] for row in range(len(levelled))])
+    facts = {key: levelled.attrs[key] for key in ("form", "form_removed")}
+    # it is periodic without its form, and has no points that were rejected
+    drawn = drawn.assign_attrs(form="none", form_removed="{}", outliers_rejected=0)
+    return solved_map(drawn, settings).assign_attrs(facts)
+
+
+def default_points(pieces: np.ndarray) -> int:
+    """Return the points per side of a surface of profiles of so many points."""
+    longest = min(pieces.shape[1], _MOST_POINTS)
+    return int(friendly_sides(longest)[longest])
+
+
+def profile_pieces(stack: xr.DataArray) -> tuple[np.ndarray, float]:
+    """Return profiles as pieces of equal length (number, points; m), without a line, and their pitch (m)."""
+    rows = [_longest_run(row) for row in stack.values]
+    points = min([_LONGEST_PIECE, *(row.size for row in rows)])
+    cut = [row[: row.size // points * points].reshape(-1, points) for row in rows if points]
+    pieces = np.concatenate(cut) if cut else np.zeros((1, 0))
+    name = stack.attrs.get("source_file") or "profiles"
+    if points < _LEAST_POINTS:
+        raise HeightMapError(
+            f"{name}: {points} points in one stretch are too few for a spectrum; give profiles of "
+            f"{_LEAST_POINTS} points or more, or state lay = across"
+        )
+    line = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1, 1, points), 1))[0]
+    pieces = pieces - (pieces @ line) @ line.T
+    if not np.diff(pieces).std() > 1e-12 * np.abs(stack).max().item():
+        raise HeightMapError(f"{name}: is flat; a flat profile has no spectrum")
+    return pieces, spacing(stack)[1]
+
+
+def _longest_run(row: np.ndarray) -> np.ndarray:
+    """Return the longest stretch of a profile between missing points."""
+    ends = np.flatnonzero(np.concatenate([[True], ~np.isfinite(row), [True]]))
+    longest = np.argmax(np.diff(ends))
+    return row[ends[longest] : ends[longest + 1] - 1]
+
+
+def _warnings(pieces: np.ndarray, pitch: float, finish: Finish, side: float) -> list[str]:
+    """Return sentences on profiles that do not tell enough of a surface of `side` times their pitch."""
+    steps = np.diff(pieces) ** 2
+    length = correlation_length(pieces)
+    lengths = pieces.shape[1] / length
+    warnings = []
+    if lengths < _LENGTHS:
+        warnings.append(
+            f"The profiles are {number(lengths)} correlation lengths ({quantity(length * pitch, 'm')}) long, "
+            f"fewer than {_LENGTHS}: the long waves, and with them the gap, are hardly known. Measure "
+            "longer profiles."
+        )
+    spread = np.ptp(np.log(steps.mean(axis=1)))
+    chance = np.sqrt(2 * _bandwidth(steps) / steps.shape[1])
+    if len(pieces) > 1 and spread > _UNLIKE * np.sqrt(2) * chance:
+        warnings.append(
+            f"The mean square slopes of the profiles differ by a factor of {number(np.exp(spread))}, more "
+            "than those of an isotropic surface do: they may be of two directions, across and along a lay. "
+            "State lay = across for those across it, and leave out the others."
+        )
+    share = steps.max() / steps.sum()
+    if share > _STEP_SHARE:
+        warnings.append(
+            f"A single step between neighbours has {percent(share)} of the mean square slope: a trace that "
+            "was put together, or a spike. Cut the profile there."
+        )
+    f = np.geomspace(finish.spectrum.frequency[0], finish.spectrum.frequency[-1], 500)
+    powers = finish.spectrum.at(f) * f**2  # for each step of ln f
+    seen = f > 1 / pieces.shape[1]
+    missing = powers[seen & (f < 1 / side)].sum() / powers[seen].sum()
+    if missing > _LONG_SHARE:
+        warnings.append(
+            f"Waves longer than the surface that was solved, {quantity(side * pitch, 'm')}, have "
+            f"{percent(missing)} of the mean square height: the gap is that of waves up to this length. "
+            "Remove longer ones (level.l_filter)."
+        )
+    return warnings
+
+
+def _bandwidth(steps: np.ndarray) -> float:
+    """Return the variance of the mean square slopes (pieces, points) over that of independent normal ones."""
+    deviations = steps / steps.mean(axis=1, keepdims=True) - 1
+    power = np.mean(np.abs(np.fft.rfft(deviations, 2 * steps.shape[1], axis=1)) ** 2, axis=0)
+    correlation = np.fft.irfft(power)[: steps.shape[1]] / steps.shape[1]
+    positive = np.argmax(correlation <= 0) or steps.shape[1]
+    return float(2 * correlation[:positive].sum() - correlation[0]) / 2
