@@ -7,7 +7,8 @@ Maps are made ones (self-affine, Gaussian and skewed both ways) and all those in
 aspect ratio Str is above 0.5. Rows of each, five and one, are taken for stylus profiles; the surfaces behind
 them are held against the map at p' = 0.02, 0.1 and 0.4, p' being the mean pressure over E* and the rms
 gradient of the map. With each map left out the others are calibrated, and its errors held against their
-intervals. Files that hold the same map count once.
+intervals. Files that hold the same map count once. A lithographic pattern, holes in rows, is no random surface: it
+is no part of the calibration, and listed by itself.
 """
 
 import argparse
@@ -53,7 +54,9 @@ MEMBERS, SEEDS = 5, 2
 CUTS = (0.5, 0.25)  # where the profiles lie between one another
 MOST = 512  # points per side of a map
 ISOTROPIC = 0.5  # Str
+PATTERNS = {"circles_holes.nid"}
 COVERAGE = 0.95
+LEAST_SPREAD = 0.02  # of a logarithm, and of a mean gap; less is chance
 NORMAL_MEDIAN = 0.6745  # of |e| over its standard deviation
 QUANTITIES = (AREA, GAP, PEAK, *ANSWERS)
 # Hurst exponent, longest and shortest wavelength in points, and s of heights -sign(s) exp(-s h)
@@ -147,7 +150,10 @@ def solve(folders: Sequence[Path]) -> None:
     maps = [
         (f"{kind}, seed {seed}", "made", 1.0, made(kind, seed)) for kind in KINDS for seed in range(SEEDS)
     ]
-    maps += [(name, "measured", aspect, levelled) for name, levelled, aspect in measured(folders)]
+    maps += [
+        (name, "pattern" if name in PATTERNS else "measured", aspect, levelled)
+        for name, levelled, aspect in measured(folders)
+    ]
     with ProcessPoolExecutor(3) as pool:
         rows = [row for part in pool.map(rows_of, *zip(*maps, strict=True)) for row in part]
     ERRORS.parent.mkdir(exist_ok=True)
@@ -157,12 +163,13 @@ def solve(folders: Sequence[Path]) -> None:
 def calibrated(errors: pd.DataFrame) -> dict[str, dict[str, list[float]]]:
     """Return spread and quantile of each quantity at each load, each map with the same weight."""
     table: dict[str, dict[str, list[float]]] = {}
+    errors = errors[errors["kind"] != "pattern"]
     for quantity, group in errors.groupby(errors["quantity"].map(entry)):
         columns = []
         for _, rows in group[np.isfinite(group["error"])].groupby("load"):
             error, scatter = rows["error"].abs().values, rows["scatter"].values
             weight = (1 / rows.groupby("map")["error"].transform("size")).values
-            spreads = np.geomspace(1e-3, 3, 200)
+            spreads = np.geomspace(LEAST_SPREAD, 3, 200)
             medians = [_quantile(error / np.hypot(scatter, c), weight, 0.5) for c in spreads]
             spread = spreads[np.argmin(np.abs(np.array(medians) - NORMAL_MEDIAN))]
             level = min(1.0, COVERAGE * (1 + 1 / rows["map"].nunique()))

@@ -39,7 +39,6 @@ from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, inverse_er
 from roughcontact.uncertainty.subwindows import Scatter
 
 
-
 @cache
 def table() -> dict[str, Any]:
     """Return the content of `calibration.json`."""

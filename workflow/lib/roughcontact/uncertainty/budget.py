@@ -169,10 +169,9 @@ def error_budget(
             ),
             "window_flag": deficiency(levelled, scatter),
         }
-        by_subwindow = scatter.members | {PRESSURE: load / scatter.members[AREA]}
         columns |= {
-            f"{name}_parts": (("member", "load"), values_of_subwindows)
-            for name, values_of_subwindows in by_subwindow.items()
+            f"{name}_parts": (("member", "load"), results)
+            for name, results in (scatter.members | {PRESSURE: load / scatter.members[AREA]}).items()
         }
     instrument = stated_instrument(levelled, settings.get("instrument"))
     inputs = _stated_inputs(window, lenient, solved, sources, stated, instrument)

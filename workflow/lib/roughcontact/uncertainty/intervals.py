@@ -122,7 +122,8 @@ class Intervals:
     ) -> Component:
         """Return the component by which the truth of a measurand may differ from this map."""
         assert self.scatter is not None
-        if not self.scatter.features and not self.scatter.arms:  # without parts of a map nothing bounds what other places would give
+        # without parts of a map nothing bounds what other places would give
+        if not self.scatter.features and not self.scatter.arms:
             width = np.full(self.load.shape, 0.0 if measurand == "map" else np.inf)
             return half_widths(width, width)
         key, area = AREA if name == PRESSURE else name, from_scale(AREA, middle[AREA])
