@@ -7,8 +7,8 @@ Maps are made ones (self-affine, Gaussian and skewed both ways) and all those in
 aspect ratio Str is above 0.5. Rows of each, five and one, are taken for stylus profiles; the surfaces behind
 them are held against the map at p' = 0.02, 0.1 and 0.4, p' being the mean pressure over E* and the rms
 gradient of the map. With each map left out the others are calibrated, and its errors held against their
-intervals. Files that hold the same map count once. A lithographic pattern, holes in rows, is no random surface: it
-is no part of the calibration, and listed by itself.
+intervals. Files that hold the same map count once. A lithographic pattern, holes in rows, is no random
+surface: it is no part of the calibration, and listed by itself.
 """
 
 import argparse
