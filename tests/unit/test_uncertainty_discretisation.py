@@ -73,7 +73,14 @@ def test_narrowest_places_are_not_corrected_and_what_is_flat_has_nothing_to_corr
         values=values,
         peak_index=0,
     )
-    assert found[CONSTRICTIONS[0]][0].item() == 0 < found[CONSTRICTIONS[0]][1][1].item()
+    width = found[CONSTRICTIONS[0]][1][1].item()
+    assert found[CONSTRICTIONS[0]][0].item() == 0 < width
+    # a length scales with the heights, whatever the unit
+    low = rough * 1e-6
+    small = {name: values[name] * (1 if name == AREA else 1e-6) for name in values}
+    problem = contact | {"mean_pressure": [0.05e-6]}
+    found = discretisation_error(low, contact=problem, values=small, peak_index=0)
+    assert found[CONSTRICTIONS[0]][1][1].item() == pytest.approx(1e-6 * width, rel=1e-3)
 
 
 def test_the_part_of_a_large_window_surrounds_the_peak():

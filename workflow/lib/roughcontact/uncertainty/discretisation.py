@@ -65,12 +65,11 @@ def discretisation_error(
                 change = change * values[GAP][solved] / coarse[GAP]
         # full contact: nothing is open, nothing changes
         change = at_all_loads(np.where(np.isfinite(change), change, 0.0), solved, load)
-        if name in CORRECTED:
-            width = np.hypot(change, calibration.discretisation_floor(name))
-            errors[name] = 4 / 3 * change, half_widths(width, width)
-        else:
-            width = np.hypot(2 * change, calibration.discretisation_floor(name))
-            errors[name] = np.zeros_like(change), half_widths(width, width)
+        corrected = name in CORRECTED
+        # the floor of a length would be one in metres
+        floor = 0.0 if name in CONSTRICTIONS else calibration.discretisation_floor(name)
+        width = np.hypot(change if corrected else 2 * change, floor)
+        errors[name] = 4 / 3 * change if corrected else np.zeros_like(change), half_widths(width, width)
     return errors
 
 
