@@ -62,6 +62,7 @@ LAWS = {
     **dict.fromkeys(["gap_percolates_x", "gap_percolates_y", "points_per_shortest_wavelength"], NUMBER),
     **dict.fromkeys(["flow_factor_xx", "flow_factor_yy", "flow_factor_xy"], NUMBER),
     **dict.fromkeys(["shear_flow_x", "shear_flow_y"], NUMBER),
+    **dict.fromkeys([name for name in VARIABLES if name.endswith("_known")], NUMBER),
     **dict.fromkeys(["area_persson", "area_xu", "area_bush_gibson_thomas"], NUMBER),
     "area_greenwood_williamson": NUMBER,
     **dict.fromkeys(["nayak_parameter", "row_jitter", "Ssk", "Sku", "Smr1", "Smr2", "Str", "Std"], NUMBER),
@@ -104,6 +105,25 @@ NO_NUMBER |= {
     "index_of_the_peak",
 }
 NO_NUMBER |= {"group", "group_name", "map", "map_name", "part", "maps", "stands_off"}
+# of datasets that no statistics have: finite bodies, unloading, partial slip, tables over the gap
+NO_NUMBER |= {
+    "force",
+    "contact_area",
+    "contact_radius",
+    "hertz_approach",
+    "hertz_max_pressure",
+    "hertz_radius",
+}
+NO_NUMBER |= {
+    "residual_height",
+    "plastic_depth",
+    "mean_plastic_depth",
+    "max_plastic_depth",
+    "dissipated_energy",
+}
+NO_NUMBER |= {"shear_traction", "stick", "stick_share", "tangential_load", "tangential_displacement"}
+NO_NUMBER |= {"tangential_error_bound"}
+NO_NUMBER |= {f"{kind}_flow_factor_{axis}" for kind in ("pressure", "shear") for axis in "xy"}
 NO_NUMBER |= {
     name for name in VARIABLES if name.startswith("other_") or name.endswith(("_difference", "verdict"))
 }
@@ -200,6 +220,8 @@ def same(found, expected, name, points=np.inf, core=0.0):
     scale = np.abs(expected[np.isfinite(expected)]).max(initial=0.0)
     if name in BEARING_PARAMETERS and np.isfinite(points):
         scale = max(scale, 1.0 if name.startswith("Smr") else core)
+    if name.startswith("shear_flow"):
+        scale = max(scale, 1.0)  # a share of the gap: along ridges it is rounding
     np.testing.assert_allclose(found, expected, rtol=rtol, atol=rtol * scale + 1e-300, err_msg=name)
 
 
