@@ -555,6 +555,58 @@ def shown(found: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def worth(bank: pd.DataFrame) -> pd.DataFrame:
+    """Return what each feature changes of the score of the interval of the surface, maps left out.
+
+    A feature that is used is left out, another one is added; the interval of the change is by a bootstrap of
+    the maps.
+    """
+    rows, solves = [], {"scatter": "9", "trend": "9"}
+    for quantity in [*SHORT.values()][:4]:
+        errors = errors_of(bank, quantity, "surface")
+        chosen = _score_of_maps(errors, quantity)
+        for feature in FEATURES if quantity == SHORT[AREA] else (*FEATURES, "trend"):
+            used = (SIZED_BY[quantity], MOVED_BY_TREND)
+            is_used = feature in SIZED_BY[quantity] or (feature == "trend" and quantity in MOVED_BY_TREND)
+            if feature == "trend":
+                _use(quantity, used[0], () if is_used else (quantity,))
+            else:
+                kept = tuple(f for f in FEATURES if (f in used[0]) != (f == feature))
+                _use(quantity, kept, used[1])
+            toggled = _score_of_maps(errors, quantity)
+            _use(quantity, *used)
+            row = {"quantity": quantity, "feature": feature, "used": "yes" if is_used else "no"}
+            row["parts to solve"] = solves.get(feature, "none")
+            for kind in ("measured", "synthetic"):
+                pair = (toggled, chosen) if is_used else (chosen, toggled)
+                row[f"{kind}: change of the score by it (%)"] = _change(*(scores[kind] for scores in pair))
+            rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _use(quantity: str, features: tuple[str, ...], by_trend: tuple[str, ...]) -> None:
+    """Fit the size of the error of a quantity to some features from now on."""
+    global MOVED_BY_TREND
+    SIZED_BY[quantity], MOVED_BY_TREND = features, by_trend
+
+
+def _score_of_maps(errors: pd.DataFrame, quantity: str) -> pd.Series:
+    """Return the mean score (kind, map) of the interval of the surface, each map left out once."""
+    ends = left_out(errors, errors, LEVELS[quantity])
+    ends = ends[ends["load"].isin(JUDGED_LOADS)]
+    score = interval_score(*(ends[column].to_numpy() for column in ("low", "high", "error")))
+    sums = ends.assign(score=score * ends["weight"]).groupby(["kind", "map"])[["score", "weight"]].sum()
+    return sums["score"] / sums["weight"]
+
+
+def _change(without: pd.Series, with_it: pd.Series) -> str:
+    """Return the relative change of a mean score in percent, with its 95 % interval."""
+    index = np.random.default_rng(0).integers(0, len(without), (2000, len(without)))
+    changes = 100 * (with_it.to_numpy()[index].mean(axis=1) / without.to_numpy()[index].mean(axis=1) - 1)
+    low, high = np.quantile(changes, [0.025, 0.975])
+    return f"{100 * (with_it.mean() / without.mean() - 1):+.0f} ({low:+.0f} to {high:+.0f})".replace("-", "−")
+
+
 def main() -> None:
     """Make the bank, fit the calibration, print or write the tables."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
@@ -576,7 +628,7 @@ def main() -> None:
         write_bank(bank)
         sources(arguments.folders, bank).to_csv(BANK / "sources.csv", index=False)
     bank = read_bank()
-    tables = {"coverage": shown(coverage(bank))}
+    tables = {"coverage": shown(coverage(bank)), "features": worth(bank)}
     TABLE.write_text(json.dumps(calibration(bank), indent=1) + "\n")
     pages.publish("bank", tables)
 

@@ -27,10 +27,9 @@ BLOCKS = {
     "peers": ROOT / "README.md",
     "aims": RESULTS / "speed.md",
     "window": RESULTS / "window.md",
-} | dict.fromkeys(
-    ("bank", "groups"),
-    ROOT / "docs/explanation/uncertainty.md",
-)
+    "bank": ROOT / "docs/explanation/uncertainty.md",
+    "groups": ROOT / "docs/explanation/groups.md",
+}
 
 
 def read(folder: Path) -> dict:
