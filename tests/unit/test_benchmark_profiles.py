@@ -1,0 +1,36 @@
+"""The calibration of surfaces behind profiles is that of its table of errors, and reaches what is said."""
+
+import json
+
+import pandas as pd
+import profiles as benchmark
+import pytest
+
+from roughcontact.uncertainty.scales import AREA, GAP
+
+
+@pytest.fixture(scope="module")
+def errors():
+    return pd.read_csv(benchmark.ERRORS)
+
+
+def test_the_calibration_is_that_of_the_table(errors):
+    content = json.loads(benchmark.CALIBRATION.read_text())
+    assert content["quantities"] == benchmark.calibrated(errors)
+
+
+def test_with_each_map_left_out_the_truth_is_in_nine_of_ten_intervals(errors):
+    reached = benchmark.report(errors)
+    written = pd.read_csv(benchmark.ERRORS.with_name("reached.csv"), index_col=[0, 1, 2])
+    assert written["coverage"].tolist() == reached["coverage"].tolist()
+    for kind in ("made", "measured"):
+        for number in (1, 5):
+            for quantity in (AREA, GAP):
+                assert reached.loc[(kind, number, quantity), "coverage"] >= 0.9
+
+
+def test_a_wrong_spread_would_be_noticed(errors):
+    table = benchmark.calibrated(errors)
+    table[AREA]["quantile"] = [0.5 * wide for wide in table[AREA]["quantile"]]
+    area = errors[(errors["quantity"] == AREA) & (errors["kind"] == "measured")]
+    assert benchmark.inside(area, table).mean() < benchmark.inside(area, benchmark.calibrated(errors)).mean()
