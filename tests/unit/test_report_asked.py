@@ -10,7 +10,7 @@ import pytest
 from roughcontact.configuration.generated import changed_settings
 from roughcontact.configuration.resolve import resolve
 from roughcontact.maps import height_map
-from roughcontact.report.asked import asked_in_words, planned_in_words
+from roughcontact.report.asked import describe_problem, planned_in_words
 from roughcontact.report.stack import stack_of_layers
 
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
@@ -39,7 +39,7 @@ CLOSING, PLANNED = "contact area 10.0 % and the load at which the gap closes", "
     ],
 )
 def test_bodies_and_loads(contact, words):
-    assert asked_in_words({"contact": contact}) == [("", words)]
+    assert describe_problem({"contact": contact}) == [("", words)]
 
 
 def test_each_case_has_its_own():
@@ -47,7 +47,7 @@ def test_each_case_has_its_own():
         name: {"contact": {"contact_modulus": modulus, "target_gap": [1e-6]}}
         for name, modulus in (("soft", 1e6), ("stiff", 1e9))
     }
-    assert asked_in_words(cases) == [
+    assert describe_problem(cases) == [
         ("soft", "contact modulus E* = 1.00 MPa; mean gap 1.00 µm"),
         ("stiff", "contact modulus E* = 1.00 GPa; mean gap 1.00 µm"),
     ]
@@ -70,7 +70,7 @@ def test_settings_that_differ_from_their_defaults_follow_each_with_its_unit():
         "plain": [seal],
         "cut": ["window.shortest_wavelength: 2.50 µm", seal, "uncertainty.sources: []"],
     }
-    words = dict(asked_in_words(settings, changed))
+    words = dict(describe_problem(settings, changed))
     assert words["plain"].endswith(f"hardness 100 MPa; loads planned for each map; {seal}")
     assert words["cut"].count("; ") == 4
 

@@ -10,7 +10,7 @@ _OF_BODY = (("hardness", "hardness"), ("yield_stress", "yield stress"))
 _TARGETS = {"percolation": "the load at which the gap closes", "first_yield": "the load of first yield"}
 
 
-def asked_in_words(
+def describe_problem(
     settings: Mapping[str, Any], changed: Mapping[str, Sequence[str]] | None = None
 ) -> list[tuple[str, str]]:
     """Return for each case of a run (an empty name where there are none) what it asks.
@@ -22,9 +22,9 @@ def asked_in_words(
     --------
     >>> rubber = {"youngs_modulus": 6e6, "poissons_ratio": 0.5}
     >>> steel = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": 2e9}
-    >>> asked_in_words({"contact": {"bodies": [steel, rubber], "mean_pressure": [1e5, 2e5]}})
+    >>> describe_problem({"contact": {"bodies": [steel, rubber], "mean_pressure": [1e5, 2e5]}})
     [('', '210 GPa (ν 0.30, hardness 2.00 GPa) on 6.00 MPa (ν 0.50); mean pressure 100 kPa, 200 kPa')]
-    >>> asked_in_words({"contact": {"bodies": [steel | {"name": "steel"}], "target_area": 0.1}})
+    >>> describe_problem({"contact": {"bodies": [steel | {"name": "steel"}], "target_area": 0.1}})
     [('', 'steel (210 GPa, ν 0.30, hardness 2.00 GPa) on a rigid body; contact area 10.0 %')]
     """
     return [
@@ -33,12 +33,12 @@ def asked_in_words(
     ]
 
 
-def asked_alike(settings: Mapping[str, Any]) -> bool:
+def same_loads(settings: Mapping[str, Any]) -> bool:
     """Return whether all cases ask for the same loads, or the same that loads bring about.
 
     Examples
     --------
-    >>> asked_alike({"soft": {"contact": {"mean_pressure": 1e5}}, "hard": {"contact": {"target_area": 0.1}}})
+    >>> same_loads({"soft": {"contact": {"mean_pressure": 1e5}}, "hard": {"contact": {"target_area": 0.1}}})
     False
     """
     return len({_loads(contact) for _, contact in _contacts(settings)}) < 2
@@ -57,14 +57,14 @@ def planned_in_words(settings: Mapping[str, Any], lightest: Mapping[tuple[str, s
     >>> planned_in_words(planned | {"contact": {"mean_pressure": 1.0}}, {("lens", ""): 1.0})
     ''
     """
-    planned = [name for name, contact in _contacts(settings) if not list(_given(contact))]
+    planned = [name for name, contact in _contacts(settings) if not list(_stated_loads(contact))]
     light = {key: load for key, load in lightest.items() if key[1] in planned and load < LEAST_LOAD}
     names = list(dict.fromkeys(surface for surface, _ in light))
     if not names:
         return ""
-    several = f"{', '.join(names[:3])} and {len(names) - 3} more" if len(names) > 4 else ", ".join(names)
+    multiple = f"{', '.join(names[:3])} and {len(names) - 3} more" if len(names) > 4 else ", ".join(names)
     return (
-        f"The planned loads of {several} begin at {quantity(min(light.values()), 'Pa')}, less than the "
+        f"The planned loads of {multiple} begin at {quantity(min(light.values()), 'Pa')}, less than the "
         "weight of a centimetre of rubber. Loads are planned from about 1 % of the area in contact to nearly "
         "all of it: so smooth a surface on so soft a body begins to touch under its own weight. Give "
         "contact.mean_pressure if yours is known."
@@ -96,50 +96,50 @@ def measured_in_words(dates: Mapping[str, str]) -> str:
     stated = sorted(filter(None, dates.values()))
     if not stated:
         return ""
-    words = f"measured {' to '.join(dict.fromkeys([stated[0], stated[-1]]))}"
-    return words if len(stated) == len(dates) else f"{words} ({len(stated)} of {len(dates)} maps state it)"
+    text = f"measured {' to '.join(dict.fromkeys([stated[0], stated[-1]]))}"
+    return text if len(stated) == len(dates) else f"{text} ({len(stated)} of {len(dates)} maps state it)"
 
 
 def bodies_in_words(contact: Mapping[str, Any]) -> str:
     """Return the bodies, or the contact modulus where that is given."""
     if bodies := contact.get("bodies"):
         return " on ".join([*map(_body, bodies), "a rigid body"][:2])
-    words = f"contact modulus E* = {quantity(contact['contact_modulus'], 'Pa')}"
+    text = f"contact modulus E* = {quantity(contact['contact_modulus'], 'Pa')}"
     hardness = contact.get("hardness")
-    return f"{words}, hardness {quantity(hardness, 'Pa')}" if hardness else words
+    return f"{text}, hardness {quantity(hardness, 'Pa')}" if hardness else text
 
 
 def _body(body: Mapping[str, Any]) -> str:
     """Return a body: its modulus, what limits its pressure, its layers."""
     if body.get("youngs_modulus") is None:
-        words, known = "a rigid base", []
+        sentence, available = "a rigid base", []
     else:
-        words = quantity(body["youngs_modulus"], "Pa")
-        known = [f"ν {number(body['poissons_ratio'], digits=2)}"]
-    known += [f"{text} {quantity(body[key], 'Pa')}" for key, text in _OF_BODY if body.get(key)]
+        sentence = quantity(body["youngs_modulus"], "Pa")
+        available = [f"ν {number(body['poissons_ratio'], digits=2)}"]
+    available += [f"{text} {quantity(body[key], 'Pa')}" for key, text in _OF_BODY if body.get(key)]
     layers = [
         f"{quantity(layer['thickness'], 'm')} of {quantity(layer['youngs_modulus'], 'Pa')} "
         f"(ν {number(layer['poissons_ratio'], digits=2)})"
         for layer in body.get("layers") or []
     ]
     if name := body.get("name"):
-        words, known = name, [words, *known] if words[0].isdigit() else known
-    words += f" ({', '.join(known)})" if known else ""
-    return f"{' and '.join(layers)} over {words}" if layers else words
+        sentence, available = name, [sentence, *available] if sentence[0].isdigit() else available
+    sentence += f" ({', '.join(available)})" if available else ""
+    return f"{' and '.join(layers)} over {sentence}" if layers else sentence
 
 
 def _loads(contact: Mapping[str, Any]) -> str:
     """Return the loads, or what they are to bring about."""
-    parts = list(_given(contact))
-    return " and ".join(parts) if parts else "loads planned for each map"
+    components = list(_stated_loads(contact))
+    return " and ".join(components) if components else "loads planned for each map"
 
 
-def _given(contact: Mapping[str, Any]) -> Iterator[str]:
+def _stated_loads(contact: Mapping[str, Any]) -> Iterator[str]:
     """Yield each kind of loads that is given."""
     if contact.get("boundary") == "free":
         forces = ", ".join(quantity(force, "N") for force in contact["force"])
         yield f"force {forces} on a body of finite size"
-    for key, words, show in (
+    for key, text, show in (
         ("mean_pressure", "mean pressure", lambda value: quantity(value, "Pa")),
         ("relative_pressure", "p̄/(E* g)", number),
         ("target_area", "contact area", percent),
@@ -147,6 +147,6 @@ def _given(contact: Mapping[str, Any]) -> Iterator[str]:
     ):
         if (values := contact.get(key)) is not None:
             values = values if isinstance(values, Sequence) else [values]
-            yield f"{words} {', '.join(show(float(value)) for value in values)}"
+            yield f"{text} {', '.join(show(float(value)) for value in values)}"
     if target := contact.get("target"):
-        yield " and ".join(_TARGETS[one] for one in ([target] if isinstance(target, str) else target))
+        yield " and ".join(_TARGETS[result] for result in ([target] if isinstance(target, str) else target))

@@ -13,8 +13,8 @@ from roughcontact.report.units import unit_of
 from roughcontact.uncertainty.combination import COMBINED, uncertainty_table
 from roughcontact.uncertainty.measurands import beyond_the_map
 
-_SHOWN = ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure")
-_WORDS = {
+_HEADLINE = ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure")
+_SOURCE_LABELS = {
     "solver": "solver",
     "discretisation": "grid",
     "window": "window",
@@ -32,7 +32,7 @@ _BY_CUTOFF = (
     "conductance_per_conductivity",
 )
 _CONVERGED = 0.03  # change over the shortest octave that counts as none
-_LEAST = 0.01  # percent; less is not drawn
+_SMALLEST_SHARE = 0.01  # percent; less is not drawn
 _ROUNDING = 1e-9  # of a result
 
 
@@ -58,39 +58,40 @@ def shown_budget(
         return None
     present, pressure = present_sources(numbers), unit_of(numbers, "Pa")
     budget = numbers["relative_contact_area_uncertainty"].sel(source=present).values.T
-    shown = [100 * numbers[f"relative_contact_area{end}"].values for end in ("", "_lower", "_upper")]
+    displayed = [100 * numbers[f"relative_contact_area{end}"].values for end in ("", "_lower", "_upper")]
     rows = []
     for index, load in enumerate(numbers["mean_pressure"].values):
-        parts = dict(zip(present, budget[:, index].tolist(), strict=True))
+        components = dict(zip(present, budget[:, index].tolist(), strict=True))
         rows.append(
             [
                 pressure.text(float(load)),
-                with_interval(*(float(of[index]) for of in shown)),
-                *(_part(100 * part, source) for source, part in parts.items()),
-                _largest(parts),
+                with_interval(*(float(arrays[index]) for arrays in displayed)),
+                *(_contribution(100 * component, source) for source, component in components.items()),
+                _largest(components),
             ]
         )
-    words = (numbers.attrs.get(key) for key in ("window_flag", "window_reason"))
-    notes = [word for word in words if word]
-    tried = ["window"] if "window_reason" in numbers.attrs else []  # not known leaves the interval open
-    absent = [_WORDS[s] for s in _WORDS if s not in (*present, *tried, "combined")]
+    text = (numbers.attrs.get(key) for key in ("window_flag", "window_reason"))
+    notes = [label for label in text if label]
+    attempted = ["window"] if "window_reason" in numbers.attrs else []  # not known leaves the interval open
+    absent = [_SOURCE_LABELS[s] for s in _SOURCE_LABELS if s not in (*present, *attempted, "combined")]
     if absent:
         notes.append(f"Not in the ±: {', '.join(absent)}.")
     notes += _note_on_open_ends(numbers)
-    beyond, intervals = _intervals(numbers.isel(load=list(loads)), extent)
+    excess, intervals = _intervals(numbers.isel(load=list(loads)), extent)
     return {
         "images": [
-            (TITLES[name], budget_against_load(numbers, name).source("below", columns=2)) for name in _SHOWN
+            (TITLES[name], budget_against_load(numbers, name).source("below", columns=2))
+            for name in _HEADLINE
         ],
         "components": _component_table(numbers.isel(load=list(loads))) if len(loads) else None,
-        "beyond": beyond,
+        "beyond": excess,
         "intervals": intervals,
         "magnification": _magnification(numbers),
         "converged": _note_on_convergence(numbers),
         "header": [
             "mean pressure p̄",
             "contact area A/A₀",
-            *(_WORDS[s] for s in present),
+            *(_SOURCE_LABELS[s] for s in present),
             "largest part",
         ],
         "rows": rows,
@@ -98,7 +99,7 @@ def shown_budget(
     }
 
 
-def _part(half_width: float, source: str) -> str:
+def _contribution(half_width: float, source: str) -> str:
     """Return the contribution of a source; one that changes nothing is not written as ± 0."""
     if np.isnan(half_width):
         return "–"
@@ -109,16 +110,16 @@ def _part(half_width: float, source: str) -> str:
 
 def _largest(parts: Mapping[str, float]) -> str:
     """Return the name of the source with the largest contribution, a dash where all is exact."""
-    known = {source: part for source, part in parts.items() if part > 0}
-    return _WORDS[max(known, key=known.__getitem__)] if known else "–"
+    available = {source: component for source, component in parts.items() if component > 0}
+    return _SOURCE_LABELS[max(available, key=available.__getitem__)] if available else "–"
 
 
 def present_sources(numbers: xr.Dataset) -> list[str]:
     """Return the sources of the ± of a surface, in the order of the report, without those not judged."""
     half_widths = numbers["relative_contact_area_uncertainty"].transpose("source", "load").values
-    known = np.isfinite(half_widths).any(axis=1)[:-1]  # the last one is combined
-    judged = numbers["source"].values[:-1][known]
-    return [source for source in _WORDS if source in judged]
+    available = np.isfinite(half_widths).any(axis=1)[:-1]  # the last one is combined
+    judged = numbers["source"].values[:-1][available]
+    return [source for source in _SOURCE_LABELS if source in judged]
 
 
 def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
@@ -130,35 +131,35 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
     load = numbers["mean_pressure"].values
     factor, unit = unit_of(numbers, "Pa")
     value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
-    down, up = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
-    parts = list(budget.sel(source=present).transpose("source", "load").values)
-    shares = np.array([_in_percent(part, value) for part in (*parts, down, up)])
+    lower, upper = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
+    components = list(budget.sel(source=present).transpose("source", "load").values)
+    shares = np.array([_in_percent(component, value) for component in (*components, lower, upper)])
     highest = np.max(shares, initial=100.0, where=np.isfinite(shares))
     chart = Chart(
         Axis(f"mean pressure p̄ ({unit})", load.min() * factor / 1.5, load.max() * factor * 1.5, log=True),
-        Axis("± in percent of the value", _LEAST, 2 * highest, log=True),
+        Axis("± in percent of the value", _SMALLEST_SHARE, 2 * highest, log=True),
         title=TITLES[name],
         size=(330.0, 290.0),
     )
-    for place, (source, part) in enumerate(zip(present, parts, strict=True)):
+    for index, (source, component) in enumerate(zip(present, components, strict=True)):
         chart.marks(
             load * factor,
-            _in_percent(part, value),
-            colour=COLOURS[place],
-            marker=MARKERS[place],
+            _in_percent(component, value),
+            colour=COLOURS[index],
+            marker=MARKERS[index],
             joined=1.5,
-            label=_WORDS[source],
+            label=_SOURCE_LABELS[source],
         )
-    for half, dash, words in ((up, "", f"{_WORDS['combined']}, up"), (down, "5 3", "down")):
+    for half, dash, text in ((upper, "", f"{_SOURCE_LABELS['combined']}, up"), (lower, "5 3", "down")):
         share = _in_percent(half, value)
-        chart.line(load * factor, share, colour="#000000", width=2.2, dash=dash, label=words)
+        chart.line(load * factor, share, colour="#000000", width=2.2, dash=dash, label=text)
     return chart
 
 
 def _note_on_open_ends(numbers: xr.Dataset) -> list[str]:
     """Return a sentence on upper ends that are not known."""
     unknown = []
-    for name in _SHOWN:
+    for name in _HEADLINE:
         lower, upper = (numbers[f"{name}_{end}"].values for end in ("lower", "upper"))
         if (np.isfinite(lower) & np.isnan(upper)).any():
             unknown.append(TITLES[name])
@@ -174,14 +175,14 @@ def _note_on_open_ends(numbers: xr.Dataset) -> list[str]:
 def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
     """Return the components of every interval (`uncertainty_table`) as text: `header` and `rows`."""
     rows, table = [], uncertainty_table(numbers)
-    pressure, units = unit_of(numbers, "Pa"), {name: unit_of(numbers, UNITS[name]) for name in _SHOWN}
-    for row in table[table["quantity"].isin(_SHOWN)].to_dict("records"):
+    pressure, units = unit_of(numbers, "Pa"), {name: unit_of(numbers, UNITS[name]) for name in _HEADLINE}
+    for row in table[table["quantity"].isin(_HEADLINE)].to_dict("records"):
         name, combined = str(row["quantity"]), row["source"] == COMBINED
         unit = units[name]
         rows.append(
             [
                 f"{TITLES[name]} at {pressure.text(float(row['mean_pressure_Pa']))}",
-                _WORDS[str(row["source"])],
+                _SOURCE_LABELS[str(row["source"])],
                 "–" if combined else str(row["evaluation_type"]),
                 _correction(float(row["correction"]), float(row["value"]), unit),
                 _both_sides(row, "standard_uncertainty", unit),
@@ -210,23 +211,23 @@ def _correction(change: float, value: float, unit: Unit) -> str:
 
 def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str, Any] | None]:
     """Return lines on the contact area beyond band and map, and the table of all intervals."""
-    if not numbers.sizes["load"] or f"{_SHOWN[0]}_next_lower" not in numbers:
+    if not numbers.sizes["load"] or f"{_HEADLINE[0]}_next_lower" not in numbers:
         return [], None
-    words = {"": "the ±", **beyond_the_map(extent), "map": "this map"}
+    text = {"": "the ±", **beyond_the_map(extent), "map": "this map"}
     loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"].values]
     rows: list[list[str]] = []
-    for name in _SHOWN:
+    for name in _HEADLINE:
         unit, solved = unit_of(numbers, UNITS[name]), numbers.get(f"{name}_as_solved", numbers[name]).values
-        for place, load in enumerate(loads):
+        for index, load in enumerate(loads):
             ends = [
-                [numbers[f"{name}_{key}{'_' * bool(key)}{end}"].values[place] for end in ("lower", "upper")]
-                for key in words
+                [numbers[f"{name}_{key}{'_' * bool(key)}{end}"].values[index] for end in ("lower", "upper")]
+                for key in text
             ]
             texts = [f"{unit.interval(np.nan, *pair)} {unit.shown}" for pair in ends]
-            rows.append([f"{TITLES[name]} at {load}", unit.text(float(solved[place])), *texts])
-    header = ["result", "as solved", *words.values()]
+            rows.append([f"{TITLES[name]} at {load}", unit.text(float(solved[index])), *texts])
+    header = ["result", "as solved", *text.values()]
     lines = [
-        f"{header[column].capitalize()}: {TITLES[_SHOWN[0]]} "
+        f"{header[column].capitalize()}: {TITLES[_HEADLINE[0]]} "
         + ", ".join(f"{row[column]} at {load}" for row, load in zip(rows, loads, strict=False))
         for column in (3, 4, 5)
     ]
@@ -257,15 +258,15 @@ def _note_on_convergence(numbers: xr.Dataset) -> str:
             moving.append(f"{TITLES[name]} (by up to {percent(change)})")
         else:
             settled.append(TITLES[name])
-    found = []
+    result = []
     if moving:
-        found.append(
+        result.append(
             f"Not converged, the shortest octave of waves still changes them: {', '.join(moving)}. Waves "
             "that this map does not show may do so again: see the interval with an octave more."
         )
     if settled:
-        found.append(f"Converged, within {percent(_CONVERGED)}: {', '.join(settled)}.")
-    return " ".join(found)
+        result.append(f"Converged, within {percent(_CONVERGED)}: {', '.join(settled)}.")
+    return " ".join(result)
 
 
 def _magnification(numbers: xr.Dataset) -> list[tuple[str, str]]:
@@ -285,10 +286,10 @@ def against_cutoff(numbers: xr.Dataset, name: str) -> Chart | None:
     factor, unit = prefix(float(wavelengths[0]), "m")
     pressures = numbers["mean_pressure"].values
     loads = np.unique(np.linspace(0, pressures.size - 1, min(pressures.size, 4)).round().astype(int))
-    words, own = TITLES[name], unit_of(numbers, UNITS[name])
-    shown = numbers[f"{name}_at_cutoff"].values[loads] * own.factor
-    shown = np.where(np.isfinite(shown) & (shown > 0), shown, np.nan)
-    if np.isnan(shown).all():
+    text, selected = TITLES[name], unit_of(numbers, UNITS[name])
+    displayed = numbers[f"{name}_at_cutoff"].values[loads] * selected.factor
+    displayed = np.where(np.isfinite(displayed) & (displayed > 0), displayed, np.nan)
+    if np.isnan(displayed).all():
         return None
     chart = Chart(
         Axis(
@@ -297,16 +298,16 @@ def against_cutoff(numbers: xr.Dataset, name: str) -> Chart | None:
             wavelengths[-1] * factor * 1.3,
             log=True,
         ),
-        Axis(f"{words} ({own.shown})", np.nanmin(shown) / 1.5, np.nanmax(shown) * 1.5, log=True),
-        title=words,
+        Axis(f"{text} ({selected.shown})", np.nanmin(displayed) / 1.5, np.nanmax(displayed) * 1.5, log=True),
+        title=text,
         size=(330.0, 290.0),
     )
-    for place, (load, values) in enumerate(zip(loads, shown, strict=True)):
+    for index, (load, values) in enumerate(zip(loads, displayed, strict=True)):
         chart.marks(
             wavelengths * factor,
             values,
-            colour=COLOURS[place],
-            marker=MARKERS[place],
+            colour=COLOURS[index],
+            marker=MARKERS[index],
             joined=1.5,
             label=unit_of(numbers, "Pa").text(float(pressures[load])),
         )
@@ -316,4 +317,4 @@ def against_cutoff(numbers: xr.Dataset, name: str) -> Chart | None:
 def _in_percent(half_width: np.ndarray, value: np.ndarray) -> np.ndarray:
     """Return half-widths in percent of the value, NaN where there is nothing to draw."""
     share = 100 * np.divide(half_width, value, out=np.full(value.shape, np.nan), where=value > 0)
-    return np.where(share >= _LEAST, share, np.nan)
+    return np.where(share >= _SMALLEST_SHARE, share, np.nan)

@@ -23,7 +23,9 @@ def area_caption(numbers: xr.Dataset) -> str:
     '1.00 % of the area touch at 1.00 MPa, 5.00 % at 5.00 MPa; the theory of Xu et al. says 4.00 % there.'
     """
     areas, xu = numbers["relative_contact_area"].values, numbers.get("area_xu")
-    text = _from_to(numbers, [percent(float(areas[0])) + " of the area touch", percent(float(areas[-1]))])
+    text = _at_extreme_loads(
+        numbers, [percent(float(areas[0])) + " of the area touch", percent(float(areas[-1]))]
+    )
     if xu is not None and np.isfinite(xu.values[-1]):
         text += f"; the theory of Xu et al. says {percent(float(xu[-1]))} there"
     return f"{text}."
@@ -40,7 +42,7 @@ def gap_caption(numbers: xr.Dataset) -> str:
     """
     gaps, rms = numbers["mean_gap"].values, float(numbers["rms_height"])
     first, last = (unit_of(numbers, "m").text(float(gap)) for gap in (gaps[0], gaps[-1]))
-    text = _from_to(numbers, [f"The mean gap is {first}", last])
+    text = _at_extreme_loads(numbers, [f"The mean gap is {first}", last])
     shares = " and ".join(dict.fromkeys(number(float(gap) / rms) for gap in (gaps[0], gaps[-1])))
     return f"{text}: {shares} of the rms height."
 
@@ -54,15 +56,15 @@ def pressure_caption(numbers: xr.Dataset) -> str:
     >>> pressure_caption(xr.Dataset(loads | {"max_pressure": ("load", [3e8, 4e8])}))
     'Mean pressure in contact 100 MPa at 1.00 MPa, 200 MPa at 5.00 MPa; largest 400 MPa at 5.00 MPa.'
     """
-    means, largest = (numbers[name].values for name in ("mean_contact_pressure", "max_pressure"))
+    averages, largest = (numbers[name].values for name in ("mean_contact_pressure", "max_pressure"))
     pressure = unit_of(numbers, "Pa").text
-    first, last = (pressure(float(mean)) for mean in (means[0], means[-1]))
-    text = _from_to(numbers, [f"Mean pressure in contact {first}", last])
+    first, last = (pressure(float(mean)) for mean in (averages[0], averages[-1]))
+    text = _at_extreme_loads(numbers, [f"Mean pressure in contact {first}", last])
     peak = int(largest.argmax())
-    load, words = (pressure(float(of[peak])) for of in (numbers["mean_pressure"].values, largest))
+    load, sentence = (pressure(float(source[peak])) for source in (numbers["mean_pressure"].values, largest))
     if is_limited(numbers, peak):
-        return f"{text}; largest {words}, the hardness, from {load} on."
-    return f"{text}; largest {words} at {load}."
+        return f"{text}; largest {sentence}, the hardness, from {load} on."
+    return f"{text}; largest {sentence} at {load}."
 
 
 def distribution_caption(numbers: xr.Dataset) -> str:
@@ -124,11 +126,11 @@ def open_caption(numbers: xr.Dataset) -> str:
 
 def reading_of(numbers: xr.Dataset, *names: str) -> str:
     """Return how the bars of these quantities in a figure are to be read, where there are any."""
-    known = [name for name in names if f"{name}_lower" in numbers]
+    available = [name for name in names if f"{name}_lower" in numbers]
     arrow = any(
-        (numbers[f"{name}_lower"].notnull() & numbers[f"{name}_upper"].isnull()).any() for name in known
+        (numbers[f"{name}_lower"].notnull() & numbers[f"{name}_upper"].isnull()).any() for name in available
     )
-    return f"Bars: the ±{'; an arrow: nothing bounds it upwards' * arrow}." if known else ""
+    return f"Bars: the ±{'; an arrow: nothing bounds it upwards' * arrow}." if available else ""
 
 
 def comparison_caption(
@@ -156,12 +158,12 @@ def comparison_caption(
         return ""
     areas = [float(np.interp(highest, loads, areas)) for _, loads, areas in series]
     load = f"p̄ = {pressure.text(highest)}" if pressure else f"p′ = {number(highest)}"
-    places = int(np.argmin(areas)), int(np.argmax(areas))
-    shares = [percent(areas[place]) for place in places]
+    indices = int(np.argmin(areas)), int(np.argmax(areas))
+    shares = [percent(areas[index]) for index in indices]
     if shares[0] == shares[1]:
         return f"At {load}, {shares[0]} of the area touch in all."
-    least, most = (f"{share} ({series[at][0]})" for share, at in zip(shares, places, strict=True))
-    return f"At {load}, {least} to {most} of the area touch."
+    lowest, maximum = (f"{share} ({series[start][0]})" for share, start in zip(shares, indices, strict=True))
+    return f"At {load}, {lowest} to {maximum} of the area touch."
 
 
 def _load(numbers: xr.Dataset) -> str:
@@ -169,9 +171,9 @@ def _load(numbers: xr.Dataset) -> str:
     return unit_of(numbers, "Pa").text(float(numbers["mean_pressure"]))
 
 
-def _from_to(numbers: xr.Dataset, said: list[str]) -> str:
+def _at_extreme_loads(numbers: xr.Dataset, said: list[str]) -> str:
     """Return the statements `said` with the lowest and the highest load; one where there is one load."""
     loads = numbers["mean_pressure"].values
     ends = [unit_of(numbers, "Pa").text(float(load)) for load in (loads[0], loads[-1])]
-    pairs = [f"{words} at {load}" for words, load in zip(said, ends, strict=True)]
+    pairs = [f"{text} at {load}" for text, load in zip(said, ends, strict=True)]
     return ", ".join(pairs if loads.size > 1 else pairs[:1])

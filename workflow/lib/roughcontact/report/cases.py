@@ -77,39 +77,41 @@ def case_medians(
     its ±, where that is known. None where there is a single case, or no surface under all of them.
     """
     names = list(dict.fromkeys(name for surface in surfaces for name in surface))
-    complete = [{name: one[name] for name in names} for one in surfaces if len(one) == len(names)]
+    complete = [{name: result[name] for name in names} for result in surfaces if len(result) == len(names)]
     return _table(complete, alike=alike, many=True) if len(names) > 1 and complete else None
 
 
 def _table(surfaces: Sequence[Cases], *, alike: bool, many: bool) -> dict[str, Any]:
     """Return the table of the cases of one surface, or of the medians of `many`."""
-    found = [_shared(surface, alike=alike) for surface in surfaces]
-    first = next((one for one in found if one.rows), found[0])
+    result = [_shared(surface, alike=alike) for surface in surfaces]
+    first = next((dataset for dataset in result if dataset.rows), result[0])
     # those that share the same loads
-    kept = [place for place, one in enumerate(found) if one[:2] == first[:2]]
-    compared = [surfaces[place] for place in kept]
-    names, pairs = list(compared[0]), [pair for pair, places in first.places.items() if places]
+    retained = [index for index, dataset in enumerate(result) if dataset[:2] == first[:2]]
+    compared = [surfaces[index] for index in retained]
+    names, pairs = list(compared[0]), [pair for pair, indices in first.places.items() if indices]
     middle = middle_of([cases[names[0]] for cases in compared])
     groups = []
-    for name, title, kind in _COMPARED if first.rows else ():
-        unit, rows = unit_of(middle, kind), []
+    for name, title, category in _COMPARED if first.rows else ():
+        unit, rows = unit_of(middle, category), []
         for row in first.rows:
-            under = {case: [(cases[case], place) for cases in compared] for case, place in row.items()}
-            cells = [_value(under[case], name, unit, many=many) if case in row else "–" for case in names]
-            for one, two in pairs:
-                at = row.get(one, -1), row.get(two, -1)
-                if at not in first.places[one, two]:
+            below_text = {case: [(cases[case], index) for cases in compared] for case, index in row.items()}
+            cells = [
+                _value(below_text[case], name, unit, many=many) if case in row else "–" for case in names
+            ]
+            for dataset, two in pairs:
+                start = row.get(dataset, -1), row.get(two, -1)
+                if start not in first.places[dataset, two]:
                     cells.append("–")
                     continue
-                place = first.places[one, two].index(at)
-                ends = [_ends(found[of].changes[one, two], name, place) for of in kept]
-                cells.append(_change(under[one], under[two], name, ends, many=many))
+                index = first.places[dataset, two].index(start)
+                ends = [_ends(result[source].changes[dataset, two], name, index) for source in retained]
+                cells.append(_change(below_text[dataset], below_text[two], name, ends, many=many))
             rows.append([_load(compared, row), *cells])
         groups.append({"title": title, "rows": rows})
-    apart = [pair for pair, places in first.places.items() if not places]
+    apart = [pair for pair, indices in first.places.items() if not indices]
     return {
         "cases": names,
-        "differences": [f"{two} against {one}" for one, two in pairs],
+        "differences": [f"{two} against {dataset}" for dataset, two in pairs],
         "groups": groups,
         "apart": _apart(compared[0], apart, alone=not pairs) if apart else "",
         "surfaces": len(compared),
@@ -121,20 +123,24 @@ def _shared(cases: Cases, *, alike: bool) -> _Shared:
     rows: list[Row] = []
     shared, changes = {}, {}
     for pair in case_pairs(list(cases)):
-        one, two = both = [cases[name] for name in pair]
-        in_order = alike and one.sizes["load"] == two.sizes["load"]
-        places = [np.arange(one.sizes["load"])] * 2 if in_order else shared_loads(both)
+        result, two = both = [cases[name] for name in pair]
+        in_order = alike and result.sizes["load"] == two.sizes["load"]
+        indices = [np.arange(result.sizes["load"])] * 2 if in_order else shared_loads(both)
         changes[pair] = case_differences(
-            *(data.isel(load=own) for data, own in zip(both, places, strict=True))
+            *(data.isel(load=selected) for data, selected in zip(both, indices, strict=True))
         )
-        shared[pair] = [(int(own), int(other)) for own, other in zip(*places, strict=True)]
-        for at in shared[pair]:
-            wanted = dict(zip(pair, at, strict=True))
-            also = (row for row in rows if row.items() & wanted.items() and row | wanted == wanted | row)
+        shared[pair] = [(int(selected), int(second)) for selected, second in zip(*indices, strict=True)]
+        for start in shared[pair]:
+            requested = dict(zip(pair, start, strict=True))
+            also = (
+                row for row in rows if row.items() & requested.items() and row | requested == requested | row
+            )
             if not (row := next(also, {})):
                 rows.append(row)
-            row |= wanted
-    rows.sort(key=lambda row: min(float(cases[name]["mean_pressure"].values[at]) for name, at in row.items()))
+            row |= requested
+    rows.sort(
+        key=lambda row: min(float(cases[name]["mean_pressure"].values[start]) for name, start in row.items())
+    )
     return _Shared(rows, shared, changes)
 
 
@@ -144,9 +150,9 @@ def _apart(cases: Cases, pairs: Sequence[tuple[str, str]], *, alone: bool) -> st
     for name in dict.fromkeys(name for pair in pairs for name in pair):
         ends = (quantity(float(cases[name]["mean_pressure"][end]), "Pa") for end in (0, -1))
         spans.append(f"{name}: {' to '.join(dict.fromkeys(ends))}")
-    who = "The cases" if alone else ", ".join(" and ".join(pair) for pair in pairs)
+    owner = "The cases" if alone else ", ".join(" and ".join(pair) for pair in pairs)
     return (
-        f"{who} have no load in common ({'; '.join(spans)}), so that their numbers cannot be compared: "
+        f"{owner} have no load in common ({'; '.join(spans)}), so that their numbers cannot be compared: "
         "give them the same contact.mean_pressure, relative_pressure or target."
     )
 
@@ -156,7 +162,7 @@ def _load(surfaces: Sequence[Cases], row: Row) -> str:
 
     def of_all(name: str) -> np.ndarray:
         return np.array(
-            [[float(cases[case][name].values[at]) for cases in surfaces] for case, at in row.items()]
+            [[float(cases[case][name].values[start]) for cases in surfaces] for case, start in row.items()]
         )
 
     pressures, show = of_all("mean_pressure"), unit_of(surfaces[0][next(iter(row))], "Pa").text
@@ -171,12 +177,12 @@ def _load(surfaces: Sequence[Cases], row: Row) -> str:
 
 def _value(loads: Sequence[Load], name: str, unit: Unit, *, many: bool) -> str:
     """Return a number of a surface at a load, with its interval; of `many` their median."""
-    values = np.array([float(data[name].values[at]) for data, at in loads])
+    values = np.array([float(data[name].values[start]) for data, start in loads])
     if many:
         return _quantiles(values, unit)
-    data, at = loads[0]
+    data, start = loads[0]
     ends = (
-        float(data[key].values[at]) if (key := f"{name}_{end}") in data else np.nan
+        float(data[key].values[start]) if (key := f"{name}_{end}") in data else np.nan
         for end in ("lower", "upper")
     )
     return _in_brackets(unit.interval(values[0], *ends), unit.shown)
@@ -184,7 +190,7 @@ def _value(loads: Sequence[Load], name: str, unit: Unit, *, many: bool) -> str:
 
 def _change(
     loads: Sequence[Load],
-    others: Sequence[Load],
+    remaining: Sequence[Load],
     name: str,
     ends: Sequence[tuple[float, float]],
     *,
@@ -196,19 +202,21 @@ def _change(
 
     With the median stands of how many surfaces the difference is larger than its interval.
     """
-    first, other = (np.array([float(data[name].values[at]) for data, at in each]) for each in (loads, others))
+    first, second = (
+        np.array([float(data[name].values[start]) for data, start in entry]) for entry in (loads, remaining)
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
-        change, low, high = (100 * (ratio - 1) for ratio in (other / first, *np.transpose(ends)))
-    change, low, high = (np.where(np.abs(each) < _DUST, 0.0, each) for each in (change, low, high))
+        change, low, high = (100 * (ratio - 1) for ratio in (second / first, *np.transpose(ends)))
+    change, low, high = (np.where(np.abs(entry) < _DUST, 0.0, entry) for entry in (change, low, high))
     if many:
-        known = np.isfinite(low) & np.isfinite(high)
-        clear = known & ((low > 0) | (high < 0))
-        beyond = f"; beyond ± {clear.sum()} of {known.sum()}" if known.any() else ""
-        return _quantiles(change, _PERCENT, places=2) + beyond
+        available = np.isfinite(low) & np.isfinite(high)
+        clear = available & ((low > 0) | (high < 0))
+        excess = f"; beyond ± {clear.sum()} of {available.sum()}" if available.any() else ""
+        return _quantiles(change, _PERCENT, places=2) + excess
     if not first[0] > 0:
         return "–"
     if change[0] > _MANIFOLD:
-        times = (1 + float(each) / 100 for each in (change[0], low[0], high[0]))
+        times = (1 + float(entry) / 100 for entry in (change[0], low[0], high[0]))
         return _in_brackets(with_interval(*times), "times as large")
     return _in_brackets(with_interval(change[0], low[0], high[0], finest=_FINEST), "%")
 
@@ -218,21 +226,21 @@ def _in_brackets(text: str, unit: str) -> str:
     return f"({text}) {unit}" if " " in text and not text.endswith(")") else f"{text} {unit}"
 
 
-def _ends(found: xr.Dataset, name: str, load: int) -> tuple[float, float]:
+def _ends(result: xr.Dataset, name: str, load: int) -> tuple[float, float]:
     """Return both ends of a ratio to the first case; NaN where they are not known."""
-    if name not in found["quantity"].values:
+    if name not in result["quantity"].values:
         return np.nan, np.nan
-    row = list(found["quantity"].values).index(name)
-    low, high = (float(found[f"ratio_{end}"].values[row, load]) for end in ("lower", "upper"))
+    row = list(result["quantity"].values).index(name)
+    low, high = (float(result[f"ratio_{end}"].values[row, load]) for end in ("lower", "upper"))
     return low, high
 
 
 def _quantiles(values: np.ndarray, unit: Unit, *, places: int | None = None) -> str:
     """Return the median of some numbers, and the range of most of them, `places` as of `number`."""
-    known = values[np.isfinite(values)] * unit.factor
-    if not known.size:
+    available = values[np.isfinite(values)] * unit.factor
+    if not available.size:
         return "–"
     low, middle, high = (
-        number(float(end), places=places) for end in np.quantile(known, [_SPREAD[0], 0.5, _SPREAD[1]])
+        number(float(end), places=places) for end in np.quantile(available, [_SPREAD[0], 0.5, _SPREAD[1]])
     )
     return f"{middle} {unit.shown} ({low} to {high})"

@@ -32,7 +32,7 @@ _GRID = "#dddddd"
 _FONT = "system-ui,'Segoe UI','DejaVu Sans',sans-serif"
 _SIZE = 12.0  # of the text, in units of the chart (pixels where it is shown at its own size)
 _SMALL = 11.0  # of legends
-_WIDE = 0.56  # of a letter, on average, in units of the size of the text
+_LETTER_WIDTH = 0.56  # of a letter, on average, in units of the size of the text
 _MOST_POINTS = 1500  # of a line; of longer ones the extremes of each few points are drawn
 
 # outlines of the marks around (0, 0), for a radius of 1
@@ -123,11 +123,11 @@ def _decades(low: float, high: float, most: int) -> tuple[list[float], list[floa
         if low * (1 - 1e-9) <= (value := float(f"{digit}e{power}")) <= high * (1 + 1e-9)
     ]
     powers = [power for power, digit, _ in inside if digit == 1]
-    every = -(-len(powers) // most) if powers else 1
+    entries = -(-len(powers) // most) if powers else 1
     digits = (1,) if len(powers) > 2 else (1, 2, 5)
-    written = [value for power, digit, value in inside if digit in digits and power % every == 0]
-    between = [value for *_, value in inside if value not in written] if last - first < most else []
-    return written, between
+    written = [value for power, digit, value in inside if digit in digits and power % entries == 0]
+    interior = [value for *_, value in inside if value not in written] if last - first < most else []
+    return written, interior
 
 
 def tick_text(value: float) -> str:
@@ -178,7 +178,7 @@ class Chart:
     reading: dict[str, Any] = field(default_factory=dict)
     steps: list[tuple[str, dict[str, Any]]] = field(default_factory=list)
     _drawn: list[str] = field(default_factory=list)
-    _beside: list[str] = field(default_factory=list)
+    _colour_bar_svg: list[str] = field(default_factory=list)
     _legend: list[tuple[str, Callable[[float, float], str]]] = field(default_factory=list)
 
     @property
@@ -208,7 +208,7 @@ class Chart:
         style = _stroke(colour, width, dash)
         name = f' data-of="{html.escape(label)}"' if read else ""
         self._drawn.append(f'<path{name} d="{self._path(x, y)}" fill="none" {style}/>')
-        self._list(label, lambda at, up: f'<path d="M{at:g} {up:g}h26" fill="none" {style}/>')
+        self._list(label, lambda start, upper: f'<path d="M{start:g} {upper:g}h26" fill="none" {style}/>')
 
     def marks(
         self,
@@ -233,7 +233,7 @@ class Chart:
         self.note("marks", x=x, y=y, colour=colour, marker=marker, filled=filled, label=label)
         left, top = self._pixels(x, y)
         glyph = partial(_mark, marker=marker, colour=colour, filled=filled)
-        glyphs = [glyph(*place) for place in zip(left, top, strict=True) if np.isfinite(place).all()]
+        glyphs = [glyph(*index) for index in zip(left, top, strict=True) if np.isfinite(index).all()]
         if glyphs:
             self._drawn.append(f'<g data-of="{html.escape(label)}">{"".join(glyphs)}</g>')
         if listed:
@@ -252,7 +252,10 @@ class Chart:
         """List a line, with a mark in its middle or without, in the legend."""
         through = f'<path d="M{{0:g}} {{1:g}}h26" {_stroke(colour, width, dash)}/>' if width else ""
         mark = partial(_mark, marker=marker, colour=colour, filled=filled)
-        self._list(label, lambda at, up: through.format(at, up) + (mark(at + 13, up) if marker else ""))
+        self._list(
+            label,
+            lambda start, upper: through.format(start, upper) + (mark(start + 13, upper) if marker else ""),
+        )
 
     def bars(self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray, *, colour: str) -> None:
         """Draw error bars, which may be asymmetric; one that leaves the axes ends at their edge.
@@ -279,9 +282,9 @@ class Chart:
     def shade(self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray, *, colour: str) -> None:
         """Fill the band between two lines below all that is drawn, to the edge where it has no upper end."""
         upper = np.where(np.isnan(upper) & np.isfinite(lower), self.y.high, upper)
-        known = np.isfinite([x, lower, upper]).all(axis=0)
-        if known.sum() > 1:
-            around = np.r_[x[known], x[known][::-1]], np.r_[lower[known], upper[known][::-1]]
+        available = np.isfinite([x, lower, upper]).all(axis=0)
+        if available.sum() > 1:
+            around = np.r_[x[available], x[available][::-1]], np.r_[lower[available], upper[available][::-1]]
             path = f'<path d="{self._path(*around)}z" fill="{colour}" fill-opacity=".18"/>'
             self._drawn.insert(0, path)
 
@@ -300,7 +303,9 @@ class Chart:
         self._drawn.insert(
             0, f'<path d="M{left:.1f} 0H{right:.1f}V{self.area[3]:.1f}H{left:.1f}z" fill="#e4e4e4"/>'
         )
-        self._list(label, lambda at, up: f'<path d="M{at:g} {up - 5:g}h26v10h-26z" fill="#e4e4e4"/>')
+        self._list(
+            label, lambda start, upper: f'<path d="M{start:g} {upper - 5:g}h26v10h-26z" fill="#e4e4e4"/>'
+        )
 
     def write(self, left: float, low: float, text: str) -> None:
         """Write a text from a place (pixels) within the axes on, legible across lines."""
@@ -330,13 +335,13 @@ class Chart:
         x, x_end, middle = bar[0], bar[0] + bar[2], bar[0] + bar[2] / 2
         tips = [
             f'<path d="M{x:.1f} {end:.1f}H{x_end:.1f}L{middle:.1f} {end + reach:.1f}z" fill="{colour}"/>'
-            for wanted, end, reach, colour in (
+            for requested, end, reach, colour in (
                 (below, top + height, 9, colours[0]),
                 (above, top, -9, colours[-1]),
             )
-            if wanted
+            if requested
         ]
-        self._beside += [
+        self._colour_bar_svg += [
             f'<linearGradient id="c" x1="0" y1="1" x2="0" y2="0">{stops}</linearGradient>',
             f'<path d="M{x:.1f} {top:.1f}H{x_end:.1f}v{height:.1f}H{x:.1f}z" fill="url(#c)"/>',
             *tips,
@@ -355,31 +360,31 @@ class Chart:
         """
         left, top, width, height = area = self.area
         total = self.size[1]
-        parts = [
+        components = [
             *_ticks(self.x, "bottom", area, grid=self.grid),
             *_ticks(self.y, "left", area, grid=self.grid),
             *(_ticks(self.top, "top", area, grid=False) if self.top else ()),
         ]
         if self.title:
-            parts.append(_text(left + width / 2, 18, self.title, anchor="middle", size=13))
+            components.append(_text(left + width / 2, 18, self.title, anchor="middle", size=13))
         inside = "".join(self._drawn)
-        parts += [
+        components += [
             f'<svg x="{left:.1f}" y="{top:.1f}" width="{width:.1f}" height="{height:.1f}">{inside}</svg>',
-            *self._beside,
+            *self._colour_bar_svg,
         ]
         if self._legend and legend == "below":
-            more, rows = self._legend_below(columns)
-            parts += more
+            details, rows = self._legend_below(columns)
+            components += details
             total += rows
         elif self._legend:
-            parts += self._legend_inside(legend)
+            components += self._legend_inside(legend)
         axes = {"x": self.x.reading(), "y": self.y.reading(), "area": [round(side, 1) for side in area]}
         reading = html.escape(json.dumps(axes | self.reading, ensure_ascii=False), quote=False)
         reading = reading.replace("'", "&#39;")  # the double quotes of JSON take less room as they are
         return data_uri(
             f"<svg xmlns=\"http://www.w3.org/2000/svg\" data-reading='{reading}' "
             f'viewBox="0 0 {self.size[0]:g} {total:g}" width="{self.size[0]:g}" height="{total:g}" '
-            f'font-family="{_FONT}" font-size="{_SIZE:g}" fill="{INK}">{"".join(parts)}</svg>'
+            f'font-family="{_FONT}" font-size="{_SIZE:g}" fill="{INK}">{"".join(components)}</svg>'
         )
 
     def note(self, method: str, **arguments: Any) -> None:
@@ -399,40 +404,40 @@ class Chart:
     def _path(self, x: np.ndarray, y: np.ndarray) -> str:
         """Return the outline through points, interrupted where a value is missing."""
         left, top = self._pixels(x, y)
-        known = np.isfinite(left) & np.isfinite(top)
-        pieces = []
-        for run in np.split(np.arange(left.size), np.nonzero(np.diff(known))[0] + 1):
-            if run.size and known[run[0]]:
+        available = np.isfinite(left) & np.isfinite(top)
+        fragments = []
+        for run in np.split(np.arange(left.size), np.nonzero(np.diff(available))[0] + 1):
+            if run.size and available[run[0]]:
                 points = np.round(np.column_stack([left[run], top[run]])[_extremes(top[run])], 1)
                 points = np.clip(points, -9999, 9999)
-                pieces.append("M" + "L".join(f"{a:g} {b:g}" for a, b in points))
-        return "".join(pieces)
+                fragments.append("M" + "L".join(f"{a:g} {b:g}" for a, b in points))
+        return "".join(fragments)
 
     def _legend_inside(self, corner: str) -> list[str]:
         """Return the legend in a corner of the area."""
         left, top, width, height = self.area
-        box_width = 42 + max(len(label) for label, _ in self._legend) * _WIDE * _SMALL
+        box_width = 42 + max(len(label) for label, _ in self._legend) * _LETTER_WIDTH * _SMALL
         box_height = 17.0 * len(self._legend) + 6
         x = left + 6 if "left" in corner else left + width - box_width - 6
         y = top + 6 if "upper" in corner else top + height - box_height - 6
         box = f'<path d="M{x:.1f} {y:.1f}h{box_width:.1f}v{box_height:.1f}h{-box_width:.1f}z" '
-        parts = [box + 'fill="#fff" fill-opacity=".78"/>']
+        components = [box + 'fill="#fff" fill-opacity=".78"/>']
         for row, (label, glyph) in enumerate(self._legend):
             middle = round(y + 11.5 + 17 * row, 1)
-            parts += [glyph(round(x + 4, 1), middle), _text(x + 36, middle + 4, label, size=_SMALL)]
-        return parts
+            components += [glyph(round(x + 4, 1), middle), _text(x + 36, middle + 4, label, size=_SMALL)]
+        return components
 
     def _legend_below(self, columns: int) -> tuple[list[str], float]:
         """Return the legend below the chart, in columns, and the room it takes."""
-        each = (self.size[0] - 24) / columns
-        parts = []
-        for place, (label, glyph) in enumerate(self._legend):
-            row, column = divmod(place, columns)
-            x, middle = round(12 + each * column, 1), self.size[1] + 9 + 18 * row
-            room = max(int((each - 38) / (_WIDE * _SMALL)), 4)
+        entry = (self.size[0] - 24) / columns
+        components = []
+        for index, (label, glyph) in enumerate(self._legend):
+            row, column = divmod(index, columns)
+            x, middle = round(12 + entry * column, 1), self.size[1] + 9 + 18 * row
+            room = max(int((entry - 38) / (_LETTER_WIDTH * _SMALL)), 4)
             short = label if len(label) <= room else f"{label[: room - 1]}…"
-            parts += [glyph(x, middle), _text(x + 32, middle + 4, short, size=_SMALL)]
-        return parts, 18.0 * -(-len(self._legend) // columns) + 6
+            components += [glyph(x, middle), _text(x + 32, middle + 4, short, size=_SMALL)]
+        return components, 18.0 * -(-len(self._legend) // columns) + 6
 
 
 def as_image(
@@ -469,7 +474,7 @@ def data_uri(svg: str) -> str:
     "data:image/svg+xml,%3Csvg id='a'/%3E"
     """
     # character by character `quote` would take a fifth of the time of a page
-    return "data:image/svg+xml," + _NOT_IN_URI.sub(lambda some: _quoted(some[0]), svg)
+    return "data:image/svg+xml," + _NOT_IN_URI.sub(lambda subset: _quoted(subset[0]), svg)
 
 
 def _stroke(colour: str, width: float, dash: str) -> str:
@@ -492,10 +497,10 @@ def _text(
 ) -> str:
     """Return a text at a place, upright or turned by a quarter."""
     where = f'transform="translate({x:.1f} {y:.1f})rotate(-90)"' if turned else f'x="{x:.1f}" y="{y:.1f}"'
-    kind = (f' text-anchor="{anchor}"' if anchor != "start" else "") + (
+    category = (f' text-anchor="{anchor}"' if anchor != "start" else "") + (
         f' font-size="{size:g}"' if size != _SIZE else ""
     )
-    return f"<text {where}{kind}>{html.escape(text, quote=False)}</text>"
+    return f"<text {where}{category}>{html.escape(text, quote=False)}</text>"
 
 
 def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float = math.inf) -> list[str]:
@@ -503,8 +508,8 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float 
     left, top, width, height = area
     flat = side in ("bottom", "top")
     edge = {"bottom": top + height, "top": top, "left": left, "right": left + width}[side]
-    out = 1 if side in ("bottom", "right") else -1
-    written, between = axis.ticks(6 if (width if flat else height) > 150 else 4)
+    output = 1 if side in ("bottom", "right") else -1
+    written, interior = axis.ticks(6 if (width if flat else height) > 150 else 4)
 
     def place(value: float) -> float:
         share = float(axis.place(value))
@@ -517,41 +522,41 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float 
             else f"M{edge:.1f} {place(value):.1f}h{length:g}"
         )
 
-    parts = []
+    components = []
     if grid and written:
-        through = -out * (height if flat else width)
+        through = -output * (height if flat else width)
         lines = "".join(stub(value, through) for value in written)
-        parts.append(f'<path d="{lines}" stroke="{_GRID}" stroke-width=".8" fill="none"/>')
+        components.append(f'<path d="{lines}" stroke="{_GRID}" stroke-width=".8" fill="none"/>')
     line = f"M{left:.1f} {edge:.1f}h{width:.1f}" if flat else f"M{edge:.1f} {top:.1f}v{height:.1f}"
-    stubs = "".join(stub(v, 4.5 * out) for v in written) + "".join(stub(v, 2.5 * out) for v in between)
-    parts.append(f'<path d="{line}{stubs}" stroke="{INK}" stroke-width=".9" fill="none"/>')
+    stubs = "".join(stub(v, 4.5 * output) for v in written) + "".join(stub(v, 2.5 * output) for v in interior)
+    components.append(f'<path d="{line}{stubs}" stroke="{INK}" stroke-width=".9" fill="none"/>')
     texts = [tick_text(value) for value in written]
     if flat:
-        down = 18.0 if side == "bottom" else -9.0
-        parts += [
-            _text(place(v), edge + down, t, anchor="middle") for v, t in zip(written, texts, strict=True)
+        lower = 18.0 if side == "bottom" else -9.0
+        components += [
+            _text(place(v), edge + lower, t, anchor="middle") for v, t in zip(written, texts, strict=True)
         ]
         label = edge + (37 if side == "bottom" else -27)
-        return [*parts, _text(left + width / 2, label, axis.label, anchor="middle")]
+        return [*components, _text(left + width / 2, label, axis.label, anchor="middle")]
     anchor, across = ("end", -8.0) if side == "left" else ("start", 8.0)
-    parts += [
+    components += [
         _text(edge + across, place(v) + 4, t, anchor=anchor) for v, t in zip(written, texts, strict=True)
     ]
-    longest = max(map(len, texts), default=1) * _WIDE * _SIZE
+    longest = max(map(len, texts), default=1) * _LETTER_WIDTH * _SIZE
     label = edge - 18 - longest if side == "left" else edge + 22 + longest
-    half = len(axis.label) * _WIDE * _SIZE / 2  # it must not be cut off above a low picture
+    half = len(axis.label) * _LETTER_WIDTH * _SIZE / 2  # it must not be cut off above a low picture
     middle = max(top + height / 2, half)
     label = min(max(label, 12.0), within - 4)
-    return [*parts, _text(label, middle, axis.label, anchor="middle", turned=True)]
+    return [*components, _text(label, middle, axis.label, anchor="middle", turned=True)]
 
 
 def _extremes(values: np.ndarray) -> np.ndarray:
     """Return the places of the values that a line is drawn through: all, or the extremes of each few."""
     if values.size <= _MOST_POINTS:
         return np.arange(values.size)
-    few = -(-2 * values.size // _MOST_POINTS)
-    whole = values.size // few * few
-    rows = values[:whole].reshape(-1, few)
-    start = np.arange(0, whole, few)
-    both = [start + rows.argmin(axis=1), start + rows.argmax(axis=1)]
-    return np.unique(np.concatenate([*both, np.arange(whole, values.size)]))
+    sparse = -(-2 * values.size // _MOST_POINTS)
+    complete = values.size // sparse * sparse
+    rows = values[:complete].reshape(-1, sparse)
+    start = np.arange(0, complete, sparse)
+    pair = [start + rows.argmin(axis=1), start + rows.argmax(axis=1)]
+    return np.unique(np.concatenate([*pair, np.arange(complete, values.size)]))

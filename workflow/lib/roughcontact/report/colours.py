@@ -28,7 +28,7 @@ _ANCHORS = {
 # finer maps several points make one.
 POINTS = 2**21
 _LONGEST = 8192  # points along a side, what every browser draws
-_FEW = 256  # along the longer side: fewer are shown as rectangles
+_FEW_POINTS = 256  # along the longer side: fewer are shown as rectangles
 _SHARES = 11  # steps of the share of bad points among those that make one
 
 
@@ -90,7 +90,7 @@ def coloured(
     index += (np.rint(share * (steps - 1)) * of_colours).astype(np.uint8)
     picture = _png(index, _palette(colours, of_colours, bad, steps if missing.any() else 1))
     source = "data:image/png;base64," + base64.b64encode(picture).decode()
-    return source, max(index.shape) < _FEW
+    return source, max(index.shape) < _FEW_POINTS
 
 
 def _png(index: np.ndarray, palette: bytes) -> bytes:
@@ -101,21 +101,21 @@ def _png(index: np.ndarray, palette: bytes) -> bytes:
 
     height, width = index.shape
     rows = np.diff(index, axis=0, prepend=np.uint8(0))
-    parts = [
+    components = [
         (b"IHDR", struct.pack(">2I5B", width, height, 8, 3, 0, 0, 0)),
         (b"PLTE", palette),
         (b"IDAT", zlib.compress(np.insert(rows, 0, 2, axis=1).tobytes())),
         (b"IEND", b""),
     ]
-    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*part) for part in parts)
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*component) for component in components)
 
 
 def _averaged(level: np.ndarray, missing: np.ndarray, together: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the mean of the good ones of so many points along either side, and the share of the bad ones."""
     rows, columns = (np.arange(0, n, together) for n in level.shape)
     sums = [
-        np.add.reduceat(np.add.reduceat(of, rows, axis=0, dtype=float), columns, axis=1)
-        for of in (level, missing)
+        np.add.reduceat(np.add.reduceat(source, rows, axis=0, dtype=float), columns, axis=1)
+        for source in (level, missing)
     ]
     height, width = (np.diff([*starts, n]) for starts, n in zip((rows, columns), level.shape, strict=True))
     points = height[:, None] * width
@@ -124,12 +124,14 @@ def _averaged(level: np.ndarray, missing: np.ndarray, together: int) -> tuple[np
 
 def _palette(name: str, of_colours: int, bad: str, steps: int) -> bytes:
     """Return so many colours of a scale, and after them their blends with the colour of bad points."""
-    anchors, other = (
-        np.array([[int(colour[at : at + 2], 16) for at in (1, 3, 5)] for colour in of], dtype=float)
-        for of in (colour_scale(name), [bad])
+    anchors, second = (
+        np.array(
+            [[int(colour[start : start + 2], 16) for start in (1, 3, 5)] for colour in source], dtype=float
+        )
+        for source in (colour_scale(name), [bad])
     )
-    places = np.linspace(0, len(anchors) - 1, of_colours)
-    scale = np.column_stack([np.interp(places, np.arange(len(anchors)), channel) for channel in anchors.T])
+    indices = np.linspace(0, len(anchors) - 1, of_colours)
+    scale = np.column_stack([np.interp(indices, np.arange(len(anchors)), channel) for channel in anchors.T])
     shares = np.linspace(0, 1, steps)[:, None, None] if steps > 1 else np.zeros((1, 1, 1))
-    blends = (1 - shares) * scale + shares * other
+    blends = (1 - shares) * scale + shares * second
     return np.rint(blends).astype(np.uint8).tobytes()

@@ -29,14 +29,14 @@ def surface_facts(
     """
     pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured)[::-1]))
     instrument = labelled(json.loads(measured.attrs.get("instrument", "{}")))
-    words = ", ".join(f"{label} {text}" for label, text in instrument)
+    sentence = ", ".join(f"{label} {text}" for label, text in instrument)
     source = [str(measured.attrs.get(key, "")) for key in ("source_file", "source_format")]
     resolution = float(numbers["points_per_shortest_wavelength"][0])
     facts = [
         ("File", " · ".join(filter(None, source))),
         ("First row", _first_row(measured)),
         ("Channel", str(measured.attrs.get("channel", ""))),
-        ("Instrument", textwrap.shorten(words, 160, placeholder=" …")),
+        ("Instrument", textwrap.shorten(sentence, 160, placeholder=" …")),
         ("Map", f"{_size(measured)} of {pitch}"),
         ("Missing points", percent(measured.attrs.get("missing_share", 0.0))),
         ("Counter-face", _counter_face(levelled)),
@@ -103,8 +103,8 @@ def date_of(measured: xr.DataArray) -> str:
     '2011-07-23'
     """
     stated = json.loads(measured.attrs.get("instrument", "{}")).get("acquisition_time", "")
-    found = re.match(r"\d{4}-\d\d-\d\d", str(stated))
-    return found[0] if found else ""
+    result = re.match(r"\d{4}-\d\d-\d\d", str(stated))
+    return result[0] if result else ""
 
 
 def versions(numbers: xr.Dataset) -> str:
@@ -180,10 +180,10 @@ def waves_in_words(window: xr.DataArray) -> str:
     'waves longer than 3.30 µm'
     """
     limits = [float(window.attrs.get(name, 0.0)) for name in ("band_shortest", "reliable_wavelength")]
-    words = f"waves longer than {quantity(max(limits), 'm')}" if max(limits) else ""
+    text = f"waves longer than {quantity(max(limits), 'm')}" if max(limits) else ""
     if corrected := window.attrs.get("corrected_for"):
-        words = f"{words or 'the map'}, corrected for {corrected}"
-    return words
+        text = f"{text or 'the map'}, corrected for {corrected}"
+    return text
 
 
 def lay_caption(numbers: xr.Dataset) -> str:
@@ -254,15 +254,15 @@ def _first_yield(numbers: xr.Dataset) -> str:
     text = f"at {unit_of(numbers, 'Pa').text(load)} mean pressure"
     if "material_first_yield_pressure" not in numbers:
         return text
-    place = int(np.nanargmin(numbers["material_first_yield_pressure"].values))
+    index = int(np.nanargmin(numbers["material_first_yield_pressure"].values))
     nearest = int(np.argmin(np.abs(np.log(numbers["mean_pressure"].values / load))))
-    depth = float(numbers["material_von_mises_depth"][nearest, place])
+    depth = float(numbers["material_von_mises_depth"][nearest, index])
     faces = {
         "surface": 0.0,
         **{f"interface {i + 1}": z for i, z in enumerate(numbers["interface_depth"].values)},
     }
-    at = [f" at the {name}" for name, face in faces.items() if np.isclose(depth, face, rtol=1e-9, atol=0)]
-    return f"{text}, in {material_name(numbers, place)}{''.join(at)}"
+    start = [f" at the {name}" for name, face in faces.items() if np.isclose(depth, face, rtol=1e-9, atol=0)]
+    return f"{text}, in {material_name(numbers, index)}{''.join(start)}"
 
 
 def _closing(numbers: xr.Dataset) -> str:
@@ -274,18 +274,18 @@ def _closing(numbers: xr.Dataset) -> str:
     ):
         return ""
     loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"]]
-    found = {}
+    result = {}
     for axis in ("x", "y"):
         closed = np.flatnonzero(numbers[f"gap_percolates_{axis}"].values == 0)
         if not closed.size:
-            found[axis] = f"not up to {loads[-1]}"
+            result[axis] = f"not up to {loads[-1]}"
         elif closed[0] == 0:
-            found[axis] = f"at {loads[0]} already"
+            result[axis] = f"at {loads[0]} already"
         else:
-            found[axis] = f"between {loads[closed[0] - 1]} and {loads[closed[0]]}"
-    if found["x"] == found["y"]:
-        return found["x"]
-    return "; ".join(f"along {axis} {words}" for axis, words in found.items())
+            result[axis] = f"between {loads[closed[0] - 1]} and {loads[closed[0]]}"
+    if result["x"] == result["y"]:
+        return result["x"]
+    return "; ".join(f"along {axis} {text}" for axis, text in result.items())
 
 
 def _size(height: xr.DataArray) -> str:
@@ -311,12 +311,12 @@ def _counter_face(levelled: xr.DataArray) -> str:
 def _removed(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
     """Return the form that levelling removed."""
     removed = json.loads(levelled.attrs.get("form_removed", "{}"))
-    parts = [
+    components = [
         f"{name.replace('_', ' ')} {_removed_part(name, entry, levelled, numbers)}"
         for name, entry in removed.items()
         if name.startswith(("mean", "slope", "curvature", "radius", "axis"))  # the rest are coefficients
     ]
-    return f"{levelled.attrs.get('form', 'none')}" + (f": {', '.join(parts)}" if parts else "")
+    return f"{levelled.attrs.get('form', 'none')}" + (f": {', '.join(components)}" if components else "")
 
 
 def _removed_part(name: str, entry: Mapping[str, Any], levelled: xr.DataArray, numbers: xr.Dataset) -> str:
@@ -325,8 +325,8 @@ def _removed_part(name: str, entry: Mapping[str, Any], levelled: xr.DataArray, n
         return f"{entry['value']:.2f}°".replace("-", "−")
     power = {"m": 0, "1": 1, "m-1": 2}[entry["units"]]
     over_the_map = abs(entry["value"]) * max(side_lengths(levelled)) ** power
-    nothing = over_the_map < 1e-6 * float(np.nanstd(levelled.values))
-    value = 0.0 if nothing else entry["value"]
+    empty = over_the_map < 1e-6 * float(np.nanstd(levelled.values))
+    value = 0.0 if empty else entry["value"]
     if name.startswith("mean"):
         return unit_of(numbers, "m").text(value)
     return quantity(value, entry["units"].replace("m-1", "m⁻¹"))

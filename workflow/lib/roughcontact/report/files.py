@@ -10,14 +10,14 @@ from urllib.parse import quote
 _LINK = re.compile(r'<a class="file" href="([^"]*)"')
 
 
-def beside(panel: str | Path, files: Mapping[str, str | Path]) -> list[tuple[str, str, str]]:
+def relative_links(panel: str | Path, files: Mapping[str, str | Path]) -> list[tuple[str, str, str]]:
     """Return (content, name, address) of the files of a surface, seen from its panel.
 
     `files` maps the content of a file, in words, to its path; `panel` is the path of the panel.
 
     Examples
     --------
-    >>> beside("results/soft/one/panel.html", {"solved window": "results/hard/one/window.nc"})
+    >>> relative_links("results/soft/one/panel.html", {"solved window": "results/hard/one/window.nc"})
     [('solved window', 'window.nc', '../../hard/one/window.nc')]
     """
     folder = Path(panel).parent
@@ -38,10 +38,10 @@ def from_page(text: str, panel: str | Path, folder: str | Path) -> str:
     >>> from_page(link, "results/one/panel.html", "results/pages")
     '<a class="file" href="../one/window.nc">'
     """
-    way = quote(Path(os.path.relpath(Path(panel).parent, folder)).as_posix())
+    route = quote(Path(os.path.relpath(Path(panel).parent, folder)).as_posix())
 
     def moved(link: re.Match[str]) -> str:
-        address = os.path.normpath(f"{way}/{html.unescape(link[1])}")
+        address = os.path.normpath(f"{route}/{html.unescape(link[1])}")
         return f'<a class="file" href="{html.escape(Path(address).as_posix())}"'
 
     return _LINK.sub(moved, text)

@@ -85,24 +85,26 @@ def write_results(
     write_text(text, folder / "summary.csv")
     write_table(budget_table(statistics), folder / "uncertainty.csv")
     members = {
-        member: name
-        for name, (parts, placements) in groups.items()
+        placement: name
+        for name, (components, placements) in groups.items()
         if placements
-        for member in parts
-        if member in set(summary["surface"])
+        for placement in components
+        if placement in set(summary["surface"])
     }
     if members:
         write_table(pairs_table(summary, members), folder / "pairs.csv")
-    wanted = {name for pair in same_places for name in pair}.union(*(parts for parts, _ in groups.values()))
-    solved = _by_map(statistics, wanted)
-    answers, left_out = group_answers(solved, groups)
+    requested = {name for pair in same_places for name in pair}.union(
+        *(components for components, _ in groups.values())
+    )
+    solved = _by_map(statistics, requested)
+    answers, omitted = group_answers(solved, groups)
     compared, not_compared = comparisons(answers, same_places)
-    left_out += not_compared
+    omitted += not_compared
     of_maps, not_shared = compare_maps(_shared_maps(solved, groups, same_places))
     compared |= of_maps
-    left_out += not_shared
+    omitted += not_shared
     if groups or same_places:
-        attrs["left_out"] = json.dumps(left_out, ensure_ascii=False)
+        attrs["left_out"] = json.dumps(omitted, ensure_ascii=False)
         attrs = {key: text for key, text in attrs.items() if key != "comment"} | {"title": "Groups of maps"}
         write_dataset(joined_groups(answers).assign_attrs(attrs), folder / "groups.nc")
         write_table(groups_table(answers), folder / "groups.csv")
@@ -117,11 +119,11 @@ def write_results(
         changed=changed,
         groups=answers,
         compared=compared,
-        left_out=left_out,
+        left_out=omitted,
         failures=failures,
         folder=seen_from,
     )
-    return left_out
+    return omitted
 
 
 def group_answers(
@@ -132,25 +134,25 @@ def group_answers(
     `solved` has the statistics of each map by case ("" without cases) and name, `groups` are as of
     `write_results`.
     """
-    answers, left_out = [], []
-    for name, (parts, placements) in groups.items():
+    answers, omitted = [], []
+    for name, (components, placements) in groups.items():
         for case in dict.fromkeys(case for case, _ in solved):
-            own = {map_: solved[case, map_] for map_ in parts if (case, map_) in solved}
-            if not own:
+            selected = {map_: solved[case, map_] for map_ in components if (case, map_) in solved}
+            if not selected:
                 continue
             try:
-                found = group_statistics(
-                    list(own.values()),
-                    names=list(own),
-                    parts=[parts[map_] for map_ in own],
+                result = group_statistics(
+                    list(selected.values()),
+                    names=list(selected),
+                    parts=[components[map_] for map_ in selected],
                     group=name,
                     placements=placements,
                 )
             except RoughContactError as error:
-                left_out.append(f"{error}{f' (case {case})' if case else ''}")
+                omitted.append(f"{error}{f' (case {case})' if case else ''}")
             else:
-                answers.append(NamedGroup(name, case or None, found, placements))
-    return answers, left_out
+                answers.append(NamedGroup(name, case or None, result, placements))
+    return answers, omitted
 
 
 def comparisons(
@@ -162,18 +164,22 @@ def comparisons(
     a sentence for each that cannot be made. The placements of a pair are compared under two cases alone: of
     other faces they say nothing.
     """
-    found: dict[tuple[str, str], xr.Dataset] = {}
-    left_out: list[str] = []
-    for case in dict.fromkeys(one.case for one in answers):
-        own = {one.label: one.answer for one in answers if one.case == case and not one.placements}
-        compared, reasons = compare_all(own, same_places=same_places)
-        found, left_out = found | compared, left_out + reasons
-    for name in dict.fromkeys(one.name for one in answers):
-        own = {one.label: one.answer for one in answers if one.name == name}
-        if len(own) > 1 and next(iter(own.values())).sizes["map"] > 1:
-            compared, reasons = compare_all(own, cases=case_pairs(list(own)))
-            found, left_out = found | compared, left_out + reasons
-    return found, left_out
+    result: dict[tuple[str, str], xr.Dataset] = {}
+    omitted: list[str] = []
+    for case in dict.fromkeys(dataset.case for dataset in answers):
+        selected = {
+            dataset.label: dataset.answer
+            for dataset in answers
+            if dataset.case == case and not dataset.placements
+        }
+        compared, reasons = compare_all(selected, same_places=same_places)
+        result, omitted = result | compared, omitted + reasons
+    for name in dict.fromkeys(dataset.name for dataset in answers):
+        selected = {dataset.label: dataset.answer for dataset in answers if dataset.name == name}
+        if len(selected) > 1 and next(iter(selected.values())).sizes["map"] > 1:
+            compared, reasons = compare_all(selected, cases=case_pairs(list(selected)))
+            result, omitted = result | compared, omitted + reasons
+    return result, omitted
 
 
 def _shared_maps(
@@ -183,37 +189,39 @@ def _shared_maps(
 ) -> dict[tuple[str, str], tuple[xr.Dataset, xr.Dataset]]:
     """Return the statistics of every two maps of a place, of the first placement and of each other."""
     pairs = [(earlier, later) for earlier, later in same_places]
-    for first, *others in (list(parts) for parts, placements in groups.values() if placements):
-        pairs += [(first, other) for other in others]
+    for first, *remaining in (list(components) for components, placements in groups.values() if placements):
+        pairs += [(first, second) for second in remaining]
     shared = {}
     for case in dict.fromkeys(case for case, _ in solved):
-        for one, two in pairs:
-            if (case, one) in solved and (case, two) in solved:
-                labels = tuple(f"{name} · {case}" if case else name for name in (one, two))
-                shared[labels[0], labels[1]] = _rising(solved[case, one]), _rising(solved[case, two])
+        for result, two in pairs:
+            if (case, result) in solved and (case, two) in solved:
+                labels = tuple(f"{name} · {case}" if case else name for name in (result, two))
+                shared[labels[0], labels[1]] = _rising(solved[case, result]), _rising(solved[case, two])
     return shared
 
 
-def _rising(one: xr.Dataset) -> xr.Dataset:
+def _rising(result: xr.Dataset) -> xr.Dataset:
     """Return the statistics of a map with its loads rising, without padding."""
-    loads = one["mean_pressure"].values
-    return one.isel(load=np.argsort(loads)[: np.isfinite(loads).sum()])
+    loads = result["mean_pressure"].values
+    return result.isel(load=np.argsort(loads)[: np.isfinite(loads).sum()])
 
 
 def _by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[tuple[str, str], xr.Dataset]:
     """Return what groups and differences need of some solved maps, by case ("" without cases) and name."""
     bands = json.loads(statistics.attrs["bands"])
     dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
-    needed = needed_for_groups(map(str, statistics.variables))
-    variables = {name: statistics[name].transpose(*dims, ...).variable for name in needed}
-    found = {}
-    for place in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
-        *cases, surface = (str(statistics[dim].values[at]) for dim, at in zip(dims, place, strict=True))
+    required = needed_for_groups(map(str, statistics.variables))
+    variables = {name: statistics[name].transpose(*dims, ...).variable for name in required}
+    result = {}
+    for index in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
+        *cases, surface = (str(statistics[dim].values[start]) for dim, start in zip(dims, index, strict=True))
         case = cases[0] if cases else ""
         if surface in names and surface in bands[case]:
-            own = {name: (each.dims[len(dims) :], each.values[place]) for name, each in variables.items()}
-            found[case, surface] = xr.Dataset(own, attrs=bands[case][surface])
-    return found
+            selected = {
+                name: (entry.dims[len(dims) :], entry.values[index]) for name, entry in variables.items()
+            }
+            result[case, surface] = xr.Dataset(selected, attrs=bands[case][surface])
+    return result
 
 
 def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
@@ -221,11 +229,11 @@ def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
     tables = []
     dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
     of_budget = statistics[[name for name in statistics.variables if is_of_budget(str(name))]]
-    for place in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
-        one = of_budget.isel(dict(zip(dims, place, strict=True)))
-        known = np.isfinite(one["mean_pressure"].values)  # the others are padding
-        table = uncertainty_table(one if known.all() else one.isel(load=known))
+    for index in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
+        result = of_budget.isel(dict(zip(dims, index, strict=True)))
+        available = np.isfinite(result["mean_pressure"].values)  # the others are padding
+        table = uncertainty_table(result if available.all() else result.isel(load=available))
         for number, dim in enumerate(dims):
-            table.insert(number, dim, one[dim].item())
+            table.insert(number, dim, result[dim].item())
         tables.append(table)
     return pd.concat(tables, ignore_index=True)

@@ -27,9 +27,9 @@ HEADINGS = (
     "conductance",
 )
 
-_NONE = "no ±"
-_ONE_SIDED, _BOTH = "the whole ± agrees", "the ± holds both"  # of a yes or no
-_ALIKE = 100.0  # ratio of rms heights up to which one unit does for all
+_NO_INTERVAL = "no ±"
+_ONE_SIDED, _TWO_SIDED = "the whole ± agrees", "the ± holds both"  # of a yes or no
+_COMMON_UNIT_RATIO = 100.0  # ratio of rms heights up to which one unit does for all
 # the units of the numbers in the table, as `unit_of` knows them
 _UNITS = {
     "mean_pressure": "Pa",
@@ -73,10 +73,10 @@ def shown_loads(areas: np.ndarray) -> list[int]:
     if areas.size <= 3:
         return list(range(areas.size))
     logarithm = np.log(np.maximum(areas, 1e-300))
-    found = {int(np.abs(logarithm - np.log(area)).argmin()) for area in AREAS}
-    if len(found) == 1:
-        found |= {0, areas.size - 1}
-    return sorted(found)
+    result = {int(np.abs(logarithm - np.log(area)).argmin()) for area in AREAS}
+    if len(result) == 1:
+        result |= {0, areas.size - 1}
+    return sorted(result)
 
 
 def usable_loads(numbers: xr.Dataset) -> list[int]:
@@ -105,18 +105,18 @@ def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[i
     >>> loads_to_compare(surfaces), loads_to_compare([surfaces[0], surfaces[1].isel(load=[1, 2])])
     ([1, 1], [1, 0])
     """
-    areas = [one["relative_contact_area"].values for one in results]
-    if len({one.size for one in areas}) == 1:
+    areas = [result["relative_contact_area"].values for result in results]
+    if len({result.size for result in areas}) == 1:
         areas = [np.median(areas, axis=0)] * len(areas)
-    off = [np.abs(np.log(np.maximum(one, 1e-300)) - np.log(area)) for one in areas]
-    return [int(one.argmin()) for one in off]
+    deviation = [np.abs(np.log(np.maximum(result, 1e-300)) - np.log(area)) for result in areas]
+    return [int(result.argmin()) for result in deviation]
 
 
 def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
     """Return for each surface the units in the table by name of the variable.
 
-    Lengths have the same for all surfaces unless the largest rms height is more than `_ALIKE` times the
-    smallest, else that of the surface, as pressures have that of the material.
+    Lengths have the same for all surfaces unless the largest rms height is more than `_COMMON_UNIT_RATIO`
+    times the smallest, else that of the surface, as pressures have that of the material.
 
     Examples
     --------
@@ -127,14 +127,14 @@ def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
     >>> units["mean_gap"].shown
     'nm'
     """
-    rms = [value for one in results if (value := float(one.get("rms_height", 0.0))) > 0]
-    of_all = middle_of(results) if not rms or max(rms) <= _ALIKE * min(rms) else None
+    rms = [value for result in results if (value := float(result.get("rms_height", 0.0))) > 0]
+    common_units = middle_of(results) if not rms or max(rms) <= _COMMON_UNIT_RATIO * min(rms) else None
     return [
         {
-            name: unit_of(one if unit == "Pa" or of_all is None else of_all, unit)
+            name: unit_of(result if unit == "Pa" or common_units is None else common_units, unit)
             for name, unit in _UNITS.items()
         }
-        for one in results
+        for result in results
     ]
 
 
@@ -152,34 +152,34 @@ def glance_rows(
     plain = {str(name): variable.values for name, variable in numbers.variables.items()}
     return [
         [
-            interval_cell(plain, "mean_pressure", units, place)._replace(outcome=outcome_of(plain, place)),
+            interval_cell(plain, "mean_pressure", units, index)._replace(outcome=outcome_of(plain, index)),
             *_judged(
                 [
-                    interval_cell(plain, "relative_contact_area", units, place),
-                    interval_cell(plain, "mean_contact_pressure", units, place),
-                    interval_cell(plain, "mean_gap", units, place),
-                    _seals(plain, units, place),
-                    _yields(values_at_load(numbers, place)),
-                    largest_cell(plain, units, place),
-                    _conducts(plain, units, place),
+                    interval_cell(plain, "relative_contact_area", units, index),
+                    interval_cell(plain, "mean_contact_pressure", units, index),
+                    interval_cell(plain, "mean_gap", units, index),
+                    _seals(plain, units, index),
+                    _yields(values_at_load(numbers, index)),
+                    largest_cell(plain, units, index),
+                    _conducts(plain, units, index),
                 ],
                 plain,
-                place,
+                index,
             ),
         ]
-        for place in places
+        for index in places
     ]
 
 
-def _judged(cells: Sequence[Cell], numbers: Numbers, place: int) -> list[Cell]:
+def _judged(cells: Sequence[Cell], numbers: Numbers, index: int) -> list[Cell]:
     """Return the cells of a load with their verdicts, where they are known; what is not judged has none."""
     return [
-        cell._replace(outcome=outcome_of(numbers, place, answer)) if cell.text != NOT_JUDGED else cell
+        cell._replace(outcome=outcome_of(numbers, index, answer)) if cell.text != NOT_JUDGED else cell
         for cell, answer in zip(cells, ANSWERS, strict=True)  # in the order of the columns
     ]
 
 
-def outcome_of(numbers: Numbers, place: int, answer: str = "") -> str:
+def outcome_of(numbers: Numbers, index: int, answer: str = "") -> str:
     """Return the verdict on a load, or on an answer at it, a key of `VERDICTS`; empty for *use* or unknown.
 
     Examples
@@ -188,74 +188,76 @@ def outcome_of(numbers: Numbers, place: int, answer: str = "") -> str:
     'review'
     """
     name = f"{answer}_verdict" if answer else "verdict"
-    code = float(numbers[name][place]) if name in numbers else 0.0
+    code = float(numbers[name][index]) if name in numbers else 0.0
     return list(VERDICTS)[int(code)] if code > 0 else ""
 
 
-def _known(numbers: Numbers, name: str) -> bool:
+def _has_number(numbers: Numbers, name: str) -> bool:
     """Return whether a number is present, at one load at least."""
     return name in numbers and bool(np.isfinite(np.asarray(numbers[name], float)).any())
 
 
-def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], place: int) -> Cell:
+def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> Cell:
     """Return a number of a load and its interval."""
-    factor, shown = units[name]
-    value = float(numbers[name][place]) * factor
-    if not _known(numbers, f"{name}_lower"):
-        if name.endswith(("_conductance", "_resistance")) and _known(numbers, "relative_contact_area_lower"):
-            return Cell(f"{as_the_area(numbers, name, units[name], place)} {shown}", _NONE)
-        return Cell(f"{number(value)} {shown}")
-    lower, upper = (float(numbers[f"{name}_{end}"][place]) * factor for end in ("lower", "upper"))
+    factor, unit_label = units[name]
+    value = float(numbers[name][index]) * factor
+    if not _has_number(numbers, f"{name}_lower"):
+        if name.endswith(("_conductance", "_resistance")) and _has_number(
+            numbers, "relative_contact_area_lower"
+        ):
+            return Cell(f"{as_the_area(numbers, name, units[name], index)} {unit_label}", _NO_INTERVAL)
+        return Cell(f"{number(value)} {unit_label}")
+    lower, upper = (float(numbers[f"{name}_{end}"][index]) * factor for end in ("lower", "upper"))
     text, _, interval = with_interval(value, lower, upper).partition(" ")
-    precision = precision_in_words(value, lower, upper, Unit(1.0, shown))
-    return Cell(f"{text} {shown}", interval.strip("()"), precision=precision)
+    precision = precision_in_words(value, lower, upper, Unit(1.0, unit_label))
+    return Cell(f"{text} {unit_label}", interval.strip("()"), precision=precision)
 
 
-def _seals(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
+def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return whether the gap is closed to a fluid, else leak rate and narrowest place."""
-    if not _known(numbers, "gap_percolates_x"):
+    if not _has_number(numbers, "gap_percolates_x"):
         return Cell(NOT_JUDGED)
     if is_profile(numbers):
         return Cell(NOT_JUDGED, "a profile does not tell")
-    is_open = [axis for axis in ("x", "y") if float(numbers[f"gap_percolates_{axis}"][place])]
-    decided = [gap_is_decided(numbers, axis)[place] for axis in "xy"]
+    is_open = [axis for axis in ("x", "y") if float(numbers[f"gap_percolates_{axis}"][index])]
+    decided = [gap_is_decided(numbers, axis)[index] for axis in "xy"]
     doubted = [axis for axis, one_sided in zip("xy", decided, strict=True) if one_sided == 0]
-    precision = "" if np.isnan(decided).any() else _BOTH if doubted else _ONE_SIDED
-    shown = [axis for axis in "xy" if axis in is_open + doubted]
-    doubt, more = " (in doubt)" if doubted else "", [] if is_open else ["gap closed along x and y"]
-    for words, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
-        if shown and _known(numbers, f"{name}_x"):
-            found = {axis: _unbroken(numbers, f"{name}_{axis}", units, place) for axis in shown}
-            if len(shown) == 2 and len(set(found.values())) == 1:  # one place decides both ways
-                found = {"x and y": found["x"]}
-            more.append(f"{words} {', '.join(f'{text} ({axis})' for axis, text in found.items())}")
+    precision = "" if np.isnan(decided).any() else _TWO_SIDED if doubted else _ONE_SIDED
+    displayed = [axis for axis in "xy" if axis in is_open + doubted]
+    doubt, details = " (in doubt)" if doubted else "", [] if is_open else ["gap closed along x and y"]
+    for sentence, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
+        if displayed and _has_number(numbers, f"{name}_x"):
+            result = {axis: _unbroken(numbers, f"{name}_{axis}", units, index) for axis in displayed}
+            if len(displayed) == 2 and len(set(result.values())) == 1:  # one place decides both ways
+                result = {"x and y": result["x"]}
+            details.append(f"{sentence} {', '.join(f'{text} ({axis})' for axis, text in result.items())}")
     if not is_open:
-        return Cell(f"seals{doubt}", "; ".join(more), precision=precision)
+        return Cell(f"seals{doubt}", "; ".join(details), precision=precision)
     closed = {"x": "y", "y": "x"}[is_open[0]]
     answer = "leaks" if len(is_open) == 2 else f"seals along {closed}, leaks along {is_open[0]}"
-    return Cell(answer + doubt, "; ".join(more), precision=precision)
+    return Cell(answer + doubt, "; ".join(details), precision=precision)
 
 
-def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], place: int) -> str:
+def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> str:
     """Return a number of a load with its interval before its unit, joined by a no-break space."""
     ends = (numbers.get(f"{name}_{end}") for end in ("lower", "upper"))
-    known = (np.nan if end is None else float(end[place]) for end in ends)
-    text = units[name].interval(float(numbers[name][place]), *known)
+    available = (np.nan if end is None else float(end[index]) for end in ends)
+    text = units[name].interval(float(numbers[name][index]), *available)
     return f"{text}\N{NO-BREAK SPACE}{units[name].shown}"
 
 
 def _yields(load: Mapping[str, Any]) -> Cell:
     """Return whether a body yields at a load, at its surface or below."""
     below = float(load.get("volume_above_yield", np.nan)) > 0  # infinite where all of the body yields
-    if _known(load, "hardness"):
+    if _has_number(load, "hardness"):
         share, decided = float(load["load_share_above_hardness"]), float(yield_is_decided(load))
         if share == 0 and below:
             return Cell("yes", "below the surface")
-        precision = "" if np.isnan(decided) else _ONE_SIDED if decided else _BOTH
+        precision = "" if np.isnan(decided) else _ONE_SIDED if decided else _TWO_SIDED
         doubt = " (in doubt)" if decided == 0 else ""
-        more = f"{percent(share)} of the load flows" if share > 0 else "hardness nowhere reached"
-        return Cell(f"{'yes' if share > 0 else 'no'}{doubt}", more, precision=precision)
-    if below or _known(load, "volume_above_yield"):
+        details = f"{percent(share)} of the load flows" if share > 0 else "hardness nowhere reached"
+        return Cell(f"{'yes' if share > 0 else 'no'}{doubt}", details, precision=precision)
+    if below or _has_number(load, "volume_above_yield"):
         return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")
     if rubber_like(load):
         return Cell(NOT_JUDGED, "rubber-like")
@@ -264,15 +266,15 @@ def _yields(load: Mapping[str, Any]) -> Cell:
     return Cell(NOT_JUDGED, "no hardness stated" + would.get(" ".join(flags), ""))
 
 
-def largest_cell(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
+def largest_cell(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return the largest pressure of a load; a pressure that is limited has no interval of its own."""
-    if is_limited(numbers, place):
-        largest = float(numbers["max_pressure"][place])
+    if is_limited(numbers, index):
+        largest = float(numbers["max_pressure"][index])
         return Cell(units["max_pressure"].text(largest), "the hardness")
-    return interval_cell(numbers, "max_pressure", units, place)
+    return interval_cell(numbers, "max_pressure", units, index)
 
 
-def is_limited(numbers: Numbers, place: int) -> bool:
+def is_limited(numbers: Numbers, index: int) -> bool:
     """Return whether the largest pressure of a load is the hardness.
 
     Examples
@@ -280,23 +282,25 @@ def is_limited(numbers: Numbers, place: int) -> bool:
     >>> is_limited(xr.Dataset({"max_pressure": ("load", [2e8, 3e8]), "hardness": 3e8}), 1)
     True
     """
-    if not _known(numbers, "hardness"):
+    if not _has_number(numbers, "hardness"):
         return False
-    return bool(float(numbers["max_pressure"][place]) >= float(numbers["hardness"]) * (1 - 1e-9))
+    return bool(float(numbers["max_pressure"][index]) >= float(numbers["hardness"]) * (1 - 1e-9))
 
 
-def _conducts(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
+def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return the conductance of heat or of current, or that by conductivity."""
-    for name, words in (
+    for name, sentence in (
         ("thermal_conductance", "heat"),
         ("electrical_conductance", "current"),
         ("conductance_per_conductivity", "by conductivity"),
     ):
-        if _known(numbers, name):
-            text, interval, _, precision = interval_cell(numbers, name, units, place)
-            more = [f"{interval}, {words}" if interval else words]
-            if (other := name.replace("conductance", "resistance")) in numbers:
-                cell = interval_cell(numbers, other, units, place)
-                more.append(cell.text if interval == _NONE else _unbroken(numbers, other, units, place))
-            return Cell(text, "; ".join(more), precision=precision)
+        if _has_number(numbers, name):
+            text, interval, _, precision = interval_cell(numbers, name, units, index)
+            details = [f"{interval}, {sentence}" if interval else sentence]
+            if (second := name.replace("conductance", "resistance")) in numbers:
+                cell = interval_cell(numbers, second, units, index)
+                details.append(
+                    cell.text if interval == _NO_INTERVAL else _unbroken(numbers, second, units, index)
+                )
+            return Cell(text, "; ".join(details), precision=precision)
     return Cell(NOT_JUDGED)

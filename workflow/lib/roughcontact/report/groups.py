@@ -35,7 +35,7 @@ HEADINGS = (
 )
 _AREA = "relative_contact_area"
 _PEAK = "max_pressure"
-_OTHERS = ("mean_contact_pressure", "mean_gap", _PEAK, "conductance_per_conductivity")
+_FURTHER_QUANTITIES = ("mean_contact_pressure", "mean_gap", _PEAK, "conductance_per_conductivity")
 _COMPARED = (_AREA, "mean_contact_pressure", "mean_gap", _PEAK)
 _FINEST = 1e-3  # of a ratio: half-width of which two digits are shown
 
@@ -55,13 +55,13 @@ def group_rows(
     rows = []
     for group, of_group in zip(groups, units, strict=True):
         answer = group.answer
-        places = shown_loads(answer[_AREA].values)
+        indices = shown_loads(answer[_AREA].values)
         rows.append(
             {
                 "name": group.label,
                 "of": _composition(group) + _verdicts(group, verdicts or {}),
                 "remarks": json.loads(answer.attrs["remarks"]),
-                "rows": [_cells(answer, of_group, place) for place in places],
+                "rows": [_cells(answer, of_group, index) for index in indices],
             }
         )
     return rows
@@ -70,7 +70,7 @@ def group_rows(
 def group_pictures(groups: Sequence[NamedGroup]) -> list[tuple[str, str]]:
     """Return (image, caption) of the maps of the groups at two or three loads, and of area against load."""
     pressure = min((unit_of(group.answer, "Pa") for group in groups), key=lambda unit: unit.factor)
-    shown = [
+    displayed = [
         (group.label, group.answer.isel(load=shown_loads(group.answer[_AREA].values))) for group in groups
     ]
     caption = (
@@ -79,7 +79,7 @@ def group_pictures(groups: Sequence[NamedGroup]) -> list[tuple[str, str]]:
     )
     curves = group_curves([(group.label, group.answer) for group in groups], pressure)
     return [
-        (group_values(shown, pressure), caption),
+        (group_values(displayed, pressure), caption),
         (curves, "Lines: the groups. Bands: the same intervals."),
     ]
 
@@ -97,15 +97,15 @@ def comparison_rows(
     of_groups = {group.label: group.answer for group in groups}
     answers = {**(maps or {}), **of_groups}
     rows = []
-    for (first, second), found in compared.items():
+    for (first, second), result in compared.items():
         pressure = unit_of(answers[first], "Pa")
         area = np.interp(
-            found["mean_pressure"].values,
+            result["mean_pressure"].values,
             answers[first]["mean_pressure"].values,
             answers[first][_AREA].values,
         )
-        shown = found.isel(load=shown_loads(area))
-        loads = shown["mean_pressure"].values
+        displayed = result.isel(load=shown_loads(area))
+        loads = displayed["mean_pressure"].values
         limited = [
             all(_limited_at(answers[name], load) for name in (first, second)) for load in loads.tolist()
         ]
@@ -116,10 +116,10 @@ def comparison_rows(
                 "loads": [pressure.text(load) for load in loads.tolist()],
                 "rows": [
                     _comparison(
-                        shown.sel(quantity=name), name, limited if name == _PEAK else [False] * loads.size
+                        displayed.sel(quantity=name), name, limited if name == _PEAK else [False] * loads.size
                     )
                     for name in _COMPARED
-                    if name in found["quantity"].values
+                    if name in result["quantity"].values
                 ],
                 "of_maps": first not in of_groups,
             }
@@ -129,8 +129,8 @@ def comparison_rows(
 
 def _limited_at(answer: xr.Dataset, load: float) -> bool:
     """Return whether the largest pressure of a group or map is the hardness, at the load (Pa) next to one."""
-    place = int(np.abs(answer["mean_pressure"].values - load).argmin())
-    return _PEAK in answer and is_limited(answer, place)
+    index = int(np.abs(answer["mean_pressure"].values - load).argmin())
+    return _PEAK in answer and is_limited(answer, index)
 
 
 def _composition(group: NamedGroup) -> str:
@@ -138,74 +138,80 @@ def _composition(group: NamedGroup) -> str:
     maps = group.answer.sizes["map"]
     if group.placements:
         return several(maps, "placement") + " of two faces"
-    parts = len(set(group.answer["part"].values))
-    return several(maps, "map") if parts == maps else f"{several(maps, 'map')} of {several(parts, 'part')}"
+    components = len(set(group.answer["part"].values))
+    return (
+        several(maps, "map")
+        if components == maps
+        else f"{several(maps, 'map')} of {several(components, 'part')}"
+    )
 
 
 def _verdicts(group: NamedGroup, verdicts: Mapping[tuple[str, str | None], str]) -> str:
     """Return how many maps of a group have each verdict."""
     of_maps = [verdicts.get((str(name), group.case)) for name in group.answer["map"].values]
-    counts = {word: of_maps.count(word) for word in VERDICTS.values()}
-    words = ", ".join(f"{word} {count}" for word, count in counts.items() if count)
-    return f" ({words})" if words else ""
+    counts = {label: of_maps.count(label) for label in VERDICTS.values()}
+    text = ", ".join(f"{label} {count}" for label, count in counts.items() if count)
+    return f" ({text})" if text else ""
 
 
-def _cells(answer: xr.Dataset, units: Mapping[str, Unit], place: int) -> list[Cell]:
+def _cells(answer: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[Cell]:
     """Return the cells of a group at a load."""
     return [
-        Cell(units["mean_pressure"].text(float(answer["mean_pressure"][place]))),
-        _mean(answer, _AREA, units, place),
-        Cell(_range(answer, _AREA, "next_", units, place)),
-        _scatter(answer.isel(load=place)),
-        *(_mean(answer, name, units, place) if name in answer else Cell("–") for name in _OTHERS),
+        Cell(units["mean_pressure"].text(float(answer["mean_pressure"][index]))),
+        _mean(answer, _AREA, units, index),
+        Cell(_range(answer, _AREA, "next_", units, index)),
+        _scatter(answer.isel(load=index)),
+        *(_mean(answer, name, units, index) if name in answer else Cell("–") for name in _FURTHER_QUANTITIES),
     ]
 
 
-def _mean(answer: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) -> Cell:
+def _mean(answer: xr.Dataset, name: str, units: Mapping[str, Unit], index: int) -> Cell:
     """Return the mean of a group with its ±; with the range of its maps where these are two."""
-    if not np.isfinite(float(answer[name][place])):
+    if not np.isfinite(float(answer[name][index])):
         return Cell("–")
-    if name == _PEAK and is_limited(answer, place):
-        return largest_cell(answer, units, place)
+    if name == _PEAK and is_limited(answer, index):
+        return largest_cell(answer, units, index)
     if is_range(answer):
-        shown = units[name].text(float(answer[name][place]))
-        return Cell(shown, f"range {_range(answer, name, '', units, place)}")
-    return interval_cell(answer, name, units, place)
+        displayed = units[name].text(float(answer[name][index]))
+        return Cell(displayed, f"range {_range(answer, name, '', units, index)}")
+    return interval_cell(answer, name, units, index)
 
 
-def _range(answer: xr.Dataset, name: str, which: str, units: Mapping[str, Unit], place: int) -> str:
+def _range(answer: xr.Dataset, name: str, prefix: str, units: Mapping[str, Unit], index: int) -> str:
     """Return an interval by its ends."""
-    factor, shown = units[name]
-    low, high = (float(answer[f"{name}_{which}{end}"][place]) for end in ("lower", "upper"))
-    return "–" if np.isnan(low) else f"{with_interval(np.nan, low * factor, high * factor)} {shown}"
+    factor, unit_label = units[name]
+    low, high = (float(answer[f"{name}_{prefix}{end}"][index]) for end in ("lower", "upper"))
+    return "–" if np.isnan(low) else f"{with_interval(np.nan, low * factor, high * factor)} {unit_label}"
 
 
 def _scatter(load: xr.Dataset) -> Cell:
     """Return the standard deviations of the area between parts and between maps."""
-    known = {
-        words: float(load[f"{_AREA}_{key}"])
-        for key, words in (("between", "parts"), ("within", "maps"))
+    available = {
+        text: float(load[f"{_AREA}_{key}"])
+        for key, text in (("between", "parts"), ("within", "maps"))
         if np.isfinite(load[f"{_AREA}_{key}"])
     }
-    if len(known) == 1:
-        return Cell(percent(*known.values()))
-    return Cell(", ".join(f"{words} {percent(value)}" for words, value in known.items()) or "–")
+    if len(available) == 1:
+        return Cell(percent(*available.values()))
+    return Cell(", ".join(f"{text} {percent(value)}" for text, value in available.items()) or "–")
 
 
-def _comparison(shown: xr.Dataset, name: str, limited: Sequence[bool]) -> Row:
+def _comparison(displayed: xr.Dataset, name: str, limited: Sequence[bool]) -> Row:
     """Return the row of a quantity: its ratio at each load with the interval, and the outcomes.
 
     `limited` says at which loads it is the hardness of both, so that nothing is compared.
     """
     cells, outcomes = [], []
-    for place, (outcome, same) in enumerate(zip(shown["outcome"].values.tolist(), limited, strict=True)):
-        if same:
+    for index, (outcome, identical) in enumerate(
+        zip(displayed["outcome"].values.tolist(), limited, strict=True)
+    ):
+        if identical:
             cells.append(Cell("–"))
             outcomes.append("both the hardness")
             continue
-        ratio, low, high = (float(shown[key][place]) for key in ("ratio", "ratio_lower", "ratio_upper"))
+        ratio, low, high = (float(displayed[key][index]) for key in ("ratio", "ratio_lower", "ratio_upper"))
         text, *_ = with_interval(ratio, low, high, finest=_FINEST).split()
         cells.append(Cell(text, with_interval(np.nan, low, high, finest=_FINEST).strip("–")))
         outcomes.append(str(outcome))
-    alike = len(set(outcomes)) == 1
-    return {"quantity": TITLES[name], "cells": cells, "outcomes": outcomes[:1] if alike else outcomes}
+    equal = len(set(outcomes)) == 1
+    return {"quantity": TITLES[name], "cells": cells, "outcomes": outcomes[:1] if equal else outcomes}

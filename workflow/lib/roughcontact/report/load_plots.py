@@ -43,7 +43,7 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
     .. [4] Greenwood and Williamson (1966), Proc. R. Soc. A 295, 300.
     """
     unit = float(statistics["contact_modulus"] * statistics["rms_gradient"])
-    factor, shown = unit_of(statistics, "Pa")
+    factor, unit_label = unit_of(statistics, "Pa")
     load = statistics["mean_pressure"].values * factor
     corrected = statistics["relative_contact_area"].values
     counted = statistics["relative_contact_area_pixels"].values
@@ -51,8 +51,8 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
     relative = statistics["relative_pressure"].values
     chart = _area_chart(
         load,
-        np.concatenate([corrected, _near(ends[0], corrected), theory.persson_area(relative)]),
-        label=f"mean pressure p̄ ({shown})",
+        np.concatenate([corrected, _clipped_ends(ends[0], corrected), theory.persson_area(relative)]),
+        label=f"mean pressure p̄ ({unit_label})",
         top=_relative_axis(statistics),
     )
     half_spaces = layers_of(statistics) is None  # the theories are of these
@@ -102,10 +102,10 @@ def compare_areas(
     drawn = np.concatenate([area for _, _, area in series])
     factor = pressure.factor if pressure else 1.0
     label = f"mean pressure p̄ ({pressure.shown})" if pressure else _RELATIVE
-    chart = _area_chart(loads * factor, _near(areas, drawn), size=(560.0, 430.0), label=label)
+    chart = _area_chart(loads * factor, _clipped_ends(areas, drawn), size=(560.0, 430.0), label=label)
     if pressure is None:
         _theory_lines(chart, loads)
-    several = len({case for _, case in kinds}) > 1
+    multiple = len({case for _, case in kinds}) > 1
     surfaces: dict[str, tuple[str, str]] = {}
     cases: dict[str, int] = {}
     for index, (name, load, area) in enumerate(series):
@@ -124,11 +124,11 @@ def compare_areas(
             joined=1.0,
             dash=_DASHES[case % len(_DASHES)],
             label=name,
-            listed=not several,
+            listed=not multiple,
         )
-    for name, (colour, marker) in surfaces.items() if several else ():
+    for name, (colour, marker) in surfaces.items() if multiple else ():
         chart.key(name, colour=colour, marker=marker)
-    for name, case in cases.items() if several else ():
+    for name, case in cases.items() if multiple else ():
         chart.key(name, colour=GREY, marker="o", filled=not case, dash=_DASHES[case % len(_DASHES)])
     return chart.source("below")
 
@@ -218,9 +218,9 @@ def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]
             chart.line(load[order], 100 * area[order], colour=f"{colour}38", width=0.8)
             logs = np.log(load[order]), np.log(np.maximum(area[order], 1e-300))
             curves.append(np.exp(np.interp(np.log(line), *logs, left=np.nan, right=np.nan)))
-        known = np.isfinite(curves).sum(axis=0) >= max(len(group) / 2, 1)
+        available = np.isfinite(curves).sum(axis=0) >= max(len(group) / 2, 1)
         median = np.full(line.size, np.nan)
-        median[known] = np.nanmedian(np.array(curves)[:, known], axis=0)
+        median[available] = np.nanmedian(np.array(curves)[:, available], axis=0)
         _theory_lines(chart, loads)
         chart.line(line, 100 * median, colour=colour, width=2.6, label=f"median of {len(group)} surfaces")
         images[name] = chart.source("below", columns=2)
@@ -249,17 +249,17 @@ def _area_chart(
     title: str = "",
 ) -> Chart:
     """Return the log-log axes of area (percent) against load that hold these shares."""
-    least = max(np.min(areas[areas > 0], initial=1.0) / 2, 1e-8)
+    lowest = max(np.min(areas[areas > 0], initial=1.0) / 2, 1e-8)
     return Chart(
         Axis(label, loads.min() / 1.5, loads.max() * 1.5, log=True),
-        Axis("contact area A/A₀ (%)", 100 * least, 140.0, log=True),
+        Axis("contact area A/A₀ (%)", 100 * lowest, 140.0, log=True),
         top=top,
         size=size,
         title=title,
     )
 
 
-def _near(ends: np.ndarray, areas: np.ndarray) -> np.ndarray:
+def _clipped_ends(ends: np.ndarray, areas: np.ndarray) -> np.ndarray:
     """Return lower ends of areas as far as an axis shows them, down to a tenth of the least area."""
     return np.maximum(ends, _SHOWN_BELOW * np.min(areas[areas > 0], initial=1.0))
 
@@ -285,9 +285,9 @@ def _relative_axis(statistics: xr.Dataset) -> Axis | None:
 
 def _ends(statistics: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Return both ends of the interval of a quantity, NaN where there is none."""
-    none = np.full(statistics[name].shape, np.nan)
+    absent = np.full(statistics[name].shape, np.nan)
     lower, upper = (
-        statistics[key].values if (key := f"{name}_{end}") in statistics else none
+        statistics[key].values if (key := f"{name}_{end}") in statistics else absent
         for end in ("lower", "upper")
     )
     return lower, upper
@@ -430,10 +430,10 @@ def _distribution(
     carrying = np.nonzero((shares[loads, 1:] > 1e-4).any(axis=0))[0]
     first, last = (carrying[0], carrying[-1]) if carrying.size else (0, len(widths) - 1)
     low, high = bounds[1 + first, 0], bounds[1 + last, 1]
-    factor, shown = unit_of(statistics, unit)
+    factor, unit_label = unit_of(statistics, unit)
     highest = 1.35 * float((shares[loads, 1:] / widths).max()) or 1.0  # room for the legend
     chart = Chart(
-        Axis(f"{labels[0]} ({shown})", low * factor, high * factor * 1.15, log=True),
+        Axis(f"{labels[0]} ({unit_label})", low * factor, high * factor * 1.15, log=True),
         Axis(labels[1], 0.0, highest),
     )
     for index, load in enumerate(loads):
@@ -441,6 +441,6 @@ def _distribution(
         steps = np.concatenate([[0.0], np.repeat(shares[load, 1:] / widths, 2), [0.0]])
         label = f"p̄ = {unit_of(statistics, 'Pa').text(float(statistics['mean_pressure'][load]))}"
         chart.line(edges, steps, colour=COLOURS[index], label=label)
-        words = means[0] if load == loads[-1] else ""
-        chart.across(x=float(means[1][load]) * factor, colour=COLOURS[index], dash=DOTTED, label=words)
+        text = means[0] if load == loads[-1] else ""
+        chart.across(x=float(means[1][load]) * factor, colour=COLOURS[index], dash=DOTTED, label=text)
     return chart.source("upper left")

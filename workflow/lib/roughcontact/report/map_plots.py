@@ -261,8 +261,8 @@ def _profile(
     axis = "x" if height.sizes["x"] > 1 else "y"
     position = height[axis].values - height[axis].values[0]
     factor, of_lengths = along or length_unit(max(side_lengths(height)))
-    everything = np.concatenate([values for values, *_ in lines])
-    low, high = (float(end) * unit.factor for end in (np.nanmin(everything), np.nanmax(everything)))
+    values_of_all = np.concatenate([values for values, *_ in lines])
+    low, high = (float(end) * unit.factor for end in (np.nanmin(values_of_all), np.nanmax(values_of_all)))
     room = (high - low) * 0.06 or 1e-6 * unit.factor
     chart = Chart(
         Axis(f"{axis} ({of_lengths})", 0.0, float(position[-1]) * factor),

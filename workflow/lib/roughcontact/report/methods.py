@@ -65,8 +65,8 @@ def _levelling(statistics: xr.Dataset, level: Mapping[str, Any]) -> str:
     """Return what was done to the heights."""
     sha256 = str(statistics.attrs.get("source_sha256", ""))
     source = f" (SHA-256 {sha256[:8]}…)" if sha256 else ""
-    words = _FORMS.get(level["form"], f"were freed of a least-squares {level['form']}").format(**level)
-    steps = [f"The measured heights{source} {words}"]
+    text = _FORMS.get(level["form"], f"were freed of a least-squares {level['form']}").format(**level)
+    steps = [f"The measured heights{source} {text}"]
     if level["outlier_threshold"]:
         threshold = number(level["outlier_threshold"], digits=2)
         steps.append(f"outliers beyond {threshold} robust standard deviations rejected")
@@ -84,10 +84,10 @@ def _window(statistics: xr.Dataset, window: Mapping[str, Any]) -> str:
     """Return the window that was solved, and its roughness."""
     lengths = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
     size = " × ".join(quantity(length, "m") for length in lengths if math.isfinite(length))
-    made = statistics.attrs.get("periodisation", window["method"])
+    created = statistics.attrs.get("periodisation", window["method"])
     steps = [
         f"A window of {size} "
-        + ("was periodic as measured" if made == "none" else f"was made periodic ({made})")
+        + ("was periodic as measured" if created == "none" else f"was made periodic ({created})")
     ]
     steps += [
         f"waves {side} than {quantity(window[key], 'm')} were removed"
@@ -120,11 +120,11 @@ def _contact(statistics: xr.Dataset, contact: Mapping[str, Any]) -> str:
 def _answers(statistics: xr.Dataset, uncertainty: Mapping[str, Any]) -> list[str]:
     """Return the answers at a few loads, and what their intervals are for."""
     rising = statistics["mean_pressure"].argsort().values.tolist()
-    few = [rising[0], rising[len(rising) // 2], rising[-1]] if len(rising) > _MOST_LOADS else rising
+    sparse = [rising[0], rising[len(rising) // 2], rising[-1]] if len(rising) > _MOST_LOADS else rising
     sentences = []
-    for index in few:
+    for index in sparse:
         load = statistics.isel(load=index)
-        answers = [f"{words} {_answer(load, name, unit)}" for name, (words, unit) in _ANSWERS.items()]
+        answers = [f"{text} {_answer(load, name, unit)}" for name, (text, unit) in _ANSWERS.items()]
         pressure = quantity(float(load["mean_pressure"]), "Pa")
         sentences.append(f"A mean pressure of {pressure} gives {', '.join(answers[:-1])} and {answers[-1]}.")
     if "relative_contact_area_lower" in statistics:
@@ -136,5 +136,5 @@ def _answers(statistics: xr.Dataset, uncertainty: Mapping[str, Any]) -> list[str
 def _answer(load: xr.Dataset, name: str, unit: str) -> str:
     """Return a value with its interval and unit."""
     value, lower, upper = (float(load.get(f"{name}{end}", math.nan)) for end in ("", "_lower", "_upper"))
-    factor, shown = (100.0, unit) if unit.startswith("%") else prefix(value, unit)
-    return f"{with_interval(value * factor, lower * factor, upper * factor)} {shown}"
+    factor, unit_label = (100.0, unit) if unit.startswith("%") else prefix(value, unit)
+    return f"{with_interval(value * factor, lower * factor, upper * factor)} {unit_label}"

@@ -13,7 +13,7 @@ import xarray as xr
 from roughcontact import __version__
 from roughcontact.quantities import Unit, number
 from roughcontact.report import ONE_PAGE
-from roughcontact.report.asked import asked_alike, asked_in_words, measured_in_words, planned_in_words
+from roughcontact.report.asked import describe_problem, measured_in_words, planned_in_words, same_loads
 from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
@@ -100,29 +100,29 @@ def write_report(
     InputFileError
         for a file that is not readable, or a panel without its summary.
     """
-    many = len(panels) + len(failures) > ONE_PAGE
+    indexed = len(panels) + len(failures) > ONE_PAGE
     folder = Path(path).parent if folder is None else Path(folder)
     series = _series(statistics)
     by_surface: dict[str, dict[str, xr.Dataset]] = {}
     for (surface, case), data in series.items():
         by_surface.setdefault(surface, {})[case or ""] = data
-    known = {_name(*key): data for key, data in series.items()}
+    available = {_name(*key): data for key, data in series.items()}
     case_of = {_name(*key): key[1] for key in series}
     summaries = [read_summary(panel) for panel in panels]
     # a placement stands with its pair, which comes last
     grouped = {str(name): group.name for group in groups for name in group.answer["map"].values}
-    kinds = dict(zip(known, _kinds(series, series, grouped), strict=True))
-    units = dict(zip(known, glance_units(list(known.values())), strict=True))
-    places = dict(zip(known, loads_to_compare(list(known.values())), strict=True))
+    categories = dict(zip(available, _line_styles(series, series, grouped), strict=True))
+    units = dict(zip(available, glance_units(list(available.values())), strict=True))
+    indices = dict(zip(available, loads_to_compare(list(available.values())), strict=True))
     rows = [
         {
             **summary,
-            **_glance(summary, known[summary["name"]], units[summary["name"]]),
-            "numbers": _compared(known[summary["name"]], units[summary["name"]], places[summary["name"]])
-            if many
+            **_glance(summary, available[summary["name"]], units[summary["name"]]),
+            "numbers": _compared(available[summary["name"]], units[summary["name"]], indices[summary["name"]])
+            if indexed
             else [],
             "case": case_of[summary["name"]],
-            "sample": sample_of(*kinds[summary["name"]]),
+            "sample": sample_of(*categories[summary["name"]]),
             "group": grouped.get(summary["surface"], ""),
             "rank": len(checks.VERDICTS) - list(checks.VERDICTS).index(summary["verdict"]),
             "doubts": ", ".join(summary["doubts"]),
@@ -137,33 +137,35 @@ def write_report(
         {"surface": name, "reason": reason, "cases": cases, "name": _name(name, _listed(cases))}
         for (name, reason), cases in causes.items()
     ]
-    head = {"title": title, "asked_of_run": asked_in_words(settings, changed), "version": __version__}
-    alike = asked_alike(settings)
-    if many:
-        shown_in = folder / "pages"
+    head = {"title": title, "asked_of_run": describe_problem(settings, changed), "version": __version__}
+    equal = same_loads(settings)
+    if indexed:
+        page_folder = folder / "pages"
         pages = Path(path).parent / "pages"
-        _write_pages(pages, rows, panels, by_surface, named, alike=alike, head=head, folder=shown_in)
+        _write_pages(pages, rows, panels, by_surface, named, alike=equal, head=head, folder=page_folder)
     html = template("report.html").render(
         rows=rows,
         headings=_HEADINGS,
         asked=HEADINGS,
-        download=None if many else _as_download(summary),
+        download=None if indexed else _as_download(summary),
         words=checks.VERDICTS,
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in checks.VERDICTS},
-        many=many,
+        many=indexed,
         doubts=Counter(doubt for summary in summaries for doubt in summary["doubts"]).most_common(),
         surfaces=len(by_surface),
         cases_of_run=list(
-            dict.fromkeys(case for case in (*case_of.values(), *(one["case"] for one in failures)) if case)
+            dict.fromkeys(
+                case for case in (*case_of.values(), *(result["case"] for result in failures)) if case
+            )
         ),
         light=planned_in_words(
             settings,
             {(name, case or ""): float(data["mean_pressure"][0]) for (name, case), data in series.items()},
         ),
-        which_load=_which_load(list(places.values()), list(known.values())),
-        comparisons=_comparisons(series, grouped, many=many),
-        cases=_cases(by_surface, many=many, alike=alike),
-        parts=[] if many else [_part(panel, folder) for panel in panels],
+        which_load=_which_load(list(indices.values()), list(available.values())),
+        comparisons=_comparisons(series, grouped, many=indexed),
+        cases=_cases(by_surface, many=indexed, alike=equal),
+        parts=[] if indexed else [_panel_html(panel, folder) for panel in panels],
         failures=named,
         groups=group_rows(
             groups, {(row["surface"], row["case"]): checks.VERDICTS[row["verdict"]] for row in rows}
@@ -171,10 +173,10 @@ def write_report(
         group_headings=GROUP_HEADINGS,
         group_pictures=group_pictures(groups) if groups else [],
         left_out=left_out,
-        compared=comparison_rows(compared or {}, groups, known),
+        compared=comparison_rows(compared or {}, groups, available),
         folded=bool(grouped) and by_surface.keys() <= grouped.keys(),
         **head,
-        measured=measured_in_words({one["surface"]: one["measured"] for one in summaries}),
+        measured=measured_in_words({result["surface"]: result["measured"] for result in summaries}),
         settings=json.dumps(settings, indent=1, sort_keys=True),
     )
     write_text(html, path)
@@ -196,25 +198,25 @@ def _write_pages(
     `alike` is as of `case_table`.
     """
     names = list(dict.fromkeys(summary["surface"] for summary in summaries))
-    for place, name in enumerate(names):
-        own = [index for index, summary in enumerate(summaries) if summary["surface"] == name]
+    for position, name in enumerate(names):
+        selected = [index for index, summary in enumerate(summaries) if summary["surface"] == name]
         html = template("surface.html").render(
             **head,
-            measured=measured_in_words({name: summaries[own[0]]["measured"]}),
+            measured=measured_in_words({name: summaries[selected[0]]["measured"]}),
             name=name,
-            before=names[place - 1] if place else None,
-            after=names[place + 1] if place + 1 < len(names) else None,
+            before=names[position - 1] if position else None,
+            after=names[position + 1] if position + 1 < len(names) else None,
             cases=case_table(by_surface[name], alike=alike),
-            rows=[summaries[index] for index in own],
+            rows=[summaries[index] for index in selected],
             asked=HEADINGS,
             words=checks.VERDICTS,
             failures=[failure for failure in failures if failure["surface"] == name],
-            parts=[_part(panels[index], folder) for index in own],
+            parts=[_panel_html(panels[index], folder) for index in selected],
         )
         write_text(html, written_to / f"{name}.html")
 
 
-def _part(panel: str | Path, folder: Path) -> str:
+def _panel_html(panel: str | Path, folder: Path) -> str:
     """Return the part of a surface as it stands on a page of `folder`."""
     return from_page(Path(panel).read_text(encoding="utf-8"), panel, folder)
 
@@ -261,10 +263,10 @@ def _comparisons(
         groups: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
         for (_, case), line in relative.items():
             groups.setdefault(case or "", []).append(line)
-        said = f"Each surface is a faint line. {in_these_units}"
+        statements = f"Each surface is a faint line. {in_these_units}"
         return [
-            (image, f"The same under {case}." if place else said)
-            for place, (case, image) in enumerate(spread_of_areas(groups).items())
+            (image, f"The same under {case}." if index else statements)
+            for index, (case, image) in enumerate(spread_of_areas(groups).items())
         ]
     names = [_name(*key) for key in rough]
     lines = [(name, *relative[key]) for name, key in zip(names, rough, strict=True)]
@@ -272,25 +274,25 @@ def _comparisons(
         (name, data["mean_pressure"].values, data["relative_contact_area"].values)
         for name, data in zip(names, rough.values(), strict=True)
     ]
-    known = all("relative_contact_area_lower" in data for data in rough.values())
+    available = all("relative_contact_area_lower" in data for data in rough.values())
     ends = [
         (data["relative_contact_area_lower"].values, data["relative_contact_area_upper"].values)
         for data in rough.values()
-        if known
+        if available
     ]
     # that of the stiffest, where the cases differ in it
     pressure = min((unit_of(data, "Pa") for data in rough.values()), key=lambda unit: unit.factor)
-    bars = "Bars: the ±." if known else ""
-    kinds = list(_kinds(series, rough, grouped))
-    styles = " Surfaces are colours, cases are line styles." if any(case for _, case in kinds) else ""
+    bars = "Bars: the ±." if available else ""
+    categories = list(_line_styles(series, rough, grouped))
+    styles = " Surfaces are colours, cases are line styles." if any(case for _, case in categories) else ""
     styles += " The maps of a group have one colour." if grouped else ""
     return [
         (
-            compare_areas(pascal, ends=ends, pressure=pressure, kinds=kinds),
+            compare_areas(pascal, ends=ends, pressure=pressure, kinds=categories),
             f"{comparison_caption(pascal, pressure)} {bars}{styles}".strip(),
         ),
         (
-            compare_areas(lines, ends=ends, kinds=kinds),
+            compare_areas(lines, ends=ends, kinds=categories),
             f"{comparison_caption(lines)} {in_these_units}".strip(),
         ),
     ]
@@ -307,7 +309,7 @@ def _cases(
     return [(name, table) for name, table in tables if table]
 
 
-def _kinds(
+def _line_styles(
     series: Iterable[tuple[str, str | None]],
     drawn: Iterable[tuple[str, str | None]],
     grouped: Mapping[str, str],
@@ -326,14 +328,14 @@ def _series(statistics: xr.Dataset) -> dict[tuple[str, str | None], xr.Dataset]:
     """Return {(surface, case): statistics}, loads rising, without padding and failed surfaces."""
     series = {}
     cases = statistics["case_name"].values if "case" in statistics.dims else [None]
-    for place, case in enumerate(cases):
-        of_case = statistics if case is None else statistics.isel(case=place)
+    for position, case in enumerate(cases):
+        of_case = statistics if case is None else statistics.isel(case=position)
         for index, surface in enumerate(statistics["surface_name"].values):
             loads = of_case["mean_pressure"].values[index]
             rising = np.argsort(loads)[: np.isfinite(loads).sum()]
             if rising.size:
-                one = of_case.isel(surface=index, load=rising)
-                series[str(surface), None if case is None else str(case)] = one
+                result = of_case.isel(surface=index, load=rising)
+                series[str(surface), None if case is None else str(case)] = result
     return series
 
 
@@ -347,10 +349,10 @@ def _listed(cases: Sequence[str | None]) -> str | None:
     return ", ".join(case for case in cases if case is not None) or None
 
 
-def _compared(data: xr.Dataset, units: Mapping[str, Unit], place: int) -> list[dict[str, Any]]:
+def _compared(data: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[dict[str, Any]]:
     """Return the cells of a surface in the index, below `_HEADINGS`, with their sorting keys."""
-    answers = glance_rows(data, units, [place])[0]
-    keys = [_sorted(float(data[name][place])) if name else None for name in _SORTED_BY]
+    answers = glance_rows(data, units, [index])[0]
+    keys = [_sorted(float(data[name][index])) if name else None for name in _SORTED_BY]
     return [
         Cell(units["mean_gap"].text(rms := float(data["rms_height"])))._asdict() | {"key": _sorted(rms)},
         Cell(number(slope := float(data["rms_gradient"])))._asdict() | {"key": _sorted(slope)},
@@ -368,7 +370,7 @@ def _sorted(value: float) -> float | str:
 
 def _which_load(places: Sequence[int], results: Sequence[xr.Dataset]) -> str:
     """Return the load at which the surfaces of the index are compared, in words."""
-    if len({(place, data.sizes["load"]) for place, data in zip(places, results, strict=True)}) == 1:
+    if len({(index, data.sizes["load"]) for index, data in zip(places, results, strict=True)}) == 1:
         return (
             f"at load {places[0] + 1} of {results[0].sizes['load']}, at which the contact of most is nearest"
         )

@@ -14,7 +14,7 @@ from roughcontact.quantities import percent
 from roughcontact.report import captions, facts, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
-from roughcontact.report.files import beside
+from roughcontact.report.files import relative_links
 from roughcontact.report.glance import HEADINGS, glance_rows, outcome_of, usable_loads
 from roughcontact.report.stack import stack_of_layers
 from roughcontact.report.summary import write_summary
@@ -66,7 +66,7 @@ def write_panel(
     numbers = read_dataset(statistics)
     order = np.argsort(numbers["mean_pressure"].values, kind="stable")
     numbers = numbers.isel(load=order)
-    shown = usable_loads(numbers)
+    displayed = usable_loads(numbers)
     checks_of = partial(
         checks.surface_checks,
         height=plane.attrs if counter_face else measured.attrs,  # of both faces together
@@ -78,17 +78,17 @@ def write_panel(
     name = surface if case is None else f"{surface} · {case}"
     identifier = surface if case is None else f"{case}--{surface}"
     # of loads that nobody stated those are judged that are shown
-    judged = checks_of(numbers.isel(load=shown)) if numbers.attrs.get("loads") == "found" else outcome
+    judged = checks_of(numbers.isel(load=displayed)) if numbers.attrs.get("loads") == "found" else outcome
     verdict = checks.verdict(judged)
     doubts = checks.by_importance(checks.reasons(outcome))
     notes = [check for check in outcome if check.outcome == checks.NOTE]
     not_judged = [check for check in outcome if check.outcome == checks.NOT_MADE]
     bodies = settings["contact"].get("bodies")
-    known = facts.surface_facts(measured, plane, solved, numbers)
+    available = facts.surface_facts(measured, plane, solved, numbers)
     maps = _maps(measured, plane, solved, numbers, counter_face)
     source, date = measured.attrs.get("source_sha256", ""), facts.date_of(measured)
     del measured, plane  # large maps leave no room for them beside the solution
-    fields = _fields(contact, solved, numbers, order[shown])
+    fields = _fields(contact, solved, numbers, order[displayed])
     rough = float(numbers["rms_gradient"]) > 0  # a flat map has neither waves nor charts
     html = template("panel.html").render(
         identifier=identifier,
@@ -99,21 +99,21 @@ def write_panel(
         notes=notes,
         not_judged=not_judged,
         sound=[check for check in outcome if check.outcome == checks.PASSED],
-        facts=known,
+        facts=available,
         stack=stack_of_layers(bodies, solved) if have_layers(bodies) else None,
         maps=maps,
         concerns=checks.concerns,
         profile=1 in solved.shape,
         fields=fields,
-        drawn=shown,
-        loads=json.dumps(_each_load(numbers, shown if fields else []), ensure_ascii=False),
+        drawn=displayed,
+        loads=json.dumps(_each_load(numbers, displayed if fields else []), ensure_ascii=False),
         waves=_waves(solved, numbers) if rough else [],
-        charts=_charts(numbers, solved, shown) if rough else [],
-        budget=shown_budget(numbers, shown, extent=settings["uncertainty"]["extent"]),
+        charts=_charts(numbers, solved, displayed) if rough else [],
+        budget=shown_budget(numbers, displayed, extent=settings["uncertainty"]["extent"]),
         tables=tables.number_tables(numbers, checks.load_flags(numbers, solved.size)),
-        outcomes=[outcome_of(numbers, place) for place in range(numbers.sizes["load"])],
-        material=tables.material_table(numbers, shown),
-        files=beside(
+        outcomes=[outcome_of(numbers, index) for index in range(numbers.sizes["load"])],
+        material=tables.material_table(numbers, displayed),
+        files=relative_links(
             path,
             {
                 "measured heights": height,
@@ -140,7 +140,7 @@ def write_panel(
             "doubts": [str(check.name) for check in doubts],
             "main_reason": checks.reason(doubts[0], letters=_LINE) if doubts else "",
             "halve": str(numbers.attrs.get("halve", "")),
-            "loads": shown,
+            "loads": displayed,
             "measured": date,
             "waves": facts.waves_in_words(solved),
         },
@@ -201,8 +201,8 @@ def _fields(
         # maps of which every point is drawn are read once, finer ones twice: a load at a time is in memory
         @lru_cache(loads.size if window.size <= POINTS else 0)
         def maps(load: int) -> tuple[np.ndarray, np.ndarray]:
-            one = contact[["pressure", "gap"]].isel(load=load)
-            return one["pressure"].values, one["gap"].values
+            result = contact[["pressure", "gap"]].isel(load=load)
+            return result["pressure"].values, result["gap"].values
 
         highest, widest = map_plots.common_limits(map(maps, loads))
         of_pressure, of_gap = unit_of(numbers, "Pa"), unit_of(numbers, "m")
@@ -226,22 +226,22 @@ def _each_load(numbers: xr.Dataset, drawn: Sequence[int]) -> list[tuple[str, str
     The maps are those of the load itself or, as the words say, of the nearest of those that are `drawn`.
     """
     pressure, loads = unit_of(numbers, "Pa"), numbers["mean_pressure"].values
-    found = []
-    for place, (_, *cells) in enumerate(glance_rows(numbers, places=range(loads.size))):
-        words = [
+    result = []
+    for index, (_, *cells) in enumerate(glance_rows(numbers, places=range(loads.size))):
+        text = [
             f"{title} {cell.text}{' ' if cell.more[:1] in '±−+' else ', '}{cell.more}".rstrip(", ")
             + (f", {cell.precision}" if cell.precision else "")
             + (f" ({checks.VERDICTS[cell.outcome]})" if cell.outcome else "")
             for title, cell in zip(HEADINGS[1:], cells, strict=True)
         ]
-        nearest = int(np.argmin(np.abs(np.log(loads[list(drawn)] / loads[place])))) if drawn else 0
-        if place not in drawn:
-            words.append(
+        nearest = int(np.argmin(np.abs(np.log(loads[list(drawn)] / loads[index])))) if drawn else 0
+        if index not in drawn:
+            text.append(
                 "maps of this load are not drawn" + ("; below those of the nearest load" if drawn else "")
             )
-        name = f"p̄ = {pressure.text(float(loads[place]))} ({place + 1} of {loads.size})"
-        found.append((name, "; ".join(words), nearest, float(f"{loads[place] * pressure.factor:.6g}")))
-    return found
+        name = f"p̄ = {pressure.text(float(loads[index]))} ({index + 1} of {loads.size})"
+        result.append((name, "; ".join(text), nearest, float(f"{loads[index] * pressure.factor:.6g}")))
+    return result
 
 
 def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, str]]:
@@ -257,7 +257,7 @@ def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, st
 
 
 def _charts(
-    numbers: xr.Dataset, window: xr.DataArray, shown: Sequence[int]
+    numbers: xr.Dataset, window: xr.DataArray, displayed: Sequence[int]
 ) -> list[tuple[str, str, str, str]]:
     """Return (title, image, result, reading) of the charts of a window that is not flat."""
     bars = partial(captions.reading_of, numbers)
@@ -278,13 +278,13 @@ def _charts(
         ("Mean gap against load", load_plots.gap_against_load(numbers), captions.gap_caption(numbers), gap),
         (
             "Distribution of the contact pressure",
-            load_plots.pressure_distribution(numbers, shown),
+            load_plots.pressure_distribution(numbers, displayed),
             captions.distribution_caption(numbers),
             "Equal areas below a line are equal shares of the contact.",
         ),
         (
             "Distribution of the gap",
-            load_plots.gap_distribution(numbers, shown),
+            load_plots.gap_distribution(numbers, displayed),
             captions.open_caption(numbers),
             "Equal areas below a line are equal shares of what is apart.",
         ),
@@ -293,7 +293,7 @@ def _charts(
         return charts
     patches = (
         "Sizes of the contact patches",
-        load_plots.patch_distribution(numbers, shown),
+        load_plots.patch_distribution(numbers, displayed),
         captions.patch_caption(numbers),
         "Equal areas below a line are equal shares of the contact.",
     )

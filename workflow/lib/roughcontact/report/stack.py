@@ -34,13 +34,13 @@ def stack_of_layers(bodies: Sequence[Mapping[str, Any]], window: xr.DataArray) -
     ['layer 1: 2.00 mm of 3.00 MPa, ν 0.50', 'rigid base', 'body 2: rigid', 'pixel 1.00 µm', 'window 8.00 µm']
     """
     rows: list[tuple[str, float, str]] = []  # text, thickness, colour
-    for place, body in enumerate(bodies, start=1):
+    for index, body in enumerate(bodies, start=1):
         layers = body.get("layers") or []
-        name = f"body {place} ({body['name']})" if body.get("name") else f"body {place}"
+        name = f"body {index} ({body['name']})" if body.get("name") else f"body {index}"
         rows += [(f"{name}, from its surface inwards", 0.0, GREY)] * bool(layers)
-        for at, layer in enumerate(layers):
-            text = f"layer {at + 1}: {quantity(layer['thickness'], 'm')} of {_material(layer)}"
-            rows.append((text, layer["thickness"], COLOURS[at % len(COLOURS)]))
+        for start, layer in enumerate(layers):
+            text = f"layer {start + 1}: {quantity(layer['thickness'], 'm')} of {_material(layer)}"
+            rows.append((text, layer["thickness"], COLOURS[start % len(COLOURS)]))
         if body.get("base") == "rigid":
             rows.append(("rigid base", math.inf, INK))
         else:
@@ -49,9 +49,9 @@ def stack_of_layers(bodies: Sequence[Mapping[str, Any]], window: xr.DataArray) -
         rows.append(("body 2: rigid", math.inf, INK))
     steps = [step for step, points in zip(spacing(window), window.shape, strict=True) if points > 1]
     marks = {"pixel": math.prod(steps) ** (1 / len(steps)), "window": max(side_lengths(window))}
-    known = [*marks.values(), *(thickness for _, thickness, _ in rows if 0 < thickness < math.inf)]
+    available = [*marks.values(), *(thickness for _, thickness, _ in rows if 0 < thickness < math.inf)]
     unit = length_unit(marks["window"])
-    low, high = min(known) * unit.factor / 3, max(known) * unit.factor * 3
+    low, high = min(available) * unit.factor / 3, max(available) * unit.factor * 3
     chart = Chart(
         Axis(f"thickness ({unit.shown}), logarithmic", low, high, log=True),
         _Rows("", len(rows), 0.0),
@@ -64,14 +64,14 @@ def stack_of_layers(bodies: Sequence[Mapping[str, Any]], window: xr.DataArray) -
         if end:
             chart.shade(np.array([low, end]), *np.repeat(faces[:, None], 2, axis=1), colour=colour)
             chart.line(np.full(2, end), faces, colour=colour, width=3, read=False)
-    words = [text for text, *_ in rows]
+    sentence = [text for text, *_ in rows]
     for (name, length), dash in zip(marks.items(), (DOTTED, DASHED), strict=True):
-        words.append(f"{name} {quantity(length, 'm')}")
-        chart.across(x=length * unit.factor, label=words[-1], dash=dash)
+        sentence.append(f"{name} {quantity(length, 'm')}")
+        chart.across(x=length * unit.factor, label=sentence[-1], dash=dash)
     for row, (text, *_) in enumerate(rows):
         short = text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
         chart.write(4.0, _ROW * (row + 0.45), short)
-    return chart.source("below", columns=2), "; ".join(words)
+    return chart.source("below", columns=2), "; ".join(sentence)
 
 
 def _material(of: Mapping[str, Any]) -> str:

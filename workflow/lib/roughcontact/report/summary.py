@@ -33,9 +33,9 @@ def read_summary(panel: str | Path) -> Summary:
     """Return the summary of a panel; `InputFileError` where its file is missing or damaged."""
     path = Path(panel).with_suffix(".json")
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        result = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise InputFileError(f"{path}: no summary of a panel; delete {panel} and run again") from error
-    if not isinstance(found, dict) or found.keys() != Summary.__annotations__.keys():
+    if not isinstance(result, dict) or result.keys() != Summary.__annotations__.keys():
         raise InputFileError(f"{path}: no summary of a panel; delete it and run again")
-    return cast(Summary, found)
+    return cast(Summary, result)

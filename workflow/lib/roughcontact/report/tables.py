@@ -88,23 +88,23 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
     """
     tables = []
     for title, group in _GROUPS.items():
-        known: list[tuple] = [column for column in group if column[0] in numbers]
+        available: list[tuple] = [column for column in group if column[0] in numbers]
         if title == "Stress below the surface":
-            known += _of_layers(numbers)
+            available += _of_layers(numbers)
         if title == "Sealing" and is_profile(numbers):
             continue
-        if not known:
+        if not available:
             continue
-        header, columns = zip(*(_column(numbers, *column) for column in (_LOAD, *known)), strict=True)
+        header, columns = zip(*(_column(numbers, *column) for column in (_LOAD, *available)), strict=True)
         rows = [
-            {"cells": cells, "flags": ", ".join(words)} for *cells, words in zip(*columns, flags, strict=True)
+            {"cells": cells, "flags": ", ".join(text)} for *cells, text in zip(*columns, flags, strict=True)
         ]
-        whose = numbers.attrs.get("stresses_of") if title == "Stress below the surface" else None
-        tables.append({"title": f"{title}: {whose}" if whose else title, "header": header, "rows": rows})
+        body = numbers.attrs.get("stresses_of") if title == "Stress below the surface" else None
+        tables.append({"title": f"{title}: {body}" if body else title, "header": header, "rows": rows})
     return tables
 
 
-def material_name(numbers: xr.Dataset, place: int) -> str:
+def material_name(numbers: xr.Dataset, index: int) -> str:
     """Return the name of a material of a body with layers, from the surface inwards.
 
     Examples
@@ -113,16 +113,16 @@ def material_name(numbers: xr.Dataset, place: int) -> str:
     >>> material_name(one_layer, 0), material_name(one_layer, 1)
     ('layer 1', 'the base')
     """
-    return f"layer {place + 1}" if place < numbers.sizes["interface"] else "the base"
+    return f"layer {index + 1}" if index < numbers.sizes["interface"] else "the base"
 
 
 def _of_layers(numbers: xr.Dataset) -> list[tuple[str, str, str, int]]:
     """Return the columns (name, title, unit, place) of the materials and interfaces of a body."""
     return [
-        (name, title.format(material_name(numbers, place)), unit, place)
+        (name, title.format(material_name(numbers, index)), unit, index)
         for name, title, unit in _OF_LAYERS
         if name in numbers
-        for place in range(numbers[name].shape[-1])
+        for index in range(numbers[name].shape[-1])
     ]
 
 
@@ -132,32 +132,32 @@ def is_profile(numbers: Numbers) -> bool:
 
 
 def _column(
-    numbers: xr.Dataset, name: str, title: str, unit: str, *place: int
+    numbers: xr.Dataset, name: str, title: str, unit: str, *index: int
 ) -> tuple[tuple[str, str, str], list[str]]:
     """Return the head of a column (title, unit, meaning) and its cells, those of a layer by its place."""
     values = numbers[name].values.astype(float)
-    values = values[:, place[0]] if place else values
-    own = unit_of(numbers, unit)
-    head = title, own.shown, VARIABLES[name][1]
+    values = values[:, index[0]] if index else values
+    selected = unit_of(numbers, unit)
+    head = title, selected.shown, VARIABLES[name][1]
     if f"{name}_lower" in numbers:
         ends = (numbers[f"{name}_{end}"].values for end in ("lower", "upper"))
-        return head, [own.interval(*each) for each in zip(values, *ends, strict=True)]
+        return head, [selected.interval(*entry) for entry in zip(values, *ends, strict=True)]
     if name.endswith(("conductance", "_resistance")) and f"{_AREA}_lower" in numbers:
-        cells = [as_the_area(numbers, name, own, load) for load in range(values.size)]
+        cells = [as_the_area(numbers, name, selected, load) for load in range(values.size)]
         return (f"{title}, no ±", *head[1:]), cells
     if name == "contact_clusters":  # a whole number
         return head, [f"{value:.0f}" for value in values]
-    return head, [number(value * own.factor) for value in values]
+    return head, [number(value * selected.factor) for value in values]
 
 
-def as_the_area(numbers: Numbers, name: str, unit: Unit, place: int) -> str:
+def as_the_area(numbers: Numbers, name: str, unit: Unit, index: int) -> str:
     """Return a number of a load that has no interval with the digits that the contact area carries."""
-    area, *ends = (float(numbers[f"{_AREA}{end}"][place]) for end in ("", "_lower", "_upper"))
-    value = float(numbers[name][place]) * unit.factor
+    area, *ends = (float(numbers[f"{_AREA}{end}"][index]) for end in ("", "_lower", "_upper"))
+    value = float(numbers[name][index]) * unit.factor
     return with_interval(value, *(value * end / area for end in ends)).split()[0]
 
 
-def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:
+def material_table(numbers: xr.Dataset, displayed: Sequence[int]) -> Table | None:
     """Return the table of yield for the hardnesses of some classes of materials.
 
     `shown` has the indices of the loads whose shares are given. The table has a `header` and `rows`, the
@@ -168,9 +168,9 @@ def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:
     modulus, loads = float(numbers["contact_modulus"]), numbers["mean_pressure"].values
     pressure = unit_of(numbers, "Pa").text
     header = ["H/E*", "hardness H", "as of", "first yield at p̄"]
-    header += [f"load, area above H at {pressure(float(loads[place]))}" for place in shown]
+    header += [f"load, area above H at {pressure(float(loads[index]))}" for index in displayed]
     rows = []
-    for ratio, words in zip(numbers["hardness_over_modulus"].values, _MATERIALS, strict=True):
+    for ratio, text in zip(numbers["hardness_over_modulus"].values, _MATERIALS, strict=True):
         of_class = numbers.sel(hardness_over_modulus=ratio)
         first = float(of_class["first_yield_pressure_by_ratio"])
         if np.isfinite(first):
@@ -181,9 +181,10 @@ def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:
             yields = f"below {pressure(float(loads[0]))}"
         shares = [
             ", ".join(
-                percent(float(of_class[f"{part}_share_above_ratio"][place])) for part in ("load", "area")
+                percent(float(of_class[f"{component}_share_above_ratio"][index]))
+                for component in ("load", "area")
             )
-            for place in shown
+            for index in displayed
         ]
-        rows.append([number(float(ratio), digits=1), pressure(ratio * modulus), words, yields, *shares])
+        rows.append([number(float(ratio), digits=1), pressure(ratio * modulus), text, yields, *shares])
     return {"header": header, "rows": rows}

@@ -37,21 +37,21 @@ def spectrum(window: xr.DataArray) -> str:
     # C is height^2 times area (of a profile times length)
     power = power * (_HEIGHT.factor**2 * unit_q ** -(1 if profile else 2))
     inside = power > 1e-20 * power.max()  # below lies the rounding of waves that were removed
-    seen = power[inside]
+    visible = power[inside]
     step = min(d for n, d in zip(window.shape, spacing(window), strict=True) if n > 1)
     ends = q[0] * unit_q / 1.3, np.pi / step * unit_q * 1.3
     chart = Chart(
         Axis(f"wavenumber q (rad/{length})", *ends, log=True),
         Axis(
             f"C(q) ({_HEIGHT.shown}² {length}{'' if profile else '²'})",
-            seen.min() / 30,
-            seen.max() * 5,
+            visible.min() / 30,
+            visible.max() * 5,
             log=True,
         ),
         top=Axis(f"wavelength ({length})", 2 * np.pi / ends[0], 2 * np.pi / ends[1], log=True),
     )
     _mark_band(chart, window, q[0] * unit_q, unit_q)
-    chart.line(q[inside] * unit_q, seen, colour=COLOURS[0])
+    chart.line(q[inside] * unit_q, visible, colour=COLOURS[0])
     return chart.source("lower left")
 
 
@@ -94,12 +94,12 @@ def directional_spectrum(window: xr.DataArray) -> str:
     reach = max(2 * np.pi / shortest, _FEWEST * (qy[1] - qy[0]), _FEWEST * (qx[1] - qx[0]))
     rows, columns = np.abs(qy) <= reach, np.abs(qx) <= reach
     unit_q, length = _inverse_length(window)
-    shown = np.log10(np.maximum(power[np.ix_(rows, columns)] * _HEIGHT.factor**2 * unit_q**-2, 1e-300))
+    displayed = np.log10(np.maximum(power[np.ix_(rows, columns)] * _HEIGHT.factor**2 * unit_q**-2, 1e-300))
     return _picture(
-        shown,
+        displayed,
         (qx[columns] * unit_q, qy[rows] * unit_q),
         axes_label=f"q along {{}} (rad/{length})",
-        bar=Axis(f"log₁₀ C ({_HEIGHT.shown}² {length}²)", shown.max() - _DECADES, shown.max()),
+        bar=Axis(f"log₁₀ C ({_HEIGHT.shown}² {length}²)", displayed.max() - _DECADES, displayed.max()),
         colours="magma",
     ).source()
 
@@ -124,26 +124,26 @@ def autocorrelation_map(window: xr.DataArray) -> str:
     shifts = [(np.arange(n) - n // 2) * d for n, d in zip(correlation.shape, steps, strict=True)]
     reach = max(_LENGTHS * longest, *(_FEWEST * d for d in steps))
     rows, columns = (np.abs(shift) <= reach for shift in shifts)
-    shown = correlation[np.ix_(rows, columns)]
+    displayed = correlation[np.ix_(rows, columns)]
     factor, unit = length_unit(max(side_lengths(window)))
     y, x = shifts[0][rows] * factor, shifts[1][columns] * factor
     if 1 in window.shape:
         shift = x if x.size > 1 else y
         chart = Chart(
             Axis(f"shift along {'x' if x.size > 1 else 'y'} ({unit})", shift[0], shift[-1]),
-            Axis("autocorrelation", min(1.05 * float(shown.min()), -0.05), 1.05),
+            Axis("autocorrelation", min(1.05 * float(displayed.min()), -0.05), 1.05),
         )
         chart.across(y=DECAY, dash=DASHED, label=f"{DECAY:g}: Sal")
-        chart.line(shift, shown.ravel(), colour=COLOURS[0])
+        chart.line(shift, displayed.ravel(), colour=COLOURS[0])
         return chart.source()
     chart = _picture(
-        shown,
+        displayed,
         (x, y),
         axes_label=f"shift along {{}} ({unit})",
-        bar=Axis("autocorrelation", min(float(shown.min()), 0.0), 1.0),
+        bar=Axis("autocorrelation", min(float(displayed.min()), 0.0), 1.0),
         colours="viridis",
     )
-    chart.line(*_contour(x, y, shown, DECAY), colour="#ffffff")
+    chart.line(*_contour(x, y, displayed, DECAY), colour="#ffffff")
     return chart.source()
 
 
@@ -157,9 +157,9 @@ def _picture(
 ) -> Chart:
     """Return values over the positions (x, y) of their points."""
     ends = []
-    for place in positions:
-        half = (place[1] - place[0]) / 2 if place.size > 1 else 0.5
-        ends.append((place[0] - half, place[-1] + half))
+    for index in positions:
+        half = (index[1] - index[0]) / 2 if index.size > 1 else 0.5
+        ends.append((index[0] - half, index[-1] + half))
     return framed(
         Axis(axes_label.format("x"), *ends[0]),
         Axis(axes_label.format("y"), *ends[1]),
@@ -176,10 +176,10 @@ def _contour(x: np.ndarray, y: np.ndarray, values: np.ndarray, level: float) -> 
     straight from side to side.
     """
     above = values > level
-    beside = above[:, 1:] != above[:, :-1]
+    neighbours = above[:, 1:] != above[:, :-1]
     below = above[1:] != above[:-1]
     # the line goes through few squares: those that have two unlike corners along a side
-    rows, columns = np.nonzero(beside[1:] | beside[:-1] | below[:, 1:] | below[:, :-1])
+    rows, columns = np.nonzero(neighbours[1:] | neighbours[:-1] | below[:, 1:] | below[:, :-1])
     a, b, c, d = (
         np.stack([x[columns + j], y[rows + i], values[rows + i, columns + j] - level])
         for i in (0, 1)
@@ -192,14 +192,14 @@ def _contour(x: np.ndarray, y: np.ndarray, values: np.ndarray, level: float) -> 
     # the corner that lies alone on its side of the level
     above = cut[:, :, 2] > 0
     alone = np.argmax(above == (above.sum(axis=1) == 1)[:, None], axis=1)
-    which = np.arange(len(cut))
-    apex = cut[which, alone]
-    pieces = np.full((len(cut), 3, 2), np.nan)
+    prefix = np.arange(len(cut))
+    apex = cut[prefix, alone]
+    fragments = np.full((len(cut), 3, 2), np.nan)
     for end in (1, 2):
-        other = cut[which, (alone + end) % 3]
-        share = (apex[:, 2] / (apex[:, 2] - other[:, 2]))[:, None]
-        pieces[:, end - 1] = apex[:, :2] + share * (other[:, :2] - apex[:, :2])
-    return pieces[..., 0].ravel(), pieces[..., 1].ravel()
+        second = cut[prefix, (alone + end) % 3]
+        share = (apex[:, 2] / (apex[:, 2] - second[:, 2]))[:, None]
+        fragments[:, end - 1] = apex[:, :2] + share * (second[:, :2] - apex[:, :2])
+    return fragments[..., 0].ravel(), fragments[..., 1].ravel()
 
 
 def _thinned(q: np.ndarray, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

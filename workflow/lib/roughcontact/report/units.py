@@ -82,5 +82,7 @@ def middle_of(results: Sequence[xr.Dataset]) -> dict[str, float]:
     >>> middle_of([xr.Dataset({"rms_height": rms}) for rms in (1e-8, 1e-6, 2e-6)])
     {'rms_height': 1e-06}
     """
-    known = (name for name in ("contact_modulus", "rms_height") if all(name in one for one in results))
-    return {name: float(np.median([float(one[name]) for one in results])) for name in known}
+    available = (
+        name for name in ("contact_modulus", "rms_height") if all(name in result for result in results)
+    )
+    return {name: float(np.median([float(result[name]) for result in results])) for name in available}
