@@ -491,3 +491,12 @@ def test_no_difference_below_a_hundredth_of_a_percent_is_named():
     once = group_of([1.0, 1.1, 0.9])
     found = rc.compare_groups(once, once, paired=True)
     assert set(found["outcome"].values.ravel()) == {"do not differ by more than 0.0100 %"}
+
+
+def test_what_all_maps_share_is_named_with_what_makes_it_smaller():
+    """Welch's interval is narrow; the errors of the pixels, alike but of other size, are not."""
+    gaps = [1.0, 1.001, 0.999]
+    fine = rc.group_statistics([one_map(gap, gap_parts={"discretisation": 0.01}) for gap in gaps])
+    coarse = rc.group_statistics([one_map(gap, gap_parts={"discretisation": 0.4}) for gap in gaps])
+    outcome = rc.compare_groups(fine, coarse)["outcome"].item()
+    assert outcome == "inconclusive: all maps share errors above 10.0 %; measure with pixels half as large"

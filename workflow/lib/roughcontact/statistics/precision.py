@@ -1,5 +1,7 @@
 """How well each answer is known: the width of its 95 % interval, as a number and in words."""
 
+import math
+
 import numpy as np
 import xarray as xr
 
@@ -36,14 +38,15 @@ def precision_in_words(value: float, lower: float, upper: float, unit: Unit) -> 
     >>> precision_in_words(0.01, 0.0, 0.33, share), precision_in_words(0.01, 0.005, np.nan, share)
     ('not by this map: at most 33.0 %', 'not by this map: at least 0.500 %')
     """
-    if np.isnan(lower) and np.isnan(upper):
+    if math.isnan(lower) and math.isnan(upper):
         return ""
-    half_width = float(relative_half_width(value, lower, upper))
+    bounded = value > 0 and not math.isnan(lower + upper)
+    half_width = max(value - lower, upper - value) / value if bounded else math.nan
     if half_width <= PERCENT:
         return f"to ± {number(100 * half_width, digits=2)} %" if half_width >= 1e-4 else "exactly"
     if lower > 0 and value > 0 and (factor := max(upper / value, value / lower)) <= MAGNITUDE:
         return f"to a factor {number(factor, digits=2)}" if factor <= FACTOR else "order of magnitude"
-    if np.isfinite(upper):
+    if math.isfinite(upper):
         return f"not by this map: at most {unit.text(upper)}"
     return f"not by this map: at least {unit.text(lower)}" if lower > 0 else "not by this map"
 
