@@ -130,7 +130,7 @@ def validation() -> str:
         rows = list(csv.DictReader(file))
     parts = [f"{len(rows)} lines, each within its tolerance."]
     header = ("line", "reference", "roughcontact", "deviation", "tolerance")
-    for name, lines in groupby(rows, key=lambda row: row["part"]):
+    for name, lines in groupby(rows, key=lambda row: row["section"]):
         table = [tuple(map(_cell, validation_line(row))) for row in lines]
         parts.append(f"### {name.replace('_', ' ').capitalize()}\n\n{_table(header, table)}")
     return "\n\n".join(parts) + "\n"

@@ -1,15 +1,15 @@
-"""Validation: what the program computes, held line by line against what is known from elsewhere.
+"""Validation: what the program computes, compared line by line with closed forms and other codes.
 
-Every line states what was compared, the reference, our value, their deviation, its tolerance, and where
-formula, source and test are. The words stand in `tables`; `lines` makes lines and parts of them, `problems`
-has what several parts solve, one module for each part computes its numbers, `parts` has the public verb,
-`drawing` the figures, `page` the page for people and the message about lines that do not hold.
+Every line states what is compared, the reference, the computed value, their deviation, its tolerance, and
+where formula, source and test are. The texts stand in `tables`. `lines` makes lines and sections of them,
+each section is a module with a function `add_lines`, `problems` has what several of them solve, `sections`
+computes one by its name, `drawing` has the figures, and `page` writes page and table.
 """
 
 from typing import Literal, get_args
 
 # in the order of the page; each is a module of this package with a function `add_lines`
-PartName = Literal[
+SectionName = Literal[
     "paper",
     "waves",
     "hertz",
@@ -27,4 +27,4 @@ PartName = Literal[
     "adhesion",
     "formats",
 ]
-PARTS: tuple[PartName, ...] = get_args(PartName)
+SECTIONS: tuple[SectionName, ...] = get_args(SectionName)

@@ -5,20 +5,22 @@ import numpy as np
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.statistics.adhesion import adhesion_numbers
-from validation.lines import Part
+from validation.lines import Section
 
 _MODULUS, _WORK = 2e6, 0.05  # rubber, Pa and J/m²
 _WAVELENGTH = 1e-5
 
 
-def add_lines(part: Part, *, finest_grid: int) -> None:
+def add_lines(section: Section, *, finest_grid: int) -> None:
     """Add the lines of waves, and of self-affine maps on a grid a quarter as fine."""
     phase = 2 * np.pi * np.arange(64) / 64
     critical = np.sqrt(4 * _WORK * _WAVELENGTH / (np.pi * _MODULUS))
     for ratio in (0.5, 1.0, 2.0):
         wave = height_map(ratio * critical * np.cos(phase)[None, :], _WAVELENGTH / 64)
-        found = adhesion_numbers(wave, contact_modulus=_MODULUS, work_of_adhesion=_WORK)
-        part.compare("wave", found["effective_work_of_adhesion"] / _WORK, 1 - ratio**2, 1e-12, ratio=ratio)
+        computed = adhesion_numbers(wave, contact_modulus=_MODULUS, work_of_adhesion=_WORK)
+        section.compare(
+            "wave", computed["effective_work_of_adhesion"] / _WORK, 1 - ratio**2, 1e-12, ratio=ratio
+        )
     points, rms = finest_grid // 4, 1e-3
     first, last = points // 16, points // 4  # waves per side
     low, band = 2 * np.pi * first, first / last
@@ -29,5 +31,5 @@ def add_lines(part: Part, *, finest_grid: int) -> None:
         power = 2 * hurst - 1
         mean_wavenumber = low * 2 * hurst / power * (1 - band**power) / (1 - band ** (2 * hurst))
         energy = adhesion_numbers(height, contact_modulus=1.0)["conforming_energy"] / (rms**2 * low)
-        words = {"hurst": hurst, "first": first, "last": last}
-        part.compare("rough", energy, mean_wavenumber / (4 * low), 0.1 / np.sqrt(first), **words)
+        fields = {"hurst": hurst, "first": first, "last": last}
+        section.compare("rough", energy, mean_wavenumber / (4 * low), 0.1 / np.sqrt(first), **fields)

@@ -7,33 +7,33 @@ from roughcontact.maps import height_map, spacing
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.roughness.parameters import rms_gradient
 from validation import drawing
-from validation.lines import Figure, Part
+from validation.lines import Figure, Section
 from validation.problems import solve
 
 _POINTS = 128
 _STEP = 1e-5  # relative step of load: so small that no point comes or goes
 
 
-def add_lines(part: Part, *, finest_grid: int) -> None:
+def add_lines(section: Section, *, finest_grid: int) -> None:
     """Add the lines and the figure of the rough reference case on 128 x 128 points."""
     height = rough_reference_surface(_POINTS)
-    _differences(part, height)
-    _sweep(part, height)
-    _tiling(part)
+    _differences(section, height)
+    _sweep(section, height)
+    _tiling(section)
 
 
-def _differences(part: Part, height: xr.DataArray) -> None:
+def _differences(section: Section, height: xr.DataArray) -> None:
     """Add the lines of small differences around several loads."""
     for relative in (0.02, 0.05, 0.2, 0.5, 1.0):
         load = relative * rms_gradient(height)
         below, above = solve(height, [load * (1 - _STEP), load * (1 + _STEP)], 1e-12)
         closed = -(above.mean_gap - below.mean_gap)
-        part.compare("work", (above.energy - below.energy) / closed, load, 1e-6, load=relative)
+        section.compare("work", (above.energy - below.energy) / closed, load, 1e-6, load=relative)
         response = below.compliance(1e-5)
-        part.compare("stiffness", closed / (2 * _STEP * load), response, 1e-5, load=relative)
+        section.compare("stiffness", closed / (2 * _STEP * load), response, 1e-5, load=relative)
 
 
-def _sweep(part: Part, height: xr.DataArray) -> None:
+def _sweep(section: Section, height: xr.DataArray) -> None:
     """Add lines and figure of a whole sweep of loads: sums over it against the difference of its ends."""
     gradient = rms_gradient(height)
     relative = np.geomspace(0.01, 1.0, 49)
@@ -44,8 +44,8 @@ def _sweep(part: Part, height: xr.DataArray) -> None:
     middle = np.sqrt(loads[1:] * loads[:-1])
     work = -(middle * np.diff(gaps)).sum()
     closed = float(np.trapezoid(compliances * loads, np.log(loads)))
-    part.compare("sweep of energy", energies[-1] - energies[0], work, 1e-3)
-    part.compare("sweep of gap", gaps[0] - gaps[-1], closed, 1e-2)
+    section.compare("sweep of energy", energies[-1] - energies[0], work, 1e-3)
+    section.compare("sweep of gap", gaps[0] - gaps[-1], closed, 1e-2)
     slopes = -np.diff(energies) / np.diff(gaps)
     image = drawing.chart(
         [
@@ -61,10 +61,10 @@ def _sweep(part: Part, height: xr.DataArray) -> None:
         scales=("log", "log"),
     )
     caption = "Differences along the sweep (marks) against what they must be (lines)."
-    part.figures.append(Figure("Along a sweep of loads", image, caption))
+    section.figures.append(Figure("Along a sweep of loads", image, caption))
 
 
-def _tiling(part: Part) -> None:
+def _tiling(section: Section) -> None:
     """Add the lines of a map solved alone and together with copies of itself."""
     single = rough_reference_surface(64)
     load = 0.2 * rms_gradient(single)
@@ -81,6 +81,6 @@ def _tiling(part: Part) -> None:
     alone = numbers(single)
     for rows, columns in ((2, 2), (3, 1)):
         together = numbers(height_map(np.tile(single.values, (rows, columns)), spacing(single)))
-        for quantity, known in alone.items():
-            words = {"rows": rows, "columns": columns, "quantity": quantity}
-            part.compare("tiled", together[quantity], known, 1e-9, **words)
+        for quantity, expected in alone.items():
+            fields = {"rows": rows, "columns": columns, "quantity": quantity}
+            section.compare("tiled", together[quantity], expected, 1e-9, **fields)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from validation import closed_forms, drawing
-from validation.lines import Figure, Part
+from validation.lines import Figure, Section
 from validation.problems import (
     AMPLITUDE,
     RIDGES_CLOSED,
@@ -36,10 +36,10 @@ _ORDERS = {
 }
 
 
-def add_lines(part: Part, *, finest_grid: int) -> None:
+def add_lines(section: Section, *, finest_grid: int) -> None:
     """Add lines and figures: ridges up to the finest grid, the product wave up to a quarter of it."""
-    _ridges(part, _doubled(64, finest_grid))
-    _crests(part, _doubled(32, max(finest_grid // 4, 256)))
+    _ridges(section, _doubled(64, finest_grid))
+    _crests(section, _doubled(32, max(finest_grid // 4, 256)))
 
 
 def fitted_order(sizes: ArrayLike, errors: ArrayLike) -> float:
@@ -73,18 +73,18 @@ def _doubled(first: int, last: int) -> list[int]:
     return [first << power for power in range((last // first).bit_length())]
 
 
-def _ridges(part: Part, sizes: Sequence[int]) -> None:
+def _ridges(section: Section, sizes: Sequence[int]) -> None:
     """Add lines and figure of Westergaard's wave, whose limits are known exactly."""
     errors = np.array([_rms(_ridge_errors(n, phase) for phase in _RIDGE_PHASES) for n in sizes])
     drawn = []
     for (quantity, order), values in zip(_ORDERS.items(), errors.T, strict=True):
         fitted = fitted_order(sizes, values)
         drawn.append((quantity, values, fitted))
-        words = {"first": sizes[0], "last": sizes[-1], "quantity": quantity}
-        part.compare("first" if order == 1 else "second", fitted, order, 0.15 * order, **words)
+        fields = {"first": sizes[0], "last": sizes[-1], "quantity": quantity}
+        section.compare("first" if order == 1 else "second", fitted, order, 0.15 * order, **fields)
     image = drawing.error_chart(drawn, sizes, y="relative error")
     caption = "Westergaard's ridges: errors against the closed forms, rms over 24 loads and four positions."
-    part.figures.append(Figure("Ridges", image, caption))
+    section.figures.append(Figure("Ridges", image, caption))
 
 
 def _ridge_errors(points: int, phase: float) -> np.ndarray:
@@ -108,7 +108,7 @@ def _ridge_errors(points: int, phase: float) -> np.ndarray:
     return np.array(rows)
 
 
-def _crests(part: Part, sizes: Sequence[int]) -> None:
+def _crests(section: Section, sizes: Sequence[int]) -> None:
     """Add lines and figure of the areas of the product wave, their limit from a grid twice as fine."""
     first, last = sizes[0], sizes[-1]
     limit = np.mean([_areas(2 * last, phase)[:, 1] for phase in _phases(2)], axis=0)
@@ -118,19 +118,19 @@ def _crests(part: Part, sizes: Sequence[int]) -> None:
     raw, corrected = errors.T
     orders = [fitted_order(sizes, values) for values in (raw, corrected)]
     cases = _POSITIONS * len(_CREST_LOADS)
-    for name, value, known, tolerance in (
+    for name, value, expected, tolerance in (
         ("raw area", orders[0], 1.0, 0.15),
         ("corrected area", orders[1], 1.5, 3 * slope_scatter(sizes, cases)),
         ("rest", corrected[-1] / raw[-1], 0.0, 3 / np.sqrt(last)),
     ):
-        part.compare(name, value, known, tolerance, first=first, last=last, cases=cases)
+        section.compare(name, value, expected, tolerance, first=first, last=last, cases=cases)
     drawn = [("raw area", raw, orders[0]), ("corrected area", corrected, orders[1])]
     image = drawing.error_chart(drawn, sizes, y="error of A/A₀")
     caption = (
         "Product wave: counted and corrected area, rms over six loads and eight positions; the limit is the "
         f"corrected area at {2 * last} points."
     )
-    part.figures.append(Figure("Product wave", image, caption))
+    section.figures.append(Figure("Product wave", image, caption))
 
 
 def _phases(number: int) -> list[tuple[float, float]]:

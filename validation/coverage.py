@@ -18,7 +18,7 @@ from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.headline import headline
 from roughcontact.uncertainty.scales import ANSWERS, QUANTITIES, from_scale, to_scale
 from roughcontact.window.periodic_window import periodic_window
-from validation.lines import Part, Table
+from validation.lines import Section, Table
 from validation.masters import FAULTS, KINDS, cut_out, master_surface
 
 # quantity -> half-widths, errors, and errors of the results as solved
@@ -40,20 +40,20 @@ _WORDS = {
 }
 
 
-def add_lines(part: Part, *, finest_grid: int) -> None:
+def add_lines(section: Section, *, finest_grid: int) -> None:
     """Add lines and table of 40 maps of either kind, of 10 measured ones where the finest grid is coarse."""
     maps = _MAPS if finest_grid >= 1024 else _FEW_MAPS
     rows = []
     # these take seconds, and the ratio of medians of ten maps would scatter by 0.2
     for name, (half_width, error, as_solved) in pixel_size_cases(_MAPS).items():
         covered, width = _coverage_and_width(half_width, error)
-        _add_share(part, "pixel share", _WORDS[name], covered, _MAPS)
+        _add_share(section, "pixel share", _WORDS[name], covered, _MAPS)
         gain = float(np.median(error) / np.median(as_solved))
-        part.compare("pixel gain", gain, 0.5, 0.5, quantity=_WORDS[name])
+        section.compare("pixel gain", gain, 0.5, 0.5, quantity=_WORDS[name])
         rows.append(("Pixel size alone", _WORDS[name], error.size, covered, width))
     for name, (half_width, error, _) in measured_cases(maps, master_points=min(320, finest_grid)).items():
         covered, width = _coverage_and_width(half_width, error)
-        _add_share(part, "share", _WORDS[name], covered, maps)
+        _add_share(section, "share", _WORDS[name], covered, maps)
         rows.append(("All sources together", _WORDS[name], error.size, covered, width))
     table = Table(
         "Coverage and width of the intervals",
@@ -64,7 +64,7 @@ def add_lines(part: Part, *, finest_grid: int) -> None:
         ],
         "An interval of 95 % of a normal distribution is 2.9 times as wide as the median error.",
     )
-    part.tables.append(table)
+    section.tables.append(table)
 
 
 def _coverage_and_width(half_width: np.ndarray, error: np.ndarray) -> tuple[float, float]:
@@ -73,7 +73,7 @@ def _coverage_and_width(half_width: np.ndarray, error: np.ndarray) -> tuple[floa
     return float(np.mean(error <= half_width)), float(np.median(ratio))
 
 
-def _add_share(part: Part, name: str, quantity: str, covered: float, maps: int) -> None:
+def _add_share(section: Section, name: str, quantity: str, covered: float, maps: int) -> None:
     """Add the line of a share of intervals that hold: 95 % is promised, more is no fault.
 
     The least is 90 %. With few maps, twice the standard deviation of a share of so many goes off that.
@@ -82,8 +82,8 @@ def _add_share(part: Part, name: str, quantity: str, covered: float, maps: int) 
     if maps < _MAPS:
         tolerance += 2 * np.sqrt(_PROMISED * (1 - _PROMISED) / maps)
         limit = f"{maps} maps only"
-    line = part.compare(name, covered, _PROMISED, tolerance, quantity=quantity, limit=limit)
-    part.lines[-1] = replace(line, deviation=max(0.0, _PROMISED - covered))
+    line = section.compare(name, covered, _PROMISED, tolerance, quantity=quantity, limit=limit)
+    section.lines[-1] = replace(line, deviation=max(0.0, _PROMISED - covered))
 
 
 def pixel_size_cases(maps: int, *, seed: int = 2024) -> Cases:
@@ -100,7 +100,7 @@ def pixel_size_cases(maps: int, *, seed: int = 2024) -> Cases:
         all maps and loads, in the unit of the quantity.
     """
     generator = np.random.default_rng(seed)
-    found = []
+    computed = []
     for _ in range(maps):
         longest = generator.uniform(0.25, 1)
         shortest = min(np.exp(generator.uniform(np.log(2.2), np.log(16))) / 64, 0.8 * longest)
@@ -119,8 +119,8 @@ def pixel_size_cases(maps: int, *, seed: int = 2024) -> Cases:
         settings = {"level": {}, "window": {}, "contact": contact}
         budget = error_budget(window, window, settings, sources=["discretisation"], solved=solved)
         fine = solve_contact(refined(window, 8), **contact, reduce=headline)
-        found.append(_cases(budget, {name: fine[name].values for name in QUANTITIES}, loads))
-    return _joined(found)
+        computed.append(_cases(budget, {name: fine[name].values for name in QUANTITIES}, loads))
+    return _joined(computed)
 
 
 def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> Cases:
@@ -140,7 +140,7 @@ def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> Cases:
         are those to the side on which the truth lies, infinite where an interval has no end there.
     """
     generator = np.random.default_rng(seed)
-    found = []
+    computed = []
     for index in range(maps):
         side = int(generator.uniform(3 / 8, 5 / 8) * master_points)
         master = master_surface(
@@ -169,8 +169,8 @@ def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> Cases:
             name: from_scale(name, np.mean([to_scale(name, other[name]) for other in others], axis=0))
             for name in names
         }
-        found.append(_cases(budget, truth, loads))
-    return _joined(found)
+        computed.append(_cases(budget, truth, loads))
+    return _joined(computed)
 
 
 def _cases(budget: xr.Dataset, truth: Mapping[str, np.ndarray], loads: np.ndarray) -> Cases:
@@ -185,8 +185,8 @@ def _cases(budget: xr.Dataset, truth: Mapping[str, np.ndarray], loads: np.ndarra
         as_solved = budget.get(f"{name}_as_solved", budget[f"{name}_estimate"]).values
         upper = np.where(np.isnan(upper) & ~np.isnan(lower), np.inf, upper)
         half_width, error = np.where(true > value, upper - value, value - lower), np.abs(true - value)
-        known = np.isfinite(error)
-        cases[name] = half_width[known], error[known], np.abs(true - as_solved)[known]
+        expected = np.isfinite(error)
+        cases[name] = half_width[expected], error[expected], np.abs(true - as_solved)[expected]
     return cases
 
 
@@ -209,5 +209,5 @@ class _Problem(TypedDict):
 
 
 def _problem(loads: Sequence[float] | np.ndarray) -> _Problem:
-    """Return the problem that every map of this part is solved for."""
+    """Return the problem that every map of this section is solved for."""
     return {"contact_modulus": 1.0, "mean_pressure": list(loads), "tolerance": 1e-4}

@@ -177,8 +177,8 @@ def _solve_outside(
             raise CrossCheckError(
                 f"{CODES[code]} did not solve the problem: {said[-1]}. Is it installed where {python} looks?"
             )
-        with np.load(solution) as found:
-            return found["pressures"][:, : shape[0], : shape[1]], str(found["version"])
+        with np.load(solution) as computed:
+            return computed["pressures"][:, : shape[0], : shape[1]], str(computed["version"])
 
 
 def table(statistics: xr.Dataset, other: xr.Dataset) -> pd.DataFrame:

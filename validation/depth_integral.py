@@ -56,13 +56,13 @@ def von_mises_below(
 
     def derivative(x: int, y: int, z: int) -> np.ndarray:
         """Return a derivative of ψ: so many times along each axis."""
-        found = potential * (1j * kx) ** x * (1j * ky) ** y * (-k) ** z
+        computed = potential * (1j * kx) ** x * (1j * ky) ** y * (-k) ** z
         # the shortest wave of an even side has no slope at the points
         if x % 2 and pressure.shape[1] % 2 == 0:
-            found[:, pressure.shape[1] // 2] = 0
+            computed[:, pressure.shape[1] // 2] = 0
         if y % 2 and pressure.shape[0] % 2 == 0:
-            found[pressure.shape[0] // 2] = 0
-        return np.fft.ifft2(found).real
+            computed[pressure.shape[0] // 2] = 0
+        return np.fft.ifft2(computed).real
 
     nu, across = poissons_ratio, derivative(0, 0, 2)
     zz = -across + depth * derivative(0, 0, 3) - mean

@@ -20,8 +20,8 @@ _LINES = ("-", "--", ":", "-.")
 
 
 def chart(
-    known: Sequence[Curve],
-    found: Sequence[Curve],
+    expected: Sequence[Curve],
+    computed: Sequence[Curve],
     *,
     x: str,
     y: str,
@@ -37,9 +37,9 @@ def chart(
     """
     with new_figure(4.3, 3.4) as figure:
         axes = figure.add_subplot()
-        for index, (label, horizontal, vertical) in enumerate(known):
+        for index, (label, horizontal, vertical) in enumerate(expected):
             axes.plot(horizontal, vertical, linestyle=_LINES[index % len(_LINES)], label=label, **_KNOWN)
-        for index, (label, horizontal, vertical) in enumerate(found):
+        for index, (label, horizontal, vertical) in enumerate(computed):
             axes.plot(
                 horizontal,
                 vertical,

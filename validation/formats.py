@@ -16,13 +16,13 @@ from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.window.periodic_window import periodic_window
-from validation.lines import Part
+from validation.lines import Section
 
 _SHAPE, _STEP = (48, 64), 1e-6  # points; m
 _LOAD = 0.1  # p / (E* g)
 
 
-def add_lines(part: Part, *, finest_grid: int) -> None:
+def add_lines(section: Section, *, finest_grid: int) -> None:
     """Add the lines of faces of 48 x 64 points."""
     y, x = np.indices(_SHAPE) * _STEP
     rough = self_affine_surface(
@@ -30,8 +30,8 @@ def add_lines(part: Part, *, finest_grid: int) -> None:
     ).values
     lay = 5e-7 * np.cos(2 * np.pi * (3 * x / 64e-6 - 2 * y / 48e-6))  # oblique: a mirror image crosses it
     with tempfile.TemporaryDirectory() as folder:
-        _imprints(part, rough + lay, Path(folder))
-        _contacts(part, rough + lay, rough, Path(folder))
+        _imprints(section, rough + lay, Path(folder))
+        _contacts(section, rough + lay, rough, Path(folder))
 
 
 def _points(path: Path, heights: np.ndarray) -> None:
@@ -65,15 +65,15 @@ def _measured(heights: np.ndarray, kind: str, folder: Path) -> xr.DataArray:
     return level(read_height_map(path), form="mean", outlier_threshold=None, line_alignment="none")
 
 
-def _imprints(part: Part, heights: np.ndarray, folder: Path) -> None:
+def _imprints(section: Section, heights: np.ndarray, folder: Path) -> None:
     """Add the lines of the sum of a face and its imprint, for each two formats."""
     for first, second in product(_FORMATS, repeat=2):
         face, imprint = _measured(heights, first, folder), _measured(-heights[:, ::-1], second, folder)
         rest = composite(face, imprint).std() / heights.std()
-        part.compare("imprint", rest, 0.0, 1e-9, first=first, second=second)
+        section.compare("imprint", rest, 0.0, 1e-9, first=first, second=second)
 
 
-def _contacts(part: Part, face: np.ndarray, other: np.ndarray, folder: Path) -> None:
+def _contacts(section: Section, face: np.ndarray, other: np.ndarray, folder: Path) -> None:
     """Add the lines of the contact area of pairs in two formats beside that of the summed heights."""
     summed = height_map(face + other[:, ::-1], _STEP)
     load = _LOAD * rms_gradient(summed)
@@ -85,6 +85,6 @@ def _contacts(part: Part, face: np.ndarray, other: np.ndarray, folder: Path) -> 
     reference = area(summed)
     for first, second in (("points", "picture"), ("picture", "X3P"), ("X3P", "points")):
         pair = composite(_measured(face, first, folder), _measured(other, second, folder))
-        part.compare(
+        section.compare(
             "pair", area(periodic_window(pair)), reference, 1e-6, load=_LOAD, first=first, second=second
         )

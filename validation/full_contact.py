@@ -7,13 +7,13 @@ from roughcontact.maps import spacing
 from roughcontact.references import synthetic
 from roughcontact.roughness import parameters
 from validation import closed_forms
-from validation.lines import Part
+from validation.lines import Section
 from validation.problems import solve
 
 ROUNDING = 1e-12
 
 
-def add_lines(part: Part, *, finest_grid: int) -> None:
+def add_lines(section: Section, *, finest_grid: int) -> None:
     """Add the lines of three rough maps on grids about an eighth as fine."""
     points = finest_grid // 8
     band = {"shortest": 4.0, "longest": points / 4}
@@ -23,12 +23,12 @@ def add_lines(part: Part, *, finest_grid: int) -> None:
     ground = synthetic.ground_surface(
         (points, 2 * points), (3.0, 1.0), hurst=0.7, **band, rms_height=0.5, skewness_power=1.5, seed=2
     )
-    _lines(part, "isotropic, odd size", isotropic)
-    _lines(part, "ground, pixels 1:3", ground)
-    _lines(part, "rough reference case", synthetic.rough_reference_surface(points + 32))
+    _lines(section, "isotropic, odd size", isotropic)
+    _lines(section, "ground, pixels 1:3", ground)
+    _lines(section, "rough reference case", synthetic.rough_reference_surface(points + 32))
 
 
-def _lines(part: Part, name: str, height: xr.DataArray) -> None:
+def _lines(section: Section, name: str, height: xr.DataArray) -> None:
     """Add the lines of one map."""
     fluctuation = closed_forms.full_contact_fluctuation(height.values, spacing(height), 1.0)
     least = -fluctuation.min()
@@ -37,9 +37,9 @@ def _lines(part: Part, name: str, height: xr.DataArray) -> None:
     energy = closed_forms.full_contact_energy(height.values, spacing(height), 1.0)
     conforming = conforming_energy(height.values, spacing(height), contact_modulus=1.0)
     for word, load, contact in (("just closed", loads[1], just), ("5 × that load", loads[2], far)):
-        part.compare("pressure", contact.pressure, load + fluctuation, ROUNDING, map=name, load=word)
-    part.compare("spread", far.pressure.std(), parameters.rms_gradient(height) / 2, ROUNDING, map=name)
-    part.compare("energy", far.energy, energy, ROUNDING, map=name)
-    part.compare("conforming", conforming, far.energy, ROUNDING, map=name)
+        section.compare("pressure", contact.pressure, load + fluctuation, ROUNDING, map=name, load=word)
+    section.compare("spread", far.pressure.std(), parameters.rms_gradient(height) / 2, ROUNDING, map=name)
+    section.compare("energy", far.energy, energy, ROUNDING, map=name)
+    section.compare("conforming", conforming, far.energy, ROUNDING, map=name)
     closes = just.touching.all() and not below.touching.all()
-    part.compare("closed", closes, 1.0, 0.0, map=name)
+    section.compare("closed", closes, 1.0, 0.0, map=name)

@@ -9,39 +9,39 @@ from roughcontact.maps import height_map
 from roughcontact.references.closed_forms import hertz_ellipse
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from validation import closed_forms
-from validation.lines import Part
+from validation.lines import Section
 from validation.problems import FORCE, RADIUS, solve, sphere
 
 
-def add_lines(part: Part, *, finest_grid: int) -> None:
+def add_lines(section: Section, *, finest_grid: int) -> None:
     """Add the lines of a sphere on a grid half as fine."""
     points = finest_grid // 2
     height = sphere(points)
-    known = closed_forms.periodic_hertz(FORCE, RADIUS, 1.0, 1.0)
+    expected = closed_forms.periodic_hertz(FORCE, RADIUS, 1.0, 1.0)
     (contact,) = solve(height, [FORCE], 1e-7)
-    across = known["contact_radius"] * points
-    beyond = (known["contact_radius"] ** 3) ** 2  # s², which the first order leaves out
+    across = expected["contact_radius"] * points
+    beyond = (expected["contact_radius"] ** 3) ** 2  # s², which the first order leaves out
     for name, value, tolerance in (
         ("contact_radius", np.sqrt(contact.area / np.pi), 0.2 / across),
         ("max_pressure", contact.pressure.max(), across**-2),
         ("approach", -contact.approach, 0.1 * across**-2),  # the crest lies at h = 0
         ("energy", contact.energy, 0.2 * across**-2),
     ):
-        part.compare(name, value, known[name], tolerance + beyond, n=across)
+        section.compare(name, value, expected[name], tolerance + beyond, n=across)
     free = solve_contact(
         height, contact_modulus=1.0, mean_pressure=FORCE, tolerance=1e-7, zero_frequency="lattice"
     )
-    part.compare(
+    section.compare(
         "alone",
         -float(free["approach"][0]),
         closed_forms.hertz(FORCE, RADIUS, 1.0)["approach"],
-        0.1 * across**-2 + 2 * known["contact_radius"] ** 3,
+        0.1 * across**-2 + 2 * expected["contact_radius"] ** 3,
         n=across,
     )
-    _bodies_of_finite_size(part, points)
+    _bodies_of_finite_size(section, points)
 
 
-def _bodies_of_finite_size(part: Part, points: int) -> None:
+def _bodies_of_finite_size(section: Section, points: int) -> None:
     """Add the lines of a sphere, an ellipsoid and a flat punch without neighbours."""
     y = ((np.arange(points) + 0.5) / points - 0.5)[:, None]
     x = y.T
@@ -51,16 +51,18 @@ def _bodies_of_finite_size(part: Part, points: int) -> None:
     known = closed_forms.hertz(force, radius, 1.0)
     across = known["contact_radius"] * points
     area = relative_contact_area(ball["contact"].values[0] > 0)
-    part.compare("free_radius", np.sqrt(area / np.pi), known["contact_radius"], 0.2 / across, n=across)
-    part.compare("free_approach", -float(ball["approach"][0]), known["approach"], 0.1 * across**-2, n=across)
+    section.compare("free_radius", np.sqrt(area / np.pi), known["contact_radius"], 0.2 / across, n=across)
+    section.compare(
+        "free_approach", -float(ball["approach"][0]), known["approach"], 0.1 * across**-2, n=across
+    )
     radii = (10.0, 4.0)
     ellipsoid = height_map(-(x**2) / (2 * radii[0]) - y**2 / (2 * radii[1]), 1 / points)
     approach = -float(solve_contact(ellipsoid, force=force, **solver)["approach"][0])
     ellipse = hertz_ellipse(force, radii, 1.0)
     across = ellipse["minor"] * points
-    part.compare("free_ellipse", approach, ellipse["approach"], 0.1 * across**-2, n=across)
+    section.compare("free_ellipse", approach, ellipse["approach"], 0.1 * across**-2, n=across)
     inside = np.hypot(x, y) < 0.3
     punch = solve_contact(height_map(np.where(inside, 0.0, -0.1), 1 / points), force=1e-3, **solver)
     radius = float(np.sqrt(inside.mean() / np.pi))
     stiffness = 1e-3 / -float(punch["approach"][0])
-    part.compare("free_punch", stiffness, 2 * radius, 0.15 / (radius * points), n=radius * points)
+    section.compare("free_punch", stiffness, 2 * radius, 0.15 / (radius * points), n=radius * points)

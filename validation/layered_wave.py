@@ -61,13 +61,13 @@ def layered_wave_stresses(
             jump[:, 4 * number + 4 : 4 * number + 4 + below.shape[1]] -= below
             rows += [jump[0], jump[1]]
         rows += [jump[3], jump[4]]
-    found = np.linalg.solve(np.array(rows), right)
+    computed = np.linalg.solve(np.array(rows), right)
     faces = np.cumsum([thickness for thickness, _, _ in layers])
     stresses = []
     for depth in np.ravel(depths):
         number = int(np.searchsorted(faces, depth))
         state = _state(depth - (faces[number - 1] if number else 0.0), *stack[number])
-        stresses.append((state @ found[4 * number : 4 * number + state.shape[1]])[:3])
+        stresses.append((state @ computed[4 * number : 4 * number + state.shape[1]])[:3])
     return np.array(stresses).T
 
 

@@ -9,7 +9,7 @@ from roughcontact.maps import height_map
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from validation.layered_sphere import sphere_on_layer
 from validation.layered_wave import layered_wave_stresses
-from validation.lines import Part
+from validation.lines import Section
 from validation.problems import PHASE
 
 THICKNESS, RADIUS = 0.1, 1.0  # over the period: what the neighbours press decays as exp(-q t) on a rigid base
@@ -23,7 +23,7 @@ STACKS = {
 }
 
 
-def add_lines(part: Part, *, finest_grid: int) -> None:
+def add_lines(section: Section, *, finest_grid: int) -> None:
     """Add the lines of a sphere on a grid half as fine, and of a wave."""
     points = finest_grid // 2
     distance = [(np.arange(points) + phase) / points - 0.5 for phase in PHASE]
@@ -31,26 +31,26 @@ def add_lines(part: Part, *, finest_grid: int) -> None:
     for nu in POISSONS_RATIOS:
         sheet = {"thickness": THICKNESS, "youngs_modulus": 1 - nu**2, "poissons_ratio": nu}
         for ratio in RATIOS:
-            known = sphere_on_layer(ratio * THICKNESS, RADIUS, THICKNESS, nu)
+            expected = sphere_on_layer(ratio * THICKNESS, RADIUS, THICKNESS, nu)
             contact = solve_contact(
                 height,
                 bodies=[{"base": "rigid", "layers": [sheet]}],
-                mean_pressure=known.force,
+                mean_pressure=expected.force,
                 tolerance=1e-6,
             )
             across = ratio * THICKNESS * points
             area = relative_contact_area(contact["pressure"].values[0] > 0)
-            words = {"nu": nu, "ratio": ratio, "n": across}
+            fields = {"nu": nu, "ratio": ratio, "n": across}
             radius = np.sqrt(area / np.pi)
-            part.compare("radius", radius, ratio * THICKNESS, 0.1 / across, **words)
+            section.compare("radius", radius, ratio * THICKNESS, 0.1 / across, **fields)
             approach = -float(contact["approach"][0])  # the crest lies at h = 0
-            part.compare("approach", approach, known.approach, 1e-3, **words)
+            section.compare("approach", approach, expected.approach, 1e-3, **fields)
     for name, (layers, base) in STACKS.items():
-        _wave(part, name, layers, base)
+        _wave(section, name, layers, base)
 
 
 def _wave(
-    part: Part, name: str, layers: list[tuple[float, float, float]], base: tuple[float, float] | None
+    section: Section, name: str, layers: list[tuple[float, float, float]], base: tuple[float, float] | None
 ) -> None:
     """Add the line of the stresses of a stack below a pressure wave, from the surface to below the layers."""
     points = 64
@@ -58,12 +58,12 @@ def _wave(
     unit = points / (2 * np.pi)  # 1/q
     stack = Stack(tuple(Layer(t * unit, Material(*own)) for t, *own in layers), base and Material(*base))
     stress_at = subsurface_stress(wave, (1.0, 1.0), body=stack)
-    found, known, face = [], [], 0.0
+    computed, expected, face = [], [], 0.0
     for number, thickness in enumerate([*(t for t, _, _ in layers), *([] if base is None else [2.0])]):
         depths = np.linspace(0.1, 1, 10) * thickness
         stresses = [stress_at(depth * unit, number) for depth in depths]
         # the shear is largest a quarter of the wave beside the crest
-        found += [[one[2, 0, 0], one[4, 0, points // 4], one[0, 0, 0]] for one in stresses]
-        known += list(layered_wave_stresses(face + depths, layers, base).T)
+        computed += [[one[2, 0, 0], one[4, 0, points // 4], one[0, 0, 0]] for one in stresses]
+        expected += list(layered_wave_stresses(face + depths, layers, base).T)
         face += thickness
-    part.compare("stress", found, known, 1e-12, stack=name)
+    section.compare("stress", computed, expected, 1e-12, stack=name)

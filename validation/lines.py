@@ -1,6 +1,6 @@
 """Lines of the validation: two numbers, their deviation, and how large it may be.
 
-The words stand in tables: `parts.tsv` has title and text of each part, `evidence.tsv` formula, source,
+The words stand in tables: `sections.tsv` has title and text of each section, `evidence.tsv` formula, source,
 function and test, `lines.tsv` the name and the text of each line, how it measures its deviation, and the
 reason of its tolerance.
 """
@@ -40,7 +40,7 @@ class Evidence:
 
 
 @dataclass(frozen=True)
-class Wording:
+class LineText:
     """The words of a line; `what` and `reason` may have names in braces, for numbers of the single case.
 
     Attributes
@@ -69,7 +69,7 @@ class Line:
     Attributes
     ----------
     what, measure, reason, evidence
-        as those of `Wording`, with the numbers of this case.
+        as those of `LineText`, with the numbers of this case.
     reference, value : float
         what is known from elsewhere, and what this program computes; of a field the two at the point that is
         farthest off, or both rms.
@@ -111,7 +111,7 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Part:
+class Section:
     """A section of the page: lines that belong together, with figures; its module adds them one by one."""
 
     name: str
@@ -122,22 +122,22 @@ class Part:
     tables: list[Table] = field(default_factory=list)
 
     def compare(
-        self, name: str, value: ArrayLike, reference: ArrayLike, tolerance: SupportsFloat, **words: object
+        self, name: str, value: ArrayLike, reference: ArrayLike, tolerance: SupportsFloat, **fields: object
     ) -> Line:
         """Add the line of this name in the table, and return it; the rest is that of `compare`."""
-        line = compare(_wordings(self.name)[name], value, reference, tolerance, **words)
+        line = compare(_line_texts(self.name)[name], value, reference, tolerance, **fields)
         self.lines.append(line)
         return line
 
 
 def compare(
-    wording: Wording, value: ArrayLike, reference: ArrayLike, tolerance: SupportsFloat, **words: object
+    line_text: LineText, value: ArrayLike, reference: ArrayLike, tolerance: SupportsFloat, **fields: object
 ) -> Line:
     """Return the line that compares two numbers or two fields.
 
     Parameters
     ----------
-    wording : Wording
+    wording : LineText
     value : float or array
         what this program computes.
     reference : float or array of the same shape
@@ -154,51 +154,51 @@ def compare(
     Examples
     --------
     >>> sums = Evidence("1 + 1 = 2", "Peano (1889)", "validation.closed_forms.hertz", "tests/a.py::test")
-    >>> line = compare(Wording("{n} digits", "relative", "rounding", sums), 1.98, 2.0, 0.02, n=2)
+    >>> line = compare(LineText("{n} digits", "relative", "rounding", sums), 1.98, 2.0, 0.02, n=2)
     >>> line.what, round(line.deviation, 6), line.holds
     ('2 digits', 0.01, True)
-    >>> line = compare(Wording("two", "largest", "rounding", sums), [4.0, 5.1], [4, 5], 0.03)
+    >>> line = compare(LineText("two", "largest", "rounding", sums), [4.0, 5.1], [4, 5], 0.03)
     >>> line.reference, line.value, round(line.deviation, 6)
     (5.0, 5.1, 0.02)
     """
-    found, known = (np.asarray(numbers, float).ravel() for numbers in (value, reference))
-    difference = np.abs(found - known)
-    if wording.measure == "rms":
-        known, found, difference = (
-            np.sqrt(np.mean(numbers**2, keepdims=True)) for numbers in (known, found, difference)
+    computed, expected = (np.asarray(numbers, float).ravel() for numbers in (value, reference))
+    difference = np.abs(computed - expected)
+    if line_text.measure == "rms":
+        expected, computed, difference = (
+            np.sqrt(np.mean(numbers**2, keepdims=True)) for numbers in (expected, computed, difference)
         )
     worst = int(difference.argmax())  # a NaN counts as the largest
-    scale = 1.0 if wording.measure == "absolute" else np.abs(known).max()
+    scale = 1.0 if line_text.measure == "absolute" else np.abs(expected).max()
     return Line(
-        what=wording.what.format(**words),
-        reference=float(known[worst]),
-        value=float(found[worst]),
+        what=line_text.what.format(**fields),
+        reference=float(expected[worst]),
+        value=float(computed[worst]),
         deviation=float(difference[worst] / scale),
-        measure=wording.measure,
+        measure=line_text.measure,
         tolerance=float(tolerance),
-        reason=wording.reason.format(**words),
-        evidence=wording.evidence,
+        reason=line_text.reason.format(**fields),
+        evidence=line_text.evidence,
     )
 
 
-def empty_part(name: str) -> Part:
-    """Return a part with its title and text, to which its module adds the lines."""
-    (words,) = (row for row in _rows("parts") if row["part"] == name)
-    return Part(name, words["title"], words["text"])
+def empty_section(name: str) -> Section:
+    """Return a section with its title and text, to which its module adds the lines."""
+    (fields,) = (row for row in _rows("sections") if row["section"] == name)
+    return Section(name, fields["title"], fields["text"])
 
 
 @cache
-def _wordings(part: str) -> dict[str, Wording]:
-    """Return the words of the lines of a part by name."""
+def _line_texts(section: str) -> dict[str, LineText]:
+    """Return the words of the lines of a section by name."""
     evidence = {
         row["evidence"]: Evidence(row["formula"], row["source"], row["code"], row["test"])
         for row in _rows("evidence")
-        if row["part"] == part
+        if row["section"] == section
     }
     return {
-        row["name"]: Wording(row["what"], row["measure"], row["reason"], evidence[row["evidence"]])
+        row["name"]: LineText(row["what"], row["measure"], row["reason"], evidence[row["evidence"]])
         for row in _rows("lines")
-        if row["part"] == part
+        if row["section"] == section
     }
 
 

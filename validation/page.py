@@ -13,7 +13,7 @@ from roughcontact.errors import RoughContactError
 from roughcontact.quantities import number
 from roughcontact.report.template import template
 from roughcontact.results.storage import provenance, write_text
-from validation.lines import Line, Part
+from validation.lines import Line, Section
 
 MEASURES = {
     "relative": "relative",
@@ -28,16 +28,16 @@ class DeviationError(RoughContactError, RuntimeError):
     """A line of the validation whose deviation is beyond its tolerance."""
 
 
-def write_page(path: str | Path, parts: Sequence[Part]) -> None:
+def write_page(path: str | Path, sections: Sequence[Section]) -> None:
     """Write the page for people, one self-contained HTML file; what does not hold is marked and listed."""
-    lines = [line for part in parts for line in part.lines]
+    lines = [line for section in sections for line in section.lines]
     html = template("validation.html", folder=_TEMPLATES).render(
-        parts=[_shown(part) for part in parts],
+        sections=[_for_template(section) for section in sections],
         count=len(lines),
         failures=[
-            {"id": part.name, "text": _sentence(line)}
-            for part in parts
-            for line in part.lines
+            {"id": section.name, "text": _sentence(line)}
+            for section in sections
+            for line in section.lines
             if not line.holds
         ],
         versions=_versions(),
@@ -45,9 +45,9 @@ def write_page(path: str | Path, parts: Sequence[Part]) -> None:
     write_text(html, path)
 
 
-def write_table(path: str | Path, parts: Sequence[Part]) -> None:
+def write_table(path: str | Path, sections: Sequence[Section]) -> None:
     """Write all lines as CSV, one row each, every digit kept."""
-    rows = [_record(part, line) for part in parts for line in part.lines]
+    rows = [_record(section, line) for section in sections for line in section.lines]
     buffer = io.StringIO()
     writer = csv.DictWriter(buffer, fieldnames=list(rows[0]), lineterminator="\n")
     writer.writeheader()
@@ -55,7 +55,7 @@ def write_table(path: str | Path, parts: Sequence[Part]) -> None:
     write_text(buffer.getvalue(), path)
 
 
-def check(parts: Sequence[Part], page: str | Path) -> int:
+def check(sections: Sequence[Section], page: str | Path) -> int:
     """Return how many lines there are, all of which hold.
 
     Raises
@@ -65,10 +65,10 @@ def check(parts: Sequence[Part], page: str | Path) -> int:
 
     Examples
     --------
-    >>> check([Part("sums", "Sums", "Of small numbers.", [])], "validation.html")
+    >>> check([Section("sums", "Sums", "Of small numbers.", [])], "validation.html")
     0
     """
-    lines = [line for part in parts for line in part.lines]
+    lines = [line for section in sections for line in section.lines]
     failures = [_sentence(line) for line in lines if not line.holds]
     if failures:
         listed = "\n".join(f"  {sentence}" for sentence in failures)
@@ -79,11 +79,11 @@ def check(parts: Sequence[Part], page: str | Path) -> int:
     return len(lines)
 
 
-def _record(part: Part, line: Line) -> dict[str, str]:
+def _record(section: Section, line: Line) -> dict[str, str]:
     """Return a line as a row of the table."""
     numbers = {name: repr(float(getattr(line, name))) for name in ("reference", "value", "deviation")}
     return (
-        {"part": part.name, "what": line.what, **numbers, "measure": line.measure}
+        {"section": section.name, "what": line.what, **numbers, "measure": line.measure}
         | {"tolerance": repr(line.tolerance), "reason": line.reason, "holds": "yes" if line.holds else "no"}
         | asdict(line.evidence)
     )
@@ -98,23 +98,23 @@ def _sentence(line: Line) -> str:
     )
 
 
-def _shown(part: Part) -> dict[str, Any]:
-    """Return a part as the template wants it: lines with the same evidence together, numbers as text."""
-    evidences = list(dict.fromkeys(line.evidence for line in part.lines))
-    ordered = sorted(part.lines, key=lambda line: evidences.index(line.evidence))
+def _for_template(section: Section) -> dict[str, Any]:
+    """Return a section as the template wants it: lines with the same evidence together, numbers as text."""
+    evidences = list(dict.fromkeys(line.evidence for line in section.lines))
+    ordered = sorted(section.lines, key=lambda line: evidences.index(line.evidence))
     groups = [
         {"evidence": evidence, "lines": [cells(line) for line in lines]}
         for evidence, lines in groupby(ordered, key=lambda line: line.evidence)
     ]
     return {
-        "name": part.name,
-        "title": part.title,
-        "text": part.text,
-        "holding": sum(line.holds for line in part.lines),
-        "count": len(part.lines),
+        "name": section.name,
+        "title": section.title,
+        "text": section.text,
+        "holding": sum(line.holds for line in section.lines),
+        "count": len(section.lines),
         "groups": groups,
-        "figures": part.figures,
-        "tables": part.tables,
+        "figures": section.figures,
+        "tables": section.tables,
     }
 
 

@@ -23,7 +23,7 @@ from roughcontact.roughness import parameters
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.window.periodic_window import periodic_window
 from validation import closed_forms, drawing
-from validation.lines import Figure, Part
+from validation.lines import Figure, Section
 from validation.problems import solve
 
 ROUNDING = 1e-12
@@ -34,11 +34,11 @@ _AMPLITUDE = 0.01  # Δ/λ
 _UNIT = np.pi * _AMPLITUDE  # P/E*
 
 
-def add_lines(part: Part, sample: str | Path, *, finest_grid: int) -> None:
+def add_lines(section: Section, sample: str | Path, *, finest_grid: int) -> None:
     """Add lines and figures: figures 1 to 3, and the three steps on the measured file `sample`."""
-    _figure_1(part, finest_grid)
-    _figures_2_and_3(part, finest_grid // 8)
-    _three_steps(part, sample)
+    _figure_1(section, finest_grid)
+    _figures_2_and_3(section, finest_grid // 8)
+    _three_steps(section, sample)
 
 
 def full_contact_of_the_wave(points: int, mean_pressure: float, unit: float) -> np.ndarray:
@@ -122,7 +122,7 @@ def hertz_displacement_by_series(x: np.ndarray, period: float, zero_frequency: f
     return np.cos(np.outer(x, waves)) @ along_x + zero_frequency * 2 * np.pi / 3 / period**2
 
 
-def _figure_1(part: Part, finest_grid: int) -> None:
+def _figure_1(section: Section, finest_grid: int) -> None:
     """Add lines and figure: displacement by a Hertz pressure repeated with period 2a, and alone."""
     points, period = finest_grid // 4, 2.0
     approach = closed_forms.hertz_displacement(0.0, 1.0, 1.0, 1.0)
@@ -135,8 +135,8 @@ def _figure_1(part: Part, finest_grid: int) -> None:
     x_alone, alone = x_alone[inside], alone[inside] / approach
     formula = closed_forms.hertz_displacement(x_alone, 1.0, 1.0, 1.0) / approach
     radius = points / _CELL
-    repeated = part.compare("repeated", found, known, 4 * points**-1.5, n=points)
-    single = part.compare("alone", alone, formula, 0.5 * radius**-1.5, n=radius)
+    repeated = section.compare("repeated", found, known, 4 * points**-1.5, n=points)
+    single = section.compare("alone", alone, formula, 0.5 * radius**-1.5, n=radius)
     step, few = max(1, points // 64), max(1, x_alone.size // 32)
     image = drawing.chart(
         [("periodic: sum over q", x, known), ("non-periodic: eq. 16, corrected", x_alone, formula)],
@@ -153,7 +153,7 @@ def _figure_1(part: Part, finest_grid: int) -> None:
         "The paper's eq. (16) has 2E*a in the denominator, which would put the dashed line at twice its "
         "height: at the middle it must be the Hertz approach, 1 here."
     )
-    part.figures.append(Figure("Figure 1", image, caption))
+    section.figures.append(Figure("Figure 1", image, caption))
 
 
 def _wave(points: int) -> xr.DataArray:
@@ -163,27 +163,27 @@ def _wave(points: int) -> xr.DataArray:
     )
 
 
-def _figures_2_and_3(part: Part, points: int) -> None:
+def _figures_2_and_3(section: Section, points: int) -> None:
     """Add lines and figures: pressure on the closed wave at p̄ = 2P and 4P, onset of full contact."""
     partly, just, far = solve(_wave(points), [0.6 * _UNIT, 2 * _UNIT, 4 * _UNIT], 1e-8)
-    _closed_wave(part, just.pressure, 2, "2 and 3a")
-    _closed_wave(part, far.pressure, 4, "3b")
-    part.compare("onset", _onset_of_full_contact(), 2.0, 1e-6)
+    _closed_wave(section, just.pressure, 2, "2 and 3a")
+    _closed_wave(section, far.pressure, 4, "3b")
+    section.compare("onset", _onset_of_full_contact(), 2.0, 1e-6)
     tolerance = 5e-4 + 0.15 / points
-    part.compare("area", partly.area, closed_forms.JGH_CONTACT_SHARE[0.3], tolerance, n=points)
+    section.compare("area", partly.area, closed_forms.JGH_CONTACT_SHARE[0.3], tolerance, n=points)
 
 
-def _closed_wave(part: Part, pressure: np.ndarray, factor: int, figure: str) -> None:
+def _closed_wave(section: Section, pressure: np.ndarray, factor: int, figure: str) -> None:
     """Add line and figures of the pressure on the closed wave at p̄ = factor P."""
     points, mean = len(pressure), factor * _UNIT
     pressure, exact = pressure / mean, full_contact_of_the_wave(points, mean, _UNIT) / mean
-    line = part.compare("full wave", pressure, exact, ROUNDING, figure=figure, factor=factor)
+    line = section.compare("full wave", pressure, exact, ROUNDING, figure=figure, factor=factor)
     note = f"p̄ = {factor}P, largest relative deviation {number(line.deviation, digits=2)}"
     x = np.arange(-points // 2, points // 2) / points  # the crest in the middle, as in the paper
     middle = np.roll(pressure, (points // 2, points // 2), (0, 1))
     if figure.startswith("2"):
         image = drawing.pressure_relief(x, x, middle, labels=("x / λ", "y / λ", "p / p_m"), note=note)
-        part.figures.append(Figure("Figure 2", image, "Pressure on one period, computed, at p̄ = 2P."))
+        section.figures.append(Figure("Figure 2", image, "Pressure on one period, computed, at p̄ = 2P."))
     fine = np.linspace(-0.5, 0.5, 201)
     some = slice(None, None, max(1, points // 32))
     image = drawing.chart(
@@ -194,7 +194,7 @@ def _closed_wave(part: Part, pressure: np.ndarray, factor: int, figure: str) -> 
         note=note,
     )
     caption = f"Pressure along x through a crest at p̄ = {factor}P."
-    part.figures.append(Figure(f"Figure {figure[-2:]}", image, caption))
+    section.figures.append(Figure(f"Figure {figure[-2:]}", image, caption))
 
 
 def _onset_of_full_contact(points: int = 64) -> float:
@@ -207,7 +207,7 @@ def _onset_of_full_contact(points: int = 64) -> float:
     return (low + high) / 2
 
 
-def _three_steps(part: Part, sample: str | Path) -> None:
+def _three_steps(section: Section, sample: str | Path) -> None:
     """Add lines and figures of a map that goes through the paper's three steps."""
     window = periodic_window(level(read_height_map(sample), form="polynomial"))
     steps = spacing(window)
@@ -216,19 +216,19 @@ def _three_steps(part: Part, sample: str | Path) -> None:
     loads = [0.05 * unit, 0.2 * unit, -1.01 * fluctuation.min()]
     contact = solve_contact(window, contact_modulus=_MODULUS, mean_pressure=loads, tolerance=1e-8)
     low, high, full = contact["pressure"].values
-    _contact_conditions(part, window, low, 0.05, loads[0])
-    _contact_conditions(part, window, high, 0.2, loads[1])
-    part.compare("full map", full / loads[2], 1 + fluctuation / loads[2], ROUNDING)
+    _contact_conditions(section, window, low, 0.05, loads[0])
+    _contact_conditions(section, window, high, 0.2, loads[1])
+    section.compare("full map", full / loads[2], 1 + fluctuation / loads[2], ROUNDING)
     area = percent(relative_contact_area(low > 0))
     caption = "The sample map, form and outliers off, holes filled, made periodic."
-    part.figures.append(Figure("Steps 1 and 2: the window", map_plots.height_map(window), caption))
+    section.figures.append(Figure("Steps 1 and 2: the window", map_plots.height_map(window), caption))
     caption = f"Contact pressure at p̄ = 0.05 E* g, E* = 1 GPa: {area} of the area in contact."
     image = map_plots.pressure_map(window, low)
-    part.figures.append(Figure("Step 3: the solution of one period", image, caption))
+    section.figures.append(Figure("Step 3: the solution of one period", image, caption))
 
 
 def _contact_conditions(
-    part: Part, window: xr.DataArray, pressure: np.ndarray, relative: float, load: float
+    section: Section, window: xr.DataArray, pressure: np.ndarray, relative: float, load: float
 ) -> None:
     """Add the lines of what a solution must satisfy; `load` is the mean pressure in Pa."""
     rms = parameters.rms_height(window)
@@ -239,4 +239,4 @@ def _contact_conditions(
         ("overlap", max(-gap.min(), 0.0), 0.0),
         ("product", (pressure * np.abs(gap)).mean() / load, 0.0),
     ):
-        part.compare(name, value, known, 1e-7, load=relative)
+        section.compare(name, value, known, 1e-7, load=relative)

@@ -10,7 +10,7 @@ from roughcontact.roughness.bearing import bearing_parameters
 from roughcontact.roughness.heights import height_parameters
 from roughcontact.statistics.contact_statistics import contact_statistics
 from validation import closed_forms
-from validation.lines import Part
+from validation.lines import Section
 from validation.problems import (
     AMPLITUDE,
     RIDGES_CLOSED,
@@ -23,25 +23,25 @@ from validation.problems import (
 _RMS = 1e-6
 
 
-def add_lines(part: Part, *, finest_grid: int) -> None:
+def add_lines(section: Section, *, finest_grid: int) -> None:
     """Add the lines of ridges, of the product wave on a grid an eighth as fine, and of normal heights."""
     for ratio, contact in solved_ridges(finest_grid, (0.1, 0.5, 0.9)).items():
         largest = region_sizes(np.tile(contact.touching, (1, 3))).max() / finest_grid
-        known = closed_forms.westergaard_contact_share(ratio)
-        part.compare("strip", largest, known, 2 / finest_grid, r=ratio, n=finest_grid)
-    _two_patches(part, finest_grid // 8)
-    _gaps(part, finest_grid)
-    _developed(part, finest_grid)
+        expected = closed_forms.westergaard_contact_share(ratio)
+        section.compare("strip", largest, expected, 2 / finest_grid, r=ratio, n=finest_grid)
+    _two_patches(section, finest_grid // 8)
+    _gaps(section, finest_grid)
+    _developed(section, finest_grid)
     points = finest_grid**2
     heights = _RMS * ndtri((np.arange(points) + 0.5) / points)
-    found = bearing_parameters(heights)
+    computed = bearing_parameters(heights)
     for name, reference in closed_forms.gaussian_bearing(_RMS).items():
         unit, over = (1.0, "") if name.startswith("Smr") else (_RMS, " / Sq")
-        words = {"quantity": name + over, "points": points}
-        part.compare("curve", found[name] / unit, reference / unit, 4 / finest_grid, **words)
+        fields = {"quantity": name + over, "points": points}
+        section.compare("curve", computed[name] / unit, reference / unit, 4 / finest_grid, **fields)
 
 
-def _two_patches(part: Part, points: int) -> None:
+def _two_patches(section: Section, points: int) -> None:
     """Add the lines of the patches of the product wave, three waves each way."""
     waves, ratio = 3, 0.1
     side = waves * points // 2
@@ -52,13 +52,13 @@ def _two_patches(part: Part, points: int) -> None:
     bounds = statistics["patch_bin_bounds"].values
     shares = statistics["patch_area_density"].values * np.diff(bounds, axis=1)[:, 0]
     near = (bounds[:, 1] > 0.9 * area) & (bounds[:, 0] < 1.1 * area)
-    part.compare("number", statistics["contact_clusters"], 2 * waves**2, 0, r=ratio, waves=waves)
+    section.compare("number", statistics["contact_clusters"], 2 * waves**2, 0, r=ratio, waves=waves)
     largest = statistics["largest_patch_area"]
-    part.compare("largest", largest, area, 6 * waves / side, r=ratio, n=side // waves)
-    part.compare("share", shares[near].sum(), 1.0, 1e-12, r=ratio)
+    section.compare("largest", largest, area, 6 * waves / side, r=ratio, n=side // waves)
+    section.compare("share", shares[near].sum(), 1.0, 1e-12, r=ratio)
 
 
-def _gaps(part: Part, points: int) -> None:
+def _gaps(section: Section, points: int) -> None:
     """Add the lines of how the heights of the gap are distributed beside ridges in contact."""
     _, height = ridge(points)
     for ratio in (0.1, 0.5):
@@ -66,20 +66,20 @@ def _gaps(part: Part, points: int) -> None:
         contact = solve_contact(height, contact_modulus=1.0, mean_pressure=load, tolerance=1e-8)
         statistics = contact_statistics(contact, flow="never").isel(load=0)
         bounds = statistics["gap_bin_bounds"].values
-        found = np.cumsum(statistics["gap_density"].values * np.diff(bounds, axis=1)[:, 0])
+        computed = np.cumsum(statistics["gap_density"].values * np.diff(bounds, axis=1)[:, 0])
         edge = closed_forms.westergaard_contact_share(ratio) / 2
         x = np.linspace(edge, 0.5, 20001)
         heights = closed_forms.westergaard_gap(x, 1.0, AMPLITUDE, ratio)
-        known = (np.interp(bounds[:, 1], heights, x) - edge) / (0.5 - edge)
-        part.compare("gaps", found, known, 4 / ((1 - 2 * edge) * points), r=ratio, n=points)
+        expected = (np.interp(bounds[:, 1], heights, x) - edge) / (0.5 - edge)
+        section.compare("gaps", computed, expected, 4 / ((1 - 2 * edge) * points), r=ratio, n=points)
 
 
-def _developed(part: Part, points: int) -> None:
+def _developed(section: Section, points: int) -> None:
     """Add the line of the developed area of a wave."""
     amplitude = 0.1
     x = np.arange(points) / points
     wave = np.tile(amplitude * np.cos(2 * np.pi * x), (4, 1))
     square = (2 * np.pi * amplitude) ** 2
-    found = height_parameters(height_map(wave, 1 / points))["Sdr"]
-    known = 2 / np.pi * np.sqrt(1 + square) * ellipe(square / (1 + square)) - 1
-    part.compare("developed", found, known, 1.1 / points, n=points)
+    computed = height_parameters(height_map(wave, 1 / points))["Sdr"]
+    expected = 2 / np.pi * np.sqrt(1 + square) * ellipe(square / (1 + square)) - 1
+    section.compare("developed", computed, expected, 1.1 / points, n=points)

@@ -1,4 +1,4 @@
-"""Problems that several parts solve, with E* = 1 and a unit period: ridges, the product wave, a sphere."""
+"""Problems that several sections solve, with E* = 1 and a unit period: ridges, the product wave, a sphere."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

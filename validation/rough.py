@@ -10,17 +10,17 @@ from roughcontact.roughness import parameters
 from roughcontact.roughness.summits import summit_statistics
 from roughcontact.statistics import theory
 from validation import closed_forms, drawing
-from validation.lines import Figure, Part, Table
+from validation.lines import Figure, Section, Table
 from validation.problems import solve
 
 _MAPS = 6
 
 
-def add_lines(part: Part, *, finest_grid: int) -> None:
+def add_lines(section: Section, *, finest_grid: int) -> None:
     """Add the reference case on a grid half as fine, and the maps of the ensemble on a quarter."""
-    _reference_case(part, finest_grid // 2)
-    _outside_codes(part)
-    _ensemble(part, finest_grid // 4)
+    _reference_case(section, finest_grid // 2)
+    _outside_codes(section)
+    _ensemble(section, finest_grid // 4)
 
 
 def ensemble_map(points: int, seed: int) -> xr.DataArray:
@@ -43,37 +43,37 @@ def ensemble_map(points: int, seed: int) -> xr.DataArray:
     )
 
 
-def _reference_case(part: Part, points: int) -> None:
+def _reference_case(section: Section, points: int) -> None:
     """Add the lines of the rough reference case."""
     height = synthetic.rough_reference_surface(points)
     gradient, rms = parameters.rms_gradient(height), parameters.rms_height(height)
-    part.compare("rms height", rms, 0.023699516, 3e-8)
-    part.compare("rms gradient", gradient, 0.55501825, 1e-8)
-    known = closed_forms.ROUGH_AREA_AND_GAP
-    contacts = solve(height, [load * gradient for load in known], 1e-6)
+    section.compare("rms height", rms, 0.023699516, 3e-8)
+    section.compare("rms gradient", gradient, 0.55501825, 1e-8)
+    expected = closed_forms.ROUGH_AREA_AND_GAP
+    contacts = solve(height, [load * gradient for load in expected], 1e-6)
     # the other code has solved it on 1024 x 1024 points
     coarse = 0.0 if points == 1024 else 1 / points
     grid = f", and the coarser grid, n = {points}" if coarse else ""
-    for contact, (load, (area, gap)) in zip(contacts, known.items(), strict=True):
+    for contact, (load, (area, gap)) in zip(contacts, expected.items(), strict=True):
         for name, value, reference, tolerance in (
             ("area", contact.area, area, 2e-5 + 0.25 * coarse),
             ("gap", contact.mean_gap / rms, gap, 2e-5 + 0.05 * coarse),
             ("xu", contact.area, float(theory.xu_area(load)), 0.04 + 0.25 * coarse / area),
         ):
-            part.compare(name, value, reference, tolerance, load=load, grid=grid)
+            section.compare(name, value, reference, tolerance, load=load, grid=grid)
 
 
-def _outside_codes(part: Part) -> None:
+def _outside_codes(section: Section) -> None:
     """Add the lines of one map that two other codes have solved."""
-    known = closed_forms.OUTSIDE_CODES
-    contacts = solve(ensemble_map(256, seed=0), list(known), 1e-9)
-    for contact, (load, (touching, peak, gap)) in zip(contacts, known.items(), strict=True):
-        part.compare("points", np.count_nonzero(contact.pressure), touching, 0.5 / touching, load=load)
-        part.compare("peak", contact.pressure.max(), peak, 1e-7, load=load)
-        part.compare("mean gap", contact.mean_gap, gap, 1e-7, load=load)
+    expected = closed_forms.OUTSIDE_CODES
+    contacts = solve(ensemble_map(256, seed=0), list(expected), 1e-9)
+    for contact, (load, (touching, peak, gap)) in zip(contacts, expected.items(), strict=True):
+        section.compare("points", np.count_nonzero(contact.pressure), touching, 0.5 / touching, load=load)
+        section.compare("peak", contact.pressure.max(), peak, 1e-7, load=load)
+        section.compare("mean gap", contact.mean_gap, gap, 1e-7, load=load)
 
 
-def _ensemble(part: Part, points: int) -> None:
+def _ensemble(section: Section, points: int) -> None:
     """Add line, figure and table of the area of several maps against the load, with the theories."""
     loads = np.array(DEFAULT_PLAN)
     maps = [ensemble_map(points, seed) for seed in range(_MAPS)]
@@ -82,15 +82,15 @@ def _ensemble(part: Part, points: int) -> None:
     mean = areas.mean(axis=0)
     low, high = np.sqrt(8 / np.pi), np.sqrt(2 * np.pi)
     slope, middle = mean[0] / loads[0], (low + high) / 2
-    part.compare("slopes", slope, middle, (high - low) / 2, maps=_MAPS, load=loads[0])
+    section.compare("slopes", slope, middle, (high - low) / 2, maps=_MAPS, load=loads[0])
     line_loads = np.geomspace(loads[0], loads[-1], 80)
     image = drawing.area_chart(line_loads, _theories(line_loads, summits), loads, areas)
     caption = (
         f"Area divided by load for {_MAPS} self-affine maps (H = 0.8, waves of 8 to {points // 4} points, "
         f"{points} × {points}): marks are the mean, the band is the range."
     )
-    part.figures.append(Figure("Contact area over load", image, caption))
-    part.tables.append(_deviations(loads, areas, _theories(loads, summits)))
+    section.figures.append(Figure("Contact area over load", image, caption))
+    section.tables.append(_deviations(loads, areas, _theories(loads, summits)))
 
 
 def _deviations(loads: np.ndarray, areas: np.ndarray, theories: dict[str, np.ndarray]) -> Table:

@@ -15,7 +15,7 @@ from roughcontact.sealing.flow import flow_columns, leak_columns
 from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from validation import closed_forms
-from validation.lines import Part, Table
+from validation.lines import Section, Table
 from validation.problems import AMPLITUDE, Solution, solve, solved_ridges
 
 _ROW = 256  # points across a channel along an axis, where the answer is exact
@@ -24,44 +24,46 @@ _SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 1e-2}  # water,
 _LOADS = (0.02, 0.05, 0.1, 0.15, 0.2)
 
 
-def add_lines(part: Part, *, finest_grid: int) -> None:
+def add_lines(section: Section, *, finest_grid: int) -> None:
     """Add lines and table: gaps on grids an eighth as fine, random heights on a quarter."""
     points = finest_grid // 8
-    _channels(part, points)
-    _two_phases(part, points)
-    _low_roughness(part, points)
-    _leaks(part, points)
-    _random_heights(part, 2 * points)
-    _closing(part)
-    part.tables.append(_effective_medium())
+    _channels(section, points)
+    _two_phases(section, points)
+    _low_roughness(section, points)
+    _leaks(section, points)
+    _random_heights(section, 2 * points)
+    _closing(section)
+    section.tables.append(_effective_medium())
 
 
-def _channels(part: Part, points: int) -> None:
+def _channels(section: Section, points: int) -> None:
     """Add the lines of channels along an axis, and at 45° on a square of so many points a side."""
     x, row = (2 * np.pi * np.arange(n) / n for n in (points, _ROW))
     steps = (1 / points, 1 / points)
     for depth in (0.5, 0.9):
         along, across = closed_forms.channel_flow_factors(depth)
-        found = flow_columns((1 + depth * np.cos(row)) * np.ones((8, 1)), steps, tolerance=1e-9)
-        part.compare("channel along", found["flow_factor_yy"], along, 1e-8, depth=depth)
-        part.compare("channel across", found["flow_factor_xx"], across, 1e-8, depth=depth)
+        computed = flow_columns((1 + depth * np.cos(row)) * np.ones((8, 1)), steps, tolerance=1e-9)
+        section.compare("channel along", computed["flow_factor_yy"], along, 1e-8, depth=depth)
+        section.compare("channel across", computed["flow_factor_xx"], across, 1e-8, depth=depth)
     along, across = closed_forms.channel_flow_factors(0.5)
-    found = flow_columns(1 + 0.5 * np.cos(x[:, None] + x[None, :]), steps, tolerance=1e-9)
-    for axes, known in (("xx", (along + across) / 2), ("xy", (across - along) / 2)):
-        part.compare("diagonal", found[f"flow_factor_{axes}"], known, 100 / points**2, axes=axes, n=points)
+    computed = flow_columns(1 + 0.5 * np.cos(x[:, None] + x[None, :]), steps, tolerance=1e-9)
+    for axes, expected in (("xx", (along + across) / 2), ("xy", (across - along) / 2)):
+        section.compare(
+            "diagonal", computed[f"flow_factor_{axes}"], expected, 100 / points**2, axes=axes, n=points
+        )
 
 
-def _two_phases(part: Part, points: int) -> None:
+def _two_phases(section: Section, points: int) -> None:
     """Add the lines of a checkerboard, and of the narrowest place between crossed waves."""
     board = np.where((np.indices((points, points)) // (points // 2)).sum(axis=0) % 2, 1.0, 3.0) ** (1 / 3)
     factor = flow_columns(board, (1 / points, 1 / points), tolerance=1e-9)["flow_factor_xx"]
-    part.compare("board", factor * board.mean() ** 3, np.sqrt(3), 0.5 * points**-1.2, n=points)
+    section.compare("board", factor * board.mean() ** 3, np.sqrt(3), 0.5 * points**-1.2, n=points)
     x = 2 * np.pi * np.arange(points) / points
     crossed = 1 + (np.cos(x)[:, None] + np.cos(x)[None, :]) / 2
-    part.compare("saddle", percolation_columns(crossed)["critical_constriction_x"], 1.0, 1e-12)
+    section.compare("saddle", percolation_columns(crossed)["critical_constriction_x"], 1.0, 1e-12)
 
 
-def _low_roughness(part: Part, points: int) -> None:
+def _low_roughness(section: Section, points: int) -> None:
     """Add the lines of a gap with roughness of a twentieth of it."""
     relative = 0.05
     height = self_affine_surface(
@@ -70,24 +72,24 @@ def _low_roughness(part: Part, points: int) -> None:
     gap = 1 + height.values
     factors = flow_columns(gap, (1.0, 1.0), tolerance=1e-9)
     mean = (factors["flow_factor_xx"] + factors["flow_factor_yy"]) / 2
-    known = closed_forms.isotropic_flow_factor(relative) - 1
-    part.compare("low", mean - 1, known, relative)
-    part.compare("medium", closed_forms.effective_medium_flow_factor(gap) - 1, known, relative)
+    expected = closed_forms.isotropic_flow_factor(relative) - 1
+    section.compare("low", mean - 1, expected, relative)
+    section.compare("medium", closed_forms.effective_medium_flow_factor(gap) - 1, expected, relative)
 
 
-def _leaks(part: Part, points: int) -> None:
+def _leaks(section: Section, points: int) -> None:
     """Add the lines of leak rates: between plates, and along the gap of ridges that touch."""
-    known = 1e-18 * _SEAL["pressure_difference"] / (12 * _SEAL["viscosity"] * _SEAL["width"])
+    expected = 1e-18 * _SEAL["pressure_difference"] / (12 * _SEAL["viscosity"] * _SEAL["width"])
     plates = leak_columns(1e-6, flow_columns(np.full((4, 4), 1e-6), (1e-6, 1e-6)), **_SEAL)
-    part.compare("slit", plates["leak_rate_x"], known, 1e-12)
+    section.compare("slit", plates["leak_rate_x"], expected, 1e-12)
     for ratio, contact in solved_ridges(points, (0.1, 0.5)).items():
         gap = _open_gap(contact)
         leak = leak_columns(gap.mean(), flow_columns(gap, contact.pixel), **_SEAL)["leak_rate_y"]
         cubed, _ = quad(
             lambda x, ratio=ratio: closed_forms.westergaard_gap(x, 1.0, AMPLITUDE, ratio) ** 3, 0.0, 0.5
         )
-        relative = leak / (known * (AMPLITUDE / 1e-6) ** 3)
-        part.compare("ridges", relative, 2 * cubed / AMPLITUDE**3, 20 / points**2, r=ratio, n=points)
+        relative = leak / (expected * (AMPLITUDE / 1e-6) ** 3)
+        section.compare("ridges", relative, 2 * cubed / AMPLITUDE**3, 20 / points**2, r=ratio, n=points)
 
 
 def _open_gap(contact: Solution) -> np.ndarray:
@@ -95,15 +97,15 @@ def _open_gap(contact: Solution) -> np.ndarray:
     return np.where(contact.touching, 0.0, contact.gap)
 
 
-def _random_heights(part: Part, points: int) -> None:
+def _random_heights(section: Section, points: int) -> None:
     """Add the line of the threshold at which random heights percolate: mean over maps and axes."""
     levels = [
         list(percolation_columns(np.random.default_rng(seed).random((points, points))).values())[2:]
         for seed in range(_SEEDS)
     ]
     tolerance = 3 * (0.7 * points**-0.75 / np.sqrt(2 * _SEEDS))
-    words = {"maps": _SEEDS, "values": 2 * _SEEDS, "n": points}
-    part.compare("sites", 1 - np.mean(levels), 0.592746, tolerance, **words)
+    fields = {"maps": _SEEDS, "values": 2 * _SEEDS, "n": points}
+    section.compare("sites", 1 - np.mean(levels), 0.592746, tolerance, **fields)
 
 
 def _isotropic(seed: int) -> xr.DataArray:
@@ -113,11 +115,11 @@ def _isotropic(seed: int) -> xr.DataArray:
     )
 
 
-def _closing(part: Part) -> None:
+def _closing(section: Section) -> None:
     """Add the line of the contact area at which gaps close: mean of some small surfaces."""
     areas = [_closing_area(seed) for seed in range(_SEEDS)]
     scatter = number(float(np.std(areas, ddof=1)), digits=2)
-    part.compare("closing", np.mean(areas), 0.42, 0.03, maps=_SEEDS, scatter=scatter)
+    section.compare("closing", np.mean(areas), 0.42, 0.03, maps=_SEEDS, scatter=scatter)
 
 
 def _closing_area(seed: int) -> float:

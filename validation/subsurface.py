@@ -13,7 +13,7 @@ from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.subsurface import stress_columns, with_subsurface_yield
 from roughcontact.statistics.targets import target_loads
 from validation import closed_forms, depth_integral
-from validation.lines import Part
+from validation.lines import Section
 from validation.problems import FORCE, RADIUS, solve, sphere
 
 _POINTS = 64  # of the wave, for which the answer is exact
@@ -23,14 +23,14 @@ _HERTZ = closed_forms.periodic_hertz(FORCE, RADIUS, 1.0, 1.0)
 _COPIES = FORCE / _HERTZ["max_pressure"]  # mean pressure of the repeated sphere over the largest one
 
 
-def add_lines(part: Part, *, finest_grid: int) -> None:
+def add_lines(section: Section, *, finest_grid: int) -> None:
     """Add the lines of waves, of ridges and a sphere on grids a quarter as fine, and of two rough maps."""
-    _wave(part, finest_grid)
-    _elongated(part, finest_grid // 4)
-    _rough(part, shortest=2, load=0.05)
-    _rough(part, shortest=8, load=0.5)
-    _sphere(part, finest_grid // 4)
-    _first_yield(part, max(64, finest_grid // 8))
+    _wave(section, finest_grid)
+    _elongated(section, finest_grid // 4)
+    _rough(section, shortest=2, load=0.05)
+    _rough(section, shortest=8, load=0.5)
+    _sphere(section, finest_grid // 4)
+    _first_yield(section, max(64, finest_grid // 8))
 
 
 def _largest(stress: Callable[[float], ArrayLike], low: float, high: float) -> tuple[float, float]:
@@ -44,49 +44,51 @@ def _largest_below_sphere(ratio: float) -> tuple[float, float]:
     return _largest(lambda z: closed_forms.hertz_von_mises(z, ratio), 0.1, 2)
 
 
-def _wave(part: Part, points: int) -> None:
+def _wave(section: Section, points: int) -> None:
     """Add the lines of a pressure wave: stresses over depth, volumes on a row of so many points."""
     wave = np.cos(2 * np.pi * np.arange(_POINTS) / _POINTS)[None, :]
     reduced = np.linspace(0, 4, 17)
     for ratio in (0.0, 0.3, 0.5):
         stress_at = subsurface_stress(wave, (1.0, 1.0), poissons_ratio=ratio)
         stresses = [stress_at(z * _POINTS / (2 * np.pi)) for z in reduced]
-        for name, measure, known in (
+        for name, measure, expected in (
             ("wave von Mises", von_mises, closed_forms.wave_von_mises),
             ("wave Tresca", tresca, closed_forms.wave_tresca),
         ):
-            found = [measure(stress).max() for stress in stresses]
-            part.compare(name, found, known(reduced, ratio), 1e-12, ratio=ratio)
+            computed = [measure(stress).max() for stress in stresses]
+            section.compare(name, computed, expected(reduced, ratio), 1e-12, ratio=ratio)
     row = np.cos(2 * np.pi * np.arange(points) / points)[None, :]
     for limit in (0.1, 0.3, 0.5, 0.6):
         columns = stress_columns(row, (1.0, 1.0), poissons_ratio=0.5, yield_stress=limit)
         volume = columns["volume_above_yield"] * 2 * np.pi / points
-        part.compare("wave volume", volume, closed_forms.wave_volume_above(limit), _VOLUME, limit=limit)
+        section.compare("wave volume", volume, closed_forms.wave_volume_above(limit), _VOLUME, limit=limit)
 
 
-def _elongated(part: Part, points: int) -> None:
+def _elongated(section: Section, points: int) -> None:
     """Add the lines of a window ten times as long as wide, with one wave along its length."""
     shape, step = (points // 10, points), 1 / points
     wave = np.cos(2 * np.pi * np.arange(points) * step) * np.ones((shape[0], 1))
     limit = 0.95 * np.sqrt(3) / np.e
     below_wave = stress_columns(wave, (step, step), poissons_ratio=0.5, yield_stress=limit)
     volume = below_wave["volume_above_yield"] * 2 * np.pi
-    part.compare("long volume", volume, closed_forms.wave_volume_above(limit), _VOLUME)
+    section.compare("long volume", volume, closed_forms.wave_volume_above(limit), _VOLUME)
     full = closed_forms.westergaard_full_contact_pressure(_RIDGES, 1.0, 1.0)
     ridges = synthetic.westergaard_surface(shape, step, amplitude=_RIDGES, wavelength=1.0)
     (contact,) = solve(ridges, [_LOAD * full], 1e-5)
-    found = stress_columns(contact.pressure, (step, step), poissons_ratio=0.3)
+    computed = stress_columns(contact.pressure, (step, step), poissons_ratio=0.3)
     depth, stress = _largest(lambda z: closed_forms.westergaard_von_mises(z, _LOAD, 0.3), 0.01, 0.5)
     bodies = [{"poissons_ratio": 0.3, "yield_stress": stress * full}, {}]
     (searched,) = target_loads(
         ridges, contact_modulus=1.0, target="first_yield", bodies=bodies, tolerance=1e-5
     )
-    part.compare("ridges stress", found["max_von_mises_stress"] / full, stress, 3 / points / 10, n=points)
-    part.compare("ridges depth", found["max_von_mises_depth"], depth, 0.01)
-    part.compare("ridges yield", searched / full, _LOAD, 3 / points, n=points)
+    section.compare(
+        "ridges stress", computed["max_von_mises_stress"] / full, stress, 3 / points / 10, n=points
+    )
+    section.compare("ridges depth", computed["max_von_mises_depth"], depth, 0.01)
+    section.compare("ridges yield", searched / full, _LOAD, 3 / points, n=points)
 
 
-def _rough(part: Part, *, shortest: int, load: float) -> None:
+def _rough(section: Section, *, shortest: int, load: float) -> None:
     """Add the lines of a rough map with waves down to so many points, at a load over E*."""
     points, steps, ratio = 64, (1.0, 1.0), 0.3
     height = synthetic.self_affine_surface(
@@ -98,30 +100,35 @@ def _rough(part: Part, *, shortest: int, load: float) -> None:
     shares = (0.6, 0.8, 0.95)
     limits = [share * largest for share in shares]
     summed, volumes = depth_integral.volume_above(pressure, steps, poissons_ratio=ratio, limits=limits)
-    part.compare("rough stress", largest, summed, 1e-3, shortest=shortest)
+    section.compare("rough stress", largest, summed, 1e-3, shortest=shortest)
     for share, limit, volume in zip(shares, limits, volumes, strict=True):
-        found = stress_columns(pressure, steps, poissons_ratio=ratio, yield_stress=limit)
-        words = {"shortest": shortest, "share": share}
-        part.compare("rough volume", found["volume_above_yield"], volume, _VOLUME, **words)
+        computed = stress_columns(pressure, steps, poissons_ratio=ratio, yield_stress=limit)
+        fields = {"shortest": shortest, "share": share}
+        section.compare("rough volume", computed["volume_above_yield"], volume, _VOLUME, **fields)
 
 
-def _sphere(part: Part, points: int) -> None:
+def _sphere(section: Section, points: int) -> None:
     """Add the lines of the largest stresses below a sphere, and of their depth."""
     (contact,) = solve(sphere(points), [FORCE], 1e-5)
     across = _HERTZ["contact_radius"] * points
     tolerance = _COPIES + 0.1 * across**-2
     for ratio in (0.3, 0.5):
-        found = stress_columns(contact.pressure, contact.pixel, poissons_ratio=ratio)
+        computed = stress_columns(contact.pressure, contact.pixel, poissons_ratio=ratio)
         depth, stress = _largest_below_sphere(ratio)
-        for name, value, known, allowed in (
-            ("sphere von Mises", found["max_von_mises_stress"] / _HERTZ["max_pressure"], stress, tolerance),
-            ("sphere depth", found["max_von_mises_depth"] / _HERTZ["contact_radius"], depth, 0.02),
-            ("sphere Tresca", found["max_tresca_stress"] / _HERTZ["max_pressure"], stress, tolerance),
+        for name, value, expected, allowed in (
+            (
+                "sphere von Mises",
+                computed["max_von_mises_stress"] / _HERTZ["max_pressure"],
+                stress,
+                tolerance,
+            ),
+            ("sphere depth", computed["max_von_mises_depth"] / _HERTZ["contact_radius"], depth, 0.02),
+            ("sphere Tresca", computed["max_tresca_stress"] / _HERTZ["max_pressure"], stress, tolerance),
         ):
-            part.compare(name, value, known, allowed, ratio=ratio, copies=_COPIES, n=across)
+            section.compare(name, value, expected, allowed, ratio=ratio, copies=_COPIES, n=across)
 
 
-def _first_yield(part: Part, points: int) -> None:
+def _first_yield(section: Section, points: int) -> None:
     """Add the lines of the load at which a body begins to yield below a sphere."""
     ratio, height = 0.3, sphere(points)
     _, stress = _largest_below_sphere(ratio)
@@ -138,4 +145,4 @@ def _first_yield(part: Part, points: int) -> None:
         ("between two loads", between["first_subsurface_yield_pressure"].item()),
         ("searched for", searched),
     ):
-        part.compare("yield", load / FORCE, 1.0, tolerance, ratio=ratio, how=how, n=across)
+        section.compare("yield", load / FORCE, 1.0, tolerance, ratio=ratio, how=how, n=across)

@@ -14,9 +14,9 @@ from roughcontact.maps import spacing
 from roughcontact.references import synthetic
 from validation import __main__ as command
 from validation import closed_forms, convergence, page, paper
-from validation.lines import Evidence, Line, Part, Wording, compare
+from validation.lines import Evidence, Line, LineText, Section, compare
 from validation.page import DeviationError
-from validation.parts import validate
+from validation.sections import validate
 
 ROOT = Path(__file__).parents[2]
 SAMPLE = ROOT / "data_samples/sandblasted.x3p"
@@ -25,12 +25,12 @@ EVIDENCE = Evidence("1 + 1 = 2", "Peano (1889)", "closed_forms.hertz", "tests/un
 
 def line_of(what, value, reference, *, measure="relative"):
     """Return the line of a comparison with a tolerance of a tenth."""
-    return compare(Wording(what, measure, "for the test", EVIDENCE), value, reference, 0.1)
+    return compare(LineText(what, measure, "for the test", EVIDENCE), value, reference, 0.1)
 
 
 def test_a_line_that_does_not_hold_is_marked_and_fails(tmp_path):
     good, bad = line_of("right", 2.0, 2.0), line_of("wrong", 2.5, 2.0)
-    part = Part("sums", "Sums", "Sums of small numbers.", [good, bad])
+    part = Section("sums", "Sums", "Sums of small numbers.", [good, bad])
     page.write_page(tmp_path / "page.html", [part])
     html = (tmp_path / "page.html").read_text()
     assert "1 of 2 lines do not hold" in html
@@ -45,7 +45,7 @@ def test_a_line_that_does_not_hold_is_marked_and_fails(tmp_path):
 def test_the_command_leaves_page_and_table_and_fails_where_a_line_does_not_hold(
     value, status, tmp_path, monkeypatch, capsys
 ):
-    part = Part("sums", "Sums", "Sums of small numbers.", [line_of("a sum", value, 2.0)])
+    part = Section("sums", "Sums", "Sums of small numbers.", [line_of("a sum", value, 2.0)])
     monkeypatch.setattr(command, "compute", lambda **_: [part])
     assert command.main(["--directory", str(tmp_path)]) == status
     printed, complaint = capsys.readouterr()

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from validation import PARTS, page
+from validation import SECTIONS, page
 from validation.__main__ import compute
-from validation.parts import validate
+from validation.sections import validate
 
 ROOT = Path(__file__).parents[2]
 
@@ -22,7 +22,7 @@ def parts():
     return {part.name: part for part in compute(finest_grid=256)}
 
 
-@pytest.mark.parametrize("name", PARTS)
+@pytest.mark.parametrize("name", SECTIONS)
 def test_parts_hold_at_a_small_size(parts, name):
     part = parts[name]
     assert part.name == name
