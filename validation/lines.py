@@ -137,14 +137,14 @@ def compare(
 
     Parameters
     ----------
-    wording : LineText
+    line_text : LineText
     value : float or array
         what this program computes.
     reference : float or array of the same shape
         what is known from elsewhere.
     tolerance : float
         largest deviation that holds.
-    **words
+    **fields
         what stands in place of the names in braces.
 
     Returns
