@@ -88,7 +88,7 @@ def test_uncertainty_section_is_the_keyword_arguments_of_its_verb():
     defaults = Settings.model_fields["uncertainty"].annotation().model_dump()
     assert tuple(defaults["sources"]) == arguments["sources"].default
     assert defaults["windows"] == arguments["windows"].default
-    of_the_chain = {"solved"}
+    of_the_chain = {"solved", "scatter_of"}
     named = {n for n, p in arguments.items() if p.kind is p.KEYWORD_ONLY}
     assert set(defaults) == named - of_the_chain
 
