@@ -51,23 +51,25 @@ def _finite(value: object) -> object:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def inspection(found: Mapping[str, Any], file: str) -> str:
+def inspection(content: Mapping[str, Any], file: str) -> str:
     """Return a description of the result of `inspect_file`: the path, and a line for each known property."""
     lines = [
-        ("format", f"{found['format']}, {found['bytes']} bytes"),
-        ("channel", found["channel_choice"] or found["channel"] or "none that holds heights"),
+        ("format", f"{content['format']}, {content['bytes']} bytes"),
+        ("channel", content["channel_choice"] or content["channel"] or "none that holds heights"),
     ]
-    if len(found["channels"]) > 1:
-        lines += [("", _channel(each)) for each in found["channels"]]
-    lines += _map_lines(found["map"]) if found["map"] else _silent_lines(found)
-    if not (found["map"] and found["map"]["ny"] == 1):
-        by = "assumed: give first_row where that is wrong" if found["first_row_assumed"] else "by its format"
-        lines.append(("first row", f"at the {found['first_row']} of the picture ({by})"))
-    lines += labelled(found["instrument"])
-    if found["problem"]:
-        lines.append(("to be given", found["problem"].removeprefix(f"{file}: ")))
-    if found["map"]:
-        lines += [("suspicion", warning) for warning in found["warnings"]] or [("suspicion", "none")]
+    if len(content["channels"]) > 1:
+        lines += [("", _channel(channel)) for channel in content["channels"]]
+    lines += _map_lines(content["map"]) if content["map"] else _silent_lines(content)
+    if not (content["map"] and content["map"]["ny"] == 1):
+        source = (
+            "assumed: give first_row where that is wrong" if content["first_row_assumed"] else "by its format"
+        )
+        lines.append(("first row", f"at the {content['first_row']} of the picture ({source})"))
+    lines += labelled(content["instrument"])
+    if content["problem"]:
+        lines.append(("to be given", content["problem"].removeprefix(f"{file}: ")))
+    if content["map"]:
+        lines += [("suspicion", warning) for warning in content["warnings"]] or [("suspicion", "none")]
     return "\n".join([str(file), *(_line(label, text) for label, text in lines)])
 
 
@@ -78,21 +80,21 @@ def overview(contents: Sequence[Mapping[str, Any]], folder: str) -> str:
     to be given, or the first of the warnings.
     """
     cells = [("file", "format", "points", "field", "Sq", "to be given, or suspected")]
-    for found in contents:
-        size = dict(_map_lines(found["map"]) if found["map"] else _silent_lines(found))
-        problem = str(found["problem"] or "").removeprefix(f"{Path(folder, found['file'])}: ")
-        warnings = found["warnings"] if found["map"] else []
-        count = len(found.get("channels", []))
-        more = f" (and {len(warnings) - 1} more)" if len(warnings) > 1 else ""
+    for content in contents:
+        size = dict(_map_lines(content["map"]) if content["map"] else _silent_lines(content))
+        problem = str(content["problem"] or "").removeprefix(f"{Path(folder, content['file'])}: ")
+        warnings = content["warnings"] if content["map"] else []
+        count = len(content.get("channels", []))
+        number_more = f" (and {len(warnings) - 1} more)" if len(warnings) > 1 else ""
         cells.append(
             (
-                found["file"],
-                found["format"] or "–",
+                content["file"],
+                content["format"] or "–",
                 size.get("size", "–").removesuffix(" points (x, y)")
                 + (f", 1 of {count}" if count > 1 else ""),
                 size.get("field", "–"),
-                quantity(found["map"]["rms_height"], "m") if found["map"] else "–",
-                problem or (warnings[0] + more if warnings else "nothing"),
+                quantity(content["map"]["rms_height"], "m") if content["map"] else "–",
+                problem or (warnings[0] + number_more if warnings else "nothing"),
             )
         )
     return "\n".join([str(folder), *(f"  {line}" for line in _columns(cells))])
@@ -118,36 +120,36 @@ def _line(label: str, text: str) -> str:
     )
 
 
-def _map_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
+def _map_lines(content: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the properties of a map that can be read."""
-    pitch = " × ".join(dict.fromkeys(quantity(found[step], "m", digits=4) for step in ("dx", "dy")))
-    sides = ("size_x",) if found["ny"] == 1 else ("size_x", "size_y")
-    field = " × ".join(quantity(found[side], "m", digits=4) for side in sides)
-    step = found["quantisation_step"]
-    heights = f"{quantity(found['lowest'], 'm')} to {quantity(found['highest'], 'm')}"
+    pitch = " × ".join(dict.fromkeys(quantity(content[step], "m", digits=4) for step in ("dx", "dy")))
+    sides = ("size_x",) if content["ny"] == 1 else ("size_x", "size_y")
+    field = " × ".join(quantity(content[side], "m", digits=4) for side in sides)
+    step = content["quantisation_step"]
+    heights = f"{quantity(content['lowest'], 'm')} to {quantity(content['highest'], 'm')}"
     if step:
         heights += f", multiples of {quantity(step, 'm')}"
-    rms = f"rms height {quantity(found['rms_height'], 'm')}, rms gradient {number(found['rms_gradient'])}"
+    rms = f"rms height {quantity(content['rms_height'], 'm')}, rms gradient {number(content['rms_gradient'])}"
     return [
-        ("size", _points(found)),
+        ("size", _points(content)),
         ("field", field),
         ("spacing", pitch),
-        ("missing", f"{percent(found['missing_share'])}, {found['missing_points']} points"),
+        ("missing", f"{percent(content['missing_share'])}, {content['missing_points']} points"),
         ("heights", heights),
         ("off mean plane", f"{rms} (between neighbours)"),
     ]
 
 
-def _points(found: Mapping[str, Any]) -> str:
+def _points(content: Mapping[str, Any]) -> str:
     """Return the numbers of points of a map or a profile."""
-    ny, nx = found["ny"], found["nx"]
+    ny, nx = content["ny"], content["nx"]
     return f"profile of {nx} points" if ny == 1 else f"{nx} × {ny} points (x, y)"
 
 
-def _silent_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
+def _silent_lines(content: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the properties of a map whose size or unit is not in the file."""
-    channels = found.get("channels", [])
-    channel = next((each for each in channels if each["name"] == found["channel"]), None)
+    channels = content.get("channels", [])
+    channel = next((entry for entry in channels if entry["name"] == content["channel"]), None)
     if channel is None:
         return []
     lines = [("size", _points(channel))]
@@ -155,8 +157,8 @@ def _silent_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("spacing", "lateral_unit", ("dx", "dy")),
         ("heights", "height_unit", ("lowest", "highest")),
     ):
-        known = [number(channel[name], digits=4) for name in names if channel.get(name) is not None]
-        text = (" to " if label == "heights" else " × ").join(known) or "not said"
+        texts = [number(channel[name], digits=4) for name in names if channel.get(name) is not None]
+        text = (" to " if label == "heights" else " × ").join(texts) or "not said"
         lines.append((label, f"{text}, in {channel[unit]}" if channel[unit] else f"{text}, unit not said"))
     if "missing_share" in channel:
         lines.append(("missing", f"{percent(channel['missing_share'])}, {channel['missing_points']} points"))
@@ -165,8 +167,8 @@ def _silent_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 def _channel(channel: Mapping[str, Any]) -> str:
     """Return name, size and unit of a channel, or the reason why it holds no heights."""
-    what = f"in {channel['height_unit'] or 'a unit not said'}" if channel["is_height"] else channel["reason"]
-    return f"{channel['name']!r}: {_points(channel).removesuffix(' (x, y)')}, {what}"
+    text = f"in {channel['height_unit'] or 'a unit not said'}" if channel["is_height"] else channel["reason"]
+    return f"{channel['name']!r}: {_points(channel).removesuffix(' (x, y)')}, {text}"
 
 
 def solution(result: Mapping[str, Any]) -> str:
@@ -176,13 +178,13 @@ def solution(result: Mapping[str, Any]) -> str:
     size = f"{window['nx']} × {window['ny']} points, {' × '.join(lengths)}"
     if 1 in (window["nx"], window["ny"]):
         size = f"profile of {max(window['nx'], window['ny'])} points, {lengths[window['nx'] == 1]}"
-    kind = f"made periodic: {window['periodisation']}"
+    body = f"made periodic: {window['periodisation']}"
     if result["settings"]["contact"]["boundary"] == "free":
-        kind = "a body of finite size"
+        body = "a body of finite size"
     lines = [
         str(result["file"]),
         _line("levelled", result["levelled"]["removed_and_filled"]),
-        _line("window", f"{size}, {percent(window['share'])} of the map, {kind}"),
+        _line("window", f"{size}, {percent(window['share'])} of the map, {body}"),
         _line("rms height", quantity(surface["rms_height"], "m")),
         _line("rms gradient", number(surface["rms_gradient"])),
         *([_line("bodies", bodies_in_words(contact))] if contact["bodies"] else []),
@@ -205,34 +207,36 @@ def solution(result: Mapping[str, Any]) -> str:
 
 def _verdict(result: Mapping[str, Any]) -> str:
     """Return the verdict on a map, and the answers that have another one."""
-    others: dict[str, list[str]] = {}
-    for answer, word in result["verdicts"].items():
-        if word != result["verdict"]:
-            others.setdefault(word, []).append(answer)
-    return "; ".join([result["verdict"], *(f"{word}: {', '.join(found)}" for word, found in others.items())])
+    answers: dict[str, list[str]] = {}
+    for answer, verdict in result["verdicts"].items():
+        if verdict != result["verdict"]:
+            answers.setdefault(verdict, []).append(answer)
+    return "; ".join(
+        [result["verdict"], *(f"{verdict}: {', '.join(names)}" for verdict, names in answers.items())]
+    )
 
 
 def group(result: Mapping[str, Any]) -> str:
     """Return the numbers of several maps together, by `solve_files`, and a line about each map."""
-    found = result["group"]
-    lines = [f"{found['maps']} maps together", ""]
-    lines += [_line("no group", found["none"])] if "none" in found else _table_of_group(found)
-    for each in result["maps"]:
-        areas = ", ".join(percent(load["relative_contact_area"]) for load in each["loads"])
-        lines += ["", str(each["file"]), _line("A/A0", areas), _line("verdict", _verdict(each))]
+    answer = result["group"]
+    lines = [f"{answer['maps']} maps together", ""]
+    lines += [_line("no group", answer["none"])] if "none" in answer else _table_of_group(answer)
+    for entry in result["maps"]:
+        areas = ", ".join(percent(load["relative_contact_area"]) for load in entry["loads"])
+        lines += ["", str(entry["file"]), _line("A/A0", areas), _line("verdict", _verdict(entry))]
     return "\n".join(lines)
 
 
-def _table_of_group(found: Mapping[str, Any]) -> list[str]:
+def _table_of_group(answer: Mapping[str, Any]) -> list[str]:
     """Return the lines of the numbers of a group, and what its intervals mean."""
     columns = [column for column in _COLUMNS if column[0] in _OF_GROUPS]
-    show = _ends if found["range"] else _cell
+    show = _ends if answer["range"] else _cell
     rows = [[columns[0][1], columns[1][1], "next map", *(heading for _, heading, _ in columns[2:])]]
-    for load in found["loads"]:
-        first, area, *others = (show(load, name, unit) for name, _, unit in columns)
-        rows.append([first, area, _ends(load, "relative_contact_area_next", "%"), *others])
-    about = "range, from the lowest to the highest of the maps" if found["range"] else _ABOUT_GROUPS
-    remarks = [_line("remark", text) for text in found["remarks"]]
+    for load in answer["loads"]:
+        first, area, *cells = (show(load, name, unit) for name, _, unit in columns)
+        rows.append([first, area, _ends(load, "relative_contact_area_next", "%"), *cells])
+    about = "range, from the lowest to the highest of the maps" if answer["range"] else _ABOUT_GROUPS
+    remarks = [_line("remark", text) for text in answer["remarks"]]
     return [*_aligned(rows), "", _line("intervals", about), *remarks]
 
 
@@ -241,8 +245,8 @@ def _ends(load: Mapping[str, Any], name: str, unit: str) -> str:
     low, high = (load.get(f"{name}_{end}", math.nan) for end in ("lower", "upper"))
     if math.isnan(low):
         return _cell(load, name, unit) if name in load else "–"
-    factor, shown = (100.0, "%") if unit == "%" else prefix(low or high, unit)
-    return f"{with_interval(math.nan, low * factor, high * factor)} {shown}"
+    factor, symbol = (100.0, "%") if unit == "%" else prefix(low or high, unit)
+    return f"{with_interval(math.nan, low * factor, high * factor)} {symbol}"
 
 
 def _lines_of_finite_body(loads: Iterable[Mapping[str, Any]]) -> list[str]:
@@ -275,14 +279,14 @@ def _precision(loads: Iterable[Mapping[str, Any]]) -> list[str]:
     rising = sorted(loads, key=lambda load: load["mean_pressure"])
     lines = []
     for name, heading, unit in _COLUMNS[1:]:
-        shown = Unit(100.0, "%") if unit == "%" else None
-        words = []
+        percent = Unit(100.0, "%") if unit == "%" else None
+        sentences = []
         for load in rising:
             value, lower, upper = (load.get(f"{name}{end}", math.nan) for end in ("", "_lower", "_upper"))
-            unit_shown = shown or Unit(*prefix(upper if upper > 0 else value, unit))
-            words.append(precision_in_words(value, lower, upper, unit_shown) or "–")
-        if {*words} != {"–"}:
-            lines.append(_line(f"{heading} known", "; ".join(words)))
+            unit_shown = percent or Unit(*prefix(upper if upper > 0 else value, unit))
+            sentences.append(precision_in_words(value, lower, upper, unit_shown) or "–")
+        if {*sentences} != {"–"}:
+            lines.append(_line(f"{heading} known", "; ".join(sentences)))
     return ["", *lines] if lines else []
 
 
@@ -307,11 +311,11 @@ def _about(result: Mapping[str, Any]) -> list[str]:
 def _beyond(loads: Iterable[Mapping[str, Any]], extent: float) -> list[str]:
     """Return the intervals of the area for what lies beyond band or map: a line each, loads rising."""
     area, rising = "relative_contact_area", sorted(loads, key=lambda load: load["mean_pressure"])
-    shown = {
-        words: [_ends(load, f"{area}_{key}", "%") for load in rising]
-        for key, words in beyond_the_map(extent).items()
+    ends_of = {
+        text: [_ends(load, f"{area}_{key}", "%") for load in rising]
+        for key, text in beyond_the_map(extent).items()
     }
-    return [_line("A/A0", f"{', '.join(ends)} {words}") for words, ends in shown.items() if {*ends} != {"–"}]
+    return [_line("A/A0", f"{', '.join(ends)} {text}") for text, ends in ends_of.items() if {*ends} != {"–"}]
 
 
 def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:
@@ -319,8 +323,8 @@ def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:
     value, *ends = (load.get(f"{name}{end}", math.nan) for end in ("", "_lower", "_upper"))
     if ends[0] == ends[1] or math.isnan(ends[0]):
         return percent(value) if unit == "%" else quantity(value, unit, digits=4 if unit == "Pa" else 3)
-    factor, shown = (100.0, "%") if unit == "%" else prefix(value or ends[1], unit)
-    return f"{with_interval(value * factor, *(end * factor for end in ends))} {shown}"
+    factor, symbol = (100.0, "%") if unit == "%" else prefix(value or ends[1], unit)
+    return f"{with_interval(value * factor, *(end * factor for end in ends))} {symbol}"
 
 
 def _table(loads: Iterable[Mapping[str, Any]]) -> list[str]:
@@ -357,8 +361,8 @@ def comparison(rows: Sequence[Mapping[str, Any]], *, share: float | None = None)
     """
     cells = [_difference(row) for row in rows if row["differs"]]
     lines = _columns(cells)
-    verb, whose = ("differs", "its") if len(cells) == 1 else ("differ", "their")
-    allowed = f"{whose} ±" if share is None else percent(share)
+    verb, pronoun = ("differs", "its") if len(cells) == 1 else ("differ", "their")
+    allowed = f"{pronoun} ±" if share is None else percent(share)
     return "\n".join([*lines, f"{len(cells)} of {len(rows)} numbers {verb} by more than {allowed}"])
 
 

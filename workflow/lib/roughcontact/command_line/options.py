@@ -58,8 +58,8 @@ def add_settings(parser: ArgumentParser) -> None:
         text = field.description or ""
         default = field.get_default(call_default_factory=True)
         if default is not None:
-            shown = " ".join(default) if isinstance(default, list) else str(default)
-            text += f" (default: {shown.lower() if isinstance(default, bool) else shown})"
+            default_text = " ".join(default) if isinstance(default, list) else str(default)
+            text += f" (default: {default_text.lower() if isinstance(default, bool) else default_text})"
         together.get(key, groups[section]).add_argument(
             option,
             dest=f"{section}.{key}",
@@ -89,7 +89,7 @@ def add_body(parser: ArgumentParser | _ArgumentGroup) -> None:
     )
 
 
-def bodies_of(given: Sequence[Sequence[str]]) -> list[str | dict[str, str]]:
+def bodies_of(texts: Sequence[Sequence[str]]) -> list[str | dict[str, str]]:
     """Return the two bodies, as in the configuration, from what `--body` was given.
 
     Raises
@@ -102,16 +102,16 @@ def bodies_of(given: Sequence[Sequence[str]]) -> list[str | dict[str, str]]:
     >>> bodies_of([["210GPa", "0.3"], ["4GPa", "0.4", "0.3GPa"]])[1]["hardness"]
     '0.3GPa'
     """
-    if len(given) != 2:
-        times = "once" if len(given) == 1 else f"{len(given)} times"
+    if len(texts) != 2:
+        times = "once" if len(texts) == 1 else f"{len(texts)} times"
         raise SettingsError(f"--body is given {times}; give it twice, one for each body")
-    if wrong := [body for body in given if len(body) > 3 or (len(body) == 1 and body[0][:1].isdigit())]:
+    if wrong := [body for body in texts if len(body) > 3 or (len(body) == 1 and body[0][:1].isdigit())]:
         raise SettingsError(
             f"--body {' '.join(wrong[0])}: has {len(wrong[0])} values; give the name of a material, or "
             "Young's modulus, Poisson's ratio and, if known, hardness"
         )
     names = ("youngs_modulus", "poissons_ratio", "hardness")
-    return [body[0] if len(body) == 1 else dict(zip(names, body, strict=False)) for body in given]
+    return [body[0] if len(body) == 1 else dict(zip(names, body, strict=False)) for body in texts]
 
 
 def chosen_settings(options: Namespace) -> dict:

@@ -131,13 +131,13 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     if verb == "solve":
         from roughcontact.command_line.saving import KINDS
 
-        kinds = "; ".join(f"{ending}: {holds}" for ending, holds in KINDS.items())
+        formats = "; ".join(f"{ending}: {holds}" for ending, holds in KINDS.items())
         solve.add_argument(
             "-o",
             "--output",
             type=Path,
             metavar="RESULT",
-            help=f"also write the results of one map to this file. Its ending says what it holds. {kinds}",
+            help=f"also write the results of one map to this file. Its ending says what it holds. {formats}",
         )
         from roughcontact.command_line.options import add_settings
 
@@ -216,8 +216,8 @@ def _add_file_options(parser: argparse.ArgumentParser) -> None:
     """Add options for information that is missing in a file, and for the output format."""
     group = parser.add_argument_group("information missing in the file")
     for name, text in _FILE_OPTIONS.items():
-        kind, shown = (_length, "LENGTH") if name in ("dx", "dy") else (str, "TEXT")
-        group.add_argument(f"--{name}", help=text, type=kind, metavar=shown)
+        convert, metavar = (_length, "LENGTH") if name in ("dx", "dy") else (str, "TEXT")
+        group.add_argument(f"--{name}", help=text, type=convert, metavar=metavar)
     _add_json(parser)
 
 
@@ -244,8 +244,8 @@ def _add_json(parser: argparse.ArgumentParser) -> None:
 
 def _given(options: argparse.Namespace) -> dict[str, Any]:
     """Return the keyword arguments of `read_height_map` that were given."""
-    words = (name.replace("-", "_") for name in _FILE_OPTIONS)
-    return {word: value for word in words if (value := getattr(options, word)) is not None}
+    names = (name.replace("-", "_") for name in _FILE_OPTIONS)
+    return {word: value for word in names if (value := getattr(options, word)) is not None}
 
 
 def _inspect(options: argparse.Namespace) -> int:
@@ -295,14 +295,14 @@ def _solve(options: argparse.Namespace) -> int:
 
     try:
         settings = chosen_settings(options)
-        given = {"given": _given(options), "settings": settings, "threads": options.threads}
+        kwargs = {"given": _given(options), "settings": settings, "threads": options.threads}
         together = len(options.files) > 1
         if options.output:
             check_output(options.output, options.files)
-            given["output"] = options.output
+            kwargs["output"] = options.output
         with _warnings_in_words():
             result = (
-                solve_files(options.files, **given) if together else solve_file(options.files[0], **given)
+                solve_files(options.files, **kwargs) if together else solve_file(options.files[0], **kwargs)
             )
     except SettingsError as error:
         raise SettingsError(in_options(error)) from error
@@ -325,7 +325,7 @@ def _init(options: argparse.Namespace) -> int:
     from roughcontact.command_line.options import bodies_of, in_options
     from roughcontact.command_line.running import files_in, write_project
 
-    files, left_out = files_in(options.files)
+    files, skipped = files_in(options.files)
     contact = {"bodies": bodies_of(options.body)} if options.body else {}
     contact |= {"mean_pressure": options.mean_pressure} if options.mean_pressure else {}
     try:
@@ -335,8 +335,8 @@ def _init(options: argparse.Namespace) -> int:
     if not options.body:
         print(f"{settings}: state your materials and loads under `contact` (or here, with --body twice)")
     print(f"{table}: {len(files) or 'no'} surface{'s' * (len(files) != 1)}, a row each")
-    if left_out:
-        print(f"left out, as no measurements: {', '.join(left_out)}")
+    if skipped:
+        print(f"left out, as no measurements: {', '.join(skipped)}")
     print("then: roughcontact run")
     return 0
 
@@ -404,15 +404,15 @@ def _statistics_of(path: str) -> "xr.Dataset":
     """Return the statistics of a run, or raise an error for any other file."""
     from roughcontact.results.storage import read_dataset
 
-    way_out = "name the statistics.nc of a run, of all surfaces or of one"
+    advice = "name the statistics.nc of a run, of all surfaces or of one"
     if not Path(path).is_file():
-        raise InputFileError(f"{path}: no such file; {way_out}")
+        raise InputFileError(f"{path}: no such file; {advice}")
     try:
         statistics = read_dataset(path)
     except InputFileError as error:
-        raise InputFileError(f"{path}: is damaged, or no file of a run; {way_out}") from error
+        raise InputFileError(f"{path}: is damaged, or no file of a run; {advice}") from error
     if "mean_pressure" not in statistics or "y" in statistics.dims:
-        raise InputFileError(f"{path}: holds no statistics of contacts; {way_out}")
+        raise InputFileError(f"{path}: holds no statistics of contacts; {advice}")
     return statistics
 
 

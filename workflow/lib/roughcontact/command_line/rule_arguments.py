@@ -42,8 +42,8 @@ class RuleArguments:
 
         @_with_signature
         def file(wildcards: Any) -> list[str] | str:
-            own = earlier and not self.plan.other_case(name, wildcards.result)
-            return [] if own else self.plan.file(name, wildcards.result) or []
+            is_own = earlier and not self.plan.other_case(name, wildcards.result)
+            return [] if is_own else self.plan.file(name, wildcards.result) or []
 
         return file
 
@@ -58,9 +58,9 @@ class RuleArguments:
 
         @_with_signature
         def files(wildcards: Any) -> list[str]:
-            now = time.time()
+            time_now = time.time()
             paths = [path for path in self.plan.sources(rule, wildcards.result) if "{" not in path]
-            return [local(path) for path in paths if Path(path).stat().st_mtime <= now]
+            return [local(path) for path in paths if Path(path).stat().st_mtime <= time_now]
 
         return files
 

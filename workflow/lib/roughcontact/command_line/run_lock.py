@@ -48,7 +48,7 @@ def run_lock(folder: Path, *, unlocks: bool = False) -> Iterator[RunLock]:
         yield RunLock()
         return
     with file:
-        free, here = _locked(file.fileno()), socket.gethostname()
+        free, this_host = _locked(file.fileno()), socket.gethostname()
         host, process = _last_run(path)
         if free is None:
             yield RunLock()
@@ -56,15 +56,17 @@ def run_lock(folder: Path, *, unlocks: bool = False) -> Iterator[RunLock]:
         if not free:
             raise SettingsError(_at_work(folder, host, process))
         # plain Snakemake, and its jobs; those of a killed run of this program end by themselves
-        if others := _snakemakes(folder):
-            raise SettingsError(_at_work(folder, here, others[0]))
-        if host not in ("", here) and not unlocks:
+        if processes := _snakemakes(folder):
+            raise SettingsError(_at_work(folder, this_host, processes[0]))
+        if host not in ("", this_host) and not unlocks:
             raise SettingsError(
                 f"{folder.absolute()}: a run on the computer {host} (process {process}) may be at work "
                 "there, which cannot be seen from here: wait for its end or, if it has been killed, take its "
                 "locks away with --unlock and run again"
             )
-        lock = RunLock([file.fileno()], f"{here} {os.getpid()}-{time.time_ns()}", killed=host == here)
+        lock = RunLock(
+            [file.fileno()], f"{this_host} {os.getpid()}-{time.time_ns()}", killed=host == this_host
+        )
         line = f"{lock.name}\n".encode()
         # in place, then truncated: after a kill in between the computer's name is there
         with path.open("r+b", buffering=0) as content:
@@ -77,9 +79,9 @@ def run_lock(folder: Path, *, unlocks: bool = False) -> Iterator[RunLock]:
 
 def _at_work(folder: Path, host: str, process: str) -> str:
     """Return the sentence about another run."""
-    who = f"process {process} on {host}" if host else "of another program"
+    run = f"process {process} on {host}" if host else "of another program"
     return (
-        f"{folder.absolute()}: a run is at work there ({who}): wait for its end, or end it first; what it "
+        f"{folder.absolute()}: a run is at work there ({run}): wait for its end, or end it first; what it "
         "has finished is kept, and --unlock is not needed"
     )
 
@@ -87,10 +89,10 @@ def _at_work(folder: Path, host: str, process: str) -> str:
 def _last_run(path: Path) -> tuple[str, str]:
     """Return computer and process of the run that a file names; empty where there is none."""
     try:
-        words = path.read_text(encoding="utf-8", errors="replace").split()
+        fields = path.read_text(encoding="utf-8", errors="replace").split()
     except OSError:
         return "", ""
-    host, run = (*words, "", "")[:2]
+    host, run = (*fields, "", "")[:2]
     return host, run.partition("-")[0]
 
 
@@ -106,9 +108,10 @@ def _snakemakes(folder: Path) -> list[str]:
         numbers = []
         for process in psutil.process_iter():
             with suppress(psutil.Error, OSError):
-                words = process.cmdline()[:4]
+                arguments = process.cmdline()[:4]
                 of_snakemake = any(
-                    Path(word).name == "snakemake" or ".snakemake/scripts/" in word for word in words
+                    Path(argument).name == "snakemake" or ".snakemake/scripts/" in argument
+                    for argument in arguments
                 )
                 if of_snakemake and process.pid not in ancestors and Path(process.cwd()) == folder.resolve():
                     numbers.append(str(process.pid))

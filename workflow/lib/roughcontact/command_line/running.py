@@ -103,15 +103,15 @@ def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | N
 def files_in(paths: Sequence[str]) -> tuple[list[str], list[str]]:
     """Return files, those in folders included that can be measurements, and the files of folders left out."""
     files: list[str] = []
-    left_out: list[str] = []
+    skipped: list[str] = []
     for path in paths:
         if is_folder(path):
-            measured, others = measurements_in(Path(path))
+            measured, unmeasured = measurements_in(Path(path))
             files += map(str, measured)
-            left_out += map(str, others)
+            skipped += map(str, unmeasured)
         else:
             files.append(path)
-    return files, left_out
+    return files, skipped
 
 
 def surface_names(files: Sequence[str | Path]) -> list[str]:
@@ -138,11 +138,11 @@ def run_workflow(arguments: Sequence[str]) -> int:
     _check_start(options)
     dry = any(map(_DRY.fullmatch, arguments)) and "--report-after-run" not in arguments
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(workflow_file())]
-    if not (dry or any(word.split("=")[0] in _SHOW for word in arguments)):
+    if not (dry or any(option.split("=")[0] in _SHOW for option in arguments)):
         command += ["--logger", "roughcontact"]
     # as in the default profile, which Snakemake would announce each time
     command += ["--rerun-incomplete", "--keep-going"]
-    if not any(word.split("=")[0] in _PROFILES for word in arguments):
+    if not any(option.split("=")[0] in _PROFILES for option in arguments):
         command += ["--workflow-profile", "none"]
     unlocks, folder = "--unlock" in arguments, options.directory
     with nullcontext(RunLock()) if dry else run_lock(folder, unlocks=unlocks) as lock:
@@ -152,7 +152,7 @@ def run_workflow(arguments: Sequence[str]) -> int:
             print("The last run in this folder was killed: it is continued.", file=sys.stderr, flush=True)
             if code := _wait([*command, "--unlock", *arguments, "--quiet"], folder, lock):
                 return code
-        if not any(word.split("=")[0] in _CORES for word in arguments):
+        if not any(option.split("=")[0] in _CORES for option in arguments):
             command += ["--cores", "all"]
         code = _wait([*command, *arguments], folder, lock)
     if code and folder.is_dir() and shutil.disk_usage(folder).free < 1e6:
@@ -187,13 +187,13 @@ def _check_start(options: argparse.Namespace) -> None:
         check_yaml(file)
     homes = options.directory, workflow_file().parent, workflow_file().parents[1]
     if not options.configfile:
-        found = [home / _FILES[0] for home in homes if (home / _FILES[0]).is_file()]
-        if not found:
+        configurations = [home / _FILES[0] for home in homes if (home / _FILES[0]).is_file()]
+        if not configurations:
             folder = options.directory.absolute()
             raise SettingsError(
                 f"there is no {_FILES[0]} in {folder}: `roughcontact init` writes one to change"
             )
-        check_yaml(found[0])
+        check_yaml(configurations[0])
     check_places(options.directory)
     check_writable(options.directory)
 

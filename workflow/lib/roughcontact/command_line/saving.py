@@ -47,8 +47,8 @@ def check_output(output: Path, files: Sequence[str]) -> None:
             "results of several"
         )
     if output.exists() and (output.is_dir() or output.samefile(files[0])):
-        what = "a folder" if output.is_dir() else "the measured file itself"
-        raise SettingsError(f"-o {output}: is {what}; choose another name")
+        obstacle = "a folder" if output.is_dir() else "the measured file itself"
+        raise SettingsError(f"-o {output}: is {obstacle}; choose another name")
 
 
 def needs_maps(output: Path) -> bool:
@@ -119,10 +119,10 @@ def _page(name: str, folder: Path, chain: "Chain", height: "xr.DataArray", setti
     from roughcontact.report.panel import write_panel
     from roughcontact.results.storage import write_dataset
 
-    made = {"height": height, **chain._asdict()}
-    files = {part: folder / name / f"{part}.nc" for part in made}
-    for part, path in files.items():
-        write_dataset(made[part], path)
+    datasets = {"height": height, **chain._asdict()}
+    files = {stage: folder / name / f"{stage}.nc" for stage in datasets}
+    for stage, path in files.items():
+        write_dataset(datasets[stage], path)
     panel: dict[str, Any] = files | {"contact": folder / "contact.nc", "linked": False}
     write_panel(folder / name / "panel.html", surface=name, settings=settings, **panel)
     entry: Any = {"surface": name, "case": None, "statistics": files["statistics"]}

@@ -61,8 +61,8 @@ def solve_files(
         return {"maps": maps, "group": {"maps": len(maps), "none": str(error)}}
     numbers = {str(name): answer[name].values for name in answer.variables if answer[name].dims == ("load",)}
     loads = [
-        {name: values[place].item() for name, values in numbers.items()}
-        for place in range(answer.sizes["load"])
+        {name: values[index].item() for name, values in numbers.items()}
+        for index in range(answer.sizes["load"])
     ]
     return {
         "maps": maps,
@@ -171,8 +171,8 @@ def _solved(
         ],
         "verdict": checks.VERDICTS[checks.verdict(outcome)],
         "verdicts": {
-            words: checks.VERDICTS[checks.verdict(outcome, answer)]
-            for answer, words in checks.ANSWERS.items()
+            title: checks.VERDICTS[checks.verdict(outcome, answer)]
+            for answer, title in checks.ANSWERS.items()
         },
         "halve": statistics.attrs.get("halve", ""),
         "warnings": json.loads(height.attrs["ingest_warnings"]),
@@ -194,8 +194,8 @@ def _plain_numbers(
     loads = [
         {name: statistics[name].values[index].item() for name in per_load}
         | {name: dict(zip(sources, by_source[name][index], strict=True)) for name in uncertain}
-        | {"flags": words, "verdict": verdict, "reasons": reasons}
-        for index, (words, (verdict, reasons)) in enumerate(zip(flags, verdicts, strict=True))
+        | {"flags": flag, "verdict": verdict, "reasons": reasons}
+        for index, (flag, (verdict, reasons)) in enumerate(zip(flags, verdicts, strict=True))
     ]
     return {
         "surface": {name: float(statistics[name]) for name in surface},
@@ -226,7 +226,7 @@ def _progress() -> Iterator[Progress]:
         def show(done: int, total: int | None, text: str) -> None:
             loads = f"{done} of {total} loads" if total else ""
             # one load has no parts to count: the bar then only shows activity
-            several = total if total and total > 1 else None
-            bar.update(task, completed=done, total=several, description=text, loads=loads)
+            number_of_loads = total if total and total > 1 else None
+            bar.update(task, completed=done, total=number_of_loads, description=text, loads=loads)
 
         yield show

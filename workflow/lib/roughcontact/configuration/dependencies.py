@@ -42,14 +42,14 @@ def source_digest(script: str | Path) -> str:
 
 def _closure(script: Path) -> set[Path]:
     """Return the script and all the source files it depends on."""
-    found: set[Path] = set()
+    paths: set[Path] = set()
     waiting = [script]
     while waiting:
         path = waiting.pop()
-        if path not in found:
-            found.add(path)
+        if path not in paths:
+            paths.add(path)
             waiting += _imported(path) if path.suffix == ".py" else ()
-    return found
+    return paths
 
 
 @cache
@@ -68,39 +68,39 @@ def _imported(path: Path) -> tuple[Path, ...]:
 def _listed(text: str) -> list[str]:
     """Return the names in the list of an import, without their aliases."""
     entries = _COMMENT.sub("", text).strip().strip("()").split(",")
-    return [words[0] for entry in entries if (words := entry.split())]
+    return [fields[0] for entry in entries if (fields := entry.split())]
 
 
-def _named(text: str, beside: Path) -> list[Path]:
+def _named(text: str, folder_of_module: Path) -> list[Path]:
     """Return the files that a string names: a data folder beside its module, or a folder of the package.
 
     A folder is named by a string where its modules are found at run time, so that all of them are imported.
     """
-    first, *rest = text.split(".")
-    if not rest:
+    first, *names = text.split(".")
+    if not names:
         return (
-            [file for file in (beside / text).glob("*.*") if file.suffix != ".py"]
-            if text in _folders(beside)
+            [file for file in (folder_of_module / text).glob("*.*") if file.suffix != ".py"]
+            if text in _folders(folder_of_module)
             else []
         )
-    if first != PACKAGE.name or not all(part.isidentifier() for part in rest):
+    if first != PACKAGE.name or not all(name.isidentifier() for name in names):
         return []
-    folder = PACKAGE.joinpath(*rest)
+    folder = PACKAGE.joinpath(*names)
     return [*_modules(text), *folder.glob("*.py")] if (folder / "__init__.py").is_file() else []
 
 
 @cache
-def _folders(beside: Path) -> set[str]:
+def _folders(folder: Path) -> set[str]:
     """Return the names of the folders in a folder."""
-    return {path.name for path in beside.iterdir() if path.is_dir()}
+    return {path.name for path in folder.iterdir() if path.is_dir()}
 
 
-def _files(name: str, beside: Path) -> tuple[Path, ...]:
+def _files(name: str, folder: Path) -> tuple[Path, ...]:
     """Return the source files of this project that importing the module `name` runs."""
     first = name.partition(".")[0]
     if first == PACKAGE.name:
         return _modules(name)
-    path = beside / f"{first}.py"
+    path = folder / f"{first}.py"
     return (path,) if first.startswith("_") and path.is_file() else ()
 
 
@@ -108,10 +108,10 @@ def _files(name: str, beside: Path) -> tuple[Path, ...]:
 def _modules(name: str) -> tuple[Path, ...]:
     """Return the files of a module of the package, and of the packages that hold it."""
     folder, files = PACKAGE, [PACKAGE / "__init__.py"]
-    for part in name.split(".")[1:]:
-        if (module := folder / f"{part}.py").is_file():
+    for component in name.split(".")[1:]:
+        if (module := folder / f"{component}.py").is_file():
             files.append(module)
-        folder = folder / part
+        folder = folder / component
         if (folder / "__init__.py").is_file():
             files.append(folder / "__init__.py")
     return tuple(files)

@@ -22,8 +22,8 @@ def section_of(field: FieldInfo) -> type[Section] | None:
     >>> section_of(Contact.model_fields["tolerance"]) is None
     True
     """
-    kinds = _parts(field.annotation)
-    return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Section)), None)
+    types = _parts(field.annotation)
+    return next((type_ for type_ in types if isinstance(type_, type) and issubclass(type_, Section)), None)
 
 
 def words_of(field: FieldInfo) -> list[str]:
@@ -37,8 +37,8 @@ def words_of(field: FieldInfo) -> list[str]:
     >>> words_of(Level.model_fields["order"])
     []
     """
-    kinds = _parts(field.annotation)
-    return [word for kind in kinds if get_origin(kind) is Literal for word in get_args(kind)]
+    types = _parts(field.annotation)
+    return [choice for type_ in types if get_origin(type_) is Literal for choice in get_args(type_)]
 
 
 def base_of(field: FieldInfo) -> str:
@@ -50,7 +50,7 @@ def base_of(field: FieldInfo) -> str:
     >>> base_of(Level.model_fields["s_filter"]), base_of(Level.model_fields["max_missing"])
     ('m', '')
     """
-    within = (getattr(kind, "__metadata__", ()) for kind in _parts(field.annotation))
+    within = (getattr(type_, "__metadata__", ()) for type_ in _parts(field.annotation))
     checks = [getattr(check, "func", None) for check in chain(field.metadata, *within)]
     return next((check.base for check in checks if isinstance(check, Range)), "")
 
@@ -86,11 +86,11 @@ def field_at(location: Sequence[str | int]) -> FieldInfo | None:
 
 def _keys(location: Sequence[str | int]) -> list[str]:
     """Return a location without its positions in lists."""
-    return [part for part in location if isinstance(part, str)]
+    return [key for key in location if isinstance(key, str)]
 
 
 def _parts(annotation: Any) -> list[Any]:
     """Return the types within an annotation, unions and lists taken apart."""
     if get_origin(annotation) in (Union, UnionType, list):
-        return [kind for part in get_args(annotation) for kind in _parts(part)]
+        return [type_ for argument in get_args(annotation) for type_ in _parts(argument)]
     return [annotation]

@@ -111,8 +111,8 @@ def _yaml(model: type[Section], indent: str, given: Mapping[str, Any]) -> list[s
             lines += ["", f"# {section.__doc__}", f"{name}:", *_yaml(section, indent + "  ", given)]
             continue
         text = field.description or ""
-        if words := words_of(field):
-            text += f"; one of {', '.join(words)}"
+        if choices := words_of(field):
+            text += f"; one of {', '.join(choices)}"
         example = field.examples[0] if field.examples else None
         value, comment = field.get_default(call_default_factory=True), ""
         if value in (None, {}):
@@ -123,7 +123,7 @@ def _yaml(model: type[Section], indent: str, given: Mapping[str, Any]) -> list[s
             lines.append("")
         lines += [f"{indent}# {line}" for line in textwrap.wrap(text, _WIDTH - len(indent))]
         if section and isinstance(value, list):  # a line for each
-            lines += [f"{indent}{comment}{name}:", *(f"{indent}{comment}  - {_flow(one)}" for one in value)]
+            lines += [f"{indent}{comment}{name}:", *(f"{indent}{comment}  - {_flow(item)}" for item in value)]
         else:
             lines.append(f"{indent}{comment}{name}: {_flow(value)}")
     return lines
@@ -144,6 +144,8 @@ def _flow(value: Any) -> str:
 def _in_words(value: Any, field: FieldInfo) -> str:
     """Return the value of a setting: a quantity with its unit, anything else as in YAML."""
     if isinstance(value, dict) and (section := section_of(field)):
-        return ", ".join(f"{key} {_in_words(part, section.model_fields[key])}" for key, part in value.items())
+        return ", ".join(
+            f"{key} {_in_words(entry, section.model_fields[key])}" for key, entry in value.items()
+        )
     unit = base_of(field)
     return quantity(value, unit) if unit and isinstance(value, float) else _flow(value)

@@ -144,29 +144,29 @@ def reason(detail: ErrorDetails) -> str:
 
 def _rule(detail: ErrorDetails) -> str:
     """Return the rule that a value breaks."""
-    kind, location = detail["type"], detail["loc"]
+    error_type, location = detail["type"], detail["loc"]
     field = field_at(location)
-    if kind == "literal_error" and field:
+    if error_type == "literal_error" and field:
         return f"unknown choice, {nearest(detail['input'], words_of(field))}"
-    if kind in ("too_short", "too_long") and location[-1] == "bodies":
+    if error_type in ("too_short", "too_long") and location[-1] == "bodies":
         return "needs exactly two bodies"
-    if kind in _RULES:
-        return _RULES[kind].format(**detail.get("ctx", {}))
-    return next((rule for start, rule in _TYPES.items() if kind.startswith(start)), detail["msg"])
+    if error_type in _RULES:
+        return _RULES[error_type].format(**detail.get("ctx", {}))
+    return next((rule for start, rule in _TYPES.items() if error_type.startswith(start)), detail["msg"])
 
 
 def _dotted(location: Sequence[str | int]) -> str:
     """Return ("contact", "bodies", 0, "poissons_ratio") as contact.bodies[0].poissons_ratio."""
     text = ""
-    for part in location:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
+    for key in location:
+        text += f"[{key}]" if isinstance(key, int) else f".{key}" if text else str(key)
     return text
 
 
 def _given(overrides: Any, location: Sequence[str | int]) -> bool:
     """Return whether the overrides of a case reach down to `location` (or to the group it is missing in)."""
-    for part in location[:-1]:
+    for key in location[:-1]:
         if not isinstance(overrides, dict):
             return True
-        overrides = overrides.get(part, {})
+        overrides = overrides.get(key, {})
     return not isinstance(overrides, dict) or location[-1] in overrides

@@ -272,7 +272,7 @@ def _without_required(schema: dict[str, Any]) -> None:
 
 def _or_names(schema: dict[str, Any]) -> None:
     """Admit names of materials for bodies in the schema: `resolve` replaces them."""
-    (bodies,) = (kind for kind in schema["anyOf"] if kind["type"] == "array")
+    (bodies,) = (schema_of_type for schema_of_type in schema["anyOf"] if schema_of_type["type"] == "array")
     bodies["items"] = {"anyOf": [bodies["items"], {"type": "string"}]}
 
 

@@ -17,16 +17,16 @@ def check_places(folder: Path) -> None:
         path = folder / name
         if not os.path.lexists(path) or path.is_dir():
             continue
-        what = f"a link to {path.readlink()}, where no folder is" if path.is_symlink() else "a file"
+        obstacle = f"a link to {path.readlink()}, where no folder is" if path.is_symlink() else "a file"
         raise SettingsError(
-            f"{path.absolute()}: is {what}, but a run needs a folder there; rename or delete it"
+            f"{path.absolute()}: is {obstacle}, but a run needs a folder there; rename or delete it"
         )
 
 
 def check_writable(folder: Path) -> None:
     """Raise a SettingsError where nothing can be written to a working directory, or to its results."""
-    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.is_dir())
-    for path in (there, folder.absolute() / "results", folder.absolute() / "logs"):
+    existing = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.is_dir())
+    for path in (existing, folder.absolute() / "results", folder.absolute() / "logs"):
         if path.is_dir() and not os.access(path, os.W_OK):
             raise SettingsError(
                 f"{path} is read-only, results cannot be written there: choose another folder with "
@@ -53,10 +53,12 @@ def left_over(results: Iterable[str]) -> list[str]:
 
 def check_dates(paths: Iterable[str]) -> None:
     """Raise an InputFileError where a file is from the future: what is made of it would count as older."""
-    now = time.time()
+    present_time = time.time()
     for path in map(Path, paths):
-        if path.exists() and (changed := path.stat().st_mtime) > now + _SKEW:
-            date, present = (f"{datetime.fromtimestamp(time_):%Y-%m-%d %H:%M}" for time_ in (changed, now))
+        if path.exists() and (changed := path.stat().st_mtime) > present_time + _SKEW:
+            date, present = (
+                f"{datetime.fromtimestamp(time_):%Y-%m-%d %H:%M}" for time_ in (changed, present_time)
+            )
             raise InputFileError(
                 f"{path}: is dated {date}, by a clock that was ahead, or that of this computer is behind "
                 f"({present}): set the clock right, or date such files of today: "

@@ -209,12 +209,16 @@ class Plan:
     def report_arguments(self) -> dict[str, Any]:
         """Return the keyword arguments of `write_results` that the settings and the table give."""
         settings = dict(self.cases)
-        of_statistics = {case: settings_of(own, "statistics") for case, own in settings.items()}
+        of_statistics = {
+            case: settings_of(settings_of_case, "statistics") for case, settings_of_case in settings.items()
+        }
         return {
             "title": self.common["report"]["title"],
             "settings": settings.get("", settings),
             "settings_of_statistics": of_statistics.get("", of_statistics),
-            "changed": {case: changed_settings(own) for case, own in settings.items()},
+            "changed": {
+                case: changed_settings(settings_of_case) for case, settings_of_case in settings.items()
+            },
             "groups": {name: tuple(group) for name, group in self.groups.items()},
             "same_places": self.same_places,
         }

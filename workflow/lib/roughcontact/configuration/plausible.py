@@ -55,10 +55,10 @@ class Range:
             return in_base_unit(value, self.base)
         factors = self.meant if limit == self.least else (1e-3, 1e-6, 1e-9)
         likely = [number * each for each in factors if max(self.least, 0) < number * each <= self.most]
-        asked = "; did you mean " + " or ".join(quantity(each, self.base) for each in likely[:2]) + "?"
+        question = "; did you mean " + " or ".join(quantity(each, self.base) for each in likely[:2]) + "?"
         raise ValueError(
             f"{quantity(number, self.base)} is {reason} ({quantity(limit, self.base)})"
-            f"{asked if likely else '.'} {_WAY_OUT.format(unit=self.base)}"
+            f"{question if likely else '.'} {_WAY_OUT.format(unit=self.base)}"
         )
 
 
@@ -81,14 +81,14 @@ def implausible_together(
     loads, hardness = contact["mean_pressure"] or (), contact["hardness"]
     doubts: list[tuple[Location, Doubt | None]] = []
     for index, body in enumerate(contact["bodies"] or ()):
-        place: Location = ("bodies", index)
-        layers = [(layer, (*place, "layers", number)) for number, layer in enumerate(body["layers"] or ())]
-        for one, where in (*layers, *([(body, place)] if body["base"] is None else [])):
-            doubt = materials.doubt_of_body(one["youngs_modulus"], one["poissons_ratio"])
+        key: Location = ("bodies", index)
+        layers = [(layer, (*key, "layers", number)) for number, layer in enumerate(body["layers"] or ())]
+        for material, where in (*layers, *([(body, key)] if body["base"] is None else [])):
+            doubt = materials.doubt_of_body(material["youngs_modulus"], material["poissons_ratio"])
             doubts.append(((*where, "youngs_modulus"), doubt))
         if body["hardness"] is not None:
             stiffness = materials.surface_of(body)["youngs_modulus"]
-            doubts.append(((*place, "hardness"), materials.doubt_of_hardness(body["hardness"], stiffness)))
+            doubts.append(((*key, "hardness"), materials.doubt_of_hardness(body["hardness"], stiffness)))
     if contact["bodies"]:
         modulus = materials.contact_modulus(contact["bodies"])
     else:
@@ -107,9 +107,9 @@ def implausible_together(
 
 def _at(given: Any, location: Location) -> Any:
     """Return the value at a location, None where there is none; one load may stand for a list of one."""
-    for part in location:
-        if isinstance(part, int):
-            given = given[part] if isinstance(given, list | tuple) else given
+    for key in location:
+        if isinstance(key, int):
+            given = given[key] if isinstance(given, list | tuple) else given
         else:
-            given = (given or {}).get(part)
+            given = (given or {}).get(key)
     return given

@@ -61,13 +61,13 @@ def resolve(config: Mapping[str, Any], *, origin: str = "the settings") -> dict[
         cases = {"": {}}
     resolved = {}
     for name, overrides in cases.items():
-        settings, found = _resolve_case(name, base, overrides)
+        settings, errors = _resolve_case(name, base, overrides)
         resolved[name] = settings
-        mistakes += found
+        mistakes += errors
     if mistakes:
-        each = {str(error): error for error in mistakes}
-        lines = [f"mistakes in {origin}:", *(f"  {text}" for text in each)]
-        raise SettingsError("\n".join(lines), mistakes=list(each.values()))
+        distinct = {str(error): error for error in mistakes}
+        lines = [f"mistakes in {origin}:", *(f"  {text}" for text in distinct)]
+        raise SettingsError("\n".join(lines), mistakes=list(distinct.values()))
     return resolved
 
 
@@ -108,7 +108,9 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         )
         mistakes.append(SettingsError(text, keys=["contact.mean_pressure"]))
     limits = [settings["contact"]["hardness"]]
-    limits += [one["yield_stress"] for body in bodies or () for one in (body, *(body["layers"] or ()))]
+    limits += [
+        material["yield_stress"] for body in bodies or () for material in (body, *(body["layers"] or ()))
+    ]
     if "first_yield" in (settings["contact"]["target"] or ()) and not any(limits):
         text = f"{where}.target: first_yield needs the yield_stress of a body, or a hardness"
         mistakes.append(SettingsError(text, keys=["contact.target"]))
@@ -167,8 +169,8 @@ def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
         mistakes.append(text if elasticity else f"{text}: {_BODIES}")
     if len(loads) > 1:
         units = {"mean_pressure": "Pa", "relative_pressure": "no unit", "force": "N"}
-        both = " and ".join(f"{key} ({units[key]})" for key in loads)
-        mistakes.append(f"{where}: {both} given; give one of them or neither")
+        loads_text = " and ".join(f"{key} ({units[key]})" for key in loads)
+        mistakes.append(f"{where}: {loads_text} given; give one of them or neither")
     if contact.get("boundary") == "free":
         periodic = ("mean_pressure", "relative_pressure", "area", "target_area", "target_gap", "target")
         mistakes += [
@@ -181,9 +183,9 @@ def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
                 f"{where}.force: missing, though boundary is free; give the force on the body in N"
             )
     elif (contact.get("force") is None) != (contact.get("area") is None):
-        missing, other = ("area", "force") if contact.get("area") is None else ("force", "area")
+        missing, present = ("area", "force") if contact.get("area") is None else ("force", "area")
         mistakes.append(
-            f"{where}.{missing}: missing, though {other} is given; mean pressure is force by area"
+            f"{where}.{missing}: missing, though {present} is given; mean pressure is force by area"
         )
     bodies = contact.get("bodies")
     if contact.get("hardness") is not None and isinstance(bodies, list):
@@ -216,17 +218,18 @@ def _mistakes_in_bodies(bodies: Sequence[Mapping[str, Any]] | None, where: str) 
     """Return the properties that only some materials state, although they need to be stated for all."""
     materials = {f"{where}.bodies[{index}]": body for index, body in enumerate(bodies or ())}
     layers = {
-        f"{place}.layers[{number}]": layer
-        for place, body in materials.items()
+        f"{key}.layers[{number}]": layer
+        for key, body in materials.items()
         for number, layer in enumerate(body["layers"] or ())
     }
-    others = "another material has it; give it for all or none"
-    others = others if layers else "the other body has it; give it for both or neither"
+    advice = "another material has it; give it for all or none"
+    advice = advice if layers else "the other body has it; give it for both or neither"
     return [
-        f"{place}.{name}: missing, though {others}"
+        f"{key}.{name}: missing, though {advice}"
         for name in ("thermal_conductivity", "electrical_resistivity")
-        for place, one in (materials | layers).items()
-        if one[name] is None and any(other[name] is not None for other in (materials | layers).values())
+        for key, material in (materials | layers).items()
+        if material[name] is None
+        and any(second[name] is not None for second in (materials | layers).values())
     ]
 
 

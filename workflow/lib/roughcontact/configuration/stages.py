@@ -35,12 +35,14 @@ def settings_of(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
     sections = SECTIONS[stage]
     if "window" in sections and settings["instrument"]["correct"]:  # the window is corrected by it
         sections = tuple(dict.fromkeys([*sections, "instrument"]))
-    found = {section: settings[section] for section in sections}
+    selected = {section: settings[section] for section in sections}
     if "window" in sections and settings["contact"]["boundary"] == "free":
-        found |= {"form": settings["form"], "contact": found.get("contact", {"boundary": "free"})}
+        selected |= {"form": settings["form"], "contact": selected.get("contact", {"boundary": "free"})}
     if stage == "uncertainty":  # the same with and without fields
-        found["contact"] = {key: value for key, value in found["contact"].items() if key != "keep_fields"}
-    return found
+        selected["contact"] = {
+            key: value for key, value in selected["contact"].items() if key != "keep_fields"
+        }
+    return selected
 
 
 def owner(cases: Mapping[str, Mapping[str, Any]], case: str, stage: str) -> str:
@@ -54,5 +56,5 @@ def owner(cases: Mapping[str, Mapping[str, Any]], case: str, stage: str) -> str:
     >>> owner(settings, "soft", "window"), owner(settings, "soft", "contact")
     ('all', 'soft')
     """
-    wanted = settings_of(cases[case], stage)
-    return next(name for name in cases if settings_of(cases[name], stage) == wanted)
+    required = settings_of(cases[case], stage)
+    return next(name for name in cases if settings_of(cases[name], stage) == required)

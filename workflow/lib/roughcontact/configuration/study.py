@@ -80,9 +80,9 @@ def read_study(
     table = config.get("surfaces", Settings.model_fields["surfaces"].default)
     if isinstance(table, str) and table:  # otherwise it is among the mistakes in the settings
         try:
-            path, each = find(table, folders) or table, _placements_each(config)
+            path, count = find(table, folders) or table, _placements_each(config)
             surfaces = read_surfaces(
-                path, measured_in, check=None if checked else _mistakes_in, placements_each=each
+                path, measured_in, check=None if checked else _mistakes_in, placements_each=count
             )
         except SettingsError as error:
             mistakes.append(str(error))
@@ -141,16 +141,16 @@ def _mistakes_in(row: Surface) -> list[str]:
                 check(row.given[key])
         except SettingsError as error:
             mistakes.append(str(error))
-    words = {**row.given, PAIR_FIRST_ROW: row.counter_face_first_row}
+    choices_of_row = {**row.given, PAIR_FIRST_ROW: row.counter_face_first_row}
     for key, choices in (
         ("resample", Resampling),
         ("checksum", Checksum),
         ("first_row", FirstRow),
         (PAIR_FIRST_ROW, FirstRow),
     ):
-        if words.get(key):
+        if choices_of_row.get(key):
             try:
-                check_choice(key, words[key], choices)
+                check_choice(key, choices_of_row[key], choices)
             except SettingsError as error:
                 mistakes.append(str(error))
     return mistakes

@@ -203,11 +203,11 @@ def measured(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
         if row.counter_face is None:
             files[name] = row
             continue
-        of_both = {key: value for key, value in row.given.items() if key != "first_row"}
-        own = {"first_row": row.counter_face_first_row} if row.counter_face_first_row else {}
+        common = {key: value for key, value in row.given.items() if key != "first_row"}
+        first_row = {"first_row": row.counter_face_first_row} if row.counter_face_first_row else {}
         for side, path, given in (
             ("face", row.path, row.given),
-            ("counter-face", row.counter_face, of_both | own),
+            ("counter-face", row.counter_face, common | first_row),
         ):
             files[f"{name}-{side}"] = Surface(f"{name}-{side}", path, row.origin, given)
     return files
@@ -230,17 +230,23 @@ def placements(surfaces: Mapping[str, Surface], count: int) -> dict[str, Placeme
     }
 
 
-def _names_of_parts(surfaces: Mapping[str, Surface], found: Mapping[str, Placement]) -> list[str]:
+def _names_of_parts(
+    surfaces: Mapping[str, Surface], placements_of_pairs: Mapping[str, Placement]
+) -> list[str]:
     """Return the mistakes of surfaces and groups that have the name of a member or of a face of a pair."""
-    parts = {name.lower(): member.pair for name, member in found.items()}
-    parts |= {side.lower(): each.pair for each in found.values() for side in (each.face, each.counter_face)}
+    reserved = {name.lower(): placement.pair for name, placement in placements_of_pairs.items()}
+    reserved |= {
+        side.lower(): placement.pair
+        for placement in placements_of_pairs.values()
+        for side in (placement.face, placement.counter_face)
+    }
     named = [("surface", name, row) for name, row in surfaces.items()]
     named += [(GROUP, name, row) for name, row in first_rows(surfaces).items()]
     return [
-        f"{_line(row)}, {column} = {name}: the pair {parts[name.lower()]} needs this name for one of its "
+        f"{_line(row)}, {column} = {name}: the pair {reserved[name.lower()]} needs this name for one of its "
         "parts; rename one"
         for column, name, row in named
-        if name.lower() in parts
+        if name.lower() in reserved
     ]
 
 
@@ -311,11 +317,11 @@ def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Sur
 
 def first_rows(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
     """Return the first row of each group, by its name."""
-    found: dict[str, Surface] = {}
+    rows: dict[str, Surface] = {}
     for row in surfaces.values():
         if row.group:
-            found.setdefault(row.group, row)
-    return found
+            rows.setdefault(row.group, row)
+    return rows
 
 
 def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> list[str]:
@@ -323,45 +329,51 @@ def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> list[str]:
     groups: dict[str, list[Surface]] = {}
     mistakes = []
     for row in surfaces.values():
-        place = _line(row)
+        origin = _line(row)
         if row.group:
             groups.setdefault(row.group, []).append(row)
         elif row.part:
-            mistakes.append(f"{place}, {PART} = {row.part}: is in no group; name its {GROUP} as well")
+            mistakes.append(f"{origin}, {PART} = {row.part}: is in no group; name its {GROUP} as well")
     for name, rows in groups.items():
-        place = f"{_line(rows[0])}, {GROUP} = {name}"
+        origin = f"{_line(rows[0])}, {GROUP} = {name}"
         if wrong := name_mistake(name):
-            mistakes.append(f"{place}: {wrong}")
+            mistakes.append(f"{origin}: {wrong}")
         if name in surfaces:
-            mistakes.append(f"{place}: a surface has this name as well; rename one")
+            mistakes.append(f"{origin}: a surface has this name as well; rename one")
         read: dict[str, Surface] = {}
         for row in rows:
             first = read.setdefault(f"{row.path} {row.counter_face} {row.given}", row)
             if first is not row:
                 mistakes.append(
-                    f"{place}: {first.name} and {row.name} are the same file, {row.path}; leave one out"
+                    f"{origin}: {first.name} and {row.name} are the same file, {row.path}; leave one out"
                 )
         if len(rows) == 1 and rows[0].counter_face is None:
             mistakes.append(
-                f"{place}: has {rows[0].name} alone; name further maps of the finish, or leave the cell empty"
+                f"{origin}: has {rows[0].name} alone; name further maps of the finish, or leave the cell "
+                "empty"
             )
     return mistakes
 
 
 def same_places(surfaces: Mapping[str, Surface]) -> list[tuple[str, str]]:
     """Return the names of every two surfaces that are the same place, the earlier one first."""
-    return [(other, name) for name, row in surfaces.items() for other in (row.repeat_of, row.before) if other]
+    return [
+        (earlier, name)
+        for name, row in surfaces.items()
+        for earlier in (row.repeat_of, row.before)
+        if earlier
+    ]
 
 
 def _mistakes_in_places(surfaces: Mapping[str, Surface]) -> list[str]:
     """Return what is wrong with the names of the surfaces that are the same place."""
     single = {name for name, row in surfaces.items() if row.counter_face is None}
     mistakes = [
-        f"{_line(row)}, {column} = {other!r}: is no other single surface of the table; "
-        + nearest(other, [known for known in surfaces if known != name])
+        f"{_line(row)}, {column} = {reference!r}: is no other single surface of the table; "
+        + nearest(reference, [candidate for candidate in surfaces if candidate != name])
         for name, row in surfaces.items()
-        for column, other in ((REPEAT, row.repeat_of), (BEFORE, row.before))
-        if other and (name == other or not {name, other} <= single)
+        for column, reference in ((REPEAT, row.repeat_of), (BEFORE, row.before))
+        if reference and (name == reference or not {name, reference} <= single)
     ]
     if mistakes:
         return mistakes
@@ -373,13 +385,13 @@ def _mistakes_in_places(surfaces: Mapping[str, Surface]) -> list[str]:
         circle = " -> ".join(error.args[1])
         return [f"columns {REPEAT}, {BEFORE}: {circle} is a circle; name in each row what is earlier"]
     for name, row in surfaces.items():
-        both = f"{_line(row)}, {BEFORE} = {row.before}: {name} and {row.before} are"
+        begin = f"{_line(row)}, {BEFORE} = {row.before}: {name} and {row.before} are"
         if row.before and _first_repeated(surfaces, name) == _first_repeated(surfaces, row.before):
-            mistakes.append(f"{both} repeats as well ({REPEAT}), with nothing done in between; choose one")
+            mistakes.append(f"{begin} repeats as well ({REPEAT}), with nothing done in between; choose one")
         elif row.before and (row.path, row.given) == (surfaces[row.before].path, surfaces[row.before].given):
-            mistakes.append(f"{both} the same file, {row.path}; name the file of each")
+            mistakes.append(f"{begin} the same file, {row.path}; name the file of each")
         elif row.before and row.group and row.group == surfaces[row.before].group:
-            mistakes.append(f"{both} both in group {row.group}; give before and after a group of their own")
+            mistakes.append(f"{begin} both in group {row.group}; give before and after a group of their own")
     return mistakes
 
 
@@ -402,13 +414,13 @@ def _with_repeats(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
     """
     linked = dict(surfaces)
     pairs = [(name, row.repeat_of) for name, row in surfaces.items() if row.repeat_of]
-    for name, other in [*pairs, *(pair[::-1] for pair in pairs)]:
-        row, again = surfaces[name], surfaces[other]
-        repeat = {"name": other, "path": str(again.path), **again.given}
-        part = row.part
-        if row.group == again.group and row.group and not (row.part or again.part):
-            part = _first_repeated(surfaces, name)
-        linked[name] = replace(linked[name], given={"repeat": repeat, **linked[name].given}, part=part)
+    for name, partner in [*pairs, *(pair[::-1] for pair in pairs)]:
+        row, repeated = surfaces[name], surfaces[partner]
+        repeat = {"name": partner, "path": str(repeated.path), **repeated.given}
+        workpiece = row.part
+        if row.group == repeated.group and row.group and not (row.part or repeated.part):
+            workpiece = _first_repeated(surfaces, name)
+        linked[name] = replace(linked[name], given={"repeat": repeat, **linked[name].given}, part=workpiece)
     return linked
 
 

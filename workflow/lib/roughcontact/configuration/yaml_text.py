@@ -69,16 +69,16 @@ def _check_nodes(file: Path, root: "yaml.MappingNode", *, duplicates: bool) -> N
     import yaml
 
     waiting: list[tuple[yaml.Node, str]] = [(root, "")]
-    seen: set[int] = set()
+    visited: set[int] = set()
     while waiting:
         node, where = waiting.pop()
-        if id(node) in seen:  # of an alias once
+        if id(node) in visited:  # of an alias once
             continue
-        seen.add(id(node))
-        place = f"{file}, line {node.start_mark.line + 1}"
-        _check_tag(node, place, where)
+        visited.add(id(node))
+        origin = f"{file}, line {node.start_mark.line + 1}"
+        _check_tag(node, origin, where)
         if isinstance(node, yaml.ScalarNode):
-            _check_scalar(node, place, where)
+            _check_scalar(node, origin, where)
         elif isinstance(node, yaml.SequenceNode):
             waiting += [(item, f"{where}[{number}]") for number, item in enumerate(node.value)]
         else:
@@ -95,27 +95,27 @@ def _check_nodes(file: Path, root: "yaml.MappingNode", *, duplicates: bool) -> N
                 waiting += [(value, name), (key, name)]
 
 
-def _check_tag(node: "yaml.Node", place: str, where: str) -> None:
+def _check_tag(node: "yaml.Node", origin: str, where: str) -> None:
     """Raise an error for a value that YAML would hand to a program, such as !!python/object."""
     import yaml
 
-    known = yaml.SafeLoader.yaml_constructors
-    if node.tag not in known and node.tag not in (f"{_PREFIX}merge", f"{_PREFIX}value"):
+    constructors = yaml.SafeLoader.yaml_constructors
+    if node.tag not in constructors and node.tag not in (f"{_PREFIX}merge", f"{_PREFIX}value"):
         tag = node.tag.replace(_PREFIX, "!!", 1)
         raise SettingsError(
-            f"{place}: {where or 'the configuration'} has the tag {tag:.80}, which is not admitted; delete "
+            f"{origin}: {where or 'the configuration'} has the tag {tag:.80}, which is not admitted; delete "
             "the tag and write a number, text, list or group"
         )
 
 
-def _check_scalar(node: "yaml.ScalarNode", place: str, where: str) -> None:
+def _check_scalar(node: "yaml.ScalarNode", origin: str, where: str) -> None:
     """Raise an error for a scalar that is not what its form or tag says, or a number that is not decimal."""
     import yaml
 
     text = node.value
-    begin = f"{place}: {where:.80} = {text if len(text) <= 40 else text[:20] + ' ...'}"
-    whole = node.tag == f"{_PREFIX}int"
-    if whole and len(text) > _MAX_DIGITS:
+    begin = f"{origin}: {where:.80} = {text if len(text) <= 40 else text[:20] + ' ...'}"
+    is_integer = node.tag == f"{_PREFIX}int"
+    if is_integer and len(text) > _MAX_DIGITS:
         raise SettingsError(
             f"{begin}: a whole number of {len(text)} digits; write one of at most {_MAX_DIGITS}"
         )
@@ -124,16 +124,16 @@ def _check_scalar(node: "yaml.ScalarNode", place: str, where: str) -> None:
     try:
         value = yaml.constructor.SafeConstructor().construct_object(node)
     except (ValueError, LookupError, AttributeError) as error:
-        kind = node.tag.removeprefix(_PREFIX)
+        tag = node.tag.removeprefix(_PREFIX)
         raise SettingsError(
-            f"{begin}: is no valid {kind} ({error}); correct it, or put it in quotes"
+            f"{begin}: is no valid {tag} ({error}); correct it, or put it in quotes"
         ) from error
-    if whole and _OCTAL.fullmatch(text) and value != int(text.replace("_", "")):
+    if is_integer and _OCTAL.fullmatch(text) and value != int(text.replace("_", "")):
         raise SettingsError(
             f"{begin}: YAML reads a number that begins with 0 as octal, here as {value}; delete the leading "
             "zeros if it is decimal, put it in quotes if it is text"
         )
-    if whole and _BASE_60.fullmatch(text):
+    if is_integer and _BASE_60.fullmatch(text):
         raise SettingsError(
             f"{begin}: YAML reads numbers with colons to the base of 60, here as {value}; write a decimal "
             "number, or put it in quotes if it is text"
@@ -142,35 +142,35 @@ def _check_scalar(node: "yaml.ScalarNode", place: str, where: str) -> None:
 
 def _check_expansion(file: Path, root: "yaml.Node") -> None:
     """Raise an error for values in themselves, too many levels, or too many values with all aliases."""
-    found: dict[int, tuple[int, int]] = {}  # values and levels of the complete nodes
+    sizes: dict[int, tuple[int, int]] = {}  # values and levels of the complete nodes
     above: set[int] = set()
     waiting = [(root, False)]
     while waiting:
         node, complete = waiting.pop()
-        place = f"{file}, line {node.start_mark.line + 1}"
-        if id(node) in found:
+        origin = f"{file}, line {node.start_mark.line + 1}"
+        if id(node) in sizes:
             continue
         children = _children(node)
         if not complete:
             if id(node) in above:
                 raise SettingsError(
-                    f"{place}: a value contains an alias (*name) of itself; write out what is meant"
+                    f"{origin}: a value contains an alias (*name) of itself; write out what is meant"
                 )
             above.add(id(node))
             waiting.append((node, True))
             waiting += [(child, False) for child in children]
             continue
         above.discard(id(node))
-        values = 1 + sum(found[id(child)][0] for child in children)
-        levels = 1 + max((found[id(child)][1] for child in children), default=0)
+        values = 1 + sum(sizes[id(child)][0] for child in children)
+        levels = 1 + max((sizes[id(child)][1] for child in children), default=0)
         if values > MAX_VALUES:
             raise SettingsError(
-                f"{place}: the configuration has more than {MAX_VALUES} values up to here: look for "
+                f"{origin}: the configuration has more than {MAX_VALUES} values up to here: look for "
                 "aliases (*name) that stand for one another, and write out their values"
             )
         if levels > _MAX_LEVELS:
-            raise SettingsError(f"{place}: is nested too deeply; write fewer levels")
-        found[id(node)] = values, levels
+            raise SettingsError(f"{origin}: is nested too deeply; write fewer levels")
+        sizes[id(node)] = values, levels
 
 
 def _children(node: "yaml.Node") -> list["yaml.Node"]:
@@ -178,5 +178,5 @@ def _children(node: "yaml.Node") -> list["yaml.Node"]:
     import yaml
 
     if isinstance(node, yaml.MappingNode):
-        return [part for pair in node.value for part in pair]
+        return [node_of_pair for pair in node.value for node_of_pair in pair]
     return node.value if isinstance(node, yaml.SequenceNode) else []
