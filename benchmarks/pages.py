@@ -27,8 +27,8 @@ BLOCKS = {
     "peers": ROOT / "README.md",
     "aims": RESULTS / "speed.md",
     "window": RESULTS / "window.md",
-    "bank": ROOT / "docs/explanation/uncertainty.md",
-    "groups": ROOT / "docs/explanation/groups.md",
+    "bank": RESULTS / "bank.md",
+    "groups": RESULTS / "groups.md",
 }
 
 
