@@ -1,0 +1,38 @@
+"""A ball and a punch with the roughness of a measured map, from the settings to the report."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from small_project import SETTINGS, TABLE, Project, write_maps
+
+import roughcontact as rc
+from roughcontact.results.storage import read_dataset
+
+FREE = {"contact_modulus": "1 GPa", "boundary": "free", "force": ["1 mN", "2 mN"]}
+SETTINGS_OF_BODIES = {
+    **{key: value for key, value in SETTINGS.items() if key != "contact"},
+    "contact": FREE,
+    "cases": {"ball": {"form": {"radius": "1 mm"}}, "punch": {"form": {"edges": True}}},
+}
+
+
+@pytest.mark.slow
+def test_bodies_of_finite_size_go_from_the_settings_to_the_report(tmp_path, checkout):
+    project = Project(tmp_path / "project", checkout)
+    write_maps(project.path("measured"))
+    project.write(SETTINGS_OF_BODIES, TABLE[:2])
+    run = project.run()
+    assert run.returncode == 0, run.stderr
+    for case in ("ball", "punch"):
+        folder = project.path(f"results/{case}/ground")
+        statistics = read_dataset(folder / "statistics.nc").load()
+        contact = read_dataset(folder / "contact.nc").load()
+        window = read_dataset(folder / "window.nc")["height"].load()
+        directly = rc.solve_contact(window, **FREE)
+        xr.testing.assert_allclose(contact["pressure"], directly["pressure"])
+        np.testing.assert_allclose(statistics["force"], [1e-3, 2e-3])
+        assert ("hertz_radius" in statistics) == (case == "ball")
+        assert (np.diff(statistics["contact_area"]) > 0).all()
+    page = project.path("results/report.html").read_text()
+    assert "Body of finite size" in page
+    assert "on a body of finite size" in page
