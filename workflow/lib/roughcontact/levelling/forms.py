@@ -1,9 +1,11 @@
 """Reconstruction of the form that levelling removed, from its record."""
 
+import json
 from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
+import xarray as xr
 
 from roughcontact.levelling.curved import curved_form_from_record
 from roughcontact.levelling.polynomial import polynomial_from_record
@@ -29,3 +31,13 @@ def form_from_record(removed: Mapping[str, Mapping], y: npt.ArrayLike, x: npt.Ar
     # only the records of spheres and cylinders contain the height in the middle
     draw = curved_form_from_record if "height_middle" in removed else polynomial_from_record
     return draw(removed, y, x)
+
+
+def form_order(levelled: xr.DataArray) -> int:
+    """Return the polynomial order that levels a subwindow as the whole map was levelled."""
+    form = levelled.attrs.get("form", "plane")
+    if form == "polynomial":
+        # coefficients are named c_i_j; the record of a plane has slopes instead
+        terms = (name.split("_") for name in json.loads(levelled.attrs["form_removed"]))
+        return max((int(term[1]) + int(term[2]) for term in terms if term[0] == "c"), default=1)
+    return {"none": 0, "mean": 0, "plane": 1}.get(form, 2)

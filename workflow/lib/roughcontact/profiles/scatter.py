@@ -20,6 +20,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.errors import HeightMapError
+from roughcontact.levelling.forms import form_order
 from roughcontact.maps import height_map, spacing
 from roughcontact.profiles.finish import draw, finish_of, resampled
 from roughcontact.profiles.spectrum import ProfileFit
@@ -31,7 +32,6 @@ from roughcontact.uncertainty.ensemble import (
     SCATTER_TOLERANCE,
     at_all_loads,
     few_loads,
-    form_order,
     loads_of,
     solve_member,
 )

@@ -9,13 +9,13 @@ import xarray as xr
 
 from roughcontact.checking import check_labelled, check_lay
 from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.levelling.forms import form_order
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map, spacing
 from roughcontact.profiles.finish import Finish, correlation_length, draw, finish_of
 from roughcontact.profiles.spectrum import ProfileFit
 from roughcontact.quantities import number, percent, quantity
 from roughcontact.si import labelled_in_si
-from roughcontact.uncertainty.ensemble import form_order
 from roughcontact.window.finite_body import solved_map
 from roughcontact.window.sides import friendly_sides
 

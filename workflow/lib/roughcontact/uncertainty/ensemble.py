@@ -1,6 +1,5 @@
 """Ensemble members: solutions to a wide tolerance, at few loads, of which only some quantities are kept."""
 
-import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -124,13 +123,3 @@ def measured_slices(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str,
         first = round(periodic.attrs[f"window_offset_{axis}"] / step)
         slices[axis] = slice(first, first + (n // 2 if mirrored and n > 1 else n))
     return slices
-
-
-def form_order(levelled: xr.DataArray) -> int:
-    """Return the polynomial order that levels a subwindow as the whole map was levelled."""
-    form = levelled.attrs.get("form", "plane")
-    if form == "polynomial":
-        # coefficients are named c_i_j; the record of a plane has slopes instead
-        terms = (name.split("_") for name in json.loads(levelled.attrs["form_removed"]))
-        return max((int(term[1]) + int(term[2]) for term in terms if term[0] == "c"), default=1)
-    return {"none": 0, "mean": 0, "plane": 1}.get(form, 2)

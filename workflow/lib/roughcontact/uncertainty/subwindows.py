@@ -23,6 +23,7 @@ import scipy
 import xarray as xr
 
 from roughcontact.errors import SettingsError
+from roughcontact.levelling.forms import form_order
 from roughcontact.levelling.polynomial import fit_polynomial
 from roughcontact.maps import spacing
 from roughcontact.roughness.texture import texture_parameters
@@ -32,7 +33,6 @@ from roughcontact.uncertainty.ensemble import (
     Values,
     at_all_loads,
     few_loads,
-    form_order,
     loads_of,
     measured_slices,
     solve_member,
