@@ -138,7 +138,7 @@ def run_workflow(arguments: Sequence[str]) -> int:
     _check_start(options)
     dry = any(map(_DRY.fullmatch, arguments)) and "--report-after-run" not in arguments
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(workflow_file())]
-    if not (dry or any(option.split("=")[0] in _SHOW for option in arguments)):
+    if not any(option.split("=")[0] in _SHOW for option in arguments):
         command += ["--logger", "roughcontact"]
     # as in the default profile, which Snakemake would announce each time
     command += ["--rerun-incomplete", "--keep-going"]
