@@ -202,6 +202,7 @@ def main() -> None:
     parser.add_argument("what", choices=["compare", "bound", "speed"])
     parser.add_argument("--points", type=int)
     parser.add_argument("--bodies", type=int, default=1000)
+    parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--rivals", default=str(HERE / ".rivals/bin/python"))
     options = parser.parse_args()
     if options.what == "compare":
@@ -209,7 +210,7 @@ def main() -> None:
     elif options.what == "bound":
         rows = bound(options.points or 48, options.bodies)
     else:
-        rows = speed(options.points or 512, options.rivals)
+        rows = speed(options.points or 512, options.rivals, options.repeats)
     RESULTS.mkdir(parents=True, exist_ok=True)
     with (RESULTS / f"{options.what}.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, rows[0], lineterminator="\n")
