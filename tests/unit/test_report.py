@@ -1262,7 +1262,7 @@ def test_cases_are_compared_with_their_difference():
     second = first * 2
     ends = {"lower": 4e-6 / np.exp(0.04), "upper": 4e-6 * np.exp(0.04)}
     second = second.assign({f"mean_gap_{end}": ("load", [value, np.nan]) for end, value in ends.items()})
-    areas, *_, gaps = case_table({"one": first, "two": second}, alike=True)["groups"]
+    areas, *_, gaps = case_table({"one": first, "two": second}, equal_loads=True)["groups"]
     assert areas["rows"][1] == ["2.00 MPa / 4.00 MPa", "20.0 %", "40.0 %", "100 %"]
     # independent where nothing is known of what both share: 2 e^(± hypot(0.03, 0.04)) = 1.902 to 2.103
     assert gaps["rows"][0][1:] == ["(2.000 ± 0.061) µm", "(4.00 ± 0.16) µm", "(100 ± 10) %"]
@@ -1320,7 +1320,7 @@ def test_cases_are_compared_at_the_loads_that_they_share_and_at_no_others():
 
     first = case(1e6, 2e6, 5e6)
     both = {"one": first, "two": case(2e6, 3e6, 5e6)}
-    for table in (case_table(both), case_table(both, alike=False), case_medians([both])):
+    for table in (case_table(both), case_table(both, equal_loads=False), case_medians([both])):
         areas = [[row[0], row[1][:4], row[-1][:3]] for row in table["groups"][0]["rows"]]
         assert areas == [["2.00 MPa", "2.00", "0 %"], ["5.00 MPa", "5.00", "0 %"]]
         assert not table["apart"]

@@ -33,16 +33,17 @@ class _Shared(NamedTuple):
     """The loads that the cases of a surface share."""
 
     rows: list[Row]
-    places: dict[tuple[str, str], list[tuple[int, int]]]  # of each pair of cases
+    indices: dict[tuple[str, str], list[tuple[int, int]]]  # of each pair of cases
     changes: dict[tuple[str, str], xr.Dataset]  # of `case_differences` at these
 
 
-def case_table(cases: Mapping[str, xr.Dataset], *, alike: bool = False) -> dict[str, Any] | None:
+def case_table(cases: Mapping[str, xr.Dataset], *, equal_loads: bool = False) -> dict[str, Any] | None:
     """Return the numbers of one surface under several cases, with their differences.
 
     `cases` maps names to statistics of the surface, loads rising. The two cases of each pair (`case_pairs`)
     are compared at the loads that they share (`shared_loads`), in order where all cases ask for the same ones
-    (`alike`) and both are as many. The ± of a difference leaves out what both share (`case_differences`).
+    (`equal_loads`) and both are as many. The ± of a difference leaves out what both share
+    (`case_differences`).
 
     Returns
     -------
@@ -57,17 +58,17 @@ def case_table(cases: Mapping[str, xr.Dataset], *, alike: bool = False) -> dict[
     >>> one = xr.Dataset({name: ("load", [0.1]) for name, _, _ in _COMPARED}).assign(
     ...     mean_pressure=("load", [1e6])
     ... )
-    >>> table = case_table({"soft": one, "hard": one * 2}, alike=True)
+    >>> table = case_table({"soft": one, "hard": one * 2}, equal_loads=True)
     >>> table["groups"][0]["rows"]
     [['1.00 MPa / 2.00 MPa', '10.0 %', '20.0 %', '100 %']]
     >>> case_table({"soft": one, "hard": one * 2})["apart"][:55]
     'The cases have no load in common (soft: 1.00 MPa; hard:'
     """
-    return _table([cases], alike=alike, many=False) if len(cases) > 1 else None
+    return _table([cases], equal_loads=equal_loads, many=False) if len(cases) > 1 else None
 
 
 def case_medians(
-    surfaces: Sequence[Mapping[str, xr.Dataset]], *, alike: bool = False
+    surfaces: Sequence[Mapping[str, xr.Dataset]], *, equal_loads: bool = False
 ) -> dict[str, Any] | None:
     """Return medians over many surfaces under each case, and those of the differences between cases.
 
@@ -78,17 +79,17 @@ def case_medians(
     """
     names = list(dict.fromkeys(name for surface in surfaces for name in surface))
     complete = [{name: result[name] for name in names} for result in surfaces if len(result) == len(names)]
-    return _table(complete, alike=alike, many=True) if len(names) > 1 and complete else None
+    return _table(complete, equal_loads=equal_loads, many=True) if len(names) > 1 and complete else None
 
 
-def _table(surfaces: Sequence[Cases], *, alike: bool, many: bool) -> dict[str, Any]:
+def _table(surfaces: Sequence[Cases], *, equal_loads: bool, many: bool) -> dict[str, Any]:
     """Return the table of the cases of one surface, or of the medians of `many`."""
-    result = [_shared(surface, alike=alike) for surface in surfaces]
+    result = [_shared(surface, equal_loads=equal_loads) for surface in surfaces]
     first = next((dataset for dataset in result if dataset.rows), result[0])
     # those that share the same loads
     retained = [index for index, dataset in enumerate(result) if dataset[:2] == first[:2]]
     compared = [surfaces[index] for index in retained]
-    names, pairs = list(compared[0]), [pair for pair, indices in first.places.items() if indices]
+    names, pairs = list(compared[0]), [pair for pair, indices in first.indices.items() if indices]
     middle = middle_of([cases[names[0]] for cases in compared])
     groups = []
     for name, title, category in _COMPARED if first.rows else ():
@@ -100,15 +101,15 @@ def _table(surfaces: Sequence[Cases], *, alike: bool, many: bool) -> dict[str, A
             ]
             for dataset, two in pairs:
                 start = row.get(dataset, -1), row.get(two, -1)
-                if start not in first.places[dataset, two]:
+                if start not in first.indices[dataset, two]:
                     cells.append("–")
                     continue
-                index = first.places[dataset, two].index(start)
+                index = first.indices[dataset, two].index(start)
                 ends = [_ends(result[source].changes[dataset, two], name, index) for source in retained]
                 cells.append(_change(below_text[dataset], below_text[two], name, ends, many=many))
             rows.append([_load(compared, row), *cells])
         groups.append({"title": title, "rows": rows})
-    apart = [pair for pair, indices in first.places.items() if not indices]
+    apart = [pair for pair, indices in first.indices.items() if not indices]
     return {
         "cases": names,
         "differences": [f"{two} against {dataset}" for dataset, two in pairs],
@@ -118,13 +119,13 @@ def _table(surfaces: Sequence[Cases], *, alike: bool, many: bool) -> dict[str, A
     }
 
 
-def _shared(cases: Cases, *, alike: bool) -> _Shared:
+def _shared(cases: Cases, *, equal_loads: bool) -> _Shared:
     """Return the loads at which the cases of a surface are compared, and the changes there."""
     rows: list[Row] = []
     shared, changes = {}, {}
     for pair in case_pairs(list(cases)):
         result, two = both = [cases[name] for name in pair]
-        in_order = alike and result.sizes["load"] == two.sizes["load"]
+        in_order = equal_loads and result.sizes["load"] == two.sizes["load"]
         indices = [np.arange(result.sizes["load"])] * 2 if in_order else shared_loads(both)
         changes[pair] = case_differences(
             *(data.isel(load=selected) for data, selected in zip(both, indices, strict=True))

@@ -139,16 +139,16 @@ def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
 
 
 def glance_rows(
-    numbers: xr.Dataset, units: Mapping[str, Unit] | None = None, places: Sequence[int] | None = None
+    numbers: xr.Dataset, units: Mapping[str, Unit] | None = None, indices: Sequence[int] | None = None
 ) -> list[list[Cell]]:
     """Return for two or three loads of a surface the cells below `HEADINGS`.
 
     `numbers` has the loads rising; an absent or NaN number counts as not asked for. `units` are those of
-    `glance_units` for all surfaces of the table, else those of this one; `places` the indices of the loads,
+    `glance_units` for all surfaces of the table, else those of this one; `indices` the indices of the loads,
     else those of `shown_loads`.
     """
     units = glance_units([numbers])[0] if units is None else units
-    places = shown_loads(numbers["relative_contact_area"].values) if places is None else places
+    indices = shown_loads(numbers["relative_contact_area"].values) if indices is None else indices
     plain = {str(name): variable.values for name, variable in numbers.variables.items()}
     return [
         [
@@ -167,7 +167,7 @@ def glance_rows(
                 index,
             ),
         ]
-        for index in places
+        for index in indices
     ]
 
 

@@ -142,7 +142,7 @@ def write_report(
     if indexed:
         page_folder = folder / "pages"
         pages = Path(path).parent / "pages"
-        _write_pages(pages, rows, panels, by_surface, named, alike=equal, head=head, folder=page_folder)
+        _write_pages(pages, rows, panels, by_surface, named, equal_loads=equal, head=head, folder=page_folder)
     html = template("report.html").render(
         rows=rows,
         headings=_HEADINGS,
@@ -164,7 +164,7 @@ def write_report(
         ),
         which_load=_which_load(list(indices.values()), list(available.values())),
         comparisons=_comparisons(series, grouped, many=indexed),
-        cases=_cases(by_surface, many=indexed, alike=equal),
+        cases=_cases(by_surface, many=indexed, equal_loads=equal),
         parts=[] if indexed else [_panel_html(panel, folder) for panel in panels],
         failures=named,
         groups=group_rows(
@@ -189,13 +189,13 @@ def _write_pages(
     by_surface: Mapping[str, Mapping[str, xr.Dataset]],
     failures: Sequence[Mapping[str, Any]],
     *,
-    alike: bool,
+    equal_loads: bool,
     head: Mapping[str, Any],
     folder: Path,
 ) -> None:
     """Write the page of each surface, with all its cases and the same `head`; `folder` is their place.
 
-    `alike` is as of `case_table`.
+    `equal_loads` is as of `case_table`.
     """
     names = list(dict.fromkeys(summary["surface"] for summary in summaries))
     for position, name in enumerate(names):
@@ -206,7 +206,7 @@ def _write_pages(
             name=name,
             before=names[position - 1] if position else None,
             after=names[position + 1] if position + 1 < len(names) else None,
-            cases=case_table(by_surface[name], alike=alike),
+            cases=case_table(by_surface[name], equal_loads=equal_loads),
             rows=[summaries[index] for index in selected],
             asked=HEADINGS,
             words=checks.VERDICTS,
@@ -299,13 +299,13 @@ def _comparisons(
 
 
 def _cases(
-    by_surface: Mapping[str, Mapping[str, xr.Dataset]], *, many: bool, alike: bool
+    by_surface: Mapping[str, Mapping[str, xr.Dataset]], *, many: bool, equal_loads: bool
 ) -> list[tuple[str, dict[str, Any]]]:
     """Return (title, table) of the cases side by side: of each surface, or of all where there are many."""
     if many:
-        medians = case_medians(list(by_surface.values()), alike=alike)
+        medians = case_medians(list(by_surface.values()), equal_loads=equal_loads)
         return [("", medians)] if medians else []
-    tables = [(name, case_table(cases, alike=alike)) for name, cases in by_surface.items()]
+    tables = [(name, case_table(cases, equal_loads=equal_loads)) for name, cases in by_surface.items()]
     return [(name, table) for name, table in tables if table]
 
 
@@ -368,10 +368,10 @@ def _sorted(value: float) -> float | str:
     return value if np.isfinite(value) else ""
 
 
-def _which_load(places: Sequence[int], results: Sequence[xr.Dataset]) -> str:
+def _which_load(indices: Sequence[int], results: Sequence[xr.Dataset]) -> str:
     """Return the load at which the surfaces of the index are compared, in words."""
-    if len({(index, data.sizes["load"]) for index, data in zip(places, results, strict=True)}) == 1:
+    if len({(index, data.sizes["load"]) for index, data in zip(indices, results, strict=True)}) == 1:
         return (
-            f"at load {places[0] + 1} of {results[0].sizes['load']}, at which the contact of most is nearest"
+            f"at load {indices[0] + 1} of {results[0].sizes['load']}, at which the contact of most is nearest"
         )
     return "at that load at which its contact is nearest"

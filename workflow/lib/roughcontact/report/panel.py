@@ -227,7 +227,7 @@ def _each_load(numbers: xr.Dataset, drawn: Sequence[int]) -> list[tuple[str, str
     """
     pressure, loads = unit_of(numbers, "Pa"), numbers["mean_pressure"].values
     result = []
-    for index, (_, *cells) in enumerate(glance_rows(numbers, places=range(loads.size))):
+    for index, (_, *cells) in enumerate(glance_rows(numbers, indices=range(loads.size))):
         text = [
             f"{title} {cell.text}{' ' if cell.more[:1] in '±−+' else ', '}{cell.more}".rstrip(", ")
             + (f", {cell.precision}" if cell.precision else "")
