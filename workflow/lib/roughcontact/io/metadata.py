@@ -6,6 +6,7 @@ a key exists only where the file states its value. Names of persons are left out
 """
 
 import datetime
+import json
 import math
 import re
 from collections.abc import Mapping
@@ -99,8 +100,20 @@ def instrument_metadata(stated: Mapping[str, Any], header: Mapping | None = None
     return {entry: best.pop(entry) for entry in LABELS if entry in best} | best
 
 
+def stored_instrument(attributes: Mapping[Any, Any]) -> dict[str, Any]:
+    """Return the metadata of the instrument from the attributes of a stored map; empty where it has none.
+
+    Examples
+    --------
+    >>> stored_instrument({"instrument": '{"lens": "20X Mirau"}'}), stored_instrument({"instrument": ""})
+    ({'lens': '20X Mirau'}, {})
+    """
+    instrument = json.loads(attributes.get("instrument") or "{}")
+    return instrument if isinstance(instrument, dict) else {}
+
+
 def _search(header: Any, ranked: dict[str, tuple[int, str | float]], depth: int) -> None:
-    """Add the entries of a header to `found` (key -> rank of its spelling, value)."""
+    """Add the entries of a header to `ranked` (key -> rank of its spelling, value)."""
     for key, value in header.items() if hasattr(header, "items") else ():
         name = re.sub(r"[^a-z0-9]", "", str(key).lower())
         if hasattr(value, "items"):

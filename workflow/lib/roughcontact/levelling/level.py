@@ -9,6 +9,7 @@ from roughcontact.checking import check_choice, check_map
 from roughcontact.choices import HIGHEST_ORDER, Fill, LevelForm, LineAlignment
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.io.instrument_kinds import PROBE, STYLUS, of_name
+from roughcontact.io.metadata import stored_instrument
 from roughcontact.io.plausibility import quantisation_step
 from roughcontact.levelling.curved import fit_curved_form
 from roughcontact.levelling.filling import fill_harmonic, find_holes
@@ -243,8 +244,7 @@ def _alignment(values: np.ndarray, height: xr.DataArray, requested: str) -> tupl
 
 def _is_scanned(height: xr.DataArray) -> bool:
     """Return whether the file names an instrument that scans its maps line by line."""
-    instrument = json.loads(height.attrs.get("instrument", "{}"))
-    return of_name(instrument.get("kind")) in (PROBE, STYLUS)
+    return of_name(stored_instrument(height.attrs).get("kind")) in (PROBE, STYLUS)
 
 
 def _relative_jitter(jitter: float, rms_height: float, *, aligned: bool) -> float:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.io.metadata import labelled
+from roughcontact.io.metadata import labelled, stored_instrument
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.quantities import number, percent, quantity, several
@@ -28,7 +28,7 @@ def surface_facts(
     stage; `numbers` the statistics of the surface.
     """
     pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured)[::-1]))
-    instrument = labelled(json.loads(measured.attrs.get("instrument", "{}")))
+    instrument = labelled(stored_instrument(measured.attrs))
     sentence = ", ".join(f"{label} {text}" for label, text in instrument)
     source = [str(measured.attrs.get(key, "")) for key in ("source_file", "source_format")]
     resolution = float(numbers["points_per_shortest_wavelength"][0])
@@ -102,7 +102,7 @@ def date_of(measured: xr.DataArray) -> str:
     >>> date_of(xr.DataArray(0.0, attrs={"instrument": '{"acquisition_time": "2011-07-23T16:49:36"}'}))
     '2011-07-23'
     """
-    stated = json.loads(measured.attrs.get("instrument", "{}")).get("acquisition_time", "")
+    stated = stored_instrument(measured.attrs).get("acquisition_time", "")
     result = re.match(r"\d{4}-\d\d-\d\d", str(stated))
     return result[0] if result else ""
 

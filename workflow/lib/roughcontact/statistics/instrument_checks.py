@@ -7,7 +7,6 @@ counted in `benchmarks/results/instrument_checks.csv`. `height` and `window` are
 measured (`instrument` is what the file says of it, as JSON) and of the periodic window.
 """
 
-import json
 import re
 from typing import NamedTuple
 
@@ -15,6 +14,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.io.instrument_kinds import PROBE, UNKNOWN, Kind, of_name
+from roughcontact.io.metadata import stored_instrument
 from roughcontact.levelling.record import s_filter_of
 from roughcontact.quantities import number, percent, quantity
 from roughcontact.roughness.traces import STEEPEST
@@ -423,19 +423,13 @@ def pixel_size(height: Attributes, window: Attributes) -> Check:
     return Check(CheckName.PIXEL_SIZE, PASSED, f"{words} those of {lens}.")
 
 
-def _instrument(height: Attributes) -> dict:
-    """Return what the file says of its instrument."""
-    named = json.loads(height.get("instrument", "{}") or "{}")
-    return named if isinstance(named, dict) else {}
-
-
 def instrument_kind(height: Attributes) -> Kind:
     """Return the kind of instrument that the file names."""
-    return of_name(_instrument(height).get("kind"))
+    return of_name(stored_instrument(height).get("kind"))
 
 
 def _magnification(height: Attributes) -> float:
     """Return the magnification of the lens, 0 where the file does not say."""
-    instrument = _instrument(height)
+    instrument = stored_instrument(height)
     match = re.search(r"\b(\d+(?:\.\d+)?) ?[xX×](?!\w)", str(instrument.get("lens", "")))
     return float(instrument.get("magnification") or (match[1] if match else 0.0))

@@ -1,6 +1,5 @@
 """Bandwidth: the wavelengths that a map resolves reliably, and band-limited maps."""
 
-import json
 import math
 import re
 from collections.abc import Mapping
@@ -10,6 +9,7 @@ import xarray as xr
 
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.fourier import halfplane_weights, wavenumbers
+from roughcontact.io.metadata import stored_instrument
 from roughcontact.maps import spacing
 
 # A lens passes half of a wave's contrast at 0.404 of its cut-off frequency 2 NA / wavelength of the light:
@@ -38,7 +38,7 @@ def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
     """
     pitch = max(d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1)
     known = [(2 * pitch, "two pixels")]
-    aperture = numerical_aperture(json.loads(height.attrs.get("instrument", "{}")))
+    aperture = numerical_aperture(stored_instrument(height.attrs))
     if aperture:
         known.append((lateral_period_limit(aperture), f"the lens (numerical aperture {aperture:g})"))
     return max(known)

@@ -1,12 +1,12 @@
 """What is stated of an instrument, and the arguments of the window where its map is corrected for it."""
 
-import json
 from collections.abc import Mapping
 from typing import Any
 
 import xarray as xr
 
 from roughcontact.errors import SettingsError
+from roughcontact.io.metadata import stored_instrument
 from roughcontact.maps import spacing
 from roughcontact.window.band import numerical_aperture
 from roughcontact.window.transfer import CORRECTED
@@ -119,7 +119,7 @@ def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None
     {'noise': 1e-09}
     """
     known = dict(settings or {})
-    of_file = numerical_aperture(json.loads(levelled.attrs.get("instrument", "{}") or "{}"))
+    of_file = numerical_aperture(stored_instrument(levelled.attrs))
     optics = ("numerical_aperture", "resolution", "tip_radius")
     known |= {
         str(key).removeprefix(_STATED): value
