@@ -50,15 +50,6 @@ class Reader:
 
 
 def head_of(path: Path) -> bytes:
-    """Return the first bytes of a file, which identify most formats.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    bytes
-    """
+    """Return the first bytes of a file, which identify most formats."""
     with path.open("rb") as stream:
         return stream.read(HEAD_BYTES)

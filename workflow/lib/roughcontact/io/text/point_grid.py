@@ -13,20 +13,10 @@ from roughcontact.io.guards import check_points
 def points_on_grid(
     x: np.ndarray, y: np.ndarray, z: np.ndarray, path: Path
 ) -> tuple[np.ndarray, dict[str, float | None], tuple[float, float], list[str]]:
-    """Return the map that a list of points (n,) in any order forms; absent points are missing.
+    """Return the map that points (n,) in any order form, its steps, first position (x, y) and notes.
 
-    Positions are sorted into lines by gaps larger than half the largest one, which tolerates rounding.
-
-    Returns
-    -------
-    heights : array (ny, nx)
-        NaN where a point is absent.
-    steps : dict
-        `x` and `y` -> step; None along an axis of one line.
-    first : tuple of float
-        Position (x, y) of the first point of the grid.
-    notes : list of str
-        A warning where the absent points follow one another in the order of the file.
+    Absent points are NaN, the step along an axis of one line is None. Positions are sorted into lines by gaps
+    larger than half the largest one, which tolerates rounding.
 
     Examples
     --------
