@@ -6,8 +6,9 @@ import pytest
 from roughcontact.contact.solve import solve_contact
 from roughcontact.maps import height_map, refined
 from roughcontact.references import synthetic
+from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
 from roughcontact.uncertainty import discretisation
-from roughcontact.uncertainty.discretisation import discretisation_error
+from roughcontact.uncertainty.discretisation import _edge_noise, discretisation_error
 from roughcontact.uncertainty.headline import headline
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
 
@@ -20,7 +21,8 @@ def corrected(window, loads, names=NAMES):
     solved = solve_contact(window, **contact)
     found, peak = headline(solved), int(solved["pressure"][-1].values.argmax())
     values = {name: found[name].values for name in NAMES}
-    errors = discretisation_error(window, contact=contact, values=values, peak_index=peak)
+    share = (solved["pressure"].values > 0).mean((1, 2))
+    errors = discretisation_error(window, contact=contact, values=values, pixel_share=share, peak_index=peak)
     return {name: (to_scale(name, values[name]), errors[name][0], errors[name][1][1]) for name in names}
 
 
@@ -63,7 +65,7 @@ def test_narrowest_places_are_not_corrected_and_what_is_flat_has_nothing_to_corr
     flat = height_map(np.zeros((32, 32)), 1.0)
     contact = {"contact_modulus": 1.0, "mean_pressure": [1.0]}
     values = {AREA: np.ones(1), GAP: np.zeros(1), PEAK: np.ones(1), CONSTRICTIONS[0]: np.zeros(1)}
-    found = discretisation_error(flat, contact=contact, values=values, peak_index=0)
+    found = discretisation_error(flat, contact=contact, values=values, pixel_share=np.ones(1), peak_index=0)
     assert [found[name][0].item() for name in values] == pytest.approx([0.0] * 4, abs=1e-6)
     rough = synthetic.rough_reference_surface(48)
     values = {AREA: np.full(1, 0.3), GAP: np.full(1, 0.1), CONSTRICTIONS[0]: np.full(1, 0.1)}
@@ -71,6 +73,7 @@ def test_narrowest_places_are_not_corrected_and_what_is_flat_has_nothing_to_corr
         rough,
         contact=contact | {"mean_pressure": [0.05]},
         values=values,
+        pixel_share=np.full(1, 0.32),
         peak_index=0,
     )
     width = found[CONSTRICTIONS[0]][1][1].item()
@@ -79,7 +82,9 @@ def test_narrowest_places_are_not_corrected_and_what_is_flat_has_nothing_to_corr
     low = rough * 1e-6
     small = {name: values[name] * (1 if name == AREA else 1e-6) for name in values}
     problem = contact | {"mean_pressure": [0.05e-6]}
-    found = discretisation_error(low, contact=problem, values=small, peak_index=0)
+    found = discretisation_error(
+        low, contact=problem, values=small, pixel_share=np.full(1, 0.32), peak_index=0
+    )
     assert found[CONSTRICTIONS[0]][1][1].item() == pytest.approx(1e-6 * width, rel=1e-3)
 
 
@@ -93,3 +98,14 @@ def test_the_part_of_a_large_window_surrounds_the_peak():
     inside = (slice(20, -20), slice(20, -20))  # the seams are blended
     assert np.corrcoef(part.values[inside].ravel(), around[inside].ravel())[0, 1] > 0.9
     assert discretisation._region_around(window[:128, :128], 0).shape == (128, 128)
+
+
+def test_the_edge_of_the_contact_lies_by_chance_in_its_pixels():
+    """Half a pixel by the root of the number of switches, which the correction by the perimeter tells."""
+    area, points = 0.2, 64 * 64
+    share = np.array([area + 0.03])
+    width = _edge_noise(np.array([area]), share, points)
+    switches = 0.03 / PERIMETER_CORRECTION * points
+    expected = to_scale(AREA, area + 0.5 * np.sqrt(switches) / points) - to_scale(AREA, area)
+    assert width.item() == pytest.approx(expected.item())
+    assert _edge_noise(np.array([area]), np.array([area]), points).item() == 0

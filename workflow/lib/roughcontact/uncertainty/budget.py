@@ -153,7 +153,13 @@ def error_budget(
         components["solver"] = _of_solver(solved)
     if "discretisation" in sources:
         peak_index = int(solved["index_of_the_peak"].values[-1])
-        errors = discretisation_error(window, contact=lenient, values=values, peak_index=peak_index)
+        errors = discretisation_error(
+            window,
+            contact=lenient,
+            values=values,
+            pixel_share=load / as_solved[PRESSURE],
+            peak_index=peak_index,
+        )
         components["discretisation"] = {name: component for name, (_, component) in errors.items()}
         middle = {name: centre + errors[name][0] for name, centre in middle.items()}
     if "window" in sources:

@@ -8,8 +8,9 @@ large. For an error of order 2 in the pixel size the limit is (Richardson extrap
 t being a quantity on its scale. Of 39 windows of measured and synthetic surfaces, solved with pixels a
 quarter as large, the median error at p/(E* g) = 0.02 to 0.4 falls from 1.6 to 0.7 % (area), 8 to 2.5 %
 (largest pressure), 0.13 to 0.05 % (mean gap); the mean pressure over whole pixels, 11 % too low, becomes the
-load over the corrected area. What remains uncertain is as large as the change, twice as large where it is not
-taken off, and no smaller than a floor with which 95 % of the windows of the bank hold (`calibration`).
+load over the corrected area. What remains uncertain is 1.25 times the change, twice the change where it is
+not taken off, no smaller than a floor with which 95 % of the windows of the bank hold (`calibration`), and
+for the area than the chance with which the edge of the contact lies in its pixels.
 
 A large window is represented by a part of it around the highest pressure.
 
@@ -26,6 +27,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.maps import refined, spacing
+from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
 from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.combination import Component, half_widths
 from roughcontact.uncertainty.ensemble import (
@@ -40,16 +42,24 @@ from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_s
 from roughcontact.window.periodisation import periodic_plus_smooth
 
 CORRECTED = (AREA, GAP, PEAK)  # the pressure in contact follows from the area
+_REMAINING = 1.25  # of the change, that stays uncertain after the correction
+_NOISE_PER_SWITCH = 0.5  # pixels, random
 _REFINED_POINTS = 128**2  # larger windows are refined on a quarter of their points
 
 
 def discretisation_error(
-    window: xr.DataArray, *, contact: Mapping[str, Any], values: Values, peak_index: int
+    window: xr.DataArray,
+    *,
+    contact: Mapping[str, Any],
+    values: Values,
+    pixel_share: np.ndarray,
+    peak_index: int,
 ) -> dict[str, tuple[np.ndarray, Component]]:
     """Return for each quantity the correction (load) to no pixels, and the component of what stays uncertain.
 
-    Both are on the scale of the quantity; `peak_index` is the point of the highest pressure of the periodic
-    window, counted row by row. Those not in `CORRECTED` have none: the change is in their half-width.
+    Both are on the scale of the quantity; `pixel_share` (load) is the share of the pixels in contact, from
+    which the area was corrected, `peak_index` the point of the highest pressure of the periodic window,
+    counted row by row. Those not in `CORRECTED` have none: the change is in their half-width.
     """
     load, region, names = loads_of(contact), _region_around(window, peak_index), list(values)
     solved = few_loads(load)
@@ -68,9 +78,21 @@ def discretisation_error(
         corrected = name in CORRECTED
         # the floor of a length would be one in metres
         floor = 0.0 if name in CONSTRICTIONS else calibration.discretisation_floor(name)
-        width = np.hypot(change if corrected else 2 * change, floor)
+        width = np.hypot(_REMAINING * change if corrected else 2 * change, floor)
+        if name == AREA:
+            width = np.hypot(width, _edge_noise(values[AREA], pixel_share, region.size))
         errors[name] = 4 / 3 * change if corrected else np.zeros_like(change), half_widths(width, width)
     return errors
+
+
+def _edge_noise(area: np.ndarray, pixel_share: np.ndarray, points: int) -> np.ndarray:
+    """Return what chance does to the area, on its scale: the edge of the contact lies anywhere in its pixels.
+
+    Of M switches between contact and non-contact among N points, which the correction by the perimeter tells,
+    0.5 sqrt(M)/N of the area is random.
+    """
+    switches = np.maximum(pixel_share - area, 0.0) / PERIMETER_CORRECTION  # M/N
+    return to_scale(AREA, area + _NOISE_PER_SWITCH * np.sqrt(switches / points)) - to_scale(AREA, area)
 
 
 def _region_around(window: xr.DataArray, index: int) -> xr.DataArray:
