@@ -13,7 +13,8 @@ ROOT = Path(__file__).parents[2]
 PAGES = {"contact", "report"}
 SOLVERS = {"contact"}
 READERS = {"prepare", "contact"}
-KERNELS = {"contact", "prepare", "report"}  # roughness is transformed, too
+WINDOWS = {*READERS, "superpose"}
+KERNELS = {"contact", "prepare", "superpose", "report"}  # roughness is transformed, too
 SCRIPTS = sorted(path for path in (ROOT / "workflow/scripts").glob("[a-z]*.py"))
 _PROBE = """
 import ast, importlib, sys
@@ -63,8 +64,8 @@ def digests(workflow):
 @pytest.mark.parametrize(
     ("edited", "concerned"),
     [
-        ("lib/roughcontact/window/periodisation.py", READERS),
-        ("lib/roughcontact/levelling/outliers.py", READERS),
+        ("lib/roughcontact/window/periodisation.py", WINDOWS),
+        ("lib/roughcontact/levelling/outliers.py", WINDOWS),
         ("lib/roughcontact/io/units.py", READERS),
         ("lib/roughcontact/kernels/c/passes.h", KERNELS),
         ("lib/roughcontact/io/readers/sdf.py", READERS),  # found in its folder at run time
@@ -74,7 +75,7 @@ def digests(workflow):
         ("lib/roughcontact/report/templates/report.css", PAGES),
         ("lib/roughcontact/configuration/models.py", set()),
         ("lib/roughcontact/pipeline.py", SOLVERS),
-        ("scripts/_preparing.py", {"prepare", "contact"}),
+        ("scripts/_window.py", {"prepare", "superpose"}),
     ],
 )
 def test_an_edit_concerns_what_imports_the_module(package, edited, concerned):

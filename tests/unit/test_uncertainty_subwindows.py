@@ -9,8 +9,8 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.uncertainty import sample, subwindows
-from roughcontact.uncertainty.ensemble import at_all_loads, carried_to_all_loads, few_loads, solve_member
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
+from roughcontact.uncertainty.ensemble import carried_to_all_loads, few_loads, solve_member
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, at_all_loads, to_scale
 from roughcontact.uncertainty.subwindows import divided, scatter_of_subwindows
 from roughcontact.window.periodic_window import periodic_window
 

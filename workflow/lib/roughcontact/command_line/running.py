@@ -53,6 +53,10 @@ _TABLE_EXAMPLE = "# ground\tmeasured/ground.x3p\n"
 def workflow_file() -> Path:
     """Return the Snakefile: that inside the installed package, otherwise that of the checkout.
 
+    Returns
+    -------
+    Path
+
     Examples
     --------
     >>> workflow_file().name
@@ -63,11 +67,24 @@ def workflow_file() -> Path:
 
 
 def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | None = None) -> list[Path]:
-    r"""Write settings and a table into the folder `config` of the working directory; return their paths.
+    r"""Write settings and a table of surfaces into the folder `config` of the working directory.
 
-    Each of the measured `files` becomes a row of the table, named after the file; `contact` has `bodies` and
-    `mean_pressure` as far as they are known, otherwise examples stand there as comments. A SettingsError
-    where one already exists, a measured file is missing, or for bodies that are not accepted.
+    Parameters
+    ----------
+    files : sequence of str or Path
+        measured files; each becomes a row of the table, named after the file.
+    contact : mapping, optional
+        `bodies` and `mean_pressure`, as far as they are known; otherwise examples stand there as comments.
+
+    Returns
+    -------
+    list of Path
+        the written files.
+
+    Raises
+    ------
+    SettingsError
+        where one of them already exists, a measured file is missing, or for bodies that are not accepted.
 
     Examples
     --------
@@ -101,7 +118,18 @@ def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | N
 
 
 def files_in(paths: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return files, those in folders included that can be measurements, and the files of folders left out."""
+    """Return the given files, and in the place of a folder those in it that can be measurements, by name.
+
+    Parameters
+    ----------
+    paths : sequence of str
+        files and folders.
+
+    Returns
+    -------
+    tuple of list of str
+        these files, and those of the folders that were left out, but for hidden ones.
+    """
     files: list[str] = []
     skipped: list[str] = []
     for path in paths:
@@ -115,7 +143,16 @@ def files_in(paths: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def surface_names(files: Sequence[str | Path]) -> list[str]:
-    """Return a different admitted name of a surface for each file."""
+    """Return a different admitted name of a surface for each file.
+
+    Parameters
+    ----------
+    files : sequence of str or Path
+
+    Returns
+    -------
+    list of str
+    """
     from roughcontact.configuration.messages import name_mistake
 
     names: list[str] = []
@@ -128,11 +165,26 @@ def surface_names(files: Sequence[str | Path]) -> list[str]:
 
 
 def run_workflow(arguments: Sequence[str]) -> int:
-    """Run the workflow in the working directory with `arguments` for Snakemake; return its exit status.
+    """Run the workflow in the working directory, on all cores unless the arguments say otherwise.
 
-    It takes all cores unless these say otherwise, continues a killed run, and a bad file stops only its own
-    surface. A SettingsError where a run cannot begin, an InputFileError for results that are not as they were
-    written, which a run would leave as they are.
+    A run that was killed is continued; a bad file stops only its own surface.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        for Snakemake.
+
+    Returns
+    -------
+    int
+        exit status of Snakemake.
+
+    Raises
+    ------
+    SettingsError
+        where a run cannot begin: Snakemake, a configuration file or the right to write is missing.
+    InputFileError
+        for results that are not as they were written; a run would leave them as they are.
     """
     options = stated_options(arguments)
     _check_start(options)
@@ -161,7 +213,23 @@ def run_workflow(arguments: Sequence[str]) -> int:
 
 
 def stated_options(arguments: Sequence[str]) -> argparse.Namespace:
-    """Return the arguments of Snakemake that are also used here: folder, configuration, targets."""
+    """Return the arguments of Snakemake that are also used here: folder, configuration, targets.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        of the command line; others are left alone.
+
+    Returns
+    -------
+    Namespace
+        `directory` and `configfile` (paths), `targets` (str).
+
+    Examples
+    --------
+    >>> stated_options(["--configfile", "my.yaml", "-n"]).configfile
+    [PosixPath('my.yaml')]
+    """
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--directory", "-d", type=Path, default=Path())
     parser.add_argument("--configfile", "--configfiles", type=Path, nargs="+", default=[])

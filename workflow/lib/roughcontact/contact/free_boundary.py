@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-import scipy.fft
 import xarray as xr
 
 from roughcontact.choices import Influence
@@ -223,14 +222,16 @@ class FreeBody:
 
     def _gap(self, cell: "Cell", region: Region, pressure: np.ndarray) -> np.ndarray:
         """Return the gap (ny, nx) in m: that of the solution in the region, that of Love's pixels beyond."""
+        from scipy import fft  # imported late: solves of periodic maps need nothing of scipy
+
         loaded = pressure[region.rows, region.columns]
         sides = (region.rows, region.columns)
         # each offset between a loaded point and one of the map has its own element of the transform
         sizes = [2 * max(side.stop, n - side.start) for n, side in zip(pressure.shape, sides, strict=True)]
-        shape = scipy.fft.next_fast_len(sizes[0], real=True), scipy.fft.next_fast_len(sizes[1], real=True)
-        with scipy.fft.set_workers(self.threads):
-            spectrum = scipy.fft.rfft2(loaded, shape) * _free_symbol(shape, self.spacing)
-            displacement = scipy.fft.irfft2(spectrum, shape)
+        shape = fft.next_fast_len(sizes[0], real=True), fft.next_fast_len(sizes[1], real=True)
+        with fft.set_workers(self.threads):
+            spectrum = fft.rfft2(loaded, shape) * _free_symbol(shape, self.spacing)
+            displacement = fft.irfft2(spectrum, shape)
         gap = np.roll(displacement, [side.start for side in sides], (0, 1))[
             : pressure.shape[0], : pressure.shape[1]
         ]
@@ -286,11 +287,13 @@ class Cell:
     """The periodic problem of a region: its heights in a cell where no image acts on it."""
 
     def __init__(self, body: FreeBody, region: Region, force: float):
+        from scipy import fft
+
         self.body, self.region = body, region
         heights = body.heights[region.rows, region.columns]
         ny, nx = (
             CELL_DIVISOR
-            * int(scipy.fft.next_fast_len(int(np.ceil((n + FADE * region.reach / d + 1) / CELL_DIVISOR))))
+            * int(fft.next_fast_len(int(np.ceil((n + FADE * region.reach / d + 1) / CELL_DIVISOR))))
             for n, d in zip(heights.shape, body.spacing, strict=True)
         )
         self.shape = ny, nx
@@ -359,6 +362,8 @@ class Cell:
 @lru_cache(maxsize=2)
 def _free_symbol(shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarray:
     """Return the transform of Love's kernel on a grid, exact up to half of it."""
+    from scipy import fft
+
     kernel = love((shape[0] // 2 + 1, shape[1] // 2 + 1), spacing)
     rows, columns = (np.minimum(i, n - i) for n in shape for i in [np.arange(n)])
-    return np.asarray(scipy.fft.rfft2(kernel[np.ix_(rows, columns)]).real)
+    return np.asarray(fft.rfft2(kernel[np.ix_(rows, columns)]).real)

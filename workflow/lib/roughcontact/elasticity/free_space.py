@@ -18,7 +18,6 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.fft
 
 from roughcontact.choices import Influence
 
@@ -59,11 +58,13 @@ class TruncatedKernel:
 @lru_cache(maxsize=1)
 def _transform_of_elements(shape: tuple[int, int], spacing: tuple[float, float], reach: float) -> np.ndarray:
     """Return the symbol (ny, nx // 2 + 1) of Love's kernel, faded beyond the reach, kept for one grid."""
+    from scipy import fft
+
     rows, columns = (np.minimum(i, n - i) for n in shape for i in [np.arange(n)])
     distance = np.hypot(rows[:, None] * spacing[0], columns * spacing[1])
     fade = np.clip((FADE - distance / reach) / (FADE - 1), 0, 1)
     kernel = love(tuple(n // 2 + 1 for n in shape), spacing)[np.ix_(rows, columns)]
-    return np.asarray(scipy.fft.rfft2(kernel * fade).real)
+    return np.asarray(fft.rfft2(kernel * fade).real)
 
 
 def love(shape: tuple[int, ...], spacing: tuple[float, float]) -> np.ndarray:

@@ -125,7 +125,17 @@ class MeasuredFile:
     question: str = ""
 
     def rows_of(self, channel: Channel) -> tuple[str, bool]:
-        """Return where row 0 of a channel lies, ``top`` or ``bottom``, and whether that is only assumed."""
+        """Return where row 0 of a channel lies, ``top`` or ``bottom``, and whether that is only assumed.
+
+        Parameters
+        ----------
+        channel : Channel
+            Of this file.
+
+        Returns
+        -------
+        tuple of str and bool
+        """
         if channel.first_row:
             return channel.first_row, True
         return self.first_row, self.first_row_assumed
@@ -141,8 +151,25 @@ def choose_channel(
 ) -> tuple[Channel, str]:
     """Return the channel to use and a sentence that says how it was chosen.
 
-    Without a `requested` name it is the first one that holds heights (a length unit, and no amplitude, phase,
-    error or the like by name); `unit_given`: the user's unit makes the values of an only channel heights.
+    Parameters
+    ----------
+    file : MeasuredFile
+    requested : str or None
+        Name of the channel. Without it, it is the first one that holds heights (a length unit, and no
+        amplitude, phase, error or the like by name).
+    where : str
+        Place that error messages name.
+    unit_given : bool
+        Whether the user gives the unit of the heights, which makes the values of an only channel heights.
+
+    Returns
+    -------
+    tuple of Channel and str
+
+    Raises
+    ------
+    InputFileError
+        Where no channel has the wanted name, or none holds heights.
 
     Examples
     --------
@@ -177,7 +204,16 @@ def choose_channel(
 
 
 def unreadable(message: str) -> Callable[[], np.ndarray]:
-    """Return the `read` of a channel without numbers: it raises InputFileError with this message."""
+    """Return the `read` of a channel without numbers: it raises InputFileError with this message.
+
+    Parameters
+    ----------
+    message : str
+
+    Returns
+    -------
+    callable
+    """
 
     def read() -> np.ndarray:
         raise InputFileError(message)
@@ -186,9 +222,27 @@ def unreadable(message: str) -> Callable[[], np.ndarray]:
 
 
 def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -> np.ndarray:
-    """Return real numbers (ny, nx) or (nx,) as a new map (ny, nx) in double precision.
+    """Return values as a map of heights.
 
-    It is NaN where they are masked, infinite, equal to `missing`, or beyond all heights (`io.markers`).
+    Parameters
+    ----------
+    values : array (ny, nx) or (nx,)
+        Real numbers of any type; also a masked array.
+    where : str
+        Place that the message names.
+    missing : float, optional
+        The value that stands for a missing point.
+
+    Returns
+    -------
+    array (ny, nx)
+        A copy, float64; NaN where masked, infinite, equal to `missing`, or one of the numbers beyond all
+        heights that mark missing points (`io.markers`).
+
+    Raises
+    ------
+    InputFileError
+        Where the values are not real numbers.
 
     Examples
     --------
@@ -215,9 +269,24 @@ def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -
 
 @np.errstate(all="ignore")  # infinite positions are not even
 def even_step(positions: ArrayLike, name: str) -> float:
-    """Return the step of two or more evenly spaced positions, negative where they decrease.
+    """Return the step of evenly spaced positions.
 
-    A position off the grid by more than 2 % of a step, which rounding does not explain, is refused.
+    Parameters
+    ----------
+    positions : array (n,)
+        Two or more.
+    name : str
+        Name of the axis, for the message.
+
+    Returns
+    -------
+    float
+        Negative for positions that decrease.
+
+    Raises
+    ------
+    UnevenPositionsError
+        Where a position is off the even grid by more than 2 % of a step, which rounding does not explain.
 
     Examples
     --------
@@ -239,10 +308,20 @@ def even_step(positions: ArrayLike, name: str) -> float:
 
 @np.errstate(all="ignore")
 def rounded_step(positions: ArrayLike) -> float | None:
-    """Return the step of increasing positions that are even but for their last decimal, otherwise None.
+    """Return the step of positions that are even but for the rounding of their last decimal.
 
     Fifty and more positions, all of them multiples of a power of ten that is no more than the step, within
     0.55 of it from a straight line: a list with gaps strays further.
+
+    Parameters
+    ----------
+    positions : array (n,)
+        Increasing.
+
+    Returns
+    -------
+    float or None
+        None for other positions.
 
     Examples
     --------
@@ -266,9 +345,23 @@ def rounded_step(positions: ArrayLike) -> float | None:
 def scattered(
     name: str, x: ArrayLike, y: ArrayLike | None, z: ArrayLike, error: UnevenPositionsError, **attributes: Any
 ) -> Channel:
-    """Return a channel of points that form no even grid (`y` is None for a profile): it needs resampling.
+    """Return a channel of points that form no even grid: it can be read only by resampling.
 
-    Points without a height are left out; `error` says why the grid is uneven.
+    Parameters
+    ----------
+    name : str
+        Name of the channel.
+    x, y, z : arrays of equal size, in the file's units
+        `y` is None for a profile. Points without a height are left out.
+    error : UnevenPositionsError
+        Why the positions form no even grid.
+    **attributes
+        Further attributes of the channel, such as `lateral_unit` and `height_unit`.
+
+    Returns
+    -------
+    Channel
+        With `points`.
 
     Examples
     --------

@@ -28,6 +28,14 @@ BYTES_PER_POINT = 32  # while a map is read: as stored, in double precision, and
 def brief(error: Exception) -> str:
     r"""Return the message of a library's error on one line of at most 160 characters.
 
+    Parameters
+    ----------
+    error : Exception
+
+    Returns
+    -------
+    str
+
     Examples
     --------
     >>> brief(ValueError("no header\n  in line 3")), brief(EOFError())
@@ -38,7 +46,17 @@ def brief(error: Exception) -> str:
 
 
 def check_file(path: Path) -> None:
-    """Refuse a path that is no regular file, and a file that is empty or larger than 4 GiB."""
+    """Refuse a path that is no regular file, and a file that is empty or larger than 4 GiB.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    InputFileError
+        With advice.
+    """
     if len(str(path)) > _LONGEST_PATH or max(map(len, path.parts), default=0) > _LONGEST_NAME:
         name = str(path)
         raise InputFileError(
@@ -68,13 +86,33 @@ def check_file(path: Path) -> None:
 
 
 def sha256(path: Path) -> str:
-    """Return the SHA-256 of a file as 64 hexadecimal digits."""
+    """Return the SHA-256 of a file, read in pieces.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
+    """
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def state_of(path: str | Path) -> list[int] | None:
-    """Return size, dates (ns) and inode of a file, which change when it is written; None without a file."""
+    """Return what changes when a file is written to or replaced: size, dates (ns), place on the disk.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    list of int or None
+        None where there is no such file.
+    """
     try:
         status = Path(path).stat()
     except (OSError, ValueError):
@@ -84,7 +122,21 @@ def state_of(path: str | Path) -> list[int] | None:
 
 @contextmanager
 def unchanged(path: Path) -> Iterator[None]:
-    """Refuse a file that changes within the block, also in place of the error of a reader of half a file."""
+    """Refuse a file that changes within the block, which reads it.
+
+    Parameters
+    ----------
+    path : Path
+
+    Yields
+    ------
+    None
+
+    Raises
+    ------
+    InputFileError
+        Also instead of the error of a reader that came upon half a file.
+    """
     before = state_of(path)
     try:
         yield
@@ -96,7 +148,20 @@ def unchanged(path: Path) -> Iterator[None]:
 
 
 def check_points(shape: tuple[int, int], where: str | Path) -> None:
-    """Refuse a map (ny, nx) of more than 2²⁷ points, or than this computer can hold, before it is read."""
+    """Refuse a map of more points than are read, or than this computer can hold, before it is read.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        (ny, nx).
+    where : str or Path
+        Place that the message names.
+
+    Raises
+    ------
+    InputFileError
+        For more than 2²⁷ points, or more memory than this computer has.
+    """
     ny, nx = shape
     if ny * nx > MAX_POINTS:
         raise InputFileError(
@@ -106,7 +171,21 @@ def check_points(shape: tuple[int, int], where: str | Path) -> None:
 
 
 def check_memory(required: float, data_name: str, where: str | Path) -> None:
-    """Refuse to read data (named in the plural) that need more memory, in bytes, than this computer has."""
+    """Refuse to read data that need more memory than this computer has.
+
+    Parameters
+    ----------
+    required : float, bytes
+    data_name : str
+        Name of the data, in the plural.
+    where : str or Path
+        Place that the message names.
+
+    Raises
+    ------
+    InputFileError
+        With both numbers.
+    """
     total = memory_bytes()
     if total is not None and required > total:
         raise InputFileError(
@@ -116,7 +195,13 @@ def check_memory(required: float, data_name: str, where: str | Path) -> None:
 
 
 def memory_bytes() -> float | None:
-    """Return the memory that this process may use, by computer and container; None where unknown."""
+    """Return the memory that this process may use.
+
+    Returns
+    -------
+    float or None, bytes
+        The smaller one of the limits of computer and container; None where unknown.
+    """
     limits: list[float] = []
     with suppress(AttributeError, ValueError, OSError):
         limits.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
@@ -130,6 +215,16 @@ def check_line_ends(path: Path) -> None:
 
     One byte in 256 of binary data is a line feed: that a carriage return precedes all of more than 50 of them
     is no coincidence. Only the end of the file is examined, which has no header.
+
+    Parameters
+    ----------
+    path : Path
+        A file of a binary format.
+
+    Raises
+    ------
+    InputFileError
+        With advice.
     """
     size = path.stat().st_size
     with path.open("rb") as stream:
@@ -149,6 +244,16 @@ def check_archive(path: Path) -> None:
     The sizes are those in the archive's directory; `zipfile` never unpacks more of a member.
     A document type declaration is refused as a whole: no instrument format needs one, and entities are its
     only use here (expansion bombs, reading of other files).
+
+    Parameters
+    ----------
+    path : Path
+        A file of any format; a file that is no archive passes.
+
+    Raises
+    ------
+    InputFileError
+        Also for an archive that is damaged, encrypted or cut off.
     """
     if not zipfile.is_zipfile(path):
         with path.open("rb") as stream:

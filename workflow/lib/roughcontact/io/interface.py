@@ -50,6 +50,15 @@ class Reader:
 
 
 def head_of(path: Path) -> bytes:
-    """Return the first bytes of a file, which identify most formats."""
+    """Return the first bytes of a file, which identify most formats.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    bytes
+    """
     with path.open("rb") as stream:
         return stream.read(HEAD_BYTES)

@@ -30,12 +30,11 @@ from roughcontact.uncertainty.calibration import entry
 from roughcontact.uncertainty.discretisation import CORRECTED
 from roughcontact.uncertainty.ensemble import (
     SCATTER_TOLERANCE,
-    at_all_loads,
     few_loads,
     loads_of,
     solve_member,
 )
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, inverse_erf_area, to_scale
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, at_all_loads, inverse_erf_area, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
 

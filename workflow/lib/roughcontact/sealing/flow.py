@@ -64,8 +64,8 @@ def flow_columns(gap: np.ndarray, steps: tuple[float, float], *, tolerance: floa
         "flow_factor_xx": factors[1, 1],
         "flow_factor_yy": factors[0, 0],
         "flow_factor_xy": factors[0, 1],
-        "shear_flow_x": 1 - driven[1],
-        "shear_flow_y": 1 - driven[0],
+        "shear_flow_x": round(1 - driven[1], 12),  # along ridges it is rounding
+        "shear_flow_y": round(1 - driven[0], 12),
     }
 
 

@@ -21,7 +21,6 @@ import xarray as xr
 from roughcontact.errors import SettingsError
 from roughcontact.quantities import percent
 from roughcontact.uncertainty.combination import SOURCES
-from roughcontact.uncertainty.ensemble import at_all_loads
 from roughcontact.uncertainty.groups import (
     HEIGHTS,
     SAME_LOAD,
@@ -47,6 +46,7 @@ from roughcontact.uncertainty.random_effects import (
     student,
     welch,
 )
+from roughcontact.uncertainty.scales import at_all_loads
 
 RELEVANT = 0.1  # relative difference that matters, unless another one is stated
 DIFFER = "differ"

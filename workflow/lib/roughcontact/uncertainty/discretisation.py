@@ -33,12 +33,11 @@ from roughcontact.uncertainty.combination import Component, half_widths
 from roughcontact.uncertainty.ensemble import (
     CHANGE_TOLERANCE,
     Values,
-    at_all_loads,
     few_loads,
     loads_of,
     solve_member,
 )
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, at_all_loads, to_scale
 from roughcontact.window.periodisation import periodic_plus_smooth
 
 CORRECTED = (AREA, GAP, PEAK)  # the pressure in contact follows from the area

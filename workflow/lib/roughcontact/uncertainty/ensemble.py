@@ -11,7 +11,7 @@ from roughcontact.contact.solve import elasticity
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 from roughcontact.maps import spacing
 from roughcontact.uncertainty.headline import quantities_of
-from roughcontact.uncertainty.scales import from_scale, to_scale
+from roughcontact.uncertainty.scales import at_all_loads, from_scale, to_scale
 
 Values = Mapping[str, np.ndarray]  # quantity -> array (load)
 LOADS = 3  # at which a member is solved: both ends and the middle
@@ -88,18 +88,6 @@ def few_loads(load: np.ndarray, count: int = LOADS) -> np.ndarray:
     logarithms = np.log(load)
     even = np.linspace(logarithms.min(), logarithms.max(), count)
     return np.unique(np.abs(logarithms[:, None] - even).argmin(axis=0))
-
-
-def at_all_loads(values: np.ndarray, solved: np.ndarray, load: np.ndarray) -> np.ndarray:
-    """Return numbers at all loads from those at the indices `solved`, linear in ln p; NaN beside a NaN.
-
-    Examples
-    --------
-    >>> at_all_loads(np.array([0.1, 0.3]), np.array([0, 2]), np.array([1.0, 2.0, 4.0]))
-    array([0.1, 0.2, 0.3])
-    """
-    rank = np.argsort(load[solved])
-    return np.interp(np.log(load), np.log(load[solved][rank]), np.asarray(values, float)[rank])
 
 
 def carried_to_all_loads(

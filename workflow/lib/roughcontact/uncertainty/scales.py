@@ -66,3 +66,15 @@ def from_scale(name: str, values: np.ndarray) -> np.ndarray:
         return result
     full = scipy.special.erfinv(1 - SMALLEST) * (1 - 1e-12)  # up to rounding
     return np.where(result >= full, 1.0, scipy.special.erf(result))
+
+
+def at_all_loads(values: np.ndarray, solved: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """Return numbers at all loads from those at the indices `solved`, linear in ln p; NaN beside a NaN.
+
+    Examples
+    --------
+    >>> at_all_loads(np.array([0.1, 0.3]), np.array([0, 2]), np.array([1.0, 2.0, 4.0]))
+    array([0.1, 0.2, 0.3])
+    """
+    rank = np.argsort(load[solved])
+    return np.interp(np.log(load), np.log(load[solved][rank]), np.asarray(values, float)[rank])

@@ -31,13 +31,12 @@ from roughcontact.uncertainty.calibration import Features
 from roughcontact.uncertainty.ensemble import (
     SCATTER_TOLERANCE,
     Values,
-    at_all_loads,
     few_loads,
     loads_of,
     measured_slices,
     solve_member,
 )
-from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, to_scale
+from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, at_all_loads, to_scale
 from roughcontact.window.periodic_window import subwindow
 
 _MIN_POINTS_PER_SIDE = 12  # of a subwindow
