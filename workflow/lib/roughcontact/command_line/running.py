@@ -227,8 +227,8 @@ def stated_options(arguments: Sequence[str]) -> argparse.Namespace:
 
     Examples
     --------
-    >>> stated_options(["--configfile", "my.yaml", "-n"]).configfile
-    [PosixPath('my.yaml')]
+    >>> stated_options(["--configfile", "my.yaml", "-n"]).configfile[0].name
+    'my.yaml'
     """
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--directory", "-d", type=Path, default=Path())

@@ -57,7 +57,8 @@ def gap_is_decided(numbers: Numbers, axis: str) -> np.ndarray:
     NaN without an interval; one without an upper end is open there.
     """
     name = f"critical_constriction_{axis}"
-    unknown = np.full(np.shape(numbers["mean_gap"]), np.nan)
+    per_load = next(numbers[known] for known in ("mean_pressure", "mean_gap") if known in numbers)
+    unknown = np.full(np.shape(per_load), np.nan)
     lower, upper = (np.asarray(numbers.get(f"{name}_{end}", unknown), float) for end in ("lower", "upper"))
     one_sided = (lower > 0) | (upper <= 0)
     return np.where(np.isnan(lower), np.nan, one_sided)
