@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from roughcontact.configuration.plan import NOTHING, Plan, regex_of_names
+from roughcontact.configuration.plan import NO_NAME, Plan, regex_of_names
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import Surface
 
@@ -211,5 +211,5 @@ def test_a_pattern_admits_its_names_and_no_other(names):
 
 
 def test_the_pattern_of_no_name_admits_none():
-    assert regex_of_names([]) == NOTHING
-    assert not any(re.fullmatch(NOTHING, text) for text in ("", "a"))
+    assert regex_of_names([]) == NO_NAME
+    assert not any(re.fullmatch(NO_NAME, text) for text in ("", "a"))

@@ -14,7 +14,7 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import HeightMapWarning, SettingsError
 from roughcontact.io.read import read_height_map
 from roughcontact.pipeline import run_chain
-from roughcontact.profiles.surface import NONE, stacked
+from roughcontact.profiles.surface import ISOTROPIC, stacked
 from roughcontact.si import labelled_in_si
 from roughcontact.variables import describe
 
@@ -92,7 +92,7 @@ def evaluate(
     if lay is not None:
         check_lay(lay)
     if isinstance(source, Sequence) and not isinstance(source, str):
-        if lay != NONE:
+        if lay != ISOTROPIC:
             raise SettingsError(
                 f"lay = {lay!r}: several profiles have one answer where lay = 'none'; evaluate those "
                 "across a lay one by one, and join them by group_statistics"

@@ -19,7 +19,7 @@ from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
 from roughcontact.errors import HeightMapError
 from roughcontact.maps import spacing
 from roughcontact.profiles.scatter import isotropic_contact, scatter_of_surfaces
-from roughcontact.profiles.surface import NONE, levelled_heights, solved_window
+from roughcontact.profiles.surface import ISOTROPIC, levelled_heights, solved_window
 from roughcontact.results.storage import provenance, written_load_by_load
 from roughcontact.statistics.checks import with_verdicts
 from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statistics_function, with_uncertainty
@@ -163,7 +163,7 @@ def bound_error(
     verbs["window"] = window_arguments(levelled, settings)
     verbs["contact"] = {**solver, **stated}
     scatter_of: Callable[..., Scatter] = scatter_of_subwindows
-    if levelled.attrs.get("lay") == NONE:
+    if levelled.attrs.get("lay") == ISOTROPIC:
         scatter_of, levelled = partial(scatter_of_surfaces, levelled), window
     budget = error_budget(
         levelled, window, verbs, **settings["uncertainty"], solved=solved, scatter_of=scatter_of

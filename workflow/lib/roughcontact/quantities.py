@@ -109,9 +109,9 @@ def quantity(value: float, unit: str = "1", *, digits: int = 3) -> str:
     >>> quantity(1.2345e-6, "m"), quantity(1500.0, "m", digits=2), quantity(0.25)
     ('1.23 µm', '1.5 km', '0.250')
     """
-    factor, shown = prefix(value, unit)
+    factor, symbol = prefix(value, unit)
     text = number(value * factor, digits=digits)
-    return text if unit == "1" else f"{text} {shown}"
+    return text if unit == "1" else f"{text} {symbol}"
 
 
 def pressure_unit(contact_modulus: float) -> Unit:

@@ -341,8 +341,8 @@ VARIABLES |= {
     for end in ("lower", "upper")
 }
 VARIABLES |= {
-    f"{name}_sensitivity": ("1", f"d ln Q/d ln input of the {words}; NaN: not known")
-    for name, (_, words) in _WITH_INTERVAL.items()
+    f"{name}_sensitivity": ("1", f"d ln Q/d ln input of the {description}; NaN: not known")
+    for name, (_, description) in _WITH_INTERVAL.items()
 }
 _OF_GROUPS = {
     "between": "standard deviation of the {} between parts, on its symmetric scale",
@@ -351,13 +351,13 @@ _OF_GROUPS = {
 }
 VARIABLES |= {
     # heights are their own scale, all others have a logarithm
-    f"{name}_{ending}": (unit if name.startswith("critical") else "1", text.format(words))
-    for name, (unit, words) in _WITH_INTERVAL.items()
+    f"{name}_{ending}": (unit if name.startswith("critical") else "1", text.format(description))
+    for name, (unit, description) in _WITH_INTERVAL.items()
     for ending, text in _OF_GROUPS.items()
 }
 VARIABLES |= {
-    f"{name}_{ending}": (unit, text.format(words))
-    for name, (unit, words) in _WITH_INTERVAL.items()
+    f"{name}_{ending}": (unit, text.format(description))
+    for name, (unit, description) in _WITH_INTERVAL.items()
     for ending, text in _OF_INTERVALS.items()
 }
 
@@ -372,8 +372,8 @@ _COMMENTS = {
 
 # verdicts on single answers, beside `verdict`
 VARIABLES |= {
-    f"{name}_verdict": ("1", f"worst outcome of the checks that concern the {words}: as of verdict")
-    for name, words in ANSWERS.items()
+    f"{name}_verdict": ("1", f"worst outcome of the checks that concern the {description}: as of verdict")
+    for name, description in ANSWERS.items()
 }
 
 # how well answers are known
@@ -381,11 +381,11 @@ _YES_OR_NO = ("sealing", "yield")
 VARIABLES |= {
     f"{name}_known": (
         "1",
-        f"0 where the interval tells {words} from none, none where it holds both"
+        f"0 where the interval tells {description} from none, none where it holds both"
         if name in _YES_OR_NO
-        else f"larger half-width of the 95 % interval of the {words} over its value; none where not bounded",
+        else f"larger half-width of the 95 % interval of the {description} over its value; none if unbounded",
     )
-    for name, words in ANSWERS.items()
+    for name, description in ANSWERS.items()
 }
 
 # meanings of the values 0, 1, 2 ... of a flag

@@ -129,9 +129,9 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     _add_file_options(solve)
     solve.set_defaults(run=_solve)
     if verb == "solve":
-        from roughcontact.command_line.saving import KINDS
+        from roughcontact.command_line.saving import CONTENT_BY_ENDING
 
-        formats = "; ".join(f"{ending}: {holds}" for ending, holds in KINDS.items())
+        formats = "; ".join(f"{ending}: {holds}" for ending, holds in CONTENT_BY_ENDING.items())
         solve.add_argument(
             "-o",
             "--output",
@@ -245,7 +245,7 @@ def _add_json(parser: argparse.ArgumentParser) -> None:
 def _given(options: argparse.Namespace) -> dict[str, Any]:
     """Return the keyword arguments of `read_height_map` that were given."""
     names = (name.replace("-", "_") for name in _FILE_OPTIONS)
-    return {word: value for word in names if (value := getattr(options, word)) is not None}
+    return {name_: value for name_ in names if (value := getattr(options, name_)) is not None}
 
 
 def _inspect(options: argparse.Namespace) -> int:
@@ -254,12 +254,12 @@ def _inspect(options: argparse.Namespace) -> int:
     from roughcontact.io.folder import is_folder, measurements_in
     from roughcontact.io.inspection import inspect_file
 
-    found: list[dict[str, Any]] = []
+    inspected: list[dict[str, Any]] = []
     code = 0
     for file in options.files:
         if is_folder(file):
             within = [_contents(path, options) for path in measurements_in(Path(file))[0]]
-            found += within
+            inspected += within
             if not options.json:
                 print(overview(within, file))
             continue
@@ -268,11 +268,11 @@ def _inspect(options: argparse.Namespace) -> int:
         except RoughContactError as error:
             code = _failed(error, 2)
             continue
-        found.append(contents)
+        inspected.append(contents)
         if not options.json:
             print(inspection(contents, file), end="\n\n" if len(options.files) > 1 else "\n")
     if options.json:
-        print(as_json(found))
+        print(as_json(inspected))
     return code
 
 
@@ -308,7 +308,7 @@ def _solve(options: argparse.Namespace) -> int:
         raise SettingsError(in_options(error)) from error
     print(as_json(result) if options.json else group(result) if together else solution(result))
     maps = result["maps"] if together else [result]
-    return 0 if all(load["converged"] for each in maps for load in each["loads"]) else 1
+    return 0 if all(load["converged"] for solved_map in maps for load in solved_map["loads"]) else 1
 
 
 @contextmanager

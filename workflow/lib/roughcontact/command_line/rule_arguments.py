@@ -132,8 +132,8 @@ class RuleArguments:
             return 0
         row = self.plan.row(split(result)[1])
         # of profiles without a lay a surface is solved
-        least = 2**18 if row.given.get("lay") == "none" else 0
-        return max(estimate_points(row.path), least)
+        least_points = 2**18 if row.given.get("lay") == "none" else 0
+        return max(estimate_points(row.path), least_points)
 
     def _code(self, script: str) -> str:
         """Return the checksum of the modules that a script, or that of a rule, imports."""

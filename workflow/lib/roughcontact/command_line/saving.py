@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from roughcontact.pipeline import Chain
 
 # what a file of an ending holds
-KINDS = {
+CONTENT_BY_ENDING = {
     ".nc": "all numbers with their intervals, as statistics.nc of a surface (rc.read_statistics, compare)",
     ".csv": "a row for each load, the columns of summary.csv",
     ".xlsx": "a workbook: the columns of summary.csv, the components of the ±, the settings, a sheet each",
@@ -25,7 +25,7 @@ KINDS = {
     ".gsf": "the map of pressure at the largest load for Gwyddion",
 }
 _WITHOUT_MAPS = (".nc", ".csv", ".xlsx")
-_BESIDE = re.compile(", or see <a .*? beside this page")  # what the page says of the files of a run
+_LINKS_BESIDE = re.compile(", or see <a .*? beside this page")  # what the page says of the files of a run
 
 
 def check_output(output: Path, files: Sequence[str]) -> None:
@@ -39,8 +39,8 @@ def check_output(output: Path, files: Sequence[str]) -> None:
     ...     print(error)
     -o result.doc: end it with one of .nc, .csv, .xlsx, .html, .png, .vti, .tiff, .gsf
     """
-    if output.suffix.lower() not in KINDS:
-        raise SettingsError(f"-o {output}: end it with one of {', '.join(KINDS)}")
+    if output.suffix.lower() not in CONTENT_BY_ENDING:
+        raise SettingsError(f"-o {output}: end it with one of {', '.join(CONTENT_BY_ENDING)}")
     if len(files) > 1:
         raise SettingsError(
             f"-o {output}: is of one map, {len(files)} are given; `roughcontact init` and `run` write the "
@@ -100,7 +100,7 @@ def save(
             }
             write_workbook(sheets, output)
     elif ending == ".html":
-        write_text(_BESIDE.sub("", _page(name, folder, chain, height, settings)), output)
+        write_text(_LINKS_BESIDE.sub("", _page(name, folder, chain, height, settings)), output)
     else:
         with opened_dataset(folder / "contact.nc") as contact:
             if ending == ".png":

@@ -7,7 +7,7 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
 # import statements anywhere in the source: parsing it takes five times as long
-_FROM = re.compile(r"^[ \t]*from[ \t]+([\w.]+)[ \t]+import[ \t]*(\([^)]*\)|[^\n]*)", re.MULTILINE)
+_FROM_IMPORT = re.compile(r"^[ \t]*from[ \t]+([\w.]+)[ \t]+import[ \t]*(\([^)]*\)|[^\n]*)", re.MULTILINE)
 _IMPORT = re.compile(r"^[ \t]*import[ \t]+([^\n]*)", re.MULTILINE)
 _STRING = re.compile(r"""(["'])([A-Za-z_][\w.]*)\1""")
 _COMMENT = re.compile(r"#[^\n]*")
@@ -57,7 +57,7 @@ def _imported(path: Path) -> tuple[Path, ...]:
     """Return the files of the modules that `path` imports itself, and those of the folders it names."""
     text = path.read_text(encoding="utf-8")
     names = [name for listed in _IMPORT.findall(text) for name in _listed(listed)]
-    for module, listed in _FROM.findall(text):
+    for module, listed in _FROM_IMPORT.findall(text):
         names += [module, *(f"{module}.{name}" for name in _listed(listed))]
     files = [file for name in dict.fromkeys(names) for file in _files(name, path.parent)]
     for string in dict.fromkeys(string for _, string in _STRING.findall(text)):

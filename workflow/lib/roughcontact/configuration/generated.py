@@ -25,7 +25,7 @@ _SHIPPED = {
     "mean_pressure": "what seals and plain bearings carry",
 }
 # what the page of a run says in words of its own, or on what no result depends
-_ASKED = tuple(
+_SAID_ELSEWHERE = tuple(
     f"contact.{name}"
     for name in (
         *("contact_modulus", "bodies", "hardness", "mean_pressure", "relative_pressure"),
@@ -83,7 +83,7 @@ def changed_settings(settings: Mapping[str, Any]) -> list[str]:
         for section, of_section in Settings.model_fields.items()
         if section != "report" and (model := section_of(of_section))
         for name, field in model.model_fields.items()
-        if f"{section}.{name}" not in _ASKED
+        if f"{section}.{name}" not in _SAID_ELSEWHERE
         and settings[section][name] != field.get_default(call_default_factory=True)
     ]
 
@@ -102,13 +102,13 @@ def write_generated(root: Path) -> None:
         path.write_text(text, encoding="utf-8")
 
 
-def _yaml(model: type[Section], indent: str, given: Mapping[str, Any]) -> list[str]:
+def _yaml(model: type[Section], indent: str, values: Mapping[str, Any]) -> list[str]:
     """Return the lines of one section; without default and not given, a key is a comment with an example."""
     lines = []
     for name, field in model.model_fields.items():
         section = section_of(field)
         if section and model is Settings:
-            lines += ["", f"# {section.__doc__}", f"{name}:", *_yaml(section, indent + "  ", given)]
+            lines += ["", f"# {section.__doc__}", f"{name}:", *_yaml(section, indent + "  ", values)]
             continue
         text = field.description or ""
         if choices := words_of(field):
@@ -116,7 +116,7 @@ def _yaml(model: type[Section], indent: str, given: Mapping[str, Any]) -> list[s
         example = field.examples[0] if field.examples else None
         value, comment = field.get_default(call_default_factory=True), ""
         if value in (None, {}):
-            value, comment = given.get(name, example), "" if name in given else "# "
+            value, comment = values.get(name, example), "" if name in values else "# "
         if name in _SHIPPED and value == example:
             text += f"; {'for example' if comment else 'here'} {_SHIPPED[name]}"
         if model is Settings:

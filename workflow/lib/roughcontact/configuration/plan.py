@@ -35,7 +35,7 @@ _OF_FACES = {
     "face": ("face", "levelled"),
     "counter_face": ("counter_face", "levelled"),
 }
-NOTHING = "(?!)"  # the pattern that no name matches
+NO_NAME = "(?!)"  # the pattern that no name matches
 _NAME = "[A-Za-z0-9-]+"
 
 BASE_MEMORY = 700  # MB: a script and, on a cluster, the two Snakemakes that start it
@@ -337,7 +337,7 @@ def regex_of_names(names: Iterable[str]) -> str:
     for name in names:
         branches.setdefault(name[:1], []).append(name[1:])
     if not branches:
-        return NOTHING
+        return NO_NAME
     may_end = branches.pop("", None) is not None
     alternatives = [re.escape(letter) + regex_of_names(ends) for letter, ends in branches.items()]
     pattern = "|".join(alternatives)

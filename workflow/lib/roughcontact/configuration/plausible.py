@@ -54,8 +54,8 @@ class Range:
         else:
             return in_base_unit(value, self.base)
         factors = self.meant if limit == self.least else (1e-3, 1e-6, 1e-9)
-        likely = [number * each for each in factors if max(self.least, 0) < number * each <= self.most]
-        question = "; did you mean " + " or ".join(quantity(each, self.base) for each in likely[:2]) + "?"
+        likely = [number * factor for factor in factors if max(self.least, 0) < number * factor <= self.most]
+        question = "; did you mean " + " or ".join(quantity(factor, self.base) for factor in likely[:2]) + "?"
         raise ValueError(
             f"{quantity(number, self.base)} is {reason} ({quantity(limit, self.base)})"
             f"{question if likely else '.'} {_WAY_OUT.format(unit=self.base)}"
@@ -71,7 +71,7 @@ def bare_number(value: object) -> float:
 
 
 def implausible_together(
-    given: Mapping[str, Any], contact: Mapping[str, Any]
+    stated: Mapping[str, Any], contact: Mapping[str, Any]
 ) -> Iterator[tuple[Location, str]]:
     """Yield location, and value with question, for each modulus, hardness and load that others contradict.
 
@@ -94,22 +94,22 @@ def implausible_together(
     else:
         modulus = contact["contact_modulus"]
         doubts.append((("contact_modulus",), materials.doubt_of_gel(modulus, [*loads, hardness or 0.0])))
-    if not any(doubt and not carries_unit(_at(given, ("contact", *where))) for where, doubt in doubts):
+    if not any(doubt and not carries_unit(_at(stated, ("contact", *where))) for where, doubt in doubts):
         if hardness is not None:
             doubts.append((("hardness",), materials.doubt_of_hardness(hardness, modulus)))
         for index, load in enumerate(loads):
             doubts.append((("mean_pressure", index), materials.doubt_of_load(load, modulus)))
     for where, doubt in doubts:
         location: Location = ("contact", *where)
-        if doubt and not carries_unit(written := _at(given, location)):
+        if doubt and not carries_unit(written := _at(stated, location)):
             yield location, f" = {written!r}: {doubt.question()} {_WAY_OUT.format(unit='Pa')}"
 
 
-def _at(given: Any, location: Location) -> Any:
+def _at(section: Any, location: Location) -> Any:
     """Return the value at a location, None where there is none; one load may stand for a list of one."""
     for key in location:
         if isinstance(key, int):
-            given = given[key] if isinstance(given, list | tuple) else given
+            section = section[key] if isinstance(section, list | tuple) else section
         else:
-            given = (given or {}).get(key)
-    return given
+            section = (section or {}).get(key)
+    return section

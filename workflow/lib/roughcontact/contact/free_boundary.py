@@ -202,8 +202,8 @@ class FreeBody:
         lines = [np.flatnonzero(touching.any(axis=axis)) for axis in (1, 0)]
         ends = []
         for line, n in zip(lines, touching.shape, strict=True):
-            wide = max(margin, int(MARGIN * (line[-1] - line[0]))) if margin else 0
-            ends.append((max(line[0] - wide, 0), min(line[-1] + wide + 1, n)))
+            widening = max(margin, int(MARGIN * (line[-1] - line[0]))) if margin else 0
+            ends.append((max(line[0] - widening, 0), min(line[-1] + widening + 1, n)))
         (top, bottom), (left, right) = ends
         y, x = (
             (np.arange(*pair) - 0.5 * (sum(pair) - 1)) * d for pair, d in zip(ends, self.spacing, strict=True)

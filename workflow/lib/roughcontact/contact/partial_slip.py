@@ -88,9 +88,9 @@ def partial_slip(
             keys=["tangential_load"],
         )
     if contact.sizes["load"] != 1 or "hardness" in contact:
-        what = "a hardness" if "hardness" in contact else f"{contact.sizes['load']} loads"
+        property_ = "a hardness" if "hardness" in contact else f"{contact.sizes['load']} loads"
         raise SettingsError(
-            f"the contact has {what}: give an elastic one at a single load, contact.isel(load=[0])"
+            f"the contact has {property_}: give an elastic one at a single load, contact.isel(load=[0])"
         )
     normal = contact.isel(load=0)
     load, height = float(normal["mean_pressure"]), contact["height"]

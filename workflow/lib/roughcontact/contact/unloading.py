@@ -135,7 +135,7 @@ def plastic_depth(loaded: xr.Dataset, *, threads: int = 1) -> xr.DataArray:
     )
     separation = body.displacement(pressure) / float(loaded["contact_modulus"]) - height.values
     at_hardness = pressure >= float(loaded["hardness"])
-    others = ~at_hardness
-    gap = separation + np.mean(loaded["gap"].values[others] - separation[others])
+    below_hardness = ~at_hardness
+    gap = separation + np.mean(loaded["gap"].values[below_hardness] - separation[below_hardness])
     depth = np.where(at_hardness, np.maximum(-gap, 0.0), 0.0)
     return xr.DataArray(depth, coords=height.coords, dims=height.dims, name="plastic_depth")

@@ -44,10 +44,10 @@ def noise_of_repeats(first: xr.DataArray, second: xr.DataArray) -> tuple[float, 
     >>> round(noise_of_repeats(one, other)[0], 4), noise_of_repeats(one, other.clip(max=0.03))[0]
     (0.001, nan)
     """
-    names = [each.attrs.get("source_file") or "a map" for each in (first, second)]
-    steps = [spacing(each) for each in (first, second)]
+    names = [height.attrs.get("source_file") or "a map" for height in (first, second)]
+    steps = [spacing(height) for height in (first, second)]
     if first.shape != second.shape or not np.allclose(steps[0], steps[1], rtol=1e-6, atol=0):
-        sizes = [f"{each.shape[1]} x {each.shape[0]} points" for each in (first, second)]
+        sizes = [f"{height.shape[1]} x {height.shape[0]} points" for height in (first, second)]
         raise HeightMapError(
             f"repeat_of: {names[0]} ({sizes[0]}) and {names[1]} ({sizes[1]}) differ in size "
             "or pitch; a repeat is the same place measured again with the same settings"
@@ -57,19 +57,24 @@ def noise_of_repeats(first: xr.DataArray, second: xr.DataArray) -> tuple[float, 
             f"repeat_of: {names[0]} and {names[1]} have equal heights: a copy is no second measurement; name "
             "the file of the second one, or leave repeat_of empty"
         )
-    heights = [level(each, fill="none", outlier_threshold=None).values for each in (first, second)]
-    known = np.isfinite(heights[0]) & np.isfinite(heights[1])
-    one, other = (each[known] - each[known].mean() for each in heights)
-    correlation = float(one @ other) / math.sqrt(float(one @ one) * float(other @ other) or 1.0)
+    heights = [level(height, fill="none", outlier_threshold=None).values for height in (first, second)]
+    measured = np.isfinite(heights[0]) & np.isfinite(heights[1])
+    first_heights, second_heights = (height[measured] - height[measured].mean() for height in heights)
+    correlation = float(first_heights @ second_heights) / math.sqrt(
+        float(first_heights @ first_heights) * float(second_heights @ second_heights) or 1.0
+    )
     if not correlation >= _LEAST_CORRELATION:
         raise HeightMapError(
             f"repeat_of: {names[0]} and {names[1]} do not show the same place (correlation "
             f"{correlation:.2f}); measure again without moving the part, or leave repeat_of empty"
         )
-    rest, shift, before = _without_shift(*heights)
-    rms, gathered = float(np.sqrt(np.nanmean(rest**2))), _gathered(rest)
+    residual, shift, before = _without_shift(*heights)
+    rms, gathered = float(np.sqrt(np.nanmean(residual**2))), _gathered(residual)
     axes = "yx"[-shift.size :]  # a profile is a row
-    pixels = ", ".join(f"{number(by, places=2)} along {axis}" for by, axis in zip(shift, axes, strict=True))
+    pixels = ", ".join(
+        f"{number(pixels_along, places=2)} along {axis}"
+        for pixels_along, axis in zip(shift, axes, strict=True)
+    )
     # where it would have made the noise too large
     shifted = f"as by a shift of {pixels} (pixels)" if rms < _EVEN * before else ""
     if not gathered:
@@ -81,32 +86,36 @@ def noise_of_repeats(first: xr.DataArray, second: xr.DataArray) -> tuple[float, 
     )
 
 
-def _without_shift(one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+def _without_shift(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """Return the difference of two levelled maps less that of a shift, the shift (pixels), the rms before."""
-    slopes = [np.gradient((one + other) / 2, axis=axis) for axis, n in enumerate(one.shape) if n > 1]
-    rest = np.where(np.isfinite(sum(slopes)), one - other, np.nan)
-    rest = rest - fit_polynomial(rest, [np.arange(n, dtype=float) for n in rest.shape], order=1)[0]
-    known = np.isfinite(rest)
-    slopes, before = [slope[known] for slope in slopes], float(np.sqrt(np.nanmean(rest**2)))
-    products = np.array([[slope @ column for column in (*slopes, rest[known])] for slope in slopes])
+    slopes = [np.gradient((first + second) / 2, axis=axis) for axis, n in enumerate(first.shape) if n > 1]
+    residual = np.where(np.isfinite(sum(slopes)), first - second, np.nan)
+    residual = (
+        residual - fit_polynomial(residual, [np.arange(n, dtype=float) for n in residual.shape], order=1)[0]
+    )
+    measured = np.isfinite(residual)
+    slopes, before = [slope[measured] for slope in slopes], float(np.sqrt(np.nanmean(residual**2)))
+    products = np.array([[slope @ column for column in (*slopes, residual[measured])] for slope in slopes])
     shift = np.linalg.lstsq(products[:, :-1], products[:, -1], rcond=None)[0]
-    rest[known] -= sum(by * slope for by, slope in zip(shift, slopes, strict=True))
-    return rest, shift, before
+    residual[measured] -= sum(offset * slope for offset, slope in zip(shift, slopes, strict=True))
+    return residual, shift, before
 
 
-def _gathered(rest: np.ndarray) -> str:
+def _gathered(residual: np.ndarray) -> str:
     """Return where a difference (NaN: unknown) is gathered in few places or waves, in words, if it is."""
-    known = np.isfinite(rest)
-    rest = np.where(known, rest, 0.0)
-    around, count = (scipy.ndimage.uniform_filter(part, _TILE)[known] for part in (rest**2, known * 1.0))
-    waves = np.abs(np.fft.fft2(rest)).ravel()[1:]
-    even = _EVEN - 1 / math.sqrt(known.sum())  # less by chance
-    words = []
+    measured = np.isfinite(residual)
+    residual = np.where(measured, residual, 0.0)
+    around, count = (
+        scipy.ndimage.uniform_filter(field, _TILE)[measured] for field in (residual**2, measured * 1.0)
+    )
+    waves = np.abs(np.fft.fft2(residual)).ravel()[1:]
+    even = _EVEN - 1 / math.sqrt(measured.sum())  # less by chance
+    evidence = []
     for squares, of_noise, where in (
         (np.maximum(around / count, 0.0), 1.0, "on a tenth of the map"),
         (waves**2, _RAYLEIGH, "in a tenth of the waves (33 % of noise)"),
     ):
         if np.mean(np.sqrt(squares)) < even * of_noise * math.sqrt(np.mean(squares)):
             share = np.sort(squares)[-(squares.size // 10) :].sum() / squares.sum()
-            words.append(f"{percent(share)} of its mean square lies {where}")
-    return " and ".join(words)
+            evidence.append(f"{percent(share)} of its mean square lies {where}")
+    return " and ".join(evidence)

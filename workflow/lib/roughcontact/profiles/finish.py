@@ -19,7 +19,7 @@ _SLOPE_RANKS = (np.arange(400) + 0.5) / 400
 _TAIL = 0.5  # of an independent height: beyond this expected number a quantile is extrapolated
 _CHANCE = 1.5  # mean square deviation of n normal heights from their quantiles, times n over the variance
 _CORRELATION = 0.2  # at the correlation length
-_PIECES = 5  # of each profile, which are drawn anew for the scatter
+_BLOCKS = 5  # of each profile, which are drawn anew for the scatter
 _SORTED = 16  # every so manieth rank is interpolated between
 
 
@@ -50,10 +50,10 @@ def resampled(profiles: np.ndarray, fit: ProfileFit, finish: Finish, rng: np.ran
 
     The spectrum scatters as that of a Gaussian surface does, and with the mean square slope of the pieces.
     """
-    length = profiles.shape[1] // _PIECES
-    pieces = profiles[:, : length * _PIECES].reshape(-1, length)
-    drawn = pieces[rng.integers(len(pieces), size=len(pieces))]
-    change = np.mean(np.diff(drawn) ** 2) / np.mean(np.diff(pieces) ** 2)
+    length = profiles.shape[1] // _BLOCKS
+    blocks = profiles[:, : length * _BLOCKS].reshape(-1, length)
+    drawn = blocks[rng.integers(len(blocks), size=len(blocks))]
+    change = np.mean(np.diff(drawn) ** 2) / np.mean(np.diff(blocks) ** 2)
     periodograms = fit.resampled(finish.spectrum, rng) * change
     heights = _heights(drawn, independent_heights(profiles))
     return Finish(fit.spectrum(periodograms), heights, _slopes(drawn))
@@ -109,10 +109,10 @@ def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) ->
 def _with_ranks(values: np.ndarray, quantiles: np.ndarray) -> np.ndarray:
     """Return values of which each has the quantile of its rank, by interpolation between some ranks."""
     ordered, last = np.sort(values, axis=None), values.size - 1
-    few = np.arange(min(256, values.size))
-    some = np.unique(np.concatenate([few, np.arange(0, last + 1, _SORTED), last - few]))
-    ranks = (some + 0.5) / values.size * quantiles.size - 0.5
-    return np.interp(values, ordered[some], np.interp(ranks, np.arange(quantiles.size), quantiles))
+    ends = np.arange(min(256, values.size))
+    nodes = np.unique(np.concatenate([ends, np.arange(0, last + 1, _SORTED), last - ends]))
+    ranks = (nodes + 0.5) / values.size * quantiles.size - 0.5
+    return np.interp(values, ordered[nodes], np.interp(ranks, np.arange(quantiles.size), quantiles))
 
 
 def _heights(profiles: np.ndarray, independent: float) -> np.ndarray:
@@ -128,9 +128,9 @@ def _heights(profiles: np.ndarray, independent: float) -> np.ndarray:
     limit = -scipy.special.ndtri(min(0.2, _TAIL / independent))
     for side in (-1, 1):
         u = side * _SCORES
-        near = np.flatnonzero((u <= limit) & (u > limit - 1))
-        slope = max(np.polyfit(_SCORES[near], quantiles[near], 1)[0], 0.0)
-        edge = near[-1 if side > 0 else 0]
+        tail = np.flatnonzero((u <= limit) & (u > limit - 1))
+        slope = max(np.polyfit(_SCORES[tail], quantiles[tail], 1)[0], 0.0)
+        edge = tail[-1 if side > 0 else 0]
         quantiles[u > limit] = quantiles[edge] + slope * (_SCORES[u > limit] - _SCORES[edge])
     return np.maximum.accumulate(quantiles)
 

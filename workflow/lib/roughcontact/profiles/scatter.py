@@ -61,20 +61,22 @@ def scatter_of_surfaces(
     """
     load = loads_of(contact)
     solved = few_loads(load)
-    members = {name: np.full((number, load.size), np.nan) for name in values}
+    ensemble = {name: np.full((number, load.size), np.nan) for name in values}
     for index, surface in enumerate(member_surfaces(profiles, window, number)):
-        member = solve_member(surface, contact, tolerance=SCATTER_TOLERANCE, names=[*values], loads=solved)
+        solved_member = solve_member(
+            surface, contact, tolerance=SCATTER_TOLERANCE, names=[*values], loads=solved
+        )
         for name in values:
-            members[name][index, solved] = member[name]
+            ensemble[name][index, solved] = solved_member[name]
     x = np.log(np.maximum(inverse_erf_area(values[AREA]), 1e-12))
     arms, shift = {}, {}
     for name, result in values.items():
-        mean, deviation = moments(name, members[name][:, solved], result[solved], values[GAP][solved])
+        mean, deviation = moments(name, ensemble[name][:, solved], result[solved], values[GAP][solved])
         calibrated = table()["quantities"][entry(name)]
-        beyond, quantile = (
+        structural, quantile = (
             np.interp(x, calibrated["load"], calibrated[key]) for key in ("spread", "quantile")
         )
-        width = quantile * np.hypot(at_all_loads(deviation, solved, load), beyond)
+        width = quantile * np.hypot(at_all_loads(deviation, solved, load), structural)
         mean = at_all_loads(mean, solved, load)
         if name in CORRECTED:
             arms[name], shift[name] = (width, width), mean
@@ -86,20 +88,20 @@ def scatter_of_surfaces(
         "were drawn and solved; what spectrum, heights and slopes do not hold is that of "
         "maps that were cut into profiles."
     )
-    missed = bool(np.isnan(members[GAP][:, solved]).any())
-    return Scatter(members, {}, [], missed, arms=arms, shift=shift, reason=reason)
+    missed = bool(np.isnan(ensemble[GAP][:, solved]).any())
+    return Scatter(ensemble, {}, [], missed, arms=arms, shift=shift, reason=reason)
 
 
 def member_surfaces(profiles: xr.DataArray, window: xr.DataArray, number: int) -> Iterator[xr.DataArray]:
     """Yield so many surfaces of the size of a window that profiles (number, x; m) leave open."""
-    pieces, pitch = profile_pieces(profiles)
-    fit = ProfileFit(pieces, max(1, form_order(profiles)))
-    finish = finish_of(pieces, fit)
+    segments, pitch = profile_pieces(profiles)
+    fit = ProfileFit(segments, max(1, form_order(profiles)))
+    finish = finish_of(segments, fit)
     step = spacing(window)[1]
     for index in range(number):
         rng = np.random.default_rng([index + 1, window.shape[1]])
-        other = resampled(pieces, fit, finish, rng)
-        yield height_map(draw(other, window.shape[1], step / pitch, rng), step)
+        redrawn = resampled(segments, fit, finish, rng)
+        yield height_map(draw(redrawn, window.shape[1], step / pitch, rng), step)
 
 
 def isotropic_contact(profile: xr.DataArray, contact: Mapping[str, Any]) -> dict[str, np.ndarray]:
@@ -113,13 +115,13 @@ def isotropic_contact(profile: xr.DataArray, contact: Mapping[str, Any]) -> dict
 
 
 def moments(
-    name: str, members: np.ndarray, result: np.ndarray, gap: np.ndarray
+    name: str, ensemble: np.ndarray, result: np.ndarray, gap: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return mean and standard deviation of members (member, load) and result, less the result, on the scale.
 
     Narrowest places are counted in mean gaps.
     """
     unit = np.where(gap > 0, gap, 1.0) if name in CONSTRICTIONS else 1.0
-    every = np.vstack([result[None], np.where(np.isnan(members), result, members)])
-    on_scale = np.nan_to_num(to_scale(name, every) - to_scale(name, result), nan=0.0) / unit
+    all_results = np.vstack([result[None], np.where(np.isnan(ensemble), result, ensemble)])
+    on_scale = np.nan_to_num(to_scale(name, all_results) - to_scale(name, result), nan=0.0) / unit
     return on_scale.mean(axis=0), on_scale.std(axis=0, ddof=1)

@@ -126,17 +126,17 @@ class ProfileFit:
     def _lines(self, points: int) -> np.ndarray:
         """Return the density along a line of each hat at the frequencies k/(2 points), (points + 1, hats)."""
         q = np.maximum(np.arange(points + 1), 0.25) / (2 * points)
-        few = np.geomspace(q[0], q[-1], _LINES)
-        t = np.linspace(0, 1, _DIRECTIONS) * np.arcsinh(0.5 / few)[:, None]  # across: q sinh t, up to 1/2
-        f = few[:, None] * np.cosh(t)
+        nodes = np.geomspace(q[0], q[-1], _LINES)
+        t = np.linspace(0, 1, _DIRECTIONS) * np.arcsinh(0.5 / nodes)[:, None]  # across: q sinh t, up to 1/2
+        f = nodes[:, None] * np.cosh(t)
         step = np.log(self._frequency[1] / self._frequency[0])
         position = np.maximum(np.log(f / self._frequency[0]) / step, 0.0)
         hats = np.maximum(0.0, 1 - np.abs(position[..., None] - np.arange(self._frequency.size)))
         density = f * np.maximum(f, self._frequency[0]) ** -3.0
         across = 2 * np.trapezoid(density[..., None] * hats, t[..., None], axis=1)
         # times q^2 the integral is flat enough to be interpolated
-        smooth = scipy.interpolate.interp1d(np.log(few), across * few[:, None] ** 2, axis=0)
-        return smooth(np.clip(np.log(q), *np.log(few[[0, -1]]))) / q[:, None] ** 2
+        smooth = scipy.interpolate.interp1d(np.log(nodes), across * nodes[:, None] ** 2, axis=0)
+        return smooth(np.clip(np.log(q), *np.log(nodes[[0, -1]]))) / q[:, None] ** 2
 
     def _kernel(self, band: np.ndarray, points: int) -> np.ndarray:
         """Return the weights (points + 1,) of the frequencies k/(2 points) in the periodogram of a band."""
@@ -150,11 +150,11 @@ class ProfileFit:
 
     def _squares(self, points: int) -> np.ndarray:
         """Return the weights (2, points + 1) in the mean square of steps, and of levelled heights."""
-        each = np.full(points + 1, 1 / points)
-        each[[0, -1]] /= 2
+        weights = np.full(points + 1, 1 / points)
+        weights[[0, -1]] /= 2
         steps = 2 - 2 * np.cos(np.pi / points * np.arange(points + 1))
         removed = np.sum(np.abs(np.fft.fft(self._basis.T, 2 * points)) ** 2, axis=0)[: points + 1] / points
-        return np.array([each * steps, each * (1 - removed)])
+        return np.array([weights * steps, weights * (1 - removed)])
 
     def _solve(
         self, measured: np.ndarray, damping: float, used: slice | np.ndarray = slice(None)

@@ -19,12 +19,14 @@ from roughcontact.si import labelled_in_si
 from roughcontact.window.finite_body import solved_map
 from roughcontact.window.sides import friendly_sides
 
-NONE = "none"  # the lay of an isotropic surface
+ISOTROPIC = "none"  # the lay of an isotropic surface
 _MOST_POINTS = 512  # per side of a surface, unless others are asked for
 _LONGEST_PIECE = 8192  # points of a profile: longer ones are cut
 _LEAST_POINTS = 64
 _LENGTHS = 10  # correlation lengths of a profile, below which its long waves are unknown
-_UNLIKE = 3.0  # standard deviations of ln mean square slope, by chance, between profiles of one finish
+_UNLIKE_DEVIATIONS = (
+    3.0  # standard deviations of ln mean square slope, by chance, between profiles of one finish
+)
 _STEP_SHARE = 0.2  # of the mean square slope in a single step between neighbours
 _LONG_SHARE = 0.2  # of the mean square height in waves that are longer than the surface
 
@@ -32,7 +34,7 @@ _LONG_SHARE = 0.2  # of the mean square height in waves that are longer than the
 def surface_from_profiles(
     profiles: Sequence[xr.DataArray],
     *,
-    lay: str = NONE,
+    lay: str = ISOTROPIC,
     points: int | None = None,
     spacing: float | None = None,
     seed: int = 0,
@@ -86,23 +88,23 @@ def surface_from_profiles(
     ((256, 256), '1 m')
     """
     check_lay(lay)
-    if lay != NONE:
+    if lay != ISOTROPIC:
         raise SettingsError("lay = 'across': such profiles are ridges, and are solved as they are (evaluate)")
     stack = stacked(profiles)
-    pieces, pitch = profile_pieces(stack)
+    segments, pitch = profile_pieces(stack)
     ratio = 1.0 if spacing is None else float(spacing) / pitch
-    side = default_points(pieces) if points is None else points
+    side = default_points(segments) if points is None else points
     if not 0 < ratio < np.inf or side != int(side) or side < 2:
         raise SettingsError(f"points = {points!r}, spacing = {spacing!r}: give positive numbers")
-    fit = ProfileFit(pieces, max(1, form_order(stack)))
-    finish = finish_of(pieces, fit)
+    fit = ProfileFit(segments, max(1, form_order(stack)))
+    finish = finish_of(segments, fit)
     heights = draw(finish, int(side), ratio, np.random.default_rng(seed))
     drawn = height_map(heights, pitch * ratio)
     facts = {
-        "lay": NONE,
+        "lay": ISOTROPIC,
         "profiles": stack.shape[0],
-        "correlation_length": correlation_length(pieces) * pitch,
-        "profile_warnings": json.dumps(_warnings(pieces, pitch, finish, side * ratio), ensure_ascii=False),
+        "correlation_length": correlation_length(segments) * pitch,
+        "profile_warnings": json.dumps(_warnings(segments, pitch, finish, side * ratio), ensure_ascii=False),
         "missing_points": 0,
         "missing_share": 0.0,
     }
@@ -135,15 +137,15 @@ def levelled_heights(height: xr.DataArray, options: Mapping[str, Any]) -> xr.Dat
         raise HeightMapError(
             f"lay = {lay}: is of profiles, and this is a map of {nx} x {ny} points; leave it out"
         )
-    if lay != NONE:
+    if lay != ISOTROPIC:
         return level(height, **options)
     rows = [height[[row]].dropna("x") for row in range(len(height))]
-    return stacked([level(row, **options) for row in rows]).assign_attrs(lay=NONE)
+    return stacked([level(row, **options) for row in rows]).assign_attrs(lay=ISOTROPIC)
 
 
 def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, Any]]) -> xr.DataArray:
     """Return the map that is solved: of profiles without a lay the surface behind them."""
-    if levelled.attrs.get("lay") != NONE:
+    if levelled.attrs.get("lay") != ISOTROPIC:
         return solved_map(levelled, settings)
     drawn = surface_from_profiles([levelled[[row]] for row in range(len(levelled))])
     facts = {key: levelled.attrs[key] for key in ("form", "form_removed")}
@@ -152,9 +154,9 @@ def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, An
     return solved_map(drawn, settings).assign_attrs(facts)
 
 
-def default_points(pieces: np.ndarray) -> int:
+def default_points(segments: np.ndarray) -> int:
     """Return the points per side of a surface of profiles of so many points."""
-    longest = min(pieces.shape[1], _MOST_POINTS)
+    longest = min(segments.shape[1], _MOST_POINTS)
     return int(friendly_sides(longest)[longest])
 
 
@@ -163,7 +165,7 @@ def profile_pieces(stack: xr.DataArray) -> tuple[np.ndarray, float]:
     rows = [_longest_run(row) for row in stack.values]
     points = min([_LONGEST_PIECE, *(row.size for row in rows)])
     cut = [row[: row.size // points * points].reshape(-1, points) for row in rows if points]
-    pieces = np.concatenate(cut) if cut else np.zeros((1, 0))
+    segments = np.concatenate(cut) if cut else np.zeros((1, 0))
     name = stack.attrs.get("source_file") or "profiles"
     if points < _LEAST_POINTS:
         raise HeightMapError(
@@ -171,10 +173,10 @@ def profile_pieces(stack: xr.DataArray) -> tuple[np.ndarray, float]:
             f"{_LEAST_POINTS} points or more, or state lay = across"
         )
     line = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1, 1, points), 1))[0]
-    pieces = pieces - (pieces @ line) @ line.T
-    if not np.diff(pieces).std() > 1e-12 * np.abs(stack).max().item():
+    segments = segments - (segments @ line) @ line.T
+    if not np.diff(segments).std() > 1e-12 * np.abs(stack).max().item():
         raise HeightMapError(f"{name}: is flat; a flat profile has no spectrum")
-    return pieces, spacing(stack)[1]
+    return segments, spacing(stack)[1]
 
 
 def _longest_run(row: np.ndarray) -> np.ndarray:
@@ -184,11 +186,11 @@ def _longest_run(row: np.ndarray) -> np.ndarray:
     return row[ends[longest] : ends[longest + 1] - 1]
 
 
-def _warnings(pieces: np.ndarray, pitch: float, finish: Finish, side: float) -> list[str]:
+def _warnings(segments: np.ndarray, pitch: float, finish: Finish, side: float) -> list[str]:
     """Return sentences on profiles that do not tell enough of a surface of `side` times their pitch."""
-    steps = np.diff(pieces) ** 2
-    length = correlation_length(pieces)
-    lengths = pieces.shape[1] / length
+    steps = np.diff(segments) ** 2
+    length = correlation_length(segments)
+    lengths = segments.shape[1] / length
     warnings = []
     if lengths < _LENGTHS:
         warnings.append(
@@ -198,7 +200,7 @@ def _warnings(pieces: np.ndarray, pitch: float, finish: Finish, side: float) -> 
         )
     spread = np.ptp(np.log(steps.mean(axis=1)))
     chance = np.sqrt(2 * _bandwidth(steps) / steps.shape[1])
-    if len(pieces) > 1 and spread > _UNLIKE * np.sqrt(2) * chance:
+    if len(segments) > 1 and spread > _UNLIKE_DEVIATIONS * np.sqrt(2) * chance:
         warnings.append(
             f"The mean square slopes of the profiles differ by a factor of {number(np.exp(spread))}, more "
             "than those of an isotropic surface do: they may be of two directions, across and along a lay. "
@@ -212,8 +214,8 @@ def _warnings(pieces: np.ndarray, pitch: float, finish: Finish, side: float) -> 
         )
     f = np.geomspace(finish.spectrum.frequency[0], finish.spectrum.frequency[-1], 500)
     powers = finish.spectrum.at(f) * f**2  # for each step of ln f
-    seen = f > 1 / pieces.shape[1]
-    missing = powers[seen & (f < 1 / side)].sum() / powers[seen].sum()
+    resolved = f > 1 / segments.shape[1]
+    missing = powers[resolved & (f < 1 / side)].sum() / powers[resolved].sum()
     if missing > _LONG_SHARE:
         warnings.append(
             f"Waves longer than the surface that was solved, {quantity(side * pitch, 'm')}, have "

@@ -108,9 +108,9 @@ def _contribution(half_width: float, source: str) -> str:
     return "no pixel in doubt" if source == "solver" else "no difference"
 
 
-def _largest(parts: Mapping[str, float]) -> str:
+def _largest(components: Mapping[str, float]) -> str:
     """Return the name of the source with the largest contribution, a dash where all is exact."""
-    available = {source: component for source, component in parts.items() if component > 0}
+    available = {source: component for source, component in components.items() if component > 0}
     return _SOURCE_LABELS[max(available, key=available.__getitem__)] if available else "–"
 
 

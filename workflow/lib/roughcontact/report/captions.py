@@ -171,9 +171,9 @@ def _load(numbers: xr.Dataset) -> str:
     return unit_of(numbers, "Pa").text(float(numbers["mean_pressure"]))
 
 
-def _at_extreme_loads(numbers: xr.Dataset, said: list[str]) -> str:
+def _at_extreme_loads(numbers: xr.Dataset, sentences: list[str]) -> str:
     """Return the statements `said` with the lowest and the highest load; one where there is one load."""
     loads = numbers["mean_pressure"].values
     ends = [unit_of(numbers, "Pa").text(float(load)) for load in (loads[0], loads[-1])]
-    pairs = [f"{text} at {load}" for text, load in zip(said, ends, strict=True)]
+    pairs = [f"{text} at {load}" for text, load in zip(sentences, ends, strict=True)]
     return ", ".join(pairs if loads.size > 1 else pairs[:1])

@@ -109,11 +109,13 @@ def _contact(statistics: xr.Dataset, contact: Mapping[str, Any]) -> str:
     solids = "bodies with layers" if have_layers(contact["bodies"]) else "half-spaces"
     bound = float(statistics["error_bound"].max())
     last_digit = 10.0 ** (math.floor(math.log10(bound)) - 1) if bound > 0 else 1.0
-    at_most = number(math.ceil(bound / last_digit * (1 - 1e-9)) * last_digit, digits=2)  # never rounded down
+    bound_text = number(
+        math.ceil(bound / last_digit * (1 - 1e-9)) * last_digit, digits=2
+    )  # never rounded down
     return (
         f"The frictionless contact{bodies} under a prescribed mean pressure (E* = {modulus}{limit}) was "
         f"solved for periodic elastic {solids} by fast Fourier transforms on the grid of the window; the "
-        f"relative error of the pressures in the energy norm is proved to be at most {at_most}."
+        f"relative error of the pressures in the energy norm is proved to be at most {bound_text}."
     )
 
 

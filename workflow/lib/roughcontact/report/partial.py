@@ -96,12 +96,12 @@ def _reason(plan: Plan, result: str) -> str | None:
         if not Path(log).is_file():
             continue
         text = _text_of(log)
-        if said := re.findall(r"^\[.*?\] ERROR: (.+)$", text, re.MULTILINE):
-            return said[-1]
+        if errors := re.findall(r"^\[.*?\] ERROR: (.+)$", text, re.MULTILINE):
+            return errors[-1]
         if not text.endswith("] done\n"):
             return f"ended without a word, as a job does that is killed: {log}"
-    gone = [path for path in _sources(plan, result) if not Path(path).exists()]
-    return f"{gone[0]}: is gone since the run began; put it back and run again" if gone else None
+    missing = [path for path in _sources(plan, result) if not Path(path).exists()]
+    return f"{missing[0]}: is gone since the run began; put it back and run again" if missing else None
 
 
 def _text_of(log: str) -> str:

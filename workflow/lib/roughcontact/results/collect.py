@@ -109,23 +109,23 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
                 sizes[dim] = max(size, sizes.get(dim, 0))
             dims[name] = array.dims
     columns = {}
-    for name, of in dims.items():
+    for name, names_of_dim in dims.items():
         # the coordinate of a dimension cannot vary by surface
         if name in sizes and name != "depth":
             continue
-        values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in of)), np.nan)
+        values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in names_of_dim)), np.nan)
         for place, arrays in datasets.items():
             if name in arrays:
                 part = arrays[name].values
                 corner: tuple[int | slice, ...] = (*place, *(slice(size) for size in part.shape))
                 values[corner] = part
-        columns["profile_depth" if name == "depth" else name] = (("case", "surface", *of), values)
+        columns["profile_depth" if name == "depth" else name] = (("case", "surface", *names_of_dim), values)
     collected = xr.Dataset(columns, coords=_labels("surface", surfaces))
     collected = collected.set_coords([name for name in _COORDINATES if name in columns])
-    for name, kind in _COMMON_LABELS.items():
+    for name, label_kind in _COMMON_LABELS.items():
         if name in sizes:
             first = next(arrays for arrays in datasets.values() if name in arrays)
-            collected = collected.assign_coords({name: first[name].values.astype(kind)})
+            collected = collected.assign_coords({name: first[name].values.astype(label_kind)})
     collected.attrs["source_sha256"] = json.dumps(checksums, sort_keys=True)
     picked: dict[str, Callable[[Mapping[str, Any]], Any]] = {
         "verdicts": lambda attrs: json.loads(attrs["verdicts"]),
@@ -146,7 +146,10 @@ def _of_files(
 ) -> str:
     """Return as JSON what is picked from the attributes of each file, by case and surface."""
     return json.dumps(
-        {case: {surface: pick(attrs) for surface, attrs in of.items()} for case, of in attributes.items()},
+        {
+            case: {surface: pick(attrs) for surface, attrs in by_surface.items()}
+            for case, by_surface in attributes.items()
+        },
         default=float,
         ensure_ascii=False,
     )
@@ -255,14 +258,14 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
             raise SettingsError(
                 "the verdicts are of other loads: select rows of the table, not loads before it"
             )
-        found = [verdicts[case][surface][load] for case, surface, load in rows]
-        known = [name for answer in ANSWERS if (name := f"{answer}_verdict") in statistics]
-        words = np.array(list(VERDICTS.values()), object)
-        for name in known:
+        verdict_rows = [verdicts[case][surface][load] for case, surface, load in rows]
+        with_verdict = [name for answer in ANSWERS if (name := f"{answer}_verdict") in statistics]
+        verdict_words = np.array(list(VERDICTS.values()), object)
+        for name in with_verdict:
             codes = statistics[name].transpose(*order).values.ravel()[real]
-            frame[name] = words[codes.astype(int)]
-        frame["verdict"] = [word for word, _ in found]
-        frame["reasons"] = [" | ".join(reasons) for _, reasons in found]
+            frame[name] = verdict_words[codes.astype(int)]
+        frame["verdict"] = [verdict for verdict, _ in verdict_rows]
+        frame["reasons"] = [" | ".join(reasons) for _, reasons in verdict_rows]
     # padding made counts and flags floating; where none is missing they are whole numbers again
     for name in _WHOLE_NUMBERS:
         if name in frame and frame[name].notna().all():

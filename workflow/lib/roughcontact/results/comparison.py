@@ -100,22 +100,24 @@ def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | 
 def _surfaces(statistics: xr.Dataset) -> Surfaces:
     """Return the loads of each surface by its labels, without the padding of shorter lists."""
     labels = [dim for dim in _LABELS if dim in statistics.dims]
-    found: Surfaces = {}
-    for place in np.ndindex(*(statistics.sizes[dim] for dim in labels)):
-        one = statistics.isel(dict(zip(labels, place, strict=True)))
-        name = tuple(str(one[f"{dim}_name"].values) for dim in labels)
-        loads = [one.isel(load=load) for load in np.flatnonzero(np.isfinite(one["mean_pressure"].values))]
+    surfaces: Surfaces = {}
+    for index in np.ndindex(*(statistics.sizes[dim] for dim in labels)):
+        selected = statistics.isel(dict(zip(labels, index, strict=True)))
+        name = tuple(str(selected[f"{dim}_name"].values) for dim in labels)
+        loads = [
+            selected.isel(load=load) for load in np.flatnonzero(np.isfinite(selected["mean_pressure"].values))
+        ]
         if loads:
-            found[name] = loads
-    return found
+            surfaces[name] = loads
+    return surfaces
 
 
 def _pairs(before: list[xr.Dataset], after: list[xr.Dataset]) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
     """Yield the loads of both that belong together; one without a partner comes with an empty dataset."""
     left = list(after)
     for old in before:
-        place = next((place for place, new in enumerate(left) if _same_load(old, new)), None)
-        yield old, xr.Dataset() if place is None else left.pop(place)
+        index = next((index for index, new in enumerate(left) if _same_load(old, new)), None)
+        yield old, xr.Dataset() if index is None else left.pop(index)
     for new in left:
         yield xr.Dataset(), new
 
@@ -157,9 +159,9 @@ def _numbers(old: xr.Dataset) -> list[str]:
     ]
 
 
-def _half_width(side: xr.Dataset, name: str, other: float) -> float:
+def _half_width(side: xr.Dataset, name: str, value: float) -> float:
     """Return the half-width of a number's interval on the side of the other run's number."""
-    end = f"{name}_upper" if other > float(side[name]) else f"{name}_lower"
+    end = f"{name}_upper" if value > float(side[name]) else f"{name}_lower"
     if end in side:
         reach = abs(float(side[end]) - float(side[name]))
         # an interval that the map does not bound upwards holds all that is more
@@ -169,7 +171,7 @@ def _half_width(side: xr.Dataset, name: str, other: float) -> float:
 
 def _row(pressure: float, name: str, before: float, after: float, *, allowed: float) -> dict[str, Any]:
     """Return one row of the table."""
-    same = before == after or (np.isnan(before) and np.isnan(after))
+    is_equal = before == after or (np.isnan(before) and np.isnan(after))
     change = abs(after - before)
     return {
         "mean_pressure": pressure,
@@ -178,5 +180,5 @@ def _row(pressure: float, name: str, before: float, after: float, *, allowed: fl
         "before": before,
         "after": after,
         "allowed": allowed,
-        "differs": bool(not same and not (change <= allowed and np.isfinite(change))),
+        "differs": bool(not is_equal and not (change <= allowed and np.isfinite(change))),
     }

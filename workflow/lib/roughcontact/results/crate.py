@@ -159,7 +159,7 @@ def _files(folder: Path) -> Iterator[Path]:
     """Yield the files of a run, without hidden ones and an earlier crate."""
     for path in folder.rglob("*"):
         inside = path.relative_to(folder)
-        hidden = inside.parts[0] == INPUTS or any(part[0] == "." for part in inside.parts)
+        hidden = inside.parts[0] == INPUTS or any(folder_name[0] == "." for folder_name in inside.parts)
         if path.is_file() and inside != Path(_NAME) and not hidden:
             yield path
 
@@ -178,11 +178,11 @@ def _add(crate: "ROCrate", identifier: str, properties: dict[str, Any]) -> Any:
     return crate.add(ContextEntity(crate, identifier, properties=properties))
 
 
-def _add_named(crate: "ROCrate", kind: str, text: str) -> Any:
+def _add_named(crate: "ROCrate", entity_type: str, text: str) -> Any:
     """Add a person or an organisation, ``Name`` or ``Name <address>``."""
-    name, address = (part.strip(" >") for part in (*text.split("<", 1), "")[:2])
+    name, address = (field.strip(" >") for field in (*text.split("<", 1), "")[:2])
     identifier = address if address.startswith("http") else "#" + re.sub(r"\W+", "-", name)
-    return _add(crate, identifier, {"@type": kind, "name": name or address})
+    return _add(crate, identifier, {"@type": entity_type, "name": name or address})
 
 
 def _add_measured(crate: "ROCrate", source: dict[str, Any]) -> Any:
@@ -199,11 +199,11 @@ def _add_measured(crate: "ROCrate", source: dict[str, Any]) -> Any:
 def _add_program(crate: "ROCrate", *, versions: str, commit: str) -> Any:
     """Add this program at a version and a commit, with the packages that it computed with."""
     packages = json.loads(versions or "{}")
-    own = packages.pop("roughcontact", "unknown")
+    program_version = packages.pop("roughcontact", "unknown")
     about = {
         "@type": "SoftwareApplication",
         "name": "roughcontact",
-        "softwareVersion": f"{own}, commit {commit}" if commit else own,
+        "softwareVersion": f"{program_version}, commit {commit}" if commit else program_version,
         "softwareRequirements": [
             _add(
                 crate,
@@ -213,4 +213,4 @@ def _add_program(crate: "ROCrate", *, versions: str, commit: str) -> Any:
             for name, version in packages.items()
         ],
     }
-    return _add(crate, "#" + "-".join(filter(None, ["roughcontact", own, commit])), about)
+    return _add(crate, "#" + "-".join(filter(None, ["roughcontact", program_version, commit])), about)

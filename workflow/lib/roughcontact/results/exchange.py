@@ -53,13 +53,15 @@ def write_vti(contact: xr.Dataset, path: str | Path) -> None:
     (ny, nx), (dy, dx) = height.shape, spacing(height)
     extent = f"0 {nx - 1} 0 {ny - 1} 0 0"
     origin = f"{float(height['x'][0])!r} {float(height['y'][0])!r} 0"
-    several = contact.sizes["load"] > 1
-    names = [name + (f"_{load + 1}" if load is not None and several else "") for name, load in _maps(contact)]
+    has_loads = contact.sizes["load"] > 1
+    names = [
+        name + (f"_{load + 1}" if load is not None and has_loads else "") for name, load in _maps(contact)
+    ]
     loads = contact["mean_pressure"].values
     room = 8 + 8 * height.size  # of a map, its length before it
     arrays = [
-        f'<DataArray type="Float64" Name="{name}" format="appended" offset="{place * room}"/>'
-        for place, name in enumerate(names)
+        f'<DataArray type="Float64" Name="{name}" format="appended" offset="{number * room}"/>'
+        for number, name in enumerate(names)
     ]
     head = (
         '<?xml version="1.0"?>\n'

@@ -77,11 +77,11 @@ def copy_inputs(results: Path, configuration: Path, known: set[str]) -> Path:
     lines = ["\t".join(cells) for cells in (header, *(cells for _, cells in rows))]
     tables = target / "surfaces.tsv"
     write_text("\n".join(lines) + "\n", tables)
-    own = tables.rename(tables.with_name(f"surfaces-{sha256(tables)[:12]}.tsv"))
+    renamed = tables.rename(tables.with_name(f"surfaces-{sha256(tables)[:12]}.tsv"))
     for section in (config, *(config.get("cases") or {}).values()):
         _replace_spectrum(section, lambda path: copied(path, beside, recorded=False))
     write_text(
-        json.dumps(config | {"surfaces": own.name}, indent=2, default=str) + "\n", target / "config.yaml"
+        json.dumps(config | {"surfaces": renamed.name}, indent=2, default=str) + "\n", target / "config.yaml"
     )
     return target / "config.yaml"
 

@@ -78,8 +78,10 @@ class _MeanPressureIndex(xr.Index):
 
     def isel(self, indexers: Mapping[Any, Any]) -> "_MeanPressureIndex | None":
         """Return the index of a part; None where a single load is left."""
-        part = self.pressures.isel({dim: at for dim, at in indexers.items() if dim in self.pressures.dims})
-        return _MeanPressureIndex(self.name, part) if "load" in part.dims else None
+        selected = self.pressures.isel(
+            {dim: indexer for dim, indexer in indexers.items() if dim in self.pressures.dims}
+        )
+        return _MeanPressureIndex(self.name, selected) if "load" in selected.dims else None
 
     def sel(
         self, labels: dict[Any, Any], method: str | None = None, tolerance: float | None = None
@@ -88,22 +90,22 @@ class _MeanPressureIndex(xr.Index):
         ((name, label),) = labels.items()
         if method not in (None, "nearest"):
             raise ValueError(f'{name}: method = {method!r} is not one of None, "nearest"')
-        wanted = np.asarray(label, float)
-        if wanted.ndim > 1:
+        requested = np.asarray(label, float)
+        if requested.ndim > 1:
             raise ValueError(f"{name}: give a pressure or a list of them, not a table")
-        asked = xr.Variable(["asked"] if wanted.ndim else [], wanted)
-        distances = abs(self.pressures - asked).fillna(np.inf)
+        requested_variable = xr.Variable(["asked"] if requested.ndim else [], requested)
+        distances = abs(self.pressures - requested_variable).fillna(np.inf)
         allowed = 0.0 if method is None else np.inf if tolerance is None else float(tolerance)
         if not (distances.min("load") <= allowed).all():
-            known = np.unique(self.pressures.values[np.isfinite(self.pressures.values)])
-            listed = ", ".join(f"{pressure:.6g}" for pressure in known)
+            solved = np.unique(self.pressures.values[np.isfinite(self.pressures.values)])
+            listed = ", ".join(f"{pressure:.6g}" for pressure in solved)
             raise KeyError(f'{name} = {label} Pa is none of the loads {listed}; try method="nearest"')
-        places = distances.argmin("load")
-        if wanted.ndim:
-            places = xr.Variable(["load" if dim == "asked" else dim for dim in places.dims], places.values)
-        elif not places.ndim:
-            return IndexSelResult({"load": int(places)})
-        return IndexSelResult({"load": places})
+        nearest = distances.argmin("load")
+        if requested.ndim:
+            nearest = xr.Variable(["load" if dim == "asked" else dim for dim in nearest.dims], nearest.values)
+        elif not nearest.ndim:
+            return IndexSelResult({"load": int(nearest)})
+        return IndexSelResult({"load": nearest})
 
     def equals(self, other: xr.Index, **_: Any) -> bool:
         """Return whether another index holds the same pressures."""

@@ -38,7 +38,7 @@ class Array(NamedTuple):
 
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
 _COMPRESSION: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True}
-_PIECE = (1, 512, 1024)  # chunk of a map: loads are read one by one
+_MAP_CHUNK = (1, 512, 1024)  # chunk of a map: loads are read one by one
 _AS_NOISE = ("gap",)  # nearly random digits: compression takes longer than the solution, and saves a sixth
 _CACHE = 2**20  # bytes of a variable that are kept in memory: less than a chunk
 _BYTES_OF_MAPS = 17  # at most, of a point under one load: pressure, gap and contact
@@ -105,7 +105,7 @@ def provenance(
     program = f"roughcontact {__version__}"
     how = {"comment": _LOADS_BY_PRESSURE} if stage == "statistics" else {}
     title = _TITLES.get(stage, "Result of roughcontact")
-    made = {
+    attributes = {
         "Conventions": "CF-1.11",
         "title": f"{title}: {of}" if of else title,
         "history": "\n".join(filter(None, [history, f"{title} by {program}"])),
@@ -115,8 +115,8 @@ def provenance(
         "source_sha256": source_sha256,
     }
     if commit := _commit():
-        made["commit"] = commit
-    return made | how
+        attributes["commit"] = commit
+    return attributes | how
 
 
 @cache
@@ -140,8 +140,8 @@ def _commit() -> str:
         return ""
     command = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
     with suppress(OSError, subprocess.SubprocessError):
-        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
-        return done.stdout.strip()
+        completed = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
+        return completed.stdout.strip()
     return ""
 
 
@@ -202,7 +202,7 @@ def _packed(name: str, variable: xr.Variable | xr.DataArray) -> dict[str, Any]:
     packed = {} if name in _AS_NOISE else _COMPRESSION
     if variable.dims[1:] != ("y", "x"):
         return packed
-    return packed | {"chunksizes": tuple(map(min, _PIECE, variable.shape))}
+    return packed | {"chunksizes": tuple(map(min, _MAP_CHUNK, variable.shape))}
 
 
 class LoadByLoad:
@@ -232,12 +232,12 @@ class LoadByLoad:
         To be given to `solve_contact` as `reduce`.
         """
         maps = describe(solution[[name for name in solution.data_vars if solution[name].ndim == 3]])
-        found = next(entry for entry in self._open if entry[1] == maps["mean_pressure"].values[0])
-        self._open.remove(found)
+        entry_ = next(entry for entry in self._open if entry[1] == maps["mean_pressure"].values[0])
+        self._open.remove(entry_)
         if self._file is None:
             self._file = self._made_for(maps)
         for name, field in maps.data_vars.items():
-            self._file[str(name)][found[0]] = field.values[0]
+            self._file[str(name)][entry_[0]] = field.values[0]
         return xr.Dataset()
 
     def _made_for(self, maps: xr.Dataset) -> "netCDF4.Dataset":
@@ -249,17 +249,17 @@ class LoadByLoad:
             for dimension, size in {**maps.sizes, "load": self._size}.items():
                 file.createDimension(str(dimension), size)
             for name, field in maps.data_vars.items():
-                made = file.createVariable(
+                variable_ = file.createVariable(
                     str(name),
                     field.dtype,
                     [*map(str, field.dims)],
                     fill_value=np.nan if field.dtype.kind == "f" else None,
                     **_packed(str(name), field),
                 )
-                beside = sorted(
+                remaining = sorted(
                     str(coordinate) for coordinate in field.coords if coordinate not in field.dims
                 )
-                made.setncatts(field.attrs | {"coordinates": " ".join(beside)})
+                variable_.setncatts(field.attrs | {"coordinates": " ".join(remaining)})
         file.set_auto_maskandscale(False)
         return file
 
@@ -409,7 +409,9 @@ def read_arrays(path: str | Path) -> tuple[dict[str, Array], dict[str, Any]]:
 
     with _readable(path) as sealed, Dataset(path) as file:
         file.set_auto_maskandscale(False)
-        arrays = {name: Array(found.dimensions, found[...]) for name, found in file.variables.items()}
+        arrays = {
+            name: Array(variable.dimensions, variable[...]) for name, variable in file.variables.items()
+        }
         attrs = {name: file.getncattr(name) for name in file.ncattrs()}
         _take_digest(attrs, path, sealed)
         return arrays, attrs
@@ -502,8 +504,8 @@ def whole(path: str | Path, *, size: int) -> Iterator[Path]:
 def _why_not_written(folder: Path, error: Exception, size: int) -> str | None:
     """Return why nothing can be written to a folder, and the way out; None for other reasons."""
     code = getattr(error, "errno", None)
-    there = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
-    free, may_write = shutil.disk_usage(there).free, os.access(there, os.W_OK)
+    existing = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
+    free, may_write = shutil.disk_usage(existing).free, os.access(existing, os.W_OK)
     # of a full disk netCDF says as well that it has no permission
     if code in (errno.ENOSPC, errno.EDQUOT) or (may_write and free < size):
         left = f"the disk is full ({free / 1e6:.3g} MB free)"
@@ -511,5 +513,7 @@ def _why_not_written(folder: Path, error: Exception, size: int) -> str | None:
     if code == errno.EFBIG or "NetCDF: HDF error" in str(error):
         return "a limit of the size of files (`ulimit -f`) or a quota is reached: raise it and run again"
     if code in (errno.EROFS, errno.EACCES, errno.EPERM) or not may_write:
-        return f"the folder {there} is read-only for you: choose another one (with the workflow: --directory)"
+        return (
+            f"the folder {existing} is read-only for you: choose another one (with the workflow: --directory)"
+        )
     return None

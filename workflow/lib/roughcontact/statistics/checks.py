@@ -132,7 +132,7 @@ def surface_checks(
     """
     stated = {key: value for key, value in statistics.attrs.items() if str(key).startswith("instrument_")}
     window = {**stated, **window}  # the table of surfaces prevails over the settings
-    found = [
+    checks = [
         contact_checks.units(statistics),
         contact_checks.convergence(statistics),
         contact_checks.contact_points(statistics, points),
@@ -163,20 +163,20 @@ def surface_checks(
         map_checks.reading(height, levelled),
     ]
     if statistics.attrs.get("boundary") == "free":
-        found = [check for check in found if check.name not in _OF_PERIODIC_MAPS]
+        checks = [check for check in checks if check.name not in _OF_PERIODIC_MAPS]
     return [
         _noted(check._replace(answers=_CONCERNS.get(check.name, check.answers)), statistics, window)
-        for check in found
+        for check in checks
     ]
 
 
 def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
     """Return a warning as a note where the interval includes what it says, or the settings ask for it."""
-    beyond: dict[str, Callable[[Attributes], bool]] = {
+    limits: dict[str, Callable[[Attributes], bool]] = {
         CheckName.NOISE: instrument_checks.is_mostly_noise,
         CheckName.QUANTISATION: instrument_checks.is_too_coarse,
     }
-    if check.outcome != REVIEW or (check.name in beyond and beyond[check.name](window)):
+    if check.outcome != REVIEW or (check.name in limits and limits[check.name](window)):
         return check
     if check.name == CheckName.PLASTICITY and "hardness" in statistics:
         return check._replace(outcome=NOTE)
@@ -264,16 +264,21 @@ def with_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
     by_load = [window_checks(statistics.isel(load=[load]), window) for load in loads]
     together = window_checks(statistics, window)
     grades = list(VERDICTS)
-    in_words = [[VERDICTS[verdict(found)], [reason(check) for check in reasons(found)]] for found in by_load]
+    verdict_texts = [
+        [VERDICTS[verdict(load_checks)], [reason(check) for check in reasons(load_checks)]]
+        for load_checks in by_load
+    ]
 
     def flags(*answers: str) -> tuple[str, np.ndarray]:
-        return "load", np.array([grades.index(verdict(found, *answers)) for found in by_load], np.int8)
+        return "load", np.array(
+            [grades.index(verdict(load_checks, *answers)) for load_checks in by_load], np.int8
+        )
 
     of_answers = {f"{answer}_verdict": flags(answer) for answer in ANSWERS}
     described = describe(statistics.assign(of_answers | {"verdict": flags()}))
     return described.assign_attrs(
         reasons=json.dumps(_reasons_with_loads(by_load, together), ensure_ascii=False),
-        verdicts=json.dumps(in_words, ensure_ascii=False),
+        verdicts=json.dumps(verdict_texts, ensure_ascii=False),
     )
 
 
@@ -282,9 +287,9 @@ def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> li
 
     The sentence is that of the check of all loads together; where that passes, that of the first load.
     """
-    found = []
-    for position, of_all in enumerate(together):
+    reasons_ = []
+    for position, same_check in enumerate(together):
         loads = [load for load, checks in enumerate(by_load) if reasons([checks[position]])]
-        if doubts := reasons([of_all, *(by_load[load][position] for load in loads)]):
-            found.append({"check": of_all.name, "loads": loads, "text": doubts[0].sentence})
-    return found
+        if doubts := reasons([same_check, *(by_load[load][position] for load in loads)]):
+            reasons_.append({"check": same_check.name, "loads": loads, "text": doubts[0].sentence})
+    return reasons_

@@ -59,9 +59,9 @@ def contact_points(statistics: xr.Dataset, points: int) -> Check:
     'review'
     """
     counts = np.rint(statistics["relative_contact_area_pixels"].values * points).astype(int)
-    few = int((counts < CONTACT_POINTS).sum())
-    if few:
-        loads = f"At {few} of {counts.size} loads fewer" if counts.size > 1 else "Fewer"
+    few_loads = int((counts < CONTACT_POINTS).sum())
+    if few_loads:
+        loads = f"At {few_loads} of {counts.size} loads fewer" if counts.size > 1 else "Fewer"
         text = (
             f"{loads} than {CONTACT_POINTS} points are in contact (down to {counts.min()}): areas and "
             "pressures are coarse there."
@@ -83,7 +83,9 @@ def overcount(statistics: Numbers) -> np.ndarray:
     >>> overcount(xr.Dataset(areas)).round(3)
     array([0.1])
     """
-    counted, corrected = (np.asarray(statistics[f"relative_contact_area{kind}"]) for kind in ("_pixels", ""))
+    counted, corrected = (
+        np.asarray(statistics[f"relative_contact_area{ending}"]) for ending in ("_pixels", "")
+    )
     touching = corrected > 0
     return np.where(touching, counted / np.where(touching, corrected, 1.0) - 1, np.inf)
 
@@ -93,20 +95,20 @@ def resolution(statistics: xr.Dataset) -> Check:
     resolution = float(statistics["points_per_shortest_wavelength"][0])
     if np.isnan(resolution):
         return Check(CheckName.RESOLUTION, PASSED, "The map is flat: there is no wave to resolve.")
-    over = overcount(statistics)
-    coarse = int((over > OVERCOUNT).sum())
+    excess = overcount(statistics)
+    coarse = int((excess > OVERCOUNT).sum())
     waves = f"The shortest wave of the map has {number(resolution, digits=2)} points"
     if coarse:
-        loads = f"At {coarse} of {over.size} loads the" if over.size > 1 else "The"
+        loads = f"At {coarse} of {excess.size} loads the" if excess.size > 1 else "The"
         text = (
             f"{loads} contact patches are only a few points across: counting points overstates the area by "
-            f"up to {percent(over.max())}, and the correction is coarse."
+            f"up to {percent(excess.max())}, and the correction is coarse."
         )
         return Check(
             CheckName.RESOLUTION, REVIEW, text, explanation=f"{waves}.", advice="Measure with finer pixels."
         )
     text = (
-        f"Counting points overstates the area by at most {percent(over.max())}; this is corrected. {waves}."
+        f"Counting points overstates the area by at most {percent(excess.max())}; this is corrected. {waves}."
     )
     return Check(CheckName.RESOLUTION, PASSED, text)
 
@@ -139,7 +141,9 @@ def plasticity(statistics: xr.Dataset) -> Check:
 def _against_hardness(statistics: xr.Dataset) -> Check:
     """Return the check of the pressure against the hardness that limits it."""
     hardness, modulus = (float(statistics[name]) for name in ("hardness", "contact_modulus"))
-    load_share, area_share = (statistics[f"{part}_share_above_hardness"].values for part in ("load", "area"))
+    load_share, area_share = (
+        statistics[f"{quantity_name}_share_above_hardness"].values for quantity_name in ("load", "area")
+    )
     first = ""
     if "first_yield_pressure" in statistics:
         first_yield = pressure_unit(modulus).text(float(statistics["first_yield_pressure"]))
@@ -190,10 +194,10 @@ def _without_hardness(statistics: xr.Dataset) -> Check:
                 f"one. If it was given in MPa, it is {quantity(1e6 * modulus, 'Pa')}, and metals flow there."
             )
         return Check(CheckName.PLASTICITY, NOT_MADE, text)
-    beyond_all, flowing = mean > materials.HARDEST, beyond_metals(statistics).values
-    if beyond_all.any():
+    beyond_materials, flowing = mean > materials.HARDEST, beyond_metals(statistics).values
+    if beyond_materials.any():
         text = (
-            f"{_loads(beyond_all, statistics)} the contact is beyond what any material bears, "
+            f"{_loads(beyond_materials, statistics)} the contact is beyond what any material bears, "
             f"{materials.HARDEST:g} E*: {figures}."
         )
         explanation = "An elastic result means nothing there."
@@ -361,19 +365,19 @@ def mean_free_path(statistics: xr.Dataset) -> list[Check]:
     names = ("electrical_conductance", "conductance_per_conductivity", "relative_contact_area")
     conductance, of_constriction, area = (statistics[name].values for name in names)
     ratio = 4 / 3 * _RESISTIVITY_TIMES_PATH * conductance * (1 / area - 1)
-    known = np.isfinite(ratio) & np.isfinite(of_constriction) & (ratio > 0)
-    if not known.any():
+    judged = np.isfinite(ratio) & np.isfinite(of_constriction) & (ratio > 0)
+    if not judged.any():
         return []
-    knudsen = 3 * np.pi / 8 * float(ratio[known].max())
-    path = _RESISTIVITY_TIMES_PATH * float((conductance / of_constriction)[known].max())
-    more = float(over_holms_resistance(knudsen)) - 1
-    length, radius = (quantity(each, "m", digits=2) for each in (path, path / knudsen))
+    knudsen = 3 * np.pi / 8 * float(ratio[judged].max())
+    path = _RESISTIVITY_TIMES_PATH * float((conductance / of_constriction)[judged].max())
+    increase = float(over_holms_resistance(knudsen)) - 1
+    length, radius = (quantity(value, "m", digits=2) for value in (path, path / knudsen))
     text = (
         f"The spots conduct like round ones of a radius of {radius} at the least; electrons of a metal of "
         f"this resistivity go {length} without a collision (Knudsen number {number(knudsen, digits=2)}), "
-        f"which adds up to {percent(more)} to the resistance"
+        f"which adds up to {percent(increase)} to the resistance"
     )
-    if more < _BALLISTIC:
+    if increase < _BALLISTIC:
         return [Check(CheckName.MEAN_FREE_PATH, PASSED, f"{text}.")]
     return [Check(CheckName.MEAN_FREE_PATH, REVIEW, f"{text} and is not in the ±.", advice="Add it.")]
 

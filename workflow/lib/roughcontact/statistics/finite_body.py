@@ -36,11 +36,17 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
         stiffness[load] = force / -solution.approach / map_area
         energy[load] = 0.5 * float((pressure * (height.values - approach)).mean())
     scale = xr.Variable("load", stiffness / statistics["contact_stiffness"].values)
-    own = {str(name): statistics[name].variable for name in statistics}
-    own |= {name: values * scale for name, values in own.items() if "conductance" in name}
-    own |= {name: values / scale for name, values in own.items() if name.endswith("_resistance")}
-    without = (*THEORIES, "loading_stiffness", *(f"{kind}_{axis}" for kind in _PASSAGE for axis in "xy"))
-    own |= {name: xr.full_like(own[name], np.nan, dtype=float) for name in without if name in own}
+    columns_ = {str(name): statistics[name].variable for name in statistics}
+    columns_ |= {name: values * scale for name, values in columns_.items() if "conductance" in name}
+    columns_ |= {name: values / scale for name, values in columns_.items() if name.endswith("_resistance")}
+    undefined = (
+        *THEORIES,
+        "loading_stiffness",
+        *(f"{passage}_{axis}" for passage in _PASSAGE for axis in "xy"),
+    )
+    columns_ |= {
+        name: xr.full_like(columns_[name], np.nan, dtype=float) for name in undefined if name in columns_
+    }
     columns = {
         "contact_stiffness": stiffness,
         "elastic_energy": energy,
@@ -50,8 +56,10 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
     if "form_radius_x" in height.attrs:
         radii = float(height.attrs["form_radius_x"]), float(height.attrs["form_radius_y"])
         smooth = [hertz_ellipse(float(force), radii, modulus) for force in forces]
-        columns["hertz_radius"] = np.array([(one["major"] * one["minor"]) ** 0.5 for one in smooth])
-        columns["hertz_max_pressure"] = np.array([one["max_pressure"] for one in smooth])
-        columns["hertz_approach"] = np.array([one["approach"] for one in smooth])
-    own |= {name: xr.Variable("load", values) for name, values in columns.items()}
-    return statistics.assign(own).assign_coords(force=("load", forces))
+        columns["hertz_radius"] = np.array(
+            [(ellipse["major"] * ellipse["minor"]) ** 0.5 for ellipse in smooth]
+        )
+        columns["hertz_max_pressure"] = np.array([ellipse["max_pressure"] for ellipse in smooth])
+        columns["hertz_approach"] = np.array([ellipse["approach"] for ellipse in smooth])
+    columns_ |= {name: xr.Variable("load", values) for name, values in columns.items()}
+    return statistics.assign(columns_).assign_coords(force=("load", forces))

@@ -58,7 +58,7 @@ _SMOOTHED_MEANS = (
     "Contact areas are then too large, pressures and gaps too small, but not those of longer waves alone "
     "(level.s_filter, coarser pixels)"
 )
-_MADE = "Not made: the map is periodic as it is, as made ones are."
+_PERIODIC_MAP = "Not made: the map is periodic as it is, as made ones are."
 
 
 def smoothed(window: Attributes) -> Check:
@@ -79,14 +79,16 @@ def smoothed(window: Attributes) -> Check:
     'review'
     """
     if window.get("periodisation") == "none":
-        return Check(CheckName.SMOOTHED, NOT_MADE, _MADE)
+        return Check(CheckName.SMOOTHED, NOT_MADE, _PERIODIC_MAP)
     if "spectrum_exponent" not in window:
         return Check(CheckName.SMOOTHED, NOT_MADE, "Not made: too few waves to judge the spectrum by.")
     looked_for = (_shape_of_spectrum(window), _blunt_peaks(window), _repeated_heights(window))
     traces = [trace for trace in looked_for if trace]
-    if found := [trace for trace in traces if trace.ways_out]:
-        ways_out = ", or ".join(dict.fromkeys(way for trace in found for way in trace.ways_out))
-        first, *further = [f"{trace.sentence}." for trace in found]
+    if smoothing_traces := [trace for trace in traces if trace.ways_out]:
+        ways_out = ", or ".join(
+            dict.fromkeys(remedy for trace in smoothing_traces for remedy in trace.ways_out)
+        )
+        first, *further = [f"{trace.sentence}." for trace in smoothing_traces]
         return Check(
             CheckName.SMOOTHED,
             REVIEW,
@@ -176,9 +178,9 @@ def _removed_below(window: Attributes) -> float:
 
 def _in_pixels(wavelength: float, window: Attributes) -> str:
     """Return a wavelength in words, in pixels too where their size is known."""
-    words = quantity(wavelength, "m", digits=2)
+    length = quantity(wavelength, "m", digits=2)
     pixel = window.get("pixel_pitch", 0.0)
-    return f"{words} ({number(wavelength / pixel, digits=2)} pixels)" if pixel else words
+    return f"{length} ({number(wavelength / pixel, digits=2)} pixels)" if pixel else length
 
 
 def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
@@ -199,9 +201,9 @@ def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
     if not (over_mean > PEAK_OVER_MEAN and window["summit_chance"] < CHANCE):
         text = f"The largest pressure is at most {times}, or not that of one summit alone."
         return Check(CheckName.ISOLATED_PEAK, PASSED, text)
-    more = window["summit_over_next"]
-    higher = f"{number(more, digits=2)} times as high above its surroundings as any other"
-    if np.isinf(more):
+    ratio_to_next = window["summit_over_next"]
+    higher = f"{number(ratio_to_next, digits=2)} times as high above its surroundings as any other"
+    if np.isinf(ratio_to_next):
         higher = "and no other summit does"
     where = " and ".join(f"{axis} = {quantity(window[f'summit_{axis}'], 'm')}" for axis in ("x", "y"))
     return Check(
@@ -374,7 +376,7 @@ def height_unit(height: Attributes, window: Attributes) -> Check:
     'review'
     """
     if window.get("periodisation") == "none":
-        return Check(CheckName.HEIGHT_UNIT, NOT_MADE, _MADE)
+        return Check(CheckName.HEIGHT_UNIT, NOT_MADE, _PERIODIC_MAP)
     if window.get("spectrum_exponent", -np.inf) < SPECTRUM_ENDS:
         text = "Not made: the noise of the instrument does not show in a map that is smooth at its pixels."
         return Check(CheckName.HEIGHT_UNIT, NOT_MADE, text)
@@ -401,26 +403,28 @@ def pixel_size(height: Attributes, window: Attributes) -> Check:
     >>> pixel_size(named, {"pixel_pitch": 1.1e-6}).sentence
     'Pixels of 1.1 µm are those of an optical profiler with a lens of 20×.'
     """
-    kind, pixel = instrument_kind(height), float(window.get("pixel_pitch", 0.0))
-    if kind is UNKNOWN or not pixel:
+    instrument, pixel = instrument_kind(height), float(window.get("pixel_pitch", 0.0))
+    if instrument is UNKNOWN or not pixel:
         return Check(
             CheckName.PIXEL_SIZE, NOT_MADE, "Not made: the file does not name the kind of its instrument."
         )
-    words = f"Pixels of {quantity(pixel, 'm', digits=2)} are"
-    low, high = kind.step
+    subject = f"Pixels of {quantity(pixel, 'm', digits=2)} are"
+    low, high = instrument.step
     if not low <= pixel <= high:
-        text = f"{words} not those of {kind.words} ({quantity(low, 'm')} to {quantity(high, 'm')})."
+        text = f"{subject} not those of {instrument.words} ({quantity(low, 'm')} to {quantity(high, 'm')})."
         return Check(CheckName.PIXEL_SIZE, REVIEW, text, advice="Check the lateral unit.")
     times = _magnification(height)
     if not times:
-        return Check(CheckName.PIXEL_SIZE, PASSED, f"{words} those of {kind.words}.")
+        return Check(CheckName.PIXEL_SIZE, PASSED, f"{subject} those of {instrument.words}.")
     camera = pixel * times
-    lens = f"{kind.words} with a lens of {number(times, digits=2)}×"
+    lens = f"{instrument.words} with a lens of {number(times, digits=2)}×"
     if not _CAMERA[0] <= camera <= _CAMERA[1]:
-        text = f"{words} not those of {lens}: they would be {quantity(camera, 'm', digits=2)} on its camera."
+        text = (
+            f"{subject} not those of {lens}: they would be {quantity(camera, 'm', digits=2)} on its camera."
+        )
         advice = "Check the lateral unit, and whether the map was resampled."
         return Check(CheckName.PIXEL_SIZE, REVIEW, text, advice=advice)
-    return Check(CheckName.PIXEL_SIZE, PASSED, f"{words} those of {lens}.")
+    return Check(CheckName.PIXEL_SIZE, PASSED, f"{subject} those of {lens}.")
 
 
 def instrument_kind(height: Attributes) -> Kind:

@@ -79,8 +79,8 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
     if not rejected:
         return Check(CheckName.OUTLIERS, PASSED, "No point was rejected.")
     named = kinds_in_words(levelled)
-    they, was, kind = ("it", "was", "an outlier") if rejected == 1 else ("they", "were", "outliers")
-    text = f"{several(rejected, 'point')} {was} rejected as {kind}" + (f" ({named})" if named else "")
+    they, was, noun = ("it", "was", "an outlier") if rejected == 1 else ("they", "were", "outliers")
+    text = f"{several(rejected, 'point')} {was} rejected as {noun}" + (f" ({named})" if named else "")
     shares = statistics["rejected_load_share"].values if "rejected_load_share" in statistics else np.nan
     if np.isnan(shares).all():
         unknown = f"The load that {they} would carry if {they} were kept is not known."
@@ -114,12 +114,12 @@ def scan_lines(levelled: Attributes, statistics: xr.Dataset | None = None) -> Ch
     jitter, evidence = levelled.get("row_jitter", 0.0), levelled.get("row_jitter_evidence", "none")
     aligned = levelled.get("line_alignment", "none")
     if evidence == "none":
-        found = "No random shift of the rows against one another was found."
+        finding = "No random shift of the rows against one another was found."
         if statistics is not None and _lay_along_rows(statistics):
-            found += (
+            finding += (
                 " The lay runs along the rows: beside grooves a few rows wide small shifts would not show."
             )
-        return Check(CheckName.SCAN_LINES, PASSED, found)
+        return Check(CheckName.SCAN_LINES, PASSED, finding)
     text = f"The rows are shifted against one another, by {percent(jitter)} of the rms height (rms)"
     if evidence == "doubtful":
         text = (
@@ -320,16 +320,18 @@ def lay(statistics: xr.Dataset, window: Attributes) -> list[Check]:
     if "lay" in window:
         text = "The profile runs across a lay, as stated: its ridges are endless."
         return [Check(CheckName.LAY, PASSED, text)]
-    both = ""
+    comparison = ""
     if "relative_contact_area_if_isotropic" in statistics:
         ridges, isotropic = (
             ", ".join(percent(area) for area in statistics[f"relative_contact_area{end}"].values)
             for end in ("", "_if_isotropic")
         )
-        both = f"Contact area of endless ridges, as shown: {ridges}; of an isotropic surface: {isotropic}."
+        comparison = (
+            f"Contact area of endless ridges, as shown: {ridges}; of an isotropic surface: {isotropic}."
+        )
     advice = "State lay = across (turned, ground: ridges) or lay = none (blasted, etched, lapped: isotropic)."
     finding = "Nothing states the lay of the profile."
-    return [Check(CheckName.LAY, REVIEW, finding, explanation=both, advice=advice)]
+    return [Check(CheckName.LAY, REVIEW, finding, explanation=comparison, advice=advice)]
 
 
 def band(window: Attributes) -> Check:

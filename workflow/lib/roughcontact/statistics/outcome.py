@@ -148,7 +148,7 @@ def concerns(check: Check) -> str:
     >>> concerns(Check("Sample", REVIEW, "The map is small.", ("mean_gap", "sealing")))
     'mean gap, sealing'
     """
-    unconcerned = [words for answer, words in ANSWERS.items() if answer not in check.answers]
+    unconcerned = [answer_words for answer, answer_words in ANSWERS.items() if answer not in check.answers]
     if len(unconcerned) < len(check.answers):
         return f"all but {', '.join(unconcerned)}" if unconcerned else ""
     return ", ".join(ANSWERS[answer] for answer in check.answers)

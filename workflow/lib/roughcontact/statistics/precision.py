@@ -57,7 +57,7 @@ def gap_is_decided(numbers: Numbers, axis: str) -> np.ndarray:
     NaN without an interval; one without an upper end is open there.
     """
     name = f"critical_constriction_{axis}"
-    per_load = next(numbers[known] for known in ("mean_pressure", "mean_gap") if known in numbers)
+    per_load = next(numbers[name_] for name_ in ("mean_pressure", "mean_gap") if name_ in numbers)
     unknown = np.full(np.shape(per_load), np.nan)
     lower, upper = (np.asarray(numbers.get(f"{name}_{end}", unknown), float) for end in ("lower", "upper"))
     one_sided = (lower > 0) | (upper <= 0)
@@ -74,12 +74,12 @@ def yield_is_decided(numbers: Numbers) -> np.ndarray:
     value, lower, upper = (
         np.asarray(numbers.get(f"max_pressure{end}", np.nan), float) for end in ("", "_lower", "_upper")
     )
-    everywhere = lower >= limit
+    everywhere_above = lower >= limit
     if "max_pressure_parts" in numbers:
-        parts = np.asarray(numbers["max_pressure_parts"], float)
-        known = np.isfinite(parts).any(axis=0)
-        everywhere = everywhere | (known & (np.fmin.reduce(parts, axis=0) >= limit))
-    one_sided = np.where(value >= limit, everywhere, upper < limit)
+        subwindows = np.asarray(numbers["max_pressure_parts"], float)
+        judged = np.isfinite(subwindows).any(axis=0)
+        everywhere_above = everywhere_above | (judged & (np.fmin.reduce(subwindows, axis=0) >= limit))
+    one_sided = np.where(value >= limit, everywhere_above, upper < limit)
     return np.where((np.isnan(lower) & np.isnan(upper)) | np.isnan(limit), np.nan, one_sided)
 
 
@@ -88,15 +88,17 @@ def with_precision(statistics: xr.Dataset) -> xr.Dataset:
 
     Of sealing and yield, which are yes or no, it is 0 where the interval lies on one side, else NaN.
     """
-    known = {}
+    precision_columns = {}
     for answer in ANSWERS:
         name = _CONDUCTANCE if answer == "conductance" else answer
         if f"{name}_lower" in statistics:
             value, lower, upper = (statistics[f"{name}{end}"].values for end in ("", "_lower", "_upper"))
-            known[answer] = relative_half_width(value, lower, upper)
+            precision_columns[answer] = relative_half_width(value, lower, upper)
     if "critical_constriction_x_lower" in statistics:
         decided = [gap_is_decided(statistics, axis) for axis in "xy"]
-        known["sealing"] = np.where((decided[0] == 1) & (decided[1] == 1), 0.0, np.nan)
+        precision_columns["sealing"] = np.where((decided[0] == 1) & (decided[1] == 1), 0.0, np.nan)
     if "hardness" in statistics and "max_pressure_lower" in statistics:
-        known["yield"] = np.where(yield_is_decided(statistics) == 1, 0.0, np.nan)
-    return statistics.assign({f"{answer}_known": ("load", values) for answer, values in known.items()})
+        precision_columns["yield"] = np.where(yield_is_decided(statistics) == 1, 0.0, np.nan)
+    return statistics.assign(
+        {f"{answer}_known": ("load", values) for answer, values in precision_columns.items()}
+    )

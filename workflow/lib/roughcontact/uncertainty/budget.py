@@ -166,7 +166,7 @@ def error_budget(
         scatter = scatter_of(
             levelled, window, contact=lenient, arguments=settings["window"], values=values, number=windows
         )
-        middle |= {name: middle[name] + by for name, by in scatter.shift.items()}
+        middle |= {name: middle[name] + offset for name, offset in scatter.shift.items()}
         grooves = constrictions_in_grooves(window) if CONSTRICTIONS[0] in values else []
         open_ended = {name: solved[f"{name}_half_way"].values > 0 for name in grooves}
         attrs = {

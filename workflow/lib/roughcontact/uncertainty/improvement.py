@@ -44,9 +44,9 @@ def map_scatter_ratio(levelled: xr.DataArray, parts: int) -> float:
             squares += slope[: squares.shape[0], : squares.shape[1]] ** 2
     counts, variances = [], []
     for cuts in _CUTS:
-        pieces = [cuts if n > cuts else 1 for n in squares.shape]
-        rows = np.array_split(squares, pieces[0], axis=0)
-        boxes = [piece for row in rows for piece in np.array_split(row, pieces[1], axis=1)]
+        divisions = [cuts if n > cuts else 1 for n in squares.shape]
+        rows = np.array_split(squares, divisions[0], axis=0)
+        boxes = [piece for row in rows for piece in np.array_split(row, divisions[1], axis=1)]
         means = [float(np.nanmean(box)) for box in boxes if np.isfinite(box).any()]
         if len(means) > 1:
             counts.append(len(means))
@@ -61,11 +61,11 @@ def map_scatter_ratio(levelled: xr.DataArray, parts: int) -> float:
 
 def scatter_of_maps(statistics: xr.Dataset, load: int, ratio: float) -> float:
     """Return the standard deviation of ln(contact area) between maps of this size, at or near a load."""
-    parts = statistics[f"{AREA}_parts"].transpose("load", ...).values
-    solved = np.flatnonzero((np.isfinite(parts) & (parts > 0)).sum(axis=1) > 1)
+    subwindows = statistics[f"{AREA}_parts"].transpose("load", ...).values
+    solved = np.flatnonzero((np.isfinite(subwindows) & (subwindows > 0)).sum(axis=1) > 1)
     if not solved.size:
         return math.nan
-    areas = parts[solved[np.abs(solved - load).argmin()]]
+    areas = subwindows[solved[np.abs(solved - load).argmin()]]
     return float(np.std(np.log(areas[areas > 0]), ddof=1)) * ratio
 
 
@@ -114,8 +114,8 @@ def halving_line(statistics: xr.Dataset, ratio: float | None) -> str:
             actions.append(_more_places(scatter_of_maps(statistics, load, ratio), half_width, shared, widths))
         elif source in ADVICE:
             actions.append(_lens(statistics) or ADVICE[source])
-        rest = math.sqrt(sum(widths[name] ** 2 for name in by_size[by_size.index(source) + 1 :]))
-        if rest + widths[source] / 2 <= half_width / 2 or rest <= half_width / 2:
+        remaining = math.sqrt(sum(widths[name] ** 2 for name in by_size[by_size.index(source) + 1 :]))
+        if remaining + widths[source] / 2 <= half_width / 2 or remaining <= half_width / 2:
             break
     return "; ".join(dict.fromkeys(filter(None, actions)))
 
@@ -144,8 +144,8 @@ def _more_places(scatter: float, half_width: float, shared: float, widths: dict[
     if maps is None:
         return f"measure {field}" if field else "measure more places"
     promised = percent(half_width_of_mean(scatter, maps, shared))
-    places = f"measure {several(maps - 1, 'more place')} of this size (their mean: to ± {promised})"
-    return f"{places}, or {field}" if field else places
+    action = f"measure {several(maps - 1, 'more place')} of this size (their mean: to ± {promised})"
+    return f"{action}, or {field}" if field else action
 
 
 def _doubted(statistics: xr.Dataset, name: CheckName) -> bool:

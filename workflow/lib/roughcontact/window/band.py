@@ -37,11 +37,11 @@ def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
     (2e-06, 'two pixels')
     """
     pitch = max(d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1)
-    known = [(2 * pitch, "two pixels")]
+    limits = [(2 * pitch, "two pixels")]
     aperture = numerical_aperture(stored_instrument(height.attrs))
     if aperture:
-        known.append((lateral_period_limit(aperture), f"the lens (numerical aperture {aperture:g})"))
-    return max(known)
+        limits.append((lateral_period_limit(aperture), f"the lens (numerical aperture {aperture:g})"))
+    return max(limits)
 
 
 def lateral_period_limit(aperture: float, light: float | None = None) -> float:
@@ -111,9 +111,9 @@ def limit_band(
     """
     _check_limits(shortest, longest)
     limit, limit_reason = reliable_wavelength(window)
-    wanted = [(shortest, "window.shortest_wavelength")] if shortest else []
-    wanted += [(limit, limit_reason)] if reliable else []
-    shortest, reason = max(wanted, default=(None, "the grid"))
+    cutoffs = [(shortest, "window.shortest_wavelength")] if shortest else []
+    cutoffs += [(limit, limit_reason)] if reliable else []
+    shortest, reason = max(cutoffs, default=(None, "the grid"))
     step = spacing(window)
     q = wavenumbers(window.shape, step)
     outside = q > (2 * np.pi / shortest * (1 + _RELATIVE_MARGIN) if shortest else math.inf)
@@ -131,10 +131,10 @@ def limit_band(
         values = values - np.fft.irfft2(spectrum, s=values.shape)
     sides = [(n * d, d) for n, d in zip(window.shape, step, strict=True) if n > 1]
     grid = 2 * min(pitch for _, pitch in sides)
-    whole = max(length for length, _ in sides)
+    longest_side = max(length for length, _ in sides)
     return window.copy(data=values).assign_attrs(
         band_shortest=float(max(shortest or 0.0, grid)),
-        band_longest=float(min(longest or math.inf, whole)),
+        band_longest=float(min(longest or math.inf, longest_side)),
         band_reason=reason,
         band_removed_rms_height=math.sqrt(removed.sum()),
         band_removed_rms_gradient=math.sqrt((q**2 * removed).sum()),

@@ -36,22 +36,22 @@ def window_arguments(levelled: xr.DataArray, settings: Mapping[str, Mapping[str,
     >>> window_arguments(rough_reference_surface(64), settings)
     {'correct_for': {'resolution': 0.1}}
     """
-    asked = settings.get("instrument", {})
-    if not asked.get("correct"):
+    section = settings.get("instrument", {})
+    if not section.get("correct"):
         return dict(settings["window"])
-    name, known = levelled.attrs.get("source_file") or "the map", stated_instrument(levelled, asked)
+    name, stated = levelled.attrs.get("source_file") or "the map", stated_instrument(levelled, section)
     wrong = ""
     if "counter_face" in levelled.attrs:
         wrong = "is a pair of faces, each with an instrument of its own; leave it out for pairs"
-    elif not any(known.get(key) for key in CORRECTED):
+    elif not any(stated.get(key) for key in CORRECTED):
         wrong = (
             "has nothing to be corrected for; state instrument.noise, .resolution or .numerical_aperture, or "
             "leave it out"
         )
     if wrong:
         raise SettingsError(f"instrument.correct = true: {name} {wrong}", keys=["instrument.correct"])
-    check_instrument(levelled, known)
-    return {**settings["window"], "correct_for": known}
+    check_instrument(levelled, stated)
+    return {**settings["window"], "correct_for": stated}
 
 
 def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> None:
@@ -118,14 +118,14 @@ def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None
     >>> stated_instrument(height, {"noise": 2e-9, "tip_radius": None})
     {'noise': 1e-09}
     """
-    known = dict(settings or {})
+    stated = dict(settings or {})
     of_file = numerical_aperture(stored_instrument(levelled.attrs))
     optics = ("numerical_aperture", "resolution", "tip_radius")
-    known |= {
+    stated |= {
         str(key).removeprefix(_STATED): value
         for key, value in levelled.attrs.items()
         if str(key).startswith(_STATED)
     }
-    if of_file and not any(known.get(key) for key in optics):
-        known["numerical_aperture"] = of_file
-    return {key: value for key, value in known.items() if value is not None and key != "correct"}
+    if of_file and not any(stated.get(key) for key in optics):
+        stated["numerical_aperture"] = of_file
+    return {key: value for key, value in stated.items() if value is not None and key != "correct"}

@@ -46,8 +46,8 @@ def lay_period(values: np.ndarray, axis: int) -> float | None:
         top += 1
     if top == reach:
         return None
-    before, at, after = correlation[top - 1 : top + 2]
-    return float(top + (before - after) / (2 * (before - 2 * at + after)))
+    before, peak, after = correlation[top - 1 : top + 2]
+    return float(top + (before - after) / (2 * (before - 2 * peak + after)))
 
 
 def side_of_whole_periods(longest: int, period: float | None) -> int:

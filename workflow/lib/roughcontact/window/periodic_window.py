@@ -115,8 +115,10 @@ def periodic_window(
         return unchanged
 
     fade = width if method in _BLENDING_METHODS else 0.0
-    whole = placement == "whole-periods"
-    start, sides, band, shortened = _largest_window(levelled, values, fade, min_share, whole_periods=whole)
+    whole_periods = placement == "whole-periods"
+    start, sides, band, shortened = _largest_window(
+        levelled, values, fade, min_share, whole_periods=whole_periods
+    )
     missing = bool(np.isnan(values).any())
     del values  # memory may not hold more than is needed of a large map
     used, before, blended = _cut_out(levelled, start, sides, band, method=method, width=width)
@@ -264,10 +266,10 @@ def _already_periodic(
     attrs = dict(levelled.attrs)
     removed = json.loads(attrs.get("form_removed", "{}"))
     form = form_from_record(removed, levelled["y"].values, levelled["x"].values)
-    found = periodisation.periodic_heights(values, form)
-    if found is None:
+    periodic = periodisation.periodic_heights(values, form)
+    if periodic is None:
         return None
-    values, form_restored = found
+    values, form_restored = periodic
     reason = "The map is periodic as it is; it was left alone."
     if form_restored:
         reason = (
@@ -342,9 +344,9 @@ def _check_window(levelled: xr.DataArray, used: Sequence[int], share: float, min
         )
 
 
-def _rms_difference(one: np.ndarray, other: np.ndarray) -> float:
+def _rms_difference(first: np.ndarray, second: np.ndarray) -> float:
     """Return the root mean square difference of two maps."""
-    difference = one - other
+    difference = first - second
     return float(np.sqrt(np.mean(np.square(difference, out=difference))))
 
 

@@ -49,8 +49,8 @@ def periodic_heights(values: np.ndarray, form: np.ndarray) -> tuple[np.ndarray, 
         return values, False
     if not np.ptp(form) or not is_periodic(values + form):
         return None
-    whole = values + form
-    return whole - whole.mean(), True
+    heights = values + form
+    return heights - heights.mean(), True
 
 
 def _is_seamless(values: np.ndarray) -> bool:
@@ -156,7 +156,7 @@ def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool =
     mean = values.mean()
     values = values - mean
     # before any blending: a transposed map then has the same result
-    alike = [
+    correlations = [
         _correlation(v[..., :n], v[..., v.shape[-1] - n :]) if n else 1.0
         for v, n in zip((values.T, values), band, strict=True)
     ]
@@ -168,8 +168,8 @@ def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool =
             weight = np.sin(np.pi / 2 * (np.arange(points) + 0.5) / points) ** 2
             blended = weight * first + (1 - weight) * last
             if keep_variance:
-                both = weight * (1 - weight)
-                blended /= np.sqrt(1 - 2 * both * (1 - alike[axis]))
+                product = weight * (1 - weight)
+                blended /= np.sqrt(1 - 2 * product * (1 - correlations[axis]))
             values = np.concatenate([blended, values[..., points:length]], axis=-1)
             del first, last, blended
             values = np.moveaxis(np.roll(values, -(points // 2), axis=-1), -1, axis)

@@ -34,17 +34,17 @@ def largest_rectangle(good: np.ndarray, sides: np.ndarray) -> tuple[int, int, in
     right = np.full(nx, nx)
     best, best_area, best_rank = (0, 0, 0, 0), 0, (0.0, 0.0)
     for row in range(ny):
-        here = good[row]
-        if not here.any():
+        row_good = good[row]
+        if not row_good.any():
             tall[:], left[:], right[:] = 0, 0, nx
             continue
         # one past the last bad cell to the left, and the first bad cell to the right
-        from_left = np.maximum.accumulate(np.where(here, 0, columns + 1))
-        to_right = np.minimum.accumulate(np.where(here, nx, columns)[::-1])[::-1]
-        tall = np.where(here, tall + 1, 0)
-        left = np.where(here, np.maximum(left, from_left), 0)
-        right = np.where(here, np.minimum(right, to_right), nx)
-        area = np.where(here, sides[tall] * sides[right - left], 0)
+        left_edge = np.maximum.accumulate(np.where(row_good, 0, columns + 1))
+        to_right = np.minimum.accumulate(np.where(row_good, nx, columns)[::-1])[::-1]
+        tall = np.where(row_good, tall + 1, 0)
+        left = np.where(row_good, np.maximum(left, left_edge), 0)
+        right = np.where(row_good, np.minimum(right, to_right), nx)
+        area = np.where(row_good, sides[tall] * sides[right - left], 0)
         largest = int(area.max())
         if largest < max(best_area, 1):
             continue

@@ -83,11 +83,11 @@ def _side_score(side: int) -> float:
     """Return the logarithm of a side less a penalty for missing halvings; -inf for a prime factor above 5."""
     if side <= _COARSEST_SIDE:
         return math.log(side)
-    rest = side
+    remaining = side
     for factor in (2, 3, 5):
-        while rest % factor == 0:
-            rest //= factor
-    if rest > 1:
+        while remaining % factor == 0:
+            remaining //= factor
+    if remaining > 1:
         return -math.inf
     coarsest = side
     while coarsest % 2 == 0 and coarsest > _COARSEST_SIDE:

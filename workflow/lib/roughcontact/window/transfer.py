@@ -176,13 +176,13 @@ def corrected(window: xr.DataArray, instrument: Mapping[str, Any]) -> xr.DataArr
     >>> corrected(window, lens).attrs["corrected_for"]
     'noise of 1.00 nm, numerical aperture of 0.3'
     """
-    known = {key: stated for key in CORRECTED if (stated := instrument.get(key))}
-    words = [
+    stated_causes = {key: stated for key in CORRECTED if (stated := instrument.get(key))}
+    causes = [
         f"{key.replace('_', ' ')} of {f'{size:g}' if key == 'numerical_aperture' else quantity(size, 'm')}"
-        for key, size in known.items()
+        for key, size in stated_causes.items()
     ]
-    found = restored(window, instrument, noise=instrument.get("noise") or 0.0, equalise=True)
-    return found.assign_attrs(corrected_for=", ".join(words))
+    deconvolved = restored(window, instrument, noise=instrument.get("noise") or 0.0, equalise=True)
+    return deconvolved.assign_attrs(corrected_for=", ".join(causes))
 
 
 def undone(window: xr.DataArray, instrument: Mapping[str, Any]) -> dict[str, xr.DataArray]:
@@ -206,14 +206,14 @@ def undone(window: xr.DataArray, instrument: Mapping[str, Any]) -> dict[str, xr.
     >>> list(undone(rough_reference_surface(64), {"resolution": 0.1, "tip_radius": None}))
     ['lens']
     """
-    found = {}
+    maps = {}
     if (instrument.get("numerical_aperture") or instrument.get("resolution")) and (
         "corrected_for" not in window.attrs
     ):
-        found["lens"] = restored(window, instrument, noise=instrument.get("noise") or 0.0)
+        maps["lens"] = restored(window, instrument, noise=instrument.get("noise") or 0.0)
     if tip_radius := instrument.get("tip_radius"):
-        found["tip"] = eroded(window, tip_radius)
-    return found
+        maps["tip"] = eroded(window, tip_radius)
+    return maps
 
 
 def with_noise(window: xr.DataArray, noise: float) -> tuple[xr.DataArray, float]:
@@ -285,10 +285,12 @@ def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
     around, touched = np.pad(values, [(k, k) for k in halves], mode="wrap"), values.copy()
     rows = max(1, _POINTS_PER_BLOCK // values.shape[1])
     for start in range(0, len(values), rows):
-        own = touched[start : start + rows]
-        near = around[start : start + len(own) + 2 * halves[0]]
-        for i, j in np.argwhere((above < own.max() - near.min()) & (above < tip_radius)):
-            np.minimum(own, near[i : i + own.shape[0], j : j + own.shape[1]] + above[i, j], out=own)
+        block = touched[start : start + rows]
+        neighbourhood = around[start : start + len(block) + 2 * halves[0]]
+        for i, j in np.argwhere((above < block.max() - neighbourhood.min()) & (above < tip_radius)):
+            np.minimum(
+                block, neighbourhood[i : i + block.shape[0], j : j + block.shape[1]] + above[i, j], out=block
+            )
     return window.copy(data=touched)
 
 
