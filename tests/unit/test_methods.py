@@ -63,3 +63,16 @@ def test_the_command_prints_it_for_each_result(statistics, tmp_path, capsys):
     write_dataset(several, tmp_path / "all.nc")
     assert main(["methods", str(tmp_path / "all.nc")]) == 2
     assert "all.nc: is of several surfaces; name the folder" in capsys.readouterr().err
+
+
+def test_a_body_of_finite_size_has_a_force_and_no_neighbours():
+    height = self_affine_surface(
+        (64, 64), (1e-6, 1e-6), hurst=0.8, rms_height=1e-9, shortest=4e-6, longest=1.6e-5, seed=5
+    )
+    contact = {"bodies": ["steel", "steel"], "boundary": "free", "force": "1 mN"}
+    text = methods_paragraph(evaluate(height, contact=contact, form={"radius": "1 mm"}))
+    assert "under a prescribed force" in text
+    assert "half-spaces without neighbours" in text
+    assert "periodic" not in text
+    assert "A force of 0.00100 N gives a true contact area of" in text
+    assert "are for the error of the solver alone" in text

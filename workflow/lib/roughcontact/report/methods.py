@@ -53,7 +53,7 @@ def methods_paragraph(statistics: xr.Dataset) -> str:
     version = f"{versions['roughcontact']}{f' (commit {commit})' if commit else ''}"
     sentences = [
         _levelling(statistics, settings["level"]),
-        _window(statistics, settings["window"]),
+        _window(statistics, settings["window"], free=settings["contact"].get("boundary") == "free"),
         _contact(statistics, settings["contact"]),
         *_answers(statistics, settings["uncertainty"]),
         f"All was computed with roughcontact {version}; its CITATION.cff says how to cite it.",
@@ -80,15 +80,14 @@ def _levelling(statistics: xr.Dataset, level: Mapping[str, Any]) -> str:
     return f"{', '.join(steps)}."
 
 
-def _window(statistics: xr.Dataset, window: Mapping[str, Any]) -> str:
+def _window(statistics: xr.Dataset, window: Mapping[str, Any], *, free: bool) -> str:
     """Return the window that was solved, and its roughness."""
     lengths = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
     size = " × ".join(quantity(length, "m") for length in lengths if math.isfinite(length))
+    noun = "window" if all(map(math.isfinite, lengths)) else "profile"
     created = statistics.attrs.get("periodisation", window["method"])
-    steps = [
-        f"A window of {size} "
-        + ("was periodic as measured" if created == "none" else f"was made periodic ({created})")
-    ]
+    made = "was periodic as measured" if created == "none" else f"was made periodic ({created})"
+    steps = [f"A {noun} of {size} {'is the roughness of a body of finite size' if free else made}"]
     steps += [
         f"waves {side} than {quantity(window[key], 'm')} were removed"
         for side, key in (("shorter", "shortest_wavelength"), ("longer", "longest_wavelength"))
@@ -107,14 +106,16 @@ def _contact(statistics: xr.Dataset, contact: Mapping[str, Any]) -> str:
     hardness = contact["hardness"]
     limit = f", the pressure limited to the hardness of {quantity(hardness, 'Pa')}" if hardness else ""
     solids = "bodies with layers" if have_layers(contact["bodies"]) else "half-spaces"
+    free = contact.get("boundary") == "free"
+    load, cell = ("force", "without neighbours") if free else ("mean pressure", "of one period")
     bound = float(statistics["error_bound"].max())
     last_digit = 10.0 ** (math.floor(math.log10(bound)) - 1) if bound > 0 else 1.0
     bound_text = number(
         math.ceil(bound / last_digit * (1 - 1e-9)) * last_digit, digits=2
     )  # never rounded down
     return (
-        f"The frictionless contact{bodies} under a prescribed mean pressure (E* = {modulus}{limit}) was "
-        f"solved for periodic elastic {solids} by fast Fourier transforms on the grid of the window; the "
+        f"The frictionless contact{bodies} under a prescribed {load} (E* = {modulus}{limit}) was "
+        f"solved for elastic {solids} {cell} by fast Fourier transforms on the grid of the window; the "
         f"relative error of the pressures in the energy norm is proved to be at most {bound_text}."
     )
 
@@ -123,15 +124,19 @@ def _answers(statistics: xr.Dataset, uncertainty: Mapping[str, Any]) -> list[str
     """Return the answers at a few loads, and what their intervals are for."""
     rising = statistics["mean_pressure"].argsort().values.tolist()
     sparse = [rising[0], rising[len(rising) // 2], rising[-1]] if len(rising) > _MOST_LOADS else rising
-    sentences = []
+    sentences, free = [], "force" in statistics.variables
     for index in sparse:
         load = statistics.isel(load=index)
         answers = [f"{text} {_answer(load, name, unit)}" for name, (text, unit) in _ANSWERS.items()]
-        pressure = quantity(float(load["mean_pressure"]), "Pa")
-        sentences.append(f"A mean pressure of {pressure} gives {', '.join(answers[:-1])} and {answers[-1]}.")
+        applied = f"mean pressure of {quantity(float(load['mean_pressure']), 'Pa')}"
+        if free:
+            applied = f"force of {quantity(float(load['force']), 'N')}"
+            answers[0] = answers[0].replace("nominal area", "area of the map")
+        sentences.append(f"A {applied} gives {', '.join(answers[:-1])} and {answers[-1]}.")
     if "relative_contact_area_lower" in statistics:
         extent = uncertainty["extent"] if uncertainty["measurand"] == "longer" else None
-        sentences.append(f"The intervals hold 95 % and are for {measurand_in_words(extent)}.")
+        measurand = "the error of the solver alone" if free else measurand_in_words(extent)
+        sentences.append(f"The intervals hold 95 % and are for {measurand}.")
     return sentences
 
 

@@ -16,6 +16,7 @@ from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
 from roughcontact.report.files import relative_links
 from roughcontact.report.glance import HEADINGS, glance_rows, outcome_of, usable_loads
+from roughcontact.report.methods import methods_paragraph
 from roughcontact.report.stack import stack_of_layers
 from roughcontact.report.summary import write_summary
 from roughcontact.report.template import template
@@ -125,6 +126,7 @@ def write_panel(
             if linked
             else {},
         ),
+        methods=methods_paragraph(numbers) if "settings" in numbers.attrs else "",
         settings=json.dumps(settings, indent=1, sort_keys=True),
         versions=facts.versions(numbers),
         source_sha256=source,
