@@ -126,7 +126,9 @@ def write_panel(
             if linked
             else {},
         ),
-        methods=methods_paragraph(numbers) if "settings" in numbers.attrs else "",
+        methods=methods_paragraph(numbers)
+        if "level" in json.loads(numbers.attrs.get("settings", "{}"))
+        else "",
         settings=json.dumps(settings, indent=1, sort_keys=True),
         versions=facts.versions(numbers),
         source_sha256=source,
