@@ -5,7 +5,6 @@ from functools import partial
 from snakemake.logging import logger
 
 from roughcontact.command_line.rule_arguments import RuleArguments
-from roughcontact.command_line.running import stated_options
 from roughcontact.command_line.unfinished import start_partial_report
 from roughcontact.configuration.places import check_places, left_over
 from roughcontact.configuration.plan import Plan
@@ -21,7 +20,8 @@ collect_rarely()
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.
 DEFAULT = find("config/config.yaml", [".", ROOT])
-STATED = stated_options(sys.argv).configfile
+# as Snakemake has made them absolute, before it changed to --directory
+STATED = workflow.configfiles
 # Relative paths: in the working directory, then beside the file that names them, then in this checkout.
 FOLDERS = [".", *(Path(file).parent for file in STATED[-1:]), ROOT]
 DEFAULTS = not STATED and not {"surfaces", "contact"} & set(config)
