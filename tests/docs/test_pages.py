@@ -123,7 +123,9 @@ def checkout(tmp_path, monkeypatch):
         shutil.copy(ROOT / name, tmp_path)
     for name in ("config", "data_samples"):
         shutil.copytree(ROOT / name, tmp_path / name)
-    (tmp_path / "workflow").symlink_to(ROOT / "workflow")
+    for name in ("workflow", "benchmarks", "validation"):
+        if not (tmp_path / name).exists():
+            (tmp_path / name).symlink_to(ROOT / name)
     programs = tmp_path / ".programs"
     programs.mkdir()
     python = shlex.quote(sys.executable)
