@@ -105,3 +105,16 @@ def test_what_has_no_meaning_is_refused(rough):
     hard = rc.solve_contact(normal["height"], contact_modulus=1.0, mean_pressure=0.1, hardness=1.0)
     with pytest.raises(rc.SettingsError, match="the contact has a hardness"):
         rc.partial_slip(hard, friction_coefficient=0.3, tangential_load=0.5)
+
+
+def test_the_rule_of_the_approach_makes_no_difference():
+    """What the mean of the displacement is has no part in slip."""
+    height, energies = rough_reference_surface(64), []
+    for rule in ("zero", "lattice"):
+        normal = rc.solve_contact(height, contact_modulus=1.0, mean_pressure=0.1, zero_frequency=rule)
+        slip = rc.partial_slip(
+            normal, friction_coefficient=FRICTION, tangential_load=[0.4, 1.0], poissons_ratio=RATIO
+        )
+        energies.append(slip["dissipated_energy"].values)
+        assert (slip["dissipated_energy"] > 0).all()
+    np.testing.assert_allclose(energies[1], energies[0], rtol=1e-9)

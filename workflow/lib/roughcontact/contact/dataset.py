@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -159,3 +159,20 @@ def layers_of(contact: xr.Dataset) -> LayeredPair | None:
     """
     bodies = contact.attrs.get("bodies")
     return None if bodies is None else layered_pair(json.loads(bodies))
+
+
+def problem_of(contact: xr.Dataset) -> dict[str, Any]:
+    """Return elasticity and operator of a solved contact as keyword arguments of `solve_contact`.
+
+    Examples
+    --------
+    >>> problem_of(xr.Dataset({"contact_modulus": 1e9}))["contact_modulus"]
+    1000000000.0
+    """
+    bodies = contact.attrs.get("bodies")
+    return {
+        "contact_modulus": None if bodies else float(contact["contact_modulus"]),
+        "bodies": json.loads(bodies) if bodies else None,
+        "influence": influence_of(contact),
+        "zero_frequency": contact.attrs.get("zero_frequency", "zero"),
+    }

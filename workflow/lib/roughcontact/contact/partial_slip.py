@@ -1,15 +1,13 @@
 """Partial slip: traction, stick and slip of a contact under a tangential load, from two normal solves."""
 
-import json
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_periodic_solution, check_positive
-from roughcontact.contact.dataset import influence_of, layers_of
+from roughcontact.contact.dataset import influence_of, layers_of, problem_of
 from roughcontact.contact.solve import solve_contact
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.errors import SettingsError
@@ -96,14 +94,7 @@ def partial_slip(
     load, height = float(normal["mean_pressure"]), contact["height"]
     pressure, modulus = normal["pressure"].values, float(contact["contact_modulus"])
     layers = layers_of(contact)
-    problem: dict[str, Any] = {
-        "contact_modulus": None if layers else modulus,
-        "bodies": json.loads(contact.attrs["bodies"]) if layers else None,
-        "tolerance": contact.attrs["tolerance"],
-        "influence": influence_of(contact),
-        "zero_frequency": "zero",
-        "threads": threads,
-    }
+    problem = problem_of(contact) | {"tolerance": contact.attrs["tolerance"], "threads": threads}
 
     def energy(field: np.ndarray) -> float:
         return elastic_energy(
@@ -113,10 +104,10 @@ def partial_slip(
     rows = []
     norm = math.sqrt(energy(pressure))
     for share in shares:
-        lower, lower_approach, error = np.zeros_like(pressure), float(height.max()), 0.0
+        lower, lower_gap, error = np.zeros_like(pressure), float(height.max() - height.mean()), 0.0
         if share < 1:
             solved = solve_contact(height, mean_pressure=load * (1 - share), **problem).isel(load=0)
-            lower, lower_approach = solved["pressure"].values, float(solved["approach"])
+            lower, lower_gap = solved["pressure"].values, float(solved["gap"].mean())
             error = float(solved["error_bound"]) * math.sqrt(energy(lower))
         stick = lower > 0
         row = {
@@ -127,10 +118,10 @@ def partial_slip(
             / math.sqrt(energy(pressure - lower)),
         }
         if poissons_ratio is not None:
-            recovered = lower_approach - float(normal["approach"])
-            compliance = (2 - poissons_ratio) / (
-                2 * (1 - poissons_ratio)
-            )  # tangential over normal, Mindlin (1949)
+            # by the gap, not by the approach, which depends on the rule for the mean displacement
+            recovered = lower_gap - float(normal["gap"].mean())
+            # tangential over normal compliance, Mindlin (1949)
+            compliance = (2 - poissons_ratio) / (2 * (1 - poissons_ratio))
             displacement = friction * compliance * recovered
             # work of the first loading, from the elastic energies of both normal states
             work = friction**2 * compliance * (load * recovered - energy(pressure) + energy(lower))

@@ -326,6 +326,7 @@ def _periodic_datasets(
         solution = next(solutions)
         if solution.error_bound > tolerance and on_failure == "raise":
             raise ConvergenceError(_missed(load, solution, tolerance=tolerance, precision=precision))
+        # in a list, so that no name here keeps its maps while the next load is solved
         load_dataset = [
             as_dataset(
                 solution,

@@ -1,14 +1,12 @@
 """After the load: the surface that plastic flow has left, and the contact while the load is taken off."""
 
-import json
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_periodic_solution
-from roughcontact.contact.dataset import influence_of, layers_of
+from roughcontact.contact.dataset import influence_of, layers_of, problem_of
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.solve import solve_contact
 from roughcontact.elasticity.halfspace import HalfSpace
@@ -90,16 +88,7 @@ def unload(
             "the surface would flow further; solve_contact loads it",
             keys=("mean_pressure",),
         )
-    layers = layers_of(contact)
-    bodies = None if layers is None else json.loads(contact.attrs["bodies"])
-    problem: dict[str, Any] = {
-        "contact_modulus": None if bodies else float(contact["contact_modulus"]),
-        "bodies": bodies,
-        "tolerance": tolerance,
-        "influence": influence_of(contact),
-        "zero_frequency": contact.attrs.get("zero_frequency", "zero"),
-        "threads": threads,
-    }
+    problem = problem_of(contact) | {"tolerance": tolerance, "threads": threads}
     height = contact["height"]
     # once more to this tolerance: what the overlap has of an error, the pressures of all lower loads have
     loaded = solve_contact(height, mean_pressure=top, hardness=hardness, **problem)
