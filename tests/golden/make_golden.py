@@ -1,6 +1,6 @@
 """Write the golden numbers of the sample maps anew: `python tests/golden/make_golden.py`.
 
-Runs the workflow on `data_samples` with the shipped configuration, but elastic and under planned loads, from
+Runs the workflow on `data_samples` with the shipped configuration, but elastic and under the same relative pressures, from
 sparse to full contact, to an error bound of 1e-8 and without the error budget: the numbers belong to the
 surfaces, not to a material or the steps of the solver. Look at what changed
 (`git diff tests/golden`) and commit it together with the change that explains it.
@@ -18,6 +18,7 @@ FOLDER = Path(__file__).parent
 ROOT = FOLDER.parents[1]
 DIGITS = 7
 STEEL_ON_STEEL = {"contact_modulus": 1.154e11}
+LOADS = [0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0]
 CONVERGED = {"contact": {"tolerance": 1e-8}}
 KEYS = {"surfaces": ["surface"], "loads": ["surface", "relative_pressure"]}
 COLUMNS = {
@@ -63,7 +64,11 @@ def run_samples(folder: Path, **cases: dict) -> dict[str, dict[str, pd.DataFrame
     """
     settings = yaml.safe_load((ROOT / "config/config.yaml").read_text())
     settings["uncertainty"]["sources"] = []
-    settings["contact"] |= STEEL_ON_STEEL | {"bodies": None, "mean_pressure": None}
+    settings["contact"] |= STEEL_ON_STEEL | {
+        "bodies": None,
+        "mean_pressure": None,
+        "relative_pressure": LOADS,
+    }
     settings["cases"] = cases
     (folder / "settings.yaml").write_text(yaml.safe_dump(settings))
     command = [sys.executable, "-m", "snakemake", "--snakefile", ROOT / "Snakefile", "--directory", folder]

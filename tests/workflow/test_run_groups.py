@@ -114,11 +114,13 @@ def test_repeats_and_placements_are_compared_and_folded_below_their_pair(grouped
     assert 1.0005 < ratios[1] < 1.002
     assert ratios[2] - ratios[0] < 0.01
     page = grouped.path("results/report.html").read_text()
-    folded = "<details><summary>seal, map by map: seal-1, seal-2</summary>"
+    folded = '<details class="group"><summary>seal, map by map: seal-1, seal-2</summary>'
     said = re.search(r"<b>seal</b>: 2 placements of two faces \((use|review) 2\)\.", page)
     assert said.start() < page.index('<section id="glance">')
     assert page.index('<a href="#surface-fine-0">', page.index('<section id="glance">')) < page.index(folded)
-    assert page.index("<details><summary>seal-1, of seal</summary>") < page.index('id="surface-seal-1"')
+    assert page.index('<details class="group"><summary>seal-1, of seal</summary>') < page.index(
+        'id="surface-seal-1"'
+    )
 
 
 @pytest.mark.slow

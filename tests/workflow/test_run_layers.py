@@ -64,7 +64,8 @@ def test_layers_go_from_the_settings_to_the_report(tmp_path, checkout):
     assert (coated["thermal_conductance"] > 0).all()
     assert "thermal_conductance_lower" not in coated
     contact = read_dataset(project.path("results/sheet/ground/contact.nc"))
-    window = read_dataset(project.path("results/sheet/ground/window.nc"))["height"]
+    # the cases differ in the contact alone: the first one keeps the window of all
+    window = read_dataset(project.path("results/plain/ground/window.nc"))["height"]
     bodies = [
         {"base": "rigid", "layers": [{"thickness": 2e-5, "youngs_modulus": 3e6, "poissons_ratio": 0.5}]},
         {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3},
