@@ -1,8 +1,8 @@
 """Write the golden numbers of the sample maps anew: `python tests/golden/make_golden.py`.
 
-Runs the workflow on `data_samples` with the shipped configuration, but elastic and under the same relative pressures, from
-sparse to full contact, to an error bound of 1e-8 and without the error budget: the numbers belong to the
-surfaces, not to a material or the steps of the solver. Look at what changed
+Runs the workflow on `data_samples` with the shipped configuration, but elastic and under the same relative
+pressures, from sparse to full contact, to an error bound of 1e-8 and without the error budget: the numbers
+belong to the surfaces, not to a material or the steps of the solver. Look at what changed
 (`git diff tests/golden`) and commit it together with the change that explains it.
 """
 
