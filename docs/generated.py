@@ -35,6 +35,7 @@ MODULES = (
     "statistics.theory",
     "roughness.heights",
     "roughness.parameters",
+    "roughness.profile_parameters",
     "roughness.spectrum",
     "roughness.texture",
     "references.closed_forms",

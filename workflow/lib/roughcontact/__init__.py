@@ -32,6 +32,7 @@ _HOME = {
     "composite": "roughcontact.faces.composite",
     "relative_positions": "roughcontact.faces.positions",
     "periodic_window": "roughcontact.window.periodic_window",
+    "profile_parameters": "roughcontact.roughness.profile_parameters",
     "surface_from_profiles": "roughcontact.profiles.surface",
     "solve_contact": "roughcontact.contact.solve",
     "partial_slip": "roughcontact.contact.partial_slip",

@@ -3,7 +3,7 @@
 import json
 import re
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,11 @@ import xarray as xr
 from roughcontact.io.metadata import labelled, stored_instrument
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.maps import side_lengths, spacing
+from roughcontact.profiles.surface import ISOTROPIC
 from roughcontact.quantities import number, percent, quantity, several
 from roughcontact.report.tables import material_name
 from roughcontact.report.units import unit_of
+from roughcontact.roughness.profile_parameters import profile_parameters
 from roughcontact.roughness.texture import LAY
 from roughcontact.statistics.adhesion import adhesion_in_words
 
@@ -44,9 +46,7 @@ def surface_facts(
         ("Scan lines", _lines(levelled, numbers)),
         ("Filters", _filters(levelled, numbers)),
         ("Corrected for", str(window.attrs.get("corrected_for", ""))),
-        ("Sa, Sq, Sz", _parameters(levelled, ("Sa", "Sq", "Sz"), unit_of(numbers, "m").text)),
-        ("Ssk, Sku, Sdq", _parameters(levelled, ("Ssk", "Sku", "Sdq"), number)),
-        ("Sk, Spk, Svk", _parameters(levelled, ("Sk", "Spk", "Svk"), unit_of(numbers, "m").text)),
+        *_parameters(levelled, unit_of(numbers, "m").text),
         ("Window", _size(window)),
         ("Periodisation", str(window.attrs.get("periodisation", "none"))),
         ("Sal, Str, lay", _texture(numbers)),
@@ -350,9 +350,20 @@ def _filters(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
     )
 
 
-def _parameters(levelled: xr.DataArray, names: Sequence[str], show: Callable[[float], str]) -> str:
-    """Return some height parameters of the levelled map; they are those of the measured points."""
-    return ", ".join(show(levelled.attrs[name]) for name in names if name in levelled.attrs)
+def _parameters(levelled: xr.DataArray, length: Callable[[float], str]) -> list[tuple[str, str]]:
+    """Return the height parameters of the levelled map, or of its profiles, of the measured points."""
+    letter, parameters = "S", levelled.attrs
+    rows: list[tuple[str, ...]] = [("a", "q", "z"), ("sk", "ku", "dq"), ("k", "pk", "vk")]
+    if 1 in levelled.shape or levelled.attrs.get("lay") == ISOTROPIC:
+        parameters = profile_parameters(levelled)
+        letter = min(parameters)[0]
+        rows.append(("sm",))
+    facts = []
+    for row in rows:
+        show = number if row[0] == "sk" else length
+        names = [letter + name for name in row if letter + name in parameters]
+        facts.append((", ".join(names), ", ".join(show(parameters[name]) for name in names)))
+    return facts
 
 
 def _texture(numbers: xr.Dataset) -> str:
