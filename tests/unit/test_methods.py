@@ -76,3 +76,15 @@ def test_a_body_of_finite_size_has_a_force_and_no_neighbours():
     assert "periodic" not in text
     assert "A force of 0.00100 N gives a true contact area of" in text
     assert "are for the error of the solver alone" in text
+
+
+def test_of_profiles_the_paragraph_says_which_surfaces_were_solved():
+    made = self_affine_surface((128, 128), 1e-6, hurst=0.8, shortest=8e-6, longest=4e-5, rms_height=1e-7)
+    profiles = [made[[row]] for row in (10, 50, 90)]
+    contact = {"contact_modulus": 1e9, "mean_pressure": 5e6}
+    statistics = evaluate(profiles, lay="none", contact=contact, uncertainty={"sources": ["solver"]})
+    text = methods_paragraph(statistics)
+    assert (
+        "was drawn at random from the surfaces with the spectrum, heights and slopes of 3 profiles;" in text
+    )
+    assert "periodic as measured" not in text

@@ -36,7 +36,7 @@ from roughcontact.variables import describe
 from roughcontact.window.band import lateral_period_limit
 from roughcontact.window.instrument import stated_instrument, window_arguments
 
-_BAND = ("band_shortest", "band_longest", "band_reason", "corrected_for")
+_BAND = ("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "profiles")
 
 SECTIONS = ("level", "window", "contact", "statistics", "uncertainty", "instrument")  # of the settings
 

@@ -14,7 +14,7 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map, spacing
 from roughcontact.profiles.finish import Finish, correlation_length, draw, finish_of
 from roughcontact.profiles.spectrum import ProfileFit
-from roughcontact.quantities import number, percent, quantity
+from roughcontact.quantities import number, percent, quantity, several
 from roughcontact.si import labelled_in_si
 from roughcontact.window.finite_body import solved_map
 from roughcontact.window.sides import friendly_sides
@@ -151,7 +151,13 @@ def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, An
     facts = {key: levelled.attrs[key] for key in ("form", "form_removed")}
     # it is periodic without its form, and has no points that were rejected
     drawn = drawn.assign_attrs(form="none", form_removed="{}", outliers_rejected=0)
-    return solved_map(drawn, settings).assign_attrs(facts)
+    return solved_map(drawn, settings).assign_attrs(facts, window_reason=f"One of {surfaces_behind(drawn)}.")
+
+
+def surfaces_behind(drawn: xr.DataArray | xr.Dataset) -> str:
+    """Return in words the surfaces of which a drawn one, or its statistics, is an example."""
+    number_of_profiles = several(drawn.attrs["profiles"], "profile")
+    return f"the surfaces with the spectrum, heights and slopes of {number_of_profiles}"
 
 
 def default_points(segments: np.ndarray) -> int:

@@ -12,7 +12,7 @@ import xarray as xr
 from roughcontact.io.metadata import labelled, stored_instrument
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.maps import side_lengths, spacing
-from roughcontact.profiles.surface import ISOTROPIC
+from roughcontact.profiles.surface import ISOTROPIC, surfaces_behind
 from roughcontact.quantities import number, percent, quantity, several
 from roughcontact.report.tables import material_name
 from roughcontact.report.units import unit_of
@@ -128,11 +128,14 @@ def measured_caption(measured: xr.DataArray) -> str:
     --------
     >>> import numpy as np
     >>> from roughcontact.maps import height_map
-    >>> measured_caption(height_map(np.array([[0.0, np.nan]]), 1e-6))
+    >>> measured_caption(height_map(np.array([[0.0, np.nan], [0.0, 1e-6]]), 1e-6))
     '1 point not measured (pink).'
     """
     missing = measured.attrs.get("missing_points", 0)
-    return f"{several(missing, 'point')} not measured (pink)." if missing else "Every point was measured."
+    if not missing:
+        return "Every point was measured."
+    profile = 1 in measured.shape or "lay" in measured.attrs
+    return f"{several(missing, 'point')} not measured{'' if profile else ' (pink)'}."
 
 
 def levelled_caption(levelled: xr.DataArray) -> str:
@@ -145,7 +148,7 @@ def levelled_caption(levelled: xr.DataArray) -> str:
     >>> levelled_caption(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(outlier_kinds='{"scar": 3}'))
     '0 points filled in, 0 outliers rejected (3 in scars). The red frame is the solved window.'
     """
-    frame = "" if 1 in levelled.shape else " The red frame is the solved window."
+    frame = "" if 1 in levelled.shape or "lay" in levelled.attrs else " The red frame is the solved window."
     return f"{removed_and_filled(levelled.attrs)}.{frame}"
 
 
@@ -181,6 +184,8 @@ def waves_in_words(window: xr.DataArray) -> str:
     """
     limits = [float(window.attrs.get(name, 0.0)) for name in ("band_shortest", "reliable_wavelength")]
     text = f"waves longer than {quantity(max(limits), 'm')}" if max(limits) else ""
+    if window.attrs.get("lay") == ISOTROPIC:
+        text = ", ".join(filter(None, [surfaces_behind(window), text]))
     if corrected := window.attrs.get("corrected_for"):
         text = f"{text or 'the map'}, corrected for {corrected}"
     return text

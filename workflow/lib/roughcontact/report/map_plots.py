@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.maps import side_lengths
+from roughcontact.profiles.surface import ISOTROPIC
 from roughcontact.quantities import Unit
 from roughcontact.report.charts import COLOURS, Axis, Chart, as_image
 from roughcontact.report.colours import colour_scale, coloured
@@ -30,7 +31,7 @@ def height_map(
     unit: Unit = _MICROMETRES,
     along: Unit | None = None,
 ) -> Chart:
-    """Draw a height map (y, x; m), points that were not measured in pink; a profile is drawn as a line.
+    """Draw a height map (y, x; m), points that were not measured in pink; profiles are drawn as lines.
 
     `rectangle` (m from the map's first corner) is the outline of the window, `unit` that of the heights,
     `along` that of the lengths along the surface, by default that of this map alone.
@@ -42,10 +43,14 @@ def height_map(
     >>> height_map(labelled(np.array([[0.0, 1e-6, 0.0]]), 1e-6)).partition(",")[0]
     'data:image/svg+xml'
     """
-    if 1 in height.shape:
-        return _profile(
-            height, [(height.values.ravel(), "height", COLOURS[0])], label="height", unit=unit, along=along
-        )
+    behind = "window_reason" in height.attrs  # a surface behind the profiles, not these
+    profiles = [height.values.ravel()] if 1 in height.shape else []
+    if height.attrs.get("lay") == ISOTROPIC and not behind:
+        profiles = [*height.values]
+    if profiles:
+        shown = zip(profiles, COLOURS, strict=False)  # no more than there are colours
+        lines = [(row, f"profile {index}", colour) for index, (row, colour) in enumerate(shown, 1)]
+        return _profile(height, lines, label="height", unit=unit, along=along)
     values = height.values - np.nanmean(height.values)
     lowest, highest = np.nanpercentile(values, [0.1, 99.9])  # a few spikes must not take up the colour scale
     return _map(

@@ -8,6 +8,7 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.bodies import have_layers
+from roughcontact.profiles.surface import ISOTROPIC, surfaces_behind
 from roughcontact.quantities import number, prefix, quantity, with_interval
 from roughcontact.report.asked import bodies_in_words
 from roughcontact.uncertainty.measurands import measurand_in_words
@@ -87,6 +88,8 @@ def _window(statistics: xr.Dataset, window: Mapping[str, Any], *, free: bool) ->
     noun = "window" if all(map(math.isfinite, lengths)) else "profile"
     created = statistics.attrs.get("periodisation", window["method"])
     made = "was periodic as measured" if created == "none" else f"was made periodic ({created})"
+    if statistics.attrs.get("lay") == ISOTROPIC:
+        made = f"was drawn at random from {surfaces_behind(statistics)}"
     steps = [f"A {noun} of {size} {'is the roughness of a body of finite size' if free else made}"]
     steps += [
         f"waves {side} than {quantity(window[key], 'm')} were removed"

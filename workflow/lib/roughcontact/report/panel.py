@@ -10,6 +10,7 @@ import xarray as xr
 
 from roughcontact.bodies import have_layers
 from roughcontact.maps import side_lengths
+from roughcontact.profiles.surface import ISOTROPIC
 from roughcontact.quantities import percent
 from roughcontact.report import captions, facts, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
@@ -108,7 +109,7 @@ def write_panel(
         fields=fields,
         drawn=displayed,
         loads=json.dumps(_each_load(numbers, displayed if fields else []), ensure_ascii=False),
-        waves=_waves(solved, numbers) if rough else [],
+        waves=_waves(levelled, solved, numbers) if rough else [],
         charts=_charts(numbers, solved, displayed) if rough else [],
         budget=shown_budget(numbers, displayed, extent=settings["uncertainty"]["extent"]),
         tables=tables.number_tables(numbers, checks.load_flags(numbers, solved.size)),
@@ -248,10 +249,15 @@ def _each_load(numbers: xr.Dataset, drawn: Sequence[int]) -> list[tuple[str, str
     return result
 
 
-def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, str]]:
+def _waves(levelled: str | Path, window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, str]]:
     """Return (title, image, caption) of the waves of a window that is not flat."""
     profile = 1 in window.shape
     pictures = [("Power spectrum", texture_plots.spectrum(window), facts.spectrum_caption(window, numbers))]
+    if window.attrs.get("lay") == ISOTROPIC:
+        caption = "Of the profiles, and of such profiles of the surface that was fitted to them."
+        pictures.insert(
+            0, ("Spectrum of the profiles", texture_plots.fitted_spectrum(_read_map(levelled)), caption)
+        )
     if not profile:
         directions = texture_plots.directional_spectrum(window)
         pictures.append(("Waves by direction", directions, facts.lay_caption(numbers)))

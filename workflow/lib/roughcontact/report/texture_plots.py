@@ -6,7 +6,10 @@ Each is a data URI, drawn from a periodic window (y, x; m) that is not flat.
 import numpy as np
 import xarray as xr
 
+from roughcontact.levelling.forms import form_order
 from roughcontact.maps import side_lengths, spacing
+from roughcontact.profiles.spectrum import ProfileFit
+from roughcontact.profiles.surface import profile_pieces
 from roughcontact.quantities import Unit
 from roughcontact.report.charts import COLOURS, DASHED, DOTTED, Axis, Chart
 from roughcontact.report.map_plots import framed
@@ -52,6 +55,28 @@ def spectrum(window: xr.DataArray) -> str:
     )
     _mark_band(chart, window, q[0] * unit_q, unit_q)
     chart.line(q[inside] * unit_q, visible, colour=COLOURS[0])
+    return chart.source("lower left")
+
+
+def fitted_spectrum(levelled: xr.DataArray) -> str:
+    """Draw the mean periodogram of profiles (number, x; m), and that of the surface fitted to them."""
+    segments, pitch = profile_pieces(levelled)
+    fit = ProfileFit(segments, max(1, form_order(levelled)))
+    spectrum = fit.spectrum()
+    unit_q, length = _inverse_length(levelled)
+    q = 2 * np.pi * fit.band / pitch * unit_q
+    # the last two measured values are mean squares
+    measured, fitted = (
+        values[: q.size] * _HEIGHT.factor**2 * pitch / unit_q for values in (fit.measured, spectrum.fitted)
+    )
+    ends = q[0] / 1.3, q[-1] * 1.3
+    chart = Chart(
+        Axis(f"wavenumber q (rad/{length})", *ends, log=True),
+        Axis(f"C(q) ({_HEIGHT.shown}² {length})", measured.min() / 3, measured.max() * 3, log=True),
+        top=Axis(f"wavelength ({length})", 2 * np.pi / ends[0], 2 * np.pi / ends[1], log=True),
+    )
+    chart.line(q, measured, colour=COLOURS[1], label="profiles")
+    chart.line(q, fitted, colour=COLOURS[0], label="fit")
     return chart.source("lower left")
 
 
