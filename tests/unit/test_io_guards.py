@@ -150,7 +150,7 @@ def rough(n=64, seed=0):
 
 
 def words(height, dx=1e-6, dy=1e-6, kind=instrument_kinds.UNKNOWN):
-    return "\n".join(suspicions(height, dx, dy, kind=kind))
+    return "\n".join(map(str, suspicions(height, dx, dy, kind=kind)))
 
 
 def test_a_sound_map_raises_no_suspicion():

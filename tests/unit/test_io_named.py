@@ -251,11 +251,11 @@ def test_xml_of_blanks_is_refused_quickly(tmp_path):
 def test_a_single_bad_point_is_no_matter_of_units():
     height = 1e-6 * np.random.default_rng(0).normal(size=(64, 64)).cumsum(axis=0)
     height[7, 9] = -1.0
-    found = "\n".join(suspicions(height, 1e-6, 1e-6))
+    found = "\n".join(map(str, suspicions(height, 1e-6, 1e-6)))
     assert "1 point lies far below all others" in found
     assert "more than the field" not in found
     assert "check the height unit" not in found
-    assert "more than the field" in "\n".join(suspicions(1e3 * height, 1e-6, 1e-6))
+    assert "more than the field" in "\n".join(map(str, suspicions(1e3 * height, 1e-6, 1e-6)))
 
 
 def keyence(counts, step, scale):

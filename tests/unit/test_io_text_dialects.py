@@ -240,8 +240,8 @@ def test_positions_that_count_are_no_row_numbers(tmp_path):
 @pytest.mark.parametrize("shape", [(9, 13), (10, 10), (11, 18)])
 def test_one_point_at_the_extreme_of_a_small_map_is_no_saturation(shape):
     height = 1e-7 * np.random.default_rng(5).standard_normal(shape)
-    assert not [sentence for sentence in suspicions(height, 1e-6, 1e-6) if "exactly" in sentence]
+    assert not [doubt.finding for doubt in suspicions(height, 1e-6, 1e-6) if "exactly" in doubt.finding]
     order = np.argsort(height, axis=None)
     height.flat[order[-2]] = height.max()
-    (saturated,) = [sentence for sentence in suspicions(height, 1e-6, 1e-6) if "exactly" in sentence]
+    (saturated,) = [doubt.finding for doubt in suspicions(height, 1e-6, 1e-6) if "exactly" in doubt.finding]
     assert "exactly the highest height" in saturated

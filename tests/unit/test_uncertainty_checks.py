@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from roughcontact.contact.solve import solve_contact
-from roughcontact.io.plausibility import SPIKES_ADVICE
 from roughcontact.references import synthetic
 from roughcontact.statistics import checks, map_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
@@ -129,8 +128,7 @@ def test_a_hardness_that_is_reached_is_noted_with_the_plasticity_index():
 
 def test_what_the_user_asked_for_and_which_channel_was_chosen_are_notes():
     chosen, doubt = "channel 'Height', the first of 2, was read", "all heights are equal"
-    spikes = f"3 points lie far above all others; {SPIKES_ADVICE}"
-    height = {"ingest_facts": json.dumps([chosen])}
+    spikes = "3 points lie far above all others"
     for warnings, threshold, outcome in (
         ([], None, checks.PASSED),
         ([chosen], None, checks.NOTE),
@@ -138,16 +136,17 @@ def test_what_the_user_asked_for_and_which_channel_was_chosen_are_notes():
         ([chosen, spikes], 10.0, checks.NOTE),  # the check of the outliers judges them
         ([chosen, doubt], 10.0, checks.REVIEW),
     ):
-        said = height | {"ingest_warnings": json.dumps(warnings)}
-        assert map_checks.reading(said, {"outlier_threshold": threshold}).outcome == outcome
+        height = {"warnings": warnings, "facts": [chosen], "spikes": {s: s for s in {spikes} & {*warnings}}}
+        height = {f"ingest_{name}": json.dumps(value) for name, value in height.items()}
+        assert map_checks.reading(height, {"outlier_threshold": threshold}).outcome == outcome
 
 
 def test_removed_spikes_are_told_once():
-    found = [
-        f"{count} points lie far {where} all others; {SPIKES_ADVICE}"
-        for count, where in ((3, "above"), (1, "below"))
-    ]
-    check = map_checks.reading({"ingest_warnings": json.dumps(found)}, {"outlier_threshold": 6.0})
+    findings = [f"{count} points lie far {side} all others" for count, side in ((3, "above"), (1, "below"))]
+    spikes = {f"{finding}; advice": finding for finding in findings}
+    read = {"ingest_warnings": json.dumps([*spikes]), "ingest_spikes": json.dumps(spikes)}
+    assert map_checks.reading(read, {}).sentence.count("; advice") == 2
+    check = map_checks.reading(read, {"outlier_threshold": 6.0})
     assert check.sentence == (
         "3 points lie far above all others. 1 points lie far below all others; "
         "isolated ones were searched for and removed."

@@ -169,11 +169,12 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
             *_orientation_warnings(face),
         )
     ]
-    facts = [
-        f"{face.name}: {fact}"
-        for face in (lower, upper)
-        for fact in json.loads(face.height.attrs.get("ingest_facts", "[]"))
-    ]
+    facts, spikes = [], {}
+    for face in (lower, upper):
+        attrs = face.height.attrs
+        facts += [f"{face.name}: {fact}" for fact in json.loads(attrs.get("ingest_facts", "[]"))]
+        findings = json.loads(attrs.get("ingest_spikes", "{}"))
+        spikes |= {f"{face.name}: {spike}": f"{face.name}: {findings[spike]}" for spike in findings}
     shifted = max((lower_attrs, upper_attrs), key=lambda attrs: attrs.get("row_jitter", 0.0))
     steps = [
         attrs["quantisation_step"] for attrs in (lower_attrs, upper_attrs) if "quantisation_step" in attrs
@@ -186,6 +187,7 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
         "instrument": coarser.height.attrs.get("instrument", "{}"),
         "ingest_warnings": json.dumps(warnings, ensure_ascii=False),
         "ingest_facts": json.dumps(facts, ensure_ascii=False),
+        "ingest_spikes": json.dumps(spikes, ensure_ascii=False),
         "missing_share": max(attrs.get("missing_share", 0.0) for attrs in (lower_attrs, upper_attrs)),
         "outliers_rejected": sum(attrs.get("outliers_rejected", 0) for attrs in (lower_attrs, upper_attrs)),
         "outlier_kinds": json.dumps(

@@ -87,7 +87,7 @@ def inspect_file(
     else:
         name, choice, measured = converted.channel.name, converted.choice, _measured(converted)
         doubts = suspicions(converted.heights, converted.dx, converted.dy, kind=file.kind)
-        warnings = converted.notes + doubts
+        warnings = [*converted.notes, *map(str, doubts)]
         rows, assumed = converted.first_row, converted.first_row_assumed
     return {
         "file": path.name,

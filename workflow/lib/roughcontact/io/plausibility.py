@@ -1,5 +1,7 @@
 """Warnings about implausible properties of a map that was read. They change no number."""
 
+from typing import Literal, NamedTuple
+
 import numpy as np
 
 from roughcontact.checking import STEEPEST
@@ -13,21 +15,33 @@ _PLATEAU = 0.005  # share of the points at one height
 _FEW_LEVELS = 64
 _CENTRAL_QUANTILES = (0.005, 0.995)  # quantiles that enclose nearly all heights
 
-SIZE_ADVICE = "check the size of the map, or whether the file was cut"
-MARKER_ADVICE = "missing_value states it"
-SPIKES_ADVICE = "level.outlier_threshold finds isolated ones"  # for a map as measured
+_MARKER_ADVICE = "missing_value states it"
 
 
-def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = UNKNOWN) -> list[str]:
-    """Return a sentence for each implausible property of a map, with the numbers it rests on.
+class Suspicion(NamedTuple):
+    """One implausible property: what it concerns, a sentence with numbers, and what to do.
+
+    The kind ``pixels`` is that of pixels that are not square, which are usual.
+    """
+
+    kind: Literal["pixels", "units", "spikes", "heights"]
+    finding: str
+    advice: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.finding}; {self.advice}" if self.advice else self.finding
+
+
+def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = UNKNOWN) -> list[Suspicion]:
+    """Return the implausible properties of a map, with the numbers they rest on.
 
     `height` (ny, nx; m) is NaN where not measured and has at least one measured point; the steps are in m;
     `kind` gives the ranges that the instrument can measure.
 
     Examples
     --------
-    >>> suspicions(np.zeros((8, 8)), 1e-6, 1e-6)
-    ['all heights are equal (0 m): the map is flat or holds no measurement']
+    >>> print(*suspicions(np.zeros((8, 8)), 1e-6, 1e-6))
+    all heights are equal (0 m): the map is flat or holds no measurement
     """
     measured = height[np.isfinite(height)]
     low, high = measured.min(), measured.max()
@@ -35,18 +49,16 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = UNKNOWN
     doubts = _geometry(height.shape, dx, dy)
     # a few points far from all others determine the span: they have a warning of their own
     span = np.ptp(np.quantile(_sample(measured), _CENTRAL_QUANTILES)) if spikes else high - low
-    doubts += _ranges(height.shape, span, dx, dy, kind)
+    units = _ranges(height.shape, span, dx, dy, kind)
     if low == high:
-        return [
-            *doubts,
-            f"all heights are equal ({quantity(low, 'm')}): the map is flat or holds no measurement",
-        ]
-    doubts += _slopes(height, dx, dy)
-    doubts += spikes
-    doubts += _levels(height, measured, low, high)
-    doubts += _lines(height)
-    doubts += _noise(height)
-    return doubts
+        heights = [f"all heights are equal ({quantity(low, 'm')}): the map is flat or holds no measurement"]
+    else:
+        units += _slopes(height, dx, dy)
+        heights = _levels(height, measured, low, high) + _lines(height) + _noise(height)
+    doubts += [Suspicion("units", finding) for finding in units]
+    advice = "level.outlier_threshold finds isolated ones"  # for a map as measured
+    doubts += [Suspicion("spikes", finding, advice) for finding in spikes]
+    return doubts + [Suspicion("heights", finding) for finding in heights]
 
 
 def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float, float]:
@@ -121,7 +133,7 @@ def _sample(measured: np.ndarray) -> np.ndarray:
     return measured[:: max(1, measured.size // _SAMPLE)]
 
 
-def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[str]:
+def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[Suspicion]:
     """Suspect pixels that are not square."""
     ny, nx = shape
     ratio = max(dx / dy, dy / dx)
@@ -132,15 +144,12 @@ def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[str]:
         f"the pixels are not square: dx = {quantity(dx, 'm', digits=4)}, dy = {quantity(dy, 'm', digits=4)}: "
     )
     if abs(nx * dx / ny / (ny * dy / nx) - 1) <= 0.01:
-        return [
-            (
-                f"{doubts}they would be with {nx} rows of {ny} points: "
-                "rows and columns, or the two sizes, were exchanged"
-            )
-        ]
+        exchanged = "rows and columns, or the two sizes, were exchanged"
+        return [Suspicion("units", f"{doubts}they would be with {nx} rows of {ny} points: {exchanged}")]
     if ratio > _LONGEST_PIXEL:
-        return [f"{doubts}one is {number(ratio)} times the other: check both, and their units"]
-    return [doubts + SIZE_ADVICE]
+        advice = f"one is {number(ratio)} times the other: check both, and their units"
+        return [Suspicion("units", doubts + advice)]
+    return [Suspicion("pixels", doubts + "check the size of the map, or whether the file was cut")]
 
 
 def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kind) -> list[str]:
@@ -205,7 +214,7 @@ def _extremes(measured: np.ndarray, low: float, high: float) -> list[str]:
             doubts.append(
                 f"{points} far {side} all others ({worst}, where 99 % lie between "
                 f"{quantity(lower, 'm')} and {quantity(upper, 'm')}): spikes, dust, or a marker for missing "
-                f"points that was taken for a height ({MARKER_ADVICE}); {SPIKES_ADVICE}"
+                f"points that was taken for a height ({_MARKER_ADVICE})"
             )
     return doubts
 
@@ -225,7 +234,7 @@ def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -
         if count > 1 and share > _PLATEAU:  # one point is always at the extreme
             doubts.append(
                 f"{percent(share)} of the points have exactly the {name} height ({quantity(value, 'm')}): "
-                f"the instrument was saturated there, or this marks missing points ({MARKER_ADVICE})"
+                f"the instrument was saturated there, or this marks missing points ({_MARKER_ADVICE})"
             )
     # a level inside the range that is far more frequent than its neighbours
     mode = int(np.argmax(counts))
@@ -234,7 +243,7 @@ def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -
     if 0 < mode < levels.size - 1 and share > _PLATEAU and counts[mode] > 10 * max(int(neighbours.max()), 1):
         doubts.append(
             f"{percent(share)} of the points have exactly the height {quantity(levels[mode], 'm')}, far more "
-            f"than any other: a plateau that was filled in, or a marker for missing points ({MARKER_ADVICE})"
+            f"than any other: a plateau that was filled in, or a marker for missing points ({_MARKER_ADVICE})"
         )
     return doubts
 

@@ -19,7 +19,7 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.conversion import convert
 from roughcontact.io.guards import sha256, unchanged
-from roughcontact.io.plausibility import SIZE_ADVICE, suspicions
+from roughcontact.io.plausibility import suspicions
 from roughcontact.io.registry import open_file
 from roughcontact.io.request import Request
 
@@ -86,7 +86,8 @@ def read_height_map(
         `channel`, `channels` (JSON list), `instrument` (JSON object), `y_axis` ("up"), `first_row` ("top" or
         "bottom" of the picture: position of the file's first row), `first_row_assumed` (1 where it is only
         the usual convention of the format), `missing_points`, `missing_share`, `ingest_warnings` (JSON list
-        of sentences), `ingest_facts` (those of them that say what was asked for or chosen).
+        of sentences), `ingest_facts` (those of them that say what was asked for or chosen), `ingest_spikes`
+        (JSON object: those about spikes, and each without the advice to remove them).
 
     Raises
     ------
@@ -128,8 +129,10 @@ def read_height_map(
     if len(file.channels) > 1 and request.channel is None:
         facts.append(f"channel {converted.choice}, was read; name another one with channel")
         notes.append(facts[-1])
-    notes += suspicions(converted.heights, converted.dx, converted.dy, kind=file.kind)
-    facts += [note for note in notes if note.endswith(SIZE_ADVICE)]
+    doubts = suspicions(converted.heights, converted.dx, converted.dy, kind=file.kind)
+    notes += map(str, doubts)
+    facts += [str(doubt) for doubt in doubts if doubt.kind == "pixels"]
+    spikes = {str(doubt): doubt.finding for doubt in doubts if doubt.kind == "spikes"}
     x, y = converted.centres()
     missing = int(np.isnan(converted.heights).sum())
     return xr.DataArray(
@@ -152,6 +155,7 @@ def read_height_map(
             "missing_share": missing / converted.heights.size,
             "ingest_warnings": json.dumps(notes, ensure_ascii=False),
             "ingest_facts": json.dumps(facts, ensure_ascii=False),
+            "ingest_spikes": json.dumps(spikes, ensure_ascii=False),
             **({"lay": request.lay} if request.lay else {}),
             **{f"instrument_{key}": float(value) for key, value in (instrument or {}).items()},
         },

@@ -12,7 +12,6 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.checking import STEEPEST
-from roughcontact.io.plausibility import SPIKES_ADVICE
 from roughcontact.levelling.record import kinds_in_words
 from roughcontact.quantities import number, percent, quantity, several
 from roughcontact.statistics.outcome import FAILED, NOT_MADE, NOTE, PASSED, REVIEW, Check, CheckName
@@ -422,9 +421,11 @@ def reading(height: Attributes, levelled: Attributes) -> Check:
     if not warnings:
         return Check(CheckName.READING, PASSED, "Read without a warning.")
     facts = set(json.loads(height.get("ingest_facts", "[]")))
-    text = " ".join(f"{warning[0].upper()}{warning[1:].rstrip('.')}." for warning in warnings)
-    if levelled.get("outlier_threshold"):  # the check of the outliers judges them
-        *before, last = text.split(f"; {SPIKES_ADVICE}")
-        text = "".join(before) + f"; isolated ones were searched for and removed{last}" if before else text
-        facts.update(warning for warning in warnings if SPIKES_ADVICE in warning)
+    findings = dict(zip(warnings, warnings, strict=True))
+    spikes = json.loads(height.get("ingest_spikes", "{}")) if levelled.get("outlier_threshold") else {}
+    findings.update(spikes)  # the check of the outliers judges them
+    if spikes:
+        findings[[*spikes][-1]] += "; isolated ones were searched for and removed"
+    text = " ".join(f"{finding[0].upper()}{finding[1:].rstrip('.')}." for finding in findings.values())
+    facts.update(spikes)
     return Check(CheckName.READING, NOTE if facts.issuperset(warnings) else REVIEW, text)
