@@ -118,7 +118,7 @@ def test_x3p_of_an_unknown_encoding_or_of_one_that_is_no_text_is_refused(tmp_pat
 
     path = saved(tmp_path, repacked(x3p_bytes(), encoded))
     for read in (read_height_map, inspect_file):
-        with pytest.raises(InputFileError, match=r"map\.bin: not readable as X3P: .*encoding"):
+        with pytest.raises(InputFileError, match=r"map\.bin: not readable as X3P .*encoding"):
             read(path)
 
 
@@ -308,7 +308,7 @@ def test_gwyddion_simple_field_that_leaves_things_out(tmp_path):
         read_height_map(saved(tmp_path, gsf_bytes(ZUnits=None)))
     with pytest.raises(InputFileError, match="give dx, dy, unit"):
         read_height_map(saved(tmp_path, gsf_bytes(XReal=None, YReal=None, XYUnits=None)))
-    with pytest.raises(InputFileError, match="values in 'V'"):
+    with pytest.raises(InputFileError, match="values in V"):
         read_height_map(saved(tmp_path, gsf_bytes(ZUnits="V")))
 
 
@@ -342,7 +342,7 @@ def test_foreign_netcdf_without_units(tmp_path):
         read_height_map(path)
     check(read_height_map(path, height_unit="nm"))
     foreign(units="K").to_netcdf(path)
-    with pytest.raises(InputFileError, match="values in 'K'"):
+    with pytest.raises(InputFileError, match="values in K"):
         read_height_map(path)
     foreign(x=[1, 2, 3.4, 4]).to_netcdf(path)
     with pytest.raises(InputFileError, match="positions along x are not evenly spaced"):

@@ -11,6 +11,7 @@ import xarray as xr
 from shared_data import DATA
 
 from roughcontact.errors import InputFileError
+from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
 
 CASES = DATA.parent / "cases"
@@ -212,11 +213,16 @@ def gwyddion(**units):
 
 
 def test_images_of_gwyddion_in_other_units_and_under_a_mask(tmp_path):
-    with pytest.raises(
-        InputFileError, match=r"no map of heights over lengths \(images in V, no unit\); .* set the"
-    ):
-        read_height_map(saved(tmp_path, gwyddion(a="V", b="")))
-    assert read_height_map(saved(tmp_path, gwyddion(a="", b="m"))).attrs["channel"] == "b"
+    path = saved(tmp_path, gwyddion(a="V", b=""))
+    with pytest.raises(InputFileError, match=r"\('a': values in V, .*'b': values in no unit.* height_unit"):
+        read_height_map(path)
+    with pytest.raises(InputFileError, match=r"channel 'a' holds no heights .* give height_unit"):
+        read_height_map(path, channel="a")
+    asked = read_height_map(path, channel="a", height_unit="m")
+    np.testing.assert_allclose(asked.values[::-1], 1e-9 * COUNTS, rtol=1e-12)
+    listed = inspect_file(saved(tmp_path, gwyddion(a="V", b="m")))
+    assert [(each["name"], each["height_unit"]) for each in listed["channels"]] == [("a", "V"), ("b", "m")]
+    assert listed["channel"] == "b"
     masked = read_height_map(saved(tmp_path, gwyddion(hidden="m")))
     assert masked.attrs["missing_points"] == int((COUNTS > 8000).sum()) > 0
     assert "the mask in the file was applied" in notes_of(masked)

@@ -206,7 +206,7 @@ def test_arguments_win_over_the_file_and_say_so(tmp_path):
 def test_values_that_are_no_lengths_are_refused(tmp_path):
     path = saved(tmp_path, "# Width: 4 µm\n# Height: 3 µm\n# Value units: V\n" + matrix())
     with pytest.raises(
-        InputFileError, match=r"no channel of this file holds heights .*values in 'V', no length"
+        InputFileError, match=r"no channel of this file holds heights .*values in V, no length"
     ):
         read_height_map(path)
 

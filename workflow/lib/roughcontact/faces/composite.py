@@ -169,7 +169,8 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
             *_orientation_warnings(face),
         )
     ]
-    facts, spikes = [], {}
+    facts: list[str] = []
+    spikes: dict[str, str] = {}
     for face in (lower, upper):
         attrs = face.height.attrs
         facts += [f"{face.name}: {fact}" for fact in json.loads(attrs.get("ingest_facts", "[]"))]

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from roughcontact.errors import InputFileError
 from roughcontact.io import instrument_kinds
 from roughcontact.io.markers import remove_marker_values
+from roughcontact.io.units import is_length
 
 _LEAST_MARKER = 1e36  # no unit makes a height so large
 _LISTED = 8  # names in a message
@@ -57,7 +58,7 @@ class Channel:
     first_x, first_y : float or None
         Position of the first cell centre, in `lateral_unit`; None: half a step.
     no_height : str
-        Why this channel holds no heights; empty for a height channel.
+        Why this channel holds no heights; empty for a height channel. A unit that is no length is a reason.
     size_rounding : tuple of float or None
         Where the steps are a total size over the number of points found: relative rounding errors of the
         stated sizes along x and y.
@@ -89,6 +90,10 @@ class Channel:
     points: Points | None = None
     notes: list[str] = field(default_factory=list)
     first_row: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.no_height and self.height_unit is not None and not is_length(self.height_unit):
+            self.no_height = f"values in {self.height_unit}, no length"
 
 
 @dataclass
@@ -194,7 +199,10 @@ def choose_channel(
                 chosen = f"the first height channel of {len(names)}" if len(names) > 1 else "the only channel"
                 return channel, f"{channel.name!r}, {chosen}"
         reasons = "; ".join(f"{channel.name!r}: {channel.no_height}" for channel in file.channels)
-        raise InputFileError(f"{where}: no channel of this file holds heights ({reasons or 'it has none'})")
+        raise InputFileError(
+            f"{where}: no channel of this file holds heights ({reasons or 'it has none'}); if one does, "
+            "name it with channel and give height_unit"
+        )
     matches = [channel for channel in file.channels if channel.name == str(requested)]
     if not matches:
         matches = [c for c in file.channels if c.name.casefold() == str(requested).strip().casefold()]

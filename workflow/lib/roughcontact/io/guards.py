@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-from roughcontact.errors import InputFileError
+from roughcontact.errors import InputFileError, RoughContactError
 
 MAX_FILE_BYTES = 4 * 2**30
 MAX_UNPACKED_BYTES = 2**30
@@ -43,6 +43,17 @@ def brief(error: Exception) -> str:
     """
     text = " ".join(str(error).split()) or type(error).__name__
     return text if len(text) <= 160 else text[:157] + "..."
+
+
+@contextmanager
+def refusing(message: str, way_out: str = "") -> Iterator[None]:
+    """Raise errors of a library as `InputFileError` with a message and their own."""
+    try:
+        yield
+    except RoughContactError:
+        raise
+    except Exception as error:  # libraries fail on damaged files in any way
+        raise InputFileError(f"{message} ({brief(error)}){way_out}") from error
 
 
 def check_file(path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.guards import brief
+from roughcontact.io.guards import refusing
 
 if TYPE_CHECKING:
     import h5py
@@ -29,13 +29,8 @@ def opened(path: Path) -> Iterator["h5py.File"]:
     """
     import h5py
 
-    try:
-        with h5py.File(path, "r") as file:
-            yield file
-    except InputFileError:
-        raise
-    except Exception as error:  # the library raises errors of many types for damaged files
-        raise InputFileError(f"{path}: damaged or cut off HDF5 file ({brief(error)})") from error
+    with refusing(f"{path}: damaged or cut off HDF5 file"), h5py.File(path, "r") as file:
+        yield file
 
 
 def stated_size(path: Path) -> int | None:

@@ -46,7 +46,10 @@ def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
     ['dx = 5e-06 m as given by the user, where the file says 2e-06 m']
     """
     if channel.no_height and request.height_unit is None and not is_length(channel.height_unit):
-        raise InputFileError(f"{path}: channel {channel.name!r} holds no heights ({channel.no_height})")
+        raise InputFileError(
+            f"{path}: channel {channel.name!r} holds no heights ({channel.no_height}); if it does, give "
+            "height_unit, the length that a value of 1 stands for"
+        )
     notes: list[str] = []
     factor = _lateral_factor(channel, request, path, notes)
     dx, dy = (_step(name, channel, request, factor, path, notes) for name in ("dx", "dy"))

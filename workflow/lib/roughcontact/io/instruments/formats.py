@@ -94,34 +94,11 @@ class Format:
         """Return a sentence where the header says that heights were inverted, masked, or of an imprint."""
         return []
 
-    def why_no_map(self, path: Path) -> str:
-        """Return why a file without a map that the library reads has none, and what to do."""
-        return ""
 
-
-_MASKED = "the mask in the file was applied: the points under it are missing"
 INVERTED = "the header says that the map was inverted or mirrored: check that peaks point up"
 IMPRINT = (
     "the header says that an imprint (replica) was measured: hills of the map are valleys of the surface"
 )
-
-
-class _Gwyddion(Format):
-    def sign_notes(self, header):
-        return [_MASKED] if any(key.endswith("/mask") for key in header) else []
-
-    def why_no_map(self, path):
-        """Return the units of the images, of which the library reads those of lengths over lengths."""
-        unit = rb"si_unit_z\0oGwySIUnit\0.{4}(?:unitstr\0s([^\0]*))?"
-        stated_units = {
-            stated_unit.decode("utf-8", "replace")
-            for stated_unit in re.findall(unit, path.read_bytes(), re.DOTALL)
-        }
-        units = sorted(stated_unit or "no unit" for stated_unit in stated_units)
-        return (
-            f" of heights over lengths (images in {', '.join(units) or 'no unit'}); if they are heights, "
-            "set the unit in Gwyddion (Basic Operations, Dimensions and Units) and save it again"
-        )
 
 
 class _Igor(Format):
@@ -224,7 +201,6 @@ FORMATS = (
     Format("al3d", (b"AliconaImaging",), OPTICAL, "Alicona"),
     _MicroProf("frt", (b"FRTM_GLIDERV",), OPTICAL, "FRT"),
     Format("wsxm", (b"WSxM",), PROBE, "Nanotec", text_header=True, binary_data=True),
-    _Gwyddion("gwy", (b"GWYP",)),
     Format("mdt", (b"\x01\xb0\x93\xff",), PROBE, "NT-MDT"),
     Format("zmg", (b"Zeta-Instruments",), OPTICAL, "KLA Zeta"),
     Format("zon", (b"KPK0", b"KPK1"), OPTICAL, "Keyence"),

@@ -142,7 +142,7 @@ def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
     if not infos and file_format.marks == containers.TIFF:
         raise FileFormatMismatch  # a picture
     if not infos:
-        raise InputFileError(f"{path}: this {reader.name()} file holds no map{file_format.why_no_map(path)}")
+        raise InputFileError(f"{path}: this {reader.name()} file holds no map")
     if not file_format.is_plausible(_header(infos[0])):
         raise FileFormatMismatch
     notes = file_format.corrected(infos, path)

@@ -128,12 +128,6 @@ def _nanosurf(data: mmap.mmap, header: Header, points: int) -> Stated | None:
     return Stated(size)
 
 
-def _gwyddion(data: mmap.mmap, header: Header, points: int) -> Stated:
-    """Count the one object of the file: its name, its size (four bytes), and as many bytes."""
-    name = data.find(b"\0", 4) + 1
-    return Stated(name + 4 + struct.unpack_from("<I", data, name)[0])
-
-
 def _park(data: mmap.mmap, header: Header, points: int) -> Stated:
     """Count up to the end of the last page, value or strip of the TIFF."""
     return Stated(tiff_end(data))
@@ -145,7 +139,6 @@ _SIZES: dict[str, Callable[[mmap.mmap, Header, int], Stated | None]] = {
     "di": _nanoscope,
     "ezd": _nanosurf,
     "frt": _microprof,
-    "gwy": _gwyddion,
     "metropro": _metropro,
     "mi": _molecular_imaging,
     "nms": _nanofocus,

@@ -149,9 +149,6 @@ def _channels(item: _Object, path: Path) -> Iterator[Channel]:
             dx=dx,
             dy=dy if shape[0] > 1 else None,
             lateral_unit=unit or None,
-            no_height=f"values in {height_unit}, no length"
-            if height_unit and not is_length(height_unit)
-            else "",
             notes=list(notes),
         )
 

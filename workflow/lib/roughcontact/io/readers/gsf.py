@@ -13,7 +13,6 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_line_ends, check_points
 from roughcontact.io.interface import Reader, RecognisedBy
-from roughcontact.io.units import is_length
 
 _MARK = b"Gwyddion Simple Field 1.0\n"
 _MAX_HEADER_BYTES = 2**20  # bytes of the header
@@ -64,16 +63,14 @@ def read(path: Path) -> MeasuredFile:
         values = np.frombuffer(stream.read(stored), "<f4").reshape(ny, nx)
     heights = as_heights(values, str(path))
     length_x, length_y = lengths
-    unit = statements.get("ZUnits") or None
     channel = Channel(
         statements.get("Title") or "height",
         (ny, nx),
         heights.copy,
-        height_unit=unit,
+        height_unit=statements.get("ZUnits") or None,
         dx=length_x / nx if length_x else None,
         dy=length_y / ny if length_y else None,
         lateral_unit=statements.get("XYUnits") or None,
-        no_height=f"values in {unit!r}, no length" if unit and not is_length(unit) else "",
     )
     return MeasuredFile("Gwyddion Simple Field", [channel], first_row="top")
 

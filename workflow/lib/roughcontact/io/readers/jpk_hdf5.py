@@ -85,9 +85,7 @@ def _frames(
     notes = ["the scan is turned in its file (theta): x and y are those of the scan"] if turned else []
     rank = _HEIGHTS.index(quantity) if quantity in _HEIGHTS else len(_HEIGHTS)
     frames = array.shape[1]
-    no_height = "" if is_length(unit) else f"values in {unit or 'no unit'}, no length"
-    if not no_height and rank == len(_HEIGHTS):
-        no_height = "by its name no topography"
+    no_height = "by its name no topography" if is_length(unit) and rank == len(_HEIGHTS) else ""
     label = _text(attributes.get("channel.fancy-name", quantity))
     return [
         (
@@ -96,7 +94,7 @@ def _frames(
                 f"{before}{label} ({direction}" + (f", frame {frame + 1})" if frames > 1 else ")"),
                 (ny, nx),
                 partial(_read, path, array.name, frame, (ny, nx), scale),
-                height_unit=unit or None,
+                height_unit=unit or "no unit",
                 dx=float(attrs_of_measurement[_GRID + "ulength"]) / nx,
                 dy=float(attrs_of_measurement[_GRID + "vlength"]) / ny,
                 lateral_unit=lateral_unit,

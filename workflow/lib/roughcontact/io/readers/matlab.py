@@ -13,7 +13,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, unreadable
-from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, brief, check_points
+from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
 
 _MARK = b"MATLAB 5.0 MAT-file"
@@ -42,13 +42,9 @@ def read(path: Path) -> MeasuredFile:
     """
     from scipy.io import whosmat
 
-    try:
+    with refusing(f"{path}: damaged or cut off MATLAB file"):
         _check_unpacked_size(path)
         variables = whosmat(str(path))
-    except InputFileError:
-        raise
-    except Exception as error:  # the library fails on damaged files in any way
-        raise InputFileError(f"{path}: damaged or cut off MATLAB file ({brief(error)})") from error
     channels = []
     for name, shape, value_type in variables:
         if value_type not in _NUMBERS or len(shape) not in (2, 3) or shape[0] * shape[1] < 2:
@@ -76,10 +72,8 @@ def _read(path: Path, name: str, shape: tuple[int, int], index: int | None) -> n
     from scipy.io import loadmat
 
     check_points(shape, path)
-    try:
+    with refusing(f"{path}: variable {name!r} is damaged"):
         values = np.asarray(loadmat(str(path), variable_names=[name])[name])
-    except Exception as error:  # as above
-        raise InputFileError(f"{path}: variable {name!r} is damaged ({brief(error)})") from error
     return as_heights((values if index is None else values[:, :, index]).reshape(shape), str(path))
 
 

@@ -25,7 +25,7 @@ from roughcontact.io.channels import (
     scattered,
     unreadable,
 )
-from roughcontact.io.guards import MAX_POINTS, brief, check_points
+from roughcontact.io.guards import MAX_POINTS, check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, head_of
 from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
@@ -93,26 +93,21 @@ def _opened(path: Path, engine: Any, left_out: Iterable[str]) -> Iterator[Any]:
     """Open a file as a dataset; errors, also those within the block, are raised as `InputFileError`."""
     import xarray as xr
 
-    try:
-        with xr.open_dataset(
+    with (
+        refusing(f"{path}: damaged or cut off netCDF file"),
+        xr.open_dataset(
             path, engine=engine, decode_times=False, decode_timedelta=False, drop_variables=list(left_out)
-        ) as dataset:
-            yield dataset
-    except (InputFileError, UnevenPositionsError):
-        raise
-    except Exception as error:  # the libraries raise errors of many types for damaged files
-        raise InputFileError(f"{path}: damaged or cut off netCDF file ({brief(error)})") from error
+        ) as dataset,
+    ):
+        yield dataset
 
 
 def _oversized_variables(path: Path) -> dict[str, tuple[int, ...]]:
     """Return the shapes of variables above the size limit, since opening alone would read coordinates."""
     import netCDF4
 
-    try:
-        with netCDF4.Dataset(path) as file:
-            shapes = {name: tuple(variable.shape) for name, variable in file.variables.items()}
-    except Exception as error:  # as above
-        raise InputFileError(f"{path}: damaged or cut off netCDF file ({brief(error)})") from error
+    with refusing(f"{path}: damaged or cut off netCDF file"), netCDF4.Dataset(path) as file:
+        shapes = {name: tuple(variable.shape) for name, variable in file.variables.items()}
     return {name: shape for name, shape in shapes.items() if prod(shape) > MAX_POINTS}
 
 
@@ -173,11 +168,7 @@ def _variable(
     if ny * nx > MAX_POINTS:
         return _oversized_channel(label, (ny, nx))
     unit = unit_of(variable.attrs)
-    no_height = ""
-    if variable.dtype.kind not in "iuf":
-        no_height = f"values of type {variable.dtype}"
-    elif unit is not None and not is_length(unit):
-        no_height = f"values in {unit!r}, no length"
+    no_height = "" if variable.dtype.kind in "iuf" else f"values of type {variable.dtype}"
     unit_x, unit_y = (unit_of(dataset[axis].attrs) if axis in dataset.coords else None for axis in (x, y))
     if unit_x and unit_y and not same_length(unit_x, unit_y):
         raise InputFileError(f"{path}: the axes {x} and {y} have different units, {unit_x!r} and {unit_y!r}")
@@ -197,7 +188,7 @@ def _variable(
         dx, first_x, backwards_x = _axis(dataset, x)
         dy, first_y, backwards_y = _axis(dataset, y)
     except UnevenPositionsError as error:
-        if no_height:
+        if unit is not None and not is_length(unit):
             return Channel(label, (ny, nx), read, **attributes)
         return _off_grid(dataset, label, dims, read(), error, path, attributes)
     turned = np.s_[:: -1 if backwards_y else 1, :: -1 if backwards_x else 1]

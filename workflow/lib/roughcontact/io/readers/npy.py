@@ -6,7 +6,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import brief, check_points
+from roughcontact.io.guards import check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.lengths import compare_size
 
@@ -24,13 +24,9 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one real array, (ny, nx) or (nx,), without pickle; it has no steps and units."""
-    try:
+    way_out = "; save a plain float64 array with numpy.save"
+    with refusing(f"{path}: not readable as a NumPy array", way_out):
         values = np.load(path, mmap_mode="r", allow_pickle=False)
-    except Exception as error:  # NumPy parses the header as Python text and may fail in any way of the parser
-        raise InputFileError(
-            f"{path}: not readable as a NumPy array ({brief(error)}); "
-            "save a plain float64 array with numpy.save"
-        ) from error
     shape = (1, *values.shape) if values.ndim == 1 else values.shape
     if len(shape) != 2 or 0 in shape:
         raise InputFileError(

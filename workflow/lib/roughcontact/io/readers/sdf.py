@@ -10,9 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import brief, check_memory, check_points
+from roughcontact.io.guards import check_memory, check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
@@ -40,10 +39,8 @@ def read(path: Path) -> MeasuredFile:
 
     size = path.stat().st_size
     check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of SDF", path)
-    try:
+    with refusing(f"{path}: not readable as SDF"):
         file = sdfio.read(io.BytesIO(_SOFTGAUGE.sub(rb"\1BCR-1.0", path.read_bytes(), count=1)))
-    except (sdfio.SdfError, ValueError, ArithmeticError) as error:
-        raise InputFileError(f"{path}: not readable as SDF: {brief(error)}") from error
     header = file.header
     check_points(file.data.shape, path)
     instrument = instrument_metadata(

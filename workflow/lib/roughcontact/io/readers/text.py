@@ -649,17 +649,12 @@ def _steps(
 def _heights(
     numbers: np.ndarray, first_values: dict[str, Any], unit: str | None
 ) -> tuple[np.ndarray, dict[str, Any]]:
-    """Return the heights and the arguments of their channel: name, unit, reason if they are not heights."""
+    """Return the heights and the arguments of their channel: name and unit."""
     if (
         first_values.get("z_factor") is not None
     ):  # the numbers are counts or phases; the factor makes them lengths
         numbers, unit = numbers * first_values["z_factor"], first_values.get("z_factor_unit", unit)
-    wrong = unit is not None and not is_length(unit)
-    return numbers, {
-        "name": first_values.get("channel", "height"),
-        "height_unit": unit,
-        "no_height": f"values in {unit!r}, no length" if wrong else "",
-    }
+    return numbers, {"name": first_values.get("channel", "height"), "height_unit": unit}
 
 
 def _units(

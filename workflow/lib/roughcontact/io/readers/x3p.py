@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact.errors import InputFileError
 from roughcontact.io import instrument_kinds
 from roughcontact.io.channels import (
     Channel,
@@ -24,7 +23,7 @@ from roughcontact.io.channels import (
     even_step,
     scattered,
 )
-from roughcontact.io.guards import ARCHIVE_ERRORS, brief, check_points
+from roughcontact.io.guards import brief, check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
 
@@ -41,18 +40,12 @@ def read(path: Path) -> MeasuredFile:
 
     There is one channel for each layer.
     """
-    import x3pio
-
-    try:
+    with refusing(f"{path}: not readable as X3P"):
         name = _main_xmls(path)[0]
         with zipfile.ZipFile(path) as archive:
             main = archive.read(name)
         _check_claimed_size(main, path)
         file, stale = _parsed(path, name, main)
-    except InputFileError:
-        raise
-    except (x3pio.X3pError, ValueError, LookupError, *ARCHIVE_ERRORS) as error:  # of encodings
-        raise InputFileError(f"{path}: not readable as X3P: {brief(error)}") from error
     channels = _channels(file, path)
     for channel in channels:
         channel.notes += _rotation_notes(file.placement)

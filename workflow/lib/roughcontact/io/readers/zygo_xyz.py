@@ -11,7 +11,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile
-from roughcontact.io.guards import check_memory, check_points
+from roughcontact.io.guards import check_memory, check_points, refusing
 from roughcontact.io.instrument_kinds import OPTICAL
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.text.lines import lines_of
@@ -37,7 +37,7 @@ def read(path: Path) -> MeasuredFile:
     check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text", path)
     lines = [line.strip() for line in lines_of(path)]
     ends = [number for number, line in enumerate(lines) if line == "#"]
-    try:
+    with refusing(f"{path}: looks like a Zygo XYZ data file, but is damaged"):
         nx, ny = map(int, lines[3].split()[2:4])
         pixel = float(lines[7].split()[6])
         check_points((ny, nx), path)
@@ -50,8 +50,6 @@ def read(path: Path) -> MeasuredFile:
         x, y = np.array([point[:2] for point in points], dtype=int).T
         heights = np.full((ny, nx), np.nan)
         heights[y - y.min(), x - x.min()] = [float("nan" if z == "No" else z) for _, _, z in points]
-    except (IndexError, ValueError) as error:
-        raise InputFileError(f"{path}: looks like a Zygo XYZ data file, but is damaged ({error})") from error
     channel = Channel("height", (ny, nx), heights.copy, height_unit="um")
     if pixel > 0:
         channel.dx = channel.dy = pixel

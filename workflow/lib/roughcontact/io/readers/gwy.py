@@ -1,0 +1,127 @@
+"""Gwyddion's own files: one channel for each image, whatever its unit.
+
+Behind the mark lies one object: the name of its class, its size (four bytes), and components of a name, a
+letter for the type, and a value, which may be an object again. The image ``/0/data`` has its title in
+``/0/data/title`` and its mask in ``/0/mask``; its rows run from the top. Lengths are in SI units.
+
+References
+----------
+Gwyddion user guide, Gwyddion native format (GWY).
+"""
+
+import mmap
+import re
+import struct
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights
+from roughcontact.io.guards import check_line_ends, check_memory, check_points, refusing
+from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.lengths import compare_size
+from roughcontact.io.metadata import instrument_metadata
+from roughcontact.io.text.lines import looks_like_text
+
+_MARK = b"GWYP"
+_TYPES = {"b": "?", "c": "i1", "i": "<i4", "q": "<i8", "d": "<f8"}  # of numbers; arrays have capital letters
+_MEMORY_PER_BYTE = 4
+_MASKED = "the mask in the file was applied: the points under it are missing"
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    r"""Return whether a file begins with the mark.
+
+    Examples
+    --------
+    >>> recognises(Path("map.dat"), b"GWYPGwyContainer\0"), recognises(Path("map.txt"), b"GWYP 1 2 3")
+    (True, False)
+    """
+    return head.startswith(_MARK) and not looks_like_text(head)
+
+
+def read(path: Path) -> MeasuredFile:
+    """Open a file; points under a mask are missing."""
+    size = path.stat().st_size
+    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of Gwyddion", path)
+    check_line_ends(path)
+    with refusing(f"{path}: looks like Gwyddion, but is damaged or cut off"):
+        with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            data.seek(len(_MARK))
+            container = _object(data)
+            required_size = data.tell()
+        images = [match[1] for key in container if (match := re.fullmatch(r"/(\d+)/data", key))]
+        channels = [_channel(container, f"/{number}", path) for number in images]
+    if not channels:
+        raise InputFileError(f"{path}: this Gwyddion file holds no image")
+    stale, notes = compare_size(path, required_size)
+    meta = container.get(f"/{images[0]}/meta", {})
+    instrument = instrument_metadata({"serial": meta.get("Instrument serial number 2")}, meta)
+    return MeasuredFile("Gwyddion", channels, "top", instrument, notes, stale)
+
+
+def _channel(container: dict[str, Any], number: str, path: Path) -> Channel:
+    """Return one image with its mask."""
+    image, mask = container[f"{number}/data"], container.get(f"{number}/mask")
+    shape = int(image["yres"]), int(image["xres"])
+    check_points(shape, path)
+    values = image["data"].reshape(shape)
+    if mask is not None:
+        values = np.ma.masked_array(values, mask["data"].reshape(shape) > 0.5)
+    # like Gwyddion: a size of 0 is 1, a negative one has a wrong sign
+    dy, dx = (float(abs(image[key]) or 1) / n for key, n in zip(("yreal", "xreal"), shape, strict=True))
+    lateral_unit, unit = (image.get(key, {}).get("unitstr", "") for key in ("si_unit_xy", "si_unit_z"))
+    return Channel(
+        container.get(f"{number}/data/title", f"image {number[1:]}"),
+        shape,
+        partial(as_heights, values, str(path)),
+        height_unit=unit or "no unit",
+        dx=dx,
+        dy=dy,
+        lateral_unit=lateral_unit or None,
+        notes=[] if mask is None else [_MASKED],
+    )
+
+
+def _object(data: mmap.mmap) -> dict[str, Any]:
+    """Return the components of the object at the position of a file, and go behind it."""
+    _text(data)
+    end = _count(data) + data.tell()
+    if end > len(data):
+        raise ValueError(f"an object ends at {end}, the file at {len(data)}")
+    components = {}
+    while data.tell() < end:
+        name = _text(data)
+        components[name] = _value(data, data.read(1).decode())
+    return components
+
+
+def _value(data: mmap.mmap, kind: str) -> Any:
+    """Return a value of some type."""
+    if kind in "so":
+        return (_text if kind == "s" else _object)(data)
+    count = _count(data) if kind.isupper() else 1
+    if kind in "SO":
+        return [_value(data, kind.lower()) for _ in range(count)]
+    number_type = np.dtype(_TYPES[kind.lower()])
+    numbers = np.frombuffer(data.read(count * number_type.itemsize), number_type, count)
+    return numbers if kind.isupper() else numbers[0]
+
+
+def _text(data: mmap.mmap) -> str:
+    """Return the text up to the next zero."""
+    end = data.find(b"\0", data.tell())
+    if end < 0:
+        raise ValueError("a text has no end")
+    return data.read(end + 1 - data.tell())[:-1].decode("utf-8", "replace")
+
+
+def _count(data: mmap.mmap) -> int:
+    """Return a number of four bytes."""
+    return struct.unpack("<I", data.read(4))[0]
+
+
+READER = Reader(RecognisedBy.MARK, recognises, read)
