@@ -35,7 +35,6 @@ MODULES = (
     "statistics.theory",
     "roughness.heights",
     "roughness.parameters",
-    "roughness.profile_parameters",
     "roughness.spectrum",
     "roughness.texture",
     "references.closed_forms",

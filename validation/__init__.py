@@ -24,6 +24,7 @@ SectionName = Literal[
     "subsurface",
     "targets",
     "patches",
+    "cycles",
     "adhesion",
     "formats",
 ]

@@ -303,6 +303,96 @@ def spot_array_stiffness(contact_radius: float, contact_modulus: float, period: 
     return contact_modulus / (period**2 * compliance)
 
 
+# --- Unloading and slip -------------------------------------------------------------------------------------
+
+
+def flattened_summit_radius(share: float) -> float:
+    """Return the radius b of the contact of a summit that was pressed flat, over that at the largest load.
+
+    At the largest load the pressure was the same everywhere. Flat punches of all radii up to b, superposed,
+    carry the share s = (2/pi)(asin b - b sqrt(1 - b^2)) of it; what the approach has recovered is that of the
+    punches left out, sqrt(1 - b^2) of 2 H a/E* [1]_.
+
+    Parameters
+    ----------
+    share : float
+        s, of the largest load, from 0 to 1.
+
+    Returns
+    -------
+    float
+
+    References
+    ----------
+    .. [1] Johnson (1985), Contact Mechanics, sections 3.4 and 6.4.
+
+    Examples
+    --------
+    >>> print(f"{flattened_summit_radius(0.5):.4f}")
+    0.9147
+    """
+    from scipy.optimize import brentq  # for these two functions
+
+    def excess(b: float) -> float:
+        return float(2 / np.pi * (np.arcsin(b) - b * np.sqrt(1 - b * b)) - share)
+
+    return float(brentq(excess, 0.0, 1.0, xtol=1e-15))
+
+
+def cattaneo_stick_radius(share: float) -> float:
+    """Return the radius of the stick zone of a sphere over that of the contact, (1 - Q/(mu P))^(1/3).
+
+    Parameters
+    ----------
+    share : float
+        Q/(mu P), from 0 to 1.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> cattaneo_stick_radius(0.875)
+    0.5
+    """
+    return float(np.cbrt(1 - share))
+
+
+def mindlin_deresiewicz_energy(
+    share: float, full_slip: float, radius: float, *, shear_modulus: float, poissons_ratio: float
+) -> float:
+    """Return the energy that a sphere on its like loses in a cycle between Q and -Q, of either sign.
+
+    Parameters
+    ----------
+    share : float
+        Q/(mu P), from 0 to 1.
+    full_slip : float, N
+        mu P.
+    radius : float, m
+        of the contact.
+    shear_modulus : float, Pa
+    poissons_ratio : float
+        of both bodies.
+
+    Returns
+    -------
+    float, J
+
+    References
+    ----------
+    .. [1] Mindlin and Deresiewicz (1953), J. Appl. Mech. 20, 327; Johnson (1985), eq. (7.57).
+
+    Examples
+    --------
+    >>> print(f"{mindlin_deresiewicz_energy(1.0, 1.0, 1.0, shear_modulus=1.0, poissons_ratio=0.0):.3f}")
+    0.600
+    """
+    shape = 1 - (1 - share) ** (5 / 3) - 5 * share / 6 * (1 + (1 - share) ** (2 / 3))
+    return float(1.8 * full_slip**2 / radius * (2 - poissons_ratio) / shear_modulus * shape)
+
+
 # --- Stresses below the surface -----------------------------------------------------------------------------
 
 

@@ -11,6 +11,7 @@ from validation import (
     consistency,
     convergence,
     coverage,
+    cycles,
     formats,
     full_contact,
     hertz,
@@ -40,6 +41,7 @@ _MODULES = {
     "subsurface": subsurface,
     "targets": targets,
     "patches": patches,
+    "cycles": cycles,
     "adhesion": adhesion,
     "formats": formats,
 }

@@ -11,10 +11,10 @@ from roughcontact.configuration import dependencies
 
 ROOT = Path(__file__).parents[2]
 PAGES = {"contact", "report"}
-SOLVERS = {"contact"}
+SOLVERS = {"contact", "unload"}
 READERS = {"prepare", "contact"}
 WINDOWS = {*READERS, "superpose"}
-KERNELS = {"contact", "prepare", "superpose", "report"}  # roughness is transformed, too
+KERNELS = {"contact", "unload", "prepare", "superpose", "report"}  # roughness is transformed, too
 SCRIPTS = sorted(path for path in (ROOT / "workflow/scripts").glob("[a-z]*.py"))
 _PROBE = """
 import ast, importlib, sys
@@ -74,7 +74,7 @@ def digests(workflow):
         ("lib/roughcontact/results/collect.py", {"report"}),
         ("lib/roughcontact/report/templates/report.css", PAGES),
         ("lib/roughcontact/configuration/models.py", set()),
-        ("lib/roughcontact/pipeline.py", SOLVERS),
+        ("lib/roughcontact/pipeline.py", {"contact"}),
         ("scripts/_window.py", {"prepare", "superpose"}),
     ],
 )

@@ -279,3 +279,18 @@ def test_a_layer_stiffens_a_sphere_as_computed_elsewhere(nu, ratios):
         found = sphere_on_layer(size, 10.0, 1.0, nu)
         hertz = 4 / 3 * np.sqrt(10.0) * found.approach**1.5
         assert found.force / hertz == pytest.approx(expected, abs=6e-4)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.3, 0.9])
+def test_flat_punches_carry_a_flattened_summit(share):
+    """Punches of radius t with the pressure 1/sqrt(t^2 - r^2) add up to one that is uniform over a circle."""
+    radius = closed_forms.flattened_summit_radius(share)
+    carried, _ = quad(lambda t: 4 / np.pi * t**2 / np.sqrt(1 - t**2), 0, radius)
+    assert carried == pytest.approx(share, rel=1e-9)
+
+
+def test_the_energy_of_a_cycle_at_small_loads_is_that_of_johnson():
+    """Johnson (1985), eq. (7.58): it falls with the third power of the load, by (2 - nu)/(18 a G mu P)."""
+    share, ratio = 1e-3, 0.3
+    energy = closed_forms.mindlin_deresiewicz_energy(share, 1.0, 1.0, shear_modulus=1.0, poissons_ratio=ratio)
+    assert energy == pytest.approx((2 - ratio) / 18 * share**3, rel=0.01)

@@ -100,7 +100,7 @@ def test_contact_section_is_the_keyword_arguments_of_its_verbs():
     of_the_load = {"area"}  # mean pressure is force by area
     of_the_budget = {"contact_modulus_uncertainty", "mean_pressure_uncertainty"}
     assert (
-        set(Contact.model_fields) - {"bodies", "keep_fields", *of_the_budget, *of_the_load}
+        set(Contact.model_fields) - {"bodies", "keep_fields", "unload", *of_the_budget, *of_the_load}
         == set(arguments) - of_the_run
     )
     for name in ("tolerance", "zero_frequency", "on_failure"):
@@ -406,3 +406,29 @@ def test_force_and_area_are_another_way_to_state_the_mean_pressure():
 def test_a_force_without_its_area_is_a_question(contact, sentence):
     with pytest.raises(SettingsError, match=sentence):
         resolve({"contact": {"contact_modulus": "1 GPa"} | contact})
+
+
+@pytest.mark.parametrize(
+    ("contact", "said"),
+    [
+        ({"unload": True}, "contact.unload: needs a hardness"),
+        (
+            {"unload": "3 GPa", "hardness": "2 GPa"},
+            "contact.unload 3e+09 Pa is not below the hardness",
+        ),
+        ({"unload": True, "hardness": "2 GPa", "keep_fields": False}, "contact.unload: needs the maps"),
+        ({"unload": "later", "hardness": "2 GPa"}, r"contact.unload\[0\] = 'later'"),
+    ],
+)
+def test_a_load_that_cannot_be_taken_off_is_refused(contact, said):
+    with pytest.raises(SettingsError, match=said.replace("+", r"\+")):
+        resolve({"contact": {"contact_modulus": "100 GPa", "mean_pressure": "10 MPa"} | contact})
+
+
+def test_unload_names_loads_or_the_largest():
+    given = {"contact_modulus": "100 GPa", "mean_pressure": "10 MPa", "hardness": "2 GPa"}
+    read = [
+        resolve({"contact": given | {"unload": value}})[""]["contact"]["unload"]
+        for value in (True, False, "5 MPa", ["5 MPa", 1e7])
+    ]
+    assert read == [[], None, [5e6], [5e6, 1e7]]

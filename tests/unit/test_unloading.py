@@ -113,7 +113,7 @@ def test_layers_unload_as_layers():
 
 def test_what_cannot_be_unloaded_is_refused(cycle):
     up, _ = cycle
-    with pytest.raises(rc.SettingsError, match=r"0\.5 Pa is more than the largest load .* 0\.12 Pa"):
+    with pytest.raises(rc.SettingsError, match=r"0\.5 Pa is more than the largest load, 0\.12 Pa"):
         rc.unload(up, mean_pressure=[0.1, 0.5])
     with pytest.raises(rc.SettingsError, match="has no hardness"):
         rc.unload(up.drop_vars("hardness"))

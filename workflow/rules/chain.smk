@@ -125,6 +125,28 @@ use rule contact as statistics with:
         **params_of("statistics"),
 
 
+rule unload:
+    """Take the load off: the surface that plastic flow has left, and the contact on the way back."""
+    input:
+        window=file_of("window"),
+        contact=file_of("contact"),
+    output:
+        residual="results/{result}/residual.nc",
+    log:
+        "logs/{result}/unload.log",
+    wildcard_constraints:
+        result=pattern_of("unload"),
+    conda:
+        "../envs/roughcontact.yaml"
+    threads: threads_of()
+    resources:
+        **resources_of("unload"),
+    params:
+        **params_of("unload"),
+    script:
+        "../scripts/unload.py"
+
+
 # files that only some studies have
 FURTHER = {}
 if REPORT["pairs"]:
@@ -146,6 +168,7 @@ rule report:
         panels=expand("results/{result}/panel.html", result=REPORT["results"]),
         # which are read beside the panels
         summaries=expand("results/{result}/panel.json", result=REPORT["results"]),
+        residuals=expand("results/{result}/residual.nc", result=REPORT["unloaded"]),
     output:
         **FURTHER,
         statistics=shown("results/statistics.nc", "statistics", "all numbers"),

@@ -57,6 +57,7 @@ resources_of, threads_of = ARGUMENTS.resources_of, ARGUMENTS.threads_of
 sources_of = partial(ARGUMENTS.sources_of, local=local)
 REPORT = {
     "results": PLAN.results,
+    "unloaded": PLAN.unloaded,
     "pairs": bool(PLAN.placements),
     "groups": bool(PLAN.groups or PLAN.same_places),
 }

@@ -22,7 +22,8 @@ _Labelled = TypeVar("_Labelled", xr.DataArray, xr.Dataset)
 _NAMES = {
     "m": "s_filter l_filter shortest_wavelength longest_wavelength thickness shift seal.width "
     "noise resolution wavelength tip_radius",
-    "Pa": "contact_modulus mean_pressure hardness youngs_modulus yield_stress seal.pressure_difference start",
+    "Pa": "contact_modulus mean_pressure peak_pressure hardness youngs_modulus yield_stress start "
+    "seal.pressure_difference",
     "N": "force",
     "degree": "rotation rotations",
     "J m-2": "work_of_adhesion",

@@ -95,7 +95,7 @@ class RuleArguments:
             "sources": sources if self._reads(rule) else {},
             "code": self.code(rule),
         }
-        return params | ({} if rule == "superpose" else {"row": row})
+        return params | ({} if rule in ("superpose", "unload") else {"row": row})
 
     def resources_of(self, rule: Rule) -> dict[str, Callable[..., int]]:
         """Return memory (MB) and run time (minutes) of a job, by the size of its map."""

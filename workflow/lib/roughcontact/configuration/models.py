@@ -60,6 +60,11 @@ def _as_list(value: Any) -> Any:
     return value if isinstance(value, list | tuple | NoneType) else [value]
 
 
+def _largest_load(value: Any) -> Any:
+    """Return no load in particular for true, nothing for false, and a single load as a list of one."""
+    return _as_list(([] if value else None) if isinstance(value, bool) else value)
+
+
 Number = Annotated[float, BeforeValidator(_not_boolean)]
 Count = Annotated[int, BeforeValidator(_not_boolean)]
 Positive = Annotated[Number, Field(gt=0)]
@@ -117,6 +122,11 @@ RelativeLoads = Annotated[
 _LIST_SCHEMA = WithJsonSchema(
     {"anyOf": [*_WITH_UNIT["anyOf"], {"type": "array", "minItems": 1, "items": _WITH_UNIT}]}
 )
+UnloadedFrom = Annotated[
+    list[Pressure] | None,
+    BeforeValidator(_largest_load),
+    WithJsonSchema({"anyOf": [{"type": "boolean"}, *_LIST_SCHEMA.json_schema["anyOf"], {"type": "null"}]}),
+]
 Loads = Annotated[list[Pressure], _LISTED, BeforeValidator(_as_list), _LIST_SCHEMA]
 Radii = Annotated[
     list[Annotated[Positive, BeforeValidator(Range("m", 1e-9, 1e3)), _SCHEMA]],
@@ -466,6 +476,12 @@ class Contact(Section):
         "Pa: the upper limit of the pressure; not given here if bodies state theirs; none: elastic "
         "throughout",
         examples=["2 GPa"],
+    )
+    unload: UnloadedFrom = Field(
+        default=None,
+        description="take a load off after it was reached, and write the surface that flow has left and the "
+        "contact on the way back to residual.nc; true: the largest load; or loads, Pa; needs a hardness",
+        examples=[True],
     )
     influence: Influence = Field(
         default="sampled",

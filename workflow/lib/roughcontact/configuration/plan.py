@@ -17,7 +17,7 @@ from roughcontact.configuration.generated import changed_settings
 from roughcontact.configuration.stages import SECTIONS, owner, settings_of
 from roughcontact.configuration.surfaces import Placement, Surface, measured, placements, same_places
 
-Rule = Literal["prepare", "prepare_face", "superpose", "contact", "statistics", "report"]
+Rule = Literal["prepare", "prepare_face", "superpose", "contact", "statistics", "unload", "report"]
 
 # the stages whose files a rule writes; a case runs it where it differs in the settings of the decisive one
 STAGES: dict[str, tuple[str, ...]] = {
@@ -26,6 +26,7 @@ STAGES: dict[str, tuple[str, ...]] = {
     "superpose": ("levelled", "window"),
     "contact": ("contact", "uncertainty", "statistics"),
     "statistics": ("uncertainty", "statistics"),
+    "unload": ("residual",),
 }
 _DECISIVE = {"prepare": "window", "prepare_face": "levelled", "superpose": "window", "contact": "contact"}
 # files of a placement that are those of its faces
@@ -116,6 +117,12 @@ class Plan:
         """The folders of all results of the run, case by case."""
         return [_result(case, surface) for case in self.cases for surface in self.solved]
 
+    @cached_property
+    def unloaded(self) -> list[str]:
+        """The folders of the results whose load is taken off again."""
+        unload = {case: settings["contact"]["unload"] for case, settings in self.cases.items()}
+        return [result for result in self.results if unload[split(result)[0]] is not None]
+
     def row(self, surface: str) -> Surface:
         """Return the row of the table from which a surface comes, or the measured file of a face."""
         if surface in self.placements:
@@ -132,6 +139,8 @@ class Plan:
         cases = [case for case in self.cases if stage is None or first(case, stage) == case]
         if rule == "statistics":
             cases = [case for case in self.cases if first(case, "contact") != case]
+        if rule == "unload":
+            cases = [case for case in self.cases if self.cases[case]["contact"]["unload"] is not None]
         pairs = regex_of_names(dict.fromkeys(placement.pair for placement in self.placements.values()))
         last = max((placement.number for placement in self.placements.values()), default=0)
         face = f"{pairs}-(?:counter-)?face"
@@ -270,6 +279,8 @@ class Plan:
         if rule == "report":
             return len(self.results) / 300
         case, surface = split(result)
+        if rule == "unload":
+            return 60 * self.loads(case) * points / 60e6
         if rule in ("prepare", "prepare_face", "superpose"):
             return 40 * points / 60e6 + megabytes(self.row(surface).path) / 100
         return (240 + 190 * self.loads(case)) * points / 60e6
@@ -287,6 +298,7 @@ class Plan:
             case, _ = split(folder)
             jobs.append(("contact" if self._first(case, "contact") == case else "statistics", folder))
         jobs.append(("statistics" if self.other_case("contact", result) else "contact", result))
+        jobs += [("unload", result)] * (result in self.unloaded)
         return list(dict.fromkeys(jobs))
 
     def expected(self, points: Callable[[str], int]) -> dict[tuple[Rule, str], tuple[float, int]]:

@@ -1,7 +1,7 @@
 """From the content of a YAML file to checked settings of each case, or one error that lists all mistakes."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from typing import Any
 
@@ -107,6 +107,9 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
             "carries it"
         )
         mistakes.append(SettingsError(text, keys=["contact.mean_pressure"]))
+    if settings["contact"]["unload"] is not None:
+        texts = _mistakes_in_unload(settings["contact"], where)
+        mistakes += [SettingsError(text, keys=["contact.unload"]) for text in texts]
     limits = [settings["contact"]["hardness"]]
     limits += [
         material["yield_stress"] for body in bodies or () for material in (body, *(body["layers"] or ()))
@@ -115,6 +118,24 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         text = f"{where}.target: first_yield needs the yield_stress of a body, or a hardness"
         mistakes.append(SettingsError(text, keys=["contact.target"]))
     return settings, mistakes
+
+
+def _mistakes_in_unload(contact: Mapping[str, Any], where: str) -> Iterator[str]:
+    """Yield why the load cannot be taken off."""
+    if contact["boundary"] == "free":
+        yield f"{where}.unload: is for periodic maps, and boundary = free; leave unload out"
+    if contact["hardness"] is None:
+        yield (
+            f"{where}.unload: needs a hardness, since an elastic contact is unloaded the way it was loaded; "
+            "state contact.hardness, or that of a body, or leave unload out"
+        )
+    elif max(contact["unload"], default=0.0) >= contact["hardness"]:
+        yield (
+            f"{where}.unload {max(contact['unload']):g} Pa is not below the hardness {contact['hardness']:g} "
+            "Pa: no contact carries it"
+        )
+    if not contact["keep_fields"]:
+        yield f"{where}.unload: needs the maps of the contact; leave keep_fields at true, or unload out"
 
 
 def _derive(contact: dict[str, Any], stated: Sequence[Any]) -> None:

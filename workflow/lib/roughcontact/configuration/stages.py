@@ -16,10 +16,11 @@ SECTIONS: dict[str, tuple[str, ...]] = {
     "uncertainty": ("level", "window", "contact", "uncertainty", "instrument"),
     "statistics": ("level", "window", "contact", "uncertainty", "instrument", "statistics"),
 }
+_RESIDUAL = ("level", "window", "contact", "statistics")  # of residual.nc, which no other case shares
 
 
 def settings_of(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
-    """Return the settings on which a stage, one of `SECTIONS`, depends: section -> settings.
+    """Return the settings on which a stage, one of `SECTIONS` or "residual", depends: section -> settings.
 
     Two cases with equal settings share the stage.
 
@@ -32,16 +33,17 @@ def settings_of(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
     """
     if stage == "contact" and not settings["contact"]["keep_fields"]:
         stage = "statistics"
-    sections = SECTIONS[stage]
+    sections = _RESIDUAL if stage == "residual" else SECTIONS[stage]
     if "window" in sections and settings["instrument"]["correct"]:  # the window is corrected by it
         sections = tuple(dict.fromkeys([*sections, "instrument"]))
     selected = {section: settings[section] for section in sections}
     if "window" in sections and settings["contact"]["boundary"] == "free":
         selected |= {"form": settings["form"], "contact": selected.get("contact", {"boundary": "free"})}
+    omitted = {"unload"} if stage != "residual" else set()
     if stage == "uncertainty":  # the same with and without fields
-        selected["contact"] = {
-            key: value for key, value in selected["contact"].items() if key != "keep_fields"
-        }
+        omitted.add("keep_fields")
+    if "contact" in selected:
+        selected["contact"] = {k: value for k, value in selected["contact"].items() if k not in omitted}
     return selected
 
 

@@ -21,6 +21,7 @@ def unload(
     contact: xr.Dataset,
     *,
     mean_pressure: float | str | Sequence[float | str] | None = None,
+    peak_pressure: float | str | None = None,
     tolerance: float = 1e-6,
     threads: int = 1,
 ) -> xr.Dataset:
@@ -37,6 +38,8 @@ def unload(
         of `solve_contact` with a `hardness`, with its maps; its largest load counts.
     mean_pressure : float or sequence of float, Pa, optional
         loads on the way back, none above the largest one; by default all loads of `contact`, falling.
+    peak_pressure : float, Pa, optional
+        the largest load, which is taken off; by default the largest of `contact`.
     tolerance : float
         of the solver; at 1e-6 no pressure exceeds the hardness by more than a hundred thousandth.
     threads : int
@@ -77,14 +80,16 @@ def unload(
             "the contact has no hardness: an elastic one is unloaded the way it was loaded; solve it with "
             "hardness=... to see what flow leaves"
         )
-    top, hardness = float(contact["mean_pressure"].max()), float(contact["hardness"])
+    hardness = float(contact["hardness"])
+    solved = sorted(contact["mean_pressure"].values.tolist(), reverse=True)
+    top = solved[0] if peak_pressure is None else check_loads("peak_pressure", peak_pressure, unit="Pa")[0]
     if mean_pressure is None:
-        loads = sorted(contact["mean_pressure"].values.tolist(), reverse=True)
+        loads = [top, *(load for load in solved if load < top)]
     else:
         loads = check_loads("mean_pressure", mean_pressure, unit="Pa")
     if max(loads) > top:
         raise SettingsError(
-            f"mean_pressure = {max(loads):g} Pa is more than the largest load of the contact, {top:g} Pa: "
+            f"mean_pressure = {max(loads):g} Pa is more than the largest load, {top:g} Pa: "
             "the surface would flow further; solve_contact loads it",
             keys=("mean_pressure",),
         )

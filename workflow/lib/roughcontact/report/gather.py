@@ -3,7 +3,7 @@
 import json
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NotRequired
 
 import numpy as np
 import pandas as pd
@@ -27,9 +27,10 @@ from roughcontact.uncertainty.groups import group_statistics, needed_for_groups
 
 
 class Finished(Entry):
-    """The statistics of one surface (and case), with its part of the report."""
+    """The files of one surface (and case): statistics, part of the report, surface after the load or None."""
 
     panel: str | Path
+    residual: NotRequired[str | Path | None]
 
 
 def write_results(
@@ -112,6 +113,7 @@ def write_results(
     write_report(
         folder / "report.html",
         panels=[entry["panel"] for entry in finished],
+        residuals=[entry.get("residual") for entry in finished],
         statistics=statistics,
         summary=text,
         title=title,

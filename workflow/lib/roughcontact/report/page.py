@@ -2,6 +2,7 @@
 
 import base64
 import json
+import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -30,8 +31,9 @@ from roughcontact.report.load_plots import compare_areas, sample_of, spread_of_a
 from roughcontact.report.summary import Summary, read_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
+from roughcontact.report.unloading import unloading_of
 from roughcontact.results.collect import Failure
-from roughcontact.results.storage import write_text
+from roughcontact.results.storage import read_dataset, write_text
 from roughcontact.statistics import checks
 from roughcontact.uncertainty.group_tables import NamedGroup
 
@@ -52,6 +54,7 @@ def write_report(
     path: str | Path,
     *,
     panels: Sequence[str | Path],
+    residuals: Sequence[str | Path | None] = (),
     statistics: xr.Dataset,
     summary: str,
     title: str,
@@ -74,6 +77,8 @@ def write_report(
         where to write.
     panels : sequence of paths
         of `write_panel`, in the order of the page, each with its summary beside it.
+    residuals : sequence of paths
+        the surface after the load of each panel, or None.
     statistics : Dataset
         of `collect_statistics`.
     summary : str
@@ -165,6 +170,16 @@ def write_report(
         which_load=_which_load(list(indices.values()), list(available.values())),
         comparisons=_comparisons(series, grouped, many=indexed),
         cases=_cases(by_surface, many=indexed, equal_loads=equal),
+        unloadings=[
+            unloading_of(
+                summary["name"],
+                available[summary["name"]],
+                read_dataset(residual),
+                link=Path(os.path.relpath(residual, folder)).as_posix(),
+            )
+            for summary, residual in zip(summaries, residuals, strict=False)
+            if residual
+        ],
         parts=[] if indexed else [_panel_html(panel, folder) for panel in panels],
         failures=named,
         groups=group_rows(

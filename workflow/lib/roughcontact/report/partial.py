@@ -35,8 +35,14 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
         case, surface = split(result)
         reason = _reason(plan, result)
         if reason is None and _is_of_this_run(plan, result):
-            statistics, panel = f"results/{result}/statistics.nc", f"results/{result}/panel.html"
-            finished.append(Finished(surface=surface, case=case or None, statistics=statistics, panel=panel))
+            entry = Finished(
+                surface=surface,
+                case=case or None,
+                statistics=f"results/{result}/statistics.nc",
+                panel=f"results/{result}/panel.html",
+                residual=f"results/{result}/residual.nc" if result in plan.unloaded else None,
+            )
+            finished.append(entry)
         else:
             failures.append(Failure(surface=surface, case=case or None, reason=reason or "not finished"))
     if not (finished and failures):
@@ -65,6 +71,8 @@ def _is_of_this_run(plan: Plan, result: str) -> bool:
     folder, statistics = Path("results", result), Path("results", result, "statistics.nc")
     prepared = [Path(plan.file(stage, result)) for stage in ("height", "levelled", "window")]
     files = [*prepared, statistics, folder / "panel.html", folder / "panel.json"]
+    if result in plan.unloaded:
+        files.append(folder / "residual.nc")
     try:
         dates = [file.stat().st_mtime_ns for file in files]
         _, attrs = read_arrays(statistics)

@@ -71,6 +71,7 @@ _TITLES = {
     "contact": "Solution of the contact",
     "uncertainty": "Error budget of the contact",
     "statistics": "Statistics of the contact",
+    "residual": "Surface after the load",
 }
 
 

@@ -1,0 +1,63 @@
+"""The load is taken off in a run: residual.nc, its section of the page, the residual surface solved again."""
+
+import numpy as np
+import pytest
+from small_project import SETTINGS, TABLE, Project, write_maps
+
+from roughcontact.io.read import read_height_map
+from roughcontact.results.storage import read_dataset
+
+CONTACT = {
+    "contact_modulus": "100 GPa",
+    "hardness": "3 GPa",
+    "mean_pressure": ["20 MPa", "100 MPa", "200 MPa"],
+}
+CASES = {
+    "plain": {},
+    "once": {"contact": {"unload": True}},
+    "twice": {"contact": {"unload": ["100 MPa", "200 MPa"]}},
+}
+
+
+@pytest.mark.slow
+def test_what_the_load_leaves_goes_from_the_settings_to_the_page(tmp_path, checkout):
+    project = Project(tmp_path / "project", checkout)
+    write_maps(project.path("measured"))
+    settings = {key: value for key, value in SETTINGS.items() if key != "contact"}
+    settings |= {"contact": CONTACT, "cases": CASES, "uncertainty": {"sources": []}}
+    project.write(settings, TABLE[:2])
+    run = project.run()
+    assert run.returncode == 0, run.stderr
+    # the cases differ in what follows the contact, which is solved once
+    assert not project.path("results/plain/ground/residual.nc").exists()
+    assert not project.path("results/once/ground/contact.nc").exists()
+    loaded = read_dataset(project.path("results/plain/ground/statistics.nc"))
+    once, twice = (
+        read_dataset(project.path(f"results/{case}/ground/residual.nc")) for case in ("once", "twice")
+    )
+    assert once["mean_pressure"].values.tolist() == [2e8, 1e8, 2e7]
+    assert float(once["relative_contact_area"][0]) == pytest.approx(
+        float(loaded["relative_contact_area"][2]), rel=5e-3
+    )
+    assert float(once["relative_contact_area"][2]) > 1.2 * float(loaded["relative_contact_area"][0])
+    assert float(once["rms_gradient"]) < float(once["rms_gradient_before_load"])
+    np.testing.assert_allclose(twice["height"][1], once["height"], atol=1e-15)
+    assert twice["peak_pressure"].values.tolist() == [1e8, 2e8]
+    assert np.isfinite(twice["mean_pressure"].values).sum(axis=1).tolist() == [2, 3]
+    page = project.path("results/report.html").read_text()
+    section = page[page.index('<section id="unloading">') :]
+    assert section.count("of the area touch on loading") == 3
+    assert 'href="once/ground/residual.nc"' in section
+    assert project.jobs() == {}
+    # the file is a map like any other, which a study can solve
+    height = read_height_map(project.path("results/once/ground/residual.nc"))
+    np.testing.assert_array_equal(height.values, once["height"].values)
+    project.write(
+        settings | {"cases": {"again": {"contact": {"hardness": None}}}},
+        [TABLE[0], "again\tresults/once/ground/residual.nc"],
+    )
+    run = project.run()
+    assert run.returncode == 0, run.stderr
+    again = read_dataset(project.path("results/again/again/statistics.nc"))
+    areas = again["relative_contact_area_pixels"].values
+    np.testing.assert_allclose(areas, once["relative_contact_area_pixels"].values[::-1], rtol=0.02)

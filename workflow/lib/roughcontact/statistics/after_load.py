@@ -1,0 +1,54 @@
+"""The surfaces that plastic flow leaves after the load, with the numbers of the way back: residual.nc."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import xarray as xr
+
+from roughcontact.contact.unloading import unload
+from roughcontact.roughness.parameters import rms_curvature, rms_gradient, rms_height
+from roughcontact.statistics.contact_statistics import statistics_function
+from roughcontact.variables import describe
+
+_ROUGHNESS: dict[str, Callable[[xr.DataArray], float]] = {
+    "rms_height": rms_height,
+    "rms_gradient": rms_gradient,
+    "rms_curvature": rms_curvature,
+}
+
+
+def after_the_load(
+    contact: xr.Dataset, window: xr.DataArray, settings: Mapping[str, Mapping[str, Any]], *, threads: int = 1
+) -> xr.Dataset:
+    """Return the surfaces that flow leaves after each load of `contact.unload`, and the way back from there.
+
+    `contact`: a solution with its maps; `window` (y, x) in m: its map; `settings`: the sections `contact` and
+    `statistics`. `height` and `plastic_depth` (y, x) in m are the residual surface and by how much flow has
+    lowered it; the statistics (load) are those of the contact of that surface, its roughness as well, with
+    that of the window as `{name}_before_load`. Several peaks of the load have a dimension of their own.
+    """
+    peaks = settings["contact"]["unload"] or [float(contact["mean_pressure"].max())]
+    before = {f"{name}_before_load": float(measure(window)) for name, measure in _ROUGHNESS.items()}
+    results = []
+    for peak in sorted(peaks):
+        unloaded = unload(contact, peak_pressure=peak, threads=threads)
+        count = statistics_function(
+            unloaded["height"],
+            contact_modulus=settings["contact"]["contact_modulus"],
+            bodies=settings["contact"]["bodies"],
+            **settings["statistics"],
+        )
+        numbers = count(unloaded)
+        numbers = numbers[[name for name in numbers.variables if numbers[name].dims in ((), ("load",))]]
+        height = unloaded["height"].drop_attrs()
+        flow = unloaded[["plastic_depth", "mean_plastic_depth", "max_plastic_depth", "dissipated_energy"]]
+        results.append(numbers.merge(flow).assign({"height": height, "peak_pressure": peak} | before))
+    if len(results) == 1:
+        return describe(results[0])
+    # other peaks have other loads below them
+    by_load = [
+        result.reset_coords("mean_pressure").assign_coords(load=result["mean_pressure"].values)
+        for result in results
+    ]
+    together = xr.concat(by_load, "peak", join="outer", data_vars="all", coords="minimal", compat="override")
+    return describe(together.drop_vars("load"))
