@@ -82,6 +82,31 @@ def test_groups_have_their_files_and_stand_first_on_the_page(grouped):
 
 
 @pytest.mark.slow
+def test_maps_that_are_cut_are_groups_of_their_parts(grouped):
+    for name, gradient in (("lapped", 0.08), ("milled", 0.16)):
+        waves = {"hurst": 0.8, "shortest": 8, "longest": 16, "rms_gradient": gradient}
+        np.save(grouped.path(f"measured/{name}.npy"), self_affine_surface((64, 64), 1.0, **waves, seed=1))
+    rows = [f"{name}\tmeasured/{name}.npy\tum\t1\t1\t2x2" for name in ("lapped", "milled")]
+    grouped.write(QUICK, ["surface\tpath\tunit\tdx\tdy\tparts", *rows])
+    run = grouped.run()
+    assert run.returncode == 0, run.stderr
+    assert {(row["group"], row["maps"], row["parts"]) for row in table(grouped, "groups.csv")} == {
+        ("lapped", "4", "4"),
+        ("milled", "4", "4"),
+    }
+    part = read_dataset(grouped.path("results/lapped-2-1/height.nc"))["height"]
+    whole = np.load(grouped.path("measured/lapped.npy"))
+    np.testing.assert_allclose(part.values, whole[:32, 32:] * 1e-6, rtol=1e-6)
+    area = [r for r in table(grouped, "comparisons.csv") if r["quantity"] == "relative_contact_area"]
+    assert {row["outcome"] for row in area} == {"differ"}
+    page = grouped.path("results/report.html").read_text()
+    assert "Part 2 of 2 along x, 1 of 2 along y (upwards), of 64 x 64 points" in page
+    # other parts are other maps
+    grouped.write(QUICK, ["surface\tpath\tunit\tdx\tdy\tparts", rows[0].replace("2x2", "2x1"), rows[1]])
+    assert grouped.jobs()["prepare"] == 2
+
+
+@pytest.mark.slow
 def test_a_group_of_different_pixels_is_named_and_the_rest_goes_on(grouped):
     rows = [row.replace("\t1\t1\t", "\t2\t2\t") if row.startswith("fine-0") else row for row in ROWS[:3]]
     cases = {"cases": {"soft": {}, "stiff": {"contact": {"contact_modulus": "2e9"}}}}

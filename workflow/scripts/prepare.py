@@ -9,6 +9,7 @@ from _window import write_window
 from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.repeats import noise_of_repeats
+from roughcontact.parts import MapPart, cut
 from roughcontact.profiles.surface import levelled_heights
 from roughcontact.results.storage import read_dataset
 
@@ -16,7 +17,10 @@ settings, row, output = snakemake.params.settings, snakemake.params.row, snakema
 arguments = dict(settings["height"]["surface"])
 name, repeat = arguments.pop("name"), dict(arguments.pop("repeat", {}))
 try:
+    part = arguments.pop("parts", None)
     height = read_height_map(row["path"], **arguments)
+    if part:
+        height = cut(height, MapPart(*part))
     if repeat and "instrument_noise" not in height.attrs:
         name_of_repeat = repeat.pop("name")
         noise, remark = noise_of_repeats(height, read_height_map(**repeat))

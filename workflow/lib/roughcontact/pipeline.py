@@ -27,9 +27,10 @@ from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.instrument_checks import instrument_kind
 from roughcontact.statistics.precision import with_precision
 from roughcontact.statistics.subsurface import with_subsurface_yield
-from roughcontact.statistics.targets import wanted_loads
+from roughcontact.statistics.targets import TARGETS, wanted_loads
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget, finite_body_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
+from roughcontact.uncertainty.elastic_loads import elastic_loads
 from roughcontact.uncertainty.improvement import MAP_SCATTER_RATIO, map_scatter_ratio, with_halving
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.variables import describe
@@ -139,7 +140,14 @@ def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, thread
         raise HeightMapError(f"{f'{file}: ' if file else ''}{error} (section contact)") from error
     if have_layers(contact["bodies"]):
         chosen["bodies"] = contact["bodies"]
+    if _planned(contact):
+        loads = elastic_loads(window, loads, chosen | {"threads": threads})
     return chosen | {"mean_pressure": loads, "threads": threads}
+
+
+def _planned(contact: Mapping[str, Any]) -> bool:
+    """Return whether neither loads nor targets are given."""
+    return all(contact.get(key) is None for key in ("mean_pressure", "relative_pressure", "force", *TARGETS))
 
 
 def bound_error(

@@ -7,13 +7,17 @@ that start with # are ignored.
 A row that names a `counter_face` is a pair: two measured files that touch. Its files are read and levelled as
 `{surface}-face` and `{surface}-counter-face`; its placements `{surface}-1`, `{surface}-2` ..., the relative
 positions of the faces (`roughcontact.faces.positions`), are solved.
+
+A row with `parts` (2x2) is a map that is cut: its parts `{surface}-1-1`, `{surface}-2-1` ... (along x, along
+y) are surfaces of their own, in the group of the row, or in one that has its name.
 """
 
 import codecs
 import math
 import os
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any
@@ -23,6 +27,7 @@ from pydantic import ValidationError
 from roughcontact.configuration.messages import name_mistake, nearest, reason
 from roughcontact.configuration.models import Instrument
 from roughcontact.errors import SettingsError
+from roughcontact.parts import parts_of
 from roughcontact.units import carries_unit, in_base_unit
 
 REQUIRED = ("surface", "path")
@@ -35,8 +40,8 @@ INSTRUMENT = tuple(
 )  # prevail over the settings
 REPEAT = "repeat_of"  # the same place measured with nothing done in between: the noise of both follows
 BEFORE = "before"  # the same place before something was done to it: their difference is the result
-GROUP, PART = "group", "part"
-COLUMNS = (*REQUIRED, GROUP, PART, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT, *TEXTS, *NUMBERS, *INSTRUMENT)
+GROUP, PART, PARTS = "group", "part", "parts"
+COLUMNS = (*REQUIRED, GROUP, PART, PARTS, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT, *TEXTS, *NUMBERS, *INSTRUMENT)
 
 
 @dataclass(frozen=True)
@@ -148,6 +153,7 @@ def read_surfaces(
     folders = [folders[0], table.parent, *folders[1:]]
     surfaces: dict[str, Surface] = {}
     before: dict[str, Surface] = {}
+    cuts: dict[str, str] = {}
     for line, cells in rows if readable else ():
         row = dict(zip(header, cells, strict=False))
         if any(cells[len(header) :]):
@@ -177,11 +183,16 @@ def read_surfaces(
             row.get(BEFORE, ""),
         )
         before[name.lower()] = surfaces[name]
+        if row.get(PARTS):
+            cuts[name] = row[PARTS]
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
     mistakes += _mistakes_in_places(surfaces)
+    mistakes += _mistakes_in_parts(surfaces, cuts)
+    if not mistakes:
+        surfaces = _with_parts(surfaces, cuts)
     mistakes += _mistakes_in_groups(surfaces)
     if placements_each:
-        mistakes += _names_of_parts(surfaces, placements(surfaces, placements_each))
+        mistakes += _names_of_faces(surfaces, placements(surfaces, placements_each))
     if mistakes:
         raise SettingsError(
             "\n".join([f"mistakes in the table of surfaces {table}:", *(f"  {m}" for m in mistakes)])
@@ -230,7 +241,7 @@ def placements(surfaces: Mapping[str, Surface], count: int) -> dict[str, Placeme
     }
 
 
-def _names_of_parts(
+def _names_of_faces(
     surfaces: Mapping[str, Surface], placements_of_pairs: Mapping[str, Placement]
 ) -> list[str]:
     """Return the mistakes of surfaces and groups that have the name of a member or of a face of a pair."""
@@ -353,6 +364,66 @@ def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> list[str]:
                 "empty"
             )
     return mistakes
+
+
+def _mistakes_in_parts(surfaces: Mapping[str, Surface], cuts: Mapping[str, str]) -> list[str]:
+    """Return what is wrong with the maps that are cut, a sentence each; `cuts` has their cells `parts`."""
+    mistakes = []
+    in_place = {name for pair in same_places(surfaces) for name in pair}
+    small = {name.lower(): name for name in surfaces}
+    for name, text in cuts.items():
+        row = surfaces[name]
+        origin = f"{_line(row)}, {PARTS} = {text}"
+        if row.counter_face is not None:
+            mistakes.append(
+                f"{origin}: {name} is a pair of faces ({PAIR}), which has several placements instead "
+                "(composite.shifts); leave one of the two cells empty"
+            )
+        elif name in in_place:
+            mistakes.append(
+                f"{origin}: {name} is the same place as another surface ({REPEAT}, {BEFORE}), which its "
+                "parts are not; compare the whole maps, or leave that cell empty"
+            )
+        elif row.given.get("lay") == "none":
+            mistakes.append(
+                f"{origin}: profiles with lay = none are solved together; leave the cell empty, or name some "
+                "of them in a row of its own"
+            )
+        try:
+            parts = [f"{name}-{part.column}-{part.row}" for part in parts_of(text)]
+        except SettingsError as error:
+            mistakes.append(f"{_line(row)}, {error}")
+            continue
+        mistakes += [
+            f"{_line(surfaces[other])}, surface = {other}: {name} needs this name for one of its parts "
+            f"({PARTS} = {text}); rename one"
+            for other in (small.get(part.lower()) for part in parts)
+            if other is not None
+        ]
+    return mistakes
+
+
+def _with_parts(surfaces: Mapping[str, Surface], cuts: Mapping[str, str]) -> dict[str, Surface]:
+    """Return the rows, with its parts in place of each map that is cut.
+
+    Where its group has other maps as well, the parts of a map are of one workpiece, as they lie side by side.
+    """
+    sizes = Counter(row.group for row in surfaces.values())
+    rows: dict[str, Surface] = {}
+    for name, row in surfaces.items():
+        if name not in cuts:
+            rows[name] = row
+            continue
+        workpiece = row.part or (name if row.group and sizes[row.group] > 1 else "")
+        for part in parts_of(cuts[name]):
+            rows[f"{name}-{part.column}-{part.row}"] = replace(
+                row,
+                name=f"{name}-{part.column}-{part.row}",
+                given=row.given | {PARTS: [*astuple(part)]},
+                group=row.group or name,
+                part=workpiece,
+            )
+    return rows
 
 
 def same_places(surfaces: Mapping[str, Surface]) -> list[tuple[str, str]]:

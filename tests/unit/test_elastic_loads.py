@@ -1,0 +1,45 @@
+"""Planned loads of a steep surface are those that it bears elastically."""
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.references.synthetic import self_affine_surface
+
+STEEL = "115 GPa"
+
+
+def rough(gradient):
+    """Return a random map (m)."""
+    waves = {"hurst": 0.8, "shortest": 8e-6, "longest": 64e-6, "rms_gradient": gradient}
+    return self_affine_surface((128, 128), 1e-6, **waves, seed=3)
+
+
+def plateau(gradient):
+    """Return a map whose flat tops touch at low pressure and whose flanks are steep (m)."""
+    height = rough(gradient)
+    return height.copy(data=np.minimum(height.values, np.quantile(height.values, 0.6)))
+
+
+@pytest.mark.parametrize(("gradient", "fewest"), [(0.02, 7), (0.15, 4), (0.2, 4)])
+def test_every_planned_load_stays_below_what_materials_bear(gradient, fewest):
+    found = rc.evaluate(plateau(gradient), contact={"contact_modulus": STEEL})
+    assert (found["mean_contact_pressure"] < 0.1 * 115e9).all()
+    assert found.sizes["load"] >= fewest
+    assert (np.diff(found["mean_pressure"]) > 0).all()
+
+
+def test_a_surface_too_steep_at_every_load_says_so():
+    found = rc.evaluate(rough(1.0), contact={"contact_modulus": STEEL}, uncertainty={"sources": []})
+    assert (found["verdict"] == 2).all()
+    assert "At every load the contact is beyond what any material bears" in found.attrs["reasons"]
+
+
+def test_loads_that_are_stated_stay():
+    found = rc.evaluate(
+        plateau(0.2),
+        contact={"contact_modulus": STEEL, "relative_pressure": [0.01, 2.0]},
+        uncertainty={"sources": []},
+    )
+    assert found["verdict"].values.tolist() != [0, 0]
+    assert found.sizes["load"] == 2
