@@ -1,4 +1,5 @@
 # Settings, table and plan of the run, and what the rules ask for; roughcontact.command_line.rule_arguments computes it.
+import gc
 import os
 from functools import partial
 
@@ -14,8 +15,9 @@ from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
 from roughcontact.garbage import collect_rarely
 
-# a plan of thousands of jobs is millions of objects that stay
+# a plan of thousands of jobs is millions of objects that stay: no garbage is looked for until it is complete (onstart)
 collect_rarely()
+gc.disable()
 
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.

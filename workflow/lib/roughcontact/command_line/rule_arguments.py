@@ -97,8 +97,11 @@ class RuleArguments:
         }
         return params | ({} if rule in ("superpose", "unload") else {"row": row})
 
-    def resources_of(self, rule: Rule) -> dict[str, Callable[..., int]]:
-        """Return memory (MB) and run time (minutes) of a job, by the size of its map."""
+    def resources_of(self, rule: Rule) -> dict[str, Callable[..., int] | None]:
+        """Return memory (MB) and run time (minutes) of a job, by the size of its map.
+
+        No job writes temporary files; for the folder of these Snakemake would ask once more for each job.
+        """
 
         @_with_signature
         def mem_mb(wildcards: Any, attempt: int) -> int:
@@ -110,7 +113,7 @@ class RuleArguments:
             result = wildcards.get("result", "")
             return round(5 + attempt * self.plan.minutes(rule, result, points=self.points(result)))
 
-        return {"mem_mb": mem_mb, "runtime": runtime}
+        return {"mem_mb": mem_mb, "runtime": runtime, "tmpdir": None}
 
     def threads_of(self) -> Callable[[Any], int]:
         """Return the function of the threads of the solver."""

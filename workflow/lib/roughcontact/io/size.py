@@ -16,6 +16,8 @@ from roughcontact.io.text.lines import looks_like_text
 _SAMPLE_BYTES = 2**16  # bytes of a text that are examined
 _HEADER = 2**20  # bytes of the header of an X3P file that are examined
 _SIZES = re.compile(rb"<(?:\w+:)?Size[XYZ]>\s*(\d{1,12})")
+# bytes of a number, and shape, in the header of an array of NumPy
+_ARRAY = re.compile(rb"'descr': '[<>|=]?[a-z](\d+)'.*'shape': \(([\d, ]+)\)")
 # in instrument files with a single map: 2.3 to 8
 _BYTES_PER_POINT = 4
 
@@ -41,7 +43,7 @@ def estimate_points(path: str | Path) -> int:
     try:
         head, size = head_of(path), path.stat().st_size
         if head.startswith(b"\x93NUMPY"):
-            points = _in_array(path)
+            points = _in_array(head, size)
         elif head.startswith(b"PK"):
             points = _in_archive(path)
         else:
@@ -51,14 +53,12 @@ def estimate_points(path: str | Path) -> int:
         return 0
 
 
-def _in_array(path: Path) -> int:
-    """Return the number of points that the header of an array of NumPy states; 0 for a damaged one."""
-    import numpy as np
-
-    try:
-        return np.load(path, mmap_mode="r", allow_pickle=False).size
-    except Exception:  # NumPy parses the header as Python text and may fail in any way of the parser
+def _in_array(head: bytes, size: int) -> int:
+    """Return the number of points that the header of an array of NumPy states; 0 for a damaged or odd one."""
+    if not (stated := _ARRAY.search(head)):
         return 0
+    points = prod(map(int, re.findall(rb"\d+", stated[2])))
+    return points if points * int(stated[1]) < size else 0
 
 
 def _in_archive(path: Path) -> int:
