@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import prod
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import instrument_kinds
+from roughcontact.io.guards import MAX_POINTS
 from roughcontact.io.markers import remove_marker_values
 from roughcontact.io.units import is_length
 
@@ -227,6 +230,13 @@ def unreadable(message: str) -> Callable[[], np.ndarray]:
         raise InputFileError(message)
 
     return read
+
+
+def oversized(name: str, shape: tuple[int, ...], path: Path) -> Channel:
+    """Return the channel of an array with more points than are read."""
+    why = f"{' x '.join(map(str, shape))} points, more than the {MAX_POINTS} that are read; crop the map"
+    doubt = f"variable {name!r} has {why}"
+    return Channel(name, (1, prod(shape)), unreadable(f"{path}: {doubt}"), no_height=why, doubt=doubt)
 
 
 def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -> np.ndarray:

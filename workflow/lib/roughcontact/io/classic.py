@@ -3,12 +3,11 @@
 The netCDF library trusts every count of CDF-5, and reads zeros where a classic file was cut off.
 """
 
-from collections.abc import Callable
 from math import prod
 from pathlib import Path
-from typing import BinaryIO, NamedTuple, NoReturn
+from typing import BinaryIO, NamedTuple
 
-from roughcontact.errors import InputFileError
+from roughcontact.io.guards import refusing
 
 # mark -> bytes of a count, bytes of a position
 _WIDTHS = {b"CDF\x01": (4, 4), b"CDF\x02": (4, 8), b"CDF\x05": (8, 8)}
@@ -19,12 +18,11 @@ _DIMENSIONS, _VARIABLES, _ATTRIBUTES = 10, 11, 12
 _MOST_AXES = 1024
 
 
-class _Placed(NamedTuple):
-    """One variable: where it begins, its bytes (those of one record), its stated bytes, and of what kind."""
+class _Variable(NamedTuple):
+    """Where a variable begins, its bytes (those of one record), and whether it has records."""
 
     begin: int
     length: int
-    stated: int
     recorded: bool
 
 
@@ -40,111 +38,87 @@ def check_header(path: Path) -> int | None:
     ----------
     Unidata, The NetCDF Classic Format Specification, appendix B of the NetCDF User's Guide.
     """
-    size = path.stat().st_size
-    with path.open("rb") as stream:
-        return _Header(stream, size, path).check()
+    with refusing(f"{path}: damaged or cut off netCDF file"), path.open("rb") as stream:
+        return _stated_size(_Header(stream, path.stat().st_size))
 
 
 class _Header:
     """A header, read from its beginning to its end."""
 
-    def __init__(self, stream: BinaryIO, size: int, path: Path) -> None:
-        self.stream, self.size, self.path = stream, size, path
+    def __init__(self, stream: BinaryIO, size: int) -> None:
+        self.stream, self.size = stream, size
         self.count, self.position = _WIDTHS[stream.read(4)]
-
-    def refuse(self, why: str) -> NoReturn:
-        """Raise the error for a damaged file."""
-        raise InputFileError(f"{self.path}: damaged or cut off netCDF file ({why})")
 
     def number(self, length: int = 0) -> int:
         """Return the next number, big-endian; without a length, a count."""
         length = length or self.count
         data = self.stream.read(length)
-        if len(data) < length:
-            self.refuse("its header is not whole")
+        _require(len(data) == length, "its header is not whole")
         return int.from_bytes(data, "big")
 
     def skip(self, length: int) -> None:
         """Skip so many bytes and the padding to a multiple of four."""
         length += -length % 4
-        if length > self.size - self.stream.tell():
-            self.refuse("its header counts more than the file has")
+        _require(length <= self.size - self.stream.tell(), "its header counts more than the file has")
         self.stream.seek(length, 1)
 
-    def entries(self, tag: int, read: Callable[[], None]) -> None:
-        """Read a list; each entry has at least eight bytes."""
+    def entries(self, tag: int) -> range:
+        """Return the numbers of the entries of a list; each has at least eight bytes."""
         list_tag, count = self.number(4), self.number()
-        if list_tag not in (tag, 0) or (list_tag == 0 and count) or count > self.size // 8:
-            self.refuse("its header has no list where one is due")
-        for _ in range(count):
-            read()
+        listed = list_tag == tag or (list_tag == 0 and not count)
+        _require(listed and count <= self.size // 8, "its header has no list where one is due")
+        return range(count)
 
-    def attribute(self) -> None:
-        """Skip an attribute."""
-        self.skip(self.number())
-        number_type, count = self.number(4), self.number()
-        if number_type not in _BYTES:
-            self.refuse("an attribute has an unknown type")
-        self.skip(_BYTES[number_type] * count)
+    def value_bytes(self) -> int:
+        """Return the bytes of a value of the next type."""
+        number_type = self.number(4)
+        _require(number_type in _BYTES, "a variable or an attribute has an unknown type")
+        return _BYTES[number_type]
 
-    def check(self) -> int | None:
-        """Read the header, check it, and return the size of the file that it describes."""
-        records = self.number()
-        lengths: list[int] = []
-        placed: list[_Placed] = []
-
-        def dimension() -> None:
+    def skip_attributes(self) -> None:
+        """Skip a list of attributes."""
+        for _ in self.entries(_ATTRIBUTES):
             self.skip(self.number())
-            lengths.append(self.number())
+            self.skip(self.value_bytes() * self.number())
 
-        def variable() -> None:
-            self.skip(self.number())
-            count = self.number()
-            if count > _MOST_AXES:
-                self.refuse("a variable has too many axes")
-            axes = [self.number() for _ in range(count)]
-            if any(axis >= len(lengths) for axis in axes):
-                self.refuse("a variable has an axis that does not exist")
-            self.entries(_ATTRIBUTES, self.attribute)
-            number_type, stated, begin = self.number(4), self.number(), self.number(self.position)
-            if number_type not in _BYTES:
-                self.refuse("a variable has an unknown type")
-            sizes = [lengths[axis] for axis in axes]
-            recorded = bool(sizes) and sizes[0] == 0
-            placed.append(
-                _Placed(begin, _BYTES[number_type] * prod(sizes[1:] if recorded else sizes), stated, recorded)
-            )
 
-        self.entries(_DIMENSIONS, dimension)
-        self.entries(_ATTRIBUTES, self.attribute)
-        self.entries(_VARIABLES, variable)
-        streaming = records == 256**self.count - 1
-        required_size = self.place(placed, 0 if streaming else records)
-        return (
-            None
-            if streaming and any(placed_variable.recorded for placed_variable in placed)
-            else required_size
-        )
+def _require(fulfilled: bool, why: str) -> None:
+    """Raise the error for a damaged file."""
+    if not fulfilled:
+        raise ValueError(why)
 
-    def place(self, placed: list[_Placed], records: int) -> int:
-        """Check where the variables lie, and return the end of the last one."""
-        largest = 256**self.count - 4  # larger ones state nothing
-        for variable in placed:
-            padded = variable.length + -variable.length % 4
-            if variable.stated not in (padded, variable.length) and padded <= largest:
-                self.refuse(f"a variable of {variable.length} bytes is said to have {variable.stated}")
-        alone = sum(variable.recorded for variable in placed) == 1
-        step = sum(
-            variable.length + (0 if alone else -variable.length % 4)
-            for variable in placed
-            if variable.recorded
-        )
-        stored = [variable for variable in placed if records or not variable.recorded]
-        ends = (
-            variable.begin + variable.length + (step * (records - 1) if variable.recorded else 0)
-            for variable in stored
-        )
-        end = max([self.stream.tell(), *ends])
-        if end > self.size:
-            self.refuse("numbers lie behind the end of the file")
-        return min(end + -end % 4, self.size)
+
+def _stated_size(header: _Header) -> int | None:
+    """Check a header, and return the size of the file that it describes."""
+    records = header.number()
+    lengths: list[int] = []
+    for _ in header.entries(_DIMENSIONS):
+        header.skip(header.number())
+        lengths.append(header.number())
+    header.skip_attributes()
+    largest = 256**header.count - 4  # larger ones state nothing
+    variables: list[_Variable] = []
+    for _ in header.entries(_VARIABLES):
+        header.skip(header.number())
+        count = header.number()
+        _require(count <= _MOST_AXES, "a variable has too many axes")
+        axes = [header.number() for _ in range(count)]
+        _require(all(axis < len(lengths) for axis in axes), "a variable has an axis that does not exist")
+        header.skip_attributes()
+        sizes = [lengths[axis] for axis in axes]
+        recorded = sizes[:1] == [0]
+        length = header.value_bytes() * prod(sizes[recorded:])
+        stated, padded = header.number(), length + -length % 4
+        agrees = stated in (padded, length) or padded > largest
+        _require(agrees, f"a variable of {length} bytes is said to have {stated}")
+        variables.append(_Variable(header.number(header.position), length, recorded))
+    streaming = records == 256**header.count - 1
+    records = 0 if streaming else records
+    in_record = [variable.length for variable in variables if variable.recorded]
+    step = in_record[0] if len(in_record) == 1 else sum(length + -length % 4 for length in in_record)
+    end = header.stream.tell()
+    for begin, length, recorded in variables:
+        if records or not recorded:
+            end = max(end, begin + length + (step * (records - 1) if recorded else 0))
+    _require(end <= header.size, "numbers lie behind the end of the file")
+    return None if streaming and in_record else min(end + -end % 4, header.size)

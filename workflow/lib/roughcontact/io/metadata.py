@@ -34,40 +34,23 @@ LABELS = {
 
 # spellings in headers, letters and digits only, lower case; of several in one header the first counts
 _SPELLINGS = {
-    "vendor": ("vendor", "manufacturer", "instrumentmanufacturer"),
-    "name": (
-        "instrumentname",
-        "instrument",
-        "instrumentmodel",
-        "microscopemodel",
-        "machineid",
-        "devicemodelname",
-    ),
-    "serial": (
-        "serialnum",
-        "serialnumber",
-        "serial",
-        "instrumentserial",
-        "instrumentserialnumber",
-        "deviceserialid",
-    ),
-    "lens": (
-        "objectivelabel",
-        "objname",
-        "objective",
-        "objectivename",
-        "objectivelens",
-        "objectivelensname",
-        "lens",
-    ),
-    "magnification": ("objectivemag", "magnification", "objectivemagnification"),
-    "numerical_aperture": ("numaperture", "numericalaperture"),
-    "probe": ("cantilevername", "probename", "tipname"),
-    "acquisition_time": ("acquisitiontime", "acquisitiondate", "datetime", "date"),
-    "software": ("acquiredwithversion", "software", "creatingapplication"),
-    "sample": ("samplename", "sample", "objectname", "partname", "title"),
+    "vendor": "vendor manufacturer instrumentmanufacturer",
+    "name": "instrumentname instrument instrumentmodel microscopemodel machineid devicemodelname",
+    "serial": "serialnum serialnumber serial instrumentserial instrumentserialnumber deviceserialid",
+    "lens": "objectivelabel objname objective objectivename objectivelens objectivelensname lens",
+    "magnification": "objectivemag magnification objectivemagnification",
+    "numerical_aperture": "numaperture numericalaperture",
+    "probe": "cantilevername probename tipname",
+    "acquisition_time": "acquisitiontime acquisitiondate datetime date",
+    "software": "acquiredwithversion software creatingapplication",
+    "sample": "samplename sample objectname partname title",
 }
-_MEANING = {spelling: entry for entry, spellings in _SPELLINGS.items() for spelling in spellings}
+# spelling -> key, and its rank
+_MEANING = {
+    spelling: (entry, rank)
+    for entry, spellings in _SPELLINGS.items()
+    for rank, spelling in enumerate(spellings.split())
+}
 _SILENT = {"", "0", "-", "none", "(none)", "null", "unknown", "not available", "n/a", "na", "default"}
 _LONGEST = 200  # characters of a name
 
@@ -122,12 +105,9 @@ def _search(header: Any, ranked: dict[str, tuple[int, str | float]], depth: int)
             continue
         if name.endswith("serialnumber") and name.startswith(("tip", "software")):
             continue
-        entry = _MEANING.get(name)
-        plain = None if entry is None else _plain(value)
-        if entry is None or plain is None:
-            continue
-        rank = _SPELLINGS[entry].index(name)
-        if entry not in ranked or rank < ranked[entry][0]:
+        entry, rank = _MEANING.get(name, ("", 0))
+        plain = _plain(value) if entry else None
+        if plain is not None and (entry not in ranked or rank < ranked[entry][0]):
             ranked[entry] = rank, plain
 
 

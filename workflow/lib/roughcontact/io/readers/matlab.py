@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights, unreadable
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, oversized
 from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
 
@@ -51,9 +51,7 @@ def read(path: Path) -> MeasuredFile:
             continue
         ny, nx = (1, max(shape[:2])) if min(shape[:2]) == 1 else shape[:2]
         if prod(shape) > MAX_POINTS:
-            count = " x ".join(map(str, shape))
-            why = f"{count} points, more than the {MAX_POINTS} that are read; crop the map"
-            channels.append(Channel(name, (ny, nx), unreadable(f"{path}: {why}"), no_height=why, doubt=why))
+            channels.append(oversized(name, shape, path))
             continue
         for index in range(*shape[2:]) if len(shape) == 3 else [None]:
             label = name if index is None else f"{name}(:,:,{index + 1})"

@@ -22,6 +22,7 @@ from roughcontact.io.channels import (
     UnevenPositionsError,
     as_heights,
     even_step,
+    oversized,
     scattered,
     unreadable,
 )
@@ -71,7 +72,7 @@ def read(path: Path) -> MeasuredFile:
         attributes = dict(dataset.attrs)
         height_attrs = dict(dataset["height"].attrs) if "height" in dataset else {}
         names = sorted(map(str, dataset.variables))
-    channels += [_oversized_channel(name, shape) for name, shape in too_long.items()]
+    channels += [oversized(name, shape, path) for name, shape in too_long.items()]
     if not channels:
         raise InputFileError(_no_map_message(path, arrays, names))
     channels.sort(key=lambda channel: channel.name.partition("[")[0] not in ("height", "heights", "z"))
@@ -111,13 +112,6 @@ def _oversized_variables(path: Path) -> dict[str, tuple[int, ...]]:
     return {name: shape for name, shape in shapes.items() if prod(shape) > MAX_POINTS}
 
 
-def _oversized_channel(name: str, shape: tuple[int, ...]) -> Channel:
-    """Return a channel above the size limit, which cannot be read."""
-    why = f"{' x '.join(map(str, shape))} points, more than the {MAX_POINTS} that are read; crop the map"
-    doubt = f"variable {name!r} has {why}"
-    return Channel(name, (1, prod(shape)), unreadable(doubt), no_height=why, doubt=doubt)
-
-
 def _no_map_message(path: Path, arrays: dict[str, tuple[int, ...]], names: list[str]) -> str:
     """Return the error message for a file without a map."""
     if arrays:
@@ -130,15 +124,8 @@ def _no_map_message(path: Path, arrays: dict[str, tuple[int, ...]], names: list[
             f"which of its arrays are heights; it has {listed}{remainder}; save the heights as .npy or netCDF"
         )
     if not names:
-        return (
-            f"{path}: an empty {'HDF5 or ' if _is_hdf5(path) else ''}netCDF file: it has no variable at all"
-        )
+        return f"{path}: an empty netCDF or HDF5 file: it has no variable at all"
     return f"{path}: no variable over two axes (y, x) in this netCDF file; it has {', '.join(names)}"
-
-
-def _is_hdf5(path: Path) -> bool:
-    """Return whether a file is HDF5."""
-    return head_of(path).startswith(hdf5.MARK)
 
 
 def _instrument(height_attrs: Any, attributes: dict) -> dict:
@@ -166,7 +153,7 @@ def _variable(
     y, x = dims
     ny, nx = variable.sizes[y] if y else 1, variable.sizes[x]
     if ny * nx > MAX_POINTS:
-        return _oversized_channel(label, (ny, nx))
+        return oversized(label, (ny, nx), path)
     unit = unit_of(variable.attrs)
     no_height = "" if variable.dtype.kind in "iuf" else f"values of type {variable.dtype}"
     unit_x, unit_y = (unit_of(dataset[axis].attrs) if axis in dataset.coords else None for axis in (x, y))
@@ -195,7 +182,7 @@ def _variable(
     return Channel(
         label,
         (ny, nx),
-        partial(_flipped, read, turned),
+        partial(read, turned),
         dx=dx,
         dy=dy,
         first_x=first_x,
@@ -205,11 +192,6 @@ def _variable(
     )
 
 
-def _flipped(read: Callable[[], np.ndarray], turned: tuple[slice, slice]) -> np.ndarray:
-    """Return the values read, with reversed axes flipped."""
-    return read()[turned].copy()
-
-
 def _values(
     opener: Callable[[], Any],
     name: Any,
@@ -217,13 +199,14 @@ def _values(
     selection: dict[str, int],
     path: Path,
     positive_down: bool,
+    turned: Any = ...,
 ) -> np.ndarray:
-    """Return the values of a variable over its axes, with the sign of heights."""
+    """Return the values of a variable over its axes, with the sign of heights, and reversed axes flipped."""
     map_axes = [axis for axis in dims if axis is not None]
     with opener() as dataset:
         variable = dataset[name].isel(selection)
         check_points((1, prod(variable.shape)), path)
-        values = as_heights(variable.transpose(*map_axes).values, str(path))
+        values = as_heights(variable.transpose(*map_axes).values, str(path))[turned].copy()
     return -values if positive_down else values
 
 

@@ -138,7 +138,7 @@ def _parsed(
         raise InputFileError(f"{path}: {wrong}; correct one of them")
     first_values = first_of(stated)
     remove_marker_values(table.values, first_values.get("missing", []))
-    doubts += thousands(rows.heading, rows.texts, table.values, delimiter, decimal_comma, path)
+    doubts += thousands(rows.heading, rows.texts, delimiter, decimal_comma, path)
     span = np.ptp(table.values[np.isfinite(table.values)]) if np.isfinite(table.values).any() else 0.0
     if abs(first_values.get("height_range", np.inf) - span) <= 0.01 * span:  # in the unit of the heights
         first_values.setdefault("height_unit", first_values.get("height_range_unit"))

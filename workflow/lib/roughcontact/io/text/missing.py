@@ -17,33 +17,12 @@ _MARKERS = {
     *("void", "invalid"),  # exports of several programs, whose headers have no such words
 }
 # Words of the language that stand for a missing point in exports: taken as missing, with a warning.
-_SPOKEN_WORDS = {
-    *("out", "outofrange", "overrange", "overflow", "underflow", "saturated", "clipped"),
-    *(
-        "missing",
-        "masked",
-        "blank",
-        "empty",
-        "undef",
-        "undefined",
-        "notmeasured",
-        "unmeasured",
-        "error",
-        "err",
-    ),
-    *(
-        "ungültig",
-        "ungueltig",
-        "fehlt",
-        "leer",
-        "maskiert",
-        "keinedaten",
-        "nichtgemessen",
-        "n.def.",
-        "undefiniert",
-    ),
-    *("invalide", "nonvalide", "nonmesuré", "manquant", "inválido", "sindatos", "nonvalido"),
-}
+_SPOKEN = (
+    "out outofrange overrange overflow underflow saturated clipped missing masked blank empty undef "
+    "undefined notmeasured unmeasured error err ungültig ungueltig fehlt leer maskiert keinedaten "
+    "nichtgemessen n.def. undefiniert invalide nonvalide nonmesuré manquant inválido sindatos nonvalido"
+)
+_SPOKEN_WORDS = frozenset(_SPOKEN.split())
 _FILLING = "-*?"  # characters that stand for a missing point, repeated any number of times
 _PHRASE = re.compile(
     r"(?<!\S)(?:no data|not measured|out of range|n\. def\.|keine daten|nicht gemessen|non valide|non mesuré"

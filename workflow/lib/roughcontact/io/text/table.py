@@ -4,7 +4,7 @@ import csv
 import re
 from array import array
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
@@ -21,11 +21,9 @@ from roughcontact.quantities import several
 COMMENT_SIGNS = "#%;!\\*/"  # at the beginning of a line
 _FORTRAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)")  # double precision, 1.5D-03
 _MAX_HEADER_LINES = 100_000  # without empty lines
-_CHUNK_CHARACTERS = 2**20  # of a line, split at a time
 _MAX_PREFIX = 2**16  # characters of a line that decide whether it contains numbers
 _WIDE_TABLE = 8  # columns; the headings of so many differ from one another
 _MAX_CELL = 64  # characters of a cell, on the average
-_WHITE = re.compile(r"\s")
 _PLAIN = re.compile(r'[-+\d.,;\s"eEdD]*\Z')  # of a row without words
 _CELL_SEPARATORS = ' \t;,"\r\n\f'  # what may stand between cells
 _UNEVEN = 0.1  # of a step, between positions that are rounded
@@ -368,8 +366,7 @@ def _append(numbers: array, text: str, delimiter: str | None, spoken: Counter[st
     if "_" not in text:  # Python would read 1_000
         before = len(numbers)
         try:
-            for tokens in text_chunks(text, delimiter):
-                numbers.extend(map(float, tokens))
+            numbers.extend(map(float, text.split(delimiter)))
         except ValueError:
             del numbers[before:]
         else:
@@ -381,28 +378,6 @@ def _append(numbers: array, text: str, delimiter: str | None, spoken: Counter[st
     spoken.update(filter(is_spoken, map(str.strip, tokens)))
     filled = [index for index, token in enumerate(tokens) if token.strip()]
     return (filled[0], len(tokens) - 1 - filled[-1]) if filled else (len(tokens), len(tokens))
-
-
-def text_chunks(text: str, delimiter: str | None) -> Iterator[list[str]]:
-    """Yield the cells of a line, in chunks for a long line.
-
-    Yields
-    ------
-    list of str
-        Up to a million characters of the line: a list of all its cells takes 30 times its memory.
-    """
-    start = 0
-    while len(text) - start > _CHUNK_CHARACTERS:
-        if delimiter is None:
-            match = _WHITE.search(text, start + _CHUNK_CHARACTERS)
-            end = match.start() if match else -1
-        else:
-            end = text.find(delimiter, start + _CHUNK_CHARACTERS)
-        if end < 0:
-            break
-        yield text[start:end].split(delimiter)
-        start = end + 1
-    yield text[start:].split(delimiter)
 
 
 def _is_data(line: str) -> bool:
