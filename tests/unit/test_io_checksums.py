@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 import pytest
+from measured_files import refuses
 
 from roughcontact import read_height_map
 from roughcontact.errors import InputFileError
@@ -88,8 +89,7 @@ def test_a_file_that_is_written_to_while_it_is_read_is_refused(tmp_path):
     writer = threading.Thread(target=write)
     writer.start()
     try:
-        with pytest.raises(InputFileError, match=r"a\.npy: changed while it was read; wait until"):
-            read_height_map(path, unit="um", dx=1, dy=1)
+        refuses(r"a\.npy: changed while it was read; wait until", path, unit="um", dx=1, dy=1)
     finally:
         done.set()
         writer.join()

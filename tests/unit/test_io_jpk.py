@@ -2,12 +2,11 @@
 
 import json
 
-import h5py
 import numpy as np
 import pytest
+from measured_files import jpk, refuses, saved, steps
 from shared_data import DATA
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
 
@@ -15,38 +14,21 @@ COUNTS = np.random.default_rng(4).integers(-(2**30), 2**30, (12, 2), dtype=np.in
 
 
 def scan(path, points=12, unit="m", **grid):
-    grid = {"ilength": 4, "jlength": 3, "ulength": 8e-7, "vlength": 9e-7, "theta": 0.0} | grid
-    with h5py.File(path, "w") as file:
-        file.attrs["file-format-info"] = np.bytes_("JPK SCAN")
-        measurement = file.create_group("Measurement_000")
-        for name, value in grid.items():
-            measurement.attrs[f"position-pattern.grid.{name}"] = value
-        measurement.attrs["environment.cantilever-calibration-info.cantilever-name"] = np.bytes_("USC")
-        for number, (name, label, scale, offset, quantity) in enumerate(
-            [
-                ("phase", "Lock-In Phase", 1e-7, 0.0, "deg"),
-                ("amplitude", "Lock-In Amplitude", 1e-17, 0.0, "m"),
-                ("height", "Height", -3e-16, 4e-7, unit),
-                ("measuredHeight", "Height (measured)", 2e-15, 1e-7, unit),
-            ]
-        ):
-            channel = measurement.create_group(f"Channel_{number:03}")
-            channel.attrs["channel.name"] = np.bytes_(name)
-            channel.attrs["channel.fancy-name"] = np.bytes_(label)
-            channel.attrs["retrace"] = np.bytes_("true" if number % 2 else "false")
-            channel.attrs["net-encoder.scaling.multiplier"] = scale
-            channel.attrs["net-encoder.scaling.offset"] = offset
-            channel.attrs["net-encoder.scaling.unit.unit"] = np.bytes_(quantity)
-            channel[name.capitalize()] = COUNTS[:points]
-            channel["thumbnail"] = np.zeros((4, 1), dtype=np.int32)
-    return path
+    grid = {"ilength": 4, "jlength": 3, "ulength": 8e-7, "vlength": 9e-7} | grid
+    channels = (
+        ("phase", "Lock-In Phase", 1e-7, 0.0, "deg"),
+        ("amplitude", "Lock-In Amplitude", 1e-17, 0.0, "m"),
+        ("height", "Height", -3e-16, 4e-7, unit),
+        ("measuredHeight", "Height (measured)", 2e-15, 1e-7, unit),
+    )
+    return saved(path.parent, jpk(COUNTS[:points], channels, **grid), path.name)
 
 
 def test_frames_and_quantities_are_channels(tmp_path):
     path = scan(tmp_path / "map.h5-jpk")
     height = read_height_map(path)
     np.testing.assert_allclose(height.values, 2e-15 * COUNTS[:, 0].reshape(3, 4) + 1e-7, rtol=1e-15)
-    assert (float(height.x[1] - height.x[0]), float(height.y[1] - height.y[0])) == pytest.approx((2e-7, 3e-7))
+    assert steps(height) == pytest.approx([2e-7, 3e-7])
     assert height.attrs["channel"] == "Height (measured) (retrace, frame 1)"
     assert height.attrs["first_row"] == "bottom"
     assert json.loads(height.attrs["instrument"])["probe"] == "USC"
@@ -59,18 +41,14 @@ def test_frames_and_quantities_are_channels(tmp_path):
 
 
 def test_what_is_wrong_in_a_scan_is_named(tmp_path):
-    with pytest.raises(InputFileError, match="no 3 x 4 points of each frame"):
-        read_height_map(scan(tmp_path / "short.h5-jpk", points=11))
-    with pytest.raises(InputFileError, match="no channel of this file holds heights"):
-        read_height_map(scan(tmp_path / "volts.h5-jpk", unit="V"))
-    with pytest.raises(InputFileError, match="are impossible; give dx, dy and unit"):
-        read_height_map(scan(tmp_path / "flat.h5-jpk", ulength=0.0))
+    refuses("no 3 x 4 points of each frame", scan(tmp_path / "short.h5-jpk", points=11))
+    refuses("no channel of this file holds heights", scan(tmp_path / "volts.h5-jpk", unit="V"))
+    refuses("are impossible; give dx, dy and unit", scan(tmp_path / "flat.h5-jpk", ulength=0.0))
     turned = read_height_map(scan(tmp_path / "turned.h5-jpk", theta=0.5))
     assert "the scan is turned" in turned.attrs["ingest_warnings"]
     data = (tmp_path / "turned.h5-jpk").read_bytes()
     (tmp_path / "cut.h5-jpk").write_bytes(data[: int(0.6 * len(data))])
-    with pytest.raises(InputFileError, match="damaged or cut off HDF5 file"):
-        read_height_map(tmp_path / "cut.h5-jpk")
+    refuses("damaged or cut off HDF5 file", tmp_path / "cut.h5-jpk")
 
 
 @pytest.mark.shared_data

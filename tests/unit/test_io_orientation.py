@@ -7,15 +7,14 @@ write are compared with other readers in test_io_shared.py.
 
 import io
 import re
-import struct
 import zipfile
 
-import h5py
 import numpy as np
 import pytest
 import scipy.io
 import x3pio
 import xarray as xr
+from measured_files import array, gsf, gwy, jpk, keyence, refuses, tmd
 
 from roughcontact.errors import SettingsError
 from roughcontact.io.inspection import inspect_file
@@ -49,12 +48,6 @@ def beside_positions(rows, y, x):
             f"{at}\t" + "\t".join(map(repr, map(float, row))) + "\n" for at, row in zip(y, rows, strict=True)
         )
     ).encode()
-
-
-def npy(rows):
-    stream = io.BytesIO()
-    np.save(stream, rows)
-    return stream.getvalue()
 
 
 def mat(rows):
@@ -117,78 +110,12 @@ def sdf(rows, mark="aISO-1.0"):
     ).encode()
 
 
-def gsf(rows):
-    said = ["XRes = 4", "YRes = 5", "XReal = 8e-6", "YReal = 15e-6", "XYUnits = m", "ZUnits = m"]
-    header = "\n".join(["Gwyddion Simple Field 1.0", *said, ""])
-    return header.encode() + bytes(4 - len(header) % 4) + rows.astype("<f4").tobytes()
-
-
-def gwy(rows):
-    """Gwyddion's own format by its published description: objects of named, typed components."""
-
-    def packed(name, components):
-        data = b"".join(key.encode() + b"\0" + value for key, value in components.items())
-        return name.encode() + b"\0" + struct.pack("<I", len(data)) + data
-
-    metre = b"o" + packed("GwySIUnit", {"unitstr": b"sm\0"})
-    field = packed(
-        "GwyDataField",
-        {
-            "xres": b"i" + struct.pack("<i", 4),
-            "yres": b"i" + struct.pack("<i", 5),
-            "xreal": b"d" + struct.pack("<d", 4 * DX),
-            "yreal": b"d" + struct.pack("<d", 5 * DY),
-            "si_unit_xy": metre,
-            "si_unit_z": metre,
-            "data": b"D" + struct.pack("<I", rows.size) + rows.astype("<f8").tobytes(),
-        },
-    )
-    return b"GWYP" + packed("GwyContainer", {"/0/data": b"o" + field, "/0/data/title": b"sHeight\0"})
-
-
-def tmd(rows):
-    header = struct.pack("<2I4f", 4, 5, 4e3 * DX, 5e3 * DY, 0, 0)
-    return b"Binary TrueMap Data File v2.0\r\n\0\0" + header + (1e3 * rows).astype("<f4").tobytes()
-
-
-def keyence(rows):
-    """VK4 by its published layout: offsets from byte 12, steps and scale in pm from byte 252."""
-    head = bytearray(600)
-    head[:12] = b"VK4_\0\0\0\0\0\0\0\0"
-    struct.pack_into("<I", head, 12 + 4 * 6, len(head))  # of the image of heights
-    struct.pack_into("<7I", head, 84, 300, 2020, 5, 17, 12, 30, 0)
-    struct.pack_into("<3I", head, 252, round(DX * 1e12), round(DY * 1e12), 1)
-    image = struct.pack("<7I", 4, 5, 32, 0, 80, 0, 2**32 - 1) + bytes(768)
-    return bytes(head) + image + np.rint(rows * 1e12).astype("<u4").tobytes()
-
-
-def jpk(rows):
-    stream = io.BytesIO()
-    with h5py.File(stream, "w") as file:
-        file.attrs["file-format-info"] = np.bytes_("JPK SCAN")
-        measurement = file.create_group("Measurement_000")
-        for name, value in {
-            "ilength": 4,
-            "jlength": 5,
-            "ulength": 4 * DX,
-            "vlength": 5 * DY,
-            "theta": 0.0,
-        }.items():
-            measurement.attrs[f"position-pattern.grid.{name}"] = value
-        channel = measurement.create_group("Channel_000")
-        channel.attrs["channel.name"] = np.bytes_("measuredHeight")
-        channel.attrs["net-encoder.scaling.multiplier"] = 1e-12
-        channel.attrs["net-encoder.scaling.offset"] = 0.0
-        channel.attrs["net-encoder.scaling.unit.unit"] = np.bytes_("m")
-        channel["Height"] = np.rint(rows * 1e12).astype(np.int32).reshape(-1, 1)
-    return stream.getvalue()
-
-
 GWYDDION_TEXT = "# Channel: F\n# Width: 8 µm\n# Height: 15 µm\n# Value units: m\n"
 ARC_INFO = "ncols 4\nnrows 5\nxllcorner 0\nyllcorner 0\ncellsize 2\n"
 DOWN = F[::-1]  # a file that begins at the bottom of the picture
 UPWARDS, DOWNWARDS = 3.0 * np.arange(5), 3.0 * np.arange(5)[::-1]
 ACROSS = 2.0 * np.arange(4)
+COUNTS = np.rint(F * 1e12).astype(np.int32)  # pm
 
 # what the file is: its bytes, what must be given, where its first row lies, whether that is only assumed
 FILES = {
@@ -210,8 +137,8 @@ FILES = {
         "bottom",
         False,
     ),
-    "NumPy": (npy(DOWN), STEPS, "bottom", True),
-    "NumPy, said to begin at the top": (npy(F), STEPS | {"first_row": "top"}, "top", False),
+    "NumPy": (array(DOWN), STEPS, "bottom", True),
+    "NumPy, said to begin at the top": (array(F), STEPS | {"first_row": "top"}, "top", False),
     "MATLAB": (mat(DOWN), STEPS, "bottom", True),
     "MATLAB, said to begin at the top": (mat(F), STEPS | {"first_row": "top"}, "top", False),
     "netCDF, y rises": (netcdf(DOWN, DY * np.arange(5)), {}, "bottom", False),
@@ -223,11 +150,16 @@ FILES = {
     "X3P, both": (x3p(F, origin="NW", y_scale=-DY), {"checksum": "ignore"}, "bottom", False),
     "SDF": (sdf(DOWN), {}, "bottom", False),
     "SDF of the BCR": (sdf(F, mark="aBCR-1.0"), {}, "bottom", False),  # its reader turns the rows
-    "Gwyddion Simple Field": (gsf(F), {}, "top", False),
-    "Gwyddion": (gwy(F), {}, "top", False),
-    "TrueMap": (tmd(F), {}, "top", False),
-    "Keyence": (keyence(F), {}, "top", False),
-    "JPK in HDF5": (jpk(DOWN), {}, "bottom", False),
+    "Gwyddion Simple Field": (gsf(F, XReal=8e-6, YReal=15e-6), {}, "top", False),
+    "Gwyddion": (gwy({"Height": (F, "m")}, (8e-6, 15e-6)), {}, "top", False),
+    "TrueMap": (tmd(1e3 * F, (8e-3, 15e-3)), {}, "top", False),
+    "Keyence": (keyence(COUNTS, 2_000_000, 3_000_000, 1), {}, "top", False),
+    "JPK in HDF5": (
+        jpk(COUNTS[::-1].reshape(-1, 1), ilength=4, jlength=5, ulength=4 * DX, vlength=5 * DY),
+        {},
+        "bottom",
+        False,
+    ),
 }
 
 
@@ -272,13 +204,12 @@ def test_the_user_wins_over_the_file_with_a_warning(tmp_path):
         "first_row = top is given, the file has its first row at the bottom"
         in height.attrs["ingest_warnings"]
     )
-    with pytest.raises(SettingsError, match="first_row = 'upper'"):
-        read_height_map(path, first_row="upper")
+    refuses("first_row = 'upper'", path, error=SettingsError, first_row="upper")
 
 
 def test_a_profile_has_no_up_and_down(tmp_path):
     path = tmp_path / "profile.npy"
-    path.write_bytes(npy(F[0]))
+    path.write_bytes(array(F[0]))
     height = read_height_map(path, dx=1.0, unit="um", height_unit="m", first_row="top")
     np.testing.assert_array_equal(height.values[0], F[0])
     assert not height.attrs["first_row_assumed"]

@@ -12,6 +12,7 @@ import pytest
 import sdfio
 import x3pio
 import xarray as xr
+from measured_files import refuses
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import readers as room
@@ -70,15 +71,13 @@ def test_one_file_adds_a_format(tmp_path, another_format):
     assert float(height.x[1] - height.x[0]) == pytest.approx(2e-6)
     assert height.attrs["source_format"] == "another"
     path.write_bytes(path.read_bytes()[:-8])
-    with pytest.raises(InputFileError, match="cut off"):
-        read_height_map(path)
+    refuses("cut off", path)
 
 
 def test_without_that_file_the_format_is_not_known(tmp_path):
     path = tmp_path / "map.xyz"
     path.write_bytes(b"ANOTHER\0" + bytes([4]) + (1e9 * HEIGHTS).tobytes())
-    with pytest.raises(InputFileError, match="the format is not known"):
-        read_height_map(path)
+    refuses("the format is not known", path)
 
 
 def x3p():
@@ -187,8 +186,14 @@ def test_damaged_hdf5_is_refused_whoever_wrote_it(tmp_path):
 def test_values_that_are_no_numbers_are_refused_in_a_sentence(tmp_path):
     path = tmp_path / "words.nc"
     xr.DataArray([["a", "b"], ["c", "d"]], dims=("y", "x"), name="words").to_netcdf(path)
-    with pytest.raises(InputFileError, match=r"variable 'words' holds values of type .*, not real numbers"):
-        read_height_map(path, dx=1, dy=1, unit="um", height_unit="um")
+    refuses(
+        r"variable 'words' holds values of type .*, not real numbers",
+        path,
+        dx=1,
+        dy=1,
+        unit="um",
+        height_unit="um",
+    )
 
 
 def test_reading_an_array_imports_no_library_of_instruments(tmp_path):

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import x3pio
 import xarray as xr
+from measured_files import refuses, steps
 
-from roughcontact.errors import HeightMapError, InputFileError, SettingsError
+from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
 
@@ -23,10 +24,8 @@ def points_file(path, x=X, y=Y, z=Z):
 
 def test_only_where_asked(tmp_path):
     path = points_file(tmp_path / "points.txt")
-    with pytest.raises(InputFileError, match="give resample = linear"):
-        read_height_map(path, unit="um")
-    with pytest.raises(SettingsError, match="resample = 'cubic': choose linear"):
-        read_height_map(path, unit="um", resample="cubic")
+    refuses("give resample = linear", path, unit="um")
+    refuses("resample = 'cubic': choose linear", path, error=SettingsError, unit="um", resample="cubic")
     found = inspect_file(path, unit="um")
     assert found["map"] is None
     assert "give resample = linear" in found["problem"]
@@ -36,8 +35,7 @@ def test_only_where_asked(tmp_path):
 def test_a_plane_comes_back_exactly(tmp_path):
     height = read_height_map(points_file(tmp_path / "points.txt"), unit="um", resample="linear")
     pitch = 1e-6 * np.sqrt(np.ptp(X) * np.ptp(Y) / X.size)
-    assert float(height.x[1] - height.x[0]) == pytest.approx(pitch, rel=1e-9)
-    assert float(height.y[1] - height.y[0]) == pytest.approx(pitch, rel=1e-9)
+    assert steps(height) == pytest.approx([pitch, pitch], rel=1e-9)
     assert height.shape == pytest.approx((60e-6 / pitch, 100e-6 / pitch), abs=2)
     exact = 0.5e-6 + 0.02 * height.x - 0.03 * height.y
     measured = np.isfinite(height.values)
@@ -53,14 +51,14 @@ def test_given_steps_and_units(tmp_path):
     )
     (tmp_path / "points.txt").write_text(text)
     height = read_height_map(tmp_path / "points.txt", dx=2, dy=3, unit="um", resample="linear")
-    assert float(height.x[1] - height.x[0]) == pytest.approx(2e-6, rel=1e-9)
-    assert float(height.y[1] - height.y[0]) == pytest.approx(3e-6, rel=1e-9)
+    assert steps(height) == pytest.approx([2e-6, 3e-6], rel=1e-9)
     assert float(height.x[0]) == pytest.approx(
         1e-6 * ((X.min() + X.max()) / 2 - (height.sizes["x"] - 1)), rel=1e-6
     )
     assert float(abs(height - (0.5e-6 + 0.02 * height.x - 0.03 * height.y)).max()) < 1e-13
-    with pytest.raises(SettingsError, match="is given without a unit"):
-        read_height_map(tmp_path / "points.txt", dx=2, dy=3, resample="linear")
+    refuses(
+        "is given without a unit", tmp_path / "points.txt", error=SettingsError, dx=2, dy=3, resample="linear"
+    )
 
 
 @pytest.mark.slow
@@ -76,8 +74,7 @@ def test_holes_are_not_bridged(tmp_path):
 def test_an_uneven_profile(tmp_path):
     x = np.sort(RNG.random(500)) * 200
     np.savetxt(tmp_path / "trace.txt", np.column_stack([x, 0.1 * x]), fmt="%.9f")
-    with pytest.raises(InputFileError, match=r"not evenly spaced.*give resample = linear"):
-        read_height_map(tmp_path / "trace.txt", unit="um")
+    refuses(r"not evenly spaced.*give resample = linear", tmp_path / "trace.txt", unit="um")
     height = read_height_map(tmp_path / "trace.txt", unit="um", resample="linear", dx=0.5)
     assert height.shape == (1, int(np.ptp(x) / 0.5) + 1)
     measured = np.isfinite(height.values[0])
@@ -95,8 +92,7 @@ def test_netcdf_and_x3p_with_uneven_positions(tmp_path):
     px, py = (part.ravel() for part in np.meshgrid(x, y))
     x3pio.write_points(tmp_path / "map.x3p", np.column_stack([px, py, z.ravel()]))
     for name in ("map.nc", "map.x3p"):
-        with pytest.raises(InputFileError, match="give resample = linear"):
-            read_height_map(tmp_path / name)
+        refuses("give resample = linear", tmp_path / name)
         height = read_height_map(tmp_path / name, resample="linear")
         assert float(abs(height - (0.5e-6 + 0.02 * height.x + 0.03 * height.y)).max()) < 1e-13
         assert height.attrs["missing_share"] < 0.02
@@ -113,11 +109,30 @@ def test_an_even_grid_is_left_as_it_is(tmp_path):
 
 def test_points_that_make_no_map(tmp_path):
     line = np.arange(20.0) ** 2
-    with pytest.raises(HeightMapError, match="on one line"):
-        read_height_map(points_file(tmp_path / "a.txt", line, 2 * line, line), unit="um", resample="linear")
-    with pytest.raises(HeightMapError, match="too few"):
-        read_height_map(points_file(tmp_path / "b.txt", X[:3], Y[:3], Z[:3]), unit="um", resample="linear")
-    with pytest.raises(HeightMapError, match="longer than the field"):
-        read_height_map(points_file(tmp_path / "c.txt"), dx=500, unit="um", resample="linear")
-    with pytest.raises(InputFileError, match="several points of the list have the same position"):
-        read_height_map(points_file(tmp_path / "d.txt", X.repeat(2), Y.repeat(2), Z.repeat(2)), unit="um")
+    refuses(
+        "on one line",
+        points_file(tmp_path / "a.txt", line, 2 * line, line),
+        error=HeightMapError,
+        unit="um",
+        resample="linear",
+    )
+    refuses(
+        "too few",
+        points_file(tmp_path / "b.txt", X[:3], Y[:3], Z[:3]),
+        error=HeightMapError,
+        unit="um",
+        resample="linear",
+    )
+    refuses(
+        "longer than the field",
+        points_file(tmp_path / "c.txt"),
+        error=HeightMapError,
+        dx=500,
+        unit="um",
+        resample="linear",
+    )
+    refuses(
+        "several points of the list have the same position",
+        points_file(tmp_path / "d.txt", X.repeat(2), Y.repeat(2), Z.repeat(2)),
+        unit="um",
+    )

@@ -21,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from measured_files import refuses, steps
 from shared_data import DATA
 
 from roughcontact.errors import InputFileError
@@ -101,8 +102,7 @@ def test_other_files_are_refused_in_a_sentence(name):
 
 @pytest.mark.parametrize("name", NAMES["given"])
 def test_files_that_do_not_say_their_units_are_refused_without_them(name):
-    with pytest.raises(InputFileError, match="in the table of surfaces"):
-        read_height_map(DATA / name)
+    refuses("in the table of surfaces", DATA / name)
     assert "in the table of surfaces" in inspect_file(DATA / name)["problem"]
 
 
@@ -120,8 +120,7 @@ def test_steps_heights_and_missing_points_against_gwyddion(name):
     values = in_order_of_the_file(height)
     close = {"rtol": 1e-5, "atol": 1e-6 * np.nanstd(values)}
     np.testing.assert_allclose(compared_heights(values), np.array(heights, dtype=float), **close)
-    assert float(height.x[1] - height.x[0]) == pytest.approx(dx, rel=1e-8)
-    assert float(height.y[1] - height.y[0]) == pytest.approx(dy, rel=1e-8)
+    assert steps(height) == pytest.approx([dx, dy], rel=1e-8)
     assert height.attrs["missing_points"] == missing + FILES[name].get("more_missing", 0)
 
 
@@ -199,8 +198,7 @@ def test_windows_of_the_solved_references(name):
         window = in_order_of_the_file(height)[j : j + ny, i : i + nx]
         rest = without_plane(window)
         assert rest.std() == pytest.approx(case["rms_height"], rel=1e-9)
-        assert float(height.x[1] - height.x[0]) == pytest.approx(case["dx"][0], rel=1e-9)
-        assert float(height.y[1] - height.y[0]) == pytest.approx(case["dx"][1], rel=1e-9)
+        assert steps(height) == pytest.approx([case["dx"][0], case["dx"][1]], rel=1e-9)
 
 
 @pytest.mark.parametrize("name", READ)
@@ -217,14 +215,9 @@ def test_another_channel_can_be_named():
     height = read_height_map(path, channel="height")
     assert height.attrs["channel"] == "Height"
     assert json.loads(height.attrs["channels"]) == ["ZSensor", "AmplitudeError", "Phase", "Height"]
-    with pytest.raises(
-        InputFileError, match=r"no channel is named 'Topo'; the file has 'ZSensor', 'AmplitudeError'"
-    ):
-        read_height_map(path, channel="Topo")
-    with pytest.raises(InputFileError, match="channel 'Phase' holds no heights"):
-        read_height_map(path, channel="Phase")
-    with pytest.raises(InputFileError, match="channel 'Friction#1' holds no heights"):
-        read_height_map(DATA / "mi-1.mi", channel="Friction#1")
+    refuses(r"no channel is named 'Topo'; the file has 'ZSensor', 'AmplitudeError'", path, channel="Topo")
+    refuses("channel 'Phase' holds no heights", path, channel="Phase")
+    refuses("channel 'Friction#1' holds no heights", DATA / "mi-1.mi", channel="Friction#1")
     amplitude = read_height_map(DATA / "spot_1-1000nm.ibw", channel="AmplitudeTrace")
     assert "read as heights on request (by its name no topography)" in amplitude.attrs["ingest_warnings"]
 
@@ -281,8 +274,7 @@ def test_converted_line_ends_are_refused(name, tmp_path):
     """A binary file that was transferred as text would open as noise."""
     data = (DATA / name).read_bytes()
     (tmp_path / name).write_bytes(data.replace(b"\r\n", b"\n").replace(b"\n", b"\r\n"))
-    with pytest.raises(InputFileError, match="it was transferred as text"):
-        read_height_map(tmp_path / name)
+    refuses("it was transferred as text", tmp_path / name)
 
 
 def test_a_wyko_map_that_was_inverted_is_passed_on(tmp_path):

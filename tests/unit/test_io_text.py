@@ -4,8 +4,9 @@ import json
 
 import numpy as np
 import pytest
+from measured_files import refuses, saved, steps
 
-from roughcontact.errors import HeightMapError, InputFileError, SettingsError
+from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
 
@@ -20,12 +21,6 @@ def matrix(heights=HEIGHTS, separator="\t", comma=False):
 
 def warnings_of(height):
     return json.loads(height.attrs["ingest_warnings"])
-
-
-def saved(tmp_path, text, encoding="utf-8"):
-    path = tmp_path / "map.dat"  # the extension says nothing
-    path.write_bytes(text.encode(encoding))
-    return path
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-8-sig"])
@@ -72,8 +67,7 @@ def test_conversion_factor_and_counts_in_the_header(tmp_path):
     header = "h=3 w=4\npixel size=3.5e-007 m\ndata unit=rad\nheight conversion factor (-> m)=2.5e-008\n"
     height = read_height_map(saved(tmp_path, header + matrix(separator=" ")))
     np.testing.assert_allclose(height.values[::-1], HEIGHTS * 2.5e-8, rtol=1e-15)
-    assert float(height.x[1] - height.x[0]) == pytest.approx(3.5e-7, rel=1e-12)
-    assert float(height.y[1] - height.y[0]) == pytest.approx(3.5e-7, rel=1e-12)
+    assert steps(height) == pytest.approx([3.5e-7, 3.5e-7], rel=1e-12)
 
 
 def test_counts_with_their_value_in_nanometres(tmp_path):
@@ -132,8 +126,7 @@ def test_exponents_of_fortran(tmp_path):
 def test_a_header_that_says_both_sizes_in_one_line(tmp_path, header):
     height = read_height_map(saved(tmp_path, header + matrix(separator=",")))
     np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-9, rtol=1e-15)
-    assert float(height.x[1] - height.x[0]) == pytest.approx(0.5e-6, rel=1e-12)
-    assert float(height.y[1] - height.y[0]) == pytest.approx(0.75e-6, rel=1e-12)
+    assert steps(height) == pytest.approx([0.5e-6, 0.75e-6], rel=1e-12)
 
 
 def headed_points(heading):
@@ -160,28 +153,26 @@ def test_a_column_of_depths_is_named(tmp_path):
 def test_points_with_a_fourth_column_are_no_map(tmp_path):
     rows = [f"{i} {j} {HEIGHTS[j, i]} {7 * i + j}" for j in range(3) for i in range(4)]
     path = saved(tmp_path, "\n".join(rows))
-    with pytest.raises(InputFileError, match=r"begin anew at line 5.*name the columns"):
-        read_height_map(path, dx=1, dy=1, unit="um")
+    refuses(r"begin anew at line 5.*name the columns", path, dx=1, dy=1, unit="um")
     height = read_height_map(saved(tmp_path, "x y z intensity\n" + "\n".join(rows)), unit="um")
     np.testing.assert_allclose(height.values, HEIGHTS * 1e-6, rtol=1e-15)
 
 
 def test_bare_numbers_are_refused_with_what_to_give(tmp_path):
     path = saved(tmp_path, matrix())
-    with pytest.raises(
-        InputFileError, match=r"map of 3 x 4 points that does not say its size; give dx, dy, unit"
-    ):
-        read_height_map(path)
-    with pytest.raises(InputFileError, match="give dx, dy, unit"):
-        read_height_map(path, unit="um")
-    with pytest.raises(InputFileError, match="give dx, dy, unit"):
-        read_height_map(path, dx=1, unit="um")
-    with pytest.raises(SettingsError, match="dx = 1 is given without a unit"):
-        read_height_map(path, dx=1, dy=1)
-    with pytest.raises(SettingsError, match=r"dx = -1 must be a positive number"):
-        read_height_map(path, dx=-1, dy=1, unit="um")
-    with pytest.raises(SettingsError, match=r"unknown length unit 'milimeter'; did you mean 'millimeter'"):
-        read_height_map(path, dx=1, dy=1, unit="milimeter")
+    refuses(r"map of 3 x 4 points that does not say its size; give dx, dy, unit", path)
+    refuses("give dx, dy, unit", path, unit="um")
+    refuses("give dx, dy, unit", path, dx=1, unit="um")
+    refuses("dx = 1 is given without a unit", path, error=SettingsError, dx=1, dy=1)
+    refuses(r"dx = -1 must be a positive number", path, error=SettingsError, dx=-1, dy=1, unit="um")
+    refuses(
+        r"unknown length unit 'milimeter'; did you mean 'millimeter'",
+        path,
+        error=SettingsError,
+        dx=1,
+        dy=1,
+        unit="milimeter",
+    )
 
 
 def test_height_unit_of_the_file_stands_beside_the_unit_of_the_steps(tmp_path):
@@ -205,10 +196,7 @@ def test_arguments_win_over_the_file_and_say_so(tmp_path):
 
 def test_values_that_are_no_lengths_are_refused(tmp_path):
     path = saved(tmp_path, "# Width: 4 µm\n# Height: 3 µm\n# Value units: V\n" + matrix())
-    with pytest.raises(
-        InputFileError, match=r"no channel of this file holds heights .*values in V, no length"
-    ):
-        read_height_map(path)
+    refuses(r"no channel of this file holds heights .*values in V, no length", path)
 
 
 def test_cut_matrices_are_refused(tmp_path):
@@ -217,27 +205,27 @@ def test_cut_matrices_are_refused(tmp_path):
     text = "# Width: 20 µm\n# Height: 20 µm\n# Value units: nm\n" + matrix(square)
     whole = read_height_map(saved(tmp_path, text))
     assert whole.shape == (20, 20)
-    with pytest.raises(InputFileError, match="the file was cut off"):
-        read_height_map(saved(tmp_path, text[: int(0.6 * len(text))]))
+    refuses("the file was cut off", saved(tmp_path, text[: int(0.6 * len(text))]))
     lines = text.splitlines(keepends=True)
-    with pytest.raises(InputFileError, match=r"seems to be cut off\. If it is whole, give dx, dy and unit"):
-        read_height_map(saved(tmp_path, "".join(lines[: 3 + 12])))
+    refuses(
+        r"seems to be cut off\. If it is whole, give dx, dy and unit",
+        saved(tmp_path, "".join(lines[: 3 + 12])),
+    )
     kept = read_height_map(saved(tmp_path, "".join(lines[: 3 + 12])), dx=1, dy=1, unit="um")
     assert kept.shape == (12, 20)
-    with pytest.raises(InputFileError, match="header says 5 rows, the file has 3"):
-        read_height_map(saved(tmp_path, "ncols 4\nnrows 5\ncellsize 1\n" + matrix(separator=" ")))
+    refuses(
+        "header says 5 rows, the file has 3",
+        saved(tmp_path, "ncols 4\nnrows 5\ncellsize 1\n" + matrix(separator=" ")),
+    )
 
 
 def test_ragged_rows_and_words_name_the_line(tmp_path):
-    with pytest.raises(InputFileError, match="row 2 has 3 numbers where the others have 4"):
-        read_height_map(saved(tmp_path, "1 2 3 4\n1 2 3\n1 2 3 4\n"))
-    with pytest.raises(InputFileError, match="line 3 is no row of numbers"):
-        read_height_map(saved(tmp_path, "1 2 3 4\n1 2 3 4\n1 2 x 4\n1 2 3 4\n"))
+    refuses("row 2 has 3 numbers where the others have 4", saved(tmp_path, "1 2 3 4\n1 2 3\n1 2 3 4\n"))
+    refuses("line 3 is no row of numbers", saved(tmp_path, "1 2 3 4\n1 2 3 4\n1 2 x 4\n1 2 3 4\n"))
 
 
 def test_ambiguous_comma_is_refused(tmp_path):
-    with pytest.raises(InputFileError, match="may be a decimal sign or a separator"):
-        read_height_map(saved(tmp_path, "1,5\n2,5\n3,0\n4,5\n"), dx=1, unit="um")
+    refuses("may be a decimal sign or a separator", saved(tmp_path, "1,5\n2,5\n3,0\n4,5\n"), dx=1, unit="um")
 
 
 def points(order="row", scale=1.0):
@@ -282,22 +270,18 @@ def test_rounded_positions_are_even(tmp_path):
 def test_uneven_points_are_refused_with_a_way_out(tmp_path):
     x = np.array([0.0, 1.0, 2.3, 3.0, 4.0])
     text = "".join(f"{a} {b} {a * b + 1}\n" for b in range(4) for a in x)
-    with pytest.raises(InputFileError, match=r"even.*resample = linear"):
-        read_height_map(saved(tmp_path, text), unit="um")
+    refuses(r"even.*resample = linear", saved(tmp_path, text), unit="um")
     scattered = np.random.default_rng(1).random((50, 3))
     text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in scattered)
-    with pytest.raises(InputFileError, match=r"even.*resample = linear"):
-        read_height_map(saved(tmp_path, text), unit="um")
+    refuses(r"even.*resample = linear", saved(tmp_path, text), unit="um")
     doubled = "".join(f"{a} {b} 1.5\n" for b in (0, 1, 1) for a in range(4))
-    with pytest.raises(InputFileError, match="several points of the list have the same position"):
-        read_height_map(saved(tmp_path, doubled), unit="um")
+    refuses("several points of the list have the same position", saved(tmp_path, doubled), unit="um")
 
 
 @pytest.mark.parametrize("order", ["row", "column"])
 def test_cut_list_of_points_is_refused(tmp_path, order):
     text = "".join("{:g} {:g} {:g}\n".format(*point) for point in points(order)[:-1])
-    with pytest.raises(InputFileError, match="ends in the middle of a grid line"):
-        read_height_map(saved(tmp_path, text), unit="mm")
+    refuses("ends in the middle of a grid line", saved(tmp_path, text), unit="mm")
 
 
 def test_profile_with_unit_in_the_column_name(tmp_path):
@@ -305,29 +289,34 @@ def test_profile_with_unit_in_the_column_name(tmp_path):
         f"{0.5 * i:.4f},{z}\n" for i, z in enumerate(HEIGHTS.ravel(), start=1)
     )
     path = saved(tmp_path, text)
-    with pytest.raises(InputFileError, match="does not say the unit of its heights; give height_unit"):
-        read_height_map(path)
+    refuses("does not say the unit of its heights; give height_unit", path)
     height = read_height_map(path, height_unit="nm")
     assert height.shape == (1, 12)
     np.testing.assert_allclose(height.values[0], HEIGHTS.ravel() * 1e-9, rtol=1e-15)
     np.testing.assert_allclose(height.x, 0.5e-6 * np.arange(1, 13), rtol=1e-12)
     uneven = text.replace("2.5000,", "2.7000,")
-    with pytest.raises(InputFileError, match="not evenly spaced"):
-        read_height_map(saved(tmp_path, uneven), height_unit="nm")
+    refuses("not evenly spaced", saved(tmp_path, uneven), height_unit="nm")
 
 
 def test_one_line_is_a_profile_and_one_number_no_map(tmp_path):
     height = read_height_map(saved(tmp_path, "1.5 2.5 3.5 7\n"), dx=1, unit="um")
     assert height.shape == (1, 4)
-    with pytest.raises(HeightMapError, match="single point"):
-        read_height_map(saved(tmp_path, "1.5\n"), dx=1, dy=1, unit="um")
-    with pytest.raises(HeightMapError, match="all 6 points of the map are missing"):
-        read_height_map(saved(tmp_path, "nan nan nan\nnan nan nan\n"), dx=1, dy=1, unit="um")
+    refuses("single point", saved(tmp_path, "1.5\n"), error=HeightMapError, dx=1, dy=1, unit="um")
+    refuses(
+        "all 6 points of the map are missing",
+        saved(tmp_path, "nan nan nan\nnan nan nan\n"),
+        error=HeightMapError,
+        dx=1,
+        dy=1,
+        unit="um",
+    )
 
 
 def test_text_without_numbers(tmp_path):
-    with pytest.raises(InputFileError, match=r"text without a table of numbers; it starts with 'Dear all'"):
-        read_height_map(saved(tmp_path, "Dear all\nhere is the map\n"))
+    refuses(
+        r"text without a table of numbers; it starts with 'Dear all'",
+        saved(tmp_path, "Dear all\nhere is the map\n"),
+    )
 
 
 def test_inspect_says_what_is_missing(tmp_path):

@@ -1,9 +1,8 @@
 """Text tables in which a row, a separator of thousands or a row number may be taken for something else."""
 
-import json
-
 import numpy as np
 import pytest
+from measured_files import warnings_of
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.plausibility import suspicions
@@ -51,10 +50,6 @@ def read(tmp_path, text, **arguments):
     path = tmp_path / "map.txt"
     path.write_text(text, encoding="utf-8")
     return read_height_map(path, **({"dx": 1, "dy": 1, "unit": "um", "height_unit": "nm"} | arguments))
-
-
-def warnings_of(height):
-    return " | ".join(json.loads(height.attrs["ingest_warnings"]))
 
 
 CORNER = (0, 0)
