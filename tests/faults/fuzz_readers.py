@@ -38,7 +38,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-import h5py
 import numpy as np
 import scipy.io
 import sdfio
@@ -48,6 +47,7 @@ import xarray as xr
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from hostile import FILES as HOSTILE
+from measured_files import gsf, gwy, jpk, tmd
 from shared_data import DATA
 
 from roughcontact.errors import InputFileError, RoughContactError
@@ -110,48 +110,26 @@ def _netcdf(path: Path, kind: str) -> None:
     array.to_netcdf(path, format=kind, engine="netcdf4")
 
 
-def _jpk(path: Path) -> None:
-    with h5py.File(path, "w") as file:
-        file.attrs["file-format-info"] = np.bytes_("JPK SCAN")
-        measurement = file.create_group("Measurement_000")
-        for name, value in {"ilength": 24, "jlength": 24, "ulength": 1e-6, "vlength": 1e-6}.items():
-            measurement.attrs[f"position-pattern.grid.{name}"] = value
-        channel = measurement.create_group("Channel_000")
-        channel.attrs["channel.name"] = np.bytes_("height")
-        channel.attrs["net-encoder.scaling.multiplier"] = 1e-12
-        channel.attrs["net-encoder.scaling.offset"] = 0.0
-        channel.attrs["net-encoder.scaling.unit.unit"] = np.bytes_("m")
-        counts = (1e12 * heights()).astype(np.int32).reshape(-1, 1)
-        channel.create_dataset("Height", data=counts, compression="gzip")
-
-
-def _tmd(path: Path) -> None:
-    header = np.array([24, 24], "<u4").tobytes() + np.array([0.024, 0.024, 0, 0], "<f4").tobytes()
-    data = (1e3 * heights()).astype("<f4").tobytes()
-    path.write_bytes(b"Binary TrueMap Data File v2.0\r\n\0comment\0" + header + data)
-
-
-def _gsf(path: Path) -> None:
-    header = b"Gwyddion Simple Field 1.0\nXRes = 24\nYRes = 24\nXReal = 2.4e-5\nYReal = 2.4e-5\n"
-    header += b"XYUnits = m\nZUnits = m\n"
-    path.write_bytes(header + bytes(4 - len(header) % 4) + heights().astype("<f4").tobytes())
-
-
 def _x3p(path: Path) -> None:
     x3pio.write(path, heights(), x_scale=1e-6, y_scale=1e-6)
 
 
+_COUNTS = (1e12 * heights()).astype(np.int32).reshape(-1, 1)
+
 # name of a reader's module, with what is special -> what writes a file that it reads
-SEEDS: dict[str, Callable[[Path], None]] = {
+SEEDS: dict[str, Callable[[Path], object]] = {
     "x3p": _x3p,
     "sdf": lambda path: sdfio.write(path, heights(), x_scale=1e-6, y_scale=1e-6),
     "npy": lambda path: np.save(path, heights()),
     "netcdf 4": lambda path: _netcdf(path, "NETCDF4"),
     "netcdf 3": lambda path: _netcdf(path, "NETCDF3_CLASSIC"),
     "netcdf 5": lambda path: _netcdf(path, "NETCDF3_64BIT_DATA"),
-    "jpk_hdf5": _jpk,
-    "tmd": _tmd,
-    "gsf": _gsf,
+    "jpk_hdf5": lambda path: path.write_bytes(
+        jpk(_COUNTS, ilength=24, jlength=24, ulength=1e-6, vlength=1e-6)
+    ),
+    "tmd": lambda path: path.write_bytes(tmd(1e3 * heights(), (0.024, 0.024), b"comment")),
+    "gsf": lambda path: path.write_bytes(gsf(heights(), XReal=2.4e-5, YReal=2.4e-5)),
+    "gwy": lambda path: path.write_bytes(gwy({"a": (heights(), "m")}, (2.4e-5, 2.4e-5))),
     "matlab": lambda path: scipy.io.savemat(path, {"z": heights(), "name": "a"}),
     "matlab packed": lambda path: scipy.io.savemat(path, {"z": heights()}, do_compression=True),
     "text matrix": lambda path: _text(

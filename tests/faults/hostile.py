@@ -180,6 +180,7 @@ FILES: dict[str, tuple[Callable[[Path], None], bool]] = {
     "text: 300 000 letters": (_bytes(b"a" * 300_000 + b"\n", _ROWS), False),
     "text: blanks between two letters": (_bytes(b"a" + b" " * 300_000 + b"b\n", _ROWS), False),
     "text: signs of equality": (_bytes(b"a=" * 150_000 + b"\n", _ROWS), False),
+    "text: 50 000 headings": (_bytes(b"a,b\n" * 50_000, _ROWS), False),
     "text: brackets": (_bytes(b"[" * 300_000 + b"\n", _ROWS), False),
     "text: 5 MB of empty lines": (_bytes(b"\n" * 5_000_000, _ROWS), False),
     "text: 20 MB in one line": (_bytes(b"1 " * 10_000_000), False),

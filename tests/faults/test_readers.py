@@ -10,10 +10,10 @@ from roughcontact.errors import InputFileError
 
 
 def test_damaged_files_give_maps_or_clear_errors(tmp_path):
-    counts = fuzz_readers.fuzz(60, seed=3, folder=tmp_path)
+    counts = fuzz_readers.fuzz(120, seed=3, folder=tmp_path)
     lines = fuzz_readers.rows(counts)
-    assert sum(int(line["files"]) for line in lines) == 60
-    assert sum(int(line["maps"]) + int(line["refused"]) for line in lines) == 60
+    assert sum(int(line["files"]) for line in lines) == 120
+    assert sum(int(line["maps"]) + int(line["refused"]) for line in lines) == 120
 
 
 @pytest.mark.slow

@@ -88,7 +88,7 @@ def _refuse_both_marks(body: list[str], path: Path) -> None:
     number = re.compile(r"(?<![\d.,])\d+([.,])(\d+)(?![\d.,])")
     if not any("." in line and number.search(line) for line in body):
         return
-    matches = {mark: [] for mark in ".,"}
+    matches: dict[str, list[re.Match[str]]] = {mark: [] for mark in ".,"}
     for match in (match for line in body for match in number.finditer(line)):
         matches[match[1]].append(match)
     if all(matches.values()) and any({len(match[2]) for match in matches[mark]} == {3} for mark in ".,"):
