@@ -37,13 +37,10 @@ MODULES = (
     "roughness.parameters",
     "roughness.spectrum",
     "roughness.texture",
-    "references.closed_forms",
     "references.synthetic",
     "quantities",
     "io.interface",
     "io.channels",
-    "io.guards",
-    "command_line.running",
     "kernels.memory",
 )
 

@@ -24,16 +24,143 @@ import numpy.typing as npt
 
 from roughcontact.elasticity.halfspace import LATTICE_CONSTANT
 from roughcontact.fourier import halfplane_weights, wavenumbers
-from roughcontact.references.closed_forms import (  # noqa: F401 - the closed forms of the package belong to these
-    hertz,
-    westergaard_contact_share,
-    westergaard_full_contact_pressure,
-    westergaard_gap,
-    westergaard_mean_gap,
-    westergaard_pressure,
-)
+from roughcontact.references.closed_forms import hertz
 
 # --- Westergaard: h = D cos(2πx/λ) ------------------------------------------------------------------------
+
+
+def westergaard_full_contact_pressure(amplitude: float, wavelength: float, contact_modulus: float) -> float:
+    """Return the mean pressure that just closes the wave D cos(2πx/λ): p* = π E* D/λ.
+
+    Westergaard (1939); Johnson (1985), section 13.2.
+
+    Parameters
+    ----------
+    amplitude, wavelength : float, m
+    contact_modulus : float, Pa
+
+    Returns
+    -------
+    float, Pa
+
+    Examples
+    --------
+    >>> print(f"{westergaard_full_contact_pressure(1e-6, 1e-4, 1e9):.4g} Pa")
+    3.142e+07 Pa
+    """
+    return np.pi * contact_modulus * amplitude / wavelength
+
+
+def westergaard_contact_share(load_ratio: npt.ArrayLike) -> np.ndarray:
+    """Return the share of the wave in contact, (2/π) asin √r.
+
+    Westergaard (1939); Johnson (1985), section 13.2.
+
+    Parameters
+    ----------
+    load_ratio : float or array
+        r = p̄/p*; from 1 on the share is 1.
+
+    Returns
+    -------
+    float or array of the shape of `load_ratio`, 0 to 1
+
+    Examples
+    --------
+    >>> print(np.round(westergaard_contact_share([0.0, 0.5, 1.0, 2.0]), 6))
+    [0.  0.5 1.  1. ]
+    """
+    return 2 / np.pi * np.arcsin(np.sqrt(np.clip(load_ratio, 0, 1)))
+
+
+def westergaard_pressure(
+    x: npt.ArrayLike, wavelength: float, mean_pressure: float, load_ratio: float
+) -> np.ndarray:
+    """Return the pressure under the wave D cos(2πx/λ), crest at x = 0.
+
+    p = (2p̄/r) cos ψ √(r - sin²ψ), ψ = πx/λ, where sin²ψ < r; from r = 1 on the wave is closed and
+    p = p̄ + p* cos(2πx/λ). Westergaard (1939); Johnson (1985), section 13.2.
+
+    Parameters
+    ----------
+    x : array, m
+    wavelength : float, m
+    mean_pressure : float, Pa
+        p̄.
+    load_ratio : float
+        r = p̄/p*, greater than 0.
+
+    Returns
+    -------
+    array of the shape of `x`, Pa
+
+    Examples
+    --------
+    >>> print(np.round(westergaard_pressure([0.0, 0.25, 0.5], 1.0, 1.0, 1.0), 6))
+    [2. 1. 0.]
+    """
+    phase = np.pi * np.asarray(x, float) / wavelength
+    if load_ratio >= 1:
+        return mean_pressure * (1 + np.cos(2 * phase) / load_ratio)
+    inside = np.clip(load_ratio - np.sin(phase) ** 2, 0, None)
+    return 2 * mean_pressure / load_ratio * np.abs(np.cos(phase)) * np.sqrt(inside)
+
+
+def westergaard_gap(x: npt.ArrayLike, wavelength: float, amplitude: float, load_ratio: float) -> np.ndarray:
+    """Return the gap over the wave D cos(2πx/λ), crest at x = 0.
+
+    gap = 2D [s √(s² - r) - r ln((s + √(s² - r))/√r)], s = |sin(πx/λ)|, where s² > r, 0 elsewhere: the
+    integral of the conjugate function of the stress function of Westergaard (1939) from the edge of the
+    contact. Its mean is `westergaard_mean_gap`; at r = 0 it is D - h.
+
+    Parameters
+    ----------
+    x : array, m
+    wavelength, amplitude : float, m
+    load_ratio : float
+        r = p̄/p*.
+
+    Returns
+    -------
+    array of the shape of `x`, m
+
+    Examples
+    --------
+    >>> print(np.round(westergaard_gap([0.0, 0.25, 0.5], 1.0, 1.0, 0.0), 6))
+    [0. 1. 2.]
+    """
+    s = np.abs(np.sin(np.pi * np.asarray(x, float) / wavelength))
+    root = np.sqrt(np.clip(s**2 - load_ratio, 0, None))
+    if load_ratio == 0:
+        return 2 * amplitude * s**2
+    outside = s**2 > load_ratio
+    logarithm = np.log(np.where(outside, (s + root) / np.sqrt(load_ratio), 1.0))
+    return 2 * amplitude * (s * root - load_ratio * logarithm)
+
+
+def westergaard_mean_gap(amplitude: float, load_ratio: npt.ArrayLike) -> np.ndarray:
+    """Return the mean gap over the wave: ū = D (1 - r + r ln r).
+
+    It follows from `westergaard_energy` by dU/dū = -p̄; Johnson (1985), section 13.2.
+
+    Parameters
+    ----------
+    amplitude : float, m
+    load_ratio : float or array
+        r = p̄/p*; from 1 on the gap is 0.
+
+    Returns
+    -------
+    float or array of the shape of `load_ratio`, m
+
+    Examples
+    --------
+    >>> print(np.round(westergaard_mean_gap(1.0, [0.0, 0.1, 1.0]), 4))
+    [1.     0.6697 0.    ]
+    """
+    r = np.clip(np.asarray(load_ratio, float), 0, 1)
+    logarithm = np.log(np.where(r > 0, r, 1.0))
+    return amplitude * (1 - r + r * logarithm)
 
 
 def westergaard_stiffness(
@@ -329,7 +456,7 @@ def flattened_summit_radius(share: float) -> float:
     Examples
     --------
     >>> print(f"{flattened_summit_radius(0.5):.4f}")
-    0.9147
+    0.9148
     """
     from scipy.optimize import brentq  # for these two functions
 

@@ -92,10 +92,7 @@ def add_body(parser: ArgumentParser | _ArgumentGroup) -> None:
 def bodies_of(texts: Sequence[Sequence[str]]) -> list[str | dict[str, str]]:
     """Return the two bodies, as in the configuration, from what `--body` was given.
 
-    Raises
-    ------
-    SettingsError
-        where it is not given twice, or with more than three values.
+    Raises `SettingsError` where it is not given twice, or with more than three values.
 
     Examples
     --------
@@ -117,10 +114,7 @@ def bodies_of(texts: Sequence[Sequence[str]]) -> list[str | dict[str, str]]:
 def chosen_settings(options: Namespace) -> dict:
     """Return the full settings of a single case, as `resolve` does, from options that `add_settings` added.
 
-    Raises
-    ------
-    SettingsError
-        for values that the settings do not accept.
+    Raises `SettingsError` for values that the settings do not accept.
 
     Examples
     --------

@@ -69,22 +69,10 @@ def workflow_file() -> Path:
 def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | None = None) -> list[Path]:
     r"""Write settings and a table of surfaces into the folder `config` of the working directory.
 
-    Parameters
-    ----------
-    files : sequence of str or Path
-        measured files; each becomes a row of the table, named after the file.
-    contact : mapping, optional
-        `bodies` and `mean_pressure`, as far as they are known; otherwise examples stand there as comments.
-
-    Returns
-    -------
-    list of Path
-        the written files.
-
-    Raises
-    ------
-    SettingsError
-        where one of them already exists, a measured file is missing, or for bodies that are not accepted.
+    `files`: measured files; each becomes a row of the table, named after the file; `contact`: `bodies` and
+    `mean_pressure`, as far as they are known; otherwise examples stand there as comments. Returns the written
+    files. Raises `SettingsError` where one of them already exists, a measured file is missing, or for bodies
+    that are not accepted.
 
     Examples
     --------
@@ -120,15 +108,8 @@ def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | N
 def files_in(paths: Sequence[str]) -> tuple[list[str], list[str]]:
     """Return the given files, and in the place of a folder those in it that can be measurements, by name.
 
-    Parameters
-    ----------
-    paths : sequence of str
-        files and folders.
-
-    Returns
-    -------
-    tuple of list of str
-        these files, and those of the folders that were left out, but for hidden ones.
+    `paths`: files and folders. Returns these files, and those of the folders that were left out, but for
+    hidden ones.
     """
     files: list[str] = []
     skipped: list[str] = []
@@ -143,16 +124,7 @@ def files_in(paths: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def surface_names(files: Sequence[str | Path]) -> list[str]:
-    """Return a different admitted name of a surface for each file.
-
-    Parameters
-    ----------
-    files : sequence of str or Path
-
-    Returns
-    -------
-    list of str
-    """
+    """Return a different admitted name of a surface for each file."""
     from roughcontact.configuration.messages import name_mistake
 
     names: list[str] = []
@@ -169,22 +141,9 @@ def run_workflow(arguments: Sequence[str]) -> int:
 
     A run that was killed is continued; a bad file stops only its own surface.
 
-    Parameters
-    ----------
-    arguments : sequence of str
-        for Snakemake.
-
-    Returns
-    -------
-    int
-        exit status of Snakemake.
-
-    Raises
-    ------
-    SettingsError
-        where a run cannot begin: Snakemake, a configuration file or the right to write is missing.
-    InputFileError
-        for results that are not as they were written; a run would leave them as they are.
+    `arguments`: for Snakemake. Returns the exit status of Snakemake. Raises `SettingsError` where a run
+    cannot begin: Snakemake, a configuration file or the right to write is missing. Raises `InputFileError`
+    for results that are not as they were written; a run would leave them as they are.
     """
     options = stated_options(arguments)
     _check_start(options)
@@ -215,15 +174,8 @@ def run_workflow(arguments: Sequence[str]) -> int:
 def stated_options(arguments: Sequence[str]) -> argparse.Namespace:
     """Return the arguments of Snakemake that are also used here: folder, configuration, targets.
 
-    Parameters
-    ----------
-    arguments : sequence of str
-        of the command line; others are left alone.
-
-    Returns
-    -------
-    Namespace
-        `directory` and `configfile` (paths), `targets` (str).
+    `arguments`: of the command line; others are left alone. Returns `directory` and `configfile` (paths),
+    `targets` (str).
 
     Examples
     --------

@@ -34,24 +34,11 @@ def solve_files(
 ) -> dict[str, Any]:
     """Solve several maps of a finish, and return their headline numbers and those of the group.
 
-    Parameters
-    ----------
-    paths : sequence of str or Path
-        measured height maps, two or more.
-    given, settings, threads
-        as of `solve_file`, for all maps.
-
-    Returns
-    -------
-    dict
-        `maps` (a result of `solve_file` each), `group`: `loads` (one dict per load, name -> number, those of
-        the intervals included), `maps` (number), `range` (whether the ends are those of a range),
-        `remarks` (sentences), `units`; for maps that are no group `maps` and the reason, `none`.
-
-    Raises
-    ------
-    RoughContactError
-        as `solve_file` does.
+    `paths`: measured height maps, two or more; `given`, `settings`, `threads`: as of `solve_file`, for all
+    maps. Returns `maps` (a result of `solve_file` each), `group`: `loads` (one dict per load, name -> number,
+    those of the intervals included), `maps` (number), `range` (whether the ends are those of a range),
+    `remarks` (sentences), `units`; for maps that are no group `maps` and the reason, `none`. Raises
+    `RoughContactError` as `solve_file` does.
     """
     solved = [_solved(path, given, settings, threads=threads) for path in paths]
     maps = [result for result, _ in solved]

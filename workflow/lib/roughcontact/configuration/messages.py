@@ -94,14 +94,9 @@ def nearest(word: object, valid: Collection[str]) -> str:
 def mistake(case: str, overrides: Mapping[str, Any], detail: ErrorDetails) -> SettingsError:
     """Return the error for one mistake found by pydantic: key, value, rule and meaning of the setting.
 
-    Parameters
-    ----------
-    case : str
-        name of the case; empty where there are none.
-    overrides : mapping
-        the settings of the case that differ from the common ones; a mistake in them is named by the case.
-    detail : ErrorDetails
-        one entry of `ValidationError.errors()`.
+    `case`: name of the case; empty where there are none; `overrides`: the settings of the case that differ
+    from the common ones; a mistake in them is named by the case; `detail`: one entry of
+    `ValidationError.errors()`.
 
     Examples
     --------

@@ -26,24 +26,11 @@ _COMMON = ("surfaces", "composite", "report", "cases")
 def resolve(config: Mapping[str, Any], *, origin: str = "the settings") -> dict[str, dict[str, Any]]:
     """Check a raw configuration and return the full settings of every case, as plain dictionaries.
 
-    Parameters
-    ----------
-    config : mapping
-        the content of the YAML file: nested mappings, numbers possibly as text ("1e9", "115 GPa").
-    origin : str
-        where it comes from, for messages.
-
-    Returns
-    -------
-    dict
-        name of the case -> settings, every key present, all in SI units, `contact.contact_modulus` and the
-        `contact.hardness` of the softer body derived from the bodies if these are given; without
-        `cases` there is the one entry "".
-
-    Raises
-    ------
-    SettingsError
-        one message that lists all mistakes, each with its key, the value, the rule and the nearest valid key.
+    `config`: the content of the YAML file: nested mappings, numbers possibly as text ("1e9", "115 GPa");
+    `origin`: where it comes from, for messages. Returns the name of the case -> settings, every key present,
+    all in SI units, `contact.contact_modulus` and the `contact.hardness` of the softer body derived from the
+    bodies if these are given; without `cases` there is the one entry "". Raises `SettingsError`: one message
+    that lists all mistakes, each with its key, the value, the rule and the nearest valid key.
 
     Examples
     --------

@@ -26,30 +26,12 @@ def read_study(
 ) -> tuple[dict[str, dict[str, Any]], dict[str, Surface]]:
     r"""Return the settings of every case and the table of surfaces.
 
-    Parameters
-    ----------
-    config : mapping
-        the content of the YAML file.
-    folders : sequence of str or Path
-        search path for a relative path of the table.
-    measured_in : sequence of str or Path
-        search path for the paths in the table.
-    origin : str
-        where the settings come from, for messages: "config/config.yaml".
-    checked : bool
-        whether the files were there when the run began: they may have gone since.
-
-    Returns
-    -------
-    cases : dict
-        as `resolve` returns them.
-    surfaces : dict
-        as `read_surfaces` returns them.
-
-    Raises
-    ------
-    SettingsError
-        one message that lists all mistakes in both, including missing measured files and unknown units.
+    `config`: the content of the YAML file; `folders`: search path for a relative path of the table;
+    `measured_in`: search path for the paths in the table; `origin`: where the settings come from, for
+    messages: "config/config.yaml"; `checked`: whether the files were there when the run began: they may have
+    gone since. Returns `cases`: as `resolve` returns them; `surfaces`: as `read_surfaces` returns them.
+    Raises `SettingsError`: one message that lists all mistakes in both, including missing measured files and
+    unknown units.
 
     Examples
     --------

@@ -119,21 +119,11 @@ def read_surfaces(
 ) -> dict[str, Surface]:
     r"""Read the table of surfaces: name -> Surface, in the order of the table.
 
-    Parameters
-    ----------
-    table : str or Path
-        the tab-separated file.
-    folders : sequence of str or Path
-        search path for relative paths in the table; the table's own folder comes second.
-    check : callable, optional
-        returns further mistakes of a row, which the table alone does not show, such as missing files.
-    placements_each : int
-        number of placements of each pair, whose names no row may have; 0 skips this check.
-
-    Raises
-    ------
-    SettingsError
-        one message that lists all mistakes, each with its line, the value and the way out.
+    `table`: the tab-separated file; `folders`: search path for relative paths in the table; the table's own
+    folder comes second; `check`: returns further mistakes of a row, which the table alone does not show, such
+    as missing files; `placements_each`: number of placements of each pair, whose names no row may have; 0
+    skips this check. Raises `SettingsError`: one message that lists all mistakes, each with its line, the
+    value and the way out.
 
     Examples
     --------

@@ -17,29 +17,11 @@ _SPLINE_MARGIN = 24  # points; the influence on a cubic spline falls by a factor
 class Face:
     """A map as a function of position, interpolated between its points and continued if periodic.
 
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        from `level`; NaN where missing.
-
-    Attributes
-    ----------
-    height : DataArray (y, x), m
-        as given.
-    name : str
-        of its file.
-    periodic : bool
-        whether the map is periodic.
-    values : array (ny, nx), m
-        heights; with the form restored if its removal made the map aperiodic.
-    filled : bool array (ny, nx)
-        mask of filled points.
-    shape : (ny, nx)
-    step : (dy, dx), m
-    lengths : (y, x), m
-        sides, one step longer than the distance from the first to the last point.
-    middle : (y, x), m
-        middle of the map in its own coordinates.
+    `height` (y, x) in m: from `level`, NaN where missing; `name`: of its file; `periodic`: whether the map is
+    periodic; `values` (ny, nx) in m: heights; with the form restored if its removal made the map aperiodic;
+    `filled` (ny, nx): mask of filled points; `shape` (ny, nx); `step` (dy, dx) in m; `lengths` (y, x) in m:
+    sides, one step longer than the distance from the first to the last point; `middle` (y, x) in m: middle of
+    the map in its own coordinates.
 
     Examples
     --------

@@ -36,25 +36,13 @@ def fit_curved_form(
     The method is that of Levenberg and Marquardt [1]_, started from the second-order polynomial. The
     parameters remain finite for a flat map, which has kappa = 0.
 
-    Parameters
-    ----------
-    shape : {"sphere", "cylinder"}
-        either fits a circle to a profile.
-
-    Returns
-    -------
-    form : array (ny, nx), m
-    removed : dict
-        parameters of the form, each with value and units: `mean` (of the form over the map), `radius` (m;
-        absent for a flat map), `curvature` (1/m, negative for a hill), `height_middle` (z0), `slope_x` and
-        `slope_y` at the middle (`middle_x`, `middle_y`), for a sphere `centre_x`, `centre_y`, `centre_z`, for
-        a cylinder `axis_azimuth` (degree from x towards y, -90 to 90) and `axis_inclination` (degree from the
-        x, y plane, upwards in the direction of the azimuth).
-
-    Raises
-    ------
-    HeightMapError
-        where the map has points beyond the rim of the fitted sphere or cylinder, or is far higher than wide.
+    `shape`: either fits a circle to a profile. Returns `form` (ny, nx) in m; `removed`: parameters of the
+    form, each with value and units: `mean` (of the form over the map), `radius` (m; absent for a flat map),
+    `curvature` (1/m, negative for a hill), `height_middle` (z0), `slope_x` and `slope_y` at the middle
+    (`middle_x`, `middle_y`), for a sphere `centre_x`, `centre_y`, `centre_z`, for a cylinder `axis_azimuth`
+    (degree from x towards y, -90 to 90) and `axis_inclination` (degree from the x, y plane, upwards in the
+    direction of the azimuth). Raises `HeightMapError` where the map has points beyond the rim of the fitted
+    sphere or cylinder, or is far higher than wide.
 
     References
     ----------

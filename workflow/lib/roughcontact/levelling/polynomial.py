@@ -27,13 +27,10 @@ def fit_polynomial(
     The robust fit uses iteratively reweighted least squares [1]_ with the weights of the robust
     filters [2]_. It starts from the least absolute deviations, which one-sided valleys hardly bias.
 
-    Returns
-    -------
-    form : array (ny, nx), m
-    removed : dict
-        parameters of the form, each with value and units: `mean` (of the form over the map), from order 1
-        on `slope_x`, `slope_y` and from order 2 on `curvature_x`, `curvature_y` (all at the middle of the
-        map) and the coefficients `c_i_j` with `middle_x`, `middle_y`, `half_length_x`, `half_length_y`.
+    Returns `form` (ny, nx) in m; `removed`: parameters of the form, each with value and units: `mean` (of the
+    form over the map), from order 1 on `slope_x`, `slope_y` and from order 2 on `curvature_x`, `curvature_y`
+    (all at the middle of the map) and the coefficients `c_i_j` with `middle_x`, `middle_y`, `half_length_x`,
+    `half_length_y`.
 
     References
     ----------

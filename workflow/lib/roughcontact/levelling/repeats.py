@@ -31,10 +31,8 @@ def noise_of_repeats(first: xr.DataArray, second: xr.DataArray) -> tuple[float, 
     Both are levelled by a plane; the difference has twice the variance of the noise of one. Where it does not
     look like noise N_M is NaN.
 
-    Raises
-    ------
-    HeightMapError
-        for maps of another size or pitch, for equal heights, and for places that do not look alike.
+    Raises `HeightMapError` for maps of another size or pitch, for equal heights, and for places that do not
+    look alike.
 
     Examples
     --------

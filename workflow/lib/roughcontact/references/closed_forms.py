@@ -1,151 +1,10 @@
-"""Closed forms of smooth contacts: Westergaard's wave h = D cos(2πx/λ), and the sphere of Hertz.
+"""The contacts of Hertz: a sphere and an ellipsoid on a half-space of contact modulus E*.
 
-The surface is rigid, its heights are positive outwards; the half-space has the contact modulus E*. A wave has
-the amplitude D and the wavelength λ; r is the mean pressure over the pressure p* that just closes it. A
-sphere of radius R carries the force F on a contact of radius a with the largest pressure p0.
-
-References
-----------
-- Johnson, K. L. (1985), Contact Mechanics.
-- Westergaard, H. M. (1939), J. Appl. Mech. 6, A49.
+A sphere of radius R carries the force F on a contact of radius a with the largest pressure p0. Johnson, K. L.
+(1985), Contact Mechanics.
 """
 
 import numpy as np
-import numpy.typing as npt
-
-
-def westergaard_full_contact_pressure(amplitude: float, wavelength: float, contact_modulus: float) -> float:
-    """Return the mean pressure that just closes the wave D cos(2πx/λ): p* = π E* D/λ.
-
-    Westergaard (1939); Johnson (1985), section 13.2.
-
-    Parameters
-    ----------
-    amplitude, wavelength : float, m
-    contact_modulus : float, Pa
-
-    Returns
-    -------
-    float, Pa
-
-    Examples
-    --------
-    >>> print(f"{westergaard_full_contact_pressure(1e-6, 1e-4, 1e9):.4g} Pa")
-    3.142e+07 Pa
-    """
-    return np.pi * contact_modulus * amplitude / wavelength
-
-
-def westergaard_contact_share(load_ratio: npt.ArrayLike) -> np.ndarray:
-    """Return the share of the wave in contact, (2/π) asin √r.
-
-    Westergaard (1939); Johnson (1985), section 13.2.
-
-    Parameters
-    ----------
-    load_ratio : float or array
-        r = p̄/p*; from 1 on the share is 1.
-
-    Returns
-    -------
-    float or array of the shape of `load_ratio`, 0 to 1
-
-    Examples
-    --------
-    >>> print(np.round(westergaard_contact_share([0.0, 0.5, 1.0, 2.0]), 6))
-    [0.  0.5 1.  1. ]
-    """
-    return 2 / np.pi * np.arcsin(np.sqrt(np.clip(load_ratio, 0, 1)))
-
-
-def westergaard_pressure(
-    x: npt.ArrayLike, wavelength: float, mean_pressure: float, load_ratio: float
-) -> np.ndarray:
-    """Return the pressure under the wave D cos(2πx/λ), crest at x = 0.
-
-    p = (2p̄/r) cos ψ √(r - sin²ψ), ψ = πx/λ, where sin²ψ < r; from r = 1 on the wave is closed and
-    p = p̄ + p* cos(2πx/λ). Westergaard (1939); Johnson (1985), section 13.2.
-
-    Parameters
-    ----------
-    x : array, m
-    wavelength : float, m
-    mean_pressure : float, Pa
-        p̄.
-    load_ratio : float
-        r = p̄/p*, greater than 0.
-
-    Returns
-    -------
-    array of the shape of `x`, Pa
-
-    Examples
-    --------
-    >>> print(np.round(westergaard_pressure([0.0, 0.25, 0.5], 1.0, 1.0, 1.0), 6))
-    [2. 1. 0.]
-    """
-    phase = np.pi * np.asarray(x, float) / wavelength
-    if load_ratio >= 1:
-        return mean_pressure * (1 + np.cos(2 * phase) / load_ratio)
-    inside = np.clip(load_ratio - np.sin(phase) ** 2, 0, None)
-    return 2 * mean_pressure / load_ratio * np.abs(np.cos(phase)) * np.sqrt(inside)
-
-
-def westergaard_gap(x: npt.ArrayLike, wavelength: float, amplitude: float, load_ratio: float) -> np.ndarray:
-    """Return the gap over the wave D cos(2πx/λ), crest at x = 0.
-
-    gap = 2D [s √(s² - r) - r ln((s + √(s² - r))/√r)], s = |sin(πx/λ)|, where s² > r, 0 elsewhere: the
-    integral of the conjugate function of the stress function of Westergaard (1939) from the edge of the
-    contact. Its mean is `westergaard_mean_gap`; at r = 0 it is D - h.
-
-    Parameters
-    ----------
-    x : array, m
-    wavelength, amplitude : float, m
-    load_ratio : float
-        r = p̄/p*.
-
-    Returns
-    -------
-    array of the shape of `x`, m
-
-    Examples
-    --------
-    >>> print(np.round(westergaard_gap([0.0, 0.25, 0.5], 1.0, 1.0, 0.0), 6))
-    [0. 1. 2.]
-    """
-    s = np.abs(np.sin(np.pi * np.asarray(x, float) / wavelength))
-    root = np.sqrt(np.clip(s**2 - load_ratio, 0, None))
-    if load_ratio == 0:
-        return 2 * amplitude * s**2
-    outside = s**2 > load_ratio
-    logarithm = np.log(np.where(outside, (s + root) / np.sqrt(load_ratio), 1.0))
-    return 2 * amplitude * (s * root - load_ratio * logarithm)
-
-
-def westergaard_mean_gap(amplitude: float, load_ratio: npt.ArrayLike) -> np.ndarray:
-    """Return the mean gap over the wave: ū = D (1 - r + r ln r).
-
-    It follows from `westergaard_energy` by dU/dū = -p̄; Johnson (1985), section 13.2.
-
-    Parameters
-    ----------
-    amplitude : float, m
-    load_ratio : float or array
-        r = p̄/p*; from 1 on the gap is 0.
-
-    Returns
-    -------
-    float or array of the shape of `load_ratio`, m
-
-    Examples
-    --------
-    >>> print(np.round(westergaard_mean_gap(1.0, [0.0, 0.1, 1.0]), 4))
-    [1.     0.6697 0.    ]
-    """
-    r = np.clip(np.asarray(load_ratio, float), 0, 1)
-    logarithm = np.log(np.where(r > 0, r, 1.0))
-    return amplitude * (1 - r + r * logarithm)
 
 
 def hertz(force: float, radius: float, contact_modulus: float) -> dict[str, float]:
@@ -153,16 +12,8 @@ def hertz(force: float, radius: float, contact_modulus: float) -> dict[str, floa
 
     a³ = 3FR/(4E*), p0 = 2E*a/(πR), δ = a²/R, U = (8/15) E* √R δ^(5/2); Johnson (1985), eqs. (4.22)-(4.24).
 
-    Parameters
-    ----------
-    force : float, N
-    radius : float, m
-    contact_modulus : float, Pa
-
-    Returns
-    -------
-    dict of float
-        `contact_radius` (a, m), `max_pressure` (p0, Pa), `approach` (δ, m), `energy` (U, J).
+    `force` in N; `radius` in m; `contact_modulus` in Pa. Returns `contact_radius` (a, m), `max_pressure` (p0,
+    Pa), `approach` (δ, m), `energy` (U, J).
 
     Examples
     --------
@@ -185,16 +36,8 @@ def hertz_ellipse(force: float, radii: tuple[float, float], contact_modulus: flo
     Johnson (1985), eqs. (4.25) to (4.28), solved for the ratio of the axes: elliptic integrals K, E of
     m = 1 - (b/a)². The major axis lies along the direction of the larger radius.
 
-    Parameters
-    ----------
-    force : float, N
-    radii : (float, float), m
-    contact_modulus : float, Pa
-
-    Returns
-    -------
-    dict of float
-        `major` (a, m), `minor` (b, m), `max_pressure` (p0, Pa), `approach` (δ, m).
+    `force` in N; `radii` in m; `contact_modulus` in Pa. Returns `major` (a, m), `minor` (b, m),
+    `max_pressure` (p0, Pa), `approach` (δ, m).
 
     Examples
     --------

@@ -211,14 +211,7 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     The last columns are the verdicts on each answer, `{answer}_verdict`, the `verdict` on the load and its
     `reasons`, joined by " | ", where they are known, and `corrected_for`, where a map was corrected.
 
-    Parameters
-    ----------
-    statistics : Dataset
-        from `collect_statistics`.
-
-    Returns
-    -------
-    DataFrame
+    `statistics`: from `collect_statistics`.
 
     Examples
     --------
@@ -327,18 +320,9 @@ def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame
     Loads are taken in order, first with first: where they are relative, the mean pressure of the members
     differs a little, and the table has its mean and spread as well.
 
-    Parameters
-    ----------
-    summary : DataFrame
-        from `summary_table`.
-    pairs : dict
-        name of a member -> name of its pair; other surfaces are left out.
-
-    Returns
-    -------
-    DataFrame
-        `surface` (the pair), `members` (count), and for every number of `summary` a column with its mean and
-        one, named `spread_...`, with its standard deviation (n - 1; NaN for a single member).
+    `summary`: from `summary_table`; `pairs`: name of a member -> name of its pair; other surfaces are left
+    out. Returns `surface` (the pair), `members` (count), and for every number of `summary` a column with its
+    mean and one, named `spread_...`, with its standard deviation (n - 1; NaN for a single member).
 
     Examples
     --------

@@ -18,26 +18,11 @@ FOLDER = "run_inputs"  # no surface has this name: `_` is not admitted
 def copy_inputs(results: Path, configuration: Path, known: set[str]) -> Path:
     """Copy what a run was made from into the folder of its results, so that it can be repeated elsewhere.
 
-    Parameters
-    ----------
-    results : Path
-        the folder `results` of the run; paths are looked up beside it, then beside the file that names them.
-    configuration : Path
-        the file with the settings of the run.
-    known : set of str
-        checksums (SHA-256) of the files that were read by the run.
-
-    Returns
-    -------
-    Path
-        the copied settings, for ``roughcontact run --configfile``.
-
-    Raises
-    ------
-    SettingsError
-        where settings or table cannot be read.
-    InputFileError
-        where a measured file is missing, or is not the one that the run has read.
+    `results`: the folder `results` of the run; paths are looked up beside it, then beside the file that names
+    them; `configuration`: the file with the settings of the run; `known`: checksums (SHA-256) of the files
+    that were read by the run. Returns the copied settings, for ``roughcontact run --configfile``. Raises
+    `SettingsError` where settings or table cannot be read. Raises `InputFileError` where a measured file is
+    missing, or is not the one that the run has read.
     """
     import yaml  # comes with Snakemake
 

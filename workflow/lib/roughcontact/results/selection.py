@@ -53,12 +53,7 @@ def read_statistics(path: str | Path) -> xr.Dataset:
 class _MeanPressureIndex(xr.Index):
     """Places of loads by their mean pressure, which may differ between surfaces and cases.
 
-    Parameters
-    ----------
-    name : str
-        of the coordinate.
-    pressures : Variable (..., load), Pa
-        NaN where a list of loads is padded.
+    `name`: of the coordinate; `pressures` (..., load) in Pa: NaN where a list of loads is padded.
     """
 
     def __init__(self, name: Any, pressures: xr.Variable):

@@ -82,18 +82,9 @@ def provenance(
 
     No wall clock and no host name, so that two equal runs write equal files.
 
-    Parameters
-    ----------
-    settings : dict
-        whatever JSON can write.
-    source_sha256 : str
-        checksum of the measured file.
-    stage : str
-        name of the file without its ending: "height", "statistics".
-    of : str
-        name of the surface.
-    history : str
-        of the file that it was made of.
+    `settings`: whatever JSON can write; `source_sha256`: checksum of the measured file; `stage`: name of the
+    file without its ending: "height", "statistics"; `of`: name of the surface; `history`: of the file that it
+    was made of.
 
     Examples
     --------
@@ -209,17 +200,7 @@ def _packed(name: str, variable: xr.Variable | xr.DataArray) -> dict[str, Any]:
 class LoadByLoad:
     """A solution that is written as it is found: the maps of a few loads are larger than the memory.
 
-    Parameters
-    ----------
-    path : Path
-        of the file, which is made.
-    loads : sequence of float, Pa
-        that will be solved, in the order of the file.
-
-    Attributes
-    ----------
-    path : Path
-        of the file.
+    `path`: of the file, which is made; `loads` in Pa: that will be solved, in the order of the file.
     """
 
     def __init__(self, path: Path, loads: Sequence[float]):
@@ -283,10 +264,7 @@ def written_load_by_load(
 
     `loads` (Pa) are those that will be solved on the map `window` (y, x; m).
 
-    Raises
-    ------
-    OutputFileError
-        where the disk is full or the folder may not be written.
+    Raises `OutputFileError` where the disk is full or the folder may not be written.
 
     Examples
     --------
@@ -337,10 +315,8 @@ def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
     `InputFileError` is raised where the file is missing, damaged or no netCDF file, also if that shows only
     within the block.
 
-    Raises
-    ------
-    InputFileError
-        where the file is missing, damaged or no netCDF file, also if that shows only within the block.
+    Raises `InputFileError` where the file is missing, damaged or no netCDF file, also if that shows only
+    within the block.
     """
     with _readable(path) as sealed:
         with _uncached():
@@ -393,10 +369,7 @@ def _take_digest(attrs: dict[str, Any], path: str | Path, sealed: int) -> None:
 def read_arrays(path: str | Path) -> tuple[dict[str, Array], dict[str, Any]]:
     """Read the bare arrays and attributes of one of the project's own result files, in half the time.
 
-    Raises
-    ------
-    InputFileError
-        where the file is missing, damaged or no netCDF file.
+    Raises `InputFileError` where the file is missing, damaged or no netCDF file.
 
     Examples
     --------
@@ -460,10 +433,7 @@ def read_table(path: str | Path) -> pd.DataFrame:
 def write_text(text: str, path: str | Path) -> None:
     """Write a text as UTF-8, whole or not at all; the folder is made where it is missing.
 
-    Raises
-    ------
-    OutputFileError
-        where the disk is full or the folder may not be written.
+    Raises `OutputFileError` where the disk is full or the folder may not be written.
 
     Examples
     --------

@@ -71,19 +71,11 @@ def summit_that_stands_out(height: xr.DataArray, *, images: int = 1) -> dict[str
     independent of the others [1]_. The first one over the sum of the others so tells by what chance the
     highest is as far above the next [2]_.
 
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        periodic.
-    images : int
-        number of mirror images along each axis that make up the map, of which one is searched.
-
-    Returns
-    -------
-    dict
-        of the summit or the spike, whichever has the smaller chance: `summit_chance`, 0 where there is no
-        other, `summit_over_next`, the ratio of the two greatest heights that do not overlap (infinite where
-        there is no other), and `summit_x`, `summit_y` (m). Empty for a map without summits.
+    `height` (y, x) in m: periodic; `images`: number of mirror images along each axis that make up the map, of
+    which one is searched. Returns, of the summit or the spike, whichever has the smaller chance,
+    `summit_chance` (0 where there is no other), `summit_over_next`, the ratio of the two greatest heights
+    that do not overlap (infinite where there is no other), and `summit_x`, `summit_y` (m). Empty for a map
+    without summits.
 
     References
     ----------

@@ -26,23 +26,11 @@ def adhesion_numbers(
     range of the adhesion and without the states between. Roughness sticks by patches long before all of it
     conforms: a criterion by the slope of the shortest waves says so [2]_, and is disputed [3]_.
 
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        periodic.
-    contact_modulus : float, Pa
-        E*.
-    work_of_adhesion : float, J/m2, optional
-        w, of flat surfaces.
-    power : array (ny, nx // 2 + 1), m2, optional
-        of the waves of the map (`roughcontact.kernels.waves.wave_power`), where that is known already.
-    layers : LayeredPair, optional
-        of the bodies; E* is then that of their surfaces.
-
-    Returns
-    -------
-    dict
-        `conforming_energy` (J/m2), and with a work of adhesion `effective_work_of_adhesion` (J/m2).
+    `height` (y, x) in m: periodic; `contact_modulus` in Pa: E*; `work_of_adhesion` in J/m2: w, of flat
+    surfaces; `power` (ny, nx // 2 + 1) in m2: of the waves of the map
+    (`roughcontact.kernels.waves.wave_power`), where that is known already; `layers`: of the bodies; E* is
+    then that of their surfaces. Returns `conforming_energy` (J/m2), and with a work of adhesion
+    `effective_work_of_adhesion` (J/m2).
 
     References
     ----------

@@ -49,12 +49,7 @@ def lateral_period_limit(aperture: float, light: float | None = None) -> float:
 
     It is 1.24 L / NA for a diffraction-limited lens in incoherent light of the wavelength L [2]_.
 
-    Parameters
-    ----------
-    aperture : float
-        numerical aperture.
-    light : float, m, optional
-        wavelength of the light, 550 nm unless known.
+    `aperture`: numerical aperture; `light` in m: wavelength of the light, 550 nm unless known.
 
     References
     ----------
@@ -76,27 +71,12 @@ def limit_band(
 
     Waves with 2 pi / longest <= |q| <= 2 pi / shortest are unchanged, and so is the mean.
 
-    Parameters
-    ----------
-    shortest, longest : float or None, m
-        limiting wavelengths; None sets no limit.
-    reliable : bool
-        whether waves shorter than `reliable_wavelength` are removed as well.
-
-    Returns
-    -------
-    DataArray (y, x), m
-        with the attributes of `window` and `band_shortest`, `band_longest` (m, limits of the remaining
-        waves; those of the grid where no other applies), `band_reason` (what sets the shortest),
-        `band_removed_rms_height` (m), `band_removed_rms_gradient`, `reliable_wavelength` (m),
-        `reliable_reason`.
-
-    Raises
-    ------
-    HeightMapError
-        where no wave of the window lies in the band.
-    SettingsError
-        where the band is empty.
+    `shortest`, `longest` in m: limiting wavelengths; None sets no limit; `reliable`: whether waves shorter
+    than `reliable_wavelength` are removed as well. Returns the window with the attributes of `window` and
+    `band_shortest`, `band_longest` (m, limits of the remaining waves; those of the grid where no other
+    applies), `band_reason` (what sets the shortest), `band_removed_rms_height` (m),
+    `band_removed_rms_gradient`, `reliable_wavelength` (m), `reliable_reason` (m). Raises `HeightMapError`
+    where no wave of the window lies in the band. Raises `SettingsError` where the band is empty.
 
     Examples
     --------

@@ -17,17 +17,9 @@ _STATED = "instrument_"  # beginning of the attributes of a map that hold what t
 def window_arguments(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     """Return the keyword arguments of `periodic_window` from the settings.
 
-    Parameters
-    ----------
-    levelled : DataArray (y, x), m
-    settings : mapping
-        section `window`, and section `instrument`, whose `correct` asks for a correction.
-
-    Raises
-    ------
-    SettingsError
-        for a correction of a pair of faces, or where nothing is known to correct for, and as of
-        `check_instrument`.
+    `levelled` (y, x) in m; `settings`: section `window`, and section `instrument`, whose `correct` asks for a
+    correction. Raises `SettingsError` for a correction of a pair of faces, or where nothing is known to
+    correct for, and as of `check_instrument`.
 
     Examples
     --------
@@ -57,17 +49,9 @@ def window_arguments(levelled: xr.DataArray, settings: Mapping[str, Mapping[str,
 def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> None:
     """Refuse statements about an instrument that cannot be true of a map.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-    instrument : mapping
-        as of `instrument_uncertainty`.
-
-    Raises
-    ------
-    SettingsError
-        for negative values, a tip larger than the map, a resolution finer than two pixels, noise above the
-        rms height of the map.
+    `window` (y, x) in m; `instrument`: as of `instrument_uncertainty`. Raises `SettingsError` for negative
+    values, a tip larger than the map, a resolution finer than two pixels, noise above the rms height of the
+    map.
 
     Examples
     --------
@@ -96,20 +80,10 @@ def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> Non
 def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None) -> dict[str, Any]:
     """Return what is known of the instrument: from the settings, the table of surfaces, the file.
 
-    Parameters
-    ----------
-    levelled : DataArray (y, x), m
-        whose attributes `instrument_{name}` hold what the table says of this map, and whose attribute
-        `instrument` (JSON) what the file says; of the latter the numerical aperture counts, that of a comment
-        (`NA: 0.60`) too.
-    settings : mapping or None
-        section `instrument`, over which the table prevails; the file comes last. `correct`, which states
-        nothing, is left out.
-
-    Returns
-    -------
-    dict
-        the keys of the section that are known.
+    `levelled` (y, x) in m: whose attributes `instrument_{name}` hold what the table says of this map, and
+    whose attribute `instrument` (JSON) what the file says; of the latter the numerical aperture counts, that
+    of a comment (`NA: 0.60`) too; `settings`: section `instrument`, over which the table prevails; the file
+    comes last. `correct`, which states nothing, is left out. Returns the keys of the section that are known.
 
     Examples
     --------

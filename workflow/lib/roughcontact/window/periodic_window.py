@@ -154,10 +154,7 @@ def subwindow(
 
     The options are those of `periodic_window`, of which placement and least share do not count.
 
-    Parameters
-    ----------
-    part : DataArray (y, x), m
-        without missing points.
+    `part` (y, x) in m: without missing points.
     """
     fade = width if method in _BLENDING_METHODS else 0.0
     start, sides, band, _ = _largest_window(part, part.values, fade, 0.0)

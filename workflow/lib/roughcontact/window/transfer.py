@@ -33,16 +33,8 @@ def transfer(frequency: np.ndarray, instrument: Mapping[str, Any]) -> np.ndarray
     sqrt(1 - v^2)), v = f L/(2 NA), of a wave of the frequency f [1]_. An instrument of which the topographic
     spatial resolution W_R is stated is taken to be a Gaussian that transmits half at the wavelength W_R.
 
-    Parameters
-    ----------
-    frequency : array, cycles per m
-    instrument : mapping
-        `numerical_aperture`, `wavelength` (m), `resolution` (m); absent or None where not stated.
-
-    Returns
-    -------
-    array
-        1 where nothing is stated.
+    `frequency` in cycles per m; `instrument`: `numerical_aperture`, `wavelength` (m), `resolution` (m);
+    absent or None where not stated. Returns 1 where nothing is stated.
 
     References
     ----------
@@ -69,14 +61,7 @@ def transfer(frequency: np.ndarray, instrument: Mapping[str, Any]) -> np.ndarray
 def shortest_transmitted(instrument: Mapping[str, Any]) -> float:
     """Return the shortest wavelength that is transmitted to a fifth or more, m; 0 where nothing is stated.
 
-    Parameters
-    ----------
-    instrument : mapping
-        as of `transfer`.
-
-    Returns
-    -------
-    float
+    `instrument`: as of `transfer`.
 
     Examples
     --------
@@ -104,22 +89,11 @@ def restored(
     in the spectrum is at least twice that of white noise: of the stated one, or, where the lens transmits
     nothing of the shortest waves of the map, of what is measured there.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic.
-    instrument : mapping
-        as of `transfer`.
-    noise : float, m
-        rms of the measurement noise.
-    equalise : bool
-        whether the stated noise is taken off as well: with the power P of a ring, of which N is noise, and
-        the transfer T, waves are multiplied by sqrt((P - N)/P)/T, so that the spectrum, and with it the rms
-        gradient, is that expected of the true map (power spectrum equalisation [1]_).
-
-    Returns
-    -------
-    DataArray (y, x), m
+    `window` (y, x) in m: periodic; `instrument`: as of `transfer`; `noise` in m: rms of the measurement
+    noise; `equalise`: whether the stated noise is taken off as well: with the power P of a ring, of which N
+    is noise, and the transfer T, waves are multiplied by sqrt((P - N)/P)/T, so that the spectrum, and with it
+    the rms gradient, is that expected of the true map (power spectrum equalisation [1]_). Returns DataArray
+    (y, x) in m.
 
     References
     ----------
@@ -156,17 +130,8 @@ def restored(
 def corrected(window: xr.DataArray, instrument: Mapping[str, Any]) -> xr.DataArray:
     """Return a periodic map corrected for the noise and the transfer that are stated of its instrument.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic.
-    instrument : mapping
-        as of `transfer`, and `noise` (m, rms).
-
-    Returns
-    -------
-    DataArray (y, x), m
-        as of `restored`, with the attribute `corrected_for`: causes and their sizes in words.
+    `window` (y, x) in m: periodic; `instrument`: as of `transfer`, and `noise` (m, rms). Returns what
+    `restored` does, with the attribute `corrected_for`: causes and their sizes in words (m).
 
     Examples
     --------
@@ -188,17 +153,8 @@ def corrected(window: xr.DataArray, instrument: Mapping[str, Any]) -> xr.DataArr
 def undone(window: xr.DataArray, instrument: Mapping[str, Any]) -> dict[str, xr.DataArray]:
     """Return maps without the effect of a lens, and of a tip, by that cause; a corrected map has no first.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic.
-    instrument : mapping
-        as of `transfer`, `noise` (m, rms) and `tip_radius` (m).
-
-    Returns
-    -------
-    dict
-        "lens" -> `restored`, "tip" -> `eroded`, of what is stated.
+    `window` (y, x) in m: periodic; `instrument`: as of `transfer`, `noise` (m, rms) and `tip_radius` (m).
+    Returns "lens" -> `restored`, "tip" -> `eroded`, of what is stated.
 
     Examples
     --------
@@ -219,17 +175,8 @@ def undone(window: xr.DataArray, instrument: Mapping[str, Any]) -> dict[str, xr.
 def with_noise(window: xr.DataArray, noise: float) -> tuple[xr.DataArray, float]:
     """Return a map with white noise added to it, filtered as the map was, and the rms gradient of that noise.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic.
-    noise : float, m
-        rms of the noise, before the S-filter that the map has gone through.
-
-    Returns
-    -------
-    noisy : DataArray (y, x), m
-    gradient : float
+    `window` (y, x) in m: periodic; `noise` in m: rms of the noise, before the S-filter that the map has gone
+    through. Returns `noisy` (y, x) in m; `gradient`.
 
     Examples
     --------
@@ -252,15 +199,7 @@ def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
 
     It is the erosion of the map by the tip: exact where the tip touched, an upper bound elsewhere [1]_.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic; the centre of the tip less its radius.
-    tip_radius : float, m
-
-    Returns
-    -------
-    DataArray (y, x), m
+    `window` (y, x) in m: periodic; the centre of the tip less its radius; `tip_radius` in m.
 
     References
     ----------
@@ -300,15 +239,7 @@ def unrounded(window: xr.DataArray, step: float) -> xr.DataArray:
     Heights that were rounded to a step lie that near to the true ones. The map is smoothed and taken back to
     within half a step, in turns (projections onto convex sets [1]_): terraces become slopes.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic.
-    step : float, m
-
-    Returns
-    -------
-    DataArray (y, x), m
+    `window` (y, x) in m: periodic; `step` in m.
 
     References
     ----------
@@ -342,15 +273,7 @@ def reliability_length(window: xr.DataArray, tip_radius: float) -> float:
     A tip of the radius R leaves no valley sharper than 1/R. A map is taken to be shaped by the tip at the
     distances at which its sharpest valley has a curvature of 1/(2R) or more [1]_; waves are twice as long.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic.
-    tip_radius : float, m
-
-    Returns
-    -------
-    float
+    `window` (y, x) in m: periodic; `tip_radius` in m.
 
     References
     ----------
