@@ -43,14 +43,19 @@ import roughcontact as rc
 from roughcontact.contact.loads import plan_loads
 from roughcontact.errors import RoughContactError
 from roughcontact.maps import height_map, refined, spacing
+from roughcontact.statistics.precision import precision
+from roughcontact.uncertainty.calibration import MAP_SCATTER
 from roughcontact.uncertainty.ensemble import solve_member
+from roughcontact.uncertainty.improvement import half_width_of_mean, median_of_chi
 from roughcontact.uncertainty.magnification import shortest_wave, without_shortest_waves
+from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import (
     AREA,
     CONDUCTANCE,
     CONSTRICTIONS,
     GAP,
     PEAK,
+    from_scale,
     to_scale,
 )
 from roughcontact.uncertainty.subwindows import scatter_of_subwindows
@@ -94,6 +99,13 @@ OCTAVE_SHARE = 0.8  # of the change by the last octave, that the next one adds
 LEAST_CHANGE = 0.05  # of a logarithm in an octave
 RIDGE = 0.05  # on the slopes of the features, in their standard deviations
 LARGEST_ERROR = 6.0  # of a logarithm; more is a closed gap
+HALVED_LOAD = 0.1  # at which the scatter of maps is fitted
+CLASSES = {
+    "percent": "to ± 30 % or less",
+    "factor": "to a factor of 3 or less",
+    "magnitude": "order of magnitude",
+    "at most": "a bound",
+}
 BANK = Path(__file__).parent / "results" / "bank"
 WORK = Path(__file__).parent / "work" / "bank"
 TABLE = Path(__file__).parents[1] / "workflow/lib/roughcontact/uncertainty/calibration.json"
@@ -467,11 +479,123 @@ def calibration(bank: pd.DataFrame) -> dict:
         low, high = quantiles(ratio.to_numpy(), octave["weight"].to_numpy(), LEVELS[quantity])
         table["octave"][name] = {"share": OCTAVE_SHARE, "down": -low, "up": high}
         table["discretisation"][name] = discretisation_floor(bank, quantity)
+    table[MAP_SCATTER] = fitted_scatter(scatter_of_maps(bank)).to_dict()
     return rounded(table)
 
 
+def scatter_of_maps(bank: pd.DataFrame) -> pd.DataFrame:
+    """Return the standard deviation between the parts of each map, of the area at one load, with features.
+
+    That of a few parts is mostly smaller than that of many, by the median of chi, and divided by it.
+    """
+    rows = bank[(bank["what"] == "3x3") & (bank["load"] == HALVED_LOAD)]
+    rows = rows.dropna(subset=["area", "area_scatter", *FEATURES[1:]])
+    rows = rows.rename(columns={"area_scatter": "scatter", "area_trend": "trend"})
+    of_parts = rows.groupby("map")["area"]
+    freedom = of_parts.transform("size") - 1
+    rows = rows.assign(deviation=of_parts.transform("std") / median_of_chi(freedom))[freedom > 2]
+    of_map = rows.groupby(["kind", "map"])["area"].transform("size")
+    share = 1 / rows.groupby("kind")["map"].transform("nunique")
+    return rows.assign(weight=share / of_map * rows["kind"].map({"measured": 2.0, "synthetic": 1.0}))
+
+
+def fitted_scatter(rows: pd.DataFrame) -> pd.Series:
+    """Return the slopes of the logarithm of the scatter between maps; measured ones weigh twice."""
+    design, root = rows[list(FEATURES)].assign(constant=1.0), np.sqrt(rows["weight"].to_numpy())
+    target = np.log(rows["deviation"].to_numpy()) * root
+    slopes = np.linalg.lstsq(design.to_numpy() * root[:, None], target, rcond=None)[0]
+    return pd.Series(slopes, design.columns)
+
+
+def halving(bank: pd.DataFrame) -> pd.DataFrame:
+    """Return how wide the interval of the mean of n parts of a map is, over what one part had promised.
+
+    Each map is left out of the fit once; its ratio is the median over draws of n of its parts.
+    """
+    rows, draws, ratios = scatter_of_maps(bank), np.random.default_rng(0), []
+    for (kind, name), some in rows.groupby(["kind", "map"]):
+        promised = size_of(fitted_scatter(rows[rows["map"] != name]), some)
+        area = some["area"].to_numpy()
+        count = len(area)
+        for maps in (3, 5, 9):
+            widths = []
+            for _ in range(200 if maps <= count else 0):
+                chosen = draws.choice(count, maps, replace=False)
+                deviation = area[chosen].std(ddof=1)
+                width = float(student(np.array(maps - 1.0))) * deviation / np.sqrt(maps)
+                expected = half_width_of_mean(promised[chosen[0]], maps, 0.0)
+                widths.append(width / expected)
+            if widths:
+                ratios.append({"kind": kind, "n": maps, "map": name, "ratio": np.median(widths)})
+    groups = pd.DataFrame(ratios).groupby(["kind", "n"])["ratio"]
+    return pd.DataFrame(
+        [
+            {
+                "maps": kind,
+                "n": maps,
+                "surfaces": len(some),
+                "width over promise": f"{some.median():.2f}",
+                "of nine in ten surfaces": "{:.2f} to {:.2f}".format(*some.quantile([0.05, 0.95])),
+            }
+            for (kind, maps), some in groups
+        ]
+    )
+
+
+def claims(bank: pd.DataFrame) -> pd.DataFrame:
+    """Return how many of the answers hold as their words say, each map left out once, by class of words."""
+    rows = []
+    for quantity in [*SHORT.values()][:4]:
+        errors = errors_of(bank, quantity, "surface")
+        ends = left_out(errors, errors, LEVELS[quantity])
+        ends = ends[ends["load"].isin(JUDGED_LOADS)]
+        scales = {quantity: 1.0}
+        if quantity == SHORT[AREA]:
+            scales["pressure in contact"] = -1.0  # the load over the area
+        for name, power in scales.items():
+            value, truth, low, high = (
+                _on_scale(quantity, ends, shift) ** power
+                for shift in (0.0, *(ends[key] for key in ("error", "low", "high")))
+            )
+            for index, cells in enumerate(zip(value, low, high, truth, strict=True)):
+                kind, weight = ends["kind"].iloc[index], ends["weight"].iloc[index]
+                word, holds = _claim(*cells)
+                rows.append({"answer": name, "kind": kind, "class": word, "holds": holds, "weight": weight})
+    table = pd.DataFrame(rows)
+    shown_rows = []
+    for word in CLASSES.values():
+        row: dict = {"known": word}
+        for kind in ("measured", "synthetic"):
+            some = table[(table["class"] == word) & (table["kind"] == kind)]
+            row[f"{kind}: answers"] = str(len(some))
+            row[f"{kind}: hold (%)"] = f"{100 * np.average(some['holds'], weights=some['weight']):.1f}"
+        shown_rows.append(row)
+    return pd.DataFrame(shown_rows)
+
+
+def _on_scale(quantity: str, ends: pd.DataFrame, shift) -> np.ndarray:
+    """Return a quantity moved on its scale; all but the area over the result."""
+    if quantity == SHORT[AREA]:
+        return from_scale(AREA, (ends["area"] + shift).to_numpy())
+    return np.exp(np.zeros(len(ends)) + shift)
+
+
+def _claim(value: float, first: float, second: float, truth: float) -> tuple[str, bool]:
+    """Return the class of words of an answer with an interval, and whether the truth is as they say."""
+    word, limit = precision(value, min(first, second), max(first, second))
+    ratio = max(truth / value, value / truth)
+    holds = {
+        "percent": abs(truth / value - 1) <= limit / 100,
+        "exactly": abs(truth / value - 1) <= 1e-4,
+        "factor": ratio <= limit,
+        "magnitude": ratio <= limit,
+        "at most": truth <= limit,
+    }[word]
+    return CLASSES["percent" if word == "exactly" else word], bool(holds)
+
+
 def needed(bank: pd.DataFrame) -> pd.DataFrame:
-    """Return the bank without numbers that no error is made of, logarithms about those of the whole map."""
+    """Return the bank without numbers that no error is made of, widths about those of the whole map."""
     bank = bank.copy()
     whole = bank[bank["what"] == "whole"].set_index(["map", "load"])
     for key in ("gap", "peak", "conductance"):
@@ -629,6 +753,7 @@ def main() -> None:
         sources(arguments.folders, bank).to_csv(BANK / "sources.csv", index=False)
     bank = read_bank()
     tables = {"coverage": shown(coverage(bank)), "features": worth(bank)}
+    tables |= {"claims": claims(bank), "halving": halving(bank)}
     TABLE.write_text(json.dumps(calibration(bank), indent=1) + "\n")
     pages.publish("bank", tables)
 

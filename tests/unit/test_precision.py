@@ -1,6 +1,7 @@
 """How well an answer is known: the number in the files and the words on page and screen are one statement."""
 
 import html
+import math
 import re
 
 import numpy as np
@@ -9,7 +10,7 @@ import xarray as xr
 
 import roughcontact as rc
 from roughcontact.command_line.describe import _precision
-from roughcontact.quantities import Unit, number
+from roughcontact.quantities import Unit
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.report.glance import glance_rows
 from roughcontact.results.collect import table
@@ -34,6 +35,9 @@ def statistics():
     [
         (0.7001, 1.29, "to ± 30 %"),
         (0.6999, 1.2, "to a factor 1.4"),
+        (0.8499, 1.0, "to ± 20 %"),
+        (0.85, 1.0, "to ± 15 %"),
+        (0.999, 1.0, "to ± 10 %"),
         (1 / 3, 2.9, "to a factor 3.0"),
         (0.33, 1.0, "order of magnitude"),
         (0.1, 10.0, "order of magnitude"),
@@ -47,6 +51,12 @@ def statistics():
 )
 def test_words_follow_the_ends_of_the_interval(lower, upper, words):
     assert precision_in_words(1.0, lower, upper, PLAIN) == words
+
+
+def test_all_of_the_area_is_no_bound():
+    percent = Unit(1.0, "%")
+    assert precision_in_words(10.0, 0.0, 100.0, percent) == "not by this map"
+    assert precision_in_words(10.0, 0.0, 95.0, percent) == "not by this map: at most 95.0 %"
 
 
 def test_the_files_hold_the_half_width_over_the_value(statistics):
@@ -74,7 +84,7 @@ def test_page_and_screen_say_what_the_files_say(statistics):
         known = float(statistics["relative_contact_area_known"][load])
         assert " ".join(words.split()) == cells[1].precision
         if known <= 0.3:
-            assert cells[1].precision == f"to ± {number(100 * known, digits=2)} %"
+            assert cells[1].precision == f"to ± {max(10, 5 * math.ceil(20 * known))} %"
         else:
             assert not re.match(r"to ±", html.unescape(cells[1].precision))
 

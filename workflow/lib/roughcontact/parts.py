@@ -66,7 +66,7 @@ def cut(height: xr.DataArray, part: MapPart) -> xr.DataArray:
         f"{nx} x {ny} points"
     )
     remarks = {
-        key: json.dumps([*json.loads(height.attrs[key]), remark], ensure_ascii=False)
+        key: json.dumps([*json.loads(height.attrs.get(key, "[]")), remark], ensure_ascii=False)
         for key in ("ingest_warnings", "ingest_facts")
     }
     return piece.assign_attrs(missing_points=missing, missing_share=missing / piece.size, **remarks)

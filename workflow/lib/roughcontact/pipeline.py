@@ -30,8 +30,9 @@ from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import TARGETS, wanted_loads
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget, finite_body_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
+from roughcontact.uncertainty.calibration import MAP_SCATTER
 from roughcontact.uncertainty.elastic_loads import elastic_loads
-from roughcontact.uncertainty.improvement import MAP_SCATTER_RATIO, map_scatter_ratio, with_halving
+from roughcontact.uncertainty.improvement import with_halving
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.variables import describe
 from roughcontact.window.band import lateral_period_limit
@@ -176,9 +177,6 @@ def bound_error(
     budget = error_budget(
         levelled, window, verbs, **settings["uncertainty"], solved=solved, scatter_of=scatter_of
     )
-    if "member" in budget.dims:
-        ratio = map_scatter_ratio(levelled, budget.sizes["member"])
-        budget = budget.assign_attrs({MAP_SCATTER_RATIO: ratio})
     if 1 not in window.shape or "lay" in window.attrs or not settings["uncertainty"]["sources"]:
         return budget
     isotropic = isotropic_contact(levelled, solver)
@@ -276,4 +274,4 @@ def complete_statistics(
     properties["measured_by"] = instrument_kind(window.attrs).name
     properties |= {key: window.attrs[key] for key in ("summit_x", "summit_y") if key in window.attrs}
     judged = with_verdicts(with_precision(complete).assign_attrs(properties), window)
-    return with_halving(judged, ratio=budget.attrs.get(MAP_SCATTER_RATIO))
+    return with_halving(judged, budget.attrs.get(MAP_SCATTER))

@@ -11,6 +11,7 @@ from roughcontact.choices import HeadlineMeasurand, UncertaintySource
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.si import in_si
+from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.combination import (
     COMBINED,
@@ -174,7 +175,7 @@ def error_budget(
                 levelled, scatter, grooves, extent if measurand == "longer" else None
             ),
             "window_flag": deficiency(levelled, scatter),
-        }
+        } | calibration.scatter_of_maps(scatter.features.get(AREA))
         columns |= {
             f"{name}_parts": (("member", "load"), results)
             for name, results in (scatter.members | {PRESSURE: load / scatter.members[AREA]}).items()

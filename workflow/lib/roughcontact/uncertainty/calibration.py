@@ -32,6 +32,7 @@ from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PRESSURE, inver
 
 Measurand = Literal["surface", "next", "longer", "map"]
 Features = Mapping[str, np.ndarray | float]  # feature -> number, or array (load)
+MAP_SCATTER = "map_scatter"  # attribute (load): standard deviation of the area between maps of this size
 
 
 @cache
@@ -49,6 +50,16 @@ def expected_error(name: str, features: Features) -> np.ndarray:
     """Return the expected size of the error of a quantity on its scale; of narrowest places in mean gaps."""
     size = table()["size"][entry(name)]
     return np.exp(sum(slope * np.asarray(features.get(key, 1.0)) for key, slope in size.items()))
+
+
+def scatter_of_maps(features: Features | None) -> dict[str, np.ndarray]:
+    """Return the attribute with the scatter of the area between maps of this size, on its scale (load)."""
+    if not features:
+        return {}
+    slopes = table()[MAP_SCATTER]
+    return {
+        MAP_SCATTER: np.exp(sum(slope * np.asarray(features.get(key, 1.0)) for key, slope in slopes.items()))
+    }
 
 
 def arms(

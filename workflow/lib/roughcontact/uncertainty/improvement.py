@@ -7,17 +7,13 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from roughcontact.maps import spacing
 from roughcontact.quantities import number, percent, quantity, several
 from roughcontact.statistics.outcome import CheckName
 from roughcontact.statistics.precision import relative_half_width
 from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.random_effects import student
-from roughcontact.uncertainty.scales import AREA
+from roughcontact.uncertainty.scales import AREA, from_scale, to_scale
 
-MAP_SCATTER_RATIO = "map_scatter_ratio"  # attribute: scatter of maps of this size over that of their parts
-_CUTS = (2, 3, 4, 5)  # of each side
-_LEAST_VARIANCE = 1e-12
 _TYPICAL_AREA = 0.1  # the load with the contact area nearest to it is improved
 _MOST_MAPS = 100
 _LONGEST_FIELD = 10.0  # over the length of the map
@@ -30,48 +26,16 @@ ADVICE = {
 }
 
 
-def map_scatter_ratio(levelled: xr.DataArray, parts: int) -> float:
-    """Return the scatter of maps of this size over that of so many of their parts, by the rms gradient.
-
-    The variance of its logarithm is fitted by a + b n over cuts into n parts: b of independent places, a of
-    what differs over longer distances than the map.
-    """
-    heights, steps = levelled.values, spacing(levelled)
-    squares = np.zeros([max(n - 1, 1) for n in heights.shape])
-    for axis, step in enumerate(steps):
-        if heights.shape[axis] > 1:
-            slope = np.diff(heights, axis=axis) / step
-            squares += slope[: squares.shape[0], : squares.shape[1]] ** 2
-    counts, variances = [], []
-    for cuts in _CUTS:
-        divisions = [cuts if n > cuts else 1 for n in squares.shape]
-        rows = np.array_split(squares, divisions[0], axis=0)
-        boxes = [piece for row in rows for piece in np.array_split(row, divisions[1], axis=1)]
-        means = [float(np.nanmean(box)) for box in boxes if np.isfinite(box).any()]
-        if len(means) > 1:
-            counts.append(len(means))
-            variances.append(np.var(0.5 * np.log(np.maximum(means, 1e-300)), ddof=1) + _LEAST_VARIANCE)
-    if len(counts) < 2:
-        return 1.0
-    weights = np.sqrt(np.array(counts) - 1.0) / np.array(variances)
-    design = np.column_stack([np.ones(len(counts)), counts])
-    (a, b), _ = scipy.optimize.nnls(design * weights[:, None], np.array(variances) * weights)
-    return math.sqrt((a + b) / (a + b * parts)) if a + b > 0 else 1.0
-
-
-def scatter_of_maps(statistics: xr.Dataset, load: int, ratio: float) -> float:
-    """Return the standard deviation of ln(contact area) between maps of this size, at or near a load."""
-    subwindows = statistics[f"{AREA}_parts"].transpose("load", ...).values
-    solved = np.flatnonzero((np.isfinite(subwindows) & (subwindows > 0)).sum(axis=1) > 1)
-    if not solved.size:
-        return math.nan
-    areas = subwindows[solved[np.abs(solved - load).argmin()]]
-    return float(np.std(np.log(areas[areas > 0]), ddof=1)) * ratio
-
-
 def half_width_of_mean(scatter: float, maps: int, shared: float) -> float:
-    """Return the relative half-width of the mean of so many maps, with the errors that all of them share."""
-    return math.hypot(float(student(np.array(maps - 1.0))) * scatter / math.sqrt(maps), shared)
+    """Return the median relative half-width of the mean of so many maps, with the errors that all share."""
+    freedom = np.array(maps - 1.0)
+    factor = float(student(freedom) * median_of_chi(freedom))
+    return math.hypot(factor * scatter / math.sqrt(maps), shared)
+
+
+def median_of_chi(freedom: np.ndarray) -> np.ndarray:
+    """Return the median of an estimated standard deviation over the true one, by its degrees of freedom."""
+    return np.sqrt(2 * scipy.special.gammaincinv(freedom / 2, 0.5) / freedom)
 
 
 def maps_to_halve(scatter: float, half_width: float, shared: float) -> int | None:
@@ -79,23 +43,27 @@ def maps_to_halve(scatter: float, half_width: float, shared: float) -> int | Non
 
     Examples
     --------
-    Student's factors of n - 1 over the root of n (tables of Student's distribution): 1.24 of 5 maps.
+    Student's factors of n - 1 over the root of n, times the median of chi over its degrees of freedom
+    (tables of both distributions): 1.14 of 5 maps.
 
-    >>> maps_to_halve(0.1, 0.25, 0.0), maps_to_halve(0.1, 0.2, 0.1)
+    >>> maps_to_halve(0.1, 0.23, 0.0), maps_to_halve(0.1, 0.2, 0.1)
     (5, None)
     """
     counts = range(2, _MOST_MAPS + 1)
     return next((n for n in counts if half_width_of_mean(scatter, n, shared) <= half_width / 2), None)
 
 
-def with_halving(statistics: xr.Dataset, *, ratio: float | None) -> xr.Dataset:
-    """Return the statistics with the attribute `halve`; `ratio` is that of `map_scatter_ratio`."""
-    line = halving_line(statistics, ratio)
+def with_halving(statistics: xr.Dataset, scatter: np.ndarray | None) -> xr.Dataset:
+    """Return the statistics with the attribute `halve`; `scatter` (load) is that of maps of this size."""
+    line = halving_line(statistics, scatter)
     return statistics.assign_attrs(halve=line) if line else statistics
 
 
-def halving_line(statistics: xr.Dataset, ratio: float | None) -> str:
-    """Return what would halve the interval of the contact area near 10 %; empty without an interval."""
+def halving_line(statistics: xr.Dataset, scatter: np.ndarray | None) -> str:
+    """Return what would halve the interval of the contact area near 10 %; empty without an interval.
+
+    `scatter` (load) is the standard deviation of the area between maps of this size, on its scale.
+    """
     if f"{AREA}_components" not in statistics:
         return ""
     areas = np.maximum(statistics[AREA].values, 1e-300)
@@ -110,14 +78,22 @@ def halving_line(statistics: xr.Dataset, ratio: float | None) -> str:
         return "; ".join([*actions, "measure a field 3 times as long"])
     by_size = sorted(widths, key=widths.__getitem__, reverse=True)
     for source in by_size:
-        if source == "window" and ratio is not None:
-            actions.append(_more_places(scatter_of_maps(statistics, load, ratio), half_width, shared, widths))
+        if source == "window":
+            of_area = math.nan if scatter is None else float(np.ravel(scatter)[load]) * _slope(value)
+            actions.append(_more_places(of_area, half_width, shared, widths))
         elif source in ADVICE:
             actions.append(_lens(statistics) or ADVICE[source])
         remaining = math.sqrt(sum(widths[name] ** 2 for name in by_size[by_size.index(source) + 1 :]))
         if remaining + widths[source] / 2 <= half_width / 2 or remaining <= half_width / 2:
             break
     return "; ".join(dict.fromkeys(filter(None, actions)))
+
+
+def _slope(area: float) -> float:
+    """Return d ln A over d of the scale of the area."""
+    middle, step = to_scale(AREA, np.array(area)), 1e-3
+    ends = np.log(from_scale(AREA, middle + np.array([-step, step])))
+    return float(ends[1] - ends[0]) / (2 * step)
 
 
 def _relative_widths(at_load: xr.Dataset, value: float) -> dict[str, float]:
@@ -143,8 +119,9 @@ def _more_places(scatter: float, half_width: float, shared: float, widths: dict[
     field = f"a field {number(longer, digits=2)} times as long" if longer <= _LONGEST_FIELD else ""
     if maps is None:
         return f"measure {field}" if field else "measure more places"
-    promised = percent(half_width_of_mean(scatter, maps, shared))
-    action = f"measure {several(maps - 1, 'more place')} of this size (their mean: to ± {promised})"
+    promised = half_width_of_mean(scatter, maps, shared)
+    text = f" (their mean: to about ± {percent(promised)})" if promised < 1 else ""
+    action = f"measure {several(maps - 1, 'more place')} of this size{text}"
     return f"{action}, or {field}" if field else action
 
 
