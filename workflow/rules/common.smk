@@ -22,7 +22,8 @@ gc.disable()
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.
 DEFAULT = find("config/config.yaml", [".", ROOT])
-# as Snakemake has made them absolute, before it changed to --directory
+# as Snakemake has made them absolute, before it changed to --directory. Its documentation names no way to learn which
+# files the configuration comes from; messages, checks of the YAML and paths relative to these files need it.
 STATED = workflow.configfiles
 # Relative paths: in the working directory, then beside the file that names them, then in this checkout.
 FOLDERS = [".", *(Path(file).parent for file in STATED[-1:]), ROOT]

@@ -323,7 +323,7 @@ def _warnings_in_words() -> Iterator[None]:
 def _init(options: argparse.Namespace) -> int:
     """Write settings and table, and print the next steps."""
     from roughcontact.command_line.options import bodies_of, in_options
-    from roughcontact.command_line.running import files_in, write_project
+    from roughcontact.command_line.project import files_in, write_project
 
     files, skipped = files_in(options.files)
     contact = {"bodies": bodies_of(options.body)} if options.body else {}

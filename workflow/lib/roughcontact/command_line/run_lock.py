@@ -9,13 +9,13 @@ import os
 import socket
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from roughcontact.errors import SettingsError
 
-_TRIES = 20  # tenths of a second in which jobs notice that their run has ended
+_TRIES = 20  # tenths of a second in which a run that ends releases its lock
 
 
 @dataclass
@@ -36,6 +36,9 @@ class RunLock:
 def run_lock(folder: Path, *, unlocks: bool = False) -> Iterator[RunLock]:
     """Lock a folder for one run; a SettingsError where another one is at work there.
 
+    Snakemake started by itself has a lock of its own, which Snakemake reports; jobs of a killed run end
+    within tenths of a second, before Snakemake has started again.
+
     `unlocks`: whether the user states that no run is at work there, on another computer.
     """
     path = folder / ".snakemake/running"
@@ -54,10 +57,11 @@ def run_lock(folder: Path, *, unlocks: bool = False) -> Iterator[RunLock]:
             yield RunLock()
             return
         if not free:
-            raise SettingsError(_at_work(folder, host, process))
-        # plain Snakemake, and its jobs; those of a killed run of this program end by themselves
-        if processes := _snakemakes(folder):
-            raise SettingsError(_at_work(folder, this_host, processes[0]))
+            run = f"process {process} on {host}" if host else "of another program"
+            raise SettingsError(
+                f"{folder.absolute()}: a run is at work there ({run}): wait for its end, or end it first; "
+                "what it has finished is kept, and --unlock is not needed"
+            )
         if host not in ("", this_host) and not unlocks:
             raise SettingsError(
                 f"{folder.absolute()}: a run on the computer {host} (process {process}) may be at work "
@@ -77,15 +81,6 @@ def run_lock(folder: Path, *, unlocks: bool = False) -> Iterator[RunLock]:
             file.truncate(0)
 
 
-def _at_work(folder: Path, host: str, process: str) -> str:
-    """Return the sentence about another run."""
-    run = f"process {process} on {host}" if host else "of another program"
-    return (
-        f"{folder.absolute()}: a run is at work there ({run}): wait for its end, or end it first; what it "
-        "has finished is kept, and --unlock is not needed"
-    )
-
-
 def _last_run(path: Path) -> tuple[str, str]:
     """Return computer and process of the run that a file names; empty where there is none."""
     try:
@@ -94,30 +89,6 @@ def _last_run(path: Path) -> tuple[str, str]:
         return "", ""
     host, run = (*fields, "", "")[:2]
     return host, run.partition("-")[0]
-
-
-def _snakemakes(folder: Path) -> list[str]:
-    """Return the processes of other Snakemakes in a folder, and of their jobs, that stay for a moment."""
-    import psutil  # comes with Snakemake
-
-    ancestors = {os.getpid(), *(process.pid for process in psutil.Process().parents())}
-    numbers: list[str] = []
-    for attempt in range(_TRIES):
-        if attempt:
-            time.sleep(0.1)
-        numbers = []
-        for process in psutil.process_iter():
-            with suppress(psutil.Error, OSError):
-                arguments = process.cmdline()[:4]
-                of_snakemake = any(
-                    Path(argument).name == "snakemake" or ".snakemake/scripts/" in argument
-                    for argument in arguments
-                )
-                if of_snakemake and process.pid not in ancestors and Path(process.cwd()) == folder.resolve():
-                    numbers.append(str(process.pid))
-        if not numbers:
-            break
-    return numbers
 
 
 def _locked(file: int) -> bool | None:

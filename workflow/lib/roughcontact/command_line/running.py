@@ -1,4 +1,4 @@
-"""The workflow from the command line: initial settings and table, and runs of it by Snakemake."""
+"""Runs of the workflow by Snakemake from the command line."""
 
 import argparse
 import os
@@ -8,16 +8,14 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext, suppress
 from pathlib import Path
-from typing import Any
 
 from roughcontact.command_line.run_lock import RunLock, run_lock
 from roughcontact.configuration.places import check_places, check_writable
 from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import InputFileError, SettingsError
-from roughcontact.io.folder import is_folder, measurements_in
 from roughcontact.io.seal import check_seal
 
 PACKAGE = Path(__file__).parents[1]
@@ -25,7 +23,6 @@ _PROFILES = ("--profile", "--workflow-profile", "--executor", "-e")
 _CORES = ("--cores", "-c", "--jobs", "-j", *_PROFILES)
 _PR_SET_PDEATHSIG = 1  # of prctl(2)
 _RUN = "ROUGHCONTACT_RUN"  # tells the jobs of which run they are
-_LONGEST_STEM = 56  # letters of a name made of that of a file; a number may follow
 # with one of these the screen is Snakemake's own
 _SHOW = ("--logger", "--quiet", "-q", "--verbose", "--printshellcmds", "-p", "--debug-dag")
 # with one of these Snakemake runs nothing, and asks for no lock
@@ -33,21 +30,7 @@ _DRY = re.compile(
     r"-[npqkFr]*[nSDv]|-n[npqkFr]*|--(dry-?run|summary|detailed-summary|list.*|lint|report|version"
     r"|dag|rulegraph|filegraph|d3dag)(=.*)?"
 )
-_OF_CHECKOUT = ("validation", "crosscheck", "cost")  # programs beside the package, by their names in run.py
-_FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")
-
-_SETTINGS_HEAD = """\
-# Settings of roughcontact with their defaults. A missing key has its default.
-# State your materials and loads under `contact`, where there is no default; list your files in
-# config/surfaces.tsv; then run `roughcontact run`.
-"""
-_TABLE_HEAD = """\
-# One row for each surface: a name (letters, digits, -) and the file, separated by a tab.
-# A row that starts with # is ignored. Further columns complete the files: dx and dy (steps
-# between points) and unit (theirs), height_unit, channel.
-surface\tpath
-"""
-_TABLE_EXAMPLE = "# ground\tmeasured/ground.x3p\n"
+_CONFIGURATION = Path("config/config.yaml")
 
 
 def workflow_file() -> Path:
@@ -64,76 +47,6 @@ def workflow_file() -> Path:
     """
     installed = PACKAGE / "_workflow/workflow/Snakefile"
     return installed if installed.is_file() else PACKAGE.parents[1] / "Snakefile"
-
-
-def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | None = None) -> list[Path]:
-    r"""Write settings and a table of surfaces into the folder `config` of the working directory.
-
-    `files`: measured files; each becomes a row of the table, named after the file; `contact`: `bodies` and
-    `mean_pressure`, as far as they are known; otherwise examples stand there as comments. Returns the written
-    files. Raises `SettingsError` where one of them already exists, a measured file is missing, or for bodies
-    that are not accepted.
-
-    Examples
-    --------
-    >>> import contextlib, tempfile
-    >>> with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-    ...     _ = Path("Ground 2.txt").write_text("1 2")
-    ...     _ = write_project(["Ground 2.txt"])
-    ...     Path("config/surfaces.tsv").read_text().splitlines()[-1]
-    'Ground-2\tGround 2.txt'
-    """
-    from roughcontact.configuration.generated import default_yaml
-    from roughcontact.configuration.resolve import resolve
-    from roughcontact.results.storage import write_text
-
-    for path in _FILES:
-        if path.exists():
-            raise SettingsError(f"{path} already exists: change it, or go to another folder")
-    for file in files:
-        if not Path(file).is_file():
-            raise SettingsError(f"{file}: no such file")
-    rows = [f"{name}\t{file}\n" for name, file in zip(surface_names(files), files, strict=True)]
-    if contact:
-        resolve({"contact": contact})
-    texts = (
-        default_yaml(head=_SETTINGS_HEAD, contact=contact or {}),
-        _TABLE_HEAD + ("".join(rows) or _TABLE_EXAMPLE),
-    )
-    for path, text in zip(_FILES, texts, strict=True):
-        write_text(text, path)
-    return list(_FILES)
-
-
-def files_in(paths: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return the given files, and in the place of a folder those in it that can be measurements, by name.
-
-    `paths`: files and folders. Returns these files, and those of the folders that were left out, but for
-    hidden ones.
-    """
-    files: list[str] = []
-    skipped: list[str] = []
-    for path in paths:
-        if is_folder(path):
-            measured, unmeasured = measurements_in(Path(path))
-            files += map(str, measured)
-            skipped += map(str, unmeasured)
-        else:
-            files.append(path)
-    return files, skipped
-
-
-def surface_names(files: Sequence[str | Path]) -> list[str]:
-    """Return a different admitted name of a surface for each file."""
-    from roughcontact.configuration.messages import name_mistake
-
-    names: list[str] = []
-    for file in files:
-        stem = re.sub(r"[^A-Za-z0-9]+", "-", Path(file).stem)[:_LONGEST_STEM].strip("-")
-        stem = "surface" if name_mistake(stem) else stem
-        further = (f"{stem}-{number}" for number in range(2, len(files) + 2))
-        names.append(stem if stem not in names else next(name for name in further if name not in names))
-    return names
 
 
 def run_workflow(arguments: Sequence[str]) -> int:
@@ -172,10 +85,7 @@ def run_workflow(arguments: Sequence[str]) -> int:
 
 
 def stated_options(arguments: Sequence[str]) -> argparse.Namespace:
-    """Return the arguments of Snakemake that are also used here: folder, configuration, targets.
-
-    `arguments`: of the command line; others are left alone. Returns `directory` and `configfile` (paths),
-    `targets` (str).
+    """Return the arguments of Snakemake that are also used here: `directory` and `configfile` (paths).
 
     Examples
     --------
@@ -185,18 +95,13 @@ def stated_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--directory", "-d", type=Path, default=Path())
     parser.add_argument("--configfile", "--configfiles", type=Path, nargs="+", default=[])
-    options, targets = parser.parse_known_args(arguments)
-    return argparse.Namespace(**vars(options), targets=targets)
+    return parser.parse_known_args(arguments)[0]
 
 
 def _check_start(options: argparse.Namespace) -> None:
     """Raise an error where it is known beforehand that a run cannot begin."""
     from importlib.util import find_spec
 
-    for target in set(_OF_CHECKOUT) & set(options.targets):
-        raise SettingsError(
-            f"{target} is no target of a run but a command of the checkout: `python3 run.py {target} --help`"
-        )
     if find_spec("snakemake") is None:
         raise SettingsError("Snakemake is not installed: pip install 'roughcontact[workflow]'")
     for file in options.configfile:
@@ -207,11 +112,11 @@ def _check_start(options: argparse.Namespace) -> None:
         check_yaml(file)
     homes = options.directory, workflow_file().parent, workflow_file().parents[1]
     if not options.configfile:
-        configurations = [home / _FILES[0] for home in homes if (home / _FILES[0]).is_file()]
+        configurations = [home / _CONFIGURATION for home in homes if (home / _CONFIGURATION).is_file()]
         if not configurations:
             folder = options.directory.absolute()
             raise SettingsError(
-                f"there is no {_FILES[0]} in {folder}: `roughcontact init` writes one to change"
+                f"there is no {_CONFIGURATION} in {folder}: `roughcontact init` writes one to change"
             )
         check_yaml(configurations[0])
     check_places(options.directory)

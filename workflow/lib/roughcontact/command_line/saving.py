@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from roughcontact.command_line.running import surface_names
+from roughcontact.command_line.project import surface_names
 from roughcontact.errors import SettingsError
 
 if TYPE_CHECKING:

@@ -1,0 +1,94 @@
+"""The initial settings and table of surfaces of a study."""
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from roughcontact.errors import SettingsError
+from roughcontact.io.folder import is_folder, measurements_in
+
+_LONGEST_STEM = 56  # letters of a name made of that of a file; a number may follow
+_FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")
+_SETTINGS_HEAD = """\
+# Settings of roughcontact with their defaults. A missing key has its default.
+# State your materials and loads under `contact`, where there is no default; list your files in
+# config/surfaces.tsv; then run `roughcontact run`.
+"""
+_TABLE_HEAD = """\
+# One row for each surface: a name (letters, digits, -) and the file, separated by a tab.
+# A row that starts with # is ignored. Further columns complete the files: dx and dy (steps
+# between points) and unit (theirs), height_unit, channel.
+surface\tpath
+"""
+_TABLE_EXAMPLE = "# ground\tmeasured/ground.x3p\n"
+
+
+def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | None = None) -> list[Path]:
+    r"""Write settings and a table of surfaces into the folder `config` of the working directory.
+
+    `files`: measured files; each becomes a row of the table, named after the file; `contact`: `bodies` and
+    `mean_pressure`, as far as they are known; otherwise examples stand there as comments. Returns the written
+    files. Raises `SettingsError` where one of them already exists, a measured file is missing, or for bodies
+    that are not accepted.
+
+    Examples
+    --------
+    >>> import contextlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+    ...     _ = Path("Ground 2.txt").write_text("1 2")
+    ...     _ = write_project(["Ground 2.txt"])
+    ...     Path("config/surfaces.tsv").read_text().splitlines()[-1]
+    'Ground-2\tGround 2.txt'
+    """
+    from roughcontact.configuration.generated import default_yaml
+    from roughcontact.configuration.resolve import resolve
+    from roughcontact.results.storage import write_text
+
+    for path in _FILES:
+        if path.exists():
+            raise SettingsError(f"{path} already exists: change it, or go to another folder")
+    for file in files:
+        if not Path(file).is_file():
+            raise SettingsError(f"{file}: no such file")
+    rows = [f"{name}\t{file}\n" for name, file in zip(surface_names(files), files, strict=True)]
+    if contact:
+        resolve({"contact": contact})
+    texts = (
+        default_yaml(head=_SETTINGS_HEAD, contact=contact or {}),
+        _TABLE_HEAD + ("".join(rows) or _TABLE_EXAMPLE),
+    )
+    for path, text in zip(_FILES, texts, strict=True):
+        write_text(text, path)
+    return list(_FILES)
+
+
+def files_in(paths: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Return the given files, and in the place of a folder those in it that can be measurements, by name.
+
+    `paths`: files and folders. Returns these files, and those of the folders that were left out, but for
+    hidden ones.
+    """
+    files: list[str] = []
+    skipped: list[str] = []
+    for path in paths:
+        if is_folder(path):
+            measured, unmeasured = measurements_in(Path(path))
+            files += map(str, measured)
+            skipped += map(str, unmeasured)
+        else:
+            files.append(path)
+    return files, skipped
+
+
+def surface_names(files: Sequence[str | Path]) -> list[str]:
+    """Return a different admitted name of a surface for each file."""
+    from roughcontact.configuration.messages import name_mistake
+
+    names: list[str] = []
+    for file in files:
+        stem = re.sub(r"[^A-Za-z0-9]+", "-", Path(file).stem)[:_LONGEST_STEM].strip("-")
+        stem = "surface" if name_mistake(stem) else stem
+        further = (f"{stem}-{number}" for number in range(2, len(files) + 2))
+        names.append(stem if stem not in names else next(name for name in further if name not in names))
+    return names
