@@ -191,7 +191,7 @@ def test_a_declared_number_of_points_is_compared(tmp_path):
     header = "nx: 4\nny: 3\n"
     assert read_height_map(saved(tmp_path, header + rows), unit="um").shape == (3, 4)
     refuses(
-        "the header says 3 rows, the points make 2; the list was cut off",
+        "the header says 3 rows, the points make 2; it was cut off",
         saved(tmp_path, header + rows[: rows.index("0 2")]),
         unit="um",
     )

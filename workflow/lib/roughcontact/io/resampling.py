@@ -10,11 +10,11 @@ import numpy as np
 
 from roughcontact.checking import check_choice
 from roughcontact.choices import Resampling
-from roughcontact.errors import HeightMapError, InputFileError, SettingsError
+from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import Channel, Points
 from roughcontact.io.guards import check_points
 from roughcontact.io.request import Request
-from roughcontact.io.scale import given_steps, unit_of_steps
+from roughcontact.io.scale import given_steps
 from roughcontact.io.units import is_length, metres
 
 _REACH = 2.0  # steps from the nearest point beyond which a grid point counts as not measured
@@ -43,13 +43,12 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
         )
     check_choice(f"{path}: resample", request.resample, Resampling)
     steps = given_steps(request, path)
-    if any(steps):  # the steps are in `unit`: convert the positions
-        unit = unit_of_steps(request, f"dx = {request.dx}, dy = {request.dy}", path)
-        stated_unit = metres(unit, where=f"{path}: unit", error=SettingsError)
-        if is_length(channel.lateral_unit):
-            factor = metres(channel.lateral_unit) / stated_unit
-            y = None if points.y is None else points.y * factor
-            points = points._replace(x=points.x * factor, y=y)
+    if any(steps):  # positions and steps in `unit`
+        unit = request.unit or "m"
+        factor = metres(channel.lateral_unit) / metres(unit) if is_length(channel.lateral_unit) else 1.0
+        y = None if points.y is None else points.y * factor
+        points = points._replace(x=points.x * factor, y=y)
+        steps = steps[0] and steps[0] / metres(unit), steps[1] and steps[1] / metres(unit)
         channel = replace(channel, lateral_unit=unit)
     gridded, description = resampled(channel, points, steps, path)
     return gridded, replace(request, dx=None, dy=None), [description]

@@ -66,64 +66,41 @@ def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
 
 
 def given_steps(request: Request, path: Path) -> tuple[float | None, float | None]:
-    """Return the steps (dx, dy) that the user gives, in `unit_of_steps`; None where there is none.
+    """Return the steps (dx, dy; m) that the user gives, None where there is none.
 
     Examples
     --------
     >>> given_steps(Request(dx="1.5 um", dy=2.0, unit="mm"), Path("map.txt"))
     (1.5e-06, 0.002)
     """
-    return _stated_length("dx", request, path), _stated_length("dy", request, path)
+    return _given_step("dx", request, path), _given_step("dy", request, path)
 
 
-def unit_of_steps(request: Request, steps: str, path: Path) -> str:
-    """Return the unit of the steps that the user gives: m where one of them carries its own.
-
-    `steps` are named in the message, as in ``dx = 2``.
-
-    Examples
-    --------
-    >>> unit_of_steps(Request(dx=2.0, unit="um"), "dx = 2", Path("map.txt"))
-    'um'
-    >>> unit_of_steps(Request(dx="2 um"), "dx = 2 um", Path("map.txt"))
-    'm'
-    """
-    if _carry_units(request):
-        return "m"
-    if request.unit is None:
-        raise SettingsError(f"{path}: {steps} is given without a unit; give unit as well")
-    return request.unit
-
-
-def _carry_units(request: Request) -> bool:
-    """Return whether a step from the user has a unit of its own, as in ``1.5 um``."""
-    return carries_unit(request.dx) or carries_unit(request.dy)
-
-
-def _stated_length(name: str, request: Request, path: Path) -> float | None:
-    """Return a step from the user, in the unit of the steps."""
+def _given_step(name: str, request: Request, path: Path) -> float | None:
+    """Return a step from the user in m, with its own unit or in `unit`."""
     value = getattr(request, name)
-    if value is None or not _carry_units(request):
-        return None if value is None else _positive(value, name, path)
-    if not carries_unit(value):
-        if request.unit is None:
-            raise SettingsError(f"{path}: {name} = {value} is given without a unit; append it")
-        return _positive(value, name, path) * metres(request.unit, where=f"{path}: unit", error=SettingsError)
+    if value is None:
+        return None
     try:
-        return _positive(in_base_unit(value, "m"), name, path)
-    except ValueError as error:
-        raise SettingsError(f"{path}: {name} = {value!r}: {error}") from error
+        step = float(in_base_unit(value, "m"))  # type: ignore[arg-type]  # no number: refused below
+    except (TypeError, ValueError) as error:
+        raise SettingsError(f"{path}: {name} = {value!r} must be a positive number ({error})") from error
+    if not (np.isfinite(step) and step > 0) or isinstance(value, bool):
+        raise SettingsError(f"{path}: {name} = {value!r} must be a positive number")
+    if carries_unit(value):
+        return step
+    if request.unit is None:
+        raise SettingsError(f"{path}: {name} = {value} is given without a unit; append it, or give unit")
+    return step * metres(request.unit, where=f"{path}: unit", error=SettingsError)
 
 
 def _step(
     name: str, channel: Channel, request: Request, factor: float | None, path: Path, notes: list[str]
 ) -> float | None:
     """Return one step in m, None if unknown; add a note where file and user differ."""
-    requested, stated = _stated_length(name, request, path), getattr(channel, name)
-    if requested is None:
+    step, stated = _given_step(name, request, path), getattr(channel, name)
+    if step is None:
         return None if stated is None or factor is None else stated * factor
-    unit = unit_of_steps(request, f"{name} = {getattr(request, name)}", path)
-    step = requested * metres(unit, where=f"{path}: unit", error=SettingsError)
     if stated is not None and is_length(channel.lateral_unit):
         in_file = stated * metres(channel.lateral_unit)
         if abs(in_file / step - 1) > 1e-3:
@@ -168,17 +145,6 @@ def _height_factor(channel: Channel, request: Request, path: Path, notes: list[s
 def _differs(stated: str | None, factor: float) -> bool:
     """Return whether the file's unit differs from one of `factor` metres."""
     return stated is not None and (not is_length(stated) or metres(stated) != factor)
-
-
-def _positive(value: object, name: str, path: Path) -> float:
-    """Return a step from the user as a number."""
-    try:
-        number = float(value)  # type: ignore[arg-type]  # not a number: raises, and is refused below
-    except (TypeError, ValueError):
-        number = np.nan
-    if not (np.isfinite(number) and number > 0) or isinstance(value, bool):
-        raise SettingsError(f"{path}: {name} = {value!r} must be a positive number")
-    return number
 
 
 def _missing_steps_message(channel: Channel, path: Path) -> str:

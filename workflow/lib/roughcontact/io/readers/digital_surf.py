@@ -25,13 +25,11 @@ from roughcontact.io.units import is_length, metres, same_length
 
 _MARK = b"DIGITAL SURF"
 _HEADER_BYTES = 512
-# name -> type, and position in the header
-_FIELDS = {
+_FIELDS: Any = {  # name -> type, and position in the header
     "objects": ("<u2", 14),
     "type": ("<u2", 18),
     "object_name": ("S30", 20),
     "instrument_name": ("S30", 50),
-    "channels": ("<u2", 80),
     "special_points": ("<u2", 86),
     "bits": ("<u2", 98),
     "lowest": ("<i4", 100),
@@ -44,14 +42,7 @@ _FIELDS = {
     "time": (("<u2", 6), 306),  # second, minute, hour, day, month, year
     "sizes": (("<u2", 2), 334),  # comment, private zone
 }
-_LAYOUT = np.dtype(
-    {
-        "names": list(_FIELDS),
-        "formats": [kind for kind, _ in _FIELDS.values()],
-        "offsets": [position for _, position in _FIELDS.values()],
-        "itemsize": _HEADER_BYTES,
-    }
-)
+_LAYOUT = np.dtype(_FIELDS)
 # types of objects; behind those of other types may lie colours
 _PROFILE, _SURFACE, _PROFILES, _SURFACES = 1, 2, 4, 5
 _SERIES = (_PROFILES, _SURFACES)
@@ -102,7 +93,7 @@ def _objects(path: Path) -> list[_Object]:
             data = stream.read(_HEADER_BYTES)
             if len(data) < _HEADER_BYTES:
                 raise InputFileError(f"{path}: a header of this Digital Surf file is cut off")
-            header = np.frombuffer(data, _LAYOUT)[0]
+            header = np.frombuffer(data, _LAYOUT, 1)[0]
             nx, ny = map(int, header["shape"])
             if min(nx, ny) < 1 or nx * ny != header["points"] or header["bits"] not in (16, 32):
                 raise InputFileError(

@@ -408,10 +408,7 @@ def _one_column(values: np.ndarray, column: Column | None, text: _Text) -> Measu
         raise text.refuse(_second_table(text.rows.broken) + ", or write NaN where a height is missing")
     first_values = text.first_values
     unit = first_values.get("height_unit", column.unit if column else first_values.get("unit"))
-    heights, attributes = _heights(values.T, first_values, unit)
-    channel = Channel(
-        shape=heights.shape, read=lambda: heights, lateral_unit=first_values.get("lateral_unit"), **attributes
-    )
+    channel = _channel(values.T, first_values, unit, lateral_unit=first_values.get("lateral_unit"))
     if column is None or not column.name:
         channel.otherwise = _matrix(values, text).channels[0]
     return MeasuredFile("text matrix", [channel], first_row="top")
@@ -421,12 +418,7 @@ def _matrix(table: np.ndarray, text: _Text, positions: dict[str, float] | None =
     """Return a matrix of heights, with steps or size from the header, or by the positions beside it."""
     ny, nx = table.shape
     first_values, path = text.first_values, text.path
-    for key_, count, name in (("nx", nx, "columns"), ("ny", ny, "rows")):
-        if first_values.get(key_) is not None and first_values[key_] != count:
-            raise InputFileError(
-                f"{path}: the header says {first_values[key_]:g} {name}, the file has {count}; "
-                "it was cut off or changed"
-            )
+    _refuse_lost_lines(table.shape, first_values, path, "the file has")
     if ny == 1 and "length_y" in first_values:
         raise InputFileError(
             f"{path}: the header gives a size along y, the file has one line; it was cut off"
@@ -434,17 +426,8 @@ def _matrix(table: np.ndarray, text: _Text, positions: dict[str, float] | None =
     wrong = contradiction(text.stated, table.shape)
     steps, lateral_unit = ({}, None) if wrong else _steps(first_values, {"x": nx, "y": ny}, path)
     steps = {axis: step for axis in "xy" if (step := (positions or {}).get("d" + axis))} | steps
-    heights, attributes = _heights(
-        table, first_values, first_values.get("height_unit", first_values.get("unit"))
-    )
-    channel = Channel(
-        shape=heights.shape,
-        read=lambda: heights,
-        dx=steps.get("x"),
-        dy=steps.get("y") if ny > 1 else None,
-        lateral_unit=lateral_unit,
-        **attributes,
-    )
+    dx, dy = steps.get("x"), steps.get("y") if ny > 1 else None
+    channel = _channel(table, first_values, dx=dx, dy=dy, lateral_unit=lateral_unit)
     if wrong:
         channel.otherwise = replace(channel)
         channel.doubt = f"{wrong}; {_SCALE_ADVICE}"
@@ -590,15 +573,16 @@ def _refuse_repeated(x: np.ndarray, y: np.ndarray, lines: list[int], text: _Text
         )
 
 
-def _refuse_lost_lines(shape: tuple[int, ...], first_values: dict[str, Any], path: Path) -> None:
-    """Refuse a list with fewer lines or columns of points than its header states."""
+def _refuse_lost_lines(
+    shape: tuple[int, ...], first_values: dict[str, Any], path: Path, content: str = "the points make"
+) -> None:
+    """Refuse a map with fewer lines or columns than its header states, a matrix also with more."""
     for key_, count, name in (("nx", shape[1], "columns"), ("ny", shape[0], "rows")):
-        if shape[0] == 1 and name == "rows":
-            continue
-        if first_values.get(key_, 0) > count:
+        stated = first_values.get(key_, count)
+        more = stated > count and (name == "columns" or shape[0] > 1)
+        if more if content == "the points make" else stated != count:
             raise InputFileError(
-                f"{path}: the header says {first_values[key_]:g} {name}, the points make {count}; "
-                "the list was cut off or changed"
+                f"{path}: the header says {stated:g} {name}, {content} {count}; it was cut off or changed"
             )
 
 
@@ -612,16 +596,7 @@ def _as_matrix(table: np.ndarray, first_values: dict[str, Any]) -> Channel | Non
         positions = max(along_x, along_y) <= rows / 2 <= along_x * along_y
     if positions or rows > _MAX_NARROW_ROWS:
         return None
-    heights, attributes = _heights(
-        table, first_values, first_values.get("height_unit", first_values.get("unit"))
-    )
-    return Channel(
-        shape=heights.shape,
-        read=lambda: heights,
-        lateral_unit=first_values.get("lateral_unit"),
-        first_row="top",
-        **attributes,
-    )
+    return _channel(table, first_values, lateral_unit=first_values.get("lateral_unit"), first_row="top")
 
 
 def _steps(
@@ -650,11 +625,18 @@ def _heights(
     numbers: np.ndarray, first_values: dict[str, Any], unit: str | None
 ) -> tuple[np.ndarray, dict[str, Any]]:
     """Return the heights and the arguments of their channel: name and unit."""
-    if (
-        first_values.get("z_factor") is not None
-    ):  # the numbers are counts or phases; the factor makes them lengths
+    if "z_factor" in first_values:  # the numbers are counts or phases; the factor makes them lengths
         numbers, unit = numbers * first_values["z_factor"], first_values.get("z_factor_unit", unit)
     return numbers, {"name": first_values.get("channel", "height"), "height_unit": unit}
+
+
+def _channel(
+    numbers: np.ndarray, first_values: dict[str, Any], unit: str | None = None, **attributes: Any
+) -> Channel:
+    """Return a channel of numbers in a unit, by default that of the header."""
+    unit = unit or first_values.get("height_unit", first_values.get("unit"))
+    heights, named = _heights(numbers, first_values, unit)
+    return Channel(shape=heights.shape, read=lambda: heights, **named, **attributes)
 
 
 def _units(
