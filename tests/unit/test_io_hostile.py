@@ -1,7 +1,9 @@
 """Files made to hang a reader, to fill the memory, or to bring in what lies elsewhere."""
 
 import json
+import resource
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
@@ -27,34 +29,16 @@ def good(path, heights=HEIGHTS):
     return path
 
 
+@contextmanager
 def no_more_than(gigabytes):
     """Limit the memory of this process by what is asked for, not by what is touched."""
-    import resource
-
-    class Limit:
-        def __enter__(self):
-            self.before = resource.getrlimit(resource.RLIMIT_AS)
-            used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-            resource.setrlimit(resource.RLIMIT_AS, (used + int(gigabytes * 2**30), self.before[1]))
-
-        def __exit__(self, *_):
-            resource.setrlimit(resource.RLIMIT_AS, self.before)
-
-    return Limit()
-
-
-@pytest.mark.parametrize("place", range(0, 9000, 300))
-def test_a_flipped_byte_in_hdf5_gives_a_map_or_an_error_of_ours(tmp_path, place):
-    data = bytearray(good(tmp_path / "map.nc").read_bytes())
-    data[place % len(data)] ^= 0xFF
-    path = tmp_path / "damaged.nc"
-    path.write_bytes(bytes(data))
-    said = str(path)
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + int(gigabytes * 2**30), before[1]))
     try:
-        assert read_height_map(path).dims == ("y", "x")
-    except InputFileError as error:
-        said = str(error)
-    assert str(path) in said
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
 
 
 def test_coordinates_and_variables_too_long_are_never_read(tmp_path):
@@ -99,14 +83,11 @@ def test_deep_brackets_in_an_attribute(tmp_path):
     assert json.loads(read_height_map(path).attrs["instrument"]) == {}
 
 
-OUTSIDE = ("HDF5: external storage", "HDF5: link into another file", "HDF5: virtual array")
-
-
-@pytest.mark.parametrize("name", OUTSIDE)
+@pytest.mark.parametrize("name", ["external storage", "link into another file", "virtual array"])
 @pytest.mark.parametrize("kind", ["plain", "zygo", "jpk"])
 def test_numbers_of_other_files_are_refused(tmp_path, name, kind):
     path = tmp_path / "map.h5"
-    FILES[name][0](path)
+    FILES[f"HDF5: {name}"][0](path)
     with h5py.File(path, "a") as file:
         if kind == "zygo":
             file.create_group("MetaData")

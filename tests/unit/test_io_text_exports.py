@@ -102,13 +102,6 @@ def test_empty_cells_around_a_table(tmp_path):
     refuses("the last line is incomplete", saved(tmp_path, "1;2;3;4\n5;6;7;8\n9;8;7;"), dx=1, dy=1, unit="um")
 
 
-def test_axes_beside_a_matrix(tmp_path):
-    text = ";0;2;4;6\n0;1,5;2;3;4\n3;5;6;7;8\n6;9;1;2;3\n"
-    height = read_height_map(saved(tmp_path, text), unit="um")
-    np.testing.assert_allclose(height.values[0] * 1e6, [1.5, 2, 3, 4], rtol=1e-12)
-    assert steps(height) == pytest.approx([2e-6, 3e-6])
-
-
 @pytest.mark.parametrize(
     ("width", "height_word"),
     [

@@ -252,6 +252,8 @@ def test_other_statements_that_do_not_agree_are_refused(read, lines, words):
         ["dx = 0,5 µm; dy = 0,25 µm"],
         ["Width (µm): 5", "Height (µm): 2", "Image size: 10 x 8 pixels", "Scan size: 5 µm"],
         ["Pixel size (µm): 0.5 x 0.25", "Resolution: 0.35 µm"],
+        ["Scan size: 5x2 µm", "Resolution: 10 x 8"],
+        ["Image size, 5 µm × 2 µm"],
         ["幅： 5 µm", "高さ： 2 µm"],
         ["X Amplitude: 5000nm", "Y Amplitude: 2000nm", "Lens resolution: 0.35 µm"],
     ],
