@@ -1,5 +1,6 @@
 """Files of measured maps by the published descriptions of their formats, and what is read from them."""
 
+import hashlib
 import io
 import json
 import struct
@@ -8,6 +9,7 @@ import zipfile
 import h5py
 import numpy as np
 import pytest
+import x3pio
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.read import read_height_map
@@ -50,6 +52,18 @@ def array(heights):
     stream = io.BytesIO()
     np.save(stream, heights)
     return stream.getvalue()
+
+
+def x3p(heights, dx=1e-6, dy=1e-6, *, edit=None, restate=True, folder="", **options):
+    """X3P, perhaps in a folder of its archive; `edit` changes main.xml, with its checksum or against it."""
+    stream = io.BytesIO()
+    x3pio.write(stream, heights, x_scale=dx, **({"y_scale": dy} if np.ndim(heights) > 1 else {}), **options)
+    with zipfile.ZipFile(stream) as archive:
+        main = archive.read("main.xml")
+    edited = edit(main) if edit else main
+    digest = hashlib.md5(edited if restate else main).hexdigest().encode()
+    changed = {"main.xml": edited, "md5checksum.hex": digest + b" *main.xml"}
+    return repacked(stream.getvalue(), lambda name, content: (folder + name, changed.get(name, content)))
 
 
 def tmd(heights, size, comment=b"", version=b"v2.0"):

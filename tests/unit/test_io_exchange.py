@@ -11,7 +11,7 @@ import pytest
 import sdfio
 import x3pio
 import xarray as xr
-from measured_files import gsf, refuses, repacked, saved
+from measured_files import gsf, refuses, repacked, saved, x3p
 
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.inspection import inspect_file
@@ -36,9 +36,7 @@ def check(height, first_row="bottom", rtol=1e-12):
 
 
 def x3p_bytes(**options):
-    stream = io.BytesIO()
-    x3pio.write(stream, HEIGHTS, x_scale=DX, y_scale=DY, **options)
-    return stream.getvalue()
+    return x3p(HEIGHTS, DX, DY, **options)
 
 
 @pytest.mark.parametrize(
@@ -60,46 +58,26 @@ def test_x3p(tmp_path, options):
 
 @pytest.mark.parametrize("folder", ["one/", "one/two/"])
 def test_x3p_in_a_folder_of_the_archive(tmp_path, folder):
-    check(read_height_map(saved(tmp_path, repacked(x3p_bytes(), lambda name, data: (folder + name, data)))))
-
-
-def members(data):
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        return [(name, archive.read(name)) for name in archive.namelist()]
+    check(read_height_map(saved(tmp_path, x3p_bytes(folder=folder))))
 
 
 def test_x3p_with_another_root_element(tmp_path):
     """Some tools call the root element ISO5436; a wrong checksum of that main.xml is still noticed."""
-    data = x3p_bytes()
-    original = dict(members(data))["main.xml"]
-    main = original.replace(b"ISO5436_2", b"ISO5436")
-    assert main != original
 
-    def renamed(name, content):
-        if name == "md5checksum.hex":
-            content = hashlib.md5(main).hexdigest().encode() + b" *main.xml"
-        return name, main if name == "main.xml" else content
+    def renamed(main):
+        return main.replace(b"ISO5436_2", b"ISO5436")
 
-    check(read_height_map(saved(tmp_path, repacked(data, renamed))))
-
-    def damaged(name, content):
-        name, content = renamed(name, content)
-        return name, content.replace(b"<SizeX>4", b"<SizeX> 4") if name == "main.xml" else content
-
-    refuses(r"map.dat: the checksum of main.xml does not match", saved(tmp_path, repacked(data, damaged)))
+    check(read_height_map(saved(tmp_path, x3p_bytes(edit=renamed))))
+    wrong = x3p_bytes(edit=renamed, restate=False)
+    refuses(r"map.dat: the checksum of main.xml does not match", saved(tmp_path, wrong))
 
 
 @pytest.mark.parametrize("encoding", [b"UTF-1.0", b"hex", b"rot13"])
 def test_x3p_of_an_unknown_encoding_or_of_one_that_is_no_text_is_refused(tmp_path, encoding):
-    main = dict(members(x3p_bytes()))["main.xml"]
-    other = b'<?xml version="1.0" encoding="' + encoding + b'"?>' + main.partition(b"?>")[2]
+    def encoded(main):
+        return b'<?xml version="1.0" encoding="' + encoding + b'"?>' + main.partition(b"?>")[2]
 
-    def encoded(name, content):
-        if name == "md5checksum.hex":
-            content = hashlib.md5(other).hexdigest().encode() + b" *main.xml"
-        return name, other if name == "main.xml" else content
-
-    path = saved(tmp_path, repacked(x3p_bytes(), encoded))
+    path = saved(tmp_path, x3p_bytes(edit=encoded))
     for read in (read_height_map, inspect_file):
         with pytest.raises(InputFileError, match=r"map\.dat: not readable as X3P .*encoding"):
             read(path)
@@ -115,7 +93,8 @@ def test_x3p_infinite_heights_are_missing(tmp_path):
 
     changed = repacked(x3p_bytes(), infinite)
     refuses("not readable as X3P", saved(tmp_path, changed))  # the checksum of the data
-    digest = hashlib.md5(dict(members(changed))["bindata/data.bin"]).hexdigest().encode()
+    with zipfile.ZipFile(io.BytesIO(changed)) as archive:
+        digest = hashlib.md5(archive.read("bindata/data.bin")).hexdigest().encode()
 
     def restated(name, content):
         if name == "md5checksum.hex":
@@ -128,21 +107,16 @@ def test_x3p_infinite_heights_are_missing(tmp_path):
 
 
 def test_x3p_layers_profile_and_points(tmp_path):
-    stream = io.BytesIO()
-    x3pio.write(stream, np.stack([HEIGHTS, 2 * HEIGHTS]), x_scale=DX, y_scale=DY)
-    path = saved(tmp_path, stream.getvalue())
+    path = saved(tmp_path, x3p(np.stack([HEIGHTS, 2 * HEIGHTS]), DX, DY))
     assert read_height_map(path).attrs["channel"] == "layer 1"
     second = read_height_map(path, channel="layer 2")
     np.testing.assert_allclose(second.values, 2 * HEIGHTS, rtol=1e-12)
     refuses(r"no channel is named 'layer 3'; the file has 'layer 1', 'layer 2'", path, channel="layer 3")
-    stream = io.BytesIO()
-    x3pio.write(stream, HEIGHTS[0], x_scale=DX)
-    profile = read_height_map(saved(tmp_path, stream.getvalue()))
+    profile = read_height_map(saved(tmp_path, x3p(HEIGHTS[0], DX)))
     assert profile.shape == (1, 4)
     np.testing.assert_allclose(profile.values[0], HEIGHTS[0], rtol=1e-12)
-    stream = io.BytesIO()
-    x3pio.write_points(stream, np.random.default_rng(0).random((10, 3)))
-    refuses(r"point cloud.*resample = linear", saved(tmp_path, stream.getvalue()))
+    x3pio.write_points(tmp_path / "points.x3p", np.random.default_rng(0).random((10, 3)))
+    refuses(r"point cloud.*resample = linear", tmp_path / "points.x3p")
 
 
 @pytest.mark.parametrize("file_format", list(sdfio.FileFormat))

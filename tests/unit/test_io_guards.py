@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import x3pio
 import xarray as xr
-from measured_files import refuses, saved
+from measured_files import refuses, saved, x3p
 
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.faces.composite import composite
@@ -21,16 +21,7 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.statistics.instrument_checks import quantisation
 
-
-def x3p(change=lambda name, data: data, extra=(), folder=""):
-    stream, packed = io.BytesIO(), io.BytesIO()
-    x3pio.write(stream, np.arange(12.0).reshape(3, 4) * 1e-6, x_scale=1e-6, y_scale=1e-6)
-    with zipfile.ZipFile(stream) as old, zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as new:
-        for name in old.namelist():
-            new.writestr(folder + name, change(name, old.read(name)))
-        for name, data in extra:
-            new.writestr(name, data)
-    return packed.getvalue()
+HEIGHTS = np.arange(12.0).reshape(3, 4) * 1e-6
 
 
 def test_what_is_no_file(tmp_path):
@@ -63,27 +54,28 @@ def test_entities_are_refused(tmp_path, encoding):
     bomb = '<?xml version="1.0"?><!DOCTYPE a [<!ENTITY x "ha"><!ENTITY y "&x;&x;&x;">]><a>&y;</a>'
     refuses(
         "DOCTYPE, which is refused",
-        saved(tmp_path, x3p(lambda name, data: bomb.encode(encoding) if name == "main.xml" else data)),
+        saved(tmp_path, x3p(HEIGHTS, edit=lambda _: bomb.encode(encoding))),
     )
 
 
 def test_zip_bomb_is_refused_before_it_unpacks(tmp_path, monkeypatch):
     monkeypatch.setattr(guards, "MAX_UNPACKED_BYTES", 10**6)
-    bomb = x3p(extra=[(f"vendor/{number}.bin", bytes(4 * 10**5)) for number in range(3)])
+    stream = io.BytesIO(x3p(HEIGHTS))
+    with zipfile.ZipFile(stream, "a", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("vendor/one.bin", bytes(12 * 10**5))
+    bomb = stream.getvalue()
     assert len(bomb) < 10**5
     refuses("the archive would unpack to", saved(tmp_path, bomb))
-    assert read_height_map(saved(tmp_path, x3p())).shape == (3, 4)
+    assert read_height_map(saved(tmp_path, x3p(HEIGHTS))).shape == (3, 4)
 
 
 def test_claimed_size_is_checked_before_reading(tmp_path):
-    def claim(name, data):
-        return data.replace(b"<SizeX>4<", b"<SizeX>400000000<") if name == "main.xml" else data
-
-    refuses("more than the 134217728 that are read", saved(tmp_path, x3p(claim)))
+    claim = x3p(HEIGHTS, edit=lambda main: main.replace(b"<SizeX>4<", b"<SizeX>400000000<"))
+    refuses("more than the 134217728 that are read", saved(tmp_path, claim))
 
 
 def test_cut_archive_and_other_archives(tmp_path):
-    data = x3p()
+    data = x3p(HEIGHTS)
     refuses("without its end", saved(tmp_path, data[: int(0.6 * len(data))]))
     stream = io.BytesIO()
     np.savez(stream, a=np.ones((4, 4)))

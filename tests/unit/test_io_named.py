@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.io
-import x3pio
-from measured_files import keyence, refuses, saved, steps, tmd
+from measured_files import keyence, refuses, saved, steps, tmd, warnings_of, x3p
 from PIL import Image
 from shared_data import DATA
 
@@ -153,40 +152,22 @@ def test_pages_of_a_tiff_without_an_end(tmp_path):
     assert time.process_time() - start < 20
 
 
-def stale(tmp_path, folder="", **given):
-    """Return an X3P file of one spike whose main.xml was edited by hand, and what it gives."""
-    stream, path = io.BytesIO(), tmp_path / "edited.x3p"
-    x3pio.write(stream, HEIGHTS * 1e-6, x_scale=1e-5, y_scale=1e-5)
-    with zipfile.ZipFile(stream) as old, zipfile.ZipFile(path, "w") as new:
-        for name in old.namelist():
-            data = old.read(name)
-            if name == "main.xml":
-                data = data.replace(b"</Record1>", b"<!-- edited --></Record1>")
-            new.writestr(folder + name, data)
-    return read_height_map(path, **given)
+def stale(folder, within=""):
+    """Return an X3P file whose main.xml was edited by hand."""
+    return saved(folder, x3p(HEIGHTS * 1e-6, edit=lambda main: main + b"\n", restate=False, folder=within))
 
 
-@pytest.mark.parametrize("folder", ["", "a/b/"])
-def test_a_stale_checksum_is_read_on_request(tmp_path, folder):
-    with pytest.raises(
-        InputFileError, match=r"checksum of main\.xml does not match .*give checksum = ignore"
-    ):
-        stale(tmp_path, folder)
-    height = stale(tmp_path, folder, checksum="ignore")
+@pytest.mark.parametrize("within", ["", "a/b/"])
+def test_a_stale_checksum_is_read_on_request(tmp_path, within, capsys):
+    path = stale(tmp_path, within)
+    refuses(r"checksum of main\.xml does not match .*give checksum = ignore", path)
+    height = read_height_map(path, checksum="ignore")
     np.testing.assert_allclose(height.values, HEIGHTS * 1e-6, rtol=1e-6)
-    assert "read nevertheless, as asked (checksum = ignore)" in height.attrs["ingest_warnings"]
-    with pytest.raises(SettingsError, match="checksum = 'no'"):
-        stale(tmp_path, folder, checksum="no")
-
-
-def test_the_request_on_the_command_line(tmp_path, capsys):
-    with pytest.raises(InputFileError):
-        stale(tmp_path)
-    path = str(tmp_path / "edited.x3p")
-    assert main(["inspect", path, "--checksum", "ignore"]) == 0
-    assert "read nevertheless" in " ".join(capsys.readouterr().out.split())
-    assert main(["inspect", path]) == 0
-    assert "give checksum = ignore" in " ".join(capsys.readouterr().out.split())
+    assert "read nevertheless, as asked (checksum = ignore)" in warnings_of(height)
+    refuses("checksum = 'no'", path, error=SettingsError, checksum="no")
+    for options, words in ((["--checksum", "ignore"], "read nevertheless"), ([], "give checksum = ignore")):
+        assert main(["inspect", str(path), *options]) == 0
+        assert words in " ".join(capsys.readouterr().out.split())
 
 
 @pytest.mark.shared_data

@@ -6,15 +6,12 @@ write are compared with other readers in test_io_shared.py.
 """
 
 import io
-import re
-import zipfile
 
 import numpy as np
 import pytest
 import scipy.io
-import x3pio
 import xarray as xr
-from measured_files import array, gsf, gwy, jpk, keyence, refuses, tmd
+from measured_files import array, gsf, gwy, jpk, keyence, refuses, tmd, x3p
 
 from roughcontact.errors import SettingsError
 from roughcontact.io.inspection import inspect_file
@@ -63,29 +60,14 @@ def netcdf(rows, y=None):
     return bytes(dataset.to_netcdf(engine="scipy"))
 
 
-def x3p(rows, origin="", y_scale=DY):
-    stream = io.BytesIO()
-    x3pio.write(stream, rows, x_scale=DX, y_scale=abs(y_scale))
-    if not origin and y_scale > 0:
-        return stream.getvalue()
-    changed = io.BytesIO()
-    with zipfile.ZipFile(stream) as old, zipfile.ZipFile(changed, "w") as new:
-        for name in old.namelist():
-            data = old.read(name)
-            if name == "main.xml":
-                data = (
-                    data.replace(
-                        b"</Record1>", f"</Record1><Record2><Origin>{origin}</Origin></Record2>".encode(), 1
-                    )
-                    if origin
-                    else data
-                )
-                if y_scale < 0:
-                    before, cy, after = data.partition(b"<CY>")
-                    data = before + cy + re.sub(rb"<Increment>", rb"<Increment>-", after, count=1)
-            if name != "md5checksum.hex":
-                new.writestr(name, data)
-    return changed.getvalue()
+def northwest(main):
+    return main.replace(b"</Record1>", b"</Record1><Record2><Origin>NW</Origin></Record2>", 1)
+
+
+def backwards(main):
+    """Make the increment along y negative."""
+    before, cy, after = main.partition(b"<CY>")
+    return before + cy + after.replace(b"<Increment>", b"<Increment>-", 1)
 
 
 def sdf(rows, mark="aISO-1.0"):
@@ -144,10 +126,10 @@ FILES = {
     "netCDF, y rises": (netcdf(DOWN, DY * np.arange(5)), {}, "bottom", False),
     "netCDF, y falls": (netcdf(F, DY * np.arange(5)[::-1]), {}, "bottom", False),
     "netCDF without positions": (netcdf(DOWN), STEPS, "bottom", True),
-    "X3P": (x3p(DOWN), {}, "bottom", False),
-    "X3P, origin at the upper left": (x3p(F, origin="NW"), {"checksum": "ignore"}, "top", False),
-    "X3P, negative increment": (x3p(F, y_scale=-DY), {"checksum": "ignore"}, "bottom", False),
-    "X3P, both": (x3p(F, origin="NW", y_scale=-DY), {"checksum": "ignore"}, "bottom", False),
+    "X3P": (x3p(DOWN, DX, DY), {}, "bottom", False),
+    "X3P, origin at the upper left": (x3p(F, DX, DY, edit=northwest), {}, "top", False),
+    "X3P, negative increment": (x3p(F, DX, DY, edit=backwards), {}, "bottom", False),
+    "X3P, both": (x3p(F, DX, DY, edit=lambda main: northwest(backwards(main))), {}, "bottom", False),
     "SDF": (sdf(DOWN), {}, "bottom", False),
     "SDF of the BCR": (sdf(F, mark="aBCR-1.0"), {}, "bottom", False),  # its reader turns the rows
     "Gwyddion Simple Field": (gsf(F, XReal=8e-6, YReal=15e-6), {}, "top", False),
@@ -197,7 +179,7 @@ def test_a_map_that_was_written_comes_back_upright(tmp_path, kind):
 
 def test_the_user_wins_over_the_file_with_a_warning(tmp_path):
     path = tmp_path / "map.x3p"
-    path.write_bytes(x3p(F))
+    path.write_bytes(x3p(F, DX, DY))
     height = read_height_map(path, first_row="top")
     np.testing.assert_allclose(height.values[::-1], F, rtol=1e-9)
     assert (

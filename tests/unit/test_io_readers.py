@@ -10,9 +10,8 @@ import h5py
 import numpy as np
 import pytest
 import sdfio
-import x3pio
 import xarray as xr
-from measured_files import array, refuses
+from measured_files import array, refuses, x3p
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import readers as room
@@ -95,16 +94,10 @@ def sdf(file_format):
     return stream.getvalue()
 
 
-def x3p():
-    stream = io.BytesIO()
-    x3pio.write(stream, HEIGHTS, x_scale=1e-6, y_scale=1e-6)
-    return stream.getvalue()
-
-
 TEXT = b"\n1.5 2.5 3.5\n4.5 5.5 7.5\n"
 BINARY = bytes(range(256))
 FILES = {
-    "X3P": (x3p, "x3p"),
+    "X3P": (lambda: x3p(HEIGHTS), "x3p"),
     "another archive": (archive, "instruments"),
     "HDF5 of Zygo": (lambda: hdf5("MetaData"), "datx"),
     "other HDF5": (lambda: hdf5("Height"), "netcdf"),
@@ -153,7 +146,11 @@ def test_the_order_is_the_documented_one():
 
 @pytest.mark.parametrize(("before", "after"), [("x3p", "instruments"), ("datx", "netcdf"), ("sdf", "text")])
 def test_the_order_matters_where_two_readers_claim_a_file(tmp_path, before, after):
-    made = {"x3p": x3p, "datx": lambda: hdf5("MetaData"), "sdf": lambda: sdf(sdfio.FileFormat.ASCII)}[before]
+    made = {
+        "x3p": lambda: x3p(HEIGHTS),
+        "datx": lambda: hdf5("MetaData"),
+        "sdf": lambda: sdf(sdfio.FileFormat.ASCII),
+    }[before]
     path = tmp_path / "file.dat"
     path.write_bytes(made())
     claims = [name for name, reader in readers() if reader.recognises(path, head_of(path))]
