@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Make the separate environment of the codes that the benchmark compares with:
 #     bash benchmarks/setup_rivals.sh [FOLDER] [PYTHON]
-# FOLDER is benchmarks/.rivals by default, which git ignores. Tamaas (AGPL) and ContactMechanics come as wheels,
+# FOLDER is benchmarks/.rivals by default, which git ignores. Tamaas (AGPL), ContactMechanics, reynoldsflow are wheels,
 # ASPHER is compiled. None of them is ever imported by this project.
 set -euo pipefail
 folder=${1:-"$(cd "$(dirname "$0")" && pwd)/.rivals"}
@@ -20,5 +20,5 @@ fi
 
 "$python" -m venv "$folder"
 "$folder/bin/pip" install --quiet --disable-pip-version-check "numpy>=2" scipy \
-    ContactMechanics==1.8.3 tamaas==2.9.0 aspher==0.1.3.post1
-"$folder/bin/python" -c 'import aspher, ContactMechanics, tamaas' && echo "ready: $folder/bin/python"
+    ContactMechanics==1.8.3 tamaas==2.9.0 aspher==0.1.3.post1 reynoldsflow==0.1.3
+"$folder/bin/python" -c 'import aspher, ContactMechanics, reynoldsflow, tamaas' && echo "ready: $folder/bin/python"

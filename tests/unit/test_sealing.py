@@ -15,7 +15,7 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.connectivity import connected_regions, percolates, region_sizes
 from roughcontact.kernels.compiled import Regions
 from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
 from roughcontact.sealing.flow import flow_columns, leak_columns
 from roughcontact.sealing.multigrid import multigrid
 from roughcontact.sealing.percolation import half_way_levels, percolation_columns
@@ -413,3 +413,18 @@ def test_a_gap_closes_near_42_percent_of_contact():
         brentq(openness, 1e-5, 1e-2, xtol=1e-6)
         closing.append(openness.area)
     assert np.mean(closing) == pytest.approx(0.42, abs=0.04)
+
+
+def test_where_rounding_stops_the_iteration_there_is_no_flow_factor():
+    """Gaps of 1e-8 of the others, which rounding leaves in contact, ask for steps that it swallows."""
+    contact = rc.solve_contact(
+        rough_reference_surface(128), contact_modulus=1.0, mean_pressure=0.1, tolerance=1e-6
+    )
+    gap, pressure = (contact[name].values[0] for name in ("gap", "pressure"))
+    clean, noisy = (
+        flow_columns(values / gap.mean(), (1.0, 1.0), tolerance=1e-7)
+        for values in (np.where(pressure > 0, 0.0, gap), gap)
+    )
+    for name in ("flow_factor_xx", "flow_factor_yy"):
+        assert clean[name] > 0
+        assert np.isnan(noisy[name]) or noisy[name] == pytest.approx(clean[name], rel=1e-4), name

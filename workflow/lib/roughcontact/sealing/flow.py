@@ -170,6 +170,6 @@ def _tensor(
             drops += difference @ pressure
             area = gap.size * steps[0] * steps[1]
             return drops.T @ drops / area, driven[-1] / area
-        if step == _MAX_STEPS:
+        if step == _MAX_STEPS or not np.isfinite(energy).all():
             break
     return np.full((axes.size, axes.size), np.nan), np.full(axes.size, np.nan)

@@ -12,6 +12,7 @@ _STRONG = 0.05  # minimum share of the smaller diagonal for a link that joins tw
 _COARSEST = 300  # unknowns that are solved directly
 _SMOOTHING = 2 / 3  # of damped Jacobi: the largest eigenvalue of the scaled matrix is 2 at most
 _ROUNDING = 1e-26  # share of the largest diagonal below which values are squares of rounding errors
+_SOLVED = 1e-9  # share of the largest force below which a residual asks for no step
 
 
 class _Level(NamedTuple):
@@ -123,9 +124,10 @@ def minimised(
     solution : array (n, columns)
         changed by the next step.
     gain : array (columns)
-        decrease of the energy x A x - 2 b x by the step.
+        decrease of the energy x A x - 2 b x by the step; inf where rounding makes a step impossible.
     """
     solution, residual = np.zeros_like(forces), forces.copy()
+    solved = _SOLVED * np.abs(forces).max(axis=0, initial=0.0)
     direction = preconditioned = precondition(residual)
     product = _products(residual, preconditioned)
     while True:
@@ -134,7 +136,8 @@ def minimised(
         step = np.divide(product, curvature, out=np.zeros_like(product), where=curvature > 0)
         solution += step * direction
         residual -= step * image
-        yield solution, step * product
+        stuck = (step <= 0) & (np.abs(residual).max(axis=0, initial=0.0) > solved)
+        yield solution, np.where(stuck, np.inf, step * product)
         preconditioned = precondition(residual)
         before, product = product, _products(residual, preconditioned)
         share = np.divide(product, before, out=np.zeros_like(product), where=before > 0)
