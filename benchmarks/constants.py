@@ -37,7 +37,7 @@ CONSTANTS = {
     ("subwindows", "_MIN_POINTS_PER_SIDE"): 24,
     ("subwindows", "_CUTS"): (2, 3),
     ("subwindows", "_LEAST_SCATTER"): 0.04,
-    ("instrument", "MARGIN"): 0.5,
+    ("ensemble", "MARGIN"): 0.5,
     ("instrument", "_NOISE_MARGIN"): 0.0,
     ("instrument", "_MOST_NOISE"): 0.5,
     ("instrument", "_CORRECTION_UNCERTAINTY"): 1.0,
@@ -50,7 +50,7 @@ CONSTANTS = {
 BOUND_IN = {
     "CHANGE_TOLERANCE": ("discretisation", "rejected"),
     "SCATTER_TOLERANCE": ("subwindows", "magnification"),
-    "MARGIN": ("unresolved",),
+    "MARGIN": ("instrument", "unresolved", "discretisation"),
 }
 
 

@@ -27,11 +27,17 @@ from roughcontact.uncertainty.ensemble import Values, loads_of, measured_slices
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.inputs import AMPLIFICATIONS, input_uncertainty
 from roughcontact.uncertainty.instrument import instrument_components
-from roughcontact.uncertainty.intervals import Intervals
+from roughcontact.uncertainty.intervals import (
+    MEASURANDS,
+    Limits,
+    Windows,
+    interval_columns,
+    window_components,
+)
 from roughcontact.uncertainty.magnification import magnification_curve
 from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.uncertainty.sample import constrictions_in_grooves, deficiency, description
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PRESSURE, to_scale
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PRESSURE, to_scale
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, next_octave
 from roughcontact.window.instrument import stated_instrument
@@ -134,13 +140,16 @@ def error_budget(
     True
     """
     _check_arguments(levelled, window, sources, measurand, extent)
-    stated = settings["contact"]
-    contact = {key: value for key, value in stated.items() if key not in MATERIAL_UNCERTAINTIES}
+    contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
     load = loads_of(contact)
     # a load that does not converge gives NaN instead of ending the job
     lenient = {**contact, "on_failure": "flag"}
-    rejected = rejected_load_share(levelled, window=settings["window"], contact=lenient)
-    columns: dict[str, tuple] = {"rejected_load_share": ("load", rejected)}
+    columns: dict[str, tuple] = {
+        "rejected_load_share": (
+            "load",
+            rejected_load_share(levelled, window=settings["window"], contact=lenient),
+        )
+    }
     if not sources:
         return xr.Dataset(columns, coords={"mean_pressure": ("load", load)})
     if solved is None:
@@ -149,17 +158,17 @@ def error_budget(
     values = {name: value for name, value in as_solved.items() if name != PRESSURE}
     middle = {name: to_scale(name, value) for name, value in values.items()}
     components: dict[UncertaintySource, Components] = {}
-    scatter, octave, open_ended, attrs = None, {}, {}, {}
+    windows_of: Windows = {key: {} for key in MEASURANDS}
+    widest_gap, octave, attrs = None, {}, {}
     if "solver" in sources:
         components["solver"] = _of_solver(solved)
     if "discretisation" in sources:
-        peak_index = int(solved["index_of_the_peak"].values[-1])
         errors = discretisation_error(
             window,
             contact=lenient,
             values=values,
             pixel_share=load / as_solved[PRESSURE],
-            peak_index=peak_index,
+            peak_index=int(solved["index_of_the_peak"].values[-1]),
         )
         components["discretisation"] = {name: component for name, (_, component) in errors.items()}
         middle = {name: centre + errors[name][0] for name, centre in middle.items()}
@@ -170,6 +179,8 @@ def error_budget(
         middle |= {name: middle[name] + offset for name, offset in scatter.shift.items()}
         grooves = constrictions_in_grooves(window) if CONSTRICTIONS[0] in values else []
         open_ended = {name: solved[f"{name}_half_way"].values > 0 for name in grooves}
+        windows_of = window_components(scatter, middle, as_solved[GAP], extent=extent, open_ended=open_ended)
+        widest_gap = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
         attrs = {
             "window_reason": description(
                 levelled, scatter, grooves, extent if measurand == "longer" else None
@@ -181,7 +192,8 @@ def error_budget(
             for name, results in (scatter.members | {PRESSURE: load / scatter.members[AREA]}).items()
         }
     instrument = stated_instrument(levelled, settings.get("instrument"))
-    inputs = _stated_inputs(window, lenient, solved, sources, stated, instrument)
+    widths = _stated_widths(sources, settings["contact"], instrument)
+    inputs = input_uncertainty(window, contact=lenient, solved=solved, stated=widths)
     columns |= {
         f"{name}_sensitivity": (("load", "input"), inputs[f"{name}_sensitivity"].values) for name in as_solved
     }
@@ -206,11 +218,15 @@ def error_budget(
         if not band_is_chosen(settings, window):
             components["unresolved"] = hidden_waves(window, curve, instrument, true_shapes)
             octave = next_octave(window, curve, instrument.get("finer_spectrum"))
-    intervals = Intervals(
-        components, scatter, octave, open_ended, load, extent, contact.get("hardness"), measurand
+    columns |= interval_columns(
+        as_solved,
+        middle,
+        components,
+        Limits(load, contact.get("hardness"), widest_gap),
+        windows=windows_of,
+        octave=octave,
+        measurand=measurand,
     )
-    for name in as_solved:
-        columns |= intervals.columns(name, as_solved, middle)
     labels = {"source": [*SOURCES, COMBINED], "component": list(SIDES), "input": list(inputs["input"].values)}
     return xr.Dataset(columns, coords={"mean_pressure": ("load", load), **labels}, attrs=attrs)
 
@@ -226,16 +242,16 @@ def finite_body_budget(
     coords: dict[str, Any] = {"mean_pressure": ("load", load)}
     if solved is None or "solver" not in sources:
         return xr.Dataset(coords=coords)
-    components = _of_solver(solved)
-    intervals = Intervals({"solver": components}, None, {}, {}, load, 1.0, hardness)
-    values = {name: solved[name].values for name in (*components, PRESSURE)}
-    middle = {name: to_scale(name, value) for name, value in values.items() if name != PRESSURE}
-    columns: dict[str, tuple] = {}
-    for name in values:
-        columns |= intervals.columns(name, values, middle)
-    # of other maps and other waves the solver says nothing
-    for name in [n for n in columns if any(f"_{extent}_" in n for extent in ("next", "longer", "octave"))]:
-        columns[name] = (columns[name][0], np.full(np.shape(columns[name][1]), np.nan))
+    values = {name: solved[name].values for name in (*CORRECTED, PRESSURE)}
+    middle = {name: to_scale(name, values[name]) for name in CORRECTED}
+    columns = interval_columns(
+        values,
+        middle,
+        {"solver": _of_solver(solved)},
+        Limits(load, hardness),
+        windows={"surface": {}, "map": {}},
+        octave=None,
+    )
     coords |= {"source": [*SOURCES, COMBINED], "component": list(SIDES)}
     return xr.Dataset(columns, coords=coords)
 
@@ -282,22 +298,16 @@ def _without_correction(
     return periodic_window(levelled, **{key: v for key, v in arguments.items() if key != "correct_for"})
 
 
-def _stated_inputs(
-    window: xr.DataArray,
-    contact: Mapping[str, Any],
-    solved: xr.Dataset,
-    sources: Sequence[UncertaintySource],
-    stated: Mapping[str, Any],
-    instrument: Mapping[str, Any],
-) -> xr.Dataset:
-    """Return `input_uncertainty` of load, modulus and scales, as far as the sources ask for them."""
+def _stated_widths(
+    sources: Sequence[UncertaintySource], stated: Mapping[str, Any], instrument: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return input -> its stated relative uncertainty, if any, as far as the sources ask for it."""
     widths: dict[str, Any] = {}
     if "material" in sources:
         widths |= {key: stated.get(name) for name, key in MATERIAL_UNCERTAINTIES.items()}
     if "instrument" in sources:
         widths |= {key: instrument.get(key) for key in AMPLIFICATIONS}
-    widths_stated = {key: float(width) for key, width in widths.items() if width}
-    return input_uncertainty(window, contact=contact, solved=solved, stated=widths_stated)
+    return widths
 
 
 def _of_input(inputs: xr.Dataset, values: Values) -> Components:

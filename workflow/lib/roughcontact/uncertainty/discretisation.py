@@ -32,6 +32,7 @@ from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.combination import Component, half_widths
 from roughcontact.uncertainty.ensemble import (
     CHANGE_TOLERANCE,
+    MARGIN,
     Values,
     few_loads,
     loads_of,
@@ -41,7 +42,6 @@ from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, at_a
 from roughcontact.window.periodisation import periodic_plus_smooth
 
 CORRECTED = (AREA, GAP, PEAK)  # the pressure in contact follows from the area
-_REMAINING = 1.25  # of the change, that stays uncertain after the correction
 _NOISE_PER_SWITCH = 0.5  # pixels, random
 _REFINED_POINTS = 128**2  # larger windows are refined on a quarter of their points
 
@@ -77,7 +77,7 @@ def discretisation_error(
         corrected = name in CORRECTED
         # the floor of a length would be one in metres
         floor = 0.0 if name in CONSTRICTIONS else calibration.discretisation_floor(name)
-        width = np.hypot(_REMAINING * change if corrected else 2 * change, floor)
+        width = np.hypot((1 + MARGIN) * change if corrected else 2 * change, floor)
         if name == AREA:
             width = np.hypot(width, _edge_noise(values[AREA], pixel_share, region.size))
         errors[name] = 4 / 3 * change if corrected else np.zeros_like(change), half_widths(width, width)

@@ -16,6 +16,7 @@ from roughcontact.uncertainty.scales import at_all_loads, from_scale, to_scale
 Values = Mapping[str, np.ndarray]  # quantity -> array (load)
 LOADS = 3  # at which a member is solved: both ends and the middle
 SCATTER_TOLERANCE = 1e-2  # of the pressure: 0.4 % of the area (rms), where subwindows differ by 5 % and more
+MARGIN = 0.25  # of a change that is computed, by which its truth may be larger
 CHANGE_TOLERANCE = 1e-3  # of the pressure, where the change from the result counts; in single precision
 
 

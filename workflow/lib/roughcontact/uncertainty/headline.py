@@ -42,13 +42,11 @@ def quantities_of(
     {'mean_gap': 0.2, 'max_pressure': 3.0}
     """
     touching = pressure > 0
-    values: dict[str, float] = {}
-    if scales.AREA in names:
-        values[scales.AREA] = relative_contact_area(touching)
-    if scales.GAP in names:
-        values[scales.GAP] = float(gap[~touching].sum(dtype=float)) / gap.size
-    if scales.PEAK in names:
-        values[scales.PEAK] = float(pressure.max())
+    values = {
+        scales.AREA: relative_contact_area(touching),
+        scales.GAP: float(gap[~touching].sum(dtype=float)) / gap.size,
+        scales.PEAK: float(pressure.max()),
+    }
     if scales.PRESSURE in names:
         values[scales.PRESSURE] = float(pressure[touching].mean(dtype=float))
     if scales.CONDUCTANCE in names:
@@ -57,21 +55,24 @@ def quantities_of(
             compliance = linear_response(touching, steps, 1.0, _RESPONSE_TOLERANCE, influence=influence)
         values[scales.CONDUCTANCE] = 1 / compliance if compliance > 0 else np.nan
     if CONSTRICTIONS[0] in names:
-        narrowest = percolation_columns(np.where(touching, 0.0, gap))
-        values |= {name: narrowest[name] for name in CONSTRICTIONS}
-    return values
+        values |= percolation_columns(np.where(touching, 0.0, gap))
+    return {name: values[name] for name in names}
 
 
 def headline(contact: xr.Dataset) -> xr.Dataset:
     """Return the four headline quantities of each load of a solution with its fields."""
-    rows = [quantities_of(*fields, QUANTITIES, steps=(1.0, 1.0)) for fields in fields_of(contact)]
-    return xr.Dataset({name: ("load", [row[name] for row in rows]) for name in QUANTITIES})
+    return _at_every_load(contact, QUANTITIES)
 
 
 def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
     """Return headline quantities and answers of each load of a solution with its fields."""
-    names, steps = (*QUANTITIES, *ANSWERS), spacing(contact["pressure"])
-    influence, layered = influence_of(contact), layers_of(contact) is not None
+    return _at_every_load(contact, (*QUANTITIES, *ANSWERS))
+
+
+def _at_every_load(contact: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
+    """Return quantities along `load` of a solution with its fields."""
+    steps, influence = spacing(contact["pressure"]), influence_of(contact)
+    layered = layers_of(contact) is not None
     rows = [
         quantities_of(*fields, names, steps=steps, influence=influence, layered=layered)
         for fields in fields_of(contact)

@@ -43,7 +43,11 @@ _EXPLICIT_POWER = {
 
 
 def input_uncertainty(
-    window: xr.DataArray, *, contact: Mapping[str, Any], solved: xr.Dataset, stated: Mapping[str, float]
+    window: xr.DataArray,
+    *,
+    contact: Mapping[str, Any],
+    solved: xr.Dataset,
+    stated: Mapping[str, float | None],
 ) -> xr.Dataset:
     """Return what load, modulus and scales do to each result: half-widths where stated, and sensitivities.
 
@@ -76,7 +80,13 @@ def input_uncertainty(
         load_slopes[GAP] /= solved[STIFFNESS].values
     effects = {}
     for source, power in _POWER_IN_LOAD.items():
-        ends = _ends(source, stated.get(source), window, contact, solved)
+        width = float(stated.get(source) or 0.0)
+        if not 0 <= width < 1:
+            raise SettingsError(
+                f"uncertainty of {source} = {width:g}: give a relative one, from 0 to below 1, such as 0.05"
+            )
+        factors = (1 - width, 1 + width) if width else ()
+        ends = [_end(source, factor, window, contact, solved) for factor in factors]
         for name, value in values.items():
             effects[source, name] = *_, secant = _effect(value, ends, name)
             slope = (secant - _EXPLICIT_POWER.get((source, name), 0.0)) / power
@@ -92,19 +102,6 @@ def input_uncertainty(
         {name: (("load", "input"), np.stack(columns, axis=1)) for name, columns in rows.items()},
         coords={"input": list(_POWER_IN_LOAD)},
     )
-
-
-def _ends(
-    source: str, width: float | None, window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset
-) -> list[tuple[np.ndarray, Values]]:
-    """Return ln of the input over its stated value (load), and the results, at both ends, if stated."""
-    if not width:
-        return []
-    if not 0 < width < 1:
-        raise SettingsError(
-            f"uncertainty of {source} = {width:g}: give a relative one, from 0 to below 1, such as 0.05"
-        )
-    return [_end(source, factor, window, contact, solved) for factor in (1 - width, 1 + width)]
 
 
 def _end(

@@ -32,12 +32,11 @@ import xarray as xr
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.instrument_checks import coarse_step, suspected_noise
 from roughcontact.uncertainty.combination import Components, half_widths, one_sided
-from roughcontact.uncertainty.ensemble import Values, loads_of, solve_again
+from roughcontact.uncertainty.ensemble import MARGIN, Values, loads_of, solve_again
 from roughcontact.uncertainty.scales import AREA, PEAK, PRESSURE, to_scale
 from roughcontact.window.instrument import check_instrument
 from roughcontact.window.transfer import restored, unrounded, with_noise
 
-MARGIN = 0.25  # of a change that is computed, by which its truth may be larger
 _NOISE_MARGIN = 1.0  # of the shift by noise
 _MOST_NOISE = 0.95  # of g^2; a map with more noise says nothing of its surface
 _CORRECTION_UNCERTAINTY = 0.5  # of what a correction changes; of the single highest point all of it

@@ -1,8 +1,7 @@
-"""The intervals of a quantity: of the surface, the next map, longer and shorter waves, and this map."""
+"""The intervals of the quantities: of the surface, the next map, longer and shorter waves, and this map."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import get_args
+from collections.abc import Mapping
+from typing import NamedTuple, get_args
 
 import numpy as np
 
@@ -25,136 +24,120 @@ from roughcontact.uncertainty.ensemble import Values
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, from_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
+MEASURANDS = get_args(calibration.Measurand)
+Windows = Mapping[calibration.Measurand, Components]  # measurand -> components of the source `window`
+Octave = Mapping[str, tuple[np.ndarray, Component]]  # quantity -> shift (load), and the component about it
 
-@dataclass(frozen=True)
-class Intervals:
-    """The intervals of all measurands, from what the sources contribute.
 
-    Attributes
-    ----------
-    components : mapping
-        source -> components of each quantity.
-    scatter : Scatter or None
-        of the subwindows; None where the source `window` is left out.
-    octave : mapping
-        quantity -> shift (load) by waves one octave shorter, and the component about it.
-    open_ended : mapping
-        narrowest place -> whether grooves lead out of the map (load).
-    load : array, Pa
-    extent : float
-        length of the longer surface over that of the map.
-    hardness : float or None, Pa
-    measurand : str
-        that of the ends `_lower` and `_upper`, and of the half-widths.
-    """
+class Limits(NamedTuple):
+    """What bounds every interval: the loads (Pa), a stated hardness (Pa), the gap (m) in full contact."""
 
-    components: Mapping[UncertaintySource, Components]
-    scatter: Scatter | None
-    octave: Mapping[str, tuple[np.ndarray, Component]]
-    open_ended: Values
     load: np.ndarray
-    extent: float
-    hardness: float | None
-    measurand: HeadlineMeasurand = "surface"
+    hardness: float | None = None
+    widest_gap: np.ndarray | None = None
 
-    def columns(self, name: str, as_solved: Values, middle: Values) -> dict[str, tuple]:
-        """Return the ends of all intervals of a quantity, and what they are made of.
 
-        `as_solved` are the results, `middle` the corrected ones on their scales.
-        """
-        value = self._value(name, middle, as_solved)
+def window_components(
+    scatter: Scatter, middle: Values, gap: np.ndarray, *, extent: float, open_ended: Values
+) -> Windows:
+    """Return by how much the truth of each measurand may differ from this map, on the scales.
+
+    `middle` are the corrected results on their scales, `gap` the mean gap (load; m), `extent` the length of
+    the longer surface over that of the map, `open_ended` whether grooves lead out of the map (load).
+    """
+    windows: dict[calibration.Measurand, dict[str, Component]] = {}
+    for measurand in MEASURANDS:
+        components = windows[measurand] = {}
+        for name in middle:
+            if scatter.arms:  # of surfaces behind profiles, whatever their size
+                below, above = scatter.arms[name]
+            elif scatter.features:
+                area, features = from_scale(AREA, middle[AREA]), scatter.features[name]
+                below, above = calibration.arms(measurand, name, features, area, extent=extent)
+            else:  # without subwindows nothing bounds what other places would give
+                below = above = np.full(gap.shape, 0.0 if measurand == "map" else np.inf)
+            if name in CONSTRICTIONS and (scatter.arms or scatter.features):  # counted in mean gaps
+                below, above = below * gap, above * gap
+            if name in open_ended and measurand != "map":
+                above = np.where(open_ended[name], np.inf, above)
+            components[name] = half_widths(below, above)
+    return windows
+
+
+def interval_columns(
+    as_solved: Values,
+    middle: Values,
+    components: Mapping[UncertaintySource, Components],
+    limits: Limits,
+    *,
+    windows: Windows,
+    octave: Octave | None,
+    measurand: HeadlineMeasurand = "surface",
+) -> dict[str, tuple]:
+    """Return the ends of all intervals of the quantities, and what they are made of.
+
+    `as_solved` are the results (load), `middle` the corrected ones on their scales; the pressure in contact
+    is the load over the corrected area. Measurands that are not in `windows`, and shorter waves where
+    `octave` is None, have no interval; `measurand` is that of `_lower`, `_upper` and the half-widths.
+    """
+    shorter = {name: centre + octave[name][0] for name, centre in middle.items()} if octave else middle
+    beyond = _with_pressure({name: pair[1] for name, pair in (octave or {}).items()}, shorter[AREA])
+    components = {source: _with_pressure(causes, middle[AREA]) for source, causes in components.items()}
+    windows = {key: _with_pressure(component, middle[AREA]) for key, component in windows.items()}
+    middle, shorter = (
+        {**centres, PRESSURE: np.log(limits.load) - np.log(from_scale(AREA, centres[AREA]))}
+        for centres in (middle, shorter)
+    )
+    columns: dict[str, tuple] = {}
+    for name, result in as_solved.items():
+        value = _in_its_unit(name, middle[name], result, limits.hardness)
         if name in (AREA, PRESSURE):  # full contact, up to the rounding of its scale
-            value = np.where(as_solved[AREA] >= 1, as_solved[name], value)
-        sources = self._sources(name, middle[AREA])
-        windows: dict[str, Component] = {}
-        if self.scatter is not None:
-            windows = {m: self._window(m, name, middle, as_solved) for m in get_args(calibration.Measurand)}
-        headline = [windows[self.measurand]] if windows else []
-        ends = {"": self._ends(name, middle, value, [*sources.values(), *headline])}
-        for measurand in ("next", "longer", "map"):
-            window = [windows[measurand]] if windows else []
-            ends[f"{measurand}_"] = self._ends(name, middle, value, [*sources.values(), *window])
-        ends["octave_"] = ends[""]  # where the band is chosen
-        if (key := AREA if name == PRESSURE else name) in self.octave:
-            shorter = {q: middle[q] + shift for q, (shift, _) in self.octave.items()}
-            octave_component = self._converted(name, shorter[AREA], self.octave[key][1])
-            moved = self._value(name, shorter, as_solved)
-            ends["octave_"] = self._ends(
-                name, shorter, moved, [*sources.values(), *headline, octave_component]
-            )
-        columns: dict[str, tuple] = {
-            f"{name}_{key}{end}": ("load", numbers)
-            for key, pair in ends.items()
-            for end, numbers in zip(("lower", "upper"), pair, strict=True)
-        }
+            value = np.where(as_solved[AREA] >= 1, result, value)
+        sources = {source: causes[name] for source, causes in components.items() if name in causes}
+        window = {key: [causes[name]] if name in causes else [] for key, causes in windows.items()}
+        headline = [*sources.values(), *window[measurand]]
+        ends = {"": _ends(name, middle[name], value, headline, limits)}
+        for key in MEASURANDS[1:]:
+            causes = [*sources.values(), *window[key]] if key in window else []
+            ends[f"{key}_"] = _ends(name, middle[name], value, causes, limits)
+        ends["octave_"] = ends[""]  # where the settings chose the band
+        if name in beyond or octave is None:
+            moved = _in_its_unit(name, shorter[name], result, limits.hardness)
+            causes = [*headline, beyond[name]] if octave else []
+            ends["octave_"] = _ends(name, shorter[name], moved, causes, limits)
+        for key, pair in ends.items():
+            columns |= {f"{name}_{key}{end}": ("load", pair[i]) for i, end in enumerate(("lower", "upper"))}
         if name in (*CORRECTED, PRESSURE):
-            columns[f"{name}_as_solved"] = ("load", as_solved[name])
-        if headline:
-            sources["window"] = headline[0]
-        return columns | columns_of_components(name, value, sources, ends[""])
+            columns[f"{name}_as_solved"] = ("load", result)
+        if window[measurand]:
+            sources["window"] = window[measurand][0]
+        columns |= columns_of_components(name, value, sources, ends[""])
+    return columns
 
-    def _centre(self, name: str, middle: Values) -> np.ndarray:
-        """Return a result on its scale; the pressure in contact is the load over the area."""
-        if name != PRESSURE:
-            return middle[name]
-        return np.log(self.load) - np.log(from_scale(AREA, middle[AREA]))
 
-    def _value(self, name: str, middle: Values, as_solved: Values) -> np.ndarray:
-        """Return a corrected result in its unit; as solved in full contact, which has no gap on its scale."""
-        centre = self._centre(name, middle)
-        value = np.where(np.isnan(centre), as_solved[name], from_scale(name, centre))
-        return (
-            value if self.hardness is None or name not in (PRESSURE, PEAK) else np.fmin(value, self.hardness)
-        )
+def _with_pressure(components: Components, area: np.ndarray) -> Components:
+    """Return components of one source with that of the pressure in contact, by default from the area's."""
+    if PRESSURE in components or AREA not in components:
+        return components
+    with np.errstate(divide="ignore"):
+        ratio = from_scale(AREA, area) / from_scale(AREA, area + SIGNS * components[AREA])
+    return {**components, PRESSURE: (-SIGNS * np.log(ratio))[[1, 0, 3, 2]]}
 
-    def _sources(self, name: str, area: np.ndarray) -> dict[UncertaintySource, Component]:
-        """Return the components of a quantity; of the pressure those of the area, but for stated inputs."""
-        sources = {}
-        for source, components in self.components.items():
-            if name in components:
-                sources[source] = components[name]
-            elif name == PRESSURE and AREA in components:
-                sources[source] = self._converted(name, area, components[AREA])
-        return sources
 
-    def _window(
-        self, measurand: calibration.Measurand, name: str, middle: Values, as_solved: Values
-    ) -> Component:
-        """Return the component by which the truth of a measurand may differ from this map."""
-        assert self.scatter is not None
-        # without parts of a map nothing bounds what other places would give
-        if not self.scatter.features and not self.scatter.arms:
-            width = np.full(self.load.shape, 0.0 if measurand == "map" else np.inf)
-            return half_widths(width, width)
-        key, area = AREA if name == PRESSURE else name, from_scale(AREA, middle[AREA])
-        if self.scatter.arms:  # of surfaces behind profiles, whatever their size
-            below, above = self.scatter.arms[key]
-        else:
-            features = self.scatter.features[key]
-            below, above = calibration.arms(measurand, key, features, area, extent=self.extent)
-        if name in CONSTRICTIONS:  # counted in mean gaps
-            below, above = below * as_solved[GAP], above * as_solved[GAP]
-        if name in self.open_ended and measurand != "map":
-            above = np.where(self.open_ended[name], np.inf, above)
-        return self._converted(name, middle[AREA], half_widths(below, above))
+def _in_its_unit(name: str, centre: np.ndarray, result: np.ndarray, hardness: float | None) -> np.ndarray:
+    """Return a corrected result in its unit; as solved in full contact, which has no gap on its scale."""
+    value = np.where(np.isnan(centre), result, from_scale(name, centre))
+    return value if hardness is None or name not in (PRESSURE, PEAK) else np.fmin(value, hardness)
 
-    def _converted(self, name: str, area: np.ndarray, component: Component) -> Component:
-        """Return a component of the area as one of ln(pressure in contact); those of others as they are."""
-        if name != PRESSURE:
-            return component
-        with np.errstate(divide="ignore"):
-            ratio = from_scale(AREA, area) / from_scale(AREA, area + SIGNS * component)
-        return (-SIGNS * np.log(ratio))[[1, 0, 3, 2]]
 
-    def _ends(self, name: str, middle: Values, value: np.ndarray, components: Iterable[Component]) -> Ends:
-        """Return both ends of an interval, in the unit of the quantity; NaN without any source."""
-        components = list(components)
-        if not components:
-            return (np.full(value.shape, np.nan),) * 2
-        ends = ends_of(name, self._centre(name, middle), added_up(components))
-        if name == GAP and self.scatter is not None:  # in full contact: that of the most open subwindow
-            with np.errstate(all="ignore"):
-                widest = np.fmax.reduce(self.scatter.members[GAP], axis=0, initial=0.0)
-            ends = np.where(value > 0, ends[0], 0.0), np.where(value > 0, ends[1], widest)
-        ends = monotonic(name, ends, self.load)
-        return limited(name, ends, value=value, load=self.load, hardness=self.hardness)
+def _ends(
+    name: str, centre: np.ndarray, value: np.ndarray, components: list[Component], limits: Limits
+) -> Ends:
+    """Return both ends of an interval, in the unit of the quantity; NaN without any source."""
+    if not components:
+        return (np.full(value.shape, np.nan),) * 2
+    ends = ends_of(name, centre, added_up(components))
+    if name == GAP and limits.widest_gap is not None:
+        ends = np.where(value > 0, ends[0], 0.0), np.where(value > 0, ends[1], limits.widest_gap)
+    ends = monotonic(name, ends, limits.load)
+    return limited(name, ends, value=value, load=limits.load, hardness=limits.hardness)

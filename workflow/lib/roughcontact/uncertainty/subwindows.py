@@ -109,7 +109,12 @@ def scatter_of_subwindows(
         )
         for name in values:
             by_subwindow[name][index, solved] = solved_values[name]
-    common = _common_features(levelled.isel(region), window, order)
+    measured, aspect = levelled.isel(region), texture_parameters(window)["Str"]
+    common = {
+        "gradient": _at_the_size_of_the_map(gradient_variances(measured.values, spacing(measured))),
+        "height": _at_the_size_of_the_map(_height_variances(measured.values, max(order, 1))),
+        "lay": 0.5 if math.isnan(aspect) else aspect,
+    }
     features: dict[str, Features] = {}
     for name, value in values.items():
         features[name] = common
@@ -133,34 +138,27 @@ def _spread_and_trend(
     return np.hypot(np.std(deviations, axis=0, ddof=1), _LEAST_SCATTER), deviations.mean(axis=0)
 
 
-def _common_features(measured: xr.DataArray, window: xr.DataArray, order: int) -> dict[str, float]:
-    """Return the features that need no solution: of gradient and height, and the texture aspect ratio."""
-    aspect = texture_parameters(window)["Str"]
-    heights, steps = measured.values, spacing(measured)
+def gradient_variances(heights: np.ndarray, steps: tuple[float, float]) -> dict[int, float]:
+    """Return number of pieces of a map (m) -> variance of ln(rms gradient) between them."""
     squares = np.zeros([max(n - 1, 1) for n in heights.shape])
     for axis, step in enumerate(steps):
         if heights.shape[axis] > 1:
             slope = np.diff(heights, axis=axis) / step
             squares += slope[: squares.shape[0], : squares.shape[1]] ** 2
-    return {
-        "gradient": _at_the_size_of_the_map(_variances(squares, heights.shape, np.mean)),
-        "height": _at_the_size_of_the_map(
-            _variances(
-                heights, heights.shape, lambda block: np.mean(_without_form(block, max(order, 1)) ** 2)
-            )
-        ),
-        "lay": 0.5 if math.isnan(aspect) else aspect,
-    }
+    return _variances(squares, np.nanmean)
 
 
-def _variances(
-    values: np.ndarray, shape: tuple[int, ...], mean_square: Callable[[np.ndarray], float]
-) -> dict[int, float]:
+def _height_variances(heights: np.ndarray, order: int) -> dict[int, float]:
+    """Return number of pieces of a map (m) -> variance of ln(rms height), each about its own form."""
+    return _variances(heights, lambda block: np.mean(_without_form(block, order) ** 2))
+
+
+def _variances(values: np.ndarray, mean_square: Callable[[np.ndarray], float]) -> dict[int, float]:
     """Return number of pieces -> variance of ln of the root of the mean square between so many of a map."""
     variances = {}
     for cuts in _CUTS:
-        rows, columns = (cuts if n > 1 else 1 for n in shape)
-        if any(1 < n < cuts * _MIN_POINTS_PER_SIDE for n in shape):
+        rows, columns = (cuts if n > 1 else 1 for n in values.shape)
+        if any(1 < n < cuts * _MIN_POINTS_PER_SIDE - 1 for n in values.shape):
             continue
         blocks = [
             block
@@ -172,18 +170,20 @@ def _variances(
     return variances
 
 
-def _at_the_size_of_the_map(variances: Mapping[int, float]) -> float:
-    """Return ln of the standard deviation that maps of this size are expected to have, from var(n) = a + b n.
-
-    Each variance has a relative error of sqrt(2/(n - 1)), and is weighted by its inverse.
-    """
-    if len(variances) < 2:
-        return math.log(0.1)
+def variance_components(variances: Mapping[int, float]) -> tuple[float, float]:
+    """Return a, b >= 0 of var(n) = a + b n; the relative error of each variance is sqrt(2/(n - 1))."""
     number, variance = (np.array(column, float) for column in zip(*variances.items(), strict=True))
     weight = np.sqrt(number - 1) / np.maximum(variance, 1e-6)
     columns = np.column_stack([np.ones(number.size), number])
     (a, b), _ = scipy.optimize.nnls(columns * weight[:, None], variance * weight)
-    return 0.5 * math.log(a + b + 1e-4)
+    return a, b
+
+
+def _at_the_size_of_the_map(variances: Mapping[int, float]) -> float:
+    """Return ln of the standard deviation that maps of this size are expected to have: that of n = 1."""
+    if len(variances) < 2:
+        return math.log(0.1)
+    return 0.5 * math.log(sum(variance_components(variances)) + 1e-4)
 
 
 def _without_form(heights: np.ndarray, order: int) -> np.ndarray:

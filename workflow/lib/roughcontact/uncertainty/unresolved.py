@@ -17,7 +17,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import scipy
 import xarray as xr
 
 from roughcontact.io.read import read_height_map
@@ -26,7 +25,8 @@ from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.uncertainty.calibration import octave_arms
 from roughcontact.uncertainty.combination import Component, Components, half_widths, one_sided
-from roughcontact.uncertainty.instrument import MARGIN
+from roughcontact.uncertainty.ensemble import MARGIN
+from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, to_scale
 from roughcontact.window.transfer import reliability_length, shortest_transmitted
 
@@ -164,8 +164,8 @@ def _relative_scatter(profile: xr.DataArray, limit: float) -> float:
     if square.size < 2 * _PROFILE_PIECES or not square.any():
         return 1.0
     block_means = [block.mean() for block in np.array_split(square, _PROFILE_PIECES)]
-    student = float(scipy.special.stdtrit(len(block_means) - 1, 0.975))
-    return student * float(np.std(block_means, ddof=1) / np.mean(block_means)) / math.sqrt(len(block_means))
+    error = float(np.std(block_means, ddof=1) / np.mean(block_means)) / math.sqrt(_PROFILE_PIECES)
+    return float(student(np.array(_PROFILE_PIECES - 1.0))) * error
 
 
 def _line_spectra(height: xr.DataArray, *, periodic: bool) -> list[tuple[np.ndarray, np.ndarray]]:
