@@ -185,7 +185,6 @@ SHARED = {
     "rs_profile.pro": ([0.5], np.s_[7:8]),
     "surfalize.sur": ([0.5, 0.75], np.s_[:]),
     "npl_profile.sdf": ([0.5], np.s_[7:8]),
-    "wsxm_matrix.txt": ([0.5, 0.75], np.s_[:]),
     "zygo_xyz.xyz": ([0.5, 0.5], np.s_[:]),
 }
 

@@ -155,27 +155,3 @@ def test_numbers_beyond_all_heights_are_missing_points(tmp_path, marker, kind):
     np.save(tmp_path / "map.npy", heights.astype(kind))
     read = read_height_map(tmp_path / "map.npy", dx=1, dy=1, unit="um")
     assert np.flatnonzero(np.isnan(read.values)).tolist() == [7]
-
-
-def test_lines_lost_of_a_list_of_points_are_named(tmp_path):
-    """All in one place, in any order of the list; scattered absent points are a measurement."""
-    y, x = np.indices((20, 30))
-    for one, two in ((x.ravel(), y.ravel()), (x.T.ravel(), y[::-1].T.ravel())):
-        lines = [f"{i} {j} {np.sin(i / 5) + j:.4f}" for i, j in zip(one, two, strict=True)]
-        for lost, words in (
-            (slice(205, 217), "12 points of the grid in a row have no line"),
-            (slice(200, 260, 7), ""),
-        ):
-            kept = [*lines]
-            del kept[lost]
-            (tmp_path / "list.txt").write_text("x y z\n" + "\n".join(kept))
-            said = read_height_map(tmp_path / "list.txt", unit="um").attrs["ingest_warnings"]
-            assert words in said
-            assert words or "have no line" not in said
-
-
-@pytest.mark.parametrize(("end", "cut"), [("0.250", False), ("0.2", True), ("0.2\n", False), ("NaN", False)])
-def test_a_text_that_ends_within_a_number_is_named(tmp_path, end, cut):
-    (tmp_path / "map.txt").write_text("\n".join(["1.250 2.375"] * 2 + ["3.125 4.500"] * 6 + [f"1.500 {end}"]))
-    said = read_height_map(tmp_path / "map.txt", dx=1, dy=1, unit="um").attrs["ingest_warnings"]
-    assert ("it seems to be cut off" in said) == cut

@@ -170,11 +170,6 @@ def test_a_map_that_was_written_comes_back_upright(tmp_path, kind):
     np.testing.assert_array_equal(again.values, height.values)
     assert again.attrs["first_row"] == "bottom"  # of that file
     assert height.attrs["first_row"] == first_row
-    # early versions wrote such maps as the file had them, y downwards, and said so
-    early = height.copy(data=F if first_row == "top" else DOWN)
-    del early.attrs["y_axis"]
-    write_dataset(early, tmp_path / "early.nc")
-    np.testing.assert_allclose(read_height_map(tmp_path / "early.nc").values[::-1], F, rtol=1e-9)
 
 
 def test_the_user_wins_over_the_file_with_a_warning(tmp_path):

@@ -79,10 +79,7 @@ def read(path: Path) -> MeasuredFile:
     return MeasuredFile(
         "netCDF",
         channels,
-        # in files of early versions of this project y ran downwards where the measured file began at the top
-        first_row="top"
-        if height_attrs.get("first_row") == "top" and "y_axis" not in height_attrs
-        else "bottom",
+        first_row="bottom",
         instrument=_instrument(height_attrs.get("instrument"), attributes),
         warnings=notes,
         stale=stale,

@@ -27,7 +27,7 @@ from roughcontact.io.markers import remove_marker_values
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.axes import axes_of, begins_anew
 from roughcontact.io.text.columns import Column, headed, layout, of_a_map, unit_of_heights
-from roughcontact.io.text.doubts import cut_number, refuse_lost_row, thousands
+from roughcontact.io.text.doubts import refuse_lost_row, thousands
 from roughcontact.io.text.header import (
     Stated,
     Statement,
@@ -110,7 +110,6 @@ def read(path: Path) -> MeasuredFile:
         texts.append(text)
         files.append(_file(text))
         files[-1].warnings += doubts
-    files[-1].warnings += cut_number(texts[-1].rows.texts, delimiter, path)
     file = files[0] if len(files) == 1 else _together(texts, files, path)
     first_values = texts[0].first_values
     file.instrument = instrument_metadata({key_: first_values.get(key) for key_, key in _INSTRUMENT.items()})
@@ -526,11 +525,11 @@ def _points(
         if not np.isfinite(table[:, :2]).all():
             raise InputFileError(f"{path}: a point of the list has no position")
         _refuse_repeated(x, y, lines, text)
-        heights, steps, (first_x, first_y), notes = points_on_grid(x, y, z, path)
+        heights, steps, (first_x, first_y) = points_on_grid(x, y, z, path)
         _refuse_lost_lines(heights.shape, first_values, path)
         stated_steps = {"d" + axis: step for axis, step in steps.items() if step}
-        if wrong := _against(text, stated_steps, lateral_unit, heights.shape):
-            notes = [*notes, f"{wrong}; the positions are used"]
+        wrong = _against(text, stated_steps, lateral_unit, heights.shape)
+        notes = [f"{wrong}; the positions are used"] if wrong else []
         channel = Channel(
             shape=heights.shape,
             read=lambda: heights,

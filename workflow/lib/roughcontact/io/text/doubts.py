@@ -12,8 +12,6 @@ from roughcontact.io.text.table import COMMENT_SIGNS, word_in_row
 _LENGTHS = {"length_x", "length_y", "dx", "dy", "step"}  # entries of a header with a decimal sign
 _MIN_CELLS = 10  # cells with three digits behind the mark, of which fewer say nothing
 _MAX_CELLS = 200_000  # cells that are compared column by column
-_MIN_COUNTED = 5  # rows or columns; fewer count 1, 2, 3, or have as many decimals, by chance
-_MAX_ENDS = 50  # rows whose decimals are compared with those of the last one
 
 
 def refuse_lost_row(
@@ -96,26 +94,3 @@ def _refuse_both_marks(body: list[str], path: Path) -> None:
             f"{path}: {matches[','][0][0]!r} and {matches['.'][0][0]!r} in one table: either mark may be the "
             "decimal sign or separate thousands; write the numbers without separators of thousands"
         )
-
-
-def cut_number(rows: list[str], delimiter: str | None, path: Path) -> list[str]:
-    r"""Return a warning where a text ends, without a line end, in a number shorter than all above it."""
-    ends = [cells[-1].strip() for line in rows[-_MAX_ENDS:] if (cells := line.split(delimiter))]
-    marked = [re.fullmatch(r"[-+]?\d+[.,](\d*)", end) for end in ends]
-    decimals = {len(match[1]) for match in marked[:-1] if match}
-    if len(marked) <= _MIN_COUNTED or not all(marked[:-1]) or len(decimals) > 1:
-        return []
-    if not re.fullmatch(r"[-+]?\d*[.,]?\d*", ends[-1]):
-        return []  # a word for a missing point
-    (usual,) = decimals
-    last = len(ends[-1].replace(",", ".").partition(".")[2])
-    with path.open("rb") as stream:
-        stream.seek(-2, 2)
-        if last >= usual or set(stream.read()) & set(b"\r\n"):
-            return []
-    return [
-        (
-            f"the text ends in {ends[-1]!r}, where the numbers above have {usual} decimals: it seems "
-            "to be cut off; export the map again"
-        )
-    ]

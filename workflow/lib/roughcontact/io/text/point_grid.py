@@ -12,8 +12,8 @@ from roughcontact.io.guards import check_points
 @np.errstate(all="ignore")  # infinite positions form no grid
 def points_on_grid(
     x: np.ndarray, y: np.ndarray, z: np.ndarray, path: Path
-) -> tuple[np.ndarray, dict[str, float | None], tuple[float, float], list[str]]:
-    """Return the map that points (n,) in any order form, its steps, first position (x, y) and notes.
+) -> tuple[np.ndarray, dict[str, float | None], tuple[float, float]]:
+    """Return the map that points (n,) in any order form, its steps and first position (x, y).
 
     Absent points are NaN, the step along an axis of one line is None. Positions are sorted into lines by gaps
     larger than half the largest one, which tolerates rounding.
@@ -21,7 +21,7 @@ def points_on_grid(
     Examples
     --------
     >>> x, y, z = np.array([[0, 0, 1], [2, 0, 2], [0, 3, 4], [2, 3, 5]]).T
-    >>> heights, steps, first, notes = points_on_grid(x, y, z, Path("points.txt"))
+    >>> heights, steps, first = points_on_grid(x, y, z, Path("points.txt"))
     >>> heights
     array([[1., 2.],
            [4., 5.]])
@@ -43,7 +43,7 @@ def points_on_grid(
     heights[row, column] = z
     lines = {"x": along_x, "y": along_y}
     steps = {name: even_step(along, name) if along.size > 1 else None for name, along in lines.items()}
-    return heights, steps, (float(along_x[0]), float(along_y[0])), _lost_lines(row, column)
+    return heights, steps, (float(along_x[0]), float(along_y[0]))
 
 
 def _refuse_cut_list(row: np.ndarray, column: np.ndarray, path: Path) -> None:
@@ -62,28 +62,6 @@ def _refuse_cut_list(row: np.ndarray, column: np.ndarray, path: Path) -> None:
                 raise InputFileError(
                     f"{path}: the list of points ends in the middle of a grid line: the file was cut off"
                 )
-
-
-def _lost_lines(row: np.ndarray, column: np.ndarray) -> list[str]:
-    """Return a warning where all absent points of a list in regular order are in one place of it."""
-    for line, across in ((row, column), (column, row)):
-        order = _by_appearance(line) * (across.max() + 1) + _by_appearance(across)
-        steps = np.diff(order)
-        if steps.min() > 0 and np.count_nonzero(steps > 1) == 1:
-            index = int(np.argmax(steps))
-            return [
-                (
-                    f"{steps[index] - 1} points of the grid in a row have no line, behind point {index + 1} "
-                    "of the list, and are taken as missing: lines were lost, or were not measured"
-                )
-            ]
-    return []
-
-
-def _by_appearance(numbers: np.ndarray) -> np.ndarray:
-    """Return each number's place among the different ones, in the order in which they first appear."""
-    _, first, inverse = np.unique(numbers, return_index=True, return_inverse=True)
-    return np.argsort(np.argsort(first))[inverse]
 
 
 def _grid_lines(positions: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
