@@ -4,7 +4,8 @@ A request names a file of heights, a load, a tolerance and where to write the pr
 seconds of the solve alone: neither imports, nor reading and writing of files, nor the first call are in it;
 whatever a code sets up anew for a solve (plans, operators, grids) is. With `rehearse`, the same is solved
 before, untimed, again and again for half a second: a process that has waited while others worked takes up to
-twice as long for its next tenths of a second, whatever it does. `peak_bytes` is how far the memory of the
+twice as long for its next tenths of a second, whatever it does. `processor_seconds` are those of its own
+process, which others on the machine hardly change. `peak_bytes` is how far the memory of the
 process rose above what it held before the solve.
 
 Only NumPy is needed here: the environments of all codes import this file.
@@ -44,16 +45,19 @@ def serve(pose, solve, versions: dict) -> None:
             start = time.perf_counter()
             while request.get("rehearse") and time.perf_counter() - start < REHEARSAL:
                 run()
-            start = time.perf_counter()
+            start, processor_start = time.perf_counter(), time.process_time()
             pressure, details = run()
         except Exception as error:  # a failed solve is a result of the benchmark, not its end
             print(json.dumps({"failure": f"{type(error).__name__}: {error}"}), file=answers)
             continue
-        seconds = time.perf_counter() - start
+        times = {
+            "seconds": time.perf_counter() - start,
+            "processor_seconds": time.process_time() - processor_start,
+        }
         peak = _memory("VmHWM") - held
         if request.get("pressure"):
             np.save(request["pressure"], pressure)
-        print(json.dumps({"seconds": seconds, "peak_bytes": peak} | details()), file=answers)
+        print(json.dumps(times | {"peak_bytes": peak} | details()), file=answers)
 
 
 def _memory(name: str, *, reset_peak: bool = False) -> int:

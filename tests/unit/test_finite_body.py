@@ -6,8 +6,11 @@ import pytest
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.stages import settings_of
-from roughcontact.maps import height_map, spacing
+from roughcontact.maps import height_map, roughness_of, spacing
 from roughcontact.references.closed_forms import hertz, hertz_ellipse
+from roughcontact.report.charts import chart_of
+from roughcontact.report.map_plots import pressure_map
+from roughcontact.statistics.finite_body import hertz_axes
 from roughcontact.window.finite_body import finite_body
 
 FREE = {"contact_modulus": 115e9, "boundary": "free", "force": "5 N"}
@@ -45,6 +48,42 @@ def test_roughness_lowers_the_area_and_raises_the_pressure():
     assert answer["area_persson"].isnull().all()
     assert answer["gap_percolates_x"].isnull().all()
     assert answer["verdict"].item() in (0, 1)
+
+
+def test_loaded_radius_and_theory_beside_hertz():
+    answer = rc.evaluate(ground(1e-10), contact=FREE, form={"radius": "5 mm"})
+    assert answer["loaded_radius"].item() == pytest.approx(answer["hertz_radius"].item(), rel=2e-3)
+    rough = rc.evaluate(ground(1.5e-7), contact=FREE, form={"radius": "5 mm"})
+    assert rough["loaded_radius"].item() > 1.01 * rough["hertz_radius"].item()
+    # the theory has the same form: a wider circle, under a lower nominal pressure
+    assert rough["greenwood_tripp_loaded_radius"].item() == pytest.approx(
+        rough["loaded_radius"].item(), rel=0.1
+    )
+    assert rough["greenwood_tripp_max_pressure"] < rough["hertz_max_pressure"]
+    assert rough["greenwood_tripp_contact_area"] < np.pi * rough["hertz_radius"] ** 2
+    ellipsoid = rc.evaluate(ground(1.5e-7), contact=FREE, form={"radius": ["5 mm", "10 mm"]})
+    assert "greenwood_tripp_loaded_radius" not in ellipsoid
+
+
+def test_roughness_of_a_body_is_the_map():
+    map_ = ground(1e-7, (40, 50))
+    for form in ({"radius": [2e-3, 3e-3]}, {"edges": True}, {"radius": [2e-3], "edges": True}):
+        roughness = roughness_of(finite_body(map_, **form))
+        np.testing.assert_allclose(roughness.values, map_.values, atol=1e-18 + 1e-9 * np.ptp(map_.values))
+
+
+def test_ellipse_of_hertz_on_the_map_of_pressure():
+    body = finite_body(ground(1e-10, (128, 160)), radius=[10e-3, 5e-3])
+    contact = rc.solve_contact(body, **FREE | {"force": 2.0})
+    a, b = hertz_axes(body, contact, 0)
+    for axis, semi_axis in (("x", a), ("y", b)):
+        touching = contact["contact"][0].any("y" if axis == "x" else "x").sum().item() * 5e-6 / 2
+        assert touching == pytest.approx(semi_axis, abs=5e-6)
+    pressure = contact["pressure"].values[0]
+    outline = max(
+        chart_of(pressure_map, body, pressure, ellipse=(a, b)).source("below").split("%3C"), key=len
+    )
+    assert outline != max(chart_of(pressure_map, body, pressure).source("below").split("%3C"), key=len)
 
 
 def test_hardness_limits_the_pressure_of_a_study():

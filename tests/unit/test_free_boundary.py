@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from free_bodies import rough_body
 from scipy.integrate import dblquad, quad
 from scipy.special import j0
 
 import roughcontact as rc
-from roughcontact.elasticity.free_space import FADE, TruncatedKernel, love
+from roughcontact.elasticity.free_space import FADE, TruncatedKernel, even_transform, love
 from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.fourier import wavevectors
 from roughcontact.maps import height_map
@@ -27,24 +28,10 @@ def paraboloid(radius_x, radius_y, points=POINTS):
     return height_map(-(x**2) / (2 * radius_x) - y**2 / (2 * radius_y), 1 / points)
 
 
-def rough_body(seed, points):
-    """Return the heights of a rough ball, block or ellipsoid on a square of side 1, and a force over E*."""
-    rng, (x, y) = np.random.default_rng(seed), coordinates(points)
-    waves = np.fft.fftfreq(points, 1 / points)
-    k = np.hypot(waves[:, None], waves)
-    band = (k >= rng.integers(2, 10)) & (k <= points / 6)
-    decay = np.where(band, np.maximum(k, 1) ** -(1 + rng.uniform(0.4, 1)), 0)
-    rough = np.fft.ifft2(np.fft.fft2(rng.standard_normal((points, points))) * decay).real
-    rough *= 10 ** rng.uniform(-4, -2.3) / rough.std()
-    if seed % 3 == 0:
-        form, force = -(x**2 + y**2) / 10, 4 / 15 * rng.uniform(0.08, 0.35) ** 3
-    elif seed % 3 == 1:
-        side = rng.uniform(0.1, 0.3)
-        form = np.where(np.maximum(abs(x), abs(y)) < side, 0.0, -0.3)
-        force = 4 * side**2 * rough.std() * rng.uniform(0.5, 20)
-    else:
-        form, force = -(x**2 / 0.5 + y**2 / 4) / 2, 10 ** rng.uniform(-4, -2.2)
-    return height_map(rough + form, 1 / points), force
+def rough_body_map(seed, points):
+    """Return the map of a rough ball, block or ellipsoid, and a force over E*."""
+    heights, force = rough_body(seed, points)
+    return height_map(heights, 1 / points), force
 
 
 @pytest.mark.parametrize("influence", ["sampled", "elements"])
@@ -60,6 +47,15 @@ def test_kernel_of_elements_is_exact_up_to_its_reach():
     symbol[0, 0] = kernel.mean_displacement(shape, spacing)
     response = np.fft.irfft2(symbol, shape)[:30, :20]
     np.testing.assert_allclose(response, love((30, 20), spacing), rtol=1e-12)
+
+
+@pytest.mark.parametrize("shape", [(12, 10), (9, 10), (12, 7), (9, 7)])
+def test_transform_of_an_even_field(shape):
+    quarter = np.random.default_rng(0).random((shape[0] // 2 + 1, shape[1] // 2 + 1))
+    rows, columns = (np.minimum(np.arange(n), n - np.arange(n)) for n in shape)
+    np.testing.assert_allclose(
+        even_transform(quarter, shape), np.fft.rfft2(quarter[np.ix_(rows, columns)]), atol=1e-12
+    )
 
 
 def test_sampled_symbol_is_the_transform_of_the_kernel():
@@ -138,7 +134,7 @@ def free_norm(pressure):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_bound_is_above_the_error(seed):
-    body, force = rough_body(seed, 96)
+    body, force = rough_body_map(seed, 96)
     exact = rc.solve_contact(body, force=force, tolerance=1e-9, **STEEL)["pressure"].values[0]
     periodic = HalfSpace((96, 96), (1.0, 1.0))
     norm = np.sqrt((exact * periodic.displacement(exact)).mean())
@@ -163,7 +159,7 @@ def test_asperity_far_from_the_contact_of_coarse_grid():
 
 
 def test_numbers_do_not_depend_on_units_and_orientation():
-    body, force = rough_body(3, 96)
+    body, force = rough_body_map(3, 96)
     contact = rc.solve_contact(body, force=force, **STEEL)
     small = height_map(body.values * 1e-6, 1e-6 / 96)
     scaled = rc.solve_contact(small, boundary="free", contact_modulus="1 GPa", force=force * 1e-12 * 1e9)

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.optimize import brentq
 from scipy.special import erf
 
+from roughcontact.references.closed_forms import hertz
 from roughcontact.statistics import theory
 
 
@@ -69,3 +71,48 @@ def test_greenwood_williamson_rises_and_ends_at_full_contact():
 def test_greenwood_williamson_needs_a_spread_of_summits(missing):
     area = theory.greenwood_williamson_area([1e5, 1e6], SUMMITS | missing, contact_modulus=MODULUS)
     assert np.isnan(area).all()
+
+
+BALL = hertz(1e-4, 1.0, 1.0)  # E* = 1, R = 1
+
+
+def rough_ball(alpha, mu, tip=1e-3):
+    """Return spread and density of summits for the numbers of Johnson (1985), eqs. (13.49), (13.50)."""
+    spread = alpha * BALL["approach"]
+    summits = {"density": mu / (8 / 3 * spread * np.sqrt(2 * tip)), "mean_radius": tip, "height_std": spread}
+    return summits, theory.greenwood_tripp(1e-4, 1.0, summits, contact_modulus=1.0)
+
+
+@pytest.mark.parametrize("mu", [4.0, 17.0])
+def test_greenwood_tripp_of_a_smooth_ball_is_hertz(mu):
+    _, ball = rough_ball(1e-5, mu)
+    assert ball["max_pressure"] == pytest.approx(BALL["max_pressure"], rel=3e-4)
+    assert ball["loaded_radius"] == pytest.approx(BALL["contact_radius"], rel=3e-4)
+    assert np.isnan(ball["contact_area"])  # more than touches: summits so near are not independent
+
+
+def test_greenwood_tripp_leaves_hertz_where_it_is_published():
+    """Below α = 0.05 the error of Hertz is at most about 7 % (Johnson 1985, p. 421), for μ = 4 and 17."""
+    errors = [1 - rough_ball(0.05, mu)[1]["max_pressure"] / BALL["max_pressure"] for mu in (4.0, 17.0)]
+    assert max(errors) == pytest.approx(0.07, abs=0.005)
+    assert min(errors) > 0.03
+
+
+def test_greenwood_tripp_of_hard_balls():
+    """Without displacement of the bulk: F = 2π R s c ∫ F_{3/2} dt from t0 on, with p(0) = c F_{3/2}(t0)."""
+    summits, ball = rough_ball(1e4, 4.0)
+    spread = summits["height_std"]
+    scale = 4 / 3 * summits["density"] * np.sqrt(summits["mean_radius"]) * spread**1.5
+
+    def moment(order, t):
+        return quad(lambda u: u**order * np.exp(-((t + u) ** 2) / 2), 0, 12)[0] / np.sqrt(2 * np.pi)
+
+    t = brentq(lambda t: moment(1.5, t) - ball["max_pressure"] / scale, -2, 8)
+    assert 2 * np.pi * spread * scale * moment(2.5, t) / 2.5 == pytest.approx(1e-4, rel=3e-3)
+    area = np.pi * summits["density"] * summits["mean_radius"] * spread
+    assert ball["contact_area"] == pytest.approx(2 * np.pi * spread * area * moment(2, t) / 2, rel=3e-3)
+
+
+def test_greenwood_tripp_needs_a_spread_of_summits():
+    flat = {"density": 0.0, "mean_radius": np.nan, "height_std": 0.0}
+    assert np.isnan([*theory.greenwood_tripp(1.0, 1.0, flat, contact_modulus=1.0).values()]).all()

@@ -11,6 +11,8 @@ from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.si import quantity_in
 from roughcontact.units import carries_unit, unknown_unit, value_of
 
+RIM = 2  # points of lower height beyond the edges of a body of finite size
+
 
 def height_map(
     values: npt.ArrayLike,
@@ -171,3 +173,14 @@ def refined(window: xr.DataArray, factor: int) -> xr.DataArray:
         values = np.fft.irfft(spectrum, points * factor, axis=axis) * factor
     steps = [step / factor if n > 1 else step for n, step in zip(window.shape, spacing(window), strict=True)]
     return height_map(values, steps)
+
+
+def roughness_of(body: xr.DataArray) -> xr.DataArray:
+    """Return the map (y, x; m) of which `window.finite_body` made a body, without its form and edges."""
+    rim = slice(RIM, -RIM) if body.attrs.get("form_edges") else slice(None)
+    roughness = body.isel(y=rim, x=rim)
+    if "form_radius_x" not in body.attrs:
+        return roughness
+    y, x = (roughness[axis] - (roughness[axis][0] + roughness[axis][-1]) / 2 for axis in "yx")
+    form = x**2 / (2 * body.attrs["form_radius_x"]) + y**2 / (2 * body.attrs["form_radius_y"])
+    return (roughness + form).transpose("y", "x").assign_attrs(body.attrs)

@@ -22,7 +22,7 @@ from roughcontact.contact.nested_iteration import first_guess, nested_heights
 from roughcontact.contact.problem import nondimensionalise, on_host
 from roughcontact.contact.state import State
 from roughcontact.elasticity.energy import elastic_energy
-from roughcontact.elasticity.free_space import FADE, TruncatedKernel, love
+from roughcontact.elasticity.free_space import FADE, TruncatedKernel, even_transform, love
 from roughcontact.errors import ConvergenceError, HeightMapError, SettingsError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 
@@ -190,6 +190,7 @@ class FreeBody:
             (self.spacing[0] * factor, self.spacing[1] * factor),
             modulus=self.modulus,
             hardness=self.hardness,
+            influence=self.influence,
         )
         cell = Cell(coarse, coarse._region(np.ones((ny, nx), bool), 0), force)
         cell.solve(None, tolerance=COARSE_TOLERANCE)
@@ -228,7 +229,7 @@ class FreeBody:
         sides = (region.rows, region.columns)
         # each offset between a loaded point and one of the map has its own element of the transform
         sizes = [2 * max(side.stop, n - side.start) for n, side in zip(pressure.shape, sides, strict=True)]
-        shape = fft.next_fast_len(sizes[0], real=True), fft.next_fast_len(sizes[1], real=True)
+        shape = 2 * fft.next_fast_len(sizes[0] // 2), 2 * fft.next_fast_len(sizes[1] // 2)
         with fft.set_workers(self.threads):
             spectrum = fft.rfft2(loaded, shape) * _free_symbol(shape, self.spacing)
             displacement = fft.irfft2(spectrum, shape)
@@ -362,8 +363,4 @@ class Cell:
 @lru_cache(maxsize=2)
 def _free_symbol(shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarray:
     """Return the transform of Love's kernel on a grid, exact up to half of it."""
-    from scipy import fft
-
-    kernel = love((shape[0] // 2 + 1, shape[1] // 2 + 1), spacing)
-    rows, columns = (np.minimum(i, n - i) for n in shape for i in [np.arange(n)])
-    return np.asarray(fft.rfft2(kernel[np.ix_(rows, columns)]).real)
+    return even_transform(love((shape[0] // 2 + 1, shape[1] // 2 + 1), spacing), shape)

@@ -58,13 +58,22 @@ class TruncatedKernel:
 @lru_cache(maxsize=1)
 def _transform_of_elements(shape: tuple[int, int], spacing: tuple[float, float], reach: float) -> np.ndarray:
     """Return the symbol (ny, nx // 2 + 1) of Love's kernel, faded beyond the reach, kept for one grid."""
+    quarter = shape[0] // 2 + 1, shape[1] // 2 + 1
+    distance = np.hypot(
+        *(i * d / reach for i, d in zip(np.ogrid[: quarter[0], : quarter[1]], spacing, strict=True))
+    )
+    fade = np.clip((FADE - distance) / (FADE - 1), 0, 1)
+    return even_transform(love(quarter, spacing) * fade, shape)
+
+
+def even_transform(quarter: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Return the transform (ny, nx // 2 + 1) of a field even along both axes, given by a quarter."""
     from scipy import fft
 
     rows, columns = (np.minimum(i, n - i) for n in shape for i in [np.arange(n)])
-    distance = np.hypot(rows[:, None] * spacing[0], columns * spacing[1])
-    fade = np.clip((FADE - distance / reach) / (FADE - 1), 0, 1)
-    kernel = love(tuple(n // 2 + 1 for n in shape), spacing)[np.ix_(rows, columns)]
-    return np.asarray(fft.rfft2(kernel * fade).real)
+    if shape[0] % 2 or shape[1] % 2:  # the cosine transform is of even sides
+        return np.asarray(fft.rfft2(quarter[np.ix_(rows, columns)]).real)
+    return np.asarray(fft.dctn(quarter, type=1)[rows])
 
 
 def love(shape: tuple[int, ...], spacing: tuple[float, float]) -> np.ndarray:

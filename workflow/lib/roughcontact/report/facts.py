@@ -75,11 +75,20 @@ def _finite_body(numbers: xr.Dataset) -> str:
     def text(name: str, unit: str) -> str:
         return quantity(float(numbers[name][load]), unit)
 
-    contact = f"radius of the area in contact {text('contact_radius', 'm')}"
+    contact = (
+        f"radius of the area in contact {text('contact_radius', 'm')}, of the loaded circle "
+        f"{text('loaded_radius', 'm')}, largest pressure {text('max_pressure', 'Pa')}"
+    )
     if "hertz_radius" in numbers:
         contact += (
             f", that of the smooth body (Hertz) {text('hertz_radius', 'm')} with a largest pressure of "
             f"{text('hertz_max_pressure', 'Pa')} and an approach of {text('hertz_approach', 'm')}"
+        )
+    if "greenwood_tripp_loaded_radius" in numbers:
+        contact += (
+            f"; independent summits on the ball (Greenwood and Tripp): loaded circle "
+            f"{text('greenwood_tripp_loaded_radius', 'm')}, largest nominal pressure "
+            f"{text('greenwood_tripp_max_pressure', 'Pa')}"
         )
     return (
         f"{contact}, at {text('force', 'N')}; the ± is that of the solver alone: pixel size, other places on "

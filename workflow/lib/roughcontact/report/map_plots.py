@@ -51,6 +51,10 @@ def height_map(
         shown = zip(profiles, COLOURS, strict=False)  # no more than there are colours
         lines = [(row, f"profile {index}", colour) for index, (row, colour) in enumerate(shown, 1)]
         return _profile(height, lines, label="height", unit=unit, along=along)
+    outline = None
+    if rectangle is not None:
+        x, y, width, depth = rectangle
+        outline = np.array([x, x + width, x + width, x, x]), np.array([y, y, y + depth, y + depth, y])
     values = height.values - np.nanmean(height.values)
     lowest, highest = np.nanpercentile(values, [0.1, 99.9])  # a few spikes must not take up the colour scale
     return _map(
@@ -63,7 +67,7 @@ def height_map(
         limits=(lowest, highest),
         extend=(True, True),
         bad_word="not measured",
-        frame=rectangle,
+        outline=outline,
         along=along,
     )
 
@@ -97,11 +101,13 @@ def pressure_map(
     *,
     highest: float | None = None,
     unit: Unit = _MEGAPASCALS,
+    ellipse: tuple[float, float] | None = None,
 ) -> Chart:
     """Draw the contact pressure (Pa) over the window, no contact in grey; a profile is drawn as a line.
 
-    `height` gives the coordinates; `highest` (Pa) is the pressure of the last colour, by default that of
-    `common_limits` for this load alone.
+    `height` gives the coordinates; `ellipse` (semi-axes along x and y, m), about the middle, is outlined;
+    `highest` (Pa) is the pressure of the last colour, by default that of `common_limits` for this
+    load alone.
 
     Examples
     --------
@@ -114,6 +120,11 @@ def pressure_map(
     if 1 in pressure.shape:
         return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit=unit)
     highest = common_limits([(pressure, pressure)])[0] if highest is None else highest
+    outline = None
+    if ellipse is not None:
+        angle = np.linspace(0, 2 * np.pi, 181)
+        (ly, lx), (a, b) = side_lengths(height), ellipse
+        outline = lx / 2 + a * np.cos(angle), ly / 2 + b * np.sin(angle)
     return _map(
         height,
         np.where(pressure > 0, pressure, np.nan),
@@ -124,6 +135,7 @@ def pressure_map(
         limits=(0, highest),
         extend=(False, bool((pressure > highest).any())),
         bad_word="no contact",
+        outline=outline,
     )
 
 
@@ -228,7 +240,7 @@ def _map(
     bad_word: str,
     limits: tuple[float, float],
     extend: tuple[bool, bool] = (False, False),
-    frame: Frame | None = None,
+    outline: tuple[np.ndarray, np.ndarray] | None = None,
     along: Unit | None = None,
 ) -> Chart:
     """Draw values over the extent of `height`; NaN in the colour `bad`, an arrow where colours end early."""
@@ -246,11 +258,10 @@ def _map(
         bad_word=bad_word,
         extend=extend,
     )
-    if frame is not None:
-        x, y, width, depth = (value * factor for value in frame)
-        corners = np.array([x, x + width, x + width, x, x]), np.array([y, y, y + depth, y + depth, y])
+    if outline is not None:
+        x, y = (coordinate * factor for coordinate in outline)
         for colour, line in (("#ffffff", 4.0), ("#d00000", 2.0)):
-            chart.line(*corners, colour=colour, width=line)
+            chart.line(x, y, colour=colour, width=line)
     return chart
 
 

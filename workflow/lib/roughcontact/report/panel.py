@@ -24,6 +24,7 @@ from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
 from roughcontact.statistics import checks
+from roughcontact.statistics.finite_body import hertz_axes
 
 _LINE = 150  # letters of a reason; a line of a wide page has some 170
 
@@ -216,7 +217,13 @@ def _fields(
             pressure, gap = maps(load)
             area = percent(np.count_nonzero(pressure > 0) / pressure.size)
             pictures = (
-                map_plots.pressure_map(window, pressure, highest=highest, unit=of_pressure),
+                map_plots.pressure_map(
+                    window,
+                    pressure,
+                    highest=highest,
+                    unit=of_pressure,
+                    ellipse=hertz_axes(window, numbers, load),
+                ),
                 map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap),
             )
             mean = of_pressure.text(float(contact["mean_pressure"][load]))

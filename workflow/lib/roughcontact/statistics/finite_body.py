@@ -5,8 +5,10 @@ import xarray as xr
 
 from roughcontact.contact.dataset import influence_of
 from roughcontact.contact.free_boundary import FreeBody
-from roughcontact.maps import spacing
+from roughcontact.maps import roughness_of, spacing
 from roughcontact.references.closed_forms import hertz_ellipse
+from roughcontact.roughness.summits import summit_statistics
+from roughcontact.statistics.theory import greenwood_tripp
 
 THEORIES = ("area_persson", "area_xu", "area_bush_gibson_thomas", "area_greenwood_williamson")
 _PASSAGE = ("gap_percolates", "critical_constriction")
@@ -19,14 +21,17 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
     The stiffness per area of the map is that of a flat punch on the points in contact, for these stay in
     contact under a further force; heat and current flow in proportion (Barber 2003, Proc. R. Soc. A 459, 53).
     The energy per area is half the mean of the pressure times the displacement, height - approach in contact.
+    `loaded_radius` is 3F/(4 E* u) with the displacement u in the middle, of the contact where Hertz holds.
     The theories of endless surfaces are NaN; the gap has no sides between which it could be open.
     """
+    from scipy.ndimage import map_coordinates  # imported late, as few maps are bodies
+
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)
     map_area = height.size * steps[0] * steps[1]
     area = statistics["relative_contact_area"].values * map_area
     forces = contact["force"].values
-    stiffness, energy = np.empty_like(area), np.empty_like(area)
+    stiffness, energy, loaded_radius = (np.empty_like(area) for _ in range(3))
     for load, force in enumerate(forces):
         pressure = contact["pressure"].isel(load=load).values
         approach = float(contact["approach"][load])
@@ -34,6 +39,9 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
         body = FreeBody(punch, steps, modulus=modulus, influence=influence_of(contact))
         solution = body.solve(float(force), tolerance=_STIFFNESS_TOLERANCE)
         stiffness[load] = force / -solution.approach / map_area
+        displacement = height.values - approach + contact["gap"].isel(load=load).values
+        in_the_middle = map_coordinates(displacement, [[(n - 1) / 2] for n in height.shape], order=3)
+        loaded_radius[load] = 0.75 * force / (modulus * in_the_middle.item())
         energy[load] = 0.5 * float((pressure * (height.values - approach)).mean())
     scale = xr.Variable("load", stiffness / statistics["contact_stiffness"].values)
     columns_ = {str(name): statistics[name].variable for name in statistics}
@@ -52,6 +60,7 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
         "elastic_energy": energy,
         "contact_area": area,
         "contact_radius": np.sqrt(area / np.pi),
+        "loaded_radius": loaded_radius,
     }
     if "form_radius_x" in height.attrs:
         radii = float(height.attrs["form_radius_x"]), float(height.attrs["form_radius_y"])
@@ -61,5 +70,20 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
         )
         columns["hertz_max_pressure"] = np.array([ellipse["max_pressure"] for ellipse in smooth])
         columns["hertz_approach"] = np.array([ellipse["approach"] for ellipse in smooth])
+        if radii[0] == radii[1]:  # the theory is of a ball
+            summits = summit_statistics(roughness_of(height))
+            rough = [greenwood_tripp(float(f), radii[0], summits, contact_modulus=modulus) for f in forces]
+            for name in rough[0]:
+                columns[f"greenwood_tripp_{name}"] = np.array([numbers[name] for numbers in rough])
     columns_ |= {name: xr.Variable("load", values) for name, values in columns.items()}
     return statistics.assign(columns_).assign_coords(force=("load", forces))
+
+
+def hertz_axes(body: xr.DataArray, numbers: xr.Dataset, load: int) -> tuple[float, float] | None:
+    """Return the semi-axes (x, y; m) of the contact of the smooth body (Hertz); None without a form."""
+    if "form_radius_x" not in body.attrs:
+        return None
+    radii = body.attrs["form_radius_x"], body.attrs["form_radius_y"]
+    smooth = hertz_ellipse(float(numbers["force"][load]), radii, float(numbers["contact_modulus"]))
+    axes = smooth["major"], smooth["minor"]
+    return axes if radii[0] >= radii[1] else axes[::-1]

@@ -7,11 +7,11 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.errors import HeightMapError
-from roughcontact.maps import height_map, spacing
+from roughcontact.maps import RIM, height_map, spacing
 from roughcontact.window.instrument import window_arguments
 from roughcontact.window.periodic_window import periodic_window
 
-_RIM, _DEPTH = 2, 10.0  # points beyond an edge, and their depth in units of the side of the map
+_DEPTH = 10.0  # of the points beyond an edge, over the range of heights or a thousandth of the side
 
 
 def solved_map(levelled: xr.DataArray, settings: Mapping[str, Any]) -> xr.DataArray:
@@ -40,10 +40,11 @@ def finite_body(
         heights = heights - x**2 / (2 * radius[0]) - y[:, None] ** 2 / (2 * radius[-1])
     if edges:
         below = float(heights.min()) - _DEPTH * max(np.ptp(heights), max(heights.shape) * max(steps) * 1e-3)
-        heights = np.pad(heights, _RIM, constant_values=below)
+        heights = np.pad(heights, RIM, constant_values=below)
     body = height_map(heights, steps)
-    margin = _RIM if edges else 0
+    margin = RIM if edges else 0
     first = {axis: float(roughness[axis][0]) - margin * step for axis, step in zip("yx", steps, strict=True)}
     body = body.assign_coords({axis: body[axis] - body[axis][0] + first[axis] for axis in "yx"})
     stated = {"form_radius_x": radius[0], "form_radius_y": radius[-1]} if radius else {}
+    stated |= {"form_edges": 1} if edges else {}
     return body.assign_attrs(roughness.attrs | stated | {"boundary": "free"})
