@@ -160,7 +160,7 @@ def _channel(info: Any, file_format: Format, path: Path) -> Channel:
     shape = (1, info.nb_grid_pts[0]) if len(info.nb_grid_pts) == 1 else tuple(info.nb_grid_pts[::-1])
     check_points(shape, path)
     lateral_unit, height_unit, no_height = _units(info)
-    refused = f"{path}: channel {info.channel_id!r} cannot be read"
+    units: dict[str, Any] = {"height_unit": height_unit, "lateral_unit": lateral_unit, "no_height": no_height}
     try:
         topography = info.topography()
         values = topography.heights()
@@ -169,23 +169,16 @@ def _channel(info: Any, file_format: Format, path: Path) -> Channel:
             f"{path}: channel {info.channel_id!r} is incomplete: the file was cut off"
         ) from error
     except Exception as error:
-        refused = f"{refused} ({brief(error)})"
+        refused = f"{path}: channel {info.channel_id!r} cannot be read ({brief(error)})"
         if not no_height:
             raise InputFileError(refused) from error
-        attributes: dict[str, Any] = {
-            "height_unit": height_unit,
-            "lateral_unit": lateral_unit,
-            "no_height": no_height,
-        }
-        return Channel(info.channel_id, shape, unreadable(refused), **attributes)
-    if isinstance(topography.unit, str):
-        lateral_unit = topography.unit  # the library converts steps and heights to one unit
-        if is_length(height_unit):
-            height_unit = topography.unit
-    attributes = {"height_unit": height_unit, "lateral_unit": lateral_unit, "no_height": no_height}
+        return Channel(info.channel_id, shape, unreadable(refused), **units)
+    if isinstance(topography.unit, str):  # the library converts steps and heights to one unit
+        units["lateral_unit"] = topography.unit
+        units["height_unit"] = topography.unit if is_length(height_unit) else height_unit
     if not topography.is_uniform:
         uneven = UnevenPositionsError("the positions along x are not evenly spaced")
-        return scattered(info.channel_id, topography.positions(), None, values, uneven, **attributes)
+        return scattered(info.channel_id, topography.positions(), None, values, uneven, **units)
     heights = as_heights(values, str(path))
     if topography.dim == 2:
         heights = heights.T
@@ -195,7 +188,7 @@ def _channel(info: Any, file_format: Format, path: Path) -> Channel:
         heights[not_measured] = np.nan
     dx, dy = _steps(topography, file_format, header)
     notes = file_format.sign_notes(header)
-    return Channel(info.channel_id, heights.shape, lambda: heights, dx=dx, dy=dy, notes=notes, **attributes)
+    return Channel(info.channel_id, heights.shape, lambda: heights, dx=dx, dy=dy, notes=notes, **units)
 
 
 def _units(info: Any) -> tuple[str | None, str | None, str]:

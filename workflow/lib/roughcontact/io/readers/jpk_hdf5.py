@@ -87,23 +87,19 @@ def _frames(
     frames = array.shape[1]
     no_height = "by its name no topography" if is_length(unit) and rank == len(_HEIGHTS) else ""
     label = _text(attributes.get("channel.fancy-name", quantity))
-    return [
-        (
-            rank,
-            Channel(
-                f"{before}{label} ({direction}" + (f", frame {frame + 1})" if frames > 1 else ")"),
-                (ny, nx),
-                partial(_read, path, array.name, frame, (ny, nx), scale),
-                height_unit=unit or "no unit",
-                dx=float(attrs_of_measurement[_GRID + "ulength"]) / nx,
-                dy=float(attrs_of_measurement[_GRID + "vlength"]) / ny,
-                lateral_unit=lateral_unit,
-                no_height=no_height,
-                notes=list(notes),
-            ),
-        )
-        for frame in range(frames)
-    ]
+    attributes_of_channel: dict[str, Any] = {
+        "height_unit": unit or "no unit",
+        "dx": float(attrs_of_measurement[_GRID + "ulength"]) / nx,
+        "dy": float(attrs_of_measurement[_GRID + "vlength"]) / ny,
+        "lateral_unit": lateral_unit,
+        "no_height": no_height,
+    }
+    channels = []
+    for frame in range(frames):
+        name = f"{before}{label} ({direction}{f', frame {frame + 1}' if frames > 1 else ''})"
+        read_frame = partial(_read, path, array.name, frame, (ny, nx), scale)
+        channels.append((rank, Channel(name, (ny, nx), read_frame, notes=[*notes], **attributes_of_channel)))
+    return channels
 
 
 def _read(

@@ -209,7 +209,7 @@ def _file(text: _Text) -> MeasuredFile:
     """Return the file contents; header and headings decide on its kind, then the form of the columns."""
     values, columns, first_values = text.table.values, text.columns, text.first_values
     rows, count = values.shape
-    _refuse_cut_table(values.shape, first_values, text.counts, text.path)
+    _refuse_cut_table(text)
     column_layout = None
     if columns is not None and any(column.name for column in columns):
         if not (column_layout := layout(columns)) and not of_a_map(columns):
@@ -362,11 +362,7 @@ def _is_stated_matrix(values: np.ndarray, first_values: dict[str, Any]) -> bool:
     rows, count = values.shape
     if first_values.get("nx") is not None or first_values.get("ny") is not None:
         return first_values.get("nx") in (count, None) and first_values.get("ny") in (rows, None)
-    if not (
-        {"step"} <= set(first_values)
-        or {"length_x", "length_y"} <= set(first_values)
-        or {"dx", "dy"} <= set(first_values)
-    ):
+    if not any(sizes <= {*first_values} for sizes in ({"step"}, {"length_x", "length_y"}, {"dx", "dy"})):
         return False
     if not np.isfinite(values[:, : count - 1]).all():
         return True
@@ -380,24 +376,20 @@ def _is_stated_matrix(values: np.ndarray, first_values: dict[str, Any]) -> bool:
     return min(lines) < 3 or lines[0] * lines[1] != rows
 
 
-def _refuse_cut_table(
-    shape: tuple[int, ...], first_values: dict[str, Any], counts: list[int], path: Path
-) -> None:
+def _refuse_cut_table(text: _Text) -> None:
     """Refuse a table with fewer rows than the file states."""
-    rows, columns = shape
-    stated = first_values.get("count")
-    if len(counts) == 1:
-        stated = counts[0]
-    elif counts:
-        if sorted(counts) != sorted(shape) and counts[0] * counts[1] != rows:
-            raise InputFileError(
-                f"{path}: the line above the table says {counts[0]} and {counts[1]}, the table has {rows} "
-                f"rows of {columns} numbers; it was cut off or changed"
+    (rows, columns), counts = text.table.values.shape, text.counts
+    if len(counts) == 2:
+        if sorted(counts) != sorted((rows, columns)) and counts[0] * counts[1] != rows:
+            raise text.refuse(
+                f"the line above the table says {counts[0]} and {counts[1]}, the table has {rows} rows of "
+                f"{columns} numbers; it was cut off or changed"
             )
         return
-    if stated is not None and stated > rows and stated not in (columns, rows * columns):
-        raise InputFileError(
-            f"{path}: the file says {stated:g} points, the table has {rows} rows; it was cut off or changed"
+    stated = counts[0] if counts else text.first_values.get("count", 0)
+    if stated > rows and stated not in (columns, rows * columns):
+        raise text.refuse(
+            f"the file says {stated:g} points, the table has {rows} rows; it was cut off or changed"
         )
 
 
@@ -417,11 +409,9 @@ def _matrix(table: np.ndarray, text: _Text, positions: dict[str, float] | None =
     """Return a matrix of heights, with steps or size from the header, or by the positions beside it."""
     ny, nx = table.shape
     first_values, path = text.first_values, text.path
-    _refuse_lost_lines(table.shape, first_values, path, "the file has")
+    _refuse_lost_lines(table.shape, text, "the file has")
     if ny == 1 and "length_y" in first_values:
-        raise InputFileError(
-            f"{path}: the header gives a size along y, the file has one line; it was cut off"
-        )
+        raise text.refuse("the header gives a size along y, the file has one line; it was cut off")
     wrong = contradiction(text.stated, table.shape)
     steps, lateral_unit = ({}, None) if wrong else _steps(first_values, {"x": nx, "y": ny}, path)
     steps = {axis: step for axis in "xy" if (step := (positions or {}).get("d" + axis))} | steps
@@ -430,15 +420,10 @@ def _matrix(table: np.ndarray, text: _Text, positions: dict[str, float] | None =
     if wrong:
         channel.otherwise = replace(channel)
         channel.doubt = f"{wrong}; {_SCALE_ADVICE}"
-    elif {"length_x", "length_y"} <= set(first_values) and not {"dx", "dy", "step", "nx", "ny"} & set(
-        first_values
-    ):
-        channel.size_rounding = tuple(
-            first_values[f"length_{axis}_rounding"] / first_values[f"length_{axis}"]
-            if first_values[f"length_{axis}"]
-            else 0.0
-            for axis in "xy"
-        )
+    elif "length_x" in first_values and _SIZES & {*first_values} == {"length_x", "length_y"}:
+        lengths = [first_values[f"length_{axis}"] or np.inf for axis in "xy"]
+        roundings = [first_values[f"length_{axis}_rounding"] for axis in "xy"]
+        channel.size_rounding = tuple(np.divide(roundings, lengths))
     assumed = not _SIZES & set(first_values)  # programs that write sizes begin at the top
     return MeasuredFile("text matrix", [channel], first_row="top", first_row_assumed=assumed)
 
@@ -458,7 +443,7 @@ def _profile(
     traces = len(traces_) > 1 and are_traces(table[:, 0], traces_)
     if len(traces_) > 1 and not traces:
         wrong = f"{turn(table[:, 0], traces_, lines)}: the heights are no profile over x"
-        matrix = None if full_table is None else _as_matrix(full_table, text.first_values)
+        matrix = _as_matrix(full_table, text.first_values)
         if matrix is None:
             raise text.refuse(f"{wrong}; cut it there, or correct the positions")
         channel = Channel("height", (1, len(lines)), unreadable(wrong), otherwise=matrix)
@@ -479,7 +464,7 @@ def _trace(table: np.ndarray, units: list[str | None], text: _Text, full_table: 
     """Return one profile from positions that rise, or fall."""
     first_values = text.first_values
     x, z = table[:: -1 if table[0, 0] > table[-1, 0] else 1].T
-    _refuse_lost_lines((1, x.size), first_values, text.path)
+    _refuse_lost_lines((1, x.size), text)
     (lateral_unit, height_unit), _ = _units(units, first_values, text.path)
     heights, attributes = _heights(z[None, :], first_values, height_unit)
     attributes["lateral_unit"] = lateral_unit
@@ -487,7 +472,7 @@ def _trace(table: np.ndarray, units: list[str | None], text: _Text, full_table: 
         step, notes = _even_step(x)
     except UnevenPositionsError as error:
         channel = scattered(x=x, y=None, z=heights, error=error, **attributes)
-        channel.otherwise = None if full_table is None else _as_matrix(full_table, first_values)
+        channel.otherwise = _as_matrix(full_table, first_values)
         return channel
     if wrong := _against(text, {"dx": step}, lateral_unit, heights.shape):
         notes = [*notes, f"{wrong}; the positions are used"]
@@ -526,7 +511,7 @@ def _points(
             raise InputFileError(f"{path}: a point of the list has no position")
         _refuse_repeated(x, y, lines, text)
         heights, steps, (first_x, first_y) = points_on_grid(x, y, z, path)
-        _refuse_lost_lines(heights.shape, first_values, path)
+        _refuse_lost_lines(heights.shape, text)
         stated_steps = {"d" + axis: step for axis, step in steps.items() if step}
         wrong = _against(text, stated_steps, lateral_unit, heights.shape)
         notes = [f"{wrong}; the positions are used"] if wrong else []
@@ -546,9 +531,9 @@ def _points(
                 f"{error}; the first column counts the rows: delete it if it is no x"
             )
         channel = scattered(x=x, y=y, z=z, error=error, **attributes)
-        channel.otherwise = None if full_table is None else _as_matrix(full_table, first_values)
+        channel.otherwise = _as_matrix(full_table, first_values)
     except InputFileError as error:
-        if full_table is None or (matrix := _as_matrix(full_table, first_values)) is None:
+        if (matrix := _as_matrix(full_table, first_values)) is None:
             raise
         channel = Channel(
             shape=matrix.shape,
@@ -572,21 +557,21 @@ def _refuse_repeated(x: np.ndarray, y: np.ndarray, lines: list[int], text: _Text
         )
 
 
-def _refuse_lost_lines(
-    shape: tuple[int, ...], first_values: dict[str, Any], path: Path, content: str = "the points make"
-) -> None:
+def _refuse_lost_lines(shape: tuple[int, ...], text: _Text, content: str = "the points make") -> None:
     """Refuse a map with fewer lines or columns than its header states, a matrix also with more."""
     for key_, count, name in (("nx", shape[1], "columns"), ("ny", shape[0], "rows")):
-        stated = first_values.get(key_, count)
+        stated = text.first_values.get(key_, count)
         more = stated > count and (name == "columns" or shape[0] > 1)
         if more if content == "the points make" else stated != count:
-            raise InputFileError(
-                f"{path}: the header says {stated:g} {name}, {content} {count}; it was cut off or changed"
+            raise text.refuse(
+                f"the header says {stated:g} {name}, {content} {count}; it was cut off or changed"
             )
 
 
-def _as_matrix(table: np.ndarray, first_values: dict[str, Any]) -> Channel | None:
+def _as_matrix(table: np.ndarray | None, first_values: dict[str, Any]) -> Channel | None:
     """Return a table as a matrix, in case its columns are not positions; None if it cannot be a matrix."""
+    if table is None:
+        return None
     rows, columns = table.shape
     if columns == 2:
         positions = bool(np.all(np.diff(table[:, 0]) > 0))
