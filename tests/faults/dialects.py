@@ -15,6 +15,7 @@ import sys
 import tempfile
 import warnings
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -162,20 +163,22 @@ def counted(texts: int, seed: int, folder: Path) -> tuple[Counter, list[dict]]:
     return found, wrong
 
 
-def main() -> int:
-    """Count, and print what was read wrong in silence."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--texts", type=int, default=1000)
+def main(
+    doc: str, texts: int, count: Callable[[int, int, Path], tuple[Counter[str], list]], describe: Callable
+) -> int:
+    """Count the outcomes of so many texts by default, and print those that went wrong."""
+    parser = argparse.ArgumentParser(description=doc.partition("\n")[0])
+    parser.add_argument("--texts", type=int, default=texts)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     warnings.simplefilter("ignore")
     with tempfile.TemporaryDirectory() as folder:
-        found, wrong = counted(options.texts, options.seed, Path(folder))
-    for dialect in wrong:
-        print(dialect)
-    print("; ".join(f"{name}: {count}" for name, count in found.most_common()))
+        found, wrong = count(options.texts, options.seed, Path(folder))
+    for text in wrong:
+        print(describe(text))
+    print("; ".join(f"{name}: {number}" for name, number in found.most_common()))
     return int(bool(wrong))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(__doc__, 1000, counted, str))

@@ -8,19 +8,17 @@ or contradicts itself, or positions beside a matrix. What it holds is known: it 
 sentence with the line, the column or the key that is in question.
 """
 
-import argparse
 import json
 import random
 import re
 import sys
-import tempfile
-import warnings
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from dialects import main
 
 from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
@@ -426,20 +424,11 @@ def counted(texts: int, seed: int, folder: Path) -> tuple[Counter[str], list[tup
     return found, wrong
 
 
-def main() -> int:
-    """Count, and print the texts that were read wrong or refused for another reason."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--texts", type=int, default=2000)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
-    warnings.simplefilter("ignore")
-    with tempfile.TemporaryDirectory() as folder:
-        found, wrong = counted(options.texts, options.seed, Path(folder))
-    for text, said in wrong:
-        print(f"{text.kind} {text.arguments}: {said}")
-    print("; ".join(f"{name}: {count}" for name, count in found.most_common()))
-    return int(bool(wrong))
+def described(mixture_and_outcome: tuple[Mixture, str]) -> str:
+    """Return kind and arguments of a text, and what came of it."""
+    text, said = mixture_and_outcome
+    return f"{text.kind} {text.arguments}: {said}"
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(__doc__, 2000, counted, described))

@@ -115,11 +115,8 @@ def _first_row(
         return orientation, assumed and channel.shape[0] > 1, []
     if assumed or requested == orientation:
         return requested, False, []
-    return (
-        requested,
-        False,
-        [f"first_row = {requested} is given, the file has its first row at the {orientation}"],
-    )
+    note = f"first_row = {requested} is given, the file has its first row at the {orientation}"
+    return requested, False, [note]
 
 
 def _checksum_notes(file: MeasuredFile, request: Request, path: Path) -> list[str]:
@@ -139,15 +136,12 @@ def _checksum_notes(file: MeasuredFile, request: Request, path: Path) -> list[st
 
 def _settled(channel: Channel, request: Request, path: Path) -> tuple[Channel, list[str]]:
     """Return the channel as map or as points, where its numbers may be both, and a note on the choice."""
-    if channel.otherwise is None:
-        if channel.doubt:
-            raise InputFileError(f"{path}: {channel.doubt}")
-        return channel, []
-    one_row = channel.otherwise.shape[0] == 1
-    if request.dx is not None and (one_row or request.dy is not None) and request.resample is None:
-        ny, nx = channel.otherwise.shape
-        decision = f"the numbers are read as a map of {ny} rows of {nx}, because dx and dy are given"
-        return channel.otherwise, [decision]
+    matrix = channel.otherwise
+    if matrix is not None and request.dx is not None and request.resample is None:
+        ny, nx = matrix.shape
+        if ny == 1 or request.dy is not None:
+            decision = f"the numbers are read as a map of {ny} rows of {nx}, because dx and dy are given"
+            return matrix, [decision]
     if channel.doubt:
         raise InputFileError(f"{path}: {channel.doubt}")
     return channel, []

@@ -136,7 +136,6 @@ def _check_array(array: "h5py.Dataset", path: Path) -> None:
 def _outside(path: Path, description: str) -> InputFileError:
     """Return the error for a file with data in other files."""
     return InputFileError(
-        f"{path}: {description}, which is refused: any file of this computer would be read as heights; "
-        f"copy the "
-        "numbers into one file"
+        f"{path}: {description}, which is refused: any file of this computer would be read as heights; copy "
+        "the numbers into one file"
     )

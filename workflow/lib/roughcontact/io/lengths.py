@@ -19,9 +19,8 @@ def compare_size(path: Path, required_size: int) -> tuple[str, list[str]]:
     size = path.stat().st_size
     if size < required_size:
         raise InputFileError(
-            f"{path}: {size} bytes where its header needs {required_size}: it was cut off, or lost bytes "
-            f"on the "
-            "way; copy or export it again"
+            f"{path}: {size} bytes where its header needs {required_size}: it was cut off, or lost bytes on "
+            "the way; copy or export it again"
         )
     if size == required_size:
         return "", []
@@ -31,8 +30,7 @@ def compare_size(path: Path, required_size: int) -> tuple[str, list[str]]:
     if excess.count(excess[:1]) == size - required_size:
         note = (
             f"the file has {size} bytes where its header needs {required_size}; the last "
-            f"{size - required_size} of them "
-            f"are all {excess[0]} and are taken for padding behind the heights"
+            f"{size - required_size} of them are all {excess[0]} and are taken for padding behind the heights"
         )
         return "", [note]
     return f"{size} bytes where its header needs {required_size}", []

@@ -133,10 +133,6 @@ def labelled(instrument: Mapping[str, Any]) -> list[tuple[str, str]]:
     >>> labelled({"lens": "20X Mirau", "numerical_aperture": 0.4})
     [('lens', '20X Mirau'), ('numerical aperture', '0.400')]
     """
-    return [
-        (
-            LABELS.get(entry, entry.replace("_", " ")),
-            number(value) if isinstance(value, float) else str(value),
-        )
-        for entry, value in instrument.items()
-    ]
+    labels = [LABELS.get(entry, entry.replace("_", " ")) for entry in instrument]
+    texts = [number(value) if isinstance(value, float) else str(value) for value in instrument.values()]
+    return list(zip(labels, texts, strict=True))

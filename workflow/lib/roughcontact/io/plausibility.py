@@ -172,8 +172,7 @@ def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kin
         if wrong:
             doubts.append(
                 f"{quantity_name.format(quantity(wrong[0], 'm'))} unusual for {kind.words} "
-                f"({quantity(low, 'm')} to "
-                f"{quantity(high, 'm')}): check the {unit} unit"
+                f"({quantity(low, 'm')} to {quantity(high, 'm')}): check the {unit} unit"
             )
     return doubts
 
@@ -182,20 +181,13 @@ def _slopes(height: np.ndarray, dx: float, dy: float) -> list[str]:
     """Suspect slopes that no instrument measures."""
     _, gradient = roughness_off_plane(height, dx, dy)
     if gradient > STEEPEST:
-        return [
-            (
-                f"the slopes are steeper than anything that is measured (rms gradient {number(gradient)}, "
-                f"{np.degrees(np.arctan(gradient)):.0f}°): check the units of heights and steps"
-            )
-        ]
-    if 0 < gradient < _FLATTEST:
-        return [
-            (
-                f"the slopes are smaller than those of polished optics (rms gradient {number(gradient)}): "
-                "check the units of heights and steps"
-            )
-        ]
-    return []
+        angle = f"{np.degrees(np.arctan(gradient)):.0f}°"
+        wrong = f"steeper than anything that is measured (rms gradient {number(gradient)}, {angle})"
+    elif 0 < gradient < _FLATTEST:
+        wrong = f"smaller than those of polished optics (rms gradient {number(gradient)})"
+    else:
+        return []
+    return [f"the slopes are {wrong}: check the units of heights and steps"]
 
 
 def _extremes(measured: np.ndarray, low: float, high: float) -> list[str]:
@@ -279,15 +271,10 @@ def _noise(height: np.ndarray) -> list[str]:
         both_finite = np.isfinite(first) & np.isfinite(second)
         if both_finite.sum() < 1000:
             return []
-        a, b = first[both_finite], second[both_finite]
-        a, b = a - a.mean(), b - b.mean()
-        norm = np.sqrt(np.dot(a, a) * np.dot(b, b))
-        correlations.append(np.dot(a, b) / norm if norm > 0 else 1.0)
-    if max(correlations) < 0.1:
-        return [
-            (
-                f"neighbouring points are unrelated (correlation {correlations[0]:.2f} along x, "
-                f"{correlations[1]:.2f} along y): pure noise, or a binary file whose line ends were converted"
-            )
-        ]
-    return []
+        with np.errstate(all="ignore"):  # equal heights have no correlation
+            correlations.append(np.corrcoef(first[both_finite], second[both_finite])[0, 1])
+    if not np.max(correlations) < 0.1:
+        return []
+    values = "correlation {:.2f} along x, {:.2f} along y".format(*correlations)
+    origin = "pure noise, or a binary file whose line ends were converted"
+    return [f"neighbouring points are unrelated ({values}): {origin}"]

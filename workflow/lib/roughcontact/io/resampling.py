@@ -82,18 +82,16 @@ def resampled(
     if z.size < (3 if y is None else 4):
         raise HeightMapError(f"{where}: {z.size} points are too few to be resampled; measure again")
     along_x, along_y, heights = (_profile if y is None else _map)(x, y, z, steps, where)
-    gridded = Channel(
-        channel.name,
-        heights.shape,
-        heights.copy,
-        height_unit=channel.height_unit,
+    gridded = replace(
+        channel,
+        shape=heights.shape,
+        read=heights.copy,
         dx=float(along_x[1] - along_x[0]),
         dy=None if y is None else float(along_y[1] - along_y[0]),
-        lateral_unit=channel.lateral_unit,
         first_x=float(along_x[0]),
         first_y=None if y is None else float(along_y[0]),
-        no_height=channel.no_height,
-        notes=list(channel.notes),
+        points=None,
+        otherwise=None,
     )
     size = f"{heights.shape[1]}" if y is None else f"{heights.shape[0]} x {heights.shape[1]}"
     return gridded, (

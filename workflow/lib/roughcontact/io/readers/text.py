@@ -637,10 +637,8 @@ def _units(
     )
     for unit_, key in ((lateral[0] if lateral else None, "lateral_unit"), (columns[-1], "height_unit")):
         if unit_ and first_values.get(key) and not same_length(unit_, first_values[key]):
-            raise InputFileError(
-                f"{path}: a column is in {unit_!r}, and the header says {first_values[key]!r}; correct one "
-                f"of them"
-            )
+            wrong = f"a column is in {unit_!r}, and the header says {first_values[key]!r}"
+            raise InputFileError(f"{path}: {wrong}; correct one of them")
     return (lateral[0] if lateral else stated[0], columns[-1] or stated[1]), factor
 
 

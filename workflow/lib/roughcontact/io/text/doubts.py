@@ -29,9 +29,8 @@ def refuse_lost_row(
         return
     raise InputFileError(
         f"{path}: line {first + number} has as many cells as the rows of the table below it, and "
-        f"{stray_word[:40]!r} in place of a number: correct it, write NaN for a missing point, or delete "
-        f"the line "
-        "if it is no row of the map"
+        f"{stray_word[:40]!r} in place of a number: correct it, write NaN for a missing point, or delete the "
+        "line if it is no row of the map"
     )
 
 
