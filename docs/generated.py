@@ -40,7 +40,6 @@ MODULES = (
     "references.synthetic",
     "quantities",
     "io.interface",
-    "io.channels",
     "kernels.memory",
 )
 

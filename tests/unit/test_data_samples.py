@@ -13,7 +13,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.maps import spacing
-from roughcontact.roughness.parameters import points_per_shortest_wavelength
+from roughcontact.roughness.parameters import roughness_parameters
 
 FOLDER = Path(__file__).parents[2] / "data_samples"
 
@@ -88,7 +88,7 @@ def test_sandblasted_sample_shows_the_dirt_of_a_measurement():
     window = rc.periodic_window(levelled)
     assert window.attrs["periodisation"] == "smooth-cross-fade"
     assert window.attrs["window_share"] > 0.85
-    assert points_per_shortest_wavelength(window) == pytest.approx(6.0, rel=0.05)
+    assert roughness_parameters(window)["points_per_shortest_wavelength"] == pytest.approx(6.0, rel=0.05)
 
 
 def test_periodic_sample_is_left_alone():

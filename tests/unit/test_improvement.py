@@ -11,8 +11,8 @@ import scipy
 import xarray as xr
 
 import roughcontact as rc
+from roughcontact.configuration.parts import cut, parts_of
 from roughcontact.maps import height_map
-from roughcontact.parts import cut, parts_of
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.budget import error_budget

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from roughcontact.configuration.parts import MapPart, cut, parts_of
 from roughcontact.configuration.surfaces import read_surfaces
-from roughcontact.parts import MapPart, cut, parts_of
 
 
 @pytest.fixture

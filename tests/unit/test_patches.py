@@ -7,7 +7,6 @@ from scipy.integrate import quad
 from scipy.special import ellipe
 
 import roughcontact as rc
-from roughcontact.connectivity import connected_regions, region_sizes
 from roughcontact.references.synthetic import (
     product_wave_surface,
     rough_reference_surface,
@@ -16,6 +15,7 @@ from roughcontact.references.synthetic import (
 from roughcontact.results.collect import collect_statistics, summary_table
 from roughcontact.results.storage import write_dataset
 from roughcontact.roughness.heights import height_parameters
+from roughcontact.sealing.connectivity import connected_regions, region_sizes
 from roughcontact.variables import describe
 from validation.closed_forms import (
     JGH_CONTACT_SHARE,

@@ -12,10 +12,10 @@ from scipy.sparse.linalg import splu
 
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
-from roughcontact.connectivity import connected_regions, percolates, region_sizes
 from roughcontact.kernels.compiled import Regions
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.sealing.connectivity import connected_regions, percolates, region_sizes
 from roughcontact.sealing.flow import flow_columns, leak_columns
 from roughcontact.sealing.multigrid import multigrid
 from roughcontact.sealing.percolation import half_way_levels, percolation_columns

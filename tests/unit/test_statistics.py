@@ -7,11 +7,11 @@ import pytest
 import xarray as xr
 from scipy.integrate import quad
 
-from roughcontact.connectivity import region_sizes
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.references.synthetic import product_wave_surface, rough_reference_surface
 from roughcontact.results.storage import opened_dataset, read_dataset, write_dataset
+from roughcontact.sealing.connectivity import region_sizes
 from roughcontact.statistics import contact_geometry
 from roughcontact.statistics.contact_statistics import (
     contact_statistics,

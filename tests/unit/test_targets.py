@@ -5,9 +5,9 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
-from roughcontact.connectivity import percolates
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
+from roughcontact.sealing.connectivity import percolates
 from roughcontact.statistics.subsurface import stress_columns
 from roughcontact.statistics.targets import target_loads, wanted_loads
 from validation import closed_forms

@@ -13,7 +13,7 @@ from roughcontact.configuration.study import read_study
 from roughcontact.configuration.surfaces import find
 from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
-from roughcontact.garbage import collect_rarely
+from roughcontact.command_line.garbage import collect_rarely
 
 # a plan of thousands of jobs is millions of objects that stay: no garbage is looked for until it is complete (onstart)
 collect_rarely()

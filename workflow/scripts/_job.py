@@ -24,6 +24,7 @@ from __main__ import snakemake  # the global of the script; only few versions ha
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 
+from roughcontact.command_line.garbage import collect_rarely
 from roughcontact.configuration.places import check_dates
 from roughcontact.errors import (
     HeightMapError,
@@ -32,7 +33,6 @@ from roughcontact.errors import (
     SettingsError,
     with_place,
 )
-from roughcontact.garbage import collect_rarely
 from roughcontact.io.checksums import checksum
 
 if TYPE_CHECKING:

@@ -6,10 +6,10 @@ import math
 from _job import check_sources, save, say, snakemake
 from _window import write_window
 
+from roughcontact.configuration.parts import MapPart, cut
 from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.repeats import noise_of_repeats
-from roughcontact.parts import MapPart, cut
 from roughcontact.profiles.surface import levelled_heights
 from roughcontact.results.storage import read_dataset
 

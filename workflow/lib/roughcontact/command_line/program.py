@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from roughcontact import __version__
+from roughcontact.command_line.garbage import collect_rarely
 from roughcontact.errors import (
     ConvergenceError,
     HeightMapWarning,
@@ -22,7 +23,6 @@ from roughcontact.errors import (
     RoughContactError,
     SettingsError,
 )
-from roughcontact.garbage import collect_rarely
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -26,8 +26,8 @@ from pydantic import ValidationError
 
 from roughcontact.configuration.messages import name_mistake, nearest, reason
 from roughcontact.configuration.models import Instrument
+from roughcontact.configuration.parts import parts_of
 from roughcontact.errors import SettingsError
-from roughcontact.parts import parts_of
 from roughcontact.units import carries_unit, in_base_unit
 
 REQUIRED = ("surface", "path")

@@ -221,36 +221,6 @@ def spectral_moments(height: xr.DataArray) -> tuple[float, float, float]:
 
 
 @in_si
-def nayak_parameter(height: xr.DataArray) -> float:
-    """Return Nayak's bandwidth parameter m0 m4 / m2^2 [1]_.
-
-    Its minimum, for a single wavelength, is 1.5 for an isotropic surface and 1 for a profile; it increases
-    with the bandwidth.
-
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        periodic.
-
-    Returns
-    -------
-    float, dimensionless
-        NaN for a flat map.
-
-    References
-    ----------
-    .. [1] Nayak, P. R. (1971), J. Lubr. Technol. 93, 398.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import westergaard_surface
-    >>> round(nayak_parameter(westergaard_surface((1, 64), 1.0, amplitude=1.0, wavelength=16.0)), 6)
-    1.0
-    """
-    return _bandwidth(*spectral_moments(height))
-
-
-@in_si
 def shortest_wavelength(height: xr.DataArray) -> float:
     """Return the shortest wavelength of the map, from the cut-off of its spectrum.
 
@@ -281,35 +251,13 @@ def shortest_wavelength(height: xr.DataArray) -> float:
 
 
 @in_si
-def points_per_shortest_wavelength(height: xr.DataArray) -> float:
-    """Return the number of points per shortest wavelength of the map.
-
-    The wavelength is determined as in `shortest_wavelength`, with lengths in pixels along each axis. For
-    rectangular pixels the result is the number of points in the direction with the poorest sampling.
-
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        periodic.
-
-    Returns
-    -------
-    float
-        2 or more; NaN for a flat map.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import self_affine_surface
-    >>> height = self_affine_surface((128, 128), 0.5, hurst=0.8, shortest=4.0, longest=32.0, rms_height=1.0)
-    >>> round(points_per_shortest_wavelength(height), 6)
-    8.0
-    """
-    return _cutoff_wavelength(height, wave_power(height.values), (1.0, 1.0))
-
-
-@in_si
 def roughness_parameters(height: xr.DataArray, power: np.ndarray | None = None) -> dict[str, float]:
     """Return the roughness parameters of a periodic map for its statistics.
+
+    Nayak's bandwidth parameter m0 m4 / m2^2 (`spectral_moments`) is least for a single wavelength, 1.5 for an
+    isotropic surface and 1 for a profile. The points per shortest wavelength are those in the direction with
+    the poorest sampling (`shortest_wavelength`, with lengths in pixels along each axis). Both are NaN for a
+    flat map.
 
     Parameters
     ----------

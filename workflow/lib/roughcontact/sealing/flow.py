@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from roughcontact.connectivity import connected_regions
+from roughcontact.sealing.connectivity import connected_regions
 from roughcontact.sealing.multigrid import minimised, multigrid
 
 _MAX_STEPS = 500

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from roughcontact.connectivity import percolates
 from roughcontact.kernels.choose import library_available
 from roughcontact.kernels.compiled import Regions
+from roughcontact.sealing.connectivity import percolates
 
 _SAMPLE = 4096  # points that narrow the range of levels before all heights in that range are sorted
 

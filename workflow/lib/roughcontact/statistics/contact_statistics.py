@@ -10,7 +10,6 @@ import xarray as xr
 from roughcontact.bodies import check_bodies, have_layers
 from roughcontact.checking import check_choice, check_solution, warn_of_map
 from roughcontact.choices import Extra, Influence
-from roughcontact.connectivity import region_sizes
 from roughcontact.contact.dataset import influence_of, layers_of
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
@@ -23,6 +22,7 @@ from roughcontact.roughness.bearing import BEARING_PARAMETERS
 from roughcontact.roughness.parameters import roughness_parameters
 from roughcontact.roughness.summits import summit_statistics
 from roughcontact.roughness.texture import texture_parameters
+from roughcontact.sealing.connectivity import region_sizes
 from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.si import in_si
 from roughcontact.statistics import theory

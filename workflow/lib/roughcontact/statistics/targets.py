@@ -11,12 +11,12 @@ import xarray as xr
 from roughcontact.bodies import have_layers
 from roughcontact.checking import check_choice, check_positive
 from roughcontact.choices import LoadTarget
-from roughcontact.connectivity import percolates
 from roughcontact.contact.loads import check_loads, plan_loads
 from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.maps import spacing
+from roughcontact.sealing.connectivity import percolates
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.statistics.first_yield import first_yield_pressure
 from roughcontact.statistics.subsurface import (

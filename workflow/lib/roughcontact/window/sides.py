@@ -1,7 +1,6 @@
 """Sides of windows: numbers of points that have a fast Fourier transform and can be halved often."""
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -58,17 +57,6 @@ def band_points(side: int, fade: float, *, within: int | None = None) -> int:
     """
     band = round(fade * side) if side > 1 else 0
     return band + (within - side - band) % 2 if band and within else band
-
-
-def used_points(sides: Sequence[int], fade: float) -> int:
-    """Return the number of points of a map that a window and its bands, `fade` times the sides, occupy.
-
-    Examples
-    --------
-    >>> used_points((90, 100), 0.1)
-    10890
-    """
-    return math.prod(side + band_points(side, fade) for side in sides)
 
 
 def _largest_side(points: int, fade: float) -> int:

@@ -3,11 +3,12 @@
 import json
 import re
 from dataclasses import dataclass
-
-import numpy as np
-import xarray as xr
+from typing import TYPE_CHECKING
 
 from roughcontact.errors import HeightMapError, SettingsError
+
+if TYPE_CHECKING:  # the plan of a run imports this module
+    import xarray as xr
 
 MAX_PARTS = 400
 _FORM = re.compile(r"(\d{1,3})\s*[x×X]\s*(\d{1,3})")
@@ -43,7 +44,7 @@ def parts_of(text: str) -> list[MapPart]:
     ]
 
 
-def cut(height: xr.DataArray, part: MapPart) -> xr.DataArray:
+def cut(height: "xr.DataArray", part: MapPart) -> "xr.DataArray":
     """Return a part of a measured map (y, x), m, at its place in the map; parts differ by a point at most."""
     edges = []
     name, (ny, nx) = height.attrs.get("source_file") or "the map", height.shape
@@ -55,7 +56,7 @@ def cut(height: xr.DataArray, part: MapPart) -> xr.DataArray:
             )
         edges.append(slice((index - 1) * n // count, index * n // count))
     piece = height[tuple(edges)]
-    missing = int(np.isnan(piece.values).sum())
+    missing = int(piece.isnull().sum())
     if missing == piece.size:
         raise HeightMapError(
             f"{name}: part {part.column}-{part.row} of {part.columns}x{part.rows} has no measured point; "

@@ -15,7 +15,8 @@ def collect_rarely() -> None:
     Examples
     --------
     >>> import subprocess, sys
-    >>> script = "import gc, roughcontact.garbage as own; own.collect_rarely(); print(gc.get_threshold()[0])"
+    >>> script = "from roughcontact.command_line.garbage import collect_rarely as run, gc; run(); "
+    >>> script += "print(gc.get_threshold()[0])"
     >>> print(subprocess.run([sys.executable, "-c", script], capture_output=True, text=True).stdout.strip())
     200000
     """
