@@ -112,7 +112,8 @@ def read(path: Path) -> MeasuredFile:
         files[-1].warnings += doubts
     file = files[0] if len(files) == 1 else _together(texts, files, path)
     first_values = texts[0].first_values
-    file.instrument = instrument_metadata({key_: first_values.get(key) for key_, key in _INSTRUMENT.items()})
+    stated = {label: first_values.get(key) for label, key in _INSTRUMENT.items()}
+    file.instrument = instrument_metadata(stated)
     return file
 
 
@@ -129,9 +130,9 @@ def _parsed(
     stated = statements(rows.heading, first=rows.first, sign=sign)
     refuse_lost_row(rows.heading, table.values.shape[1], delimiter, decimal_comma, path, rows.first)
     doubts = [
-        f"{key_!r} occurs in {several(count, 'cell')} of the table and is taken as missing: "
+        f"{marker!r} occurs in {several(count, 'cell')} of the table and is taken as missing: "
         "write NaN if the point is missing, or correct it"
-        for key_, count in table.spoken.items()
+        for marker, count in table.spoken.items()
     ]
     if wrong := disagreeing(stated):
         raise InputFileError(f"{path}: {wrong}; correct one of them")
@@ -282,10 +283,10 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
 def _against(text: _Text, steps: dict[str, float], unit: str | None, shape: tuple[int, ...]) -> str:
     """Return what of the header the steps of positions contradict; without a unit they have its unit."""
     for key, step in steps.items():
-        entries = [key_ for key_ in (key, "step", f"length_{key[1]}") if key_ in text.stated]
-        matching = {key_: text.stated[key_][:1] for key_ in entries}
+        entries = [entry for entry in (key, "step", f"length_{key[1]}") if entry in text.stated]
+        matching = {entry: text.stated[entry][:1] for entry in entries}
         if not unit:
-            matching = {key_: [statement._replace(unit="")] for key_, (statement,) in matching.items()}
+            matching = {entry: [statement._replace(unit="")] for entry, (statement,) in matching.items()}
         name = f"the positions have {key} = {step:.6g} {unit or ''}".strip()
         position = Statement(step, unit or "", 0.01 * step, text.rows.lines[0], name)
         if wrong := contradiction(matching | {key: [position, *matching.get(key, [])]}, (shape[0], shape[1])):
@@ -342,14 +343,14 @@ def _lists(
     likely = likely or [listed_file for _, listed_file in chosen]
     file = (by_name or likely or files)[0]
     ordered = [file, *(listed_file for listed_file in files if listed_file is not file)]
-    question_ = file.question
+    question_text = file.question
     if len(likely) > 1:
         names = ", ".join(repr(columns[height].name) for height in heights)
-        question_ = f"{several(len(heights), 'column')} that may be heights: {names}"
+        question_text = f"{several(len(heights), 'column')} that may be heights: {names}"
     return replace(
         file,
         channels=[channel for listed_file in ordered for channel in listed_file.channels],
-        question=question_,
+        question=question_text,
     )
 
 
@@ -439,25 +440,24 @@ def _profile(
     if not np.isfinite(table[:, 0]).all():
         index = lines[int(np.argmin(np.isfinite(table[:, 0])))]
         raise text.refuse(f"the point in line {index} has no position")
-    traces_ = runs(table[:, 0])
-    traces = len(traces_) > 1 and are_traces(table[:, 0], traces_)
-    if len(traces_) > 1 and not traces:
-        wrong = f"{turn(table[:, 0], traces_, lines)}: the heights are no profile over x"
+    monotonic_runs = runs(table[:, 0])
+    several_traces = len(monotonic_runs) > 1 and are_traces(table[:, 0], monotonic_runs)
+    if len(monotonic_runs) > 1 and not several_traces:
+        wrong = f"{turn(table[:, 0], monotonic_runs, lines)}: the heights are no profile over x"
         matrix = _as_matrix(full_table, text.first_values)
         if matrix is None:
             raise text.refuse(f"{wrong}; cut it there, or correct the positions")
         channel = Channel("height", (1, len(lines)), unreadable(wrong), otherwise=matrix)
         channel.doubt = f"{wrong}, or a map of 2 columns, then give dx, dy and unit"
         return MeasuredFile("text profile (x, z)", [channel], first_row="bottom")
-    channels = [
-        _trace(table[trace], units, text, full_table) for trace in (traces_ if traces else traces_[:1])
-    ]
-    if not traces:
+    traces = monotonic_runs if several_traces else monotonic_runs[:1]
+    channels = [_trace(table[trace], units, text, full_table) for trace in traces]
+    if not several_traces:
         return MeasuredFile("text profile (x, z)", channels, first_row="bottom")
     for number, channel in enumerate(channels, start=1):
         channel.name, channel.otherwise = f"profile {number}", None
-    question_ = question(table[:, 0], traces_, lines)
-    return MeasuredFile("text profiles (x, z)", channels, first_row="bottom", question=question_)
+    question_text = question(table[:, 0], monotonic_runs, lines)
+    return MeasuredFile("text profiles (x, z)", channels, first_row="bottom", question=question_text)
 
 
 def _trace(table: np.ndarray, units: list[str | None], text: _Text, full_table: np.ndarray | None) -> Channel:
@@ -559,8 +559,8 @@ def _refuse_repeated(x: np.ndarray, y: np.ndarray, lines: list[int], text: _Text
 
 def _refuse_lost_lines(shape: tuple[int, ...], text: _Text, content: str = "the points make") -> None:
     """Refuse a map with fewer lines or columns than its header states, a matrix also with more."""
-    for key_, count, name in (("nx", shape[1], "columns"), ("ny", shape[0], "rows")):
-        stated = text.first_values.get(key_, count)
+    for entry, count, name in (("nx", shape[1], "columns"), ("ny", shape[0], "rows")):
+        stated = text.first_values.get(entry, count)
         more = stated > count and (name == "columns" or shape[0] > 1)
         if more if content == "the points make" else stated != count:
             raise text.refuse(
@@ -589,12 +589,12 @@ def _steps(
     """Return the steps in the header, by axis, and their unit."""
     steps, units = {}, []
     for axis, count in points.items():
-        for key_, share in (("d" + axis, 1), ("step", 1), ("length_" + axis, count)):
-            if first_values.get(key_) is not None:
-                steps[axis] = first_values[key_] / share
+        for entry, share in (("d" + axis, 1), ("step", 1), ("length_" + axis, count)):
+            if first_values.get(entry) is not None:
+                steps[axis] = first_values[entry] / share
                 units.append(
                     first_values.get(
-                        key_ + "_unit", first_values.get("lateral_unit", first_values.get("unit"))
+                        entry + "_unit", first_values.get("lateral_unit", first_values.get("unit"))
                     )
                 )
                 break
@@ -635,9 +635,9 @@ def _units(
         first_values.get("lateral_unit", first_values.get("unit")),
         first_values.get("height_unit", first_values.get("unit")),
     )
-    for unit_, key in ((lateral[0] if lateral else None, "lateral_unit"), (columns[-1], "height_unit")):
-        if unit_ and first_values.get(key) and not same_length(unit_, first_values[key]):
-            wrong = f"a column is in {unit_!r}, and the header says {first_values[key]!r}"
+    for column_unit, key in ((lateral[0] if lateral else None, "lateral_unit"), (columns[-1], "height_unit")):
+        if column_unit and first_values.get(key) and not same_length(column_unit, first_values[key]):
+            wrong = f"a column is in {column_unit!r}, and the header says {first_values[key]!r}"
             raise InputFileError(f"{path}: {wrong}; correct one of them")
     return (lateral[0] if lateral else stated[0], columns[-1] or stated[1]), factor
 

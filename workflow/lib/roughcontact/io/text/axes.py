@@ -95,10 +95,10 @@ def begins_anew(values: np.ndarray) -> int:
     if min(values.shape) < _LEAST_FROM_ZERO:
         return 0
     for first, column in ((0, values[:, 0]), (0, values[:, 1]), (1, values[1:, 0])):
-        runs_ = runs(column)
-        even = all(_step(column[run]) is not None for run in runs_)
-        if len(runs_) > 1 and even and are_traces(column, runs_):
-            return first + runs_[1].start
+        monotonic_runs = runs(column)
+        even = all(_step(column[run]) is not None for run in monotonic_runs)
+        if len(monotonic_runs) > 1 and even and are_traces(column, monotonic_runs):
+            return first + monotonic_runs[1].start
     repeated_rows = np.flatnonzero(np.all(values[1:, 1:] == values[0, 1:], axis=1))
     return (
         int(repeated_rows[0]) + 1

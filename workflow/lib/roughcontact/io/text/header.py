@@ -152,9 +152,7 @@ def first_of(stated: Stated) -> dict[str, Any]:
 
 def disagreeing(stated: Stated) -> str:
     """Return a sentence on repeated units and numbers of points that do not agree; empty where they do."""
-    without_lengths = {
-        meaning: statements_ for meaning, statements_ in stated.items() if meaning not in _LENGTHS
-    }
+    without_lengths = {meaning: repeated for meaning, repeated in stated.items() if meaning not in _LENGTHS}
     return next(_repeated(without_lengths), "")
 
 
@@ -172,7 +170,7 @@ def contradiction(stated: Stated, shape: tuple[int, int]) -> str:
     ''
     """
     first = {meaning: repeated[0] for meaning, repeated in stated.items()}
-    lengths = {meaning: statements_ for meaning, statements_ in stated.items() if meaning in _LENGTHS}
+    lengths = {meaning: repeated for meaning, repeated in stated.items() if meaning in _LENGTHS}
     return next(chain(_repeated(lengths), _units_apart(first), _lengths_apart(stated, first, shape)), "")
 
 
@@ -192,15 +190,11 @@ def _repeated(stated: Stated) -> Iterator[str]:
 
 def _units_apart(first: dict[str, Statement]) -> Iterator[str]:
     """Yield sentences on lengths in another unit than the one that is stated for all of them."""
-    for meaning in _LENGTHS:
-        general_unit, lateral_unit = first.get(meaning), first.get("lateral_unit")
-        if (
-            general_unit
-            and lateral_unit
-            and is_length(general_unit.unit)
-            and not same_length(general_unit.unit, lateral_unit.value)
-        ):
-            yield f"{general_unit}, {lateral_unit}: their units do not agree"
+    if (stated := first.get("lateral_unit")) is None:
+        return
+    for length in (first[meaning] for meaning in _LENGTHS if meaning in first):
+        if is_length(length.unit) and not same_length(length.unit, stated.value):
+            yield f"{length}, {stated}: their units do not agree"
 
 
 def _lengths_apart(stated: Stated, first: dict[str, Statement], shape: tuple[int, int]) -> Iterator[str]:
@@ -209,9 +203,9 @@ def _lengths_apart(stated: Stated, first: dict[str, Statement], shape: tuple[int
     for axis, count, name in (("x", shape[1], "columns"), ("y", shape[0], "rows")):
         keys = [key for key in ("d" + axis, "step", "length_" + axis) if key in first]
         lengths = [(first[key], count if key.startswith("length") else 1) for key in keys if count > 1]
-        for (one_length, points), (second, second_points) in combinations(lengths, 2):
-            if not _equal(one_length, second, stated, (points, second_points)):
-                yield f"{one_length}, {second}: they do not agree for {count} {name}"
+        for (length, points), (second, second_points) in combinations(lengths, 2):
+            if not _equal(length, second, stated, (points, second_points)):
+                yield f"{length}, {second}: they do not agree for {count} {name}"
         used += lengths[:1]
         bare = keys == ["length_" + axis] and not first[keys[0]].unit
         if bare and first[keys[0]].value == count > 1 and not {"n" + axis, "lateral_unit"} & {*first}:
@@ -219,9 +213,7 @@ def _lengths_apart(stated: Stated, first: dict[str, Statement], shape: tuple[int
     side = first.get("size")  # of one side, or of both
     if side and len(used) == 2:
         sides = zip(used, shape[::-1], strict=True)
-        if not any(
-            _equal(side, one_length, stated, (count, points)) for (one_length, points), count in sides
-        ):
+        if not any(_equal(side, length, stated, (count, points)) for (length, points), count in sides):
             yield f"{side}, {used[0][0]}: they do not agree for {shape[1]} columns and {shape[0]} rows"
     if len(used) == 2 and all(is_length(length.unit) and length.value > 0 for length, _ in used):
         x, y = (length.value / points for length, points in used)
