@@ -207,7 +207,9 @@ def error_budget(
             contact=lenient,
             values=values,
             instrument=instrument,
-            as_measured=_without_correction(levelled, window, settings["window"]),
+            as_measured=periodic_window(levelled, **{**settings["window"], "correct_for": None})
+            if "corrected_for" in window.attrs
+            else None,
             true_shapes=true_shapes,
         )
         components["instrument"] = _summed([*causes, *(of_inputs[key] for key in AMPLIFICATIONS)])
@@ -287,15 +289,6 @@ def _of_solver(solved: xr.Dataset) -> Components:
         width = solved[f"{name}_uncertainty"].values
         components[name] = component_from_units(name, solved[name].values, half_widths(width, width))
     return components
-
-
-def _without_correction(
-    levelled: xr.DataArray, window: xr.DataArray, arguments: Mapping[str, Any]
-) -> xr.DataArray | None:
-    """Return the window as measured of a map that was corrected for its instrument, else None."""
-    if "corrected_for" not in window.attrs:
-        return None
-    return periodic_window(levelled, **{key: v for key, v in arguments.items() if key != "correct_for"})
 
 
 def _stated_widths(

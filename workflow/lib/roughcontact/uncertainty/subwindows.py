@@ -111,7 +111,7 @@ def scatter_of_subwindows(
             by_subwindow[name][index, solved] = solved_values[name]
     measured, aspect = levelled.isel(region), texture_parameters(window)["Str"]
     common = {
-        "gradient": _at_the_size_of_the_map(gradient_variances(measured.values, spacing(measured))),
+        "gradient": _at_the_size_of_the_map(_gradient_variances(measured.values, spacing(measured))),
         "height": _at_the_size_of_the_map(_height_variances(measured.values, max(order, 1))),
         "lay": 0.5 if math.isnan(aspect) else aspect,
     }
@@ -138,14 +138,14 @@ def _spread_and_trend(
     return np.hypot(np.std(deviations, axis=0, ddof=1), _LEAST_SCATTER), deviations.mean(axis=0)
 
 
-def gradient_variances(heights: np.ndarray, steps: tuple[float, float]) -> dict[int, float]:
+def _gradient_variances(heights: np.ndarray, steps: tuple[float, float]) -> dict[int, float]:
     """Return number of pieces of a map (m) -> variance of ln(rms gradient) between them."""
     squares = np.zeros([max(n - 1, 1) for n in heights.shape])
     for axis, step in enumerate(steps):
         if heights.shape[axis] > 1:
             slope = np.diff(heights, axis=axis) / step
             squares += slope[: squares.shape[0], : squares.shape[1]] ** 2
-    return _variances(squares, np.nanmean)
+    return _variances(squares, np.mean)
 
 
 def _height_variances(heights: np.ndarray, order: int) -> dict[int, float]:
@@ -170,20 +170,18 @@ def _variances(values: np.ndarray, mean_square: Callable[[np.ndarray], float]) -
     return variances
 
 
-def variance_components(variances: Mapping[int, float]) -> tuple[float, float]:
-    """Return a, b >= 0 of var(n) = a + b n; the relative error of each variance is sqrt(2/(n - 1))."""
+def _at_the_size_of_the_map(variances: Mapping[int, float]) -> float:
+    """Return ln of the standard deviation that maps of this size are expected to have, from var(n) = a + b n.
+
+    Each variance has a relative error of sqrt(2/(n - 1)), and is weighted by its inverse.
+    """
+    if len(variances) < 2:
+        return math.log(0.1)
     number, variance = (np.array(column, float) for column in zip(*variances.items(), strict=True))
     weight = np.sqrt(number - 1) / np.maximum(variance, 1e-6)
     columns = np.column_stack([np.ones(number.size), number])
     (a, b), _ = scipy.optimize.nnls(columns * weight[:, None], variance * weight)
-    return a, b
-
-
-def _at_the_size_of_the_map(variances: Mapping[int, float]) -> float:
-    """Return ln of the standard deviation that maps of this size are expected to have: that of n = 1."""
-    if len(variances) < 2:
-        return math.log(0.1)
-    return 0.5 * math.log(sum(variance_components(variances)) + 1e-4)
+    return 0.5 * math.log(a + b + 1e-4)
 
 
 def _without_form(heights: np.ndarray, order: int) -> np.ndarray:
