@@ -34,6 +34,7 @@ CONSTANTS = {
     ("ensemble", "SCATTER_TOLERANCE"): 3e-3,
     ("headline", "_RESPONSE_TOLERANCE"): 1e-2,
     ("discretisation", "_REFINED_POINTS"): 64**2,
+    ("discretisation", "_NOISE_PER_SWITCH"): 1.0,
     ("subwindows", "_MIN_POINTS_PER_SIDE"): 24,
     ("subwindows", "_CUTS"): (2, 3),
     ("subwindows", "_LEAST_SCATTER"): 0.04,

@@ -31,7 +31,12 @@ BODIES = (
 )
 AREAS = (0.003, 0.01, 0.03, 0.1, 0.2, 0.3)  # of the whole maps
 JUDGED = (0.02, 0.5)  # contact areas at which widths are judged
-WIDTHS = {"area ± (%)": "relative_contact_area", "pressure ± (%)": "mean_contact_pressure"}
+WIDTHS = {
+    "area ± (%)": "relative_contact_area",
+    "pressure ± (%)": "mean_contact_pressure",
+    "gap ± (%)": "mean_gap",
+}
+BOUNDED = "peak bounded (%)"  # loads at which the largest pressure has an upper end
 NARROW = 30  # percent
 
 
@@ -52,6 +57,7 @@ def half_widths(statistics: xr.Dataset) -> dict[str, np.ndarray]:
     for column, name in WIDTHS.items():
         value, lower, upper = (statistics[name + end].values[judged] for end in ("", "_lower", "_upper"))
         found[column] = 50 * np.where(np.isnan(upper), np.inf, upper - lower) / value
+    found[BOUNDED] = 100.0 * np.isfinite(statistics["max_pressure_upper"].values[judged])
     return found
 
 
@@ -62,13 +68,18 @@ def tables(found: dict[str, xr.Dataset]) -> dict[str, pd.DataFrame]:
         reasons = "; ".join(reason["check"] for reason in json.loads(statistics.attrs["reasons"]))
         verdicts = {"loads": statistics.sizes["load"], "use": int((statistics["verdict"] == 0).sum())}
         widths.append(pd.DataFrame(half_widths(statistics)))
-        rows.append({"map": name} | verdicts | dict(widths[-1].median()) | {"reasons": reasons})
+        rows.append({"map": name} | verdicts | _of_loads(widths[-1]) | {"reasons": reasons})
     table, every = pd.DataFrame(rows), pd.concat(widths)
-    narrow = 100 * (every <= NARROW).mean()
+    narrow = 100 * (every[[*WIDTHS]] <= NARROW).mean()
     words = "; ".join(f"{column[:-4]} {NARROW} % for {share:.0f} %" for column, share in narrow.items())
     of_all = {"map": f"all {len(table)}", "loads": table["loads"].sum(), "use": table["use"].sum()}
-    table = pd.concat([table, pd.DataFrame([of_all | dict(every.median()) | {"reasons": words}])])
-    return {"maps": pages.text(table, dict.fromkeys(WIDTHS, ".0f"))}
+    table = pd.concat([table, pd.DataFrame([of_all | _of_loads(every) | {"reasons": words}])])
+    return {"maps": pages.text(table, dict.fromkeys([*WIDTHS, BOUNDED], ".0f"))}
+
+
+def _of_loads(widths: pd.DataFrame) -> dict[str, float]:
+    """Return the median half-widths of some loads, and the share of them with a bounded largest pressure."""
+    return {**widths[[*WIDTHS]].median(), BOUNDED: widths[BOUNDED].mean()}
 
 
 def main() -> None:

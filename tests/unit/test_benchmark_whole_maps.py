@@ -15,7 +15,8 @@ def statistics(area, upper, verdict):
         name + end: ("load", values) for name in whole_maps.WIDTHS.values() for end, values in ends.items()
     }
     return xr.Dataset(
-        columns | {"verdict": ("load", verdict)}, attrs={"reasons": json.dumps([{"check": "Noise"}])}
+        columns | {"max_pressure_upper": ("load", np.array(upper)), "verdict": ("load", verdict)},
+        attrs={"reasons": json.dumps([{"check": "Noise"}])},
     )
 
 
@@ -26,14 +27,16 @@ def test_verdicts_and_widths_are_counted():
         "two.x3p": statistics([0.1], [np.nan], [0]),  # open above
     }
     rows = whole_maps.tables(found)["maps"].set_index("map")
-    assert rows.loc["one.sur"].tolist() == ["4", "2", "20", "20", "Noise"]
+    assert rows.loc["one.sur"].tolist() == ["4", "2", "20", "20", "20", "100", "Noise"]
     assert rows.loc["two.x3p", ["use", "area ± (%)"]].tolist() == ["1", "inf"]
     assert rows.loc["all 2"].tolist() == [
         "5",
         "3",
         "30",
         "30",
-        "area ± 30 % for 50 %; pressure ± 30 % for 50 %",
+        "30",
+        "75",
+        "area ± 30 % for 50 %; pressure ± 30 % for 50 %; gap ± 30 % for 50 %",
     ]
 
 
