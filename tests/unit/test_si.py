@@ -217,7 +217,7 @@ def test_the_names_of_quantities_are_those_of_the_settings():
             if base := base_of(field):
                 known[f"{inside}{name}"] = base
             if below := section_of(field):
-                walk(below, "seal." if name == "seal" else "")
+                walk(below, f"{name}." if name in ("seal", "joint") else "")
 
     walk(Settings)
     missing = {name: base for name, base in known.items() if QUANTITIES.get(name) != base}

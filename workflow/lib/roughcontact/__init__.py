@@ -36,6 +36,7 @@ _HOME = {
     "surface_from_profiles": "roughcontact.profiles.surface",
     "solve_contact": "roughcontact.contact.solve",
     "partial_slip": "roughcontact.contact.partial_slip",
+    "flash_temperature": "roughcontact.contact.flash_temperature",
     "unload": "roughcontact.contact.unloading",
     "contact_statistics": "roughcontact.statistics.contact_statistics",
     "first_yield_pressure": "roughcontact.statistics.first_yield",

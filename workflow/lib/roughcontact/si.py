@@ -21,14 +21,16 @@ _Labelled = TypeVar("_Labelled", xr.DataArray, xr.Dataset)
 # base unit -> arguments, and keys of mappings among them, that may be text with a unit
 _NAMES = {
     "m": "s_filter l_filter shortest_wavelength longest_wavelength thickness shift seal.width "
-    "noise resolution wavelength tip_radius",
+    "noise resolution wavelength tip_radius joint.temperature_jump joint.film_thickness",
     "Pa": "contact_modulus mean_pressure peak_pressure hardness youngs_modulus yield_stress start "
     "seal.pressure_difference",
     "N": "force",
     "degree": "rotation rotations",
     "J m-2": "work_of_adhesion",
     "Pa s": "seal.viscosity",
-    "W m-1 K-1": "thermal_conductivity",
+    "W m-1 K-1": "thermal_conductivity joint.gas_conductivity joint.film_conductivity",
+    "m s-1": "speed",
+    "m2 s-1": "thermal_diffusivity",
     "Ohm m": "electrical_resistivity",
 }
 QUANTITIES = {name: base for base, names in _NAMES.items() for name in names.split()}
@@ -63,7 +65,7 @@ def _in_si(name: str, value: Any) -> Any:
     if isinstance(value, xr.Dataset):
         return labelled_in_si(value)
     if isinstance(value, Mapping):
-        inside = "seal." if name == "seal" else ""
+        inside = f"{name}." if name in ("seal", "joint") else ""
         return {key: _in_si(f"{inside}{key}", entry) for key, entry in value.items()}
     if type(value) in (list, tuple):
         return type(value)(_in_si(name, entry) for entry in value)

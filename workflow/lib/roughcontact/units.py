@@ -61,6 +61,8 @@ _AREAS = {
     if factor >= 1e-9
 }
 _VISCOSITIES = {1.0: ("Pa s", "Pa·s"), 1e-3: ("mPa s", "mPa·s", "cP"), 0.1: ("P",)}
+_SPEEDS = {1.0: ("m/s", "m s-1"), 1e-3: ("mm/s",), 1e-6: ("um/s", "μm/s"), 1 / 3.6: ("km/h",)}
+_DIFFUSIVITIES = {1.0: ("m2/s", "m2 s-1"), 1e-6: ("mm2/s",)}
 
 
 def _by_name(spellings: Mapping[float, tuple[str, ...]]) -> dict[str, float]:
@@ -80,6 +82,8 @@ _TABLES = {
     "J m-2": _by_name(_WORKS),
     "N": _by_name(_FORCES),
     "m2": _by_name(_AREAS),
+    "m s-1": _by_name(_SPEEDS),
+    "m2 s-1": _by_name(_DIFFUSIVITIES),
 }
 # spellings offered in a message
 _USUAL = {
@@ -92,6 +96,8 @@ _USUAL = {
     "J m-2": "J/m2, mJ/m2",
     "N": "mN, N, kN, MN, kgf",
     "m2": "m2, cm2, mm2, um2, nm2",
+    "m s-1": "m/s, mm/s, um/s",
+    "m2 s-1": "m2/s, mm2/s",
 }
 _QUANTITY_NAMES = {
     "m": "length",
@@ -103,6 +109,8 @@ _QUANTITY_NAMES = {
     "J m-2": "work of adhesion",
     "N": "force",
     "m2": "area",
+    "m s-1": "speed",
+    "m2 s-1": "diffusivity",
 }
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)", re.DOTALL)
 

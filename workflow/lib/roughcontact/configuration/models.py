@@ -511,6 +511,23 @@ class Seal(Section):
     width: Length = Field(description="of the seal in the direction of the flow, m", examples=["2 mm"])
 
 
+class Joint(Section):
+    """What conducts heat beside the metal: the gas in the gap, and a film on the spots in contact."""
+
+    gas_conductivity: Conductivity = Field(description="of the gas, W m-1 K-1", examples=[0.026])
+    temperature_jump: Length = Field(
+        description="sum of the temperature jump distances of gas and both faces, m; for air at 1 bar and "
+        "metals about 0.37 um",
+        examples=["0.37 um"],
+    )
+    film_thickness: Length | None = Field(
+        default=None, description="of an oxide or a coating on the spots, m", examples=["5 nm"]
+    )
+    film_conductivity: Conductivity | None = Field(
+        default=None, description="of that film, W m-1 K-1", examples=[2.0]
+    )
+
+
 class Statistics(Section):
     """Statistics of the contact, and quantities derived from it; see docs/explanation/answers.md."""
 
@@ -541,6 +558,12 @@ class Statistics(Section):
         description="a seal, whose leak rate the results then include: viscosity (Pa s) and pressure "
         "difference (Pa) of the fluid, width (m) of the seal",
         examples=[{"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"}],
+    )
+    joint: Joint | None = Field(
+        default=None,
+        description="a joint, whose heat conductance the results then include: gas in the gap beside the "
+        "spots, a film on them; both bodies state their thermal_conductivity",
+        examples=[{"gas_conductivity": 0.026, "temperature_jump": "0.37 um"}],
     )
 
 

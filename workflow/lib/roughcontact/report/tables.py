@@ -43,6 +43,8 @@ _GROUPS = {
         ("elastic_energy", "elastic energy", "J m-2"),
         ("conductance_per_conductivity", "conductance by conductivity", "m-1"),
         ("thermal_conductance", "thermal conductance", "W m-2 K-1"),
+        ("gas_conductance", "conductance of the gas", "W m-2 K-1"),
+        ("joint_conductance", "conductance of the joint", "W m-2 K-1"),
         ("thermal_resistance", "thermal resistance", "m2 K W-1"),
         ("electrical_conductance", "electrical conductance", "S m-2"),
         ("electrical_resistance", "specific contact resistance", "Ohm m2"),

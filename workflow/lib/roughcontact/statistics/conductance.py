@@ -8,8 +8,10 @@ import numpy.typing as npt
 
 from roughcontact.bodies import have_layers
 from roughcontact.elasticity.layers import ConductingPair, conducting_pair
+from roughcontact.errors import SettingsError
 
 Bodies = Sequence[Mapping[str, Any]]
+_TRANSPORTS = {"thermal": "thermal_conductance", "electrical": "electrical_conductance"}
 
 
 def conductance_columns(
@@ -68,6 +70,59 @@ def conductance_columns(
     return columns
 
 
+def gas_of(joint: Mapping[str, Any] | None) -> dict[str, float] | None:
+    """Return the arguments of `gas_columns` for a joint, or raise SettingsError for half of one."""
+    stated = {key: value for key, value in (joint or {}).items() if value is not None}
+    if not stated:
+        return None
+    film = stated.keys() & {"film_thickness", "film_conductivity"}
+    if len(film) == 1:
+        raise SettingsError(
+            "joint: a film needs film_thickness and film_conductivity; give both or neither", keys=["joint"]
+        )
+    if stated.keys() - film != {"gas_conductivity", "temperature_jump"}:
+        raise SettingsError(
+            f"joint has {', '.join(stated)}: give gas_conductivity and temperature_jump of the gas, and "
+            "film_thickness and film_conductivity where there is a film",
+            keys=["joint"],
+        )
+    return {"conductivity": stated["gas_conductivity"], "jump": stated["temperature_jump"]}
+
+
+def gas_columns(gap: np.ndarray, *, conductivity: float, jump: float) -> dict[str, float]:
+    """Return the thermal conductance of a gas in the gap (m; 0 in contact) by area: k <1/(g + M)>.
+
+    Each place conducts by itself, as where slopes are small; at a wall the temperature of the gas is that at
+    the distance M behind it, for both walls together (Yovanovich 1982; Song, Yovanovich, Goodman 1993, ASME
+    J. Heat Transf. 115, 533). Radiation is left out: below 10 W/(m2 K) at room temperature.
+    """
+    is_open = gap > 0
+    return {"gas_conductance": conductivity * float(np.sum(1 / (gap[is_open] + jump))) / gap.size}
+
+
+def resistances_and_joint(
+    conductances: dict[str, np.ndarray],
+    columns: Mapping[str, np.ndarray],
+    joint: Mapping[str, float | None] | None,
+) -> dict[str, np.ndarray]:
+    """Return conductances by area with their resistances, and with a joint its own.
+
+    Spots are in series with a film on their area, and gas beside them; `columns` has `gas_conductance`,
+    `relative_contact_area`, and the conductances of bodies with layers.
+    """
+    layered = {name: columns[name] for name in _TRANSPORTS.values() if name in columns}
+    found = layered | conductances
+    with np.errstate(divide="ignore"):
+        found |= {
+            f"{kind}_resistance": 1 / found[name] for kind, name in _TRANSPORTS.items() if name in found
+        }
+        if joint and "thermal_resistance" in found:
+            film = (joint.get("film_thickness") or 0.0) / (joint.get("film_conductivity") or 1.0)
+            resistance = found["thermal_resistance"] + film / columns["relative_contact_area"]
+            found["joint_conductance"] = 1 / resistance + columns["gas_conductance"]
+    return found
+
+
 def conductors(bodies: Bodies | None) -> dict[str, ConductingPair]:
     """Return bodies with layers as conductors, by the name of the conductance whose property all state.
 
@@ -93,17 +148,6 @@ def over_holms_resistance(knudsen: npt.ArrayLike) -> np.ndarray:
     """
     ratio = np.asarray(knudsen, float)
     return (1 + 0.83 * ratio) / (1 + 1.33 * ratio) + 8 / (3 * np.pi) * ratio
-
-
-def with_resistances(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return columns with the resistance, times area, that belongs to each conductance per area."""
-    with np.errstate(divide="ignore"):
-        resistances = {
-            f"{transport}_resistance": 1 / columns[name]
-            for transport in ("thermal", "electrical")
-            if (name := f"{transport}_conductance") in columns
-        }
-    return {**columns, **resistances}
 
 
 def _body_properties(bodies: Bodies | None, name: str) -> np.ndarray | None:

@@ -28,7 +28,14 @@ from roughcontact.si import in_si
 from roughcontact.statistics import theory
 from roughcontact.statistics.adhesion import adhesion_numbers
 from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers, carrying
-from roughcontact.statistics.conductance import Bodies, conductance_columns, conductors, with_resistances
+from roughcontact.statistics.conductance import (
+    Bodies,
+    conductance_columns,
+    conductors,
+    gas_columns,
+    gas_of,
+    resistances_and_joint,
+)
 from roughcontact.statistics.contact_geometry import contact_perimeter, relative_contact_area
 from roughcontact.statistics.densities import (
     GAP_DECADES,
@@ -92,6 +99,7 @@ def contact_statistics(
     stress: Extra = "auto",
     work_of_adhesion: float | None = None,
     seal: Mapping[str, float] | None = None,
+    joint: Mapping[str, float | None] | None = None,
     bodies: Bodies | None = None,
     surface: "SurfaceNumbers | None" = None,
 ) -> xr.Dataset:
@@ -119,6 +127,9 @@ def contact_statistics(
         of flat surfaces: the effective work of adhesion is added.
     seal : mapping, optional
         `viscosity` (Pa s), `pressure_difference` (Pa) and `width` (m) of a seal that leaks through the gap.
+    joint : mapping, optional
+        `gas_conductivity` (W m-1 K-1) and `temperature_jump` (m) of the gas in the gap, and `film_thickness`
+        (m) and `film_conductivity` (W m-1 K-1) of a film on the spots: heat through the joint.
     bodies : sequence of two mappings, optional
         as in the settings, `contact.bodies`: where both state conductivity or resistivity, the conductance of
         the contact is added; `poissons_ratio`, `yield_stress` and `layers` are for the stresses.
@@ -195,16 +206,18 @@ def contact_statistics(
             with_flow=with_flow,
             body=body,
             conducting=conducting,
+            gas=gas_of(joint),
         )
         for load in range(mean_pressure.size)
     ]
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     columns |= {name: contact[name].values for name in SOLVER_COLUMNS if name in contact}
-    columns = with_resistances(
-        columns
-        | conductance_columns(
+    columns |= resistances_and_joint(
+        conductance_columns(
             columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies, layered=layers is not None
-        )
+        ),
+        columns,
+        joint,
     )
     if seal is not None and with_flow:
         from roughcontact.sealing.flow import leak_columns
@@ -537,6 +550,7 @@ def _one_load(
     with_flow: bool,
     body: Mapping[str, Any] | None,
     conducting: Mapping[str, ConductingPair],
+    gas: Mapping[str, float] | None,
 ) -> dict[str, object]:
     """Return all numbers of one load; of an open file no more than one of its maps is in memory at a time."""
     elastic: dict[str, Any] = {
@@ -572,6 +586,8 @@ def _one_load(
         from roughcontact.sealing.flow import flow_columns
 
         passage |= flow_columns(open_gap, steps)
+    if gas is not None:
+        passage |= gas_columns(open_gap, **gas)
     del open_gap
     patches = region_sizes(touching) * _point_area(touching.shape, steps)
     return {
