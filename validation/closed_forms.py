@@ -433,6 +433,37 @@ def spot_array_stiffness(contact_radius: float, contact_modulus: float, period: 
 # --- Unloading and slip -------------------------------------------------------------------------------------
 
 
+def flattened_summit_approach(load: float, radius: float, hardness: float, contact_modulus: float) -> float:
+    """Return the approach of a sphere that carries the hardness over its whole contact.
+
+    The load F spreads over a circle of radius a = sqrt(F/(pi H)), whose edge the uniform pressure displaces
+    by 4 H a/(pi E*) [1]_; there the gap is just closed, so that the approach is a^2/(2R) + 4 H a/(pi E*).
+
+    Parameters
+    ----------
+    load : float, N
+    radius : float, m
+        of the sphere, as a paraboloid.
+    hardness, contact_modulus : float, Pa
+
+    Returns
+    -------
+    float
+        in m.
+
+    References
+    ----------
+    .. [1] Johnson (1985), Contact Mechanics, eq. (3.29a).
+
+    Examples
+    --------
+    >>> print(f"{flattened_summit_approach(np.pi, 2.0, 1.0, 4 / np.pi):.4f}")
+    1.2500
+    """
+    edge = float(np.sqrt(load / (np.pi * hardness)))
+    return edge**2 / (2 * radius) + 4 * hardness * edge / (np.pi * contact_modulus)
+
+
 def flattened_summit_radius(share: float) -> float:
     """Return the radius b of the contact of a summit that was pressed flat, over that at the largest load.
 

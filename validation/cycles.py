@@ -39,11 +39,15 @@ def _flattened_summit(section: Section, points: int) -> None:
     loaded = solve_contact(
         height,
         contact_modulus=1.0,
-        mean_pressure=load,
+        mean_pressure=[load / 4, load / 2, load],
         hardness=hardness,
         tolerance=1e-8,
         zero_frequency="lattice",
     )
+    for approach, force in zip(loaded["approach"].values, loaded["mean_pressure"].values, strict=True):
+        flattened = closed_forms.flattened_summit_approach(force, 2.0, hardness, 1.0)
+        n = float(np.sqrt(force / hardness / np.pi)) * points
+        section.compare("loading", -approach, flattened, 0.3 / n, share=force / load, n=n)
     unloaded = unload(loaded, mean_pressure=[load, *(load * shares)])
     areas = (unloaded["pressure"].values > 0).mean((1, 2))
     recovered = unloaded["approach"].values - unloaded["approach"].values[0]

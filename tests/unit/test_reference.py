@@ -281,6 +281,16 @@ def test_a_layer_stiffens_a_sphere_as_computed_elsewhere(nu, ratios):
         assert found.force / hertz == pytest.approx(expected, abs=6e-4)
 
 
+def test_the_edge_of_a_uniform_pressure_closes_the_gap_of_a_flattened_summit():
+    """At the edge of the circle the displacement is that of point loads, summed along chords from there."""
+    load, radius, hardness, modulus = 0.3, 5.0, 0.02, 1.5
+    edge = np.sqrt(load / (np.pi * hardness))
+    chords, _ = quad(lambda angle: 2 * edge * np.cos(angle), -np.pi / 2, np.pi / 2)
+    displaced = hardness / (np.pi * modulus) * chords  # a point load F displaces by F/(pi E* r)
+    approach = closed_forms.flattened_summit_approach(load, radius, hardness, modulus)
+    assert approach == pytest.approx(edge**2 / (2 * radius) + displaced, rel=1e-12)
+
+
 @pytest.mark.parametrize("share", [0.01, 0.3, 0.9])
 def test_flat_punches_carry_a_flattened_summit(share):
     """Punches of radius t with the pressure 1/sqrt(t^2 - r^2) add up to one that is uniform over a circle."""
