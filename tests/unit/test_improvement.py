@@ -108,6 +108,7 @@ def statistics(widths, reasons=(), **attrs):
         ({"unresolved": 0.3, "window": 0.02}, (), "finer_spectrum"),
         ({"unresolved": 0.3, "window": 0.02}, ("Smoothed",), "state the lens"),
         ({"material": 0.3, "window": 0.02}, (), "contact modulus"),
+        ({"instrument": 0.3, "window": 0.02}, (), "export the heights in finer steps"),
     ],
 )
 def test_the_largest_source_decides_what_halves_the_interval(widths, reasons, words):
@@ -119,6 +120,11 @@ def test_the_largest_source_decides_what_halves_the_interval(widths, reasons, wo
 def test_an_isolated_summit_is_to_be_cleaned_first():
     line = halving_line(statistics({"window": 0.3}, ["Isolated peak"], summit_x=2e-6, summit_y=3e-6), SCATTER)
     assert line.startswith("clean the summit at (2.00 µm, 3.00 µm); measure ")
+
+
+def test_a_stated_instrument_is_to_be_stated_more_narrowly():
+    line = halving_line(statistics({"instrument": 0.3, "window": 0.02}, instrument_noise=1e-9), SCATTER)
+    assert line == "repeat the measurement and average, or state the instrument more narrowly"
 
 
 def test_nothing_is_proposed_without_an_interval():

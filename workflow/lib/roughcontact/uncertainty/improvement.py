@@ -82,7 +82,7 @@ def halving_line(statistics: xr.Dataset, scatter: np.ndarray | None) -> str:
             of_area = math.nan if scatter is None else float(np.ravel(scatter)[load]) * _slope(value)
             actions.append(_more_places(of_area, half_width, shared, widths))
         elif source in ADVICE:
-            actions.append(_lens(statistics) or ADVICE[source])
+            actions.append(_lens(statistics) or _rounding(statistics, source) or ADVICE[source])
         remaining = math.sqrt(sum(widths[name] ** 2 for name in by_size[by_size.index(source) + 1 :]))
         if remaining + widths[source] / 2 <= half_width / 2 or remaining <= half_width / 2:
             break
@@ -135,6 +135,14 @@ def _lens(statistics: xr.Dataset) -> str:
     return (
         "state the lens (instrument.numerical_aperture)" if _doubted(statistics, CheckName.SMOOTHED) else ""
     )
+
+
+def _rounding(statistics: xr.Dataset, source: str) -> str:
+    """Return the advice for an instrument of which nothing is stated: rounded heights or suspected noise."""
+    stated = any(key.startswith("instrument_") for key in statistics.attrs)
+    if source != "instrument" or stated:
+        return ""
+    return "export the heights in finer steps, or measure the place twice (repeat_of), which tells the noise"
 
 
 def _summit(statistics: xr.Dataset) -> list[str]:
