@@ -6,8 +6,8 @@
 Every map in the folders that is read without being told anything is evaluated by default settings, steel on
 PEEK, at contact areas that a user would choose. Half-widths are those of the surface, relative to the result,
 at loads with 2 to 50 % in contact: medians of a map, and of all maps and loads. Coverage is measured by
-`calibrate.py` and `measurement.py`. With `--planned` the loads are those that the program plans, and files that
-are refused are listed with the reason: a map is red for its loads alone if others of them are not.
+`calibrate.py` and `measurement.py`. With `--planned` the loads are those that the program plans, and files
+that are refused are listed with the reason: a map is red for its loads alone if others of them are not.
 """
 
 import argparse
