@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from roughcontact.command_line.program import _FILE_OPTIONS
+from roughcontact.command_line.program import FILE_OPTIONS
 from roughcontact.configuration.study import _mistakes_in
 from roughcontact.configuration.surfaces import (
     BEFORE,
@@ -163,7 +163,7 @@ def test_columns_and_options_are_the_arguments_of_reading(verb):
     arguments = [name for name in inspect.signature(verb).parameters if name not in ("path", "instrument")]
     of_the_study = {*REQUIRED, GROUP, PART, PARTS, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT}
     assert set(COLUMNS) - of_the_study - {*INSTRUMENT} == set(arguments)
-    assert [name.replace("-", "_") for name in _FILE_OPTIONS] == arguments
+    assert [name.replace("-", "_") for name in FILE_OPTIONS] == arguments
 
 
 def test_each_file_of_a_pair_has_its_own_first_row(table):

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 
-from .screen import VARIABLE, Screen
+from .screen import BAR, VARIABLE, Screen
 
 
 class LogHandler(LogHandlerBase):
@@ -28,7 +28,7 @@ class LogHandler(LogHandlerBase):
         """Choose the stream, and tell the jobs that this shows what their logs say."""
         logging.Handler.__init__(self)  # which the first versions of the interface leave out
         stream = sys.stdout if self.common_settings.stdout else sys.stderr
-        bar = stream.isatty()
+        bar = stream.isatty() or BAR in os.environ
         self.stream = stream
         self.screen = Screen(stream, bar=bar, planned=self.common_settings.dryrun)
         os.environ[VARIABLE] = "1"

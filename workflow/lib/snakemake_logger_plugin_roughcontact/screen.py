@@ -16,6 +16,7 @@ from typing import Any, TextIO
 from .clock import Clock, duration
 
 VARIABLE = "ROUGHCONTACT_SCREEN"  # tells the jobs that their progress is not wanted on the screen
+BAR = "ROUGHCONTACT_BAR"  # tells a run that the bar is wanted though its screen is no terminal
 ERASE = "\r\x1b[K"  # the line of the bar
 _PREAMBLE = ("Assuming unrestricted shared filesystem", "Building DAG of jobs", "host: ")
 _BAR = 20  # characters

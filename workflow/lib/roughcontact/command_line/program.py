@@ -33,7 +33,7 @@ _DESCRIPTION = (
 )
 
 # information missing in a file: the arguments of read_height_map, the columns of the table of surfaces
-_FILE_OPTIONS = {
+FILE_OPTIONS = {
     "channel": "which channel of the file, by name",
     "dx": "step from point to point along x, in --unit, or with its own: 1.5um",
     "dy": "step from point to point along y, in --unit, or with its own: 1.5um",
@@ -109,7 +109,7 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
     verbs = parser.add_subparsers(
-        required=True, metavar="inspect | solve | init | run | methods | table | compare | crate"
+        required=True, metavar="inspect | solve | init | run | app | methods | table | compare | crate"
     )
 
     inspect = verbs.add_parser("inspect", help="describe the contents of a file, or of all in a folder")
@@ -160,6 +160,8 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
         usage="roughcontact run [OPTION ...]",
         description=_RUN,
     )
+
+    _add_app(verbs)
 
     methods = verbs.add_parser("methods", help="print a paragraph of methods and answers for a paper")
     methods.add_argument(
@@ -212,10 +214,32 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     return parser
 
 
+def _add_app(verbs: argparse._SubParsersAction) -> None:
+    """Add the command that opens the page."""
+    app = verbs.add_parser(
+        "app", help="open a page that sets up, runs and shows a study, for use by clicking"
+    )
+    app.add_argument(
+        "folder",
+        nargs="?",
+        type=Path,
+        default=Path(),
+        metavar="FOLDER",
+        help="the study, by default the working directory; an empty one is begun",
+    )
+    app.add_argument(
+        "--port", type=int, default=0, help="port of the page on 127.0.0.1, by default a free one"
+    )
+    app.add_argument(
+        "--no-browser", action="store_true", help="print the address of the page, and open no browser"
+    )
+    app.set_defaults(run=_app)
+
+
 def _add_file_options(parser: argparse.ArgumentParser) -> None:
     """Add options for information that is missing in a file, and for the output format."""
     group = parser.add_argument_group("information missing in the file")
-    for name, text in _FILE_OPTIONS.items():
+    for name, text in FILE_OPTIONS.items():
         convert, metavar = (_length, "LENGTH") if name in ("dx", "dy") else (str, "TEXT")
         group.add_argument(f"--{name}", help=text, type=convert, metavar=metavar)
     _add_json(parser)
@@ -244,7 +268,7 @@ def _add_json(parser: argparse.ArgumentParser) -> None:
 
 def _given(options: argparse.Namespace) -> dict[str, Any]:
     """Return the keyword arguments of `read_height_map` that were given."""
-    names = (name.replace("-", "_") for name in _FILE_OPTIONS)
+    names = (name.replace("-", "_") for name in FILE_OPTIONS)
     return {name_: value for name_ in names if (value := getattr(options, name_)) is not None}
 
 
@@ -346,6 +370,18 @@ def _run(options: argparse.Namespace) -> int:
     from roughcontact.command_line.running import run_workflow
 
     return run_workflow(options.arguments)
+
+
+def _app(options: argparse.Namespace) -> int:
+    """Serve the page of a study until it is interrupted."""
+    from importlib import import_module
+    from importlib.util import find_spec
+
+    if missing := [name for name in ("snakemake", "starlette", "uvicorn") if find_spec(name) is None]:
+        raise SettingsError(f"{missing[0]} is not installed: pip install 'roughcontact[workflow,app]'")
+    # by name: the page uses these commands, and lies above them
+    page = import_module("roughcontact.app.server")
+    return page.serve(options.folder, port=options.port, browser=not options.no_browser)
 
 
 def _compare(options: argparse.Namespace) -> int:

@@ -51,7 +51,7 @@ def run_lock(folder: Path, *, unlocks: bool = False) -> Iterator[RunLock]:
         yield RunLock()
         return
     with file:
-        free, this_host = _locked(file.fileno()), socket.gethostname()
+        free, this_host = lock_file(file.fileno()), socket.gethostname()
         host, process = _last_run(path)
         if free is None:
             yield RunLock()
@@ -91,7 +91,7 @@ def _last_run(path: Path) -> tuple[str, str]:
     return host, run.partition("-")[0]
 
 
-def _locked(file: int) -> bool | None:
+def lock_file(file: int) -> bool | None:
     """Lock a file, if necessary after a moment; None where the folder has no locks."""
     import fcntl
 

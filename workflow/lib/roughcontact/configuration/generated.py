@@ -123,18 +123,18 @@ def _yaml(model: type[Section], indent: str, values: Mapping[str, Any]) -> list[
             lines.append("")
         lines += [f"{indent}# {line}" for line in textwrap.wrap(text, _WIDTH - len(indent))]
         if section and isinstance(value, list):  # a line for each
-            lines += [f"{indent}{comment}{name}:", *(f"{indent}{comment}  - {_flow(item)}" for item in value)]
+            lines += [f"{indent}{comment}{name}:", *(f"{indent}{comment}  - {flow(item)}" for item in value)]
         else:
-            lines.append(f"{indent}{comment}{name}: {_flow(value)}")
+            lines.append(f"{indent}{comment}{name}: {flow(value)}")
     return lines
 
 
-def _flow(value: Any) -> str:
+def flow(value: Any) -> str:
     """Return a value in YAML's one-line spelling, floats such that YAML 1.1 reads them as floats."""
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {_flow(v)}" for key, v in value.items()) + "}"
+        return "{" + ", ".join(f"{key}: {flow(v)}" for key, v in value.items()) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(map(_flow, value)) + "]"
+        return "[" + ", ".join(map(flow, value)) + "]"
     if isinstance(value, float):
         mantissa, _, exponent = f"{value:.6g}".partition("e")
         return mantissa + ("" if "." in mantissa else ".0") + (f"e{exponent}" if exponent else "")
@@ -148,4 +148,4 @@ def _in_words(value: Any, field: FieldInfo) -> str:
             f"{key} {_in_words(entry, section.model_fields[key])}" for key, entry in value.items()
         )
     unit = base_of(field)
-    return quantity(value, unit) if unit and isinstance(value, float) else _flow(value)
+    return quantity(value, unit) if unit and isinstance(value, float) else flow(value)

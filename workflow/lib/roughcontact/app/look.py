@@ -1,0 +1,88 @@
+"""What a run has left: its results, and the commands that compare and export them."""
+
+import json
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from roughcontact.errors import SettingsError
+
+_RESULTS = Path("results")
+_MAPS = """\
+from roughcontact.results.exchange import write_{ending}
+from roughcontact.results.storage import opened_dataset
+with opened_dataset({source!r}) as contact:
+    write_{ending}(contact, {path!r})
+"""
+FORMATS = {
+    "methods": "a paragraph of methods and answers for a paper",
+    "table": "pressure, area and flow factors over the mean gap, for other codes (.csv)",
+    "vti": "maps of height, pressure, gap and contact, for ParaView",
+    "tiff": "the same maps, for Gwyddion or ImageJ",
+    "crate": "a description of the run as an RO-Crate, for an archive",
+}
+
+
+def results() -> dict[str, Any]:
+    """Return the results by name, with verdict and what would halve the ±, the report and the tables."""
+    found = {}
+    for path in sorted(_RESULTS.rglob("panel.json")):
+        summary = json.loads(path.read_text(encoding="utf-8"))
+        name = path.parent.relative_to(_RESULTS).as_posix()
+        found[name] = {key: summary.get(key, "") for key in ("verdict", "main_reason", "halve")}
+    report = _RESULTS / "report.html"
+    files = [path for path in sorted(_RESULTS.glob("*")) if path.is_file()]
+    return {
+        "results": found,
+        "report": report.stat().st_mtime if report.is_file() else None,
+        "files": [path.name for path in files],
+        "formats": FORMATS,
+    }
+
+
+def compare(before: str, after: str) -> dict[str, Any]:
+    """Return what `roughcontact compare` says of two results."""
+    return _said("compare", str(_file(before, "statistics.nc")), str(_file(after, "statistics.nc")))
+
+
+def export(result: str, form: str) -> dict[str, Any]:
+    """Write a result in another form, or all of them, and return the command that does it."""
+    if form == "crate":
+        return _said("crate", str(_RESULTS), "--configfile", "config/config.yaml")
+    if form == "methods":
+        return _said("methods", str(_file(result, "statistics.nc")))
+    if form not in FORMATS:
+        raise SettingsError(f"{form}: is none of {', '.join(FORMATS)}")
+    target = Path("exports", f"{result.replace('/', '-')}.{'csv' if form == 'table' else form}")
+    target.parent.mkdir(exist_ok=True)
+    if form == "table":
+        return _said("table", str(_file(result, "statistics.nc")), "-o", str(target))
+    code = _MAPS.format(ending=form, source=str(_file(result, "contact.nc")), path=str(target))
+    return _run([sys.executable, "-c", code], said=["python", "-c", code]) | {"file": str(target)}
+
+
+def _file(result: str, name: str) -> Path:
+    """Return a file of a result; a SettingsError where there is none."""
+    path = _RESULTS / result / name
+    if result not in results()["results"] or not path.is_file():
+        raise SettingsError(f"{path}: no such file; run the study first (contact.keep_fields keeps the maps)")
+    return path
+
+
+def _said(*arguments: str) -> dict[str, Any]:
+    """Return what the program says, with the command."""
+    return _run(
+        [sys.executable, "-m", "roughcontact.command_line", *arguments], said=["roughcontact", *arguments]
+    )
+
+
+def _run(command: list[str], *, said: list[str]) -> dict[str, Any]:
+    """Run a command to its end and return its output."""
+    process = subprocess.run(command, capture_output=True, text=True, check=False)
+    return {
+        "command": shlex.join(said),
+        "text": (process.stdout + process.stderr).strip(),
+        "code": process.returncode,
+    }
