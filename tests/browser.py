@@ -108,6 +108,16 @@ class Browser:
         """Return the text of an element."""
         return self.evaluate(f"document.querySelector({json.dumps(selector)}).textContent")
 
+    def text_of_frame(self):
+        """Return the text of the frame of another origin within the page."""
+        session, self.session = self.session, None
+        targets = self.send("Target.getTargets")["targetInfos"]
+        self.attach(next(target["targetId"] for target in targets if target["type"] == "iframe"))
+        self.wait("document.readyState === 'complete'")
+        text = self.text("body")
+        self.session = session
+        return text
+
     def press(self, key, *, shift=False):
         """Press a key."""
         code = {"key": " " if key == "Space" else key, "code": key, "windowsVirtualKeyCode": _KEYS[key]}

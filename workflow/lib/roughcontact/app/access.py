@@ -2,14 +2,31 @@
 
 import secrets
 import time
+from functools import partial
 
+from starlette.datastructures import MutableHeaders
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from roughcontact.errors import SettingsError
 
 _SILENCE = 5.0  # s after which a page that no longer asks for news counts as closed
+
+
+_HEADERS = {
+    "Cache-Control": "no-store",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+
+
+async def _with_headers(send: Send, message: Message) -> None:
+    """Send a message, of the begin of an answer with headers that keep it here."""
+    if message["type"] == "http.response.start":
+        MutableHeaders(scope=message).update(_HEADERS)
+    await send(message)
 
 
 class Guard:
@@ -26,7 +43,7 @@ class Guard:
         elif scope["type"] == "http" and not self._admits(Request(scope)):
             await PlainTextResponse("refused", status_code=403)(scope, receive, send)
         else:
-            await self.app(scope, receive, send)
+            await self.app(scope, receive, partial(_with_headers, send))
 
     def _admits(self, request: Request) -> bool:
         """Return whether a request may have an answer."""

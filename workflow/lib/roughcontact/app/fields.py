@@ -19,7 +19,7 @@ INDEX = "#"  # stands in the names of a further list entry for its index
 
 
 class Field(NamedTuple):
-    """A field of the form; `entries` has the fields of each entry of a list, `more` those of a further one."""
+    """A field of the form; `entries` has the fields of the entries of a list, `more` of a further one."""
 
     name: str
     meaning: str
@@ -87,8 +87,9 @@ def columns() -> dict[str, str]:
 
 def text_of(value: Any) -> str:
     """Return a value as the text of its field."""
-    text = flow(value)
-    return text[1:-1] if isinstance(value, list) and value else text
+    if isinstance(value, list) and value:
+        return ", ".join(map(text_of, value))
+    return repr(value) if isinstance(value, float) else flow(value)
 
 
 def texts_of(value: Any, name: str = "") -> dict[str, str]:
@@ -97,10 +98,10 @@ def texts_of(value: Any, name: str = "") -> dict[str, str]:
     Examples
     --------
     >>> texts_of({"contact": {"bodies": ["steel", {"youngs_modulus": 1e9}], "mean_pressure": ["1 MPa", 2e6]}})
-    {'contact.bodies.0.material': 'steel', 'contact.bodies.1.youngs_modulus': '1.0e+09', \
-'contact.mean_pressure': '1 MPa, 2.0e+06'}
+    {'contact.bodies.0.material': 'steel', 'contact.bodies.1.youngs_modulus': '1000000000.0', \
+'contact.mean_pressure': '1 MPa, 2000000.0'}
     """
-    field = field_at(name.split("."))
+    field = _field_at(name)
     if name == "cases":
         return {name: yaml.safe_dump(value, sort_keys=False, allow_unicode=True)} if value else {}
     if isinstance(value, dict):
@@ -138,9 +139,14 @@ def settings_of(texts: Mapping[str, str]) -> dict[str, Any]:
     return _with_lists(config)
 
 
+def _field_at(name: str) -> FieldInfo | None:
+    """Return the setting of a dotted name, whose numbers are indices."""
+    return field_at([part for part in name.split(".") if not part.isdecimal()])
+
+
 def _value(name: str, text: str) -> Any:
     """Return the value that the text of a field stands for."""
-    field = field_at(name.split("."))
+    field = _field_at(name)
     if name == "cases":
         try:
             return yaml.safe_load(text)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.errors import SettingsError
+from roughcontact.statistics.outcome import VERDICTS
 
 _RESULTS = Path("results")
 _MAPS = """\
@@ -27,15 +28,15 @@ FORMATS = {
 
 def results() -> dict[str, Any]:
     """Return the results by name, with verdict and what would halve the ±, the report and the tables."""
-    found = {}
+    panels = {}
     for path in sorted(_RESULTS.rglob("panel.json")):
         summary = json.loads(path.read_text(encoding="utf-8"))
         name = path.parent.relative_to(_RESULTS).as_posix()
-        found[name] = {key: summary.get(key, "") for key in ("verdict", "main_reason", "halve")}
+        panels[name] = summary | {"verdict": VERDICTS.get(summary["verdict"], summary["verdict"])}
     report = _RESULTS / "report.html"
     files = [path for path in sorted(_RESULTS.glob("*")) if path.is_file()]
     return {
-        "results": found,
+        "results": panels,
         "report": report.stat().st_mtime if report.is_file() else None,
         "files": [path.name for path in files],
         "formats": FORMATS,

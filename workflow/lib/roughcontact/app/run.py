@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from roughcontact.app.study import CONFIG, table_path
 from snakemake_logger_plugin_roughcontact.screen import BAR, ERASE
 
 COMMAND = ["roughcontact", "run"]
@@ -29,7 +30,9 @@ class Run:
         self.cancelled = False
         _SCREEN.parent.mkdir(exist_ok=True)
         variables = os.environ | {BAR: "1", "COLUMNS": _WIDEST, "PYTHONUNBUFFERED": "1"}
-        with _SCREEN.open("wb") as screen:
+        inputs = [CONFIG.stat().st_mtime, table_path().stat().st_mtime]
+        resumed = _SCREEN.exists() and _SCREEN.stat().st_mtime > max(inputs)  # what was done still holds
+        with _SCREEN.open("ab" if resumed else "wb") as screen:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", "roughcontact.command_line", *COMMAND[1:]],
                 stdin=subprocess.DEVNULL,
@@ -50,7 +53,7 @@ class Run:
 
     def state(self) -> dict[str, Any]:
         """Return the lines of the screen, the bar with the time left, and the state of each surface."""
-        written = _SCREEN.read_text(encoding="utf-8", errors="replace") if _SCREEN.is_file() else ""
+        written = _SCREEN.read_bytes().decode(errors="replace") if _SCREEN.is_file() else ""
         *_, bar = written.rpartition("\n")
         bar = bar.rpartition(ERASE)[2].strip()
         lines = [line.rpartition(ERASE)[2] for line in written.split("\n")[:-1]]

@@ -40,7 +40,7 @@ class _Results(StaticFiles):
     def file_response(self, *args: Any, **kwargs: Any) -> Response:
         """Return a file with the rules for its scripts."""
         response = super().file_response(*args, **kwargs)
-        response.headers.update({"Content-Security-Policy": _POLICY_OF_RESULTS, "Cache-Control": "no-store"})
+        response.headers.update({"Content-Security-Policy": _POLICY_OF_RESULTS})
         return response
 
 
@@ -53,7 +53,7 @@ def application(run: Run, *, token: str, port: int) -> ASGIApp:
             refusal = template("taken.html", folder=_PAGE).render(folder=Path.cwd())
             return HTMLResponse(refusal, status_code=409, headers={"Refresh": "2"})
         text = template("page.html", folder=_PAGE).render(page=name, run=COMMAND, **_study())
-        return HTMLResponse(text, headers={"Content-Security-Policy": _POLICY, "Cache-Control": "no-store"})
+        return HTMLResponse(text, headers={"Content-Security-Policy": _POLICY})
 
     def api(function: Callable[..., Any]) -> Callable[[Request], Any]:
         async def answer(request: Request) -> Response:

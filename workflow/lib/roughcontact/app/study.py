@@ -8,8 +8,9 @@ from typing import Any
 
 import yaml
 
-from roughcontact.app.fields import settings_of, text_of, texts_of
-from roughcontact.configuration.models import Settings
+from roughcontact.app.fields import settings_of, texts_of
+from roughcontact.configuration.generated import in_words
+from roughcontact.configuration.models import Body, Settings
 from roughcontact.configuration.study import read_study
 from roughcontact.configuration.surfaces import COLUMNS, REQUIRED, read_table
 from roughcontact.configuration.yaml_text import check_yaml
@@ -51,7 +52,11 @@ def files_of(texts: Mapping[str, str], rows: Rows) -> dict[Path, str]:
     config = settings_of(texts)
     if str(table) != Settings.model_fields["surfaces"].default:
         config = {"surfaces": str(table), **config}
-    settings = yaml.safe_dump(config, sort_keys=False, allow_unicode=True, width=100) if config else ""
+    settings = (
+        yaml.safe_dump(config, sort_keys=False, allow_unicode=True, default_flow_style=None, width=100)
+        if config
+        else ""
+    )
     used = {key for row in rows for key, cell in row.items() if cell.strip()} - {*REQUIRED}
     header = [*REQUIRED, *(name for name in (*COLUMNS, *sorted(used - {*COLUMNS})) if name in used)]
     cells = [[re.sub(r"\s+", " ", row.get(name, "")).strip() for name in header] for row in rows]
@@ -91,7 +96,8 @@ def write(texts: Mapping[str, str], rows: Rows) -> dict[str, Any]:
                 spare = path.with_name(path.name + _KEPT)
                 write_text(before, spare)
                 kept.append(str(spare))
-            write_text(text, path)
+            if before != text or not path.is_file():
+                write_text(text, path)
     return checked | {"kept": kept}
 
 
@@ -118,10 +124,10 @@ def _of_materials(config: Mapping[str, Any]) -> dict[str, str]:
     except RoughContactError:
         return {}
     return {
-        f"contact.bodies.{index}.{key}": text_of(value)
+        f"contact.bodies.{index}.{key}": in_words(value, Body.model_fields[key])
         for index, (body, stated) in enumerate(zip(full, bodies, strict=True))
         for key, value in (body.items() if isinstance(body, dict) else ())
-        if key not in stated
+        if key in Body.model_fields and key not in stated
     }
 
 

@@ -1,7 +1,6 @@
 """Properties of a setting, read from its model: the section below it, its choices, its description."""
 
-from collections.abc import Sequence
-from itertools import chain
+from collections.abc import Iterator, Sequence
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
@@ -50,8 +49,7 @@ def base_of(field: FieldInfo) -> str:
     >>> base_of(Level.model_fields["s_filter"]), base_of(Level.model_fields["max_missing"])
     ('m', '')
     """
-    within = (getattr(type_, "__metadata__", ()) for type_ in _parts(field.annotation))
-    checks = [getattr(check, "func", None) for check in chain(field.metadata, *within)]
+    checks = [getattr(check, "func", None) for check in (*field.metadata, *_rules(field.annotation))]
     return next((check.base for check in checks if isinstance(check, Range)), "")
 
 
@@ -87,6 +85,13 @@ def field_at(location: Sequence[str | int]) -> FieldInfo | None:
 def _keys(location: Sequence[str | int]) -> list[str]:
     """Return a location without its positions in lists."""
     return [key for key in location if isinstance(key, str)]
+
+
+def _rules(annotation: Any) -> Iterator[Any]:
+    """Yield what is noted with the types within an annotation, lists included."""
+    yield from getattr(annotation, "__metadata__", ())
+    for argument in get_args(annotation):
+        yield from _rules(argument)
 
 
 def _parts(annotation: Any) -> list[Any]:

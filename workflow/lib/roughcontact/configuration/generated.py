@@ -79,7 +79,7 @@ def changed_settings(settings: Mapping[str, Any]) -> list[str]:
     ['level.form: none', 'level.s_filter: 2.50 µm']
     """
     return [
-        f"{section}.{name}: {_in_words(settings[section][name], field)}"
+        f"{section}.{name}: {in_words(settings[section][name], field)}"
         for section, of_section in Settings.model_fields.items()
         if section != "report" and (model := section_of(of_section))
         for name, field in model.model_fields.items()
@@ -141,11 +141,11 @@ def flow(value: Any) -> str:
     return value if isinstance(value, str) else json.dumps(value)
 
 
-def _in_words(value: Any, field: FieldInfo) -> str:
+def in_words(value: Any, field: FieldInfo) -> str:
     """Return the value of a setting: a quantity with its unit, anything else as in YAML."""
     if isinstance(value, dict) and (section := section_of(field)):
         return ", ".join(
-            f"{key} {_in_words(entry, section.model_fields[key])}" for key, entry in value.items()
+            f"{key} {in_words(entry, section.model_fields[key])}" for key, entry in value.items()
         )
     unit = base_of(field)
     return quantity(value, unit) if unit and isinstance(value, float) else flow(value)

@@ -92,7 +92,7 @@ function markMistakes(mistakes) {
     if (column && all(".row")[number]) output = $(`[data-of="${column}"]`, all(".row")[number]);
     const field = output && (column ? $(`[data-column="${column}"]`, all(".row")[number]) : document.getElementById(output.htmlFor.value));
     if (field) field.setAttribute("aria-invalid", "true");
-    if (output) output.textContent = sentences.join("\n");
+    if (output) output.textContent = [output.textContent, ...sentences].filter(Boolean).join("\n");
     $("#mistakes").append(...sentences.map(sentence => Object.assign(document.createElement("li"), { textContent: sentence })));
   }
 }
@@ -149,7 +149,7 @@ async function follow() {
       : state.code === null ? (state.text ? "the last run; Run goes on where it stopped" : "not run yet") : state.code === 0 ? "done" : "ended with errors: see below for the way out";
     $("#surfaces").replaceChildren(...rows().map(({ surface }) => {
       const is = name => name.split("/").includes(surface);
-      const word = state.failed.some(is) ? "failed" : state.done.some(is) ? "done" : state.bar.split(/[ ,]/).some(is) ? "at work" : "waiting";
+      const word = state.running && state.bar.split(/[ ,]/).some(is) ? "at work" : state.done.some(is) ? "done" : state.failed.some(is) ? "failed" : "waiting";
       return Object.assign(document.createElement("li"), { textContent: `${surface}: ${word}` });
     }));
     if (wasRunning && !state.running) await look();
@@ -165,7 +165,7 @@ const options = (select, names) => $(select).replaceChildren(...names.map(([valu
 async function look() {
   const { results, report, files, formats } = await call("results");
   $("#results").replaceChildren(...Object.entries(results).map(([name, result]) => Object.assign(document.createElement("li"), {
-    textContent: `${name}: ${result.verdict}${result.main_reason ? ` (${result.main_reason})` : ""}. ${result.halve}` })));
+    textContent: `${name}: ${result.verdict}${result.main_reason ? ` (${result.main_reason})` : ""}.${result.halve ? ` To halve the ± of the contact area: ${result.halve}.` : ""}` })));
   const names = Object.keys(results).map(name => [name, name]);
   ["#before", "#after", "#of"].forEach(select => options(select, names));
   options("#form", Object.entries(formats).map(([name, text]) => [name, `${name}: ${text}`]));
