@@ -133,7 +133,7 @@ def _of_materials(config: Mapping[str, Any]) -> dict[str, str]:
 
 def add(paths: Sequence[str], rows: Rows) -> dict[str, Any]:
     """Return rows for files, and for those of folders that can be measurements, and the files left out."""
-    from roughcontact.command_line.running import files_in, surface_names
+    from roughcontact.command_line.project import files_in, surface_names
 
     missing = [path for path in paths if not Path(path).exists()]
     if missing:
