@@ -123,3 +123,19 @@ def test_a_flat_map_under_a_relative_load_names_its_file():
     ).assign_attrs(source_file="flat.npy")
     with pytest.raises(rc.HeightMapError, match=r"^flat.npy: .*\(section contact\)"):
         pipeline.solver_arguments(flat, settings["contact"])
+
+
+@pytest.mark.parametrize(
+    ("verb", "words"),
+    [
+        (lambda heights: rc.evaluate(heights, contact={"contact_modulus": 1e9}), "roughcontact.height_map"),
+        (rc.level, "roughcontact.height_map"),
+        (rc.periodic_window, "roughcontact.height_map"),
+        (lambda heights: rc.error_budget(heights, heights, {"contact": {}}), "roughcontact.height_map"),
+        (rc.contact_statistics, "give the solution of solve_contact"),
+    ],
+)
+def test_an_array_without_labels_is_answered_with_the_way_out(verb, words):
+    with pytest.raises(rc.RoughContactError, match="of type ndarray") as caught:
+        verb(np.zeros((8, 8)))
+    assert words in str(caught.value)

@@ -171,8 +171,8 @@ def contact_statistics(
             raise SettingsError(
                 f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
             )
-    flow, stress = _extras(contact, flow, stress)
     check_solution(contact)
+    flow, stress = _extras(contact, flow, stress)
     layers, body = layers_of(contact), _body_to_strain(stress, bodies)
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import check_choice
+from roughcontact.checking import check_choice, check_labelled
 from roughcontact.choices import HeadlineMeasurand, UncertaintySource
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, SettingsError
@@ -267,6 +267,8 @@ def _check_arguments(
 ) -> None:
     """Refuse an unknown source or measurand, an extent below 1, a map that `level` has not returned."""
     wrong = ""
+    for height in (levelled, window):
+        check_labelled(height)
     if missing := int(levelled.isel(measured_slices(levelled, window)).isnull().sum()):
         wrong = f"the levelled map has {missing} missing points where the window lies"
     elif "form" in window.attrs and "form" not in levelled.attrs:
