@@ -84,7 +84,8 @@ def _given_step(name: str, request: Request, path: Path) -> float | None:
     try:
         step = float(in_base_unit(value, "m"))  # type: ignore[arg-type]  # no number: refused below
     except (TypeError, ValueError) as error:
-        raise SettingsError(f"{path}: {name} = {value!r} must be a positive number ({error})") from error
+        reason = f": {error}" if carries_unit(value) else " must be a positive number"
+        raise SettingsError(f"{path}: {name} = {value!r}{reason}") from error
     if not (np.isfinite(step) and step > 0) or isinstance(value, bool):
         raise SettingsError(f"{path}: {name} = {value!r} must be a positive number")
     if carries_unit(value):
