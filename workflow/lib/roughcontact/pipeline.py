@@ -10,7 +10,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
 import xarray as xr
 
 from roughcontact.bodies import have_layers
@@ -28,10 +27,11 @@ from roughcontact.statistics.instrument_checks import instrument_kind
 from roughcontact.statistics.precision import with_precision
 from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import TARGETS, wanted_loads
-from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget, finite_body_budget
+from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.calibration import MAP_SCATTER
 from roughcontact.uncertainty.elastic_loads import elastic_loads
+from roughcontact.uncertainty.finite_body import finite_body_budget
 from roughcontact.uncertainty.improvement import with_halving
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.variables import describe
@@ -164,9 +164,11 @@ def bound_error(
     `instrument` of the settings, the solver arguments of `solver_arguments`, and `Solved.for_budget`.
     """
     if "force" in solver:
-        pressures = np.array(mean_pressures(window, solver))
-        sources = settings["uncertainty"]["sources"]
-        return finite_body_budget(solved, pressures, sources=sources, hardness=solver["hardness"])
+        inputs = solve_contact(window, **solver, reduce=budget_inputs) if solved is None else solved
+        options = {key: settings["uncertainty"][key] for key in ("sources", "windows")}
+        inexact = {key: settings["contact"][key] for key in MATERIAL_UNCERTAINTIES}
+        sections = {**settings, "contact": {**solver, **inexact}}
+        return finite_body_budget(window, sections, solved=inputs, **options)
     stated = {key: settings["contact"][key] for key in MATERIAL_UNCERTAINTIES}
     verbs = {key: settings[key] for key in ("level", "instrument")}
     verbs["window"] = window_arguments(levelled, settings)
@@ -258,6 +260,10 @@ def complete_statistics(
     """
     yielding = with_first_yield(statistics, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
+    if "contact_area" in complete:  # of the corrected area, too
+        ratio = complete["relative_contact_area"] / yielding["relative_contact_area"]
+        area, radius = complete["contact_area"] * ratio, complete["contact_radius"] * ratio**0.5
+        complete = complete.assign(contact_area=area, contact_radius=radius)
     stated = stated_instrument(window, settings.get("instrument"))
     properties: dict[str, Any] = {
         f"instrument_{key}": value for key, value in stated.items() if isinstance(value, float)
@@ -274,4 +280,6 @@ def complete_statistics(
     properties["measured_by"] = instrument_kind(window.attrs).name
     properties |= {key: window.attrs[key] for key in ("summit_x", "summit_y") if key in window.attrs}
     judged = with_verdicts(with_precision(complete).assign_attrs(properties), window)
+    if "contact_area" in judged:  # a longer map does not bring the positions nearer to one another
+        return judged
     return with_halving(judged, budget.attrs.get(MAP_SCATTER))

@@ -299,7 +299,9 @@ def _about(result: Mapping[str, Any]) -> list[str]:
         lines.append(_line("corrected", f"for {corrected}"))
     uncertainty = result["settings"]["uncertainty"]
     if result["settings"]["contact"]["boundary"] == "free":
-        lines.append(_line("±", "of the solver alone, for this body: the other sources are of periodic maps"))
+        lines.append(
+            _line("±", "for this body, elsewhere on the roughness too where the map is large enough")
+        )
     elif "window" in uncertainty["sources"]:
         extent = uncertainty["extent"]
         longer = uncertainty["measurand"] == "longer"

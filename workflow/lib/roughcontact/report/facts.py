@@ -90,10 +90,7 @@ def _finite_body(numbers: xr.Dataset) -> str:
             f"{text('greenwood_tripp_loaded_radius', 'm')}, largest nominal pressure "
             f"{text('greenwood_tripp_max_pressure', 'Pa')}"
         )
-    return (
-        f"{contact}, at {text('force', 'N')}; the ± is that of the solver alone: pixel size, other places on "
-        "the surface, instrument and material are not judged"
-    )
+    return f"{contact}, at {text('force', 'N')}"
 
 
 def _first_row(measured: xr.DataArray) -> str:

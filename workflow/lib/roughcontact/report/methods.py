@@ -138,7 +138,10 @@ def _answers(statistics: xr.Dataset, uncertainty: Mapping[str, Any]) -> list[str
         sentences.append(f"A {applied} gives {', '.join(answers[:-1])} and {answers[-1]}.")
     if "relative_contact_area_lower" in statistics:
         extent = uncertainty["extent"] if uncertainty["measurand"] == "longer" else None
-        measurand = "the error of the solver alone" if free else measurand_in_words(extent)
+        measurand = measurand_in_words(extent)
+        if free:
+            positions = statistics.attrs.get("window_reason")
+            measurand = f"this body{', also at other positions on its roughness' if positions else ''}"
         sentences.append(f"The intervals hold 95 % and are for {measurand}.")
     return sentences
 

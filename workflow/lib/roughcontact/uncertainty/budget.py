@@ -233,31 +233,6 @@ def error_budget(
     return xr.Dataset(columns, coords={"mean_pressure": ("load", load), **labels}, attrs=attrs)
 
 
-def finite_body_budget(
-    solved: xr.Dataset | None,
-    load: np.ndarray,
-    *,
-    sources: Sequence[UncertaintySource],
-    hardness: float | None,
-) -> xr.Dataset:
-    """Return the `error_budget` of a finite body, by the solver alone: other sources are of periodic maps."""
-    coords: dict[str, Any] = {"mean_pressure": ("load", load)}
-    if solved is None or "solver" not in sources:
-        return xr.Dataset(coords=coords)
-    values = {name: solved[name].values for name in (*CORRECTED, PRESSURE)}
-    middle = {name: to_scale(name, values[name]) for name in CORRECTED}
-    columns = interval_columns(
-        values,
-        middle,
-        {"solver": _of_solver(solved)},
-        Limits(load, hardness),
-        windows={"surface": {}, "map": {}},
-        octave=None,
-    )
-    coords |= {"source": [*SOURCES, COMBINED], "component": list(SIDES)}
-    return xr.Dataset(columns, coords=coords)
-
-
 def _check_arguments(
     levelled: xr.DataArray,
     window: xr.DataArray,

@@ -24,9 +24,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import scipy
 import xarray as xr
 
-from roughcontact.maps import refined, spacing
+from roughcontact.maps import height_map, refined, spacing
 from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
 from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.combination import Component, half_widths
@@ -60,11 +61,12 @@ def discretisation_error(
     which the area was corrected, `peak_index` the point of the highest pressure of the periodic window,
     counted row by row. Those not in `CORRECTED` have none: the change is in their half-width.
     """
-    load, region, names = loads_of(contact), _region_around(window, peak_index), list(values)
+    load, names, free = loads_of(contact), list(values), contact.get("boundary") == "free"
+    region = window if free else _region_around(window, peak_index)
     solved = few_loads(load)
     coarse, fine = (
         solve_member(grid, contact, tolerance=CHANGE_TOLERANCE, names=names, loads=solved)
-        for grid in (region, refined(region, 2))
+        for grid in (region, _halved(region) if free else refined(region, 2))
     )
     errors = {}
     for name in names:
@@ -92,6 +94,14 @@ def _edge_noise(area: np.ndarray, pixel_share: np.ndarray, points: int) -> np.nd
     """
     switches = np.maximum(pixel_share - area, 0.0) / PERIMETER_CORRECTION  # M/N
     return to_scale(AREA, area + _NOISE_PER_SWITCH * np.sqrt(switches / points)) - to_scale(AREA, area)
+
+
+def _halved(roughness: xr.DataArray) -> xr.DataArray:
+    """Return a map that is not periodic, with its borders, on pixels half as large, by cubic splines."""
+    points = [np.arange(n) for n in roughness.shape]
+    finer = [np.clip(np.arange(2 * n) / 2 - 0.25, 0, n - 1) for n in roughness.shape]
+    heights = scipy.interpolate.RectBivariateSpline(*points, roughness.values)(*finer)
+    return height_map(heights, [step / 2 for step in spacing(roughness)])
 
 
 def _region_around(window: xr.DataArray, index: int) -> xr.DataArray:

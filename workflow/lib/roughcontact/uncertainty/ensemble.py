@@ -1,5 +1,6 @@
 """Ensemble members: solutions to a wide tolerance, at few loads, of which only some quantities are kept."""
 
+import contextlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -7,13 +8,16 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.contact.fields import solved_fields
-from roughcontact.contact.solve import elasticity
+from roughcontact.contact.solve import elasticity, solve_contact
+from roughcontact.errors import ConvergenceError, HeightMapError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
-from roughcontact.maps import spacing
+from roughcontact.maps import RIM, spacing
 from roughcontact.uncertainty.headline import quantities_of
-from roughcontact.uncertainty.scales import at_all_loads, from_scale, to_scale
+from roughcontact.uncertainty.scales import AREA, at_all_loads, from_scale, to_scale
+from roughcontact.window.finite_body import finite_body
 
 Values = Mapping[str, np.ndarray]  # quantity -> array (load)
+_OF_BODIES = ("boundary", "contact_modulus", "hardness", "influence", "threads")
 LOADS = 3  # at which a member is solved: both ends and the middle
 SCATTER_TOLERANCE = 1e-2  # of the pressure: 0.4 % of the area (rms), where subwindows differ by 5 % and more
 MARGIN = 0.25  # of a change that is computed, by which its truth may be larger
@@ -40,6 +44,8 @@ def solve_member(
     """
     pressures = loads_of(contact) if loads is None else loads_of(contact)[loads]
     tolerance = max(tolerance, contact.get("tolerance", 0.0))
+    if contact.get("boundary") == "free":
+        return _solve_body(window, {**contact, "mean_pressure": pressures}, tolerance=tolerance, names=names)
     single = tolerance >= CHANGE_TOLERANCE or contact.get("precision") == "single"
     layered = elasticity(contact.get("contact_modulus"), contact.get("bodies"))[1] is not None
     values = {name: np.full(pressures.shape, np.nan) for name in names}
@@ -62,6 +68,27 @@ def solve_member(
         for name in names:
             values[name][solution.load_index] = quantities[name]
     return values
+
+
+def _solve_body(
+    roughness: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float, names: Sequence[str]
+) -> dict[str, np.ndarray]:
+    """Return quantities (load) of a body with this roughness; NaN where its contact leaves the map."""
+    rim = max(1, round(RIM * contact["pitch"] / spacing(roughness)[1]))
+    body = finite_body(roughness, **contact["form"], rim=rim)
+    steps, kwargs = spacing(body), {key: contact[key] for key in _OF_BODIES if key in contact}
+    # the area counts over that of the map as it is
+    units = {AREA: body.size * steps[0] * steps[1] / contact["area"]}
+    values: dict[str, list[float]] = {name: [] for name in names}
+    for load in contact["mean_pressure"]:
+        quantities = dict.fromkeys(names, np.nan)
+        with contextlib.suppress(HeightMapError, ConvergenceError):
+            solution = solve_contact(body, force=load * contact["area"], tolerance=tolerance, **kwargs)
+            fields = solution["pressure"].values[0], solution["gap"].values[0]
+            quantities = quantities_of(*fields, names, steps=steps)
+        for name in names:
+            values[name].append(units.get(name, 1.0) * quantities[name])
+    return {name: np.array(numbers) for name, numbers in values.items()}
 
 
 def solve_again(

@@ -72,6 +72,8 @@ def input_uncertainty(
     values = {name: solved[name].values for name in quantities_in(solved)}
     elastic = values[PEAK] < (1 - NEAR_HARDNESS) * (contact.get("hardness") or math.inf)
     similar = dict.fromkeys(_POWER_IN_LOAD, elastic) | {_LOAD: np.ones_like(elastic)}
+    if contact.get("boundary") == "free":  # the form is not scaled
+        similar |= dict.fromkeys(AMPLIFICATIONS, np.zeros_like(elastic))
     if "bodies" in solved.attrs:
         similar[_LENGTHS] = np.zeros_like(elastic)
     load_slopes = {name: np.full(elastic.shape, np.nan) for name in values}

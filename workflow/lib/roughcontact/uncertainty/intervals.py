@@ -49,7 +49,9 @@ def window_components(
     for measurand in MEASURANDS:
         components = windows[measurand] = {}
         for name in middle:
-            if scatter.arms:  # of surfaces behind profiles, whatever their size
+            if measurand == "map" and scatter.of_positions:
+                below = above = np.zeros(gap.shape)
+            elif scatter.arms:  # of surfaces behind profiles, whatever their size
                 below, above = scatter.arms[name]
             elif scatter.features:
                 area, features = from_scale(AREA, middle[AREA]), scatter.features[name]

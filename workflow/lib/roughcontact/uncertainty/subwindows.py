@@ -66,6 +66,8 @@ class Scatter(NamedTuple):
         below and above, and mean of the members less the result (load), on the scale; of places in mean gaps.
     reason : str
         what the members are, if they are no subwindows.
+    of_positions : bool
+        whether they are other positions, which say nothing of this one.
     """
 
     members: dict[str, np.ndarray]
@@ -76,6 +78,7 @@ class Scatter(NamedTuple):
     arms: Mapping[str, tuple[np.ndarray, np.ndarray]] = MappingProxyType({})
     shift: Values = MappingProxyType({})
     reason: str = ""
+    of_positions: bool = False
 
 
 def scatter_of_subwindows(

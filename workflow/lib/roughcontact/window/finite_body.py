@@ -29,9 +29,16 @@ def solved_map(levelled: xr.DataArray, settings: Mapping[str, Any]) -> xr.DataAr
 
 
 def finite_body(
-    roughness: xr.DataArray, *, radius: Sequence[float] | None = None, edges: bool = False
+    roughness: xr.DataArray,
+    *,
+    radius: Sequence[float] | None = None,
+    edges: bool = False,
+    rim: int = RIM,
 ) -> xr.DataArray:
-    """Return a map (y, x; m) on a paraboloid of one radius or two (m; along x, y), or ending at its edges."""
+    """Return a map (y, x; m) on a paraboloid of one radius or two (m; along x, y), or ending at its edges.
+
+    `rim`: points beyond the edges.
+    """
     heights, steps = roughness.values.astype(float), spacing(roughness)
     if min(heights.shape) < 2:
         raise HeightMapError("a profile is no body of finite size: solve it with contact.boundary: periodic")
@@ -40,9 +47,9 @@ def finite_body(
         heights = heights - x**2 / (2 * radius[0]) - y[:, None] ** 2 / (2 * radius[-1])
     if edges:
         below = float(heights.min()) - _DEPTH * max(np.ptp(heights), max(heights.shape) * max(steps) * 1e-3)
-        heights = np.pad(heights, RIM, constant_values=below)
+        heights = np.pad(heights, rim, constant_values=below)
     body = height_map(heights, steps)
-    margin = RIM if edges else 0
+    margin = rim if edges else 0
     first = {axis: float(roughness[axis][0]) - margin * step for axis, step in zip("yx", steps, strict=True)}
     body = body.assign_coords({axis: body[axis] - body[axis][0] + first[axis] for axis in "yx"})
     stated = {"form_radius_x": radius[0], "form_radius_y": radius[-1]} if radius else {}

@@ -1,0 +1,116 @@
+"""The error budget of a body of finite size: that of its roughness, whose changes are solved on its form.
+
+Sources: solver, pixel size (splines through the roughness), what is stated of instrument and material, and
+other positions of the roughness under the form, so far that its borders stay outside the contact. Periodic
+sampling has no meaning here. If the results of n positions have the standard deviation s on the scale of a
+quantity, a further one lies within t s √(1 + 1/n) of their mean, t being Student's quantile of 95 %.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import scipy
+import xarray as xr
+
+from roughcontact.choices import UncertaintySource
+from roughcontact.maps import roughness_of, spacing
+from roughcontact.references.closed_forms import hertz_ellipse
+from roughcontact.uncertainty.budget import error_budget
+from roughcontact.uncertainty.ensemble import SCATTER_TOLERANCE, Values, few_loads, loads_of, solve_member
+from roughcontact.uncertainty.inputs import STIFFNESS
+from roughcontact.uncertainty.scales import ANSWERS, GAP, at_all_loads, to_scale
+from roughcontact.uncertainty.subwindows import Scatter
+
+_FEWEST = 2  # further positions
+_REACH = 1.6  # semi-axes of Hertz's ellipse, between the middle of the form and the border of the roughness
+
+
+def finite_body_budget(
+    window: xr.DataArray,
+    settings: Mapping[str, Mapping[str, Any]],
+    *,
+    sources: Sequence[UncertaintySource],
+    windows: int,
+    solved: xr.Dataset,
+) -> xr.Dataset:
+    """Return the `error_budget` of a body (y, x; m) from its `budget_inputs`; `settings` include `form`."""
+    roughness, steps = roughness_of(window), spacing(window)
+    contact = {**settings["contact"], "mean_pressure": solved["mean_pressure"].values}
+    contact |= {"form": settings["form"], "area": window.size * steps[0] * steps[1], "pitch": steps[1]}
+    contact["shifts"] = _shifts(roughness, contact, windows - 1)
+    positions = len(contact["shifts"]) >= _FEWEST
+    meaningless = {"unresolved", *(() if positions else ("window",))}
+    budget = error_budget(
+        roughness,
+        roughness,
+        {**settings, "window": {}, "contact": contact},
+        sources=[source for source in sources if source not in meaningless],
+        windows=windows,
+        solved=solved.drop_vars([STIFFNESS, *ANSWERS], errors="ignore"),
+        scatter_of=scatter_of_positions,
+    )
+    # of longer and shorter waves the positions say nothing
+    ends = [name for name in budget if any(f"_{extent}_" in str(name) for extent in ("longer", "octave"))]
+    ends += [] if positions else [name for name in budget if "_next_" in str(name)]
+    return budget.assign({name: xr.full_like(budget[name], np.nan) for name in ends})
+
+
+def scatter_of_positions(
+    levelled: xr.DataArray,
+    roughness: xr.DataArray,
+    *,
+    contact: Mapping[str, Any],
+    values: Values,
+    **_: Any,
+) -> Scatter:
+    """Return the scatter of the results of a body over other positions of its form on the roughness."""
+    load, shifts = loads_of(contact), contact["shifts"]
+    solved = few_loads(load)
+    members = {name: np.full((len(shifts), load.size), np.nan) for name in values}
+    for index, shift in enumerate(shifts):
+        moved = roughness.copy(data=np.roll(roughness.values, shift, (0, 1)))
+        member = solve_member(moved, contact, tolerance=SCATTER_TOLERANCE, names=[*values], loads=solved)
+        for name in values:
+            members[name][index, solved] = member[name]
+    arms = {}
+    for name, result in values.items():
+        changes = (
+            to_scale(name, np.vstack([result[None], members[name]])[:, solved])
+            - to_scale(name, result)[solved]
+        )
+        mean, count = np.nanmean(changes, axis=0), np.sum(np.isfinite(changes), axis=0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            width = (
+                scipy.stats.t.ppf(0.975, count - 1)
+                * np.nanstd(changes, axis=0, ddof=1)
+                * np.sqrt(1 + 1 / count)
+            )
+        below, above = (
+            at_all_loads(
+                np.where(np.isnan(width), np.inf, np.maximum(width + sign * mean, 0.0)), solved, load
+            )
+            for sign in (-1, 1)
+        )
+        arms[name] = below, above
+    missed = bool(np.isnan(members[GAP][:, solved]).any())
+    reason = (
+        f"The ± is for this body at another position on the roughness: {len(shifts)} further positions on "
+        "the map were solved; it holds no waves longer than the map."
+    )
+    return Scatter(members, {}, [], missed, arms=arms, reason=reason, of_positions=True)
+
+
+def _shifts(roughness: xr.DataArray, contact: Mapping[str, Any], number: int) -> list[tuple[int, int]]:
+    """Return shifts (rows, columns) of the roughness under the form, those along both axes first."""
+    radius = contact["form"].get("radius")
+    if not radius or contact["form"].get("edges"):
+        return []
+    smooth = hertz_ellipse(float(max(contact["force"])), (radius[0], radius[-1]), contact["contact_modulus"])
+    axes = (smooth["minor"], smooth["major"])[:: 1 if radius[0] >= radius[-1] else -1]  # along y and x
+    moves = []
+    for n, step, axis in zip(roughness.shape, spacing(roughness), axes, strict=True):
+        room = n * step / 2 - _REACH * axis
+        points = int(room / step)
+        moves.append((points, -points, 0) if room >= axis else (0,))
+    return [(rows, columns) for rows in moves[0] for columns in moves[1] if rows or columns][:number]
