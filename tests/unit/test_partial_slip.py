@@ -118,3 +118,13 @@ def test_the_rule_of_the_approach_makes_no_difference():
         energies.append(slip["dissipated_energy"].values)
         assert (slip["dissipated_energy"] > 0).all()
     np.testing.assert_allclose(energies[1], energies[0], rtol=1e-9)
+
+
+def test_the_stiffness_is_the_slope_of_the_load_over_the_displacement(ball):
+    _, load, normal, _ = ball
+    near = rc.partial_slip(
+        normal, friction_coefficient=FRICTION, tangential_load=[0.45, 0.5, 0.55], poissons_ratio=RATIO
+    )
+    displacement = near["tangential_displacement"].values
+    slope = 0.1 * FRICTION * load / (displacement[2] - displacement[0])
+    np.testing.assert_allclose(near["tangential_stiffness"].values[1], slope, rtol=0.02)

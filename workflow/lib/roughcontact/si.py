@@ -23,7 +23,7 @@ _NAMES = {
     "m": "s_filter l_filter shortest_wavelength longest_wavelength thickness shift seal.width "
     "noise resolution wavelength tip_radius joint.temperature_jump joint.film_thickness",
     "Pa": "contact_modulus mean_pressure peak_pressure hardness youngs_modulus yield_stress start "
-    "seal.pressure_difference",
+    "seal.pressure_difference shear_strength",
     "N": "force",
     "degree": "rotation rotations",
     "J m-2": "work_of_adhesion",

@@ -70,6 +70,8 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "stick": ("1", "1 where the surfaces stick, 0 where they slip or do not touch"),
     "stick_share": ("1", "share of the contact area that sticks"),
     "tangential_error_bound": ("1", "bound of the relative error of the traction in the energy norm"),
+    "tangential_stiffness": ("Pa m-1", "tangential stiffness of the contact for further loading"),
+    "friction_coefficient": ("1", "coefficient of friction of a contact of a stated shear strength"),
     "tangential_displacement": ("m", "tangential displacement of the bodies far from the contact"),
     "temperature_rise": ("K", "temperature above the mean one of the surfaces, by sliding"),
     "mean_flash_temperature": ("K", "mean of that over the contact"),
@@ -342,7 +344,7 @@ _OF_INTERVALS = {
     "at_cutoff": "{} of the waves that are kept, by the shortest of them",
     "as_measured": "{} without the correction for the instrument",
 }
-_DERIVED = ["leak_rate_x", "leak_rate_y"]  # whose interval follows from another one
+_DERIVED = ["leak_rate_x", "leak_rate_y", "friction_coefficient"]  # whose interval follows from another one
 _DERIVED += [
     f"{property_name}_{quantity_name}"
     for property_name in ("thermal", "electrical")

@@ -105,6 +105,8 @@ Resistivity = Annotated[Positive, BeforeValidator(Range("Ohm m", 1e-9, 0.1)), _S
 Force = Annotated[Positive, BeforeValidator(Range("N", 1e-9, 1e8)), _SCHEMA]
 Area = Annotated[Positive, BeforeValidator(Range("m2", 1e-14, 1e3)), _SCHEMA]
 Viscosity = Annotated[Positive, BeforeValidator(Range("Pa s", 5e-6, 10)), _SCHEMA]
+Speed = Annotated[Positive, BeforeValidator(Range("m s-1", 1e-9, 1e3)), _SCHEMA]
+Diffusivity = Annotated[Positive, BeforeValidator(Range("m2 s-1", 1e-8, 1e-2)), _SCHEMA]
 Work = Annotated[Positive, BeforeValidator(Range("J m-2", 1e-5, 10)), _SCHEMA]
 Angle = Annotated[
     Number,
@@ -528,6 +530,39 @@ class Joint(Section):
     )
 
 
+class Friction(Section):
+    """A tangential load, or sliding; see docs/how-to/friction.md."""
+
+    coefficient: Positive | None = Field(
+        default=None, description="coefficient of friction mu, no unit", examples=[0.2]
+    )
+    tangential_load: (
+        Annotated[list[Annotated[Number, Field(gt=0, le=1)]], Field(min_length=1), BeforeValidator(_as_list)]
+        | None
+    ) = Field(
+        default=None,
+        description="Q/(mu P), below the load of sliding; 1 is full slip; needs the coefficient",
+        examples=[[0.3, 0.6]],
+    )
+    shear_strength: Strength | None = Field(
+        default=None,
+        description="of the contact, Pa: the coefficient of friction follows from the area",
+        examples=["50 MPa"],
+    )
+    speed: Speed | None = Field(
+        default=None,
+        description="of sliding along x, m/s: flash temperatures are added; needs thermal_conductivity of "
+        "both bodies",
+        examples=["1 m/s"],
+    )
+    thermal_diffusivity: Diffusivity | None = Field(
+        default=None,
+        description="of the second body, which slides, m2/s; none: the temperature of slow sliding, an "
+        "upper limit",
+        examples=["14 mm2/s"],
+    )
+
+
 class Statistics(Section):
     """Statistics of the contact, and quantities derived from it; see docs/explanation/answers.md."""
 
@@ -564,6 +599,11 @@ class Statistics(Section):
         description="a joint, whose heat conductance the results then include: gas in the gap beside the "
         "spots, a film on them; both bodies state their thermal_conductivity",
         examples=[{"gas_conductivity": 0.026, "temperature_jump": "0.37 um"}],
+    )
+    friction: Friction | None = Field(
+        default=None,
+        description="stick and slip under a tangential load, friction from the area, flash temperatures",
+        examples=[{"coefficient": 0.2, "tangential_load": [0.3, 0.6]}],
     )
 
 

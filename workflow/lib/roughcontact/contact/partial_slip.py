@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_periodic_solution, check_positive
 from roughcontact.contact.dataset import influence_of, layers_of, problem_of
+from roughcontact.contact.response import linear_response
 from roughcontact.contact.solve import solve_contact
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.errors import SettingsError
@@ -53,8 +55,9 @@ def partial_slip(
     Dataset
         over `tangential_load`: `shear_traction` (Pa) and `stick` (y, x), `stick_share` of the contact area,
         `tangential_error_bound` of the relative error of the traction in the energy norm, and with a
-        Poisson's ratio `tangential_displacement` (m) of the bodies, that of a uniform traction left out, and
-        `dissipated_energy` (J m-2) in a cycle between Q and -Q [3]_.
+        Poisson's ratio `tangential_displacement` (m) of the bodies, that of a uniform traction left out,
+        `tangential_stiffness` (Pa m-1) of further loading, and `dissipated_energy` (J m-2) in a cycle
+        between Q and -Q [3]_.
 
     Raises
     ------
@@ -93,28 +96,29 @@ def partial_slip(
     normal = contact.isel(load=0)
     load, height = float(normal["mean_pressure"]), contact["height"]
     pressure, modulus = normal["pressure"].values, float(contact["contact_modulus"])
-    layers = layers_of(contact)
     problem = problem_of(contact) | {"tolerance": contact.attrs["tolerance"], "threads": threads}
 
+    operator: dict[str, Any] = {"influence": influence_of(contact), "layers": layers_of(contact)}
+
     def energy(field: np.ndarray) -> float:
-        return elastic_energy(
-            field, spacing(height), contact_modulus=modulus, influence=influence_of(contact), layers=layers
-        )
+        return elastic_energy(field, spacing(height), contact_modulus=modulus, **operator)
 
     rows = []
-    norm = math.sqrt(energy(pressure))
+    total = energy(pressure)
     for share in shares:
-        lower, lower_gap, error = np.zeros_like(pressure), float(height.max() - height.mean()), 0.0
+        lower, lower_gap = np.zeros_like(pressure), float(height.max() - height.mean())
+        lower_energy = error = 0.0
         if share < 1:
             solved = solve_contact(height, mean_pressure=load * (1 - share), **problem).isel(load=0)
             lower, lower_gap = solved["pressure"].values, float(solved["gap"].mean())
-            error = float(solved["error_bound"]) * math.sqrt(energy(lower))
+            lower_energy = energy(lower)
+            error = float(solved["error_bound"]) * math.sqrt(lower_energy)
         stick = lower > 0
         row = {
             "shear_traction": (("y", "x"), friction * (pressure - lower)),
             "stick": (("y", "x"), stick.astype(np.int8)),
             "stick_share": float(stick.sum() / (pressure > 0).sum()),
-            "tangential_error_bound": (float(normal["error_bound"]) * norm + error)
+            "tangential_error_bound": (float(normal["error_bound"]) * math.sqrt(total) + error)
             / math.sqrt(energy(pressure - lower)),
         }
         if poissons_ratio is not None:
@@ -124,8 +128,12 @@ def partial_slip(
             compliance = (2 - poissons_ratio) / (2 * (1 - poissons_ratio))
             displacement = friction * compliance * recovered
             # work of the first loading, from the elastic energies of both normal states
-            work = friction**2 * compliance * (load * recovered - energy(pressure) + energy(lower))
+            work = friction**2 * compliance * (load * recovered - total + lower_energy)
             row["tangential_displacement"] = displacement
+            row["tangential_stiffness"] = 0.0  # of full slip
+            if stick.any():
+                response = linear_response(stick, spacing(height), modulus, threads=threads, **operator)
+                row["tangential_stiffness"] = 1 / (compliance * response) if response > 0 else math.inf
             row["dissipated_energy"] = 8 * work - 4 * friction * share * load * displacement
         rows.append(xr.Dataset(row, coords=height.coords))
     slip = xr.concat(rows, dim=xr.Variable("tangential_load", shares), coords="minimal", compat="override")

@@ -19,6 +19,7 @@ from roughcontact.report.units import unit_of
 from roughcontact.roughness.profile_parameters import profile_parameters
 from roughcontact.roughness.texture import LAY
 from roughcontact.statistics.adhesion import adhesion_in_words
+from roughcontact.statistics.friction import slip_in_words
 
 
 def surface_facts(
@@ -58,6 +59,7 @@ def surface_facts(
         ("First yield below the surface", _first_yield(numbers)),
         ("Gap closes", _closing(numbers)),
         ("Adhesion", adhesion_in_words(numbers)),
+        ("Stick and slip", slip_in_words(numbers)),
         ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
         ("Body of finite size", _finite_body(numbers)),
         ("Hardness", _of_softer_body(numbers, "hardness")),

@@ -49,6 +49,11 @@ _GROUPS = {
         ("electrical_conductance", "electrical conductance", "S m-2"),
         ("electrical_resistance", "specific contact resistance", "Ohm m2"),
     ),
+    "Friction": (
+        ("friction_coefficient", "coefficient of friction τA/p̄", "1"),
+        ("mean_flash_temperature", "mean flash temperature", "K"),
+        ("max_flash_temperature", "largest flash temperature", "K"),
+    ),
     "Sealing": (
         ("critical_constriction_x", "narrowest place along x", "m"),
         ("critical_constriction_y", "narrowest place along y", "m"),

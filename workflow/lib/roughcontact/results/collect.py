@@ -22,6 +22,7 @@ _SUFFIX: dict[str | None, str] = {
     "Pa": "_Pa",
     "m-1": "_per_m",
     "N": "_N",
+    "K": "_K",
     "Pa m-1": "_Pa_per_m",
     "J m-2": "_J_per_m2",
     "W m-2 K-1": "_W_per_m2_K",
@@ -43,7 +44,16 @@ _COORDINATES = (
 )
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
 # dimensions
-_NOT_IN_TABLE = {*_BINS, "depth", "source", "hardness_over_modulus", "input", "cutoff", "component"}
+_NOT_IN_TABLE = {
+    *_BINS,
+    "depth",
+    "source",
+    "hardness_over_modulus",
+    "tangential_load",
+    "input",
+    "cutoff",
+    "component",
+}
 _NOT_IN_TABLE |= {"member", "material", "interface"}
 # labels of a dimension that are the same for all surfaces
 _COMMON_LABELS = {"source": object, "input": object, "component": object, "hardness_over_modulus": float}

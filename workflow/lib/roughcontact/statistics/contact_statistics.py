@@ -10,7 +10,7 @@ import xarray as xr
 from roughcontact.bodies import check_bodies, have_layers
 from roughcontact.checking import check_choice, check_solution, warn_of_map
 from roughcontact.choices import Extra, Influence
-from roughcontact.contact.dataset import influence_of, layers_of
+from roughcontact.contact.dataset import influence_of, joined, layers_of
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.elasticity.layers import ConductingPair, LayeredPair, layered_pair
@@ -46,6 +46,7 @@ from roughcontact.statistics.densities import (
     logarithmic_edges,
 )
 from roughcontact.statistics.finite_body import THEORIES, of_finite_body
+from roughcontact.statistics.friction import friction_statistics
 from roughcontact.statistics.subsurface import (
     interface_depths,
     profile_depths,
@@ -100,6 +101,7 @@ def contact_statistics(
     work_of_adhesion: float | None = None,
     seal: Mapping[str, float] | None = None,
     joint: Mapping[str, float | None] | None = None,
+    friction: Mapping[str, Any] | None = None,
     bodies: Bodies | None = None,
     surface: "SurfaceNumbers | None" = None,
 ) -> xr.Dataset:
@@ -130,6 +132,8 @@ def contact_statistics(
     joint : mapping, optional
         `gas_conductivity` (W m-1 K-1) and `temperature_jump` (m) of the gas in the gap, and `film_thickness`
         (m) and `film_conductivity` (W m-1 K-1) of a film on the spots: heat through the joint.
+    friction : mapping, optional
+        as in the settings, `statistics.friction`.
     bodies : sequence of two mappings, optional
         as in the settings, `contact.bodies`: where both state conductivity or resistivity, the conductance of
         the contact is added; `poissons_ratio`, `yield_stress` and `layers` are for the stresses.
@@ -264,7 +268,7 @@ def contact_statistics(
         coords=coordinates,
         attrs=contact.attrs | ({} if body is None else {"stresses_of": strained_body_in_words(bodies or ())}),
     )
-    return statistics if contact.attrs.get("boundary") != "free" else of_finite_body(statistics, contact)
+    return _with_friction(statistics, contact, friction, bodies)
 
 
 def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
@@ -307,7 +311,12 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
         relative = statistics["max_pressure"] / statistics["contact_modulus"]
         statistics = statistics.assign(max_pressure_over_modulus=relative.variable)
     complete = statistics.merge(budget, compat="override", join="override").assign_attrs(window_attrs)
-    return complete.assign(_ends_in_other_units(complete) | _ends_of_the_leak(complete))
+    ends = _ends_in_other_units(complete) | _ends_of_the_leak(complete)
+    if "friction_coefficient" in complete and "relative_contact_area_lower" in complete:
+        by_area = complete["friction_coefficient"] / complete["relative_contact_area"]
+        for end in ("lower", "upper"):
+            ends[f"friction_coefficient_{end}"] = by_area * complete[f"relative_contact_area_{end}"]
+    return complete.assign(ends)
 
 
 def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
@@ -536,6 +545,20 @@ def theory_columns(
             mean_pressure, summits, contact_modulus=contact_modulus
         ),
     }
+
+
+def _with_friction(
+    statistics: xr.Dataset, contact: xr.Dataset, friction: Mapping[str, Any] | None, bodies: Bodies | None
+) -> xr.Dataset:
+    """Return the statistics with the friction of each load, where it is asked for, and of a finite body."""
+    if friction is not None:
+        areas = statistics["relative_contact_area"].values
+        sheared = [
+            friction_statistics(contact.isel(load=[load]), area, bodies=bodies, **friction)
+            for load, area in enumerate(areas)
+        ]
+        statistics = statistics.merge(joined(sheared)).assign_attrs(sheared[0].attrs)
+    return statistics if contact.attrs.get("boundary") != "free" else of_finite_body(statistics, contact)
 
 
 def _one_load(

@@ -1,0 +1,77 @@
+"""Friction in the statistics: stick and slip, the coefficient from the area, flash temperatures."""
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.statistics.friction import slip_in_words
+
+STEEL = {"youngs_modulus": 210e9, "poissons_ratio": 0.3, "thermal_conductivity": 50.0}
+COPPER = {"youngs_modulus": 120e9, "poissons_ratio": 0.34, "thermal_conductivity": 400.0}
+NO_SOURCES = {"sources": []}
+
+
+def statistics_with(friction, **contact):
+    chosen = {"bodies": [STEEL, COPPER], "relative_pressure": [0.05, 0.1]} | contact
+    return rc.evaluate(
+        rough_reference_surface(64), contact=chosen, statistics={"friction": friction}, uncertainty=NO_SOURCES
+    )
+
+
+def test_the_settings_add_the_friction_of_each_load():
+    shares = [0.3, 0.6, 1.0]
+    found = statistics_with({"coefficient": 0.2, "tangential_load": shares, "shear_strength": "200 MPa"})
+    assert found["stick_share"].dims == ("load", "tangential_load")
+    assert (np.diff(found["stick_share"].values) < 0).all()
+    assert (found["stick_share"][:, -1] == 0).all(), "the whole contact slips"
+    assert "full slip" in slip_in_words(found)
+    assert "5 %" in slip_in_words(found)
+    area, load = found["relative_contact_area"].values, found["mean_pressure"].values
+    np.testing.assert_allclose(found["friction_coefficient"].values, 2e8 * area / load)
+
+
+def test_stick_costs_nothing_unasked():
+    assert not {"stick_share", "friction_coefficient"} & set(statistics_with(None).variables)
+
+
+def test_the_interval_of_friction_is_that_of_the_area():
+    found = rc.evaluate(
+        rough_reference_surface(64),
+        contact={"contact_modulus": 1e9, "relative_pressure": 0.1},
+        statistics={"friction": {"shear_strength": 1e6}},
+        uncertainty={"sources": ["solver"]},
+    )
+    for end in ("", "_lower", "_upper"):
+        expected = 1e6 * found[f"relative_contact_area{end}"] / found["mean_pressure"]
+        np.testing.assert_allclose(found[f"friction_coefficient{end}"].values, expected.values)
+
+
+@pytest.mark.parametrize(
+    ("friction", "text"),
+    [
+        ({"coefficient": 0}, "coefficient = 0"),
+        ({"coefficient": -0.1}, "coefficient = -0.1"),
+        ({"coefficient": 0.2, "tangential_load": 1.1}, "1 is full slip"),
+        ({"tangential_load": 0.5}, "needs the coefficient"),
+        ({"speed": 1.0}, "coefficient or shear_strength"),
+    ],
+)
+def test_impossible_friction_is_refused(friction, text):
+    with pytest.raises(rc.SettingsError, match=text):
+        statistics_with(friction)
+
+
+def test_sliding_needs_both_conductivities():
+    with pytest.raises(rc.SettingsError, match="thermal_conductivity of both bodies"):
+        statistics_with(
+            {"coefficient": 0.2, "speed": 1.0},
+            bodies=[{"youngs_modulus": 1e9, "poissons_ratio": 0.3}] * 2,
+        )
+
+
+def test_flash_temperatures_are_proportional_to_a_slow_speed():
+    slow, fast = (statistics_with({"coefficient": 0.2, "speed": speed}) for speed in (0.1, 1.0))
+    for name in ("mean_flash_temperature", "max_flash_temperature"):
+        np.testing.assert_allclose(fast[name].values, 10 * slow[name].values)
+        assert (slow[name] > 0).all()

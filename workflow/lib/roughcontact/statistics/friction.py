@@ -1,0 +1,112 @@
+"""Friction of a solved contact: stick under a tangential load, friction from the area, flash temperature."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.contact.flash_temperature import flash_temperature
+from roughcontact.contact.partial_slip import APPROXIMATION, partial_slip
+from roughcontact.errors import SettingsError
+from roughcontact.quantities import number, percent
+
+_SLIP = (
+    "stick_share",
+    "tangential_error_bound",
+    "tangential_displacement",
+    "tangential_stiffness",
+    "dissipated_energy",
+)
+_WARMTH = "mean_flash_temperature", "max_flash_temperature"
+
+
+def friction_statistics(
+    contact: xr.Dataset,
+    relative_area: float,
+    *,
+    coefficient: float | None = None,
+    tangential_load: Sequence[float] | None = None,
+    shear_strength: float | None = None,
+    speed: float | None = None,
+    thermal_diffusivity: float | None = None,
+    bodies: Sequence[Mapping[str, Any]] | None = None,
+) -> xr.Dataset:
+    """Return the friction of one load: stick and slip, coefficient from the area, flash temperatures (K).
+
+    The contact shears at `shear_strength` τ (Pa): μ = τ A/p̄ (Bowden and Tabor 1950). `coefficient` μ and
+    `tangential_load` Q/(μP) are those of `partial_slip`; the heat μ v p of sliding at `speed` (m/s), with
+    that μ or else τ A/p̄, goes into both bodies, and `thermal_diffusivity` (m2/s) is that of the second
+    one, which moves along x under the contact (`flash_temperature`).
+    """
+    columns, load = xr.Dataset(), float(contact["mean_pressure"].item())
+    if shear_strength is not None:
+        columns["friction_coefficient"] = "load", [shear_strength * relative_area / load]
+    if tangential_load is not None:
+        if coefficient is None:
+            raise _missing("tangential_load", "coefficient")
+        slip = partial_slip(
+            contact,
+            friction_coefficient=coefficient,
+            tangential_load=tangential_load,
+            poissons_ratio=_equivalent_ratio(bodies),
+        )
+        names = [name for name in _SLIP if name in slip]
+        columns = columns.merge(slip[names].drop_vars(("x", "y"), errors="ignore").expand_dims("load"))
+        columns.attrs["slip_approximation"] = APPROXIMATION
+    if speed is not None:
+        if coefficient is None and shear_strength is None:
+            raise _missing("speed", "coefficient or shear_strength")
+        conductivities = [
+            body["thermal_conductivity"] for body in bodies or () if body.get("thermal_conductivity")
+        ]
+        if len(conductivities) != 2:
+            raise _missing("speed", "thermal_conductivity of both bodies")
+        warm = flash_temperature(
+            contact,
+            friction_coefficient=float(columns["friction_coefficient"].item())
+            if coefficient is None
+            else coefficient,
+            speed=speed,
+            thermal_conductivity=conductivities,
+            thermal_diffusivity=thermal_diffusivity,
+        )
+        columns = columns.assign({name: ("load", warm[name].values) for name in _WARMTH})
+    return columns
+
+
+def slip_in_words(numbers: xr.Dataset) -> str:
+    """Return how much of the contact sticks at the largest normal load, empty where it was not solved."""
+    if "stick_share" not in numbers:
+        return ""
+    largest = numbers.isel(load=int(numbers["mean_pressure"].values.argmax()))
+    shares = [
+        "full slip" if ratio == 1 else f"{percent(share)} of the contact sticks at Q = {number(ratio)} μP"
+        for ratio, share in zip(numbers["tangential_load"].values, largest["stick_share"].values, strict=True)
+        if np.isfinite(share)
+    ]
+    bound = number(float(largest["tangential_error_bound"].max()), digits=2)
+    return f"{'; '.join(shares)}; error of the traction at most {bound}. {APPROXIMATION}"
+
+
+def _equivalent_ratio(bodies: Sequence[Mapping[str, Any]] | None) -> float | None:
+    """Return Poisson's ratio of two like bodies with the same tangential over normal compliance.
+
+    Mindlin (1949), Johnson (1985), eq. 7.44: E*/4 Σ (2 - ν)/G of two bodies, (2 - ν)/(2 - 2ν) of like ones.
+    """
+    materials = [
+        (body["youngs_modulus"], body["poissons_ratio"])
+        for body in bodies or ()
+        if body.get("youngs_modulus") and body.get("poissons_ratio") is not None and not body.get("layers")
+    ]
+    if len(materials) != 2:
+        return None
+    normal = sum((1 - ratio**2) / modulus for modulus, ratio in materials)
+    tangential = sum((2 - ratio) * (1 + ratio) / modulus for modulus, ratio in materials) / 2
+    compliance = tangential / normal
+    return 2 * (compliance - 1) / (2 * compliance - 1)
+
+
+def _missing(key: str, needed: str) -> SettingsError:
+    """Return the error of a key of the section that needs another one."""
+    return SettingsError(f"friction.{key}: needs the {needed}", keys=[f"statistics.friction.{key}"])
