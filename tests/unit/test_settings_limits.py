@@ -25,6 +25,13 @@ MORE |= {"name": "steel", "base": None, "layers": None}
 COATING = {"thickness": 1e-6, "youngs_modulus": 2e11, "poissons_ratio": 0.2}
 COATING |= {"thermal_conductivity": 2.0, "electrical_resistivity": 1e-3}
 SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}
+JOINT = {
+    "gas_conductivity": 0.026,
+    "temperature_jump": 4e-7,
+    "film_thickness": 1e-8,
+    "film_conductivity": 2.0,
+}
+NESTED = {"seal": SEAL, "joint": JOINT, "friction": {"coefficient": 0.2}}
 ENDLESS = [math.inf, -math.inf, math.nan]
 
 # setting: what is just within its limits, what is just beyond
@@ -82,6 +89,15 @@ LIMITS = {
     "statistics.seal.viscosity": ([f"{SMALLEST} Pa s"], [0, -1]),
     "statistics.seal.pressure_difference": ([SMALLEST_PRESSURE], [0, -1]),
     "statistics.seal.width": ([SMALLEST_LENGTH], [0, -1]),
+    "statistics.joint.gas_conductivity": ([f"{SMALLEST} W/(m K)"], [0, -1]),
+    "statistics.joint.temperature_jump": ([SMALLEST_LENGTH], [0, -1]),
+    "statistics.joint.film_thickness": ([SMALLEST_LENGTH, None], [0, -1]),
+    "statistics.joint.film_conductivity": ([f"{SMALLEST} W/(m K)", None], [0, -1]),
+    "statistics.friction.coefficient": ([SMALLEST, None], [0, -1]),
+    "statistics.friction.tangential_load": ([[SMALLEST], [1], None], [0, [], ABOVE_ONE]),
+    "statistics.friction.shear_strength": ([SMALLEST_PRESSURE, None], [0, -1]),
+    "statistics.friction.speed": ([f"{SMALLEST} m/s", None], [0, -1]),
+    "statistics.friction.thermal_diffusivity": ([f"{SMALLEST} m2/s", None], [0, -1]),
     "uncertainty.windows": ([4, 400], [3, 401]),
     "uncertainty.extent": ([1, 3.5], [BELOW_ONE, 0]),
     "uncertainty.sources": ([[], ["window"]], [["lens"], "window"]),
@@ -125,10 +141,11 @@ def configured(key, value):
         return {"contact": {"bodies": [STEEL | MORE, STEEL | MORE | {"layers": [layer]}]}}
     if key.startswith("contact.bodies."):
         return {"contact": {"bodies": [STEEL | MORE, STEEL | MORE | {key.rpartition(".")[2]: value}]}}
-    if key.startswith("statistics.seal."):
+    if key.startswith("statistics.") and key.count(".") == 2:
+        _, section, name = key.split(".")
         return {
             "contact": {"contact_modulus": 1e9},
-            "statistics": {"seal": SEAL | {key.rpartition(".")[2]: value}},
+            "statistics": {section: NESTED[section] | {name: value}},
         }
     config = {"contact": {"contact_modulus": 1e9}}
     if key == "form.radius":

@@ -537,7 +537,11 @@ class Friction(Section):
         default=None, description="coefficient of friction mu, no unit", examples=[0.2]
     )
     tangential_load: (
-        Annotated[list[Annotated[Number, Field(gt=0, le=1)]], Field(min_length=1), BeforeValidator(_as_list)]
+        Annotated[
+            list[Annotated[Number, Field(gt=0, le=1)]],
+            Field(min_length=1, max_length=100),
+            BeforeValidator(_as_list),
+        ]
         | None
     ) = Field(
         default=None,
