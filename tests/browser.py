@@ -111,12 +111,19 @@ class Browser:
     def text_of_frame(self):
         """Return the text of the frame of another origin within the page."""
         session, self.session = self.session, None
-        targets = self.send("Target.getTargets")["targetInfos"]
-        self.attach(next(target["targetId"] for target in targets if target["type"] == "iframe"))
+        end = time.monotonic() + 30
+        while not (frames := [each for each in self._targets() if each["type"] == "iframe"]):
+            assert time.monotonic() < end, "no frame of another origin"
+            time.sleep(0.05)
+        self.attach(frames[0]["targetId"])
         self.wait("document.readyState === 'complete'")
         text = self.text("body")
         self.session = session
         return text
+
+    def _targets(self):
+        """Return the pages and frames that the browser has."""
+        return self.send("Target.getTargets")["targetInfos"]
 
     def press(self, key, *, shift=False):
         """Press a key."""

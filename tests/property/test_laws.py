@@ -124,7 +124,11 @@ NO_NUMBER |= {
     "dissipated_energy",
 }
 NO_NUMBER |= {"shear_traction", "stick", "stick_share", "tangential_load", "tangential_displacement"}
-NO_NUMBER |= {"tangential_error_bound"}
+NO_NUMBER |= {"tangential_error_bound", "tangential_stiffness", "friction_coefficient", "peak_pressure"}
+NO_NUMBER |= {"temperature_rise", "mean_flash_temperature", "max_flash_temperature", "loaded_radius"}
+NO_NUMBER |= {"gas_conductance", "joint_conductance"}  # of a gas whose jump distance is a length of its own
+NO_NUMBER |= {f"greenwood_tripp_{name}" for name in ("contact_area", "loaded_radius", "max_pressure")}
+NO_NUMBER |= {f"rms_{name}_before_load" for name in ("height", "gradient", "curvature")}
 NO_NUMBER |= {f"{kind}_flow_factor_{axis}" for kind in ("pressure", "shear") for axis in "xy"}
 NO_NUMBER |= {
     name for name in VARIABLES if name.startswith("other_") or name.endswith(("_difference", "verdict"))

@@ -75,7 +75,7 @@ def test_a_body_of_finite_size_has_a_force_and_no_neighbours():
     assert "half-spaces without neighbours" in text
     assert "periodic" not in text
     assert "A force of 0.00100 N gives a true contact area of" in text
-    assert "are for the error of the solver alone" in text
+    assert "are for this body, also at other positions on its roughness" in text
 
 
 def test_of_profiles_the_paragraph_says_which_surfaces_were_solved():

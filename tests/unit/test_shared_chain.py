@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 from shared_data import DATA
-from test_io_shared import FILES, GIVEN, OTHERWISE, REFUSED
+from test_io_shared import FILES, NAMES, READ
 
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, HeightMapWarning, InputFileError
@@ -59,23 +59,23 @@ def test_no_file_is_left_out(catalogue):
     assert set(FILES) == set(catalogue)
 
 
-@pytest.mark.parametrize("name", sorted(REFUSED))
+@pytest.mark.parametrize("name", NAMES["refused"])
 def test_what_is_no_map_is_refused_in_one_sentence(name):
     for verb in (inspect_file, read_height_map):
-        with pytest.raises(InputFileError, match=REFUSED[name]) as caught:
+        with pytest.raises(InputFileError, match=FILES[name]["refused"]) as caught:
             verb(DATA / name)
         assert "\n" not in str(caught.value)
         assert name in str(caught.value)
         assert len(str(caught.value)) < 300
 
 
-@pytest.mark.parametrize("name", sorted(GIVEN))
+@pytest.mark.parametrize("name", NAMES["given"])
 def test_a_file_that_is_silent_says_what_to_give(name):
     with pytest.raises(InputFileError, match="in the table of surfaces") as caught:
         read_height_map(DATA / name)
     words = str(caught.value).partition("; give ")[2].partition(" in the table")[0]
     asked = set(words.replace("(or unit)", "").replace(",", " ").split())
-    assert asked <= {*GIVEN[name], "unit"}
+    assert asked <= {*FILES[name]["given"], "unit"}
     assert inspect_file(DATA / name)["problem"] == str(caught.value)
 
 
@@ -85,9 +85,9 @@ def test_a_map_that_is_mostly_missing_is_refused_with_its_share():
         level(height)
 
 
-@pytest.mark.parametrize("name", [name for name in FILES if name not in REFUSED and name != "sur-3.sur"])
+@pytest.mark.parametrize("name", [name for name in READ if name != "sur-3.sur"])
 def test_from_the_file_to_the_verdict(name, catalogue):
-    given = GIVEN.get(name, {})
+    given = FILES[name].get("given", {})
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # nothing that a user could not read
         warnings.simplefilter("ignore", HeightMapWarning)  # of maps of a few points
@@ -102,7 +102,9 @@ def test_from_the_file_to_the_verdict(name, catalogue):
         budget = error_budget(levelled, window, {"level": {}, "window": {}, "contact": contact}, sources=[])
         statistics = with_uncertainty(statistics, budget)
     assert found["problem"] is None
-    wanted = float(OTHERWISE.get(name, {}).get("rms") or float(catalogue[name]["rms_height_um"]) * 1e-6)
+    wanted = float(
+        FILES[name].get("otherwise", {}).get("rms") or float(catalogue[name]["rms_height_um"]) * 1e-6
+    )
     assert float(np.nanstd(height)) == pytest.approx(wanted, rel=1e-4)
     # off its plane, and without what stands out, a part has no more than there was
     assert 0 < levelled.attrs["Sq"] <= float(np.nanstd(part)) * 1.0001

@@ -125,7 +125,7 @@ _LIST_SCHEMA = WithJsonSchema(
     {"anyOf": [*_WITH_UNIT["anyOf"], {"type": "array", "minItems": 1, "items": _WITH_UNIT}]}
 )
 UnloadedFrom = Annotated[
-    list[Pressure] | None,
+    Annotated[list[Pressure], Field(max_length=1000)] | None,
     BeforeValidator(_largest_load),
     WithJsonSchema({"anyOf": [{"type": "boolean"}, *_LIST_SCHEMA.json_schema["anyOf"], {"type": "null"}]}),
 ]
