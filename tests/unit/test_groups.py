@@ -500,3 +500,9 @@ def test_what_all_maps_share_is_named_with_what_makes_it_smaller():
     coarse = rc.group_statistics([one_map(gap, gap_parts={"discretisation": 0.4}) for gap in gaps])
     outcome = rc.compare_groups(fine, coarse)["outcome"].item()
     assert outcome == "inconclusive: all maps share errors above 10.0 %; measure with pixels half as large"
+
+
+@pytest.mark.parametrize("wrong", [[], np.zeros((4, 4)), [np.zeros((4, 4))]], ids=["none", "array", "arrays"])
+def test_a_group_of_something_else_than_statistics_is_refused(wrong):
+    with pytest.raises(rc.SettingsError, match="give the statistics of one or more maps"):
+        rc.group_statistics(wrong)

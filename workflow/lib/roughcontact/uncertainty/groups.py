@@ -150,8 +150,10 @@ def group_statistics(
     >>> [f"{found[f'mean_gap{end}'].item():.2e}" for end in ("_lower", "", "_upper")]
     ['3.57e-07', '2.00e-06', '1.12e-05']
     """
-    if not datasets:
-        raise SettingsError("group_statistics: no map is given; give the statistics of one or more")
+    if not len(datasets) or not all(isinstance(data, xr.Dataset) for data in datasets):
+        raise SettingsError(
+            "group_statistics: give the statistics of one or more maps, as evaluate returns them"
+        )
     names = [str(index + 1) for index in range(len(datasets))] if names is None else [*map(str, names)]
     parts = names if parts is None else [*map(str, parts)]
     if not len(names) == len(parts) == len(datasets) == len(set(names)):
