@@ -75,3 +75,8 @@ def test_flash_temperatures_are_proportional_to_a_slow_speed():
     for name in ("mean_flash_temperature", "max_flash_temperature"):
         np.testing.assert_allclose(fast[name].values, 10 * slow[name].values)
         assert (slow[name] > 0).all()
+
+
+def test_stick_and_slip_of_bodies_that_flow_are_refused_before_the_solve():
+    with pytest.raises(rc.SettingsError, match="stick and slip are of elastic bodies"):
+        statistics_with({"coefficient": 0.2, "tangential_load": 0.5}, hardness="2 GPa")

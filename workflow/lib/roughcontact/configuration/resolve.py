@@ -97,6 +97,13 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     if settings["contact"]["unload"] is not None:
         texts = _mistakes_in_unload(settings["contact"], where)
         mistakes += [SettingsError(text, keys=["contact.unload"]) for text in texts]
+    friction = settings["statistics"]["friction"] or {}
+    if friction.get("tangential_load") and hardness is not None:
+        text = (
+            f"statistics.friction.tangential_load: stick and slip are of elastic bodies, and the hardness is "
+            f"{hardness:g} Pa; leave tangential_load out, or give moduli without a hardness"
+        )
+        mistakes.append(SettingsError(text, keys=["statistics.friction"]))
     limits = [settings["contact"]["hardness"]]
     limits += [
         material["yield_stress"] for body in bodies or () for material in (body, *(body["layers"] or ()))
