@@ -30,7 +30,9 @@ function show(cells) {
 }
 
 async function inspect(row) {
+  const turn = row.turn = (row.turn || 0) + 1;  // an answer to what was typed before comes too late
   const { text, problem, channels, map, command } = await call("inspect", { row: cellsOf(row) });
+  if (turn !== row.turn) return;
   $("pre", row).textContent = text;
   $("img", row).hidden = !map;
   if (map) $("img", row).src = map;
