@@ -4,11 +4,11 @@ import numpy as np
 
 from roughcontact.contact.partial_slip import partial_slip
 from roughcontact.contact.solve import solve_contact
-from roughcontact.contact.unloading import unload
 from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.statistics.unloading import unload
 from validation import closed_forms
 from validation.lines import Section
 

@@ -119,3 +119,9 @@ def test_what_cannot_be_unloaded_is_refused(cycle):
         rc.unload(up.drop_vars("hardness"))
     with pytest.raises(rc.SettingsError, match="the dataset has no pressure"):
         rc.unload(up.drop_vars("pressure"))
+
+
+def test_the_area_of_each_load_is_that_of_the_statistics(cycle):
+    down = cycle[1]
+    counted = rc.contact_statistics(down, flow="never")["relative_contact_area"]
+    np.testing.assert_array_equal(down["relative_contact_area"], counted)

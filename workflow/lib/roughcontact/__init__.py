@@ -37,7 +37,7 @@ _HOME = {
     "solve_contact": "roughcontact.contact.solve",
     "partial_slip": "roughcontact.contact.partial_slip",
     "flash_temperature": "roughcontact.contact.flash_temperature",
-    "unload": "roughcontact.contact.unloading",
+    "unload": "roughcontact.statistics.unloading",
     "contact_statistics": "roughcontact.statistics.contact_statistics",
     "first_yield_pressure": "roughcontact.statistics.first_yield",
     "error_budget": "roughcontact.uncertainty.budget",

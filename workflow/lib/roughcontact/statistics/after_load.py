@@ -5,9 +5,9 @@ from typing import Any
 
 import xarray as xr
 
-from roughcontact.contact.unloading import unload
 from roughcontact.roughness.parameters import rms_curvature, rms_gradient, rms_height
 from roughcontact.statistics.contact_statistics import statistics_function
+from roughcontact.statistics.unloading import unload
 from roughcontact.variables import describe
 
 _ROUGHNESS: dict[str, Callable[[xr.DataArray], float]] = {

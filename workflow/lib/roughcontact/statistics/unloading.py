@@ -13,6 +13,7 @@ from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.errors import SettingsError
 from roughcontact.maps import spacing
 from roughcontact.si import in_si
+from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.variables import describe
 
 
@@ -48,11 +49,11 @@ def unload(
     Returns
     -------
     Dataset
-        as of `solve_contact`, so that `contact_statistics` counts in it, with `residual_height` and
-        `plastic_depth` (y, x) m, the heights that are left and by how much they were lowered, their
-        `mean_plastic_depth` and `max_plastic_depth` (m), and `dissipated_energy` (J m-2): the hardness times
-        the mean depth, the area between the curves of mean pressure over approach of one cycle. `height` is
-        the residual height: a map to solve again.
+        as of `solve_contact`, so that `contact_statistics` counts in it, with `relative_contact_area`,
+        `residual_height` and `plastic_depth` (y, x) m, the heights that are left and by how much they were
+        lowered, their `mean_plastic_depth` and `max_plastic_depth` (m), and `dissipated_energy` (J m-2): the
+        hardness times the mean depth, the area between the curves of mean pressure over approach of one
+        cycle. `height` is the residual height: a map to solve again.
 
     Raises
     ------
@@ -101,8 +102,10 @@ def unload(
     residual = (height - depth).assign_attrs(height.attrs)
     unloaded = solve_contact(residual, mean_pressure=loads, **problem)
     mean_depth = float(depth.mean())
+    areas = [relative_contact_area(touching) for touching in unloaded["contact"].values > 0]
     return describe(
         unloaded.assign(
+            relative_contact_area=("load", areas),
             residual_height=residual,
             plastic_depth=depth,
             mean_plastic_depth=mean_depth,
