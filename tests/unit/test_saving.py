@@ -11,6 +11,8 @@ from PIL import Image
 
 import roughcontact as rc
 from roughcontact.command_line.program import main
+from roughcontact.configuration.resolve import resolve
+from roughcontact.pipeline import run_chain
 from roughcontact.quantities import percent
 from roughcontact.results.exchange import write_tiff
 
@@ -167,3 +169,46 @@ def test_a_load_that_misses_the_tolerance_writes_nothing(measured, tmp_path, cap
     assert main(["solve", str(measured), *OPTIONS, *tight, "-o", str(tmp_path / "result.nc")]) == 1
     assert "tolerance" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("ending", [".csv", ".xlsx", ".png", ".vti", ".tiff", ".gsf"])
+def test_a_finished_run_is_exported_as_solve_writes_it(measured, tmp_path, ending):
+    settings = resolve({"contact": CONTACT, "uncertainty": {"sources": ["solver"]}})[""]
+    run = tmp_path / "results/small-1"
+    run.mkdir(parents=True)
+    chain = run_chain(rc.read_height_map(measured), settings, fields=run / "contact.nc")
+    rc.write_dataset(chain.statistics, run / "statistics.nc")
+    path = tmp_path / f"exported/small{ending}"
+    assert main(["export", str(run), "-o", str(path)]) == 0
+    of_solve = saved(measured, tmp_path, ending)
+    if ending == ".xlsx":
+        for name, sheet in pd.read_excel(of_solve, sheet_name=None).items():
+            pd.testing.assert_frame_equal(pd.read_excel(path, sheet_name=name), sheet)
+    elif ending == ".png":  # its title is the name of the file there, of the surface here
+        with Image.open(path) as picture, Image.open(of_solve) as other:
+            assert picture.size == other.size
+            assert np.mean(np.asarray(picture) != np.asarray(other)) < 0.01
+    else:
+        assert path.read_bytes() == of_solve.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("output", "said"),
+    [
+        ("one.html", "-o one.html: end it with one of .csv, .xlsx, .png, .vti, .tiff, .gsf"),
+        ("one.csv", "nowhere: has no statistics.nc; name the folder of a surface in the results"),
+    ],
+)
+def test_what_cannot_be_exported(tmp_path, capsys, monkeypatch, output, said):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", "nowhere", "-o", output]) == 2
+    assert capsys.readouterr().err == f"roughcontact: {said}\n"
+
+
+def test_maps_that_a_run_has_not_kept(measured, tmp_path, capsys):
+    contact = rc.solve_contact(rc.periodic_window(rc.level(rc.read_height_map(measured))), **CONTACT)
+    rc.write_dataset(contact[["mean_pressure"]], tmp_path / "contact.nc")
+    rc.write_dataset(rc.evaluate(measured, contact=CONTACT), tmp_path / "statistics.nc")
+    assert main(["export", str(tmp_path), "-o", str(tmp_path / "maps.vti")]) == 2
+    assert "has no maps; set contact.keep_fields to true and run again" in capsys.readouterr().err
+    assert not (tmp_path / "maps.vti").exists()

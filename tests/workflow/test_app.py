@@ -179,11 +179,13 @@ class TestFiveSteps:
             click(browser, "#compare button")
             browser.wait("document.querySelector('#answer').textContent.includes('numbers')")
             assert browser.text("#command").startswith("roughcontact compare results/")
-            browser.evaluate("document.querySelector('#form').value = 'vti'")
-            click(browser, "#export button")
-            browser.wait("document.querySelector('#command').textContent.includes('write_vti')")
-            browser.wait("document.querySelector('#problem').textContent === ''")
-            assert list((study / "exports").glob("*.vti"))
+            for ending in (".vti", ".gsf", ".xlsx"):
+                browser.evaluate(f"document.querySelector('#form').value = '{ending}'")
+                click(browser, "#export button")
+                command = f"roughcontact export results/one -o exports/one{ending}"
+                browser.wait(f"document.querySelector('#command').textContent === '{command}'")
+                browser.wait("document.querySelector('#problem').textContent === ''")
+                assert (study / f"exports/one{ending}").is_file()
             picture(browser, "app-look", "#look")
             assert browser.problems == []
         # a colleague repeats it without the page: nothing is left to do

@@ -7,23 +7,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from roughcontact.command_line.saving import CONTENT_BY_COMMAND, exports
 from roughcontact.errors import SettingsError
 from roughcontact.statistics.outcome import VERDICTS
 
 _RESULTS = Path("results")
-_MAPS = """\
-from roughcontact.results.exchange import write_{ending}
-from roughcontact.results.storage import opened_dataset
-with opened_dataset({source!r}) as contact:
-    write_{ending}(contact, {path!r})
-"""
-FORMATS = {
-    "methods": "a paragraph of methods and answers for a paper",
-    "table": "pressure, area and flow factors over the mean gap, for other codes (.csv)",
-    "vti": "maps of height, pressure, gap and contact, for ParaView",
-    "tiff": "the same maps, for Gwyddion or ImageJ",
-    "crate": "a description of the run as an RO-Crate, for an archive",
-}
+FORMATS = CONTENT_BY_COMMAND | exports()
 
 
 def results() -> dict[str, Any]:
@@ -56,12 +45,11 @@ def export(result: str, form: str) -> dict[str, Any]:
         return _said("methods", str(_file(result, "statistics.nc")))
     if form not in FORMATS:
         raise SettingsError(f"{form}: is none of {', '.join(FORMATS)}")
-    target = Path("exports", f"{result.replace('/', '-')}.{'csv' if form == 'table' else form}")
-    target.parent.mkdir(exist_ok=True)
+    name = result.replace("/", "-")
+    target = Path("exports", f"{name}-table.csv" if form == "table" else f"{name}{form}")
     if form == "table":
         return _said("table", str(_file(result, "statistics.nc")), "-o", str(target))
-    code = _MAPS.format(ending=form, source=str(_file(result, "contact.nc")), path=str(target))
-    return _run([sys.executable, "-c", code], said=["python", "-c", code]) | {"file": str(target)}
+    return _said("export", str(_file(result, "statistics.nc").parent), "-o", str(target))
 
 
 def _file(result: str, name: str) -> Path:
@@ -74,16 +62,12 @@ def _file(result: str, name: str) -> Path:
 
 def _said(*arguments: str) -> dict[str, Any]:
     """Return what the program says, with the command."""
-    return _run(
-        [sys.executable, "-m", "roughcontact.command_line", *arguments], said=["roughcontact", *arguments]
+    command = ["roughcontact", *arguments]
+    process = subprocess.run(
+        [sys.executable, "-m", "roughcontact.command_line", *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
     )
-
-
-def _run(command: list[str], *, said: list[str]) -> dict[str, Any]:
-    """Run a command to its end and return its output."""
-    process = subprocess.run(command, capture_output=True, text=True, check=False)
-    return {
-        "command": shlex.join(said),
-        "text": (process.stdout + process.stderr).strip(),
-        "code": process.returncode,
-    }
+    text = (process.stdout + process.stderr).strip()
+    return {"command": shlex.join(command), "text": text, "code": process.returncode}

@@ -9,12 +9,13 @@ import errno
 import os
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from roughcontact import __version__
+from roughcontact.command_line import saving
 from roughcontact.command_line.garbage import collect_rarely
 from roughcontact.errors import (
     ConvergenceError,
@@ -109,7 +110,8 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
     verbs = parser.add_subparsers(
-        required=True, metavar="inspect | solve | init | run | app | methods | table | compare | crate"
+        required=True,
+        metavar="inspect | solve | init | run | app | methods | table | compare | export | crate",
     )
 
     inspect = verbs.add_parser("inspect", help="describe the contents of a file, or of all in a folder")
@@ -129,15 +131,12 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     _add_file_options(solve)
     solve.set_defaults(run=_solve)
     if verb == "solve":
-        from roughcontact.command_line.saving import CONTENT_BY_ENDING
-
-        formats = "; ".join(f"{ending}: {holds}" for ending, holds in CONTENT_BY_ENDING.items())
         solve.add_argument(
             "-o",
             "--output",
             type=Path,
             metavar="RESULT",
-            help=f"also write the results of one map to this file. Its ending says what it holds. {formats}",
+            help=f"also write the results of one map to this file: {_endings(saving.CONTENT_BY_ENDING)}",
         )
         from roughcontact.command_line.options import add_settings
 
@@ -163,7 +162,7 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
 
     _add_app(verbs)
 
-    methods = verbs.add_parser("methods", help="print a paragraph of methods and answers for a paper")
+    methods = verbs.add_parser("methods", help=f"print {saving.CONTENT_BY_COMMAND['methods']}")
     methods.add_argument(
         "files",
         nargs="+",
@@ -172,7 +171,7 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     )
     methods.set_defaults(run=_methods)
 
-    table = verbs.add_parser("table", help="print pressure, area and flow factors over the mean gap")
+    table = verbs.add_parser("table", help=f"print {saving.CONTENT_BY_COMMAND['table']}")
     table.add_argument("file", metavar="RESULT", help="statistics.nc of a surface (statistics.flow: always)")
     table.add_argument("-o", "--output", type=Path, metavar="TABLE", help="write it, as .csv or .nc")
     table.set_defaults(run=_table)
@@ -191,7 +190,14 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     _add_json(compare)
     compare.set_defaults(run=_compare)
 
-    crate = verbs.add_parser("crate", help="describe a finished run as an RO-Crate, for an archive")
+    export = verbs.add_parser("export", help="write a result of a finished run as another kind of file")
+    export.add_argument("folder", type=Path, metavar="RESULT", help="folder of the result: results/SURFACE")
+    export.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", required=True, help=_endings(saving.exports())
+    )
+    export.set_defaults(run=_export)
+
+    crate = verbs.add_parser("crate", help=f"write {saving.CONTENT_BY_COMMAND['crate']}")
     crate.add_argument(
         "folder", metavar="FOLDER", help="the results of the run; ro-crate-metadata.json goes there"
     )
@@ -212,6 +218,13 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     )
     crate.set_defaults(run=_crate)
     return parser
+
+
+def _endings(content: Mapping[str, str]) -> str:
+    """Return what files with each ending hold, in a sentence."""
+    return (
+        f"its ending says what it holds. {'; '.join(f'{ending}: {text}' for ending, text in content.items())}"
+    )
 
 
 def _add_app(verbs: argparse._SubParsersAction) -> None:
@@ -314,7 +327,6 @@ def _solve(options: argparse.Namespace) -> int:
     """Print the contact of one map, or of several together."""
     from roughcontact.command_line.describe import as_json, group, solution
     from roughcontact.command_line.options import chosen_settings, in_options
-    from roughcontact.command_line.saving import check_output
     from roughcontact.command_line.solving import solve_file, solve_files
 
     try:
@@ -322,7 +334,7 @@ def _solve(options: argparse.Namespace) -> int:
         kwargs = {"given": _given(options), "settings": settings, "threads": options.threads}
         together = len(options.files) > 1
         if options.output:
-            check_output(options.output, options.files)
+            saving.check_output(options.output, options.files)
             kwargs["output"] = options.output
         with _warnings_in_words():
             result = (
@@ -450,6 +462,12 @@ def _statistics_of(path: str) -> "xr.Dataset":
     if "mean_pressure" not in statistics or "y" in statistics.dims:
         raise InputFileError(f"{path}: holds no statistics of contacts; {advice}")
     return statistics
+
+
+def _export(options: argparse.Namespace) -> int:
+    """Write a result of a finished run as another kind of file."""
+    saving.export(options.folder, options.output)
+    return 0
 
 
 def _crate(options: argparse.Namespace) -> int:

@@ -1,14 +1,19 @@
-"""The results of `roughcontact solve` as a file, of which the ending says the kind; whole or not at all."""
+"""Results as a file, of which the ending says the kind; whole or not at all.
 
+`roughcontact solve -o` writes them of the map that it has solved, `roughcontact export` of a finished run.
+"""
+
+import json
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from roughcontact.command_line.project import surface_names
-from roughcontact.errors import SettingsError
+from roughcontact.errors import InputFileError, SettingsError
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
     from roughcontact.pipeline import Chain
@@ -24,7 +29,14 @@ CONTENT_BY_ENDING = {
     ".tiff": "the same maps for Gwyddion or ImageJ, a page each",
     ".gsf": "the map of pressure at the largest load for Gwyddion",
 }
+# what the other commands make of a finished run
+CONTENT_BY_COMMAND = {
+    "methods": "a paragraph of methods and answers for a paper",
+    "table": "pressure, area and flow factors over the mean gap",
+    "crate": "a description of the run as an RO-Crate, for an archive",
+}
 _WITHOUT_MAPS = (".nc", ".csv", ".xlsx")
+_OF_A_RUN = (".nc", ".html")  # a run has written them already: statistics.nc and the report
 _LINKS_BESIDE = re.compile(", or see <a .*? beside this page")  # what the page says of the files of a run
 
 
@@ -39,8 +51,7 @@ def check_output(output: Path, files: Sequence[str]) -> None:
     ...     print(error)
     -o result.doc: end it with one of .nc, .csv, .xlsx, .html, .png, .vti, .tiff, .gsf
     """
-    if output.suffix.lower() not in CONTENT_BY_ENDING:
-        raise SettingsError(f"-o {output}: end it with one of {', '.join(CONTENT_BY_ENDING)}")
+    _check_ending(output, CONTENT_BY_ENDING)
     if len(files) > 1:
         raise SettingsError(
             f"-o {output}: is of one map, {len(files)} are given; `roughcontact init` and `run` write the "
@@ -49,6 +60,29 @@ def check_output(output: Path, files: Sequence[str]) -> None:
     if output.exists() and (output.is_dir() or output.samefile(files[0])):
         obstacle = "a folder" if output.is_dir() else "the measured file itself"
         raise SettingsError(f"-o {output}: is {obstacle}; choose another name")
+
+
+def _check_ending(output: Path, endings: Collection[str]) -> None:
+    """Raise a SettingsError for a file with another ending."""
+    if output.suffix.lower() not in endings:
+        raise SettingsError(f"-o {output}: end it with one of {', '.join(endings)}")
+
+
+def exports() -> dict[str, str]:
+    """Return what a finished run can be exported as, with what each holds: endings of files."""
+    return {ending: holds for ending, holds in CONTENT_BY_ENDING.items() if ending not in _OF_A_RUN}
+
+
+def export(folder: Path, output: Path) -> None:
+    """Write a result of a finished run, the folder of its statistics.nc, as another kind of file.
+
+    Raises `SettingsError` for an ending that is none of `exports`, `InputFileError` where the folder has no
+    result, or no maps of one.
+    """
+    _check_ending(output, exports())
+    if not (folder / "statistics.nc").is_file():
+        raise InputFileError(f"{folder}: has no statistics.nc; name the folder of a surface in the results")
+    _write(output, folder, surface=folder.name, title=folder.name)
 
 
 def needs_maps(output: Path) -> bool:
@@ -69,47 +103,64 @@ def save(
 
     `folder` is for files on the way to it; contact.nc is there if the maps are needed.
     """
-    from roughcontact.results.exchange import write_gsf, write_tiff, write_vti, write_workbook
-    from roughcontact.results.storage import opened_dataset, write_dataset, write_table, write_text
+    from roughcontact.command_line.project import surface_names
+    from roughcontact.results.storage import write_dataset, write_text
 
     (name,), ending = surface_names([source]), output.suffix.lower()
     if ending == ".nc":
         write_dataset(chain.statistics, output)
-    elif ending in (".csv", ".xlsx"):
-        import pandas as pd
-
-        from roughcontact.pipeline import SECTIONS
-        from roughcontact.results.collect import collect_statistics, summary_table
-        from roughcontact.uncertainty.combination import uncertainty_table
-
-        path = folder / "statistics.nc"
-        write_dataset(chain.statistics, path)
-        summary = summary_table(collect_statistics([{"surface": name, "case": None, "statistics": path}]))
-        if ending == ".csv":
-            write_table(summary, output)
-        else:
-            stated = [
-                (f"{section}.{key}", str(settings[section][key]))
-                for section in SECTIONS
-                for key in settings[section]
-            ]
-            sheets = {
-                "summary": summary,
-                "uncertainty": uncertainty_table(chain.statistics),
-                "settings": pd.DataFrame(stated, columns=["setting", "value"]),
-            }
-            write_workbook(sheets, output)
     elif ending == ".html":
         write_text(_LINKS_BESIDE.sub("", _page(name, folder, chain, height, settings)), output)
     else:
-        with opened_dataset(folder / "contact.nc") as contact:
-            if ending == ".png":
-                _draw(output, chain.statistics, contact, title=Path(source).name)
-            elif ending == ".gsf":
-                largest = contact.isel(load=int(contact["mean_pressure"].values.argmax()))
-                write_gsf(largest["pressure"].load(), output)
-            else:
-                (write_vti if ending == ".vti" else write_tiff)(contact, output)
+        write_dataset(chain.statistics, folder / "statistics.nc")
+        _write(output, folder, surface=name, title=Path(source).name)
+
+
+def _write(output: Path, folder: Path, *, surface: str, title: str) -> None:
+    """Write a file of results from statistics.nc and, for maps, contact.nc of a folder."""
+    from roughcontact.results.storage import opened_dataset, read_dataset, write_table
+
+    ending = output.suffix.lower()
+    if ending in _WITHOUT_MAPS:
+        from roughcontact.results.collect import collect_statistics, summary_table
+
+        entry: Any = {"surface": surface, "case": None, "statistics": folder / "statistics.nc"}
+        summary = summary_table(collect_statistics([entry]))
+        (write_table if ending == ".csv" else partial(_write_workbook, folder))(summary, output)
+        return
+    from roughcontact.results.exchange import write_gsf, write_tiff, write_vti
+
+    with opened_dataset(folder / "contact.nc") as contact:
+        if "pressure" not in contact:
+            raise InputFileError(
+                f"{folder / 'contact.nc'}: has no maps; set contact.keep_fields to true and run again"
+            )
+        if ending == ".png":
+            _draw(output, read_dataset(folder / "statistics.nc"), contact, title=title)
+        elif ending == ".gsf":
+            largest = contact.isel(load=int(contact["mean_pressure"].values.argmax()))
+            write_gsf(largest["pressure"].load(), output)
+        else:
+            (write_vti if ending == ".vti" else write_tiff)(contact, output)
+
+
+def _write_workbook(folder: Path, summary: "pd.DataFrame", output: Path) -> None:
+    """Write the numbers of a result, the components of their ± and the settings behind them, a sheet each."""
+    import pandas as pd
+
+    from roughcontact.results.exchange import write_workbook
+    from roughcontact.results.storage import read_dataset
+    from roughcontact.uncertainty.combination import uncertainty_table
+
+    statistics = read_dataset(folder / "statistics.nc")
+    settings: dict[str, dict[str, Any]] = json.loads(statistics.attrs["settings"])
+    stated = [(f"{name}.{key}", str(value)) for name, keys in settings.items() for key, value in keys.items()]
+    sheets = {
+        "summary": summary,
+        "uncertainty": uncertainty_table(statistics),
+        "settings": pd.DataFrame(stated, columns=["setting", "value"]),
+    }
+    write_workbook(sheets, output)
 
 
 def _page(name: str, folder: Path, chain: "Chain", height: "xr.DataArray", settings: dict[str, Any]) -> str:
