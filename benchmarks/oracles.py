@@ -18,7 +18,7 @@ import numpy as np
 from free_bodies import ask, relative, rough_body, solved
 from worker import Worker
 
-from roughcontact import height_map, partial_slip, self_affine_surface, solve_contact
+from roughcontact import height_map, partial_slip, self_affine_surface, solve_contact, unload
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.sealing.flow import flow_columns
 
@@ -53,6 +53,35 @@ def pressures(python: str, folder: Path) -> Iterator[Row]:
         with Worker(HERE / script, python=python, threads=1) as worker:
             _, theirs = ask(worker, folder, f"free {code}", heights, force, tolerance)
             yield "pressure, rough ball", f"{code} {worker.versions[code]}", relative(theirs, ours), 1e-6
+
+
+def flattening(python: str, folder: Path) -> Iterator[Row]:
+    """Yield how the pressures of a sphere and of a rough map differ, under a hardness and after the load."""
+    x = (np.arange(POINTS) + 0.5) / POINTS - 0.5
+    sphere = np.maximum(-(x[:, None] ** 2 + x**2) / 4, -0.04)
+    cases = (
+        ("sphere", height_map(sphere, 1 / POINTS), 4e-3 / 6, 0.02),  # Hertz: 0.032
+        ("rough map", rough_reference_surface(POINTS), 0.12, 0.4),
+    )
+    with Worker(HERE / "rival_tamaas.py", python=python, threads=1) as worker:
+        code = f"Tamaas {worker.versions['Tamaas']}"
+        for name, height, load, hardness in cases:
+            ours = solve_contact(
+                height, contact_modulus=1.0, mean_pressure=load, hardness=hardness, tolerance=1e-8
+            )
+            options = {"hardness": hardness}
+            _, theirs = ask(worker, folder, name, height.values, load, 1e-10, options=options)
+            yield (
+                f"pressure up to a hardness, {name}",
+                code,
+                relative(theirs, ours["pressure"].values[0]),
+                1e-5,
+            )
+            left = unload(ours, mean_pressure=load / 4, tolerance=1e-8)
+            _, theirs = ask(
+                worker, folder, f"flattened {name}", left["residual_height"].values, load / 4, 1e-12
+            )
+            yield f"pressure after the load, {name}", code, relative(theirs, left["pressure"].values[0]), 1e-5
 
 
 def flow(python: str, folder: Path) -> Iterator[Row]:
@@ -123,7 +152,7 @@ def main() -> int:
         python = str(folder / "bin" / "python")
     rows: list[Row] = []
     with tempfile.TemporaryDirectory() as name:
-        for compared in (pressures, flow, friction):
+        for compared in (pressures, flattening, flow, friction):
             for row in compared(python, Path(name)):
                 rows.append(row)
                 print("{:45s} {:28s} {:.1e}  (allowed {:.0e})".format(*row), flush=True)

@@ -9,10 +9,13 @@ import tamaas as tm
 import worker
 
 
-def solve(heights, load, tolerance):
+def solve(heights, load, tolerance, *, hardness=None):
     model = tm.ModelFactory.createModel(tm.model_type.basic_2d, [1.0, 1.0], list(heights.shape))
     model.E, model.nu = 1.0, 0.0
-    solver = tm.PolonskyKeerRey(model, heights, tolerance)
+    if hardness is None:
+        solver = tm.PolonskyKeerRey(model, heights, tolerance)
+    else:
+        solver = tm.KatoSaturated(model, heights, tolerance, hardness)
     solver.max_iter = 10_000
     reached = solver.solve(load)
     return model.traction.copy(), lambda: {"converged": reached <= tolerance}

@@ -10,6 +10,7 @@ from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.unloading import unload
 from validation import closed_forms
+from validation.axisymmetric import ring_contact, rings
 from validation.lines import Section
 
 _FRICTION, _RATIO = 0.3, 0.3
@@ -17,9 +18,10 @@ _HARDNESS = 0.4  # of the rough map, over E*: a quarter of the area carries it a
 
 
 def add_lines(section: Section, *, finest_grid: int) -> None:
-    """Add the lines of a flattened summit, a sphere that slips, a wave, and of rough maps."""
+    """Add the lines of a flattened summit, spheres that yield or slip, a wave, and rough maps."""
     points = max(128, finest_grid // 8)
     _flattened_summit(section, points)
+    _yielding_sphere(section, points)
     _rough_cycle(section)
     _slipping_sphere(section, points)
     _slipping_wave(section, finest_grid)
@@ -58,6 +60,40 @@ def _flattened_summit(section: Section, points: int) -> None:
         section.compare("summit", np.sqrt(areas[index] / areas[0]), inside, 0.5 / n, share=share, n=n)
         recovery = 2 * hardness * radius * np.sqrt(1 - inside**2)
         section.compare("recovery", recovered[index], recovery, 0.1 / n, share=share, n=n)
+
+
+def _yielding_sphere(section: Section, points: int) -> None:
+    """Add the lines of a sphere between elastic and flattened, loaded and unloaded, beside rings."""
+    curvature_radius, radius, shares = 2.0, 0.1, (0.5, 0.1)
+    load = 4 * radius**3 / (3 * curvature_radius)
+    n = radius * points
+    hertz_pressure = 2 * radius / (np.pi * curvature_radius)
+    height = height_map(np.maximum(_paraboloid(points, curvature_radius), -0.04), 1 / points)
+    body = rings(np.linspace(0, 0.14, 701))
+    shape = -(body.radius**2) / (2 * curvature_radius)
+    for ratio in (1.2, 1.6, 2.5):
+        hardness = hertz_pressure / ratio
+        loaded = solve_contact(
+            height,
+            contact_modulus=1.0,
+            mean_pressure=load,
+            hardness=hardness,
+            tolerance=1e-8,
+            zero_frequency="lattice",
+        )
+        top = ring_contact(body, shape, load, hardness=hardness, period=1.0)
+        section.compare("yielding", -float(loaded["approach"][0]), top.approach, 0.02 / n, ratio=ratio, n=n)
+        unloaded = unload(loaded, mean_pressure=[load, *(load * share for share in shares)], tolerance=1e-8)
+        volume = float(unloaded["plastic_volume"])
+        section.compare("volume", volume, body.area @ top.depth, 0.2 / n, ratio=ratio, n=n)
+        for index, share in enumerate(shares, start=1):
+            back = ring_contact(body, shape - top.depth, share * load, period=1.0)
+            recovered = float(unloaded["approach"][index] - unloaded["approach"][0])
+            lifted = top.approach - back.approach
+            section.compare("lifted", recovered, lifted, 0.02 / n, ratio=ratio, share=share, n=n)
+            touching = np.sqrt(float((unloaded["pressure"][index] > 0).sum()) / np.pi) / n
+            edge = np.sqrt(body.area @ (back.pressure > 0) / np.pi) / radius
+            section.compare("retreat", touching, edge, 0.5 / n, ratio=ratio, share=share, n=n)
 
 
 def _rough_cycle(section: Section) -> None:

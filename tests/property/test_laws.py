@@ -121,6 +121,7 @@ NO_NUMBER |= {
     "plastic_depth",
     "mean_plastic_depth",
     "max_plastic_depth",
+    "plastic_volume",
     "dissipated_energy",
 }
 NO_NUMBER |= {"shear_traction", "stick", "stick_share", "tangential_load", "tangential_displacement"}

@@ -8,6 +8,7 @@ from scipy import special
 from scipy.integrate import quad
 
 from validation import closed_forms
+from validation.axisymmetric import ring_contact, rings
 from validation.layered_sphere import rigid_base_factor, sphere_on_layer
 
 D, WAVELENGTH, MODULUS = 1.5e-6, 2e-3, 3e9
@@ -297,6 +298,27 @@ def test_flat_punches_carry_a_flattened_summit(share):
     radius = closed_forms.flattened_summit_radius(share)
     carried, _ = quad(lambda t: 4 / np.pi * t**2 / np.sqrt(1 - t**2), 0, radius)
     assert carried == pytest.approx(share, rel=1e-9)
+
+
+def test_rings_give_hertz_and_the_flattened_sphere():
+    """The elastic end, alone and repeated, and the end at which the whole contact is at the hardness."""
+    body, radius, load = rings(np.linspace(0, 0.3, 601)), 2.0, 2e-3
+    shape = -(body.radius**2) / (2 * radius)
+    for period in (np.inf, 1.0):
+        alone = closed_forms.hertz(load, radius, 1.0)
+        repeated = closed_forms.periodic_hertz(load, radius, 1.0, 1.0)
+        shift = closed_forms.LATTICE_CONSTANT * load  # the rings leave the uniform part out
+        reference = alone["approach"] if period == np.inf else repeated["approach"] + shift
+        contact = ring_contact(body, shape, load, period=period)
+        assert contact.approach == pytest.approx(reference, rel=1e-5)
+        assert not contact.depth.any()
+    hardness = 0.01
+    flattened = ring_contact(body, shape, load, hardness=hardness)
+    edge = np.sqrt(load / hardness / np.pi)
+    assert np.sqrt(body.area @ (flattened.pressure > 0) / np.pi) == pytest.approx(edge, abs=1e-3)
+    expected = closed_forms.flattened_summit_approach(load, radius, hardness, 1.0)
+    assert flattened.approach == pytest.approx(expected, rel=5e-3)
+    assert body.area @ flattened.pressure == pytest.approx(load, rel=1e-9)
 
 
 def test_the_energy_of_a_cycle_at_small_loads_is_that_of_johnson():

@@ -91,6 +91,7 @@ def test_the_residual_heights_are_a_map(cycle):
     np.testing.assert_allclose(lowered, down["plastic_depth"], atol=1e-15)
     assert (down["plastic_depth"] >= 0).all()
     assert float(down["max_plastic_depth"]) == down["plastic_depth"].max()
+    assert float(down["plastic_volume"]) == pytest.approx(float(down["mean_plastic_depth"]))  # window: 1 m2
     again = rc.solve_contact(down["residual_height"], contact_modulus=1.0, mean_pressure=0.03, tolerance=1e-8)
     known = rc.unload(up, mean_pressure=0.03, tolerance=1e-8)
     np.testing.assert_allclose(again["pressure"], known["pressure"], atol=1e-6 * HARDNESS)

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import number, percent, quantity
-from roughcontact.report.charts import COLOURS, DASHED, Axis, Chart, as_image
+from roughcontact.report.charts import COLOURS, DASHED, Axis, Chart
 from roughcontact.report.units import unit_of
 
 _AREA = "relative_contact_area"
@@ -27,25 +27,16 @@ def unloading_of(name: str, loaded: xr.Dataset, residual: xr.Dataset, *, link: s
     if "peak" in residual.dims:
         peaks = [residual.isel(peak=index) for index in range(residual.sizes["peak"])]
     ways = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
-    images = [_area(loaded, ways), _gap(loaded, ways)]
+    factor, unit = unit_of(loaded, "m")
+    images = [
+        _both_ways(loaded, ways, _AREA, "contact area A/A₀ (%)", 100.0).source("lower right"),
+        _both_ways(loaded, ways, "mean_gap", f"mean gap ū ({unit})", factor).source("lower left"),
+    ]
     return Unloading(name, images, [_sentence(loaded, way) for way in ways], link)
 
 
-@as_image("lower right")
-def _area(loaded: xr.Dataset, ways: list[xr.Dataset]) -> Chart:
-    """Draw the contact area on loading and on unloading."""
-    return _both_ways(loaded, ways, _AREA, "contact area A/A₀ (%)", 100.0)
-
-
-@as_image("lower left")
-def _gap(loaded: xr.Dataset, ways: list[xr.Dataset]) -> Chart:
-    """Draw the mean gap on loading and on unloading."""
-    factor, unit = unit_of(loaded, "m")
-    return _both_ways(loaded, ways, "mean_gap", f"mean gap ū ({unit})", factor)
-
-
 def _both_ways(loaded: xr.Dataset, ways: list[xr.Dataset], result: str, label: str, factor: float) -> Chart:
-    """Draw one result against the load, both logarithmic."""
+    """Draw one result on loading and on unloading against the load, both logarithmic."""
     pascals, unit = unit_of(loaded, "Pa")
     curves = [loaded.sortby("mean_pressure"), *ways]
     loads = np.concatenate([curve["mean_pressure"].values for curve in curves]) * pascals
@@ -64,6 +55,7 @@ def _both_ways(loaded: xr.Dataset, ways: list[xr.Dataset], result: str, label: s
 def _sentence(loaded: xr.Dataset, way: xr.Dataset) -> str:
     """Return what was lowered by how much, and the area of both ways at the lowest load."""
     mean, largest = (quantity(float(way[f"{which}_plastic_depth"]), "m") for which in ("mean", "max"))
+    volume = number(float(way["plastic_volume"]) * 1e18)
     heights = [quantity(float(way[f"rms_height{time}"]), "m") for time in ("_before_load", "")]
     gradients = [number(float(way[f"rms_gradient{time}"])) for time in ("_before_load", "")]
     back = way.isel(load=int(np.argmin(way["mean_pressure"].values)))
@@ -72,7 +64,8 @@ def _sentence(loaded: xr.Dataset, way: xr.Dataset) -> str:
     peak, load = (quantity(float(value), "Pa") for value in (way["peak_pressure"], back["mean_pressure"]))
     after = percent(float(back[_AREA]))
     return (
-        f"After {peak}: flow has lowered the heights by {mean} in the mean and {largest} at most, the rms "
-        f"height from {heights[0]} to {heights[1]}, the rms gradient from {gradients[0]} to {gradients[1]}. "
+        f"After {peak}: flow has lowered the heights by {mean} in the mean and {largest} at most "
+        f"({volume} µm³), the rms height from {heights[0]} to {heights[1]}, the rms "
+        f"gradient from {gradients[0]} to {gradients[1]}. "
         f"At {load} {percent(before)} of the area touch on loading, {after} on unloading."
     )

@@ -15,6 +15,7 @@ _ROUGHNESS: dict[str, Callable[[xr.DataArray], float]] = {
     "rms_gradient": rms_gradient,
     "rms_curvature": rms_curvature,
 }
+_FLOW = ["plastic_depth", "mean_plastic_depth", "max_plastic_depth", "plastic_volume", "dissipated_energy"]
 
 
 def after_the_load(
@@ -41,8 +42,9 @@ def after_the_load(
         numbers = count(unloaded)
         numbers = numbers[[name for name in numbers.variables if numbers[name].dims in ((), ("load",))]]
         height = unloaded["height"].drop_attrs()
-        flow = unloaded[["plastic_depth", "mean_plastic_depth", "max_plastic_depth", "dissipated_energy"]]
-        results.append(numbers.merge(flow).assign({"height": height, "peak_pressure": peak} | before))
+        results.append(
+            numbers.merge(unloaded[_FLOW]).assign({"height": height, "peak_pressure": peak} | before)
+        )
     if len(results) == 1:
         return describe(results[0])
     # other peaks have other loads below them

@@ -51,9 +51,9 @@ def unload(
     Dataset
         as of `solve_contact`, so that `contact_statistics` counts in it, with `relative_contact_area`,
         `residual_height` and `plastic_depth` (y, x) m, the heights that are left and by how much they were
-        lowered, their `mean_plastic_depth` and `max_plastic_depth` (m), and `dissipated_energy` (J m-2): the
-        hardness times the mean depth, the area between the curves of mean pressure over approach of one
-        cycle. `height` is the residual height: a map to solve again.
+        lowered, their `mean_plastic_depth` and `max_plastic_depth` (m), `plastic_volume` (m3), and
+        `dissipated_energy` (J m-2): the hardness times the mean depth, the area between the curves of mean
+        pressure over approach of one cycle. `height` is the residual height: a map to solve again.
 
     Raises
     ------
@@ -110,6 +110,7 @@ def unload(
             plastic_depth=depth,
             mean_plastic_depth=mean_depth,
             max_plastic_depth=float(depth.max()),
+            plastic_volume=float(depth.sum()) * float(np.prod(spacing(height))),
             dissipated_energy=hardness * mean_depth,
         )
     )
