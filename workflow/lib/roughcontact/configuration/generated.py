@@ -77,6 +77,9 @@ def changed_settings(settings: Mapping[str, Any]) -> list[str]:
     >>> config = {"level": {"form": "none", "s_filter": "2.5 um"}, "contact": {"contact_modulus": 1e9}}
     >>> changed_settings(resolve(config)[""])
     ['level.form: none', 'level.s_filter: 2.50 µm']
+    >>> config = {"contact": {"contact_modulus": 1e9, "hardness": "1 GPa", "unload": ["50 MPa", "0.2 GPa"]}}
+    >>> changed_settings(resolve(config)[""])
+    ['contact.unload: 50.0 MPa, 200 MPa']
     """
     return [
         f"{section}.{name}: {in_words(settings[section][name], field)}"
@@ -148,4 +151,6 @@ def in_words(value: Any, field: FieldInfo) -> str:
             f"{key} {in_words(entry, section.model_fields[key])}" for key, entry in value.items()
         )
     unit = base_of(field)
+    if unit and isinstance(value, list) and all(isinstance(entry, float) for entry in value):
+        return ", ".join(quantity(entry, unit) for entry in value) or "true"  # contact.unload: its largest load
     return quantity(value, unit) if unit and isinstance(value, float) else flow(value)

@@ -2,7 +2,6 @@
 
 import base64
 import json
-import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -31,8 +30,9 @@ from roughcontact.report.load_plots import compare_areas, sample_of, spread_of_a
 from roughcontact.report.summary import Summary, read_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
+from roughcontact.report.unloading import unloading_of
 from roughcontact.results.collect import Failure
-from roughcontact.results.storage import read_dataset, write_text
+from roughcontact.results.storage import write_text
 from roughcontact.statistics import checks
 from roughcontact.uncertainty.group_tables import NamedGroup
 
@@ -169,7 +169,11 @@ def write_report(
         which_load=_which_load(list(indices.values()), list(available.values())),
         comparisons=_comparisons(series, grouped, many=indexed),
         cases=_cases(by_surface, many=indexed, equal_loads=equal),
-        unloadings=_unloadings(summaries, residuals, available, folder) if any(residuals) else [],
+        unloadings=[
+            unloading_of(summary["name"], available[summary["name"]], residual, folder)
+            for summary, residual in zip(summaries, residuals, strict=True)
+            if residual
+        ],
         parts=[] if indexed else [_panel_html(panel, folder) for panel in panels],
         failures=named,
         groups=group_rows(
@@ -219,27 +223,6 @@ def _write_pages(
             parts=[_panel_html(panels[index], folder) for index in selected],
         )
         write_text(html, written_to / f"{name}.html")
-
-
-def _unloadings(
-    summaries: Sequence[Summary],
-    residuals: Sequence[str | Path | None],
-    available: Mapping[str, xr.Dataset],
-    folder: Path,
-) -> list[Any]:
-    """Return what the load leaves of each result with a residual.nc; `folder` is that of the page."""
-    from roughcontact.report.unloading import unloading_of  # few studies take the load off
-
-    return [
-        unloading_of(
-            summary["name"],
-            available[summary["name"]],
-            read_dataset(residual),
-            link=Path(os.path.relpath(residual, folder)).as_posix(),
-        )
-        for summary, residual in zip(summaries, residuals, strict=True)
-        if residual
-    ]
 
 
 def _panel_html(panel: str | Path, folder: Path) -> str:

@@ -1,6 +1,9 @@
-"""What the load leaves, on the page: contact on both ways of the load, and the residual surface in words."""
+"""What the load leaves, on the page: results on both ways of the load, and the residual surface in words."""
 
-from typing import NamedTuple
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -8,42 +11,50 @@ import xarray as xr
 from roughcontact.quantities import number, percent, quantity
 from roughcontact.report.charts import COLOURS, DASHED, Axis, Chart
 from roughcontact.report.units import unit_of
+from roughcontact.results.storage import read_dataset
 
 _AREA = "relative_contact_area"
+_LABELS = {  # of results, each with its SI unit
+    _AREA: ("contact area A/A₀", "%"),
+    "mean_gap": ("mean gap ū", "m"),
+    "contact_stiffness": ("stiffness −dp̄/dū", "Pa m-1"),
+    "thermal_conductance": ("thermal conductance", "W m-2 K-1"),
+    "electrical_conductance": ("electrical conductance", "S m-2"),
+    "leak_rate_x": ("leak rate along x", "m2 s-1"),
+    "leak_rate_y": ("leak rate along y", "m2 s-1"),
+}
 
 
-class Unloading(NamedTuple):
-    """The part of the page of one result: two charts, a sentence for each peak of the load, the file."""
-
-    name: str
-    images: list[str]
-    sentences: list[str]
-    link: str
-
-
-def unloading_of(name: str, loaded: xr.Dataset, residual: xr.Dataset, *, link: str) -> Unloading:
-    """Return what the load leaves of a result, from its statistics and its residual.nc."""
-    peaks = [residual]
-    if "peak" in residual.dims:
-        peaks = [residual.isel(peak=index) for index in range(residual.sizes["peak"])]
+def unloading_of(name: str, loaded: xr.Dataset, residual: str | Path, folder: Path) -> dict[str, Any]:
+    """Return charts by label, a sentence for each peak of the load, and the link from `folder`."""
+    link = Path(os.path.relpath(residual, folder)).as_posix()
+    left = read_dataset(residual)
+    peaks = [left.isel(peak=index) for index in range(left.sizes["peak"])] if "peak" in left.dims else [left]
     ways = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
-    factor, unit = unit_of(loaded, "m")
-    images = [
-        _both_ways(loaded, ways, _AREA, "contact area A/A₀ (%)", 100.0).source("lower right"),
-        _both_ways(loaded, ways, "mean_gap", f"mean gap ū ({unit})", factor).source("lower left"),
-    ]
-    return Unloading(name, images, [_sentence(loaded, way) for way in ways], link)
+    charts = {label: _both_ways(loaded, ways, result) for result, (label, _) in _LABELS.items()}
+    images = {label: chart.source("lower right") for label, chart in charts.items() if chart}
+    return {
+        "name": name,
+        "images": images,
+        "sentences": [_sentence(loaded, way) for way in ways],
+        "link": link,
+    }
 
 
-def _both_ways(loaded: xr.Dataset, ways: list[xr.Dataset], result: str, label: str, factor: float) -> Chart:
-    """Draw one result on loading and on unloading against the load, both logarithmic."""
-    pascals, unit = unit_of(loaded, "Pa")
+def _both_ways(loaded: xr.Dataset, ways: Sequence[xr.Dataset], result: str) -> Chart | None:
+    """Draw one result on loading and on unloading against the load, both logarithmic, if all have it."""
     curves = [loaded.sortby("mean_pressure"), *ways]
+    if not all(result in curve for curve in curves):
+        return None
+    (pascals, pressure), (factor, unit) = (unit_of(loaded, si) for si in ("Pa", _LABELS[result][1]))
     loads = np.concatenate([curve["mean_pressure"].values for curve in curves]) * pascals
     values = np.concatenate([curve[result].values for curve in curves]) * factor
+    values = values[np.isfinite(values) & (values > 0)]
+    if not values.size:
+        return None
     chart = Chart(
-        Axis(f"mean pressure p̄ ({unit})", loads.min() / 1.5, loads.max() * 1.5, log=True),
-        Axis(label, values[values > 0].min() / 1.6, values.max() * 1.6, log=True),
+        Axis(f"mean pressure p̄ ({pressure})", loads.min() / 1.5, loads.max() * 1.5, log=True),
+        Axis(f"{_LABELS[result][0]} ({unit})", values.min() / 1.6, values.max() * 1.6, log=True),
     )
     for index, curve in enumerate(curves):
         way = f"unloading from {quantity(float(curve['peak_pressure']), 'Pa')}" if index else "loading"

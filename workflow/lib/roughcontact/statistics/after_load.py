@@ -1,6 +1,6 @@
 """The surfaces that plastic flow leaves after the load, with the numbers of the way back: residual.nc."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import xarray as xr
@@ -10,11 +10,6 @@ from roughcontact.statistics.contact_statistics import statistics_function
 from roughcontact.statistics.unloading import unload
 from roughcontact.variables import describe
 
-_ROUGHNESS: dict[str, Callable[[xr.DataArray], float]] = {
-    "rms_height": rms_height,
-    "rms_gradient": rms_gradient,
-    "rms_curvature": rms_curvature,
-}
 _FLOW = ["plastic_depth", "mean_plastic_depth", "max_plastic_depth", "plastic_volume", "dissipated_energy"]
 
 
@@ -29,7 +24,8 @@ def after_the_load(
     that of the window as `{name}_before_load`. Several peaks of the load have a dimension of their own.
     """
     peaks = settings["contact"]["unload"] or [float(contact["mean_pressure"].max())]
-    before = {f"{name}_before_load": float(measure(window)) for name, measure in _ROUGHNESS.items()}
+    roughness = (rms_height, rms_gradient, rms_curvature)
+    before = {f"{measure.__name__}_before_load": float(measure(window)) for measure in roughness}
     results = []
     for peak in sorted(peaks):
         unloaded = unload(contact, peak_pressure=peak, threads=threads)
