@@ -152,5 +152,6 @@ def in_words(value: Any, field: FieldInfo) -> str:
         )
     unit = base_of(field)
     if unit and isinstance(value, list) and all(isinstance(entry, float) for entry in value):
-        return ", ".join(quantity(entry, unit) for entry in value) or "true"  # contact.unload: its largest load
+        # no load: the largest one, of contact.unload
+        return ", ".join(quantity(entry, unit) for entry in value) or "true"
     return quantity(value, unit) if unit and isinstance(value, float) else flow(value)

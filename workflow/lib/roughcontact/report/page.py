@@ -4,6 +4,7 @@ import base64
 import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -171,7 +172,7 @@ def write_report(
         cases=_cases(by_surface, many=indexed, equal_loads=equal),
         unloadings=[
             unloading_of(summary["name"], available[summary["name"]], residual, folder)
-            for summary, residual in zip(summaries, residuals, strict=True)
+            for summary, residual in zip_longest(summaries, residuals)
             if residual
         ],
         parts=[] if indexed else [_panel_html(panel, folder) for panel in panels],
