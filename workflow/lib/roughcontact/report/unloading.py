@@ -73,10 +73,9 @@ def _sentence(loaded: xr.Dataset, way: xr.Dataset) -> str:
     loads, areas = (loaded.sortby("mean_pressure")[name].values for name in ("mean_pressure", _AREA))
     before = float(np.interp(float(back["mean_pressure"]), loads, areas))
     peak, load = (quantity(float(value), "Pa") for value in (way["peak_pressure"], back["mean_pressure"]))
-    after = percent(float(back[_AREA]))
     return (
         f"After {peak}: flow has lowered the heights by {mean} in the mean and {largest} at most "
-        f"({volume} µm³), the rms height from {heights[0]} to {heights[1]}, the rms "
-        f"gradient from {gradients[0]} to {gradients[1]}. "
-        f"At {load} {percent(before)} of the area touch on loading, {after} on unloading."
+        f"({volume} µm³), the rms height from {heights[0]} to {heights[1]}, the rms gradient from "
+        f"{gradients[0]} to {gradients[1]}. At {load} {percent(before)} of the area touch on loading, "
+        f"{percent(float(back[_AREA]))} on unloading."
     )

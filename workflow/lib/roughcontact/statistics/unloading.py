@@ -124,16 +124,10 @@ def plastic_depth(loaded: xr.Dataset, *, threads: int = 1) -> xr.DataArray:
     """
     height, pressure = loaded["height"], np.require(loaded["pressure"].values, dtype=float)
     (ny, nx), (dy, dx) = height.shape, spacing(height)
-    body = HalfSpace(
-        (ny, nx),
-        (ny * dy, nx * dx),
-        influence=influence_of(loaded),
-        layers=layers_of(loaded),
-        threads=threads,
-    )
+    of_body = {"influence": influence_of(loaded), "layers": layers_of(loaded), "threads": threads}
+    body = HalfSpace((ny, nx), (ny * dy, nx * dx), **of_body)
     separation = body.displacement(pressure) / float(loaded["contact_modulus"]) - height.values
     at_hardness = pressure >= float(loaded["hardness"])
-    below_hardness = ~at_hardness
-    gap = separation + np.mean(loaded["gap"].values[below_hardness] - separation[below_hardness])
+    gap = separation + np.mean((loaded["gap"].values - separation)[~at_hardness])
     depth = np.where(at_hardness, np.maximum(-gap, 0.0), 0.0)
     return xr.DataArray(depth, coords=height.coords, dims=height.dims, name="plastic_depth")
