@@ -124,8 +124,8 @@ def plastic_depth(loaded: xr.Dataset, *, threads: int = 1) -> xr.DataArray:
     """
     height, pressure = loaded["height"], np.require(loaded["pressure"].values, dtype=float)
     (ny, nx), (dy, dx) = height.shape, spacing(height)
-    of_body = {"influence": influence_of(loaded), "layers": layers_of(loaded), "threads": threads}
-    body = HalfSpace((ny, nx), (ny * dy, nx * dx), **of_body)
+    influence, layers = influence_of(loaded), layers_of(loaded)
+    body = HalfSpace((ny, nx), (ny * dy, nx * dx), influence=influence, layers=layers, threads=threads)
     separation = body.displacement(pressure) / float(loaded["contact_modulus"]) - height.values
     at_hardness = pressure >= float(loaded["hardness"])
     gap = separation + np.mean((loaded["gap"].values - separation)[~at_hardness])
