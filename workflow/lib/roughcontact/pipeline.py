@@ -39,6 +39,7 @@ from roughcontact.window.band import lateral_period_limit
 from roughcontact.window.instrument import stated_instrument, window_arguments
 
 _BAND = ("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "profiles")
+_LOADS = ("mean_pressure", "relative_pressure", "force")
 
 SECTIONS = ("level", "window", "contact", "statistics", "uncertainty", "instrument")  # of the settings
 
@@ -141,14 +142,14 @@ def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, thread
         raise HeightMapError(f"{f'{file}: ' if file else ''}{error} (section contact)") from error
     if have_layers(contact["bodies"]):
         chosen["bodies"] = contact["bodies"]
-    if _planned(contact):
+    if _states_none(contact, *_LOADS, *TARGETS):
         loads = elastic_loads(window, loads, chosen | {"threads": threads})
     return chosen | {"mean_pressure": loads, "threads": threads}
 
 
-def _planned(contact: Mapping[str, Any]) -> bool:
-    """Return whether neither loads nor targets are given."""
-    return all(contact.get(key) is None for key in ("mean_pressure", "relative_pressure", "force", *TARGETS))
+def _states_none(contact: Mapping[str, Any], *keys: str) -> bool:
+    """Return whether the settings state none of these loads and targets, so that loads have to be planned."""
+    return all(contact.get(key) is None for key in keys)
 
 
 def bound_error(
@@ -274,7 +275,7 @@ def complete_statistics(
         )
     # what a group of maps has to have in common
     properties |= {key: window.attrs[key] for key in _BAND if key in window.attrs}
-    if all(settings["contact"].get(key) is None for key in ("mean_pressure", "relative_pressure", "force")):
+    if _states_none(settings["contact"], *_LOADS):
         properties["loads"] = "found"  # planned, or for a target
     properties["periodisation"] = window.attrs.get("periodisation", "none")
     properties["measured_by"] = instrument_kind(window.attrs).name
