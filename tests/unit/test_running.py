@@ -51,6 +51,39 @@ def test_init_writes_settings_and_a_table_that_can_be_run(folder, capsys):
     }
 
 
+def test_init_takes_resistivity_layers_and_a_film(folder):
+    (folder / "pad.npy").write_text("1 2")
+    joint = ("gas_conductivity=0.026", "temperature_jump=0.37um", "film_thickness=5nm", "film_conductivity=2")
+    gold = "layer=2um,79GPa,0.42,electrical_resistivity=2.2e-8,thermal_conductivity=318"
+    pad = ("--body", "copper", gold, "name=pad: gold, hard", "electrical_resistivity=1.7e-8")
+    ball = ("--body", "gold", "thermal_conductivity=310")
+    assert main(["init", "pad.npy", *pad, *ball, "--joint", *joint]) == 0
+    (settings,) = resolve(yaml.safe_load((folder / "config/config.yaml").read_text())).values()
+    first, second = settings["contact"]["bodies"]
+    assert (first["name"], first["youngs_modulus"]) == ("pad: gold, hard", 115e9)
+    assert (first["electrical_resistivity"], second["thermal_conductivity"]) == (1.7e-8, 310.0)
+    (layer,) = first["layers"]
+    assert (layer["youngs_modulus"], layer["electrical_resistivity"]) == (79e9, 2.2e-8)
+    assert settings["statistics"]["joint"]["film_thickness"] == 5e-9
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--body", "gold", "hardness=1GPa", "hardness=2GPa"), "hardness=2GPa: give material, then KEY"),
+        (("--body", "gold", "layer=2um,79GPa,0.42,3GPa"), "--body layer 2um 79GPa 0.42 3GPa: give th"),
+        (("--body", "gold", "layer=2um"), "layers[0].youngs_modulus: missing"),
+        (("--body", "gold", "hardness="), "--body gold hardness=: give "),
+        (("--body", "gold", "--seal", "width"), "--seal width: give KEY=VALUE, each key once"),
+        (("--body", "gold", "--seal", "width=3mm"), "statistics.seal.viscosity: missing"),
+    ],
+)
+def test_init_refuses_properties_that_are_unclear(folder, capsys, options, said):
+    assert main(["init", "--body", "gold", *options]) == 2
+    assert said in capsys.readouterr().err
+    assert not (folder / "config").exists()
+
+
 def test_init_makes_admitted_names_of_long_and_monotonous_ones(folder):
     files = [
         "g" * 100 + ".npy",

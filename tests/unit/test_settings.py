@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -59,6 +60,31 @@ def test_default_configuration_says_nothing_but_the_defaults():
         for key, field in Settings.model_fields[section].annotation.model_fields.items():
             assert f"{key}:" in documented
             assert field.description.split()[0] in documented
+
+
+@pytest.mark.parametrize("stated", [None, {}])
+def test_the_template_has_every_key_of_the_schema(stated):
+    """Each under the one that holds it: keys of bodies and of their layers, too."""
+    schema = json.loads(json_schema())
+    text = default_yaml(stated=stated).replace("# ", "")  # a key may be a comment
+    keys = re.findall(r"^( *)([a-z_]+):(?: |$)", text, re.MULTILINE)
+    above, documented = [], set()
+    for indent, key in keys:
+        above = [(depth, name) for depth, name in above if depth < len(indent)] + [(len(indent), key)]
+        documented.add(tuple(name for _, name in above))
+
+    def keys_of(part, route=()):
+        if "$ref" in part:
+            part = schema["$defs"][part["$ref"].rpartition("/")[2]]
+        for name, below in part.get("properties", {}).items():
+            yield (*route, name)
+            yield from keys_of(below, (*route, name))
+        for type_ in (*part.get("anyOf", ()), *([part["items"]] if "items" in part else ())):
+            yield from keys_of(type_, route)
+
+    required = set(keys_of(schema))
+    assert ("contact", "bodies", "layers", "electrical_resistivity") in required
+    assert required <= documented
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ Names, meanings, defaults and checks are those of `roughcontact.configuration`.
 import os
 from argparse import ArgumentParser, Namespace, _ArgumentGroup
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 from pydantic.fields import FieldInfo
 
@@ -21,6 +22,7 @@ _LISTS = {
     ),
     "sources": "*",
 }
+_LAYER = ("thickness", "youngs_modulus", "poissons_ratio")
 _LOADS = ("mean_pressure", "relative_pressure", "force")  # one or the other
 _SECTIONS: dict[str, type[Section]] = {
     "contact": Contact,
@@ -83,32 +85,64 @@ def add_body(parser: ArgumentParser | _ArgumentGroup) -> None:
         "--body",
         nargs="+",
         action="append",
-        metavar=("NAME | E NU", "H"),
+        metavar=("NAME | E NU", "H | KEY=VALUE"),
         help="name of a material (steel, NBR), or Young's modulus (Pa), Poisson's ratio and, if known, "
-        "hardness (Pa) of one body; give it twice; units are allowed: 210GPa 0.3 2GPa",
+        "hardness (Pa) of one body; give it twice; units are allowed: 210GPa 0.3 2GPa. Other properties by "
+        "their keys, electrical_resistivity=1.7e-8; a layer, the outermost first, as layer=THICKNESS,E,NU",
     )
 
 
-def bodies_of(texts: Sequence[Sequence[str]]) -> list[str | dict[str, str]]:
+def bodies_of(texts: Sequence[Sequence[str]]) -> list[str | dict[str, Any]]:
     """Return the two bodies, as in the configuration, from what `--body` was given.
 
-    Raises `SettingsError` where it is not given twice, or with more than three values.
+    Raises `SettingsError` where it is not given twice, or where a body is neither a name nor its numbers.
 
     Examples
     --------
     >>> bodies_of([["210GPa", "0.3"], ["4GPa", "0.4", "0.3GPa"]])[1]["hardness"]
     '0.3GPa'
+    >>> bodies_of([["steel", "layer=2um,180GPa,0.2"], ["NBR"]])[0]["layers"]
+    [{'thickness': '2um', 'youngs_modulus': '180GPa', 'poissons_ratio': '0.2'}]
     """
     if len(texts) != 2:
         times = "once" if len(texts) == 1 else f"{len(texts)} times"
         raise SettingsError(f"--body is given {times}; give it twice, one for each body")
-    if wrong := [body for body in texts if len(body) > 3 or (len(body) == 1 and body[0][:1].isdigit())]:
-        raise SettingsError(
-            f"--body {' '.join(wrong[0])}: has {len(wrong[0])} values; give the name of a material, or "
-            "Young's modulus, Poisson's ratio and, if known, hardness"
-        )
-    names = ("youngs_modulus", "poissons_ratio", "hardness")
-    return [body[0] if len(body) == 1 else dict(zip(names, body, strict=False)) for body in texts]
+    bodies: list[str | dict[str, Any]] = []
+    for text in texts:
+        values = [word for word in text if "=" not in word]
+        if len(values) > 3 or (len(values) == 1 and values[0][:1].isdigit()):
+            raise SettingsError(
+                f"--body {' '.join(text)}: has {len(values)} values; give the name of a material, or "
+                "Young's modulus, Poisson's ratio and, if known, hardness"
+            )
+        layers = [word.removeprefix("layer=").split(",") for word in text if word.startswith("layer=")]
+        plain = [word for word in text if not word.startswith("layer=")]
+        names = ("material",) if len(values) == 1 else ("youngs_modulus", "poissons_ratio", "hardness")
+        body: dict[str, Any] = keyed("--body", plain, names=names)
+        if layers:
+            body["layers"] = [keyed("--body layer", layer, names=_LAYER) for layer in layers]
+        bodies.append(body["material"] if list(body) == ["material"] else body)
+    return bodies
+
+
+def keyed(option: str, words: Sequence[str], *, names: Sequence[str] = ()) -> dict[str, str]:
+    """Return values by their keys, from KEY=VALUE, before which the values of `names` may stand alone.
+
+    Raises `SettingsError` for a value without a key, and for a key that occurs twice.
+
+    Examples
+    --------
+    >>> keyed("--body", ["210GPa", "0.3", "yield_stress=400MPa"], names=("youngs_modulus", "poissons_ratio"))
+    {'youngs_modulus': '210GPa', 'poissons_ratio': '0.3', 'yield_stress': '400MPa'}
+    """
+    values = [word for word in words if "=" not in word]
+    pairs = [*zip(names, values, strict=False)]
+    pairs += [(key, value) for key, _, value in (word.partition("=") for word in words if "=" in word)]
+    result = dict(pairs)
+    if len(values) > len(names) or len(result) < len(pairs) or not all(map(all, pairs)):
+        keys = f"{', '.join(names)}, then " if names else ""
+        raise SettingsError(f"{option} {' '.join(words)}: give {keys}KEY=VALUE, each key once")
+    return result
 
 
 def chosen_settings(options: Namespace) -> dict:

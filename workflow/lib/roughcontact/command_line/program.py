@@ -46,7 +46,12 @@ FILE_OPTIONS = {
     "missing-value": "number that marks missing points, in the unit of the heights; several: '-9999 0'",
     "lay": "of a profile: across (a lay, ridges) or none (an isotropic surface with its spectrum is solved)",
 }
-
+# options of `init` for sections of the statistics
+_DERIVED = {
+    "seal": "the fluid that a seal holds, and its width",
+    "joint": "the gas in the gap, and a film on the spots in contact",
+    "friction": "a tangential load, or sliding",
+}
 
 _RUN = """Run the workflow in the working directory, on all cores. Options are passed to Snakemake: -n lists
 the jobs without running them, --cores 1 uses a single core, --configfile FILE takes other settings than
@@ -152,6 +157,8 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
         init.add_argument(
             "--mean-pressure", nargs="+", metavar="VALUE", help="nominal pressures, Pa, or with their unit"
         )
+        for name, holds in _DERIVED.items():
+            init.add_argument(f"--{name}", nargs="+", metavar="KEY=VALUE", help=holds)
 
     verbs.add_parser(
         "run",
@@ -358,14 +365,17 @@ def _warnings_in_words() -> Iterator[None]:
 
 def _init(options: argparse.Namespace) -> int:
     """Write settings and table, and print the next steps."""
-    from roughcontact.command_line.options import bodies_of, in_options
+    from roughcontact.command_line.options import bodies_of, in_options, keyed
     from roughcontact.command_line.project import files_in, write_project
 
     files, skipped = files_in(options.files)
     contact = {"bodies": bodies_of(options.body)} if options.body else {}
     contact |= {"mean_pressure": options.mean_pressure} if options.mean_pressure else {}
+    statistics = {
+        name: keyed(f"--{name}", words) for name in _DERIVED if (words := getattr(options, name)) is not None
+    }
     try:
-        settings, table = write_project(files, contact=contact)
+        settings, table = write_project(files, contact=contact, statistics=statistics)
     except SettingsError as error:
         raise SettingsError(in_options(error)) from error
     if not options.body:

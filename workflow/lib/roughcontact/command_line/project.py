@@ -24,13 +24,18 @@ surface\tpath
 _TABLE_EXAMPLE = "# ground\tmeasured/ground.x3p\n"
 
 
-def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | None = None) -> list[Path]:
+def write_project(
+    files: Sequence[str | Path],
+    *,
+    contact: Mapping[str, Any] | None = None,
+    statistics: Mapping[str, Any] | None = None,
+) -> list[Path]:
     r"""Write settings and a table of surfaces into the folder `config` of the working directory.
 
     `files`: measured files; each becomes a row of the table, named after the file; `contact`: `bodies` and
-    `mean_pressure`, as far as they are known; otherwise examples stand there as comments. Returns the written
-    files. Raises `SettingsError` where one of them already exists, a measured file is missing, or for bodies
-    that are not accepted.
+    `mean_pressure`, and `statistics`: `seal`, `joint` or `friction`, as far as they are known; otherwise
+    examples stand there as comments. Returns the written files. Raises `SettingsError` where one of them
+    already exists, a measured file is missing, or for settings that are not accepted.
 
     Examples
     --------
@@ -52,10 +57,11 @@ def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | N
         if not Path(file).is_file():
             raise SettingsError(f"{file}: no such file")
     rows = [f"{name}\t{file}\n" for name, file in zip(surface_names(files), files, strict=True)]
-    if contact:
-        resolve({"contact": contact})
+    stated = {"contact": contact or {}, "statistics": statistics or {}}
+    if any(stated.values()):
+        resolve(stated)
     texts = (
-        default_yaml(head=_SETTINGS_HEAD, contact=contact or {}),
+        default_yaml(head=_SETTINGS_HEAD, stated=stated),
         _TABLE_HEAD + ("".join(rows) or _TABLE_EXAMPLE),
     )
     for path, text in zip(_FILES, texts, strict=True):

@@ -1,6 +1,7 @@
 """The default configuration and its JSON schema, generated from the models, and how a run differs from it."""
 
 import json
+import re
 import textwrap
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,6 +19,7 @@ _HEAD = """\
 # For a run of your own copy this file, change it, and name it with `--configfile`. A missing
 # key has its default. config/README.md explains settings and table of surfaces.
 """
+_QUOTED = re.compile(r"[,:#\[\]{}\"'&*!|>%@`]")  # in a text: it has a meaning in YAML
 _WIDTH = 112  # of a comment with its indentation
 # settings without a default that the shipped configuration sets for the samples, to their examples
 _SHIPPED = {
@@ -35,22 +37,23 @@ _SAID_ELSEWHERE = tuple(
 )
 
 
-def default_yaml(*, head: str = _HEAD, contact: Mapping[str, Any] | None = None) -> str:
+def default_yaml(*, head: str = _HEAD, stated: Mapping[str, Mapping[str, Any]] | None = None) -> str:
     """Return the default configuration: every key with its default, its meaning and its unit.
 
-    It begins with the comment lines `head`, by default those of config/config.yaml. `contact` has the keys of
-    the section that are set although they have no default, by default those of the samples.
+    It begins with the comment lines `head`, by default those of config/config.yaml. `stated` has, by section,
+    the keys that are set although they have no default, by default those of the samples.
 
     Examples
     --------
     >>> "  max_missing: 0.4" in default_yaml().splitlines()
     True
-    >>> [line for line in default_yaml(contact={}).splitlines() if "bodies:" in line]
+    >>> [line for line in default_yaml(stated={}).splitlines() if line.endswith(" bodies:")]
     ['  # bodies:']
     """
-    if contact is None:
-        contact = {name: (Contact.model_fields[name].examples or [None])[0] for name in _SHIPPED}
-    return head + "\n".join(_yaml(Settings, "", contact)) + "\n"
+    if stated is None:
+        shipped = {name: (Contact.model_fields[name].examples or [None])[0] for name in _SHIPPED}
+        stated = {"contact": shipped}
+    return head + "\n".join(_yaml(Settings, "", stated)) + "\n"
 
 
 def json_schema() -> str:
@@ -111,7 +114,8 @@ def _yaml(model: type[Section], indent: str, values: Mapping[str, Any]) -> list[
     for name, field in model.model_fields.items():
         section = section_of(field)
         if section and model is Settings:
-            lines += ["", f"# {section.__doc__}", f"{name}:", *_yaml(section, indent + "  ", values)]
+            lines += ["", f"# {section.__doc__}", f"{name}:"]
+            lines += _yaml(section, indent + "  ", values.get(name, {}))
             continue
         text = field.description or ""
         if choices := words_of(field):
@@ -129,6 +133,20 @@ def _yaml(model: type[Section], indent: str, values: Mapping[str, Any]) -> list[
             lines += [f"{indent}{comment}{name}:", *(f"{indent}{comment}  - {flow(item)}" for item in value)]
         else:
             lines.append(f"{indent}{comment}{name}: {flow(value)}")
+        if section:
+            lines += _keys(section, f"{indent}#   ")
+    return lines
+
+
+def _keys(section: type[Section], start: str) -> list[str]:
+    """Return a comment on each key of a section below those of the settings; its sections are indented."""
+    lines = []
+    for name, entry in section.model_json_schema()["properties"].items():
+        further = section_of(section.model_fields[name]) if name in section.model_fields else None
+        example = f", such as {flow(entry['examples'][0])}" if "examples" in entry and not further else ""
+        text = f"{name}: {entry['description']}{example}"
+        lines += textwrap.wrap(text, _WIDTH, initial_indent=start, subsequent_indent=f"{start}  ")
+        lines += _keys(further, f"{start}  ") if further else []
     return lines
 
 
@@ -141,7 +159,9 @@ def flow(value: Any) -> str:
     if isinstance(value, float):
         mantissa, _, exponent = f"{value:.6g}".partition("e")
         return mantissa + ("" if "." in mantissa else ".0") + (f"e{exponent}" if exponent else "")
-    return value if isinstance(value, str) else json.dumps(value)
+    if isinstance(value, str) and not _QUOTED.search(value):
+        return value
+    return json.dumps(value, ensure_ascii=False)
 
 
 def in_words(value: Any, field: FieldInfo) -> str:
