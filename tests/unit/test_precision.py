@@ -53,6 +53,14 @@ def test_words_follow_the_ends_of_the_interval(lower, upper, words):
     assert precision_in_words(1.0, lower, upper, PLAIN) == words
 
 
+def test_a_gap_that_is_closed_everywhere_is_known_exactly():
+    gaps = {"mean_gap": [0.0, 0.0], "mean_gap_lower": [0.0, 0.0], "mean_gap_upper": [0.0, 1e-9]}
+    known = with_precision(xr.Dataset({name: ("load", values) for name, values in gaps.items()}))
+    np.testing.assert_equal(known["mean_gap_known"].values, [0.0, np.nan])
+    assert precision_in_words(0.0, 0.0, 0.0, PLAIN) == "exactly"
+    assert precision_in_words(0.0, 0.0, 1e-9, PLAIN) == "not by this map: at most 1.00×10⁻⁹ "
+
+
 def test_all_of_the_area_is_no_bound():
     percent = Unit(1.0, "%")
     assert precision_in_words(10.0, 0.0, 100.0, percent) == "not by this map"

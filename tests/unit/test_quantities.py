@@ -86,7 +86,7 @@ def test_plus_minus(value, half_width, text):
         (0.5, 0.4, 0.609, "0.50 ± 0.11"),  # as far, within a tenth
         (0.5, 0.4, 0.8, "0.50 −0.10 +0.30"),
         (0.97, 0.9, 1.0, "0.970 −0.070 +0.030"),
-        (0.0, 0.0, 0.02, "0.000 +0.020"),  # no gap: nothing below it
+        (0.0, 0.0, 0.02, "0 (0 to 0.020)"),  # no gap: nothing below it
         (0.0, 0.0, 2e-15, "0"),  # the gap of full contact, and the error of its solution
         (0.5, np.nan, np.nan, "0.500"),
         (0.5, 0.5, 0.5, "0.500"),

@@ -110,6 +110,8 @@ def test_pictures_show_every_map():
     marks = values.count("scale(3.4)")
     assert marks == 2 * (3 * 2 + 2) + 2  # of two groups three maps and a mean at two loads, and the legend
     assert curves.count("fill-opacity=%22.18%22") == 2  # the bands
+    at_one_load = [group._replace(answer=group.answer.isel(load=[0])) for group in groups]
+    assert len(group_pictures(at_one_load)) == 1  # one load has neither line nor band
 
 
 @pytest.mark.parametrize("gaps", [[0.05, 0.2], [0.0, 0.2]])

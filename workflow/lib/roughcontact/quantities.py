@@ -228,8 +228,8 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
     ('0.412 ± 0.091', '0.412 −0.091 +0.33')
     >>> with_interval(300.0, 240.0, 300.0 + 1e-13), with_interval(300.0, 299.9999, 300.0)
     ('300 −60', '300.00')
-    >>> with_interval(1.7, 1.2, math.nan), with_interval(0.0028, 0.0, 0.33)
-    ('1.70 (1.20 or more)', '0.0028 (0 to 0.33)')
+    >>> with_interval(1.7, 1.2, math.nan), with_interval(0.0028, 0.0, 0.33), with_interval(0.0, 0.0, 4.4e-7)
+    ('1.70 (1.20 or more)', '0.0028 (0 to 0.33)', '0 (0 to 4.4×10⁻⁷)')
     """
     if math.isnan(value):
         half = max((upper - lower) / 2, finest)
@@ -237,7 +237,8 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
     below = 0.0 if math.isclose(lower, value, rel_tol=_ROUNDING) else value - lower
     above = 0.0 if math.isclose(upper, value, rel_tol=_ROUNDING) else upper - value
     wider, narrower = max(below, above), min(below, above)
-    if math.isfinite(lower) != math.isfinite(upper) or above > _BY_ENDS * value > 0:
+    zero = value == below == 0.0 and above > _NEGLIGIBLE  # has no digits that an end could carry
+    if math.isfinite(lower) != math.isfinite(upper) or above > _BY_ENDS * value > 0 or zero:
         carried = max(below if math.isfinite(lower) else above, finest)
         digits = 2 if _is_long(value) else 3
         text = _with_half_widths(value, {}, carried) if 0 < carried < math.inf and digits > 2 else ""

@@ -77,11 +77,11 @@ def group_pictures(groups: Sequence[NamedGroup]) -> list[tuple[str, str]]:
         "Open marks: each map. Filled: the group, with the 95 % interval of its mean (of a pair of faces: of "
         "the next placement; of two maps: their range). Groups stand beside one another at each load."
     )
+    values = group_values(displayed, pressure), caption
+    if all(group.answer.sizes["load"] == 1 for group in groups):  # no line, no band
+        return [values]
     curves = group_curves([(group.label, group.answer) for group in groups], pressure)
-    return [
-        (group_values(displayed, pressure), caption),
-        (curves, "Lines: the groups. Bands: the same intervals."),
-    ]
+    return [values, (curves, "Lines: the groups. Bands: the same intervals.")]
 
 
 def comparison_rows(

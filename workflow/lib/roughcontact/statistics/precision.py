@@ -26,7 +26,8 @@ def relative_half_width(
     [0.25, nan]
     """
     positive = np.where(np.greater(value, 0), value, np.nan)
-    return np.maximum(np.subtract(value, lower), np.subtract(upper, value)) / positive
+    half_width = np.maximum(np.subtract(value, lower), np.subtract(upper, value))
+    return np.where(half_width == 0, 0.0, half_width / positive)  # of a gap that is closed everywhere, too
 
 
 def precision(value: float, lower: float, upper: float) -> tuple[str, float]:
@@ -37,11 +38,13 @@ def precision(value: float, lower: float, upper: float) -> tuple[str, float]:
     >>> [precision(1.0, *ends) for ends in ((0.98, 1.01), (0.83, 1.1), (0.5, 1.2), (0.2, 3.0), (0.0, 1.5))]
     [('percent', 10.0), ('percent', 20.0), ('factor', 2.0), ('magnitude', 10.0), ('at most', 1.5)]
     """
+    if lower == value == upper:
+        return "exactly", 0.0
     if value > 0 and not math.isnan(lower + upper):
         half_width, factor = max(value - lower, upper - value) / value, math.inf
         percents = max(_LEAST, _STEP * math.ceil(100 * half_width / _STEP - 1e-9))
         if percents <= PERCENT:
-            return ("percent", float(percents)) if half_width > 0 else ("exactly", 0.0)
+            return "percent", float(percents)
         if lower > 0:
             factor = max(upper / value, value / lower)
         if factor <= MAGNITUDE:
