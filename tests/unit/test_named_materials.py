@@ -90,6 +90,30 @@ def test_a_name_is_a_body_and_what_is_stated_goes_before_the_table():
     assert steel["thermal_conductivity"] == 52.0
 
 
+def test_a_layer_has_a_name_and_its_hardness_is_that_of_the_surface():
+    coated = {"material": "copper", "layers": [{"material": "gold", "thickness": "2 um"}]}
+    contact = resolve({"contact": {"bodies": [coated, "hard-gold"]}})[""]["contact"]
+    (layer,) = contact["bodies"][0]["layers"]
+    gold, copper, hard = map(material, ("gold", "copper", "hard-gold"))
+    assert layer["youngs_modulus"] == gold["youngs_modulus"]
+    assert layer["electrical_resistivity"] == gold["electrical_resistivity"]
+    assert contact["bodies"][0]["electrical_resistivity"] == copper["electrical_resistivity"]
+    assert contact["hardness"] == min(gold["hardness"], hard["hardness"]) != copper["hardness"]
+    assert contact["contact_modulus"] == pytest.approx(materials.contact_modulus([gold, hard]))
+    assert contact["contact_modulus_uncertainty"] == modulus_uncertainty(["gold", "hard-gold"], [gold, hard])
+    assert resolve({"contact": {"bodies": [coated | {"hardness": 2e9}, "copper"]}})[""]["contact"][
+        "hardness"
+    ] == min(2e9, copper["hardness"])
+
+
+def test_a_layer_of_numbers_leaves_the_hardness_and_the_conductivities_of_its_base_out():
+    layer = {"thickness": "2 um", "youngs_modulus": "180 GPa", "poissons_ratio": 0.2}
+    bodies = resolve({"contact": {"bodies": [{"material": "steel", "layers": [layer]}, "copper"]}})
+    contact = bodies[""]["contact"]
+    assert contact["hardness"] == material("copper")["hardness"]
+    assert [body["thermal_conductivity"] for body in contact["bodies"]] == [None, None]
+
+
 def test_the_range_of_the_modulus_becomes_the_uncertainty_of_the_contact_modulus():
     contact = resolve({"contact": {"bodies": ["steel", "PTFE"]}})[""]["contact"]
     assert contact["contact_modulus_uncertainty"] == 0.15  # PTFE: 0.40 to 0.55 of 0.5 GPa, steel is stiff
@@ -121,6 +145,8 @@ def test_symbols_of_textbooks_are_answered_with_the_key(symbol, key):
 
 def test_the_option_takes_a_name():
     assert bodies_of([["steel"], ["4GPa", "0.4"]])[0] == "steel"
+    gold = {"material": "copper", "layers": [{"thickness": "2um", "material": "gold"}]}
+    assert bodies_of([["copper", "layer=2um,gold"], ["steel"]])[0] == gold
     with pytest.raises(SettingsError, match="210GPa: has 1 values; give the name of a material"):
         bodies_of([["210GPa"], ["steel"]])
 

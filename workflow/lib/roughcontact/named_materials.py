@@ -56,8 +56,9 @@ def material(name: str) -> dict[str, Any]:
 def named_bodies(bodies: Sequence[Any]) -> list[Any]:
     """Return bodies with names of materials replaced by their properties.
 
-    A body is a name, or a mapping whose `material` is one: what else it states goes before the table.
-    Conductivity and resistivity are taken from the table only where the other body has them as well.
+    A body is a name, or a mapping whose `material` is one: what else it states goes before the table. So is a
+    layer with its `thickness`; the hardness is that of the outermost one, where it has a name.
+    Conductivity and resistivity are taken from the table only where all bodies and layers have them.
 
     Examples
     --------
@@ -66,18 +67,32 @@ def named_bodies(bodies: Sequence[Any]) -> list[Any]:
     [207000000000.0, 600000000.0]
     """
     stated = [{"material": body} if isinstance(body, str) else body for body in bodies]
-    full = [
-        material(body["material"]) | {key: value for key, value in body.items() if key != "material"}
-        if isinstance(body, Mapping) and isinstance(body.get("material"), str)
-        else body
-        for body in stated
-    ]
+    full: list[Any] = []
+    pairs: list[tuple[Any, Any]] = []
+    for body in stated:
+        layers = body.get("layers") if isinstance(body, Mapping) else None
+        if not isinstance(layers, list) or not all(isinstance(layer, Mapping) for layer in layers or [None]):
+            full.append(_named(body))
+        else:  # the hardness of the table is that of the base
+            named = [_named(layer, omitted=("name", "hardness")) for layer in layers]
+            hardness = {key: value for key, value in _named(layers[0]).items() if key == "hardness"}
+            full.append(hardness | _named(body, omitted=("hardness",)) | {"layers": named})
+            pairs += zip(layers, named, strict=True)
+    pairs += zip(stated, full, strict=True)
     for name in _TRANSPORT:
-        if not all(isinstance(body, Mapping) and body.get(name) is not None for body in full):
-            for body, original in zip(full, stated, strict=True):
+        if not all(isinstance(body, Mapping) and body.get(name) is not None for _, body in pairs):
+            for original, body in pairs:
                 if isinstance(original, Mapping) and "material" in original and name not in original:
                     body.pop(name, None)
     return full
+
+
+def _named(body: Any, *, omitted: Sequence[str] = ()) -> Any:
+    """Return a body or a layer with the properties of its `material`, but for those that are omitted."""
+    if not isinstance(body, Mapping) or not isinstance(body.get("material"), str):
+        return body
+    properties = {key: value for key, value in material(body["material"]).items() if key not in omitted}
+    return properties | {key: value for key, value in body.items() if key != "material"}
 
 
 def modulus_uncertainty(
@@ -87,7 +102,7 @@ def modulus_uncertainty(
 
     `stated` are the bodies as the settings name them, `bodies` the same with all numbers (SI). The
     half-ranges of Young's moduli, weighted by the shares of the bodies in 1/E*, add in quadrature. A body
-    with layers counts by its first layer, which has no name.
+    with layers counts by its first layer.
 
     Examples
     --------
@@ -99,8 +114,9 @@ def modulus_uncertainty(
         surface = (body.get("layers") or [body])[0]
         compliance = (1 - surface["poissons_ratio"] ** 2) / surface["youngs_modulus"]
         total += compliance
-        named = name if isinstance(name, str) else None if "youngs_modulus" in name else name.get("material")
-        if named and surface is body:
+        source = {"material": name} if isinstance(name, str) else (name.get("layers") or [name])[0]
+        named = None if "youngs_modulus" in source else source.get("material")
+        if named:
             value, lowest, highest = _properties(named)["youngs_modulus"]
             uncertain.append(compliance * (highest - lowest) / (2 * value))
     return round(math.hypot(*uncertain) / total, 3) if uncertain else None

@@ -22,6 +22,7 @@ _LISTS = {
     ),
     "sources": "*",
 }
+_BODY = ("youngs_modulus", "poissons_ratio", "hardness")
 _LAYER = ("thickness", "youngs_modulus", "poissons_ratio")
 _LOADS = ("mean_pressure", "relative_pressure", "force")  # one or the other
 _SECTIONS: dict[str, type[Section]] = {
@@ -88,7 +89,8 @@ def add_body(parser: ArgumentParser | _ArgumentGroup) -> None:
         metavar=("NAME | E NU", "H | KEY=VALUE"),
         help="name of a material (steel, NBR), or Young's modulus (Pa), Poisson's ratio and, if known, "
         "hardness (Pa) of one body; give it twice; units are allowed: 210GPa 0.3 2GPa. Other properties by "
-        "their keys, electrical_resistivity=1.7e-8; a layer, the outermost first, as layer=THICKNESS,E,NU",
+        "their keys, electrical_resistivity=1.7e-8; layers, the outermost first: layer=THICKNESS,E,NU or "
+        "layer=THICKNESS,NAME",
     )
 
 
@@ -115,20 +117,22 @@ def bodies_of(texts: Sequence[Sequence[str]]) -> list[str | dict[str, Any]]:
                 f"--body {' '.join(text)}: has {len(values)} values; give the name of a material, or "
                 "Young's modulus, Poisson's ratio and, if known, hardness"
             )
-        layers = [word.removeprefix("layer=").split(",") for word in text if word.startswith("layer=")]
         plain = [word for word in text if not word.startswith("layer=")]
-        names = ("material",) if len(values) == 1 else ("youngs_modulus", "poissons_ratio", "hardness")
-        body: dict[str, Any] = keyed("--body", plain, names=names)
-        if layers:
-            body["layers"] = [keyed("--body layer", layer, names=_LAYER) for layer in layers]
+        body: dict[str, Any] = keyed("--body", plain, names=_BODY, by_name=("material",))
+        if layers := [word.removeprefix("layer=").split(",") for word in text if word.startswith("layer=")]:
+            names = {"names": _LAYER, "by_name": ("thickness", "material")}
+            body["layers"] = [keyed("--body layer", layer, **names) for layer in layers]
         bodies.append(body["material"] if list(body) == ["material"] else body)
     return bodies
 
 
-def keyed(option: str, words: Sequence[str], *, names: Sequence[str] = ()) -> dict[str, str]:
+def keyed(
+    option: str, words: Sequence[str], *, names: Sequence[str] = (), by_name: Sequence[str] = ()
+) -> dict[str, str]:
     """Return values by their keys, from KEY=VALUE, before which the values of `names` may stand alone.
 
-    Raises `SettingsError` for a value without a key, and for a key that occurs twice.
+    So may as many as `by_name` has, which then are those. Raises `SettingsError` for a value without a
+    key, and for a key that occurs twice.
 
     Examples
     --------
@@ -136,6 +140,7 @@ def keyed(option: str, words: Sequence[str], *, names: Sequence[str] = ()) -> di
     {'youngs_modulus': '210GPa', 'poissons_ratio': '0.3', 'yield_stress': '400MPa'}
     """
     values = [word for word in words if "=" not in word]
+    names = by_name if len(values) == len(by_name) else names
     pairs = [*zip(names, values, strict=False)]
     pairs += [(key, value) for key, _, value in (word.partition("=") for word in words if "=" in word)]
     result = dict(pairs)

@@ -278,7 +278,7 @@ class Window(Section):
 
 def _without_required(schema: dict[str, Any]) -> None:
     """Require no elastic constants in the schema: a rigid base has none, a named material brings them."""
-    schema.pop("required", None)
+    schema["required"] = [key for key in schema["required"] if key == "thickness"]
     schema["properties"]["material"] = {"type": "string", "description": "name of a material of the table"}
 
 
@@ -290,6 +290,8 @@ def _or_names(schema: dict[str, Any]) -> None:
 
 class Layer(Section):
     """A bonded layer of a body: a coating, a sheet."""
+
+    model_config = ConfigDict(json_schema_extra=_without_required)
 
     thickness: Length = Field(description="of the layer, m", examples=["2 um"])
     youngs_modulus: Modulus = Field(description="Young's modulus of the layer, Pa", examples=["180 GPa"])
