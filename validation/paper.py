@@ -221,9 +221,11 @@ def _three_steps(section: Section, sample: str | Path) -> None:
     section.compare("full map", full / loads[2], 1 + fluctuation / loads[2], ROUNDING)
     area = percent(relative_contact_area(low > 0))
     caption = "The sample map, form and outliers off, holes filled, made periodic."
-    section.figures.append(Figure("Steps 1 and 2: the window", map_plots.height_map(window), caption))
+    section.figures.append(
+        Figure("Steps 1 and 2: the window", map_plots.height_map(window).source(), caption)
+    )
     caption = f"Contact pressure at p̄ = 0.05 E* g, E* = 1 GPa: {area} of the area in contact."
-    image = map_plots.pressure_map(window, low)
+    image = map_plots.pressure_map(window, low).source()
     section.figures.append(Figure("Step 3: the solution of one period", image, caption))
 
 

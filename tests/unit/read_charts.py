@@ -8,6 +8,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from roughcontact.report.charts import Chart
+
 _SVG = "{http://www.w3.org/2000/svg}"
 _NUMBER = r"(-?[\d.]+(?:e-?\d+)?)"
 _DIGITS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
@@ -56,9 +58,9 @@ class Drawn:
         return found
 
 
-def read_chart(source: str, *, log: str = "") -> Drawn:
-    """Return what a chart shows; `log` names its logarithmic axes, as in "xy"."""
-    kind, _, text = source.partition(",")
+def read_chart(chart: Chart | str, *, log: str = "") -> Drawn:
+    """Return what a chart, or its data URI, shows; `log` names its logarithmic axes, as in "xy"."""
+    kind, _, text = (chart if isinstance(chart, str) else chart.source("below", columns=1)).partition(",")
     assert kind == "data:image/svg+xml"
     root = ElementTree.fromstring(unquote(text))
     area = root.find(f"{_SVG}svg")

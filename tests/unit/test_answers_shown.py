@@ -187,7 +187,7 @@ def test_distributions_have_an_area_of_one(maps, name):
 @pytest.mark.parametrize("scale", [1e-4, 1.0, 100.0])
 def test_the_axis_of_the_gap_spans_what_is_drawn(scale):
     gaps = {"mean_pressure": ("load", [1e6, 2e6]), "mean_gap": ("load", scale * np.array([6e-7, 3e-7]))}
-    source = load_plots.gap_against_load(xr.Dataset(gaps).assign(rms_height=5e-7 * scale))
+    source = load_plots.gap_against_load(xr.Dataset(gaps).assign(rms_height=5e-7 * scale)).source()
     axes = ElementTree.fromstring(unquote(source.partition(",")[2])).find("{http://www.w3.org/2000/svg}svg")
     line = next(path for path in axes if path.get("stroke") == COLOURS[2])
     first, last = re.findall(r"(-?[\d.]+) (-?[\d.]+)", line.get("d"))

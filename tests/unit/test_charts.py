@@ -210,7 +210,7 @@ def test_few_points_are_told_from_many():
 def test_the_label_of_colours_is_whole_in_whatever_unit(extent):
     heights = labelled(np.linspace(-extent, extent, 64).reshape(8, 8), 1e-6)
     unit = unit_of({"rms_height": extent}, "m")
-    made = ElementTree.fromstring(unquote(height_map(heights, unit=unit).partition(",")[2]))
+    made = ElementTree.fromstring(unquote(height_map(heights, unit=unit).source("below").partition(",")[2]))
     turned = [text for text in made.iter(f"{SVG}text") if "rotate" in text.get("transform", "")]
     assert len(turned) == 2
     for text in turned:

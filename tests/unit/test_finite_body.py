@@ -8,7 +8,6 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.stages import settings_of
 from roughcontact.maps import height_map, roughness_of, spacing
 from roughcontact.references.closed_forms import hertz, hertz_ellipse
-from roughcontact.report.charts import chart_of
 from roughcontact.report.map_plots import pressure_map
 from roughcontact.statistics.finite_body import hertz_axes
 from roughcontact.window.finite_body import finite_body
@@ -133,10 +132,8 @@ def test_ellipse_of_hertz_on_the_map_of_pressure():
         touching = contact["contact"][0].any("y" if axis == "x" else "x").sum().item() * 5e-6 / 2
         assert touching == pytest.approx(semi_axis, abs=5e-6)
     pressure = contact["pressure"].values[0]
-    outline = max(
-        chart_of(pressure_map, body, pressure, ellipse=(a, b)).source("below").split("%3C"), key=len
-    )
-    assert outline != max(chart_of(pressure_map, body, pressure).source("below").split("%3C"), key=len)
+    outline = max(pressure_map(body, pressure, ellipse=(a, b)).source("below").split("%3C"), key=len)
+    assert outline != max(pressure_map(body, pressure).source("below").split("%3C"), key=len)
 
 
 def test_hardness_limits_the_pressure_of_a_study():

@@ -16,13 +16,15 @@ from roughcontact.report.charts import COLOURS
 from roughcontact.report.panel import _frame
 
 
-def reading(source):
+def reading(chart):
     """Return what a script reads values of a picture by."""
+    source = chart.source("below")
     return json.loads(html.unescape(re.search("data-reading='([^']*)'", unquote(source))[1]))
 
 
-def arrows(source):
+def arrows(chart):
     """Return how many arrows say that there are values beyond the colours."""
+    source = chart.source("below")
     return len(re.findall(r'<path d="M[^"]*L[^"]*z" fill="#', unquote(source)))
 
 
@@ -33,16 +35,16 @@ def rough(shape, spacing):
 def test_a_height_map_has_its_extent_and_its_range():
     """Heights are counted from their mean; a thousandth at either end may lie beyond the colours."""
     height = rough((30, 50), (3e-6, 2e-6))
-    source = map_plots.height_map(height, rectangle=(20e-6, 30e-6, 40e-6, 45e-6))
-    read = reading(source)
+    chart = map_plots.height_map(height, rectangle=(20e-6, 30e-6, 40e-6, 45e-6))
+    read = reading(chart)
     assert read["x"] == ["x (µm)", 0.0, pytest.approx(100.0)]
     assert read["y"] == ["y (µm)", 0.0, pytest.approx(90.0)]
     ends = 1e6 * np.percentile(height.values - height.values.mean(), [0.1, 99.9])
     assert read["value"] == ["height (µm)", *map(pytest.approx, ends)]
     assert read["points"] == [50, 30]
     assert read["bad"][1] == "not measured"
-    assert arrows(source) == 2
-    frame = next(line for line in read_chart(source).lines if line.colour == "#d00000")
+    assert arrows(chart) == 2
+    frame = next(line for line in read_chart(chart).lines if line.colour == "#d00000")
     assert (frame.x.min(), frame.x.max()) == (pytest.approx(20, abs=0.3), pytest.approx(60, abs=0.3))
     assert (frame.y.min(), frame.y.max()) == (pytest.approx(30, abs=0.3), pytest.approx(75, abs=0.3))
 
@@ -60,17 +62,17 @@ def test_the_frame_is_the_part_that_was_solved():
 
 @pytest.mark.parametrize(("points", "apart"), [(200, True), (300, False)])
 def test_of_a_coarse_map_every_point_is_a_rectangle(points, apart):
-    source = unquote(map_plots.height_map(height_map(np.eye(points), 1e-6)))
+    source = unquote(map_plots.height_map(height_map(np.eye(points), 1e-6)).source())
     assert ("image-rendering" in source) == apart
 
 
 @pytest.mark.parametrize(("ratio", "in_scale"), [(4.0, True), (4.1, False), (0.25, True), (0.24, False)])
 def test_a_long_map_says_that_it_is_not_to_scale(ratio, in_scale):
-    source = map_plots.height_map(height_map(np.eye(10), (ratio * 1e-6, 1e-6)))
-    assert reading(source)["y"][0] == "y (µm)" + ("" if in_scale else ", not to scale")
+    chart = map_plots.height_map(height_map(np.eye(10), (ratio * 1e-6, 1e-6)))
+    assert reading(chart)["y"][0] == "y (µm)" + ("" if in_scale else ", not to scale")
     width, height = (
         float(value)
-        for value in re.search(r'<image width="([\d.]+)" height="([\d.]+)"', unquote(source)).groups()
+        for value in re.search(r'<image width="([\d.]+)" height="([\d.]+)"', unquote(chart.source())).groups()
     )
     assert height / width == pytest.approx(ratio if in_scale else 1.0, rel=0.01)
     assert max(width / 290, height / 400) == pytest.approx(1.0, rel=0.01)

@@ -590,9 +590,9 @@ def test_percent_and_prefix():
 # --- figures -----------------------------------------------------------------------------------------------
 
 
-def picture_in(uri):
+def picture_in(chart):
     """Return the picture in a figure of a map, (rows, columns, RGB)."""
-    kind, _, svg = uri.partition(",")
+    kind, _, svg = chart.source("below").partition(",")
     assert kind == "data:image/svg+xml"
     root = ElementTree.fromstring(unquote(svg))
     image = root.find(".//{http://www.w3.org/2000/svg}image")
@@ -958,11 +958,11 @@ addEventListener("load", async () => {
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
 def test_every_point_of_a_large_map_can_be_seen_and_read(tmp_path):
     pressure = np.random.default_rng(4).uniform(0.1e6, 1e6, (700, 900))
-    source = map_plots.pressure_map(height_map(np.zeros((700, 900)), 1e-6), pressure, highest=1e6)
+    chart = map_plots.pressure_map(height_map(np.zeros((700, 900)), 1e-6), pressure, highest=1e6)
     points = [[row, column] for row in range(0, 700, 77) for column in range(0, 900, 91)]
     text = (
         f'<!DOCTYPE html><style>{template("report.css").render()}</style><figure style="width:300px">'
-        f'<img src="{source}" alt="Pressure."></figure>{template("figures.html").render()}'
+        f'<img src="{chart.source("below")}" alt="Pressure."></figure>{template("figures.html").render()}'
     )
     probe = ENLARGED_PROBE.replace("UNTIL", UNTIL).replace("POINTS", json.dumps(points))
     said = said_by(text + probe, tmp_path)

@@ -18,7 +18,7 @@ from roughcontact.checking import check_choice, check_solution
 from roughcontact.errors import SettingsError
 from roughcontact.quantities import percent
 from roughcontact.report import budget_plots, load_plots, map_plots
-from roughcontact.report.charts import Axis, Chart, chart_of, tick_text
+from roughcontact.report.charts import Axis, Chart, tick_text
 from roughcontact.report.units import unit_of
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def area(dataset: xr.Dataset, ax: "Axes | None" = None) -> "Axes":
     loads = _loads_of(dataset, "relative_contact_area")
     if not np.isfinite(loads["relative_pressure"]).all():
         raise SettingsError("the surface is flat: it touches as a whole at every load")
-    return _drawn(chart_of(load_plots.area_against_load, loads, None), ax)
+    return _drawn(load_plots.area_against_load(loads, None), ax)
 
 
 def pressure(dataset: xr.Dataset, ax: "Axes | None" = None) -> "Axes":
@@ -86,7 +86,7 @@ def pressure(dataset: xr.Dataset, ax: "Axes | None" = None) -> "Axes":
     'pressure in contact (MPa)'
     """
     loads = _loads_of(dataset, "max_pressure", "mean_contact_pressure")
-    return _drawn(chart_of(load_plots.pressure_against_load, loads), ax)
+    return _drawn(load_plots.pressure_against_load(loads), ax)
 
 
 def maps(
@@ -126,11 +126,11 @@ def maps(
     }
     of_pressure, of_heights = unit_of(units, "Pa"), unit_of(units, "m")
     if quantity == "height":
-        return _drawn(chart_of(map_plots.height_map, height, unit=of_heights), ax)
+        return _drawn(map_plots.height_map(height, unit=of_heights), ax)
     if quantity == "pressure":
-        chart = chart_of(map_plots.pressure_map, height, pressed, unit=of_pressure)
+        chart = map_plots.pressure_map(height, pressed, unit=of_pressure)
     else:
-        chart = chart_of(map_plots.gap_map, height, gap, pressed, unit=of_heights)
+        chart = map_plots.gap_map(height, gap, pressed, unit=of_heights)
     touching = percent(np.count_nonzero(pressed > 0) / pressed.size)
     chart.title = f"p̄ = {of_pressure.text(float(chosen['mean_pressure']))}: {touching} of the pixels touch"
     return _drawn(chart, ax)

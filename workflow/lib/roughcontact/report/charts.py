@@ -11,9 +11,8 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cache, partial, wraps
-from inspect import unwrap
-from typing import Any, Literal, ParamSpec
+from functools import cache, partial
+from typing import Any, Literal
 from urllib.parse import quote
 
 import numpy as np
@@ -46,7 +45,6 @@ _OUTLINES = {
     "o": "M-1 0a1 1 0 1 0 2 0a1 1 0 1 0-2 0z",
 }
 
-_P = ParamSpec("_P")
 Corner = Literal["upper left", "upper right", "lower left", "lower right", "below"]
 Rectangle = tuple[float, float, float, float]  # left, top, width, height
 
@@ -438,27 +436,6 @@ class Chart:
             short = label if len(label) <= room else f"{label[: room - 1]}…"
             components += [glyph(x, middle), _text(x + 32, middle + 4, short, size=_SMALL)]
         return components, 18.0 * -(-len(self._legend) // columns) + 6
-
-
-def as_image(
-    legend: Corner = "upper right", *, columns: int = 3
-) -> Callable[[Callable[_P, Chart]], Callable[_P, str]]:
-    """Let a function that draws a chart return its source, with a legend; `chart_of` returns the chart."""
-
-    def decorate(draw: Callable[_P, Chart]) -> Callable[_P, str]:
-        @wraps(draw)
-        def image(*args: _P.args, **kwargs: _P.kwargs) -> str:
-            return draw(*args, **kwargs).source(legend, columns=columns)
-
-        return image
-
-    return decorate
-
-
-def chart_of(image: Callable[_P, str], *args: _P.args, **kwargs: _P.kwargs) -> Chart:
-    """Return the chart of a function of `as_image`, called with these arguments."""
-    chart: Chart = unwrap(image)(*args, **kwargs)
-    return chart
 
 
 _NOT_IN_URI = re.compile(r"[^\w =:/+;,'()!*@?$~.-]+", re.ASCII)

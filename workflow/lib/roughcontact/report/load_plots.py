@@ -1,4 +1,4 @@
-"""Charts of results against load: area, gap, pressure, distributions; each is returned as a data URI."""
+"""Charts of results against load: area, gap, pressure; of distributions and comparisons, as data URIs."""
 
 from collections.abc import Mapping, Sequence
 
@@ -16,7 +16,6 @@ from roughcontact.report.charts import (
     MARKERS,
     Axis,
     Chart,
-    as_image,
 )
 from roughcontact.report.units import unit_of
 from roughcontact.roughness.summits import summit_statistics
@@ -28,7 +27,6 @@ _SHOWN_BELOW = 0.1  # of the least area: an interval that ends below is drawn as
 _RELATIVE = "relative pressure p′ = p̄ / (E* g)"
 
 
-@as_image("below", columns=2)
 def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Chart:
     """Draw the contact area against the load, corrected and counted, with the theories as lines.
 
@@ -293,37 +291,21 @@ def _ends(statistics: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
     return lower, upper
 
 
-def gap_against_load(statistics: xr.Dataset) -> str:
+def gap_against_load(statistics: xr.Dataset) -> Chart:
     """Draw the mean gap with its interval against the load, both logarithmic, with the rms height.
 
     Examples
     --------
     >>> import xarray as xr
     >>> numbers = xr.Dataset({"mean_pressure": ("load", [1e6, 2e6]), "mean_gap": ("load", [2e-7, 1e-7])})
-    >>> gap_against_load(numbers.assign(rms_height=3e-7)).partition(",")[0]
-    'data:image/svg+xml'
+    >>> gap_against_load(numbers.assign(rms_height=3e-7)).y.label
+    'mean gap ū (µm)'
     """
-    x = _pascal_axis(statistics)
-    load = statistics["mean_pressure"].values * unit_of(statistics, "Pa").factor
-    gap, rms = statistics["mean_gap"].values, float(statistics["rms_height"])
-    ends = _ends(statistics, "mean_gap")
-    scale, unit = unit_of(statistics, "m")
-    drawn = np.concatenate([gap, *ends, [rms]]) * scale
-    drawn = drawn[np.isfinite(drawn) & (drawn > 0)]
-    lowest, highest = (drawn.min(), drawn.max()) if drawn.size else (1.0, 1.0)
-    lowest = max(lowest, highest * 1e-5)
-    chart = Chart(
-        x,
-        Axis(f"mean gap ū ({unit})", lowest / 1.6, highest * 1.6, log=True),
-        top=_relative_axis(statistics),
-    )
-    chart.across(y=rms * scale, dash=DASHED, label="rms height")
-    chart.bars(load, *(end * scale for end in ends), colour=COLOURS[2])
-    chart.marks(load, gap * scale, colour=COLOURS[2], joined=1.5, label="mean gap")
-    return chart.source("lower left")
+    lines = [("mean_gap", "mean gap", COLOURS[2], "o")]
+    limit = float(statistics["rms_height"]), "rms height"
+    return _against_load(statistics, lines, label="mean gap ū", unit=unit_of(statistics, "m"), limit=limit)
 
 
-@as_image("lower right")
 def pressure_against_load(statistics: xr.Dataset) -> Chart:
     """Draw mean and largest pressure of the contact with their intervals against the load, logarithmic.
 
@@ -332,32 +314,46 @@ def pressure_against_load(statistics: xr.Dataset) -> Chart:
     >>> import xarray as xr
     >>> names = ("mean_pressure", "mean_contact_pressure", "max_pressure")
     >>> numbers = xr.Dataset({name: ("load", [10.0**power, 2e6]) for power, name in enumerate(names)})
-    >>> pressure_against_load(numbers).partition(",")[0]
-    'data:image/svg+xml'
+    >>> pressure_against_load(numbers).y.label
+    'pressure in contact (MPa)'
     """
-    scale, unit = unit_of(statistics, "Pa")
-    load = statistics["mean_pressure"].values * scale
+    hardness = float(statistics.get("hardness", np.nan))
+    if "max_pressure_upper" in statistics:  # what is limited to the hardness has no interval beyond it
+        statistics = statistics.assign(max_pressure_upper=np.fmin(statistics["max_pressure_upper"], hardness))
     lines = [
         ("max_pressure", "largest", COLOURS[1], "^"),
         ("mean_contact_pressure", "mean over the contact", COLOURS[0], "o"),
     ]
-    hardness = float(statistics["hardness"]) if "hardness" in statistics else np.nan
-    values = [statistics[name].values for name, *_ in lines]
-    ends = [_ends(statistics, name) for name, *_ in lines]
-    drawn = np.concatenate([*values, *(end for pair in ends for end in pair), [hardness]]) * scale
+    unit, limit = unit_of(statistics, "Pa"), (hardness, "hardness")
+    return _against_load(statistics, lines, label="pressure in contact", unit=unit, limit=limit)
+
+
+def _against_load(
+    statistics: xr.Dataset,
+    lines: Sequence[tuple[str, str, str, str]],
+    *,
+    label: str,
+    unit: Unit,
+    limit: tuple[float, str],
+) -> Chart:
+    """Draw results (name, label, colour, marker) with their intervals, and a `limit`, against the load."""
+    load = statistics["mean_pressure"].values * unit_of(statistics, "Pa").factor
+    results = [[statistics[name].values, *_ends(statistics, name)] for name, *_ in lines]
+    results = [[values * unit.factor for values in result] for result in results]
+    at_limit, limit_label = limit[0] * unit.factor, limit[1]
+    drawn = np.concatenate([*(values for result in results for values in result), [at_limit]])
     drawn = drawn[np.isfinite(drawn) & (drawn > 0)]
+    lowest, highest = (drawn.min(), drawn.max()) if drawn.size else (1.0, 1.0)
     chart = Chart(
         _pascal_axis(statistics),
-        Axis(f"pressure in contact ({unit})", drawn.min() / 1.6, drawn.max() * 1.8, log=True),
+        Axis(f"{label} ({unit.shown})", max(lowest, 1e-5 * highest) / 1.6, highest * 1.6, log=True),
         top=_relative_axis(statistics),
     )
-    if np.isfinite(hardness):
-        chart.across(y=hardness * scale, dash=DASHED, label="hardness")
-    for (_, label, colour, marker), value, (lower, upper) in zip(lines, values, ends, strict=True):
-        # what is limited to the hardness has no interval beyond it
-        highest = np.fmin(upper, hardness) if label == "largest" else upper
-        chart.bars(load, lower * scale, highest * scale, colour=colour)
-        chart.marks(load, value * scale, colour=colour, marker=marker, joined=1.2, label=label)
+    if np.isfinite(at_limit):
+        chart.across(y=at_limit, dash=DASHED, label=limit_label)
+    for (_, text, colour, marker), (value, *ends) in zip(lines, results, strict=True):
+        chart.bars(load, *ends, colour=colour)
+        chart.marks(load, value, colour=colour, marker=marker, joined=1.4, label=text)
     return chart
 
 
@@ -369,8 +365,7 @@ def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
     return _distribution(
         statistics,
         loads,
-        density="pressure_density",
-        bins="pressure_bin_bounds",
+        name="pressure",
         unit="Pa",
         labels=("contact pressure p", "p P(p), share of the contact per factor e"),
         means=("mean over the contact", statistics["mean_contact_pressure"].values),
@@ -384,8 +379,7 @@ def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
     return _distribution(
         statistics,
         loads,
-        density="gap_density",
-        bins="gap_bin_bounds",
+        name="gap",
         unit="m",
         labels=("gap u", "u P(u), share of the open area per factor e"),
         means=("mean out of contact", np.divide(gap, apart, out=np.full(gap.shape, np.nan), where=apart > 0)),
@@ -399,14 +393,12 @@ def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
     """
     bounds = statistics["patch_bin_bounds"].values
     middles = np.sqrt(np.maximum(bounds[:, 0], bounds[:, 1] / 2) * bounds[:, 1])
-    by_area = statistics["patch_area_density"] * xr.DataArray(middles, dims="patch_bin")
-    widths = xr.DataArray(np.diff(bounds, axis=1).ravel(), dims="patch_bin")
-    weighted = by_area / (by_area * widths).sum("patch_bin")
+    by_area = statistics["patch_area_density"].transpose("load", "patch_bin") * middles
+    share = by_area / (by_area * np.diff(bounds, axis=1).ravel()).sum("patch_bin")
     return _distribution(
-        statistics.assign(patch_area_density=weighted.transpose("load", "patch_bin")),
+        statistics.assign(patch_density=share),
         loads,
-        density="patch_area_density",
-        bins="patch_bin_bounds",
+        name="patch",
         unit="m2",
         labels=("area of a patch", "share of the contact per factor e"),
         means=("largest patch", statistics["largest_patch_area"].values),
@@ -417,15 +409,14 @@ def _distribution(
     statistics: xr.Dataset,
     loads: Sequence[int],
     *,
-    density: str,
-    bins: str,
+    name: str,
     unit: str,
     labels: tuple[str, str],
     means: tuple[str, np.ndarray],
 ) -> str:
     """Draw shares per factor e over a logarithmic axis at a few loads, dotted lines at `means`."""
-    bounds = statistics[bins].values
-    shares = statistics[density].fillna(0.0).values * np.diff(bounds, axis=1).ravel()
+    bounds = statistics[f"{name}_bin_bounds"].values
+    shares = statistics[f"{name}_density"].fillna(0.0).values * np.diff(bounds, axis=1).ravel()
     widths = np.log(bounds[1:, 1] / bounds[1:, 0])
     carrying = np.nonzero((shares[loads, 1:] > 1e-4).any(axis=0))[0]
     first, last = (carrying[0], carrying[-1]) if carrying.size else (0, len(widths) - 1)

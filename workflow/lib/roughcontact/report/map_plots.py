@@ -1,4 +1,7 @@
-"""Maps of heights, contact pressure and gap, as data URIs; profiles are drawn as lines."""
+"""Maps of heights, contact pressure and gap; profiles are drawn as lines.
+
+The legend belongs below: inside it would hide crests of profiles.
+"""
 
 from collections.abc import Iterable
 
@@ -8,7 +11,7 @@ import xarray as xr
 from roughcontact.maps import side_lengths
 from roughcontact.profiles.surface import ISOTROPIC
 from roughcontact.quantities import Unit
-from roughcontact.report.charts import COLOURS, Axis, Chart, as_image
+from roughcontact.report.charts import COLOURS, Axis, Chart
 from roughcontact.report.colours import colour_scale, coloured
 from roughcontact.report.units import length_unit
 
@@ -23,7 +26,6 @@ _LONGEST_ASPECT = 4.0  # longer pictures are drawn out of scale
 Frame = tuple[float, float, float, float]  # x, y, length x, length y
 
 
-@as_image("below")  # a legend inside would hide crests of profiles
 def height_map(
     height: xr.DataArray,
     *,
@@ -40,8 +42,8 @@ def height_map(
     --------
     >>> import numpy as np
     >>> from roughcontact.maps import height_map as labelled
-    >>> height_map(labelled(np.array([[0.0, 1e-6, 0.0]]), 1e-6)).partition(",")[0]
-    'data:image/svg+xml'
+    >>> height_map(labelled(np.array([[0.0, 1e-6, 0.0]]), 1e-6)).y.label
+    'height (µm)'
     """
     behind = "window_reason" in height.attrs  # a surface behind the profiles, not these
     profiles = [height.values.ravel()] if 1 in height.shape else []
@@ -94,7 +96,6 @@ def common_limits(loads: Iterable[tuple[np.ndarray, np.ndarray]]) -> tuple[float
     return max(highest, default=1.0), max(widest)
 
 
-@as_image("below")
 def pressure_map(
     height: xr.DataArray,
     pressure: np.ndarray,
@@ -114,8 +115,8 @@ def pressure_map(
     >>> import numpy as np
     >>> from roughcontact.maps import height_map as labelled
     >>> pressure = np.array([[0.0, 2e6, 0.0]])
-    >>> pressure_map(labelled(np.array([[0.0, 1e-6, 0.0]]), 1e-6), pressure).partition(",")[0]
-    'data:image/svg+xml'
+    >>> pressure_map(labelled(np.array([[0.0, 1e-6, 0.0]]), 1e-6), pressure).y.label
+    'pressure (MPa)'
     """
     if 1 in pressure.shape:
         return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit=unit)
@@ -139,7 +140,6 @@ def pressure_map(
     )
 
 
-@as_image("below")
 def gap_map(
     height: xr.DataArray,
     gap: np.ndarray,

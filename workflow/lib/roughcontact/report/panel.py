@@ -183,13 +183,13 @@ def _maps(
         faces = [("As measured", measured)]
     drawn = partial(map_plots.height_map, unit=unit_of(numbers, "m"), along=unit_of(numbers, "m along"))
     return [
-        *((title, drawn(face), facts.measured_caption(face)) for title, face in faces),
+        *((title, drawn(face).source("below"), facts.measured_caption(face)) for title, face in faces),
         (
             "Sum of both, levelled" if counter_face else "Levelled",
-            drawn(levelled, rectangle=_frame(window)),
+            drawn(levelled, rectangle=_frame(window)).source("below"),
             facts.levelled_caption(levelled),
         ),
-        ("Solved window", drawn(window), window.attrs.get("window_reason", "")),
+        ("Solved window", drawn(window).source("below"), window.attrs.get("window_reason", "")),
     ]
 
 
@@ -216,18 +216,14 @@ def _fields(
         for load in loads:
             pressure, gap = maps(load)
             area = percent(np.count_nonzero(pressure > 0) / pressure.size)
-            pictures = (
-                map_plots.pressure_map(
-                    window,
-                    pressure,
-                    highest=highest,
-                    unit=of_pressure,
-                    ellipse=hertz_axes(window, numbers, load),
-                ),
-                map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap),
+            ellipse = hertz_axes(window, numbers, load)
+            carried = map_plots.pressure_map(
+                window, pressure, highest=highest, unit=of_pressure, ellipse=ellipse
             )
+            apart = map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap)
             mean = of_pressure.text(float(contact["mean_pressure"][load]))
-            fields.append((f"p̄ = {mean}: {area} of the pixels touch", *pictures))
+            caption = f"p̄ = {mean}: {area} of the pixels touch"
+            fields.append((caption, carried.source("below"), apart.source("below")))
             del pressure, gap  # before the next ones are read
     return fields
 
@@ -278,21 +274,25 @@ def _charts(
 ) -> list[tuple[str, str, str, str]]:
     """Return (title, image, result, reading) of the charts of a window that is not flat."""
     bars = partial(captions.reading_of, numbers)
-    gap = bars("mean_gap")
     charts = [
         (
             "Contact area against load",
-            load_plots.area_against_load(numbers, window),
+            load_plots.area_against_load(numbers, window).source("below", columns=2),
             captions.area_caption(numbers),
             f"{bars('relative_contact_area')} Lines: theories, for comparison.",
         ),
         (
             "Pressure against load",
-            load_plots.pressure_against_load(numbers),
+            load_plots.pressure_against_load(numbers).source("lower right"),
             captions.pressure_caption(numbers),
             bars("mean_contact_pressure", "max_pressure"),
         ),
-        ("Mean gap against load", load_plots.gap_against_load(numbers), captions.gap_caption(numbers), gap),
+        (
+            "Mean gap against load",
+            load_plots.gap_against_load(numbers).source("lower left"),
+            captions.gap_caption(numbers),
+            bars("mean_gap"),
+        ),
         (
             "Distribution of the contact pressure",
             load_plots.pressure_distribution(numbers, displayed),
