@@ -1,13 +1,17 @@
 """The figures of the validation page."""
 
+import base64
+import io
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from roughcontact.report.charts import COLOURS, MARKERS
-from roughcontact.report.figures import as_png, as_svg, new_figure
+from roughcontact.report.figures import new_figure
 
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d.axes3d import Axes3D
@@ -132,3 +136,27 @@ def pressure_relief(
         axes.set_zlabel(labels[2])
         figure.text(0.02, 0.95, note, fontsize=9, color=COLOURS[1])
         return as_png(figure)
+
+
+def as_png(figure: Figure) -> str:
+    """Return a figure as PNG with a palette, which takes a third of the size and has no date, a data URI.
+
+    The palette covers all colours, not the frequent ones: the colour bar stays smooth.
+    """
+    from PIL import Image
+
+    figure.set_dpi(144)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    thrifty = image.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE)
+    buffer = io.BytesIO()
+    thrifty.save(buffer, "png", optimize=True)
+    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
+
+
+def as_svg(figure: Figure) -> str:
+    """Return a figure as SVG without a date, a data URI."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None})
+    return "data:image/svg+xml;base64," + base64.b64encode(buffer.getvalue()).decode()

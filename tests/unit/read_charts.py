@@ -60,7 +60,7 @@ class Drawn:
 
 def read_chart(chart: Chart | str, *, log: str = "") -> Drawn:
     """Return what a chart, or its data URI, shows; `log` names its logarithmic axes, as in "xy"."""
-    kind, _, text = (chart if isinstance(chart, str) else chart.source("below", columns=1)).partition(",")
+    kind, _, text = (chart if isinstance(chart, str) else chart.source()).partition(",")
     assert kind == "data:image/svg+xml"
     root = ElementTree.fromstring(unquote(text))
     area = root.find(f"{_SVG}svg")

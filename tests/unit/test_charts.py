@@ -20,8 +20,8 @@ from roughcontact.report.units import unit_of
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-def drawn(chart, **legend):
-    return ElementTree.fromstring(unquote(chart.source(**legend).partition(",")[2]))
+def drawn(chart):
+    return ElementTree.fromstring(unquote(chart.source().partition(",")[2]))
 
 
 def chart(x=Axis("x", 1.0, 100.0, log=True), y=Axis("y", 0.0, 2.0), **options):  # noqa: B008 - not changed
@@ -94,10 +94,9 @@ def test_ticks_are_round_numbers_within_the_ends(axis, written):
 def test_texts_cannot_break_out():
     made = chart(title="<b> & co")
     made.line(np.array([1.0, 2.0]), np.array([1.0, 2.0]), colour="#123456", label="<script>")
-    for corner in ("upper left", "below"):
-        texts = [text.text for text in drawn(made, legend=corner).iter(f"{SVG}text")]
-        assert "<b> & co" in texts
-        assert "<script>" in texts
+    texts = [text.text for text in drawn(made).iter(f"{SVG}text")]
+    assert "<b> & co" in texts
+    assert "<script>" in texts
 
 
 @pytest.mark.parametrize("name", ["viridis", "cividis", "magma"])
@@ -143,11 +142,21 @@ def test_a_million_is_a_power_of_ten():
 def test_a_label_that_has_no_room_below_the_chart_is_shortened():
     made = chart()
     made.line(np.array([1.0, 9.0]), np.array([1.0, 1.0]), colour="#123456", label=30 * "long ")
-    (text,) = [
-        part.text for part in drawn(made, legend="below", columns=2) if (part.text or "").startswith("long")
-    ]
+    (text,) = [part.text for part in drawn(made) if (part.text or "").startswith("long")]
     assert text.endswith("…")
-    assert 10 < len(text) < 20  # in half of 300 pixels, of 6 pixels each
+    assert 30 < len(text) < 40  # in 300 pixels, of 6 pixels each
+
+
+@pytest.mark.parametrize(("letters", "columns"), [(5, 3), (14, 2), (17, 1), (38, 1)])
+def test_a_legend_has_as_many_columns_as_its_labels_leave(letters, columns):
+    """Of 300 pixels 12 at either side, 38 for each sample and 6.16 for each letter."""
+    made = chart()
+    for number in range(3):
+        label = str(number).ljust(letters, "x")
+        made.line(np.array([1.0, 9.0]), np.array([1.0, 1.0]), colour="#123456", label=label)
+    texts = [part for part in drawn(made) if (part.text or "").endswith("xx")]
+    assert len({part.get("x") for part in texts}) == columns
+    assert all(len(part.text) == letters for part in texts)
 
 
 def test_the_label_of_a_colour_bar_stays_within_the_picture():
@@ -176,12 +185,11 @@ def test_a_colour_bar_rises_evenly_from_the_first_colour_to_the_last():
     ]
 
 
-@pytest.mark.parametrize("corner", ["upper left", "upper right", "lower left", "lower right", "below"])
-def test_a_label_of_the_legend_stands_beside_its_sample(corner):
+def test_a_label_of_the_legend_stands_beside_its_sample():
     made = chart()
     for name, colour in (("one", "#123456"), ("two", "#654321")):
         made.line(np.array([1.0, 9.0]), np.array([1.0, 1.0]), colour=colour, label=name)
-    parts = list(drawn(made, legend=corner))
+    parts = list(drawn(made))
     for name, colour in (("one", "#123456"), ("two", "#654321")):
         (text,) = [part for part in parts if part.text == name]
         (sample,) = [part for part in parts if part.get("stroke") == colour]
@@ -210,7 +218,7 @@ def test_few_points_are_told_from_many():
 def test_the_label_of_colours_is_whole_in_whatever_unit(extent):
     heights = labelled(np.linspace(-extent, extent, 64).reshape(8, 8), 1e-6)
     unit = unit_of({"rms_height": extent}, "m")
-    made = ElementTree.fromstring(unquote(height_map(heights, unit=unit).source("below").partition(",")[2]))
+    made = ElementTree.fromstring(unquote(height_map(heights, unit=unit).source().partition(",")[2]))
     turned = [text for text in made.iter(f"{SVG}text") if "rotate" in text.get("transform", "")]
     assert len(turned) == 2
     for text in turned:

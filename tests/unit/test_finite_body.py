@@ -132,8 +132,8 @@ def test_ellipse_of_hertz_on_the_map_of_pressure():
         touching = contact["contact"][0].any("y" if axis == "x" else "x").sum().item() * 5e-6 / 2
         assert touching == pytest.approx(semi_axis, abs=5e-6)
     pressure = contact["pressure"].values[0]
-    outline = max(pressure_map(body, pressure, ellipse=(a, b)).source("below").split("%3C"), key=len)
-    assert outline != max(pressure_map(body, pressure).source("below").split("%3C"), key=len)
+    outline = max(pressure_map(body, pressure, ellipse=(a, b)).source().split("%3C"), key=len)
+    assert outline != max(pressure_map(body, pressure).source().split("%3C"), key=len)
 
 
 def test_hardness_limits_the_pressure_of_a_study():

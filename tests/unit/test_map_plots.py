@@ -18,13 +18,13 @@ from roughcontact.report.panel import _frame
 
 def reading(chart):
     """Return what a script reads values of a picture by."""
-    source = chart.source("below")
+    source = chart.source()
     return json.loads(html.unescape(re.search("data-reading='([^']*)'", unquote(source))[1]))
 
 
 def arrows(chart):
     """Return how many arrows say that there are values beyond the colours."""
-    source = chart.source("below")
+    source = chart.source()
     return len(re.findall(r'<path d="M[^"]*L[^"]*z" fill="#', unquote(source)))
 
 

@@ -592,7 +592,7 @@ def test_percent_and_prefix():
 
 def picture_in(chart):
     """Return the picture in a figure of a map, (rows, columns, RGB)."""
-    kind, _, svg = chart.source("below").partition(",")
+    kind, _, svg = chart.source().partition(",")
     assert kind == "data:image/svg+xml"
     root = ElementTree.fromstring(unquote(svg))
     image = root.find(".//{http://www.w3.org/2000/svg}image")
@@ -962,7 +962,7 @@ def test_every_point_of_a_large_map_can_be_seen_and_read(tmp_path):
     points = [[row, column] for row in range(0, 700, 77) for column in range(0, 900, 91)]
     text = (
         f'<!DOCTYPE html><style>{template("report.css").render()}</style><figure style="width:300px">'
-        f'<img src="{chart.source("below")}" alt="Pressure."></figure>{template("figures.html").render()}'
+        f'<img src="{chart.source()}" alt="Pressure."></figure>{template("figures.html").render()}'
     )
     probe = ENLARGED_PROBE.replace("UNTIL", UNTIL).replace("POINTS", json.dumps(points))
     said = said_by(text + probe, tmp_path)

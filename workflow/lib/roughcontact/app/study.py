@@ -185,7 +185,7 @@ def inspect(row: Mapping[str, str]) -> dict[str, Any]:
         text, problem = inspection(content, path), content["problem"]
         channels = [entry["name"] for entry in content["channels"] if entry["is_height"]]
         if content["map"]:
-            picture = height_map(read_height_map(path, **stated)).source("below")
+            picture = height_map(read_height_map(path, **stated)).source()
     except RoughContactError as error:
         text = problem = str(error)
     return {"text": text, "problem": problem, "channels": channels, "map": picture, "command": command}

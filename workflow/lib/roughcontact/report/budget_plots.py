@@ -79,10 +79,7 @@ def shown_budget(
     notes += _note_on_open_ends(numbers)
     excess, intervals = _intervals(numbers.isel(load=list(loads)), extent)
     return {
-        "images": [
-            (TITLES[name], budget_against_load(numbers, name).source("below", columns=2))
-            for name in _HEADLINE
-        ],
+        "images": [(TITLES[name], budget_against_load(numbers, name).source()) for name in _HEADLINE],
         "components": _component_table(numbers.isel(load=list(loads))) if len(loads) else None,
         "beyond": excess,
         "intervals": intervals,
@@ -272,7 +269,7 @@ def _note_on_convergence(numbers: xr.Dataset) -> str:
 def _magnification(numbers: xr.Dataset) -> list[tuple[str, str]]:
     """Return (quantity, image) of the results against the shortest wave that is kept."""
     charts = {name: against_cutoff(numbers, name) for name in _BY_CUTOFF}
-    return [(TITLES[name], chart.source("below", columns=2)) for name, chart in charts.items() if chart]
+    return [(TITLES[name], chart.source()) for name, chart in charts.items() if chart]
 
 
 def against_cutoff(numbers: xr.Dataset, name: str) -> Chart | None:

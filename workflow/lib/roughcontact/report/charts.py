@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
-from typing import Any, Literal
+from typing import Any
 from urllib.parse import quote
 
 import numpy as np
@@ -31,6 +31,7 @@ _GRID = "#dddddd"
 _FONT = "system-ui,'Segoe UI','DejaVu Sans',sans-serif"
 _SIZE = 12.0  # of the text, in units of the chart (pixels where it is shown at its own size)
 _SMALL = 11.0  # of legends
+_MOST_COLUMNS = 3  # of legends
 _LETTER_WIDTH = 0.56  # of a letter, on average, in units of the size of the text
 _MOST_POINTS = 1500  # of a line; of longer ones the extremes of each few points are drawn
 
@@ -45,7 +46,6 @@ _OUTLINES = {
     "o": "M-1 0a1 1 0 1 0 2 0a1 1 0 1 0-2 0z",
 }
 
-Corner = Literal["upper left", "upper right", "lower left", "lower right", "below"]
 Rectangle = tuple[float, float, float, float]  # left, top, width, height
 
 
@@ -346,8 +346,8 @@ class Chart:
             *_ticks(axis, "right", bar, grid=False, within=self.size[0]),
         ]
 
-    def source(self, legend: Corner = "upper right", *, columns: int = 3) -> str:
-        """Return the chart as a data URI, with the legend in a corner or `below`, there in `columns`.
+    def source(self) -> str:
+        """Return the chart as a data URI, with its legend below it.
 
         Examples
         --------
@@ -370,12 +370,10 @@ class Chart:
             f'<svg x="{left:.1f}" y="{top:.1f}" width="{width:.1f}" height="{height:.1f}">{inside}</svg>',
             *self._colour_bar_svg,
         ]
-        if self._legend and legend == "below":
-            details, rows = self._legend_below(columns)
+        if self._legend:
+            details, rows = self._legend_below()
             components += details
             total += rows
-        elif self._legend:
-            components += self._legend_inside(legend)
         axes = {"x": self.x.reading(), "y": self.y.reading(), "area": [round(side, 1) for side in area]}
         reading = html.escape(json.dumps(axes | self.reading, ensure_ascii=False), quote=False)
         reading = reading.replace("'", "&#39;")  # the double quotes of JSON take less room as they are
@@ -411,28 +409,16 @@ class Chart:
                 fragments.append("M" + "L".join(f"{a:g} {b:g}" for a, b in points))
         return "".join(fragments)
 
-    def _legend_inside(self, corner: str) -> list[str]:
-        """Return the legend in a corner of the area."""
-        left, top, width, height = self.area
-        box_width = 42 + max(len(label) for label, _ in self._legend) * _LETTER_WIDTH * _SMALL
-        box_height = 17.0 * len(self._legend) + 6
-        x = left + 6 if "left" in corner else left + width - box_width - 6
-        y = top + 6 if "upper" in corner else top + height - box_height - 6
-        box = f'<path d="M{x:.1f} {y:.1f}h{box_width:.1f}v{box_height:.1f}h{-box_width:.1f}z" '
-        components = [box + 'fill="#fff" fill-opacity=".78"/>']
-        for row, (label, glyph) in enumerate(self._legend):
-            middle = round(y + 11.5 + 17 * row, 1)
-            components += [glyph(round(x + 4, 1), middle), _text(x + 36, middle + 4, label, size=_SMALL)]
-        return components
-
-    def _legend_below(self, columns: int) -> tuple[list[str], float]:
-        """Return the legend below the chart, in columns, and the room it takes."""
-        entry = (self.size[0] - 24) / columns
+    def _legend_below(self) -> tuple[list[str], float]:
+        """Return the legend below the chart, in columns as wide as its labels, and its height."""
+        across, letter = self.size[0] - 24, _LETTER_WIDTH * _SMALL
+        longest = 38 + letter * max(len(label) for label, _ in self._legend)
+        columns = min(max(int(across / longest), 1), _MOST_COLUMNS)
+        room = int((across - 38) / letter)
         components = []
         for index, (label, glyph) in enumerate(self._legend):
             row, column = divmod(index, columns)
-            x, middle = round(12 + entry * column, 1), self.size[1] + 9 + 18 * row
-            room = max(int((entry - 38) / (_LETTER_WIDTH * _SMALL)), 4)
+            x, middle = round(12 + across / columns * column, 1), self.size[1] + 9 + 18 * row
             short = label if len(label) <= room else f"{label[: room - 1]}…"
             components += [glyph(x, middle), _text(x + 32, middle + 4, short, size=_SMALL)]
         return components, 18.0 * -(-len(self._legend) // columns) + 6

@@ -128,7 +128,7 @@ def compare_areas(
         chart.key(name, colour=colour, marker=marker)
     for name, case in cases.items() if multiple else ():
         chart.key(name, colour=GREY, marker="o", filled=not case, dash=_DASHES[case % len(_DASHES)])
-    return chart.source("below")
+    return chart.source()
 
 
 def group_values(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> str:
@@ -148,7 +148,7 @@ def group_values(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> st
         load = load * np.exp(room / 2)
         chart.bars(load, *(100 * end for end in _ends(answer, _AREA)), colour=colour)
         chart.marks(load, 100 * answer[_AREA].values, colour=colour, marker=marker, label=name)
-    return chart.source("below")
+    return chart.source()
 
 
 def group_curves(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> str:
@@ -162,7 +162,7 @@ def group_curves(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> st
         load = answer["mean_pressure"].values * pressure.factor
         chart.shade(load, *(100 * end for end in _ends(answer, _AREA)), colour=colour)
         chart.marks(load, 100 * answer[_AREA].values, colour=colour, marker=marker, joined=1.4, label=name)
-    return chart.source("below")
+    return chart.source()
 
 
 def _groups_chart(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> Chart:
@@ -221,7 +221,7 @@ def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]
         median[available] = np.nanmedian(np.array(curves)[:, available], axis=0)
         _theory_lines(chart, loads)
         chart.line(line, 100 * median, colour=colour, width=2.6, label=f"median of {len(group)} surfaces")
-        images[name] = chart.source("below", columns=2)
+        images[name] = chart.source()
     return images
 
 
@@ -422,7 +422,7 @@ def _distribution(
     first, last = (carrying[0], carrying[-1]) if carrying.size else (0, len(widths) - 1)
     low, high = bounds[1 + first, 0], bounds[1 + last, 1]
     factor, unit_label = unit_of(statistics, unit)
-    highest = 1.35 * float((shares[loads, 1:] / widths).max()) or 1.0  # room for the legend
+    highest = 1.05 * float((shares[loads, 1:] / widths).max()) or 1.0
     chart = Chart(
         Axis(f"{labels[0]} ({unit_label})", low * factor, high * factor * 1.15, log=True),
         Axis(labels[1], 0.0, highest),
@@ -434,4 +434,4 @@ def _distribution(
         chart.line(edges, steps, colour=COLOURS[index], label=label)
         text = means[0] if load == loads[-1] else ""
         chart.across(x=float(means[1][load]) * factor, colour=COLOURS[index], dash=DOTTED, label=text)
-    return chart.source("upper left")
+    return chart.source()

@@ -1,7 +1,4 @@
-"""Maps of heights, contact pressure and gap; profiles are drawn as lines.
-
-The legend belongs below: inside it would hide crests of profiles.
-"""
+"""Maps of heights, contact pressure and gap; profiles are drawn as lines."""
 
 from collections.abc import Iterable
 

@@ -183,13 +183,13 @@ def _maps(
         faces = [("As measured", measured)]
     drawn = partial(map_plots.height_map, unit=unit_of(numbers, "m"), along=unit_of(numbers, "m along"))
     return [
-        *((title, drawn(face).source("below"), facts.measured_caption(face)) for title, face in faces),
+        *((title, drawn(face).source(), facts.measured_caption(face)) for title, face in faces),
         (
             "Sum of both, levelled" if counter_face else "Levelled",
-            drawn(levelled, rectangle=_frame(window)).source("below"),
+            drawn(levelled, rectangle=_frame(window)).source(),
             facts.levelled_caption(levelled),
         ),
-        ("Solved window", drawn(window).source("below"), window.attrs.get("window_reason", "")),
+        ("Solved window", drawn(window).source(), window.attrs.get("window_reason", "")),
     ]
 
 
@@ -223,7 +223,7 @@ def _fields(
             apart = map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap)
             mean = of_pressure.text(float(contact["mean_pressure"][load]))
             caption = f"p̄ = {mean}: {area} of the pixels touch"
-            fields.append((caption, carried.source("below"), apart.source("below")))
+            fields.append((caption, carried.source(), apart.source()))
             del pressure, gap  # before the next ones are read
     return fields
 
@@ -277,19 +277,19 @@ def _charts(
     charts = [
         (
             "Contact area against load",
-            load_plots.area_against_load(numbers, window).source("below", columns=2),
+            load_plots.area_against_load(numbers, window).source(),
             captions.area_caption(numbers),
             f"{bars('relative_contact_area')} Lines: theories, for comparison.",
         ),
         (
             "Pressure against load",
-            load_plots.pressure_against_load(numbers).source("lower right"),
+            load_plots.pressure_against_load(numbers).source(),
             captions.pressure_caption(numbers),
             bars("mean_contact_pressure", "max_pressure"),
         ),
         (
             "Mean gap against load",
-            load_plots.gap_against_load(numbers).source("lower left"),
+            load_plots.gap_against_load(numbers).source(),
             captions.gap_caption(numbers),
             bars("mean_gap"),
         ),

@@ -71,7 +71,7 @@ def stack_of_layers(bodies: Sequence[Mapping[str, Any]], window: xr.DataArray) -
     for row, (text, *_) in enumerate(rows):
         short = text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
         chart.write(4.0, _ROW * (row + 0.45), short)
-    return chart.source("below", columns=2), "; ".join(sentence)
+    return chart.source(), "; ".join(sentence)
 
 
 def _material(of: Mapping[str, Any]) -> str:

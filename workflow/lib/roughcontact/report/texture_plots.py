@@ -55,7 +55,7 @@ def spectrum(window: xr.DataArray) -> str:
     )
     _mark_band(chart, window, q[0] * unit_q, unit_q)
     chart.line(q[inside] * unit_q, visible, colour=COLOURS[0])
-    return chart.source("lower left")
+    return chart.source()
 
 
 def fitted_spectrum(levelled: xr.DataArray) -> str:
@@ -77,7 +77,7 @@ def fitted_spectrum(levelled: xr.DataArray) -> str:
     )
     chart.line(q, measured, colour=COLOURS[1], label="profiles")
     chart.line(q, fitted, colour=COLOURS[0], label="fit")
-    return chart.source("lower left")
+    return chart.source()
 
 
 def _mark_band(chart: Chart, window: xr.DataArray, first: float, unit_q: float) -> None:

@@ -32,7 +32,7 @@ def unloading_of(name: str, loaded: xr.Dataset, residual: str | Path, folder: Pa
     peaks = [left.isel(peak=index) for index in range(left.sizes["peak"])] if "peak" in left.dims else [left]
     ways = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
     charts = {label: _both_ways(loaded, ways, result) for result, (label, _) in _LABELS.items()}
-    images = {label: chart.source("lower right") for label, chart in charts.items() if chart}
+    images = {label: chart.source() for label, chart in charts.items() if chart}
     return {
         "name": name,
         "images": images,
