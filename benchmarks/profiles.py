@@ -50,7 +50,7 @@ HERE = Path(__file__).parent
 ERRORS = HERE / "results" / "profiles" / "errors.csv"
 CALIBRATION = HERE.parent / "workflow" / "lib" / "roughcontact" / "profiles" / "calibration.json"
 LOADS = np.array([0.02, 0.1, 0.4])
-MEMBERS, SEEDS = 5, 2
+MEMBERS, SEEDS = 9, 6
 CUTS = (0.5, 0.25)  # where the profiles lie between one another
 MOST = 512  # points per side of a map
 ISOTROPIC = 0.5  # Str
@@ -161,18 +161,19 @@ def solve(folders: Sequence[Path]) -> None:
 
 
 def calibrated(errors: pd.DataFrame) -> dict[str, dict[str, list[float]]]:
-    """Return spread and quantile of each quantity at each load, each map with the same weight."""
+    """Return spread and quantile of each quantity at each load; made and measured maps weigh the same."""
     table: dict[str, dict[str, list[float]]] = {}
     errors = errors[errors["kind"] != "pattern"]
     for quantity, group in errors.groupby(errors["quantity"].map(entry)):
         columns = []
         for _, rows in group[np.isfinite(group["error"])].groupby("load"):
             error, scatter = rows["error"].abs().values, rows["scatter"].values
-            weight = (1 / rows.groupby("map")["error"].transform("size")).values
+            weight = 1 / rows.groupby("map")["error"].transform("size")
+            weight = (weight / rows.groupby("kind")["map"].transform("nunique")).values
             spreads = np.geomspace(LEAST_SPREAD, 3, 200)
             medians = [_quantile(error / np.hypot(scatter, c), weight, 0.5) for c in spreads]
             spread = spreads[np.argmin(np.abs(np.array(medians) - NORMAL_MEDIAN))]
-            level = min(1.0, COVERAGE * (1 + 1 / rows["map"].nunique()))
+            level = min(1.0, COVERAGE * (1 + 1 / rows.groupby("kind")["map"].nunique().min()))
             wide = _quantile(error / np.hypot(scatter, spread), weight, level)
             columns.append([np.log(inverse_erf_area(rows["area"].values)).mean(), spread, wide])
         columns = [[float(f"{value:.4g}") for value in column] for column in zip(*columns, strict=True)]

@@ -118,12 +118,13 @@ def _with_ranks(values: np.ndarray, quantiles: np.ndarray) -> np.ndarray:
 def _heights(profiles: np.ndarray, independent: float) -> np.ndarray:
     """Return the quantiles of heights at `_SCORES`, extrapolated linearly beyond those that a sample shows.
 
-    The deviation from a normal distribution is reduced by the share that chance would give.
+    The deviation from a normal distribution counts by how far it is beyond chance: little where chance would
+    give as much, nearly all of it where it is three times as large.
     """
     values = np.sort(profiles, axis=None)
     scores = scipy.special.ndtri((np.arange(values.size) + 0.5) / values.size)
     deviation = (values - values.mean()) / values.std() - scores
-    share = max(0.0, 1 - _CHANCE / (independent * np.mean(deviation**2)))
+    share = max(0.0, 1 - (_CHANCE / (independent * np.mean(deviation**2))) ** 2)
     quantiles = _SCORES + np.interp(_SCORES, scores, share * deviation)
     limit = -scipy.special.ndtri(min(0.2, _TAIL / independent))
     for side in (-1, 1):

@@ -5,7 +5,8 @@ by the spectrum of few profiles, and by the heights, tails included, that these 
 heights and slopes do not hold is calibrated: profiles were cut out of maps, measured and made ones, and the
 error e of each result, on its scale, was held against the standard deviation s of the members.
 The arms are q sqrt(s^2 + c^2) about the mean of the members, with the spread c of the errors beyond s, and a
-quantile q of |e|/sqrt(s^2 + c^2) of 95 %, each map with the same weight (split conformal prediction).
+quantile q of |e|/sqrt(s^2 + c^2) of 95 %, in which made and measured maps weigh the same (split conformal
+prediction).
 
 `calibration.json` is written by `benchmarks/profiles.py`; its data are `benchmarks/results/profiles`.
 """
