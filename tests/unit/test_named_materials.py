@@ -11,6 +11,7 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import SettingsError
 from roughcontact.named_materials import _properties, _row, material_names, modulus_uncertainty, named_bodies
 from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.report.asked import bodies_in_words
 
 PURE = [
     "copper",
@@ -97,6 +98,7 @@ def test_a_layer_has_a_name_and_its_hardness_is_that_of_the_surface():
     gold, copper, hard = map(material, ("gold", "copper", "hard-gold"))
     assert layer["youngs_modulus"] == gold["youngs_modulus"]
     assert layer["electrical_resistivity"] == gold["electrical_resistivity"]
+    assert bodies_in_words(contact).startswith("2.00 µm of gold (77.0 GPa, ν 0.42) over copper (115 GPa, ")
     assert contact["bodies"][0]["electrical_resistivity"] == copper["electrical_resistivity"]
     assert contact["hardness"] == min(gold["hardness"], hard["hardness"]) != copper["hardness"]
     assert contact["contact_modulus"] == pytest.approx(materials.contact_modulus([gold, hard]))

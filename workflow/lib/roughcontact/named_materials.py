@@ -74,7 +74,7 @@ def named_bodies(bodies: Sequence[Any]) -> list[Any]:
         if not isinstance(layers, list) or not all(isinstance(layer, Mapping) for layer in layers or [None]):
             full.append(_named(body))
         else:  # the hardness of the table is that of the base
-            named = [_named(layer, omitted=("name", "hardness")) for layer in layers]
+            named = [_named(layer, omitted=("hardness",)) for layer in layers]
             hardness = {key: value for key, value in _named(layers[0]).items() if key == "hardness"}
             full.append(hardness | _named(body, omitted=("hardness",)) | {"layers": named})
             pairs += zip(layers, named, strict=True)

@@ -293,6 +293,7 @@ class Layer(Section):
 
     model_config = ConfigDict(json_schema_extra=_without_required)
 
+    name: str | None = Field(default=None, max_length=64, description="for the report", examples=["DLC"])
     thickness: Length = Field(description="of the layer, m", examples=["2 um"])
     youngs_modulus: Modulus = Field(description="Young's modulus of the layer, Pa", examples=["180 GPa"])
     poissons_ratio: Number = Field(

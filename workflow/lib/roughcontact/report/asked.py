@@ -110,22 +110,21 @@ def bodies_in_words(contact: Mapping[str, Any]) -> str:
 
 
 def _body(body: Mapping[str, Any]) -> str:
-    """Return a body: its modulus, what limits its pressure, its layers."""
-    if body.get("youngs_modulus") is None:
-        sentence, available = "a rigid base", []
-    else:
-        sentence = quantity(body["youngs_modulus"], "Pa")
-        available = [f"ν {number(body['poissons_ratio'], digits=2)}"]
-    available += [f"{text} {quantity(body[key], 'Pa')}" for key, text in _OF_BODY if body.get(key)]
-    layers = [
-        f"{quantity(layer['thickness'], 'm')} of {quantity(layer['youngs_modulus'], 'Pa')} "
-        f"(ν {number(layer['poissons_ratio'], digits=2)})"
-        for layer in body.get("layers") or []
-    ]
-    if name := body.get("name"):
-        sentence, available = name, [sentence, *available] if sentence[0].isdigit() else available
-    sentence += f" ({', '.join(available)})" if available else ""
-    return f"{' and '.join(layers)} over {sentence}" if layers else sentence
+    """Return a body: its layers, and what they lie on."""
+    layers = [f"{quantity(layer['thickness'], 'm')} of {_solid(layer)}" for layer in body.get("layers") or []]
+    return f"{' and '.join(layers)} over {_solid(body)}" if layers else _solid(body)
+
+
+def _solid(body: Mapping[str, Any]) -> str:
+    """Return the name and the modulus of a body or a layer, and what limits its pressure."""
+    solid, details = "a rigid base", []
+    if body.get("youngs_modulus") is not None:
+        solid = quantity(body["youngs_modulus"], "Pa")
+        details = [f"ν {number(body['poissons_ratio'], digits=2)}"]
+        if name := body.get("name"):
+            solid, details = name, [solid, *details]
+    details += [f"{text} {quantity(body[key], 'Pa')}" for key, text in _OF_BODY if body.get(key)]
+    return f"{solid} ({', '.join(details)})" if details else solid
 
 
 def _loads(contact: Mapping[str, Any]) -> str:

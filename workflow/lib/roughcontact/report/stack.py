@@ -39,7 +39,8 @@ def stack_of_layers(bodies: Sequence[Mapping[str, Any]], window: xr.DataArray) -
         name = f"body {index} ({body['name']})" if body.get("name") else f"body {index}"
         rows += [(f"{name}, from its surface inwards", 0.0, GREY)] * bool(layers)
         for start, layer in enumerate(layers):
-            text = f"layer {start + 1}: {quantity(layer['thickness'], 'm')} of {_material(layer)}"
+            material = ", ".join(filter(None, [layer.get("name"), _material(layer)]))
+            text = f"layer {start + 1}: {quantity(layer['thickness'], 'm')} of {material}"
             rows.append((text, layer["thickness"], COLOURS[start % len(COLOURS)]))
         if body.get("base") == "rigid":
             rows.append(("rigid base", math.inf, INK))
