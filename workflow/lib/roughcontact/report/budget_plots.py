@@ -77,10 +77,11 @@ def shown_budget(
     if absent:
         notes.append(f"Not in the ±: {', '.join(absent)}.")
     notes += _note_on_open_ends(numbers)
-    excess, intervals = _intervals(numbers.isel(load=list(loads)), extent)
+    listed = numbers.isel(load=list(loads))
+    excess, intervals = _intervals(listed, extent)
     return {
         "images": [(TITLES[name], budget_against_load(numbers, name).source()) for name in _HEADLINE],
-        "components": _component_table(numbers.isel(load=list(loads))) if len(loads) else None,
+        "components": _component_table(listed) if len(loads) else None,
         "beyond": excess,
         "intervals": intervals,
         "magnification": _magnification(numbers),
@@ -215,12 +216,13 @@ def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str,
     rows: list[list[str]] = []
     for name in _HEADLINE:
         unit, solved = unit_of(numbers, UNITS[name]), numbers.get(f"{name}_as_solved", numbers[name]).values
+        lower, upper = (
+            np.array([numbers["_".join(filter(None, (name, key, end)))].values for key in text])
+            for end in ("lower", "upper")
+        )
         for index, load in enumerate(loads):
-            ends = [
-                [numbers[f"{name}_{key}{'_' * bool(key)}{end}"].values[index] for end in ("lower", "upper")]
-                for key in text
-            ]
-            texts = [f"{unit.interval(np.nan, *pair)} {unit.shown}" for pair in ends]
+            pairs = zip(lower[:, index], upper[:, index], strict=True)
+            texts = [f"{unit.interval(np.nan, *pair)} {unit.shown}" for pair in pairs]
             rows.append([f"{TITLES[name]} at {load}", unit.text(float(solved[index])), *texts])
     header = ["result", "as solved", *text.values()]
     lines = [

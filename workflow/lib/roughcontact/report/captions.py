@@ -76,12 +76,10 @@ def distribution_caption(numbers: xr.Dataset) -> str:
     >>> distribution_caption(xr.Dataset(loads | {"pressure_std": ("load", [5e7])}))
     'At 5.00 MPa the pressure scatters by 25.0 % of its mean over the contact.'
     """
-    last = numbers.isel(load=-1)
-    load = _load(last)
-    if is_limited(numbers, -1) and float(last["area_share_above_hardness"]) > 0:
-        share = percent(float(last["area_share_above_hardness"]))
-        return f"At {load} {share} of the contact carry the hardness."
-    scatter = float(last["pressure_std"]) / float(last["mean_contact_pressure"])
+    load = _last_load(numbers)
+    if is_limited(numbers, -1) and (share := _last(numbers, "area_share_above_hardness")) > 0:
+        return f"At {load} {percent(share)} of the contact carry the hardness."
+    scatter = _last(numbers, "pressure_std") / _last(numbers, "mean_contact_pressure")
     return f"At {load} the pressure scatters by {percent(scatter)} of its mean over the contact."
 
 
@@ -96,12 +94,11 @@ def patch_caption(numbers: xr.Dataset) -> str:
     >>> patch_caption(xr.Dataset(found | areas | window))
     'At 5.00 MPa 12 patches touch; the largest, 20.0 µm², has 50.0 % of the contact.'
     """
-    last = numbers.isel(load=-1)
     window = float(numbers["window_length_x"] * numbers["window_length_y"])
-    largest = float(last["largest_patch_area"])
-    share = percent(largest / (float(last["relative_contact_area_pixels"]) * window))
-    count = int(last["contact_clusters"])
-    load, area = _load(last), unit_of(numbers, "m2").text(largest)
+    largest = _last(numbers, "largest_patch_area")
+    share = percent(largest / (_last(numbers, "relative_contact_area_pixels") * window))
+    count = int(_last(numbers, "contact_clusters"))
+    load, area = _last_load(numbers), unit_of(numbers, "m2").text(largest)
     if count == 1:
         return f"At {load} a single patch of {area} touches."
     return f"At {load} {count} patches touch; the largest, {area}, has {share} of the contact."
@@ -116,11 +113,10 @@ def open_caption(numbers: xr.Dataset) -> str:
     >>> open_caption(xr.Dataset(found | {"relative_contact_area_pixels": ("load", [0.5])}))
     'At 5.00 MPa 50.0 % of the area are apart, by 0.200 µm on average.'
     """
-    last = numbers.isel(load=-1)
-    load, apart = _load(last), 1 - float(last["relative_contact_area_pixels"])
+    load, apart = _last_load(numbers), 1 - _last(numbers, "relative_contact_area_pixels")
     if apart <= 0:
         return f"At {load} nothing is apart."
-    mean = unit_of(numbers, "m").text(float(last["mean_gap"]) / apart)
+    mean = unit_of(numbers, "m").text(_last(numbers, "mean_gap") / apart)
     return f"At {load} {percent(apart)} of the area are apart, by {mean} on average."
 
 
@@ -166,9 +162,14 @@ def comparison_caption(
     return f"At {load}, {lowest} to {maximum} of the area touch."
 
 
-def _load(numbers: xr.Dataset) -> str:
-    """Return the mean pressure of a single load."""
-    return unit_of(numbers, "Pa").text(float(numbers["mean_pressure"]))
+def _last(numbers: xr.Dataset, name: str) -> float:
+    """Return a number at the highest load; a selection of all variables would take as long as a chart."""
+    return float(numbers[name].values[-1])
+
+
+def _last_load(numbers: xr.Dataset) -> str:
+    """Return the highest mean pressure."""
+    return unit_of(numbers, "Pa").text(_last(numbers, "mean_pressure"))
 
 
 def _at_extreme_loads(numbers: xr.Dataset, sentences: list[str]) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, number, quantity, with_interval
-from roughcontact.report.units import middle_of, unit_of
+from roughcontact.report.units import interval_at, middle_of, unit_of
 from roughcontact.uncertainty.differences import case_differences, case_pairs, shared_loads
 
 # quantity, its name, its unit (a share is given in percent)
@@ -182,11 +182,7 @@ def _value(loads: Sequence[Load], name: str, unit: Unit, *, many: bool) -> str:
     if many:
         return _quantiles(values, unit)
     data, start = loads[0]
-    ends = (
-        float(data[key].values[start]) if (key := f"{name}_{end}") in data else np.nan
-        for end in ("lower", "upper")
-    )
-    return _in_brackets(unit.interval(values[0], *ends), unit.shown)
+    return _in_brackets(unit.interval(*interval_at(data, name, start)), unit.shown)
 
 
 def _change(

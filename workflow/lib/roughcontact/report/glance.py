@@ -8,7 +8,7 @@ import xarray as xr
 
 from roughcontact.quantities import Unit, number, percent, with_interval
 from roughcontact.report.tables import as_the_area, is_profile
-from roughcontact.report.units import middle_of, unit_of
+from roughcontact.report.units import interval_at, middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.outcome import FAILED, VERDICTS
 from roughcontact.statistics.precision import gap_is_decided, precision_in_words, yield_is_decided
@@ -200,14 +200,13 @@ def _has_number(numbers: Numbers, name: str) -> bool:
 def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> Cell:
     """Return a number of a load and its interval."""
     factor, unit_label = units[name]
-    value = float(numbers[name][index]) * factor
+    value, lower, upper = (number * factor for number in interval_at(numbers, name, index))
     if not _has_number(numbers, f"{name}_lower"):
         if name.endswith(("_conductance", "_resistance")) and _has_number(
             numbers, "relative_contact_area_lower"
         ):
             return Cell(f"{as_the_area(numbers, name, units[name], index)} {unit_label}", _NO_INTERVAL)
         return Cell(f"{number(value)} {unit_label}")
-    lower, upper = (float(numbers[f"{name}_{end}"][index]) * factor for end in ("lower", "upper"))
     text, _, interval = with_interval(value, lower, upper).partition(" ")
     precision = precision_in_words(value, lower, upper, Unit(1.0, unit_label))
     return Cell(f"{text} {unit_label}", interval.strip("()"), precision=precision)
@@ -240,9 +239,7 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
 
 def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> str:
     """Return a number of a load with its interval before its unit, joined by a no-break space."""
-    ends = (numbers.get(f"{name}_{end}") for end in ("lower", "upper"))
-    available = (np.nan if end is None else float(end[index]) for end in ends)
-    text = units[name].interval(float(numbers[name][index]), *available)
+    text = units[name].interval(*interval_at(numbers, name, index))
     return f"{text}\N{NO-BREAK SPACE}{units[name].shown}"
 
 

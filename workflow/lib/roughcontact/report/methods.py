@@ -11,6 +11,7 @@ from roughcontact.bodies import have_layers
 from roughcontact.profiles.surface import ISOTROPIC, surfaces_behind
 from roughcontact.quantities import number, prefix, quantity, with_interval
 from roughcontact.report.asked import bodies_in_words
+from roughcontact.report.units import interval_at
 from roughcontact.uncertainty.measurands import measurand_in_words
 
 _FORMS = {
@@ -129,11 +130,14 @@ def _answers(statistics: xr.Dataset, uncertainty: Mapping[str, Any]) -> list[str
     sparse = [rising[0], rising[len(rising) // 2], rising[-1]] if len(rising) > _MOST_LOADS else rising
     sentences, free = [], "force" in statistics.variables
     for index in sparse:
-        load = statistics.isel(load=index)
-        answers = [f"{text} {_answer(load, name, unit)}" for name, (text, unit) in _ANSWERS.items()]
-        applied = f"mean pressure of {quantity(float(load['mean_pressure']), 'Pa')}"
+        answers = []
+        for name, (text, unit) in _ANSWERS.items():
+            ends = interval_at(statistics, name, index)
+            factor, unit_label = (100.0, unit) if unit.startswith("%") else prefix(ends[0], unit)
+            answers.append(f"{text} {with_interval(*(factor * end for end in ends))} {unit_label}")
+        applied = f"mean pressure of {quantity(float(statistics['mean_pressure'][index]), 'Pa')}"
         if free:
-            applied = f"force of {quantity(float(load['force']), 'N')}"
+            applied = f"force of {quantity(float(statistics['force'][index]), 'N')}"
             answers[0] = answers[0].replace("nominal area", "area of the map")
         sentences.append(f"A {applied} gives {', '.join(answers[:-1])} and {answers[-1]}.")
     if "relative_contact_area_lower" in statistics:
@@ -144,10 +148,3 @@ def _answers(statistics: xr.Dataset, uncertainty: Mapping[str, Any]) -> list[str
             measurand = f"this body{', also at other positions on its roughness' if positions else ''}"
         sentences.append(f"The intervals hold 95 % and are for {measurand}.")
     return sentences
-
-
-def _answer(load: xr.Dataset, name: str, unit: str) -> str:
-    """Return a value with its interval and unit."""
-    value, lower, upper = (float(load.get(f"{name}{end}", math.nan)) for end in ("", "_lower", "_upper"))
-    factor, unit_label = (100.0, unit) if unit.startswith("%") else prefix(value, unit)
-    return f"{with_interval(value * factor, lower * factor, upper * factor)} {unit_label}"

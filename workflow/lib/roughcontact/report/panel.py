@@ -68,7 +68,8 @@ def write_panel(
     measured, plane, solved = (_read_map(file) for file in (height, levelled, window))
     numbers = read_dataset(statistics)
     order = np.argsort(numbers["mean_pressure"].values, kind="stable")
-    numbers = numbers.isel(load=order)
+    if (np.diff(order) < 0).any():
+        numbers = numbers.isel(load=order)
     displayed = usable_loads(numbers)
     checks_of = partial(
         checks.surface_checks,

@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import re
+from functools import cache
 from pathlib import Path
 
 import jinja2
@@ -21,6 +22,12 @@ def template(name: str, *, folder: Path | None = None) -> jinja2.Template:
     >>> ":root" in template("report.css").render()
     True
     """
+    return _environment(folder).get_template(name)
+
+
+@cache
+def _environment(folder: Path | None) -> jinja2.Environment:
+    """Return where templates are looked for; it keeps those that were read."""
     folders = [_TEMPLATES] if folder is None else [folder, _TEMPLATES]
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(folders),
@@ -30,7 +37,7 @@ def template(name: str, *, folder: Path | None = None) -> jinja2.Template:
         lstrip_blocks=True,
     )
     environment.filters["digests"] = _digests
-    return environment.get_template(name)
+    return environment
 
 
 def _digests(markup: str) -> Markup:

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, height_unit, pressure_unit
+from roughcontact.variables import Numbers
 
 # units that are the same on every page; a leak is by length of the seal
 _FIXED = {
@@ -55,6 +56,21 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
     if unit == "m":
         return height_unit(float(plain.get("rms_height", np.nan)))
     raise ValueError(f"no unit of the report is known for {unit}")
+
+
+def interval_at(numbers: Numbers, name: str, index: int) -> tuple[float, float, float]:
+    """Return a number of a load and both ends of its interval (SI), NaN where it has none.
+
+    Examples
+    --------
+    >>> interval_at({"mean_gap": [2e-6], "mean_gap_lower": [1e-6]}, "mean_gap", 0)
+    (2e-06, 1e-06, nan)
+    """
+    keys = [f"{name}{end}" for end in ("", "_lower", "_upper")]
+    value, lower, upper = (
+        float(np.asarray(numbers[key])[index]) if key in numbers else np.nan for key in keys
+    )
+    return value, lower, upper
 
 
 def length_unit(longest: float) -> Unit:
