@@ -961,7 +961,8 @@ def test_every_point_of_a_large_map_can_be_seen_and_read(tmp_path):
     chart = map_plots.pressure_map(height_map(np.zeros((700, 900)), 1e-6), pressure, highest=1e6)
     points = [[row, column] for row in range(0, 700, 77) for column in range(0, 900, 91)]
     text = (
-        f'<!DOCTYPE html><style>{template("report.css").render()}</style><figure style="width:300px">'
+        f'<!DOCTYPE html><meta charset="utf-8"><style>{template("report.css").render()}</style>'
+        '<figure style="width:300px">'
         f'<img src="{chart.source()}" alt="Pressure."></figure>{template("figures.html").render()}'
     )
     probe = ENLARGED_PROBE.replace("UNTIL", UNTIL).replace("POINTS", json.dumps(points))

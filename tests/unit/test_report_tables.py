@@ -5,7 +5,9 @@ import pytest
 import xarray as xr
 
 from roughcontact.report.glance import Cell, glance_rows, loads_to_compare
-from roughcontact.report.tables import number_tables
+from roughcontact.report.tables import UNITS, number_tables
+from roughcontact.report.units import unit_of
+from roughcontact.variables import VARIABLES
 
 # of one load: variable -> value in SI, and as the tables of a steel part of 1 mm write it, with its unit
 SHOWN = {
@@ -124,3 +126,10 @@ def test_a_largest_pressure_below_the_hardness_has_its_interval():
     limits = {"hardness": 1e9, "max_pressure_lower": ("load", [8.6e8]), "max_pressure_upper": ("load", [9e8])}
     (row,) = glance_rows(one_load(**limits))
     assert row[6] == Cell("876 MPa", "−16 +24", precision="to ± 10 %")
+
+
+@pytest.mark.parametrize(("name", "unit"), UNITS.items())
+def test_every_number_of_the_tables_has_a_unit_of_its_dimension(name, unit):
+    """Such as the kelvins of flash temperatures; "%" and "m along" are ways to write a share and a length."""
+    assert unit_of(xr.Dataset(), unit).factor > 0
+    assert unit.replace("%", "1").removesuffix(" along") == VARIABLES[name][0]

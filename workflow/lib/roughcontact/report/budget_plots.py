@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, number, percent, prefix, with_interval
-from roughcontact.report.charts import COLOURS, MARKERS, Axis, Chart
+from roughcontact.report.charts import Axis, Chart, log_axis
 from roughcontact.report.tables import TITLES, UNITS
 from roughcontact.report.units import unit_of
 from roughcontact.uncertainty.combination import COMBINED, uncertainty_table
@@ -134,20 +134,14 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
     shares = np.array([_in_percent(component, value) for component in (*components, lower, upper)])
     highest = np.max(shares, initial=100.0, where=np.isfinite(shares))
     chart = Chart(
-        Axis(f"mean pressure p̄ ({unit})", load.min() * factor / 1.5, load.max() * factor * 1.5, log=True),
+        log_axis(f"mean pressure p̄ ({unit})", load * factor),
         Axis("± in percent of the value", _SMALLEST_SHARE, 2 * highest, log=True),
         title=TITLES[name],
         size=(330.0, 290.0),
     )
     for index, (source, component) in enumerate(zip(present, components, strict=True)):
-        chart.marks(
-            load * factor,
-            _in_percent(component, value),
-            colour=COLOURS[index],
-            marker=MARKERS[index],
-            joined=1.5,
-            label=_SOURCE_LABELS[source],
-        )
+        share = _in_percent(component, value)
+        chart.series(index, load * factor, share, label=_SOURCE_LABELS[source])
     for half, dash, text in ((upper, "", f"{_SOURCE_LABELS['combined']}, up"), (lower, "5 3", "down")):
         share = _in_percent(half, value)
         chart.line(load * factor, share, colour="#000000", width=2.2, dash=dash, label=text)
@@ -291,25 +285,14 @@ def against_cutoff(numbers: xr.Dataset, name: str) -> Chart | None:
     if np.isnan(displayed).all():
         return None
     chart = Chart(
-        Axis(
-            f"shortest wave kept ({unit})",
-            wavelengths[0] * factor / 1.3,
-            wavelengths[-1] * factor * 1.3,
-            log=True,
-        ),
-        Axis(f"{text} ({selected.shown})", np.nanmin(displayed) / 1.5, np.nanmax(displayed) * 1.5, log=True),
+        log_axis(f"shortest wave kept ({unit})", wavelengths * factor, room=1.3),
+        log_axis(f"{text} ({selected.shown})", displayed),
         title=text,
         size=(330.0, 290.0),
     )
     for index, (load, values) in enumerate(zip(loads, displayed, strict=True)):
-        chart.marks(
-            wavelengths * factor,
-            values,
-            colour=COLOURS[index],
-            marker=MARKERS[index],
-            joined=1.5,
-            label=unit_of(numbers, "Pa").text(float(pressures[load])),
-        )
+        label = unit_of(numbers, "Pa").text(float(pressures[load]))
+        chart.series(index, wavelengths * factor, values, label=label)
     return chart
 
 

@@ -7,16 +7,11 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, number, quantity, with_interval
+from roughcontact.report.tables import TITLES, UNITS
 from roughcontact.report.units import interval_at, middle_of, unit_of
 from roughcontact.uncertainty.differences import case_differences, case_pairs, shared_loads
 
-# quantity, its name, its unit (a share is given in percent)
-_COMPARED = (
-    ("relative_contact_area", "contact area A/A₀", "%"),
-    ("mean_contact_pressure", "pressure in contact", "Pa"),
-    ("max_pressure", "largest pressure", "Pa"),
-    ("mean_gap", "mean gap ū", "m"),
-)
+_COMPARED = ("relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
 _PERCENT = Unit(1.0, "%")  # of numbers in percent
 _SPREAD = (0.1, 0.9)  # quantiles over the surfaces
 
@@ -55,7 +50,7 @@ def case_table(cases: Mapping[str, xr.Dataset], *, equal_loads: bool = False) ->
 
     Examples
     --------
-    >>> one = xr.Dataset({name: ("load", [0.1]) for name, _, _ in _COMPARED}).assign(
+    >>> one = xr.Dataset({name: ("load", [0.1]) for name in _COMPARED}).assign(
     ...     mean_pressure=("load", [1e6])
     ... )
     >>> table = case_table({"soft": one, "hard": one * 2}, equal_loads=True)
@@ -92,8 +87,8 @@ def _table(surfaces: Sequence[Cases], *, equal_loads: bool, many: bool) -> dict[
     names, pairs = list(compared[0]), [pair for pair, indices in first.indices.items() if indices]
     middle = middle_of([cases[names[0]] for cases in compared])
     groups = []
-    for name, title, category in _COMPARED if first.rows else ():
-        unit, rows = unit_of(middle, category), []
+    for name in _COMPARED if first.rows else ():
+        unit, rows = unit_of(middle, UNITS[name]), []
         for row in first.rows:
             below_text = {case: [(cases[case], index) for cases in compared] for case, index in row.items()}
             cells = [
@@ -108,7 +103,7 @@ def _table(surfaces: Sequence[Cases], *, equal_loads: bool, many: bool) -> dict[
                 ends = [_ends(result[source].changes[dataset, two], name, index) for source in retained]
                 cells.append(_change(below_text[dataset], below_text[two], name, ends, many=many))
             rows.append([_load(compared, row), *cells])
-        groups.append({"title": title, "rows": rows})
+        groups.append({"title": TITLES[name], "rows": rows})
     apart = [pair for pair, indices in first.indices.items() if not indices]
     return {
         "cases": names,

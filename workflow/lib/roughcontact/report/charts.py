@@ -111,6 +111,19 @@ class Axis:
         return [self.label, *(float(f"{end:.8g}") for end in (self.low, self.high)), *[1] * self.log]
 
 
+def log_axis(label: str, values: np.ndarray, *, room: float = 1.5) -> Axis:
+    """Return the logarithmic axis that holds all positive values, with a factor of `room` at either end.
+
+    Examples
+    --------
+    >>> log_axis("load", np.array([np.nan, 0.0, 3.0, 6.0]))
+    Axis(label='load', low=2.0, high=9.0, log=True)
+    """
+    positive = values[np.isfinite(values) & (values > 0)]
+    low, high = (positive.min(), positive.max()) if positive.size else (1.0, 1.0)
+    return Axis(label, float(low) / room, float(high) * room, log=True)
+
+
 def _decades(low: float, high: float, most: int) -> tuple[list[float], list[float]]:
     """Return the ticks of a logarithmic axis: powers of ten, where there are few also 2 and 5 times these."""
     first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
@@ -236,6 +249,10 @@ class Chart:
             self._drawn.append(f'<g data-of="{html.escape(label)}">{"".join(glyphs)}</g>')
         if listed:
             self.key(label, colour=colour, marker=marker, filled=filled, width=joined, dash=dash)
+
+    def series(self, index: int, x: np.ndarray, y: np.ndarray, *, label: str) -> None:
+        """Draw one of several lines with marks, in its own colour and mark."""
+        self.marks(x, y, colour=COLOURS[index], marker=MARKERS[index], joined=1.5, label=label)
 
     def key(
         self,

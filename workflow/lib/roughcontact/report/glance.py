@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, number, percent, with_interval
-from roughcontact.report.tables import as_the_area, is_profile
+from roughcontact.report.tables import UNITS, as_the_area, is_profile
 from roughcontact.report.units import interval_at, middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.outcome import FAILED, VERDICTS
@@ -30,23 +30,6 @@ HEADINGS = (
 _NO_INTERVAL = "no ±"
 _ONE_SIDED, _TWO_SIDED = "the whole ± agrees", "the ± holds both"  # of a yes or no
 _COMMON_UNIT_RATIO = 100.0  # ratio of rms heights up to which one unit does for all
-# the units of the numbers in the table, as `unit_of` knows them
-_UNITS = {
-    "mean_pressure": "Pa",
-    "relative_contact_area": "%",
-    "mean_contact_pressure": "Pa",
-    "max_pressure": "Pa",
-    "mean_gap": "m",
-    "critical_constriction_x": "m",
-    "critical_constriction_y": "m",
-    "leak_rate_x": "m2 s-1",
-    "leak_rate_y": "m2 s-1",
-    "thermal_conductance": "W m-2 K-1",
-    "electrical_conductance": "S m-2",
-    "conductance_per_conductivity": "m-1",
-    "thermal_resistance": "m2 K W-1",
-    "electrical_resistance": "Ohm m2",
-}
 
 
 class Cell(NamedTuple):
@@ -132,7 +115,7 @@ def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
     return [
         {
             name: unit_of(result if unit == "Pa" or common_units is None else common_units, unit)
-            for name, unit in _UNITS.items()
+            for name, unit in UNITS.items()
         }
         for result in results
     ]

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, percent, several, with_interval
+from roughcontact.report.glance import HEADINGS as OF_MAPS
 from roughcontact.report.glance import (
     Cell,
     glance_units,
@@ -23,16 +24,8 @@ from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 from roughcontact.uncertainty.groups import is_range
 
-HEADINGS = (
-    "mean pressure\N{NO-BREAK SPACE}p̄",
-    "contact area\N{NO-BREAK SPACE}A/A₀",
-    "of the next map",
-    "scatter s",
-    "pressure in contact",
-    "mean\N{NO-BREAK SPACE}gap\N{NO-BREAK SPACE}ū",
-    "largest pressure",
-    "conductance",
-)
+# of the table at a glance, but for what a map has not
+HEADINGS = (*OF_MAPS[:2], "of the next map", "scatter s", *OF_MAPS[2:4], *OF_MAPS[6:])
 _AREA = "relative_contact_area"
 _PEAK = "max_pressure"
 _FURTHER_QUANTITIES = ("mean_contact_pressure", "mean_gap", _PEAK, "conductance_per_conductivity")

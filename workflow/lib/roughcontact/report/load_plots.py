@@ -16,6 +16,7 @@ from roughcontact.report.charts import (
     MARKERS,
     Axis,
     Chart,
+    log_axis,
 )
 from roughcontact.report.units import unit_of
 from roughcontact.roughness.summits import summit_statistics
@@ -249,7 +250,7 @@ def _area_chart(
     """Return the log-log axes of area (percent) against load that hold these shares."""
     lowest = max(np.min(areas[areas > 0], initial=1.0) / 2, 1e-8)
     return Chart(
-        Axis(label, loads.min() / 1.5, loads.max() * 1.5, log=True),
+        log_axis(label, loads),
         Axis("contact area A/A₀ (%)", 100 * lowest, 140.0, log=True),
         top=top,
         size=size,
@@ -264,8 +265,7 @@ def _clipped_ends(ends: np.ndarray, areas: np.ndarray) -> np.ndarray:
 
 def _load_axis(statistics: xr.Dataset, name: str, label: str, factor: float) -> Axis:
     """Return the logarithmic axis of a load; those of mean and relative pressure run alongside."""
-    load = statistics[name].values * factor
-    return Axis(label, load.min() / 1.5, load.max() * 1.5, log=True)
+    return log_axis(label, statistics[name].values * factor)
 
 
 def _pascal_axis(statistics: xr.Dataset) -> Axis:
@@ -342,13 +342,9 @@ def _against_load(
     results = [[values * unit.factor for values in result] for result in results]
     at_limit, limit_label = limit[0] * unit.factor, limit[1]
     drawn = np.concatenate([*(values for result in results for values in result), [at_limit]])
-    drawn = drawn[np.isfinite(drawn) & (drawn > 0)]
-    lowest, highest = (drawn.min(), drawn.max()) if drawn.size else (1.0, 1.0)
-    chart = Chart(
-        _pascal_axis(statistics),
-        Axis(f"{label} ({unit.shown})", max(lowest, 1e-5 * highest) / 1.6, highest * 1.6, log=True),
-        top=_relative_axis(statistics),
-    )
+    drawn[drawn < 1e-5 * np.nanmax(drawn)] = np.nan
+    y = log_axis(f"{label} ({unit.shown})", drawn, room=1.6)
+    chart = Chart(_pascal_axis(statistics), y, top=_relative_axis(statistics))
     if np.isfinite(at_limit):
         chart.across(y=at_limit, dash=DASHED, label=limit_label)
     for (_, text, colour, marker), (value, *ends) in zip(lines, results, strict=True):

@@ -1,6 +1,7 @@
 """Maps of heights, contact pressure and gap; profiles are drawn as lines."""
 
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -13,14 +14,25 @@ from roughcontact.report.colours import colour_scale, coloured
 from roughcontact.report.units import length_unit
 
 _MICROMETRES, _MEGAPASCALS = Unit(1e6, "µm"), Unit(1e-6, "MPa")
-_NOT_MEASURED = "#ff4fa3"
-_NO_CONTACT = "#e4e4e4"
-_CONTACT = "#ffffff"
 _WIDTH = 290.0  # of a square picture, pixels
 _HIGHEST = 400.0  # of a picture, pixels
 _LONGEST_ASPECT = 4.0  # longer pictures are drawn out of scale
 
 Frame = tuple[float, float, float, float]  # x, y, length x, length y
+
+
+class _Field(NamedTuple):
+    """What a map shows, and how: its colours, the colour of points without a value and what they are."""
+
+    label: str
+    colours: str
+    bad: str
+    bad_word: str
+
+
+_HEIGHT = _Field("height", "viridis", "#ff4fa3", "not measured")
+_PRESSURE = _Field("pressure", "viridis", "#e4e4e4", "no contact")
+_GAP = _Field("gap", "cividis", "#ffffff", "contact")
 
 
 def height_map(
@@ -56,19 +68,8 @@ def height_map(
         outline = np.array([x, x + width, x + width, x, x]), np.array([y, y, y + depth, y + depth, y])
     values = height.values - np.nanmean(height.values)
     lowest, highest = np.nanpercentile(values, [0.1, 99.9])  # a few spikes must not take up the colour scale
-    return _map(
-        height,
-        values,
-        label="height",
-        unit=unit,
-        colours="viridis",
-        bad=_NOT_MEASURED,
-        limits=(lowest, highest),
-        extend=(True, True),
-        bad_word="not measured",
-        outline=outline,
-        along=along,
-    )
+    limits, beyond = (lowest, highest), (True, True)
+    return _map(_HEIGHT, height, values, limits, beyond, unit=unit, outline=outline, along=along)
 
 
 def common_limits(loads: Iterable[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
@@ -123,18 +124,9 @@ def pressure_map(
         angle = np.linspace(0, 2 * np.pi, 181)
         (ly, lx), (a, b) = side_lengths(height), ellipse
         outline = lx / 2 + a * np.cos(angle), ly / 2 + b * np.sin(angle)
-    return _map(
-        height,
-        np.where(pressure > 0, pressure, np.nan),
-        label="pressure",
-        unit=unit,
-        colours="viridis",
-        bad=_NO_CONTACT,
-        limits=(0, highest),
-        extend=(False, bool((pressure > highest).any())),
-        bad_word="no contact",
-        outline=outline,
-    )
+    values = np.where(pressure > 0, pressure, np.nan)
+    beyond = False, bool((pressure > highest).any())
+    return _map(_PRESSURE, height, values, (0, highest), beyond, unit=unit, outline=outline)
 
 
 def gap_map(
@@ -158,16 +150,7 @@ def gap_map(
         return _profile(height, faces, label="height", unit=unit)
     # in full contact there is no gap for the scale
     widest = widest or gap[pressure == 0].max(initial=0.0) or float(np.ptp(height.values))
-    return _map(
-        height,
-        np.where(pressure > 0, np.nan, gap),
-        label="gap",
-        unit=unit,
-        colours="cividis",
-        bad=_CONTACT,
-        limits=(0, widest),
-        bad_word="contact",
-    )
+    return _map(_GAP, height, np.where(pressure > 0, np.nan, gap), (0, widest), unit=unit)
 
 
 def framed(
@@ -177,7 +160,7 @@ def framed(
     *,
     bar: Axis,
     colours: str,
-    bad: str = _CONTACT,
+    bad: str = "#ffffff",
     bad_word: str = "",
     extend: tuple[bool, bool] = (False, False),
 ) -> Chart:
@@ -227,20 +210,17 @@ def framed(
 
 
 def _map(
+    field: _Field,
     height: xr.DataArray,
     values: np.ndarray,
-    *,
-    label: str,
-    unit: Unit,
-    colours: str,
-    bad: str,
-    bad_word: str,
     limits: tuple[float, float],
     extend: tuple[bool, bool] = (False, False),
+    *,
+    unit: Unit,
     outline: tuple[np.ndarray, np.ndarray] | None = None,
     along: Unit | None = None,
 ) -> Chart:
-    """Draw values over the extent of `height`; NaN in the colour `bad`, an arrow where colours end early."""
+    """Draw the values of a field over the extent of `height`, with an arrow where colours end early."""
     lengths = side_lengths(height)
     factor, of_lengths = along or length_unit(max(lengths))
     ly, lx = (length * factor for length in lengths)
@@ -249,11 +229,11 @@ def _map(
         Axis(f"x ({of_lengths})", 0.0, lx),
         Axis(f"y ({of_lengths})", 0.0, ly),
         values * unit.factor,
-        bar=Axis(f"{label} ({unit.shown})", low, high if high > low else low + 1e-6 * unit.factor),
-        colours=colours,
-        bad=bad,
-        bad_word=bad_word,
+        bar=Axis(f"{field.label} ({unit.shown})", low, high if high > low else low + 1e-6 * unit.factor),
         extend=extend,
+        colours=field.colours,
+        bad=field.bad,
+        bad_word=field.bad_word,
     )
     if outline is not None:
         x, y = (coordinate * factor for coordinate in outline)
@@ -283,11 +263,6 @@ def _profile(
         size=(450.0, 290.0),
     )
     for values, name, colour in lines:
-        chart.line(
-            position * factor,
-            values * unit.factor,
-            colour=colour,
-            width=1.1,
-            label=name if len(lines) > 1 else "",
-        )
+        listed = name if len(lines) > 1 else ""
+        chart.line(position * factor, values * unit.factor, colour=colour, width=1.1, label=listed)
     return chart

@@ -9,7 +9,7 @@ import xarray as xr
 
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.quantities import number, quantity
-from roughcontact.report.charts import COLOURS, DASHED, DOTTED, GREY, INK, Axis, Chart
+from roughcontact.report.charts import COLOURS, DASHED, DOTTED, GREY, INK, Axis, Chart, log_axis
 from roughcontact.report.units import length_unit
 
 _ROW = 30.0  # pixels
@@ -52,18 +52,18 @@ def stack_of_layers(bodies: Sequence[Mapping[str, Any]], window: xr.DataArray) -
     marks = {"pixel": math.prod(steps) ** (1 / len(steps)), "window": max(side_lengths(window))}
     available = [*marks.values(), *(thickness for _, thickness, _ in rows if 0 < thickness < math.inf)]
     unit = length_unit(marks["window"])
-    low, high = min(available) * unit.factor / 3, max(available) * unit.factor * 3
+    x = log_axis(f"thickness ({unit.shown}), logarithmic", np.array(available) * unit.factor, room=3)
     chart = Chart(
-        Axis(f"thickness ({unit.shown}), logarithmic", low, high, log=True),
+        x,
         _Rows("", len(rows), 0.0),
         size=(430.0, 58 + _ROW * len(rows)),
         margins=(12.0, 8.0, 12.0, 50.0),
         grid=False,
     )
     for row, (_, thickness, colour) in enumerate(rows):
-        end, faces = min(thickness * unit.factor, high), row + np.array([0.6, 0.95])
+        end, faces = min(thickness * unit.factor, x.high), row + np.array([0.6, 0.95])
         if end:
-            chart.shade(np.array([low, end]), *np.repeat(faces[:, None], 2, axis=1), colour=colour)
+            chart.shade(np.array([x.low, end]), *np.repeat(faces[:, None], 2, axis=1), colour=colour)
             chart.line(np.full(2, end), faces, colour=colour, width=3, read=False)
     sentence = [text for text, *_ in rows]
     for (name, length), dash in zip(marks.items(), (DOTTED, DASHED), strict=True):

@@ -74,7 +74,7 @@ _OF_LAYERS = (
     ("interface_normal_stress", "normal stress below {}", "Pa"),
 )
 TITLES = {name: title for columns in _GROUPS.values() for name, title, _ in columns}
-UNITS = {name: unit for columns in _GROUPS.values() for name, _, unit in columns}
+UNITS = {name: unit for columns in ((_LOAD,), *_GROUPS.values()) for name, _, unit in columns}
 
 # materials with the hardness over modulus of `bearing.HARDNESS_OVER_MODULUS`
 _MATERIALS = (

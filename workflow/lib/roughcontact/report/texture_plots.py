@@ -11,7 +11,7 @@ from roughcontact.maps import side_lengths, spacing
 from roughcontact.profiles.spectrum import ProfileFit
 from roughcontact.profiles.surface import profile_pieces
 from roughcontact.quantities import Unit
-from roughcontact.report.charts import COLOURS, DASHED, DOTTED, Axis, Chart
+from roughcontact.report.charts import COLOURS, DASHED, DOTTED, Axis, Chart, log_axis
 from roughcontact.report.map_plots import framed
 from roughcontact.report.units import length_unit
 from roughcontact.roughness import parameters
@@ -42,17 +42,8 @@ def spectrum(window: xr.DataArray) -> str:
     inside = power > 1e-20 * power.max()  # below lies the rounding of waves that were removed
     visible = power[inside]
     step = min(d for n, d in zip(window.shape, spacing(window), strict=True) if n > 1)
-    ends = q[0] * unit_q / 1.3, np.pi / step * unit_q * 1.3
-    chart = Chart(
-        Axis(f"wavenumber q (rad/{length})", *ends, log=True),
-        Axis(
-            f"C(q) ({_HEIGHT.shown}² {length}{'' if profile else '²'})",
-            visible.min() / 30,
-            visible.max() * 5,
-            log=True,
-        ),
-        top=Axis(f"wavelength ({length})", 2 * np.pi / ends[0], 2 * np.pi / ends[1], log=True),
-    )
+    ends = q[0] * unit_q, np.pi / step * unit_q
+    chart = _spectrum_chart(ends, length, (visible.min() / 30, visible.max() * 5), profile=profile)
     _mark_band(chart, window, q[0] * unit_q, unit_q)
     chart.line(q[inside] * unit_q, visible, colour=COLOURS[0])
     return chart.source()
@@ -69,15 +60,21 @@ def fitted_spectrum(levelled: xr.DataArray) -> str:
     measured, fitted = (
         values[: q.size] * _HEIGHT.factor**2 * pitch / unit_q for values in (fit.measured, spectrum.fitted)
     )
-    ends = q[0] / 1.3, q[-1] * 1.3
-    chart = Chart(
-        Axis(f"wavenumber q (rad/{length})", *ends, log=True),
-        Axis(f"C(q) ({_HEIGHT.shown}² {length})", measured.min() / 3, measured.max() * 3, log=True),
-        top=Axis(f"wavelength ({length})", 2 * np.pi / ends[0], 2 * np.pi / ends[1], log=True),
-    )
+    limits = measured.min() / 3, measured.max() * 3
+    chart = _spectrum_chart((q[0], q[-1]), length, limits, profile=True)
     chart.line(q, measured, colour=COLOURS[1], label="profiles")
     chart.line(q, fitted, colour=COLOURS[0], label="fit")
     return chart.source()
+
+
+def _spectrum_chart(
+    wavenumbers: tuple[float, float], length: str, powers: tuple[float, float], *, profile: bool
+) -> Chart:
+    """Return the axes of a spectrum: wavenumbers and wavelengths in a unit of length, powers."""
+    x = log_axis(f"wavenumber q (rad/{length})", np.array(wavenumbers), room=1.3)
+    y = Axis(f"C(q) ({_HEIGHT.shown}² {length}{'' if profile else '²'})", *powers, log=True)
+    top = Axis(f"wavelength ({length})", 2 * np.pi / x.low, 2 * np.pi / x.high, log=True)
+    return Chart(x, y, top=top)
 
 
 def _mark_band(chart: Chart, window: xr.DataArray, first: float, unit_q: float) -> None:
@@ -120,13 +117,10 @@ def directional_spectrum(window: xr.DataArray) -> str:
     rows, columns = np.abs(qy) <= reach, np.abs(qx) <= reach
     unit_q, length = _inverse_length(window)
     displayed = np.log10(np.maximum(power[np.ix_(rows, columns)] * _HEIGHT.factor**2 * unit_q**-2, 1e-300))
-    return _picture(
-        displayed,
-        (qx[columns] * unit_q, qy[rows] * unit_q),
-        axes_label=f"q along {{}} (rad/{length})",
-        bar=Axis(f"log₁₀ C ({_HEIGHT.shown}² {length}²)", displayed.max() - _DECADES, displayed.max()),
-        colours="magma",
-    ).source()
+    x = _centred(f"q along x (rad/{length})", qx[columns] * unit_q)
+    y = _centred(f"q along y (rad/{length})", qy[rows] * unit_q)
+    bar = Axis(f"log₁₀ C ({_HEIGHT.shown}² {length}²)", displayed.max() - _DECADES, displayed.max())
+    return framed(x, y, displayed, bar=bar, colours="magma").source()
 
 
 def autocorrelation_map(window: xr.DataArray) -> str:
@@ -161,37 +155,17 @@ def autocorrelation_map(window: xr.DataArray) -> str:
         chart.across(y=DECAY, dash=DASHED, label=f"{DECAY:g}: Sal")
         chart.line(shift, displayed.ravel(), colour=COLOURS[0])
         return chart.source()
-    chart = _picture(
-        displayed,
-        (x, y),
-        axes_label=f"shift along {{}} ({unit})",
-        bar=Axis("autocorrelation", min(float(displayed.min()), 0.0), 1.0),
-        colours="viridis",
-    )
+    bar = Axis("autocorrelation", min(float(displayed.min()), 0.0), 1.0)
+    axes = _centred(f"shift along x ({unit})", x), _centred(f"shift along y ({unit})", y)
+    chart = framed(*axes, displayed, bar=bar, colours="viridis")
     chart.line(*_contour(x, y, displayed, DECAY), colour="#ffffff")
     return chart.source()
 
 
-def _picture(
-    values: np.ndarray,
-    positions: tuple[np.ndarray, np.ndarray],
-    *,
-    axes_label: str,
-    bar: Axis,
-    colours: str,
-) -> Chart:
-    """Return values over the positions (x, y) of their points."""
-    ends = []
-    for index in positions:
-        half = (index[1] - index[0]) / 2 if index.size > 1 else 0.5
-        ends.append((index[0] - half, index[-1] + half))
-    return framed(
-        Axis(axes_label.format("x"), *ends[0]),
-        Axis(axes_label.format("y"), *ends[1]),
-        values,
-        bar=bar,
-        colours=colours,
-    )
+def _centred(label: str, positions: np.ndarray) -> Axis:
+    """Return the axis of a picture with its points at these positions, in their middles."""
+    half = (positions[1] - positions[0]) / 2 if positions.size > 1 else 0.5
+    return Axis(label, positions[0] - half, positions[-1] + half)
 
 
 def _contour(x: np.ndarray, y: np.ndarray, values: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:

@@ -17,6 +17,7 @@ from roughcontact.variables import Numbers
 _FIXED = {
     "%": Unit(100.0, "%"),
     "1": Unit(1.0, ""),
+    "K": Unit(1.0, "K"),
     "m-1": Unit(1e-3, "mm⁻¹"),
     "m2": Unit(1e12, "µm²"),
     "J m-2": Unit(1.0, "J/m²"),

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import number, percent, quantity
-from roughcontact.report.charts import COLOURS, DASHED, Axis, Chart
+from roughcontact.report.charts import COLOURS, DASHED, Chart, log_axis
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import read_dataset
 
@@ -49,12 +49,11 @@ def _both_ways(loaded: xr.Dataset, ways: Sequence[xr.Dataset], result: str) -> C
     (pascals, pressure), (factor, unit) = (unit_of(loaded, si) for si in ("Pa", _LABELS[result][1]))
     loads = np.concatenate([curve["mean_pressure"].values for curve in curves]) * pascals
     values = np.concatenate([curve[result].values for curve in curves]) * factor
-    values = values[np.isfinite(values) & (values > 0)]
-    if not values.size:
+    if not (values > 0).any():
         return None
     chart = Chart(
-        Axis(f"mean pressure p̄ ({pressure})", loads.min() / 1.5, loads.max() * 1.5, log=True),
-        Axis(f"{_LABELS[result][0]} ({unit})", values.min() / 1.6, values.max() * 1.6, log=True),
+        log_axis(f"mean pressure p̄ ({pressure})", loads),
+        log_axis(f"{_LABELS[result][0]} ({unit})", values, room=1.6),
     )
     for index, curve in enumerate(curves):
         way = f"unloading from {quantity(float(curve['peak_pressure']), 'Pa')}" if index else "loading"
