@@ -16,27 +16,11 @@ def elastic_energy(
     influence: Influence = "sampled",
     layers: LayeredPair | None = None,
 ) -> float:
-    """Return the elastic energy per area, U = 1/2 sum_{q != 0} S(q)/E* |p(q)|^2, J/m^2.
+    """Return the energy U = 1/2 sum_{q != 0} S(q)/E* |p(q)|^2 of a pressure (ny, nx; Pa), in J/m^2.
 
-    It is half the mean of pressure times displacement [1]_, zero for a uniform pressure.
-
-    `pressure` (ny, nx) in Pa: periodic; `steps` (dy, dx) in m: of the points; `contact_modulus` in Pa: E*;
-    `influence`: symbol S of the operator that the contact was solved with
-    (`roughcontact.elasticity.influence`), 2/|q| for ``sampled``; `layers`: of the bodies
-    (`roughcontact.elasticity.layers`); E* is then that of their surfaces.
-
-    References
-    ----------
-    .. [1] Johnson (1985), Contact Mechanics, chapter 13.
-
-    Examples
-    --------
-    A pressure wave of amplitude A stores A^2/(2 E* q):
-
-    >>> import numpy as np
-    >>> wave = 2.0 * np.cos(2 * np.pi * np.arange(16) / 16)[None, :]
-    >>> print(f"{elastic_energy(wave, (1 / 16, 1 / 16), contact_modulus=1.0) * 2 * np.pi:.6f}")
-    2.000000
+    It is half the mean of pressure times displacement (Johnson 1985, Contact Mechanics, chapter 13), with the
+    symbol S of the `influence` that the contact was solved with, and zero for a uniform pressure; `steps`
+    (dy, dx) are in m.
     """
     total = 0.0
     for qy, qx, power in over_wavevectors(wave_power(pressure), pressure.shape, steps):
@@ -56,22 +40,8 @@ def conforming_energy(
 ) -> float:
     """Return the elastic energy per area of a map that is pressed flat, U = E*/4 sum |q| |h(q)|^2, J/m^2.
 
-    `height` (ny, nx) in m: periodic; `steps` (dy, dx) in m: of the points; `contact_modulus` in Pa: E*;
-    `power` (ny, nx // 2 + 1) in m^2: of its waves (`roughcontact.kernels.waves.wave_power`), if already
-    known; `layers`: of the bodies: each wave is divided by their factor.
-
-    References
-    ----------
-    .. [1] Johnson (1985), Contact Mechanics, chapter 13.
-
-    Examples
-    --------
-    A wave of amplitude D costs E* q D^2/8:
-
-    >>> import numpy as np
-    >>> wave = 2.0 * np.cos(2 * np.pi * np.arange(16) / 16)[None, :]
-    >>> print(f"{conforming_energy(wave, (1 / 16, 1 / 16), contact_modulus=1.0) / np.pi:.6f}")
-    1.000000
+    Johnson (1985), Contact Mechanics, chapter 13; `height` (ny, nx) and `steps` (dy, dx) in m, the `power`
+    (m^2) of its waves (ny, nx // 2 + 1) where known; each wave is divided by the factor of the layers.
     """
     power = wave_power(height) if power is None else power
     total = 0.0

@@ -1,16 +1,9 @@
 """The half-space under a body of finite size: the kernel 1/(pi E* r), cut off beyond its contact.
 
-Two points in contact are never further apart than the diameter of the contact. A kernel that is exact up to
-that reach and fades to zero beyond it displaces the contact as the half-space does, and in a periodic cell
-of at least the width of the contact plus the distance where it vanishes, no image acts on it [1]_. So the
-problem of free boundaries is one of the periodic solver with another symbol. That is positive: the kernel cut
-off at r = R has the symbol (2/|q|) F(|q| R), F(z) the integral of J0 from 0 to z, which is positive for all
-z > 0, and a linear fade is the mean of such cut-offs. So the certificate of the periodic solver holds as it
-is.
-
-References
-----------
-.. [1] Vico, Greengard and Ferrando (2016), J. Comput. Phys. 323, 191, for the cut-off.
+No image acts on a contact in a cell of at least its width plus the distance where the kernel vanishes (Vico,
+Greengard and Ferrando 2016, J. Comput. Phys. 323, 191). The symbol of a cut-off at R, (2/|q|) F(|q| R) with
+F(z) the integral of J0 from 0 to z, is positive, and a linear fade is a mean of cut-offs: the certificate of
+the periodic solver holds.
 """
 
 from dataclasses import dataclass

@@ -1,13 +1,8 @@
 """The periodic elastic half-space: displacement of its surface under a pressure, and the inverse.
 
-A pressure wave p exp(i q x) displaces the surface of a half-space by u = 2 p / (E* |q|) exp(i q x)
-[1]_, with 1/E* = (1 - nu^2)/E for a rigid counter-body. Everything here is dimensionless: lengths over a
-length L, heights over g L, pressures over E* g, so that the symbol is 2/|q| with q in units of 1/L.
-`roughcontact.contact.problem` does the scaling.
-
-References
-----------
-.. [1] Johnson (1985), Contact Mechanics, chapter 13.
+A pressure wave p exp(i q x) displaces it by u = 2 p / (E* |q|) exp(i q x) (Johnson 1985, Contact Mechanics,
+chapter 13). All is dimensionless, as `roughcontact.contact.problem` scales it: lengths over L, heights over g
+L, pressures over E* g.
 """
 
 import math
@@ -40,39 +35,11 @@ LATTICE_CONSTANT = 3.900264920001956 / math.pi
 
 
 class HalfSpace:
-    """The operators u = G p, with symbol 2/|q|, and its inverse p = G^-1 u, with symbol |q|/2, on one grid.
+    """The operators u = G p, of symbol 2/|q|, and p = G^-1 u, of symbol |q|/2, on one grid (ny, nx).
 
-    Both omit the mean (q = 0), which depends on the reference: see `zero_frequency_compliance`. All fields
-    are dimensionless and have the shape (ny, nx); their precision is that of the argument.
-
-    Parameters
-    ----------
-    shape : (ny, nx)
-        of the grid.
-    lengths : (Ly, Lx)
-        of the periodic cell.
-    influence : {"sampled", "elements"} or function
-        symbol of G, or its name (`roughcontact.elasticity.influence`).
-    layers : LayeredPair, optional
-        of the bodies, thicknesses in the unit of the lengths: the symbol is then that of
-        `roughcontact.elasticity.layers`.
-    threads : int
-        for transforms and kernels.
-    like : array (ny, nx), optional
-        array of the library and on the device of the fields; NumPy by default.
-
-    Attributes
-    ----------
-    applications : float
-        number of pairs of forward and inverse transforms so far.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> halfspace = HalfSpace((1, 8), (1.0, 1.0))
-    >>> wave = np.cos(2 * np.pi * np.arange(8) / 8)[None, :]
-    >>> print(np.round(halfspace.displacement(wave)[0, 0], 6), round(1 / np.pi, 6))  # 2/|q|, |q| = 2 pi
-    0.31831 0.31831
+    Both omit the mean (q = 0): see `zero_frequency_compliance`. The fields are dimensionless, their precision
+    that of the argument, on the device of `like`; `lengths` (Ly, Lx) and the thicknesses of `layers` share a
+    unit. `applications` counts pairs of forward and inverse transforms.
     """
 
     def __init__(
@@ -127,10 +94,9 @@ class HalfSpace:
         return self.field_of(spectrum, precision_of(displacement), out=out)
 
     def pressure_spectrum(self, displacement: Array) -> tuple[Array, float]:
-        """Return the spectrum of p = G^-1 u and the mean of u p: half an application.
+        """Return the unnormalised spectrum (ny, nx//2 + 1) of p = G^-1 u, and the mean of u p.
 
-        The spectrum, shape (ny, nx//2 + 1), is unnormalised. It may be overwritten by the next application
-        and through the `scratch` array.
+        The next application, or the `scratch` array, may overwrite it.
         """
         precision = precision_of(displacement)
         spectrum = self._transform(displacement)
@@ -185,40 +151,12 @@ class HalfSpace:
 
 
 def zero_frequency_compliance(rule: ZeroFrequency, *, lengths: tuple[float, float]) -> float:
-    """Return E* times the undetermined mean (q = 0) displacement per mean pressure, by convention.
+    """Return E* times the mean (q = 0) displacement per mean pressure (m), of a cell (Ly, Lx) in m.
 
-    The approach depends on the rule; pressure and contact area do not.
-
-    Parameters
-    ----------
-    rule : {"zero", "nogi-kato", "lattice"}
-        ``zero``: the displacement is relative to its own mean. ``nogi-kato``: the mean of 2/|q| over the
-        zero-frequency cell of the reciprocal lattice [1]_, in closed form
-        (Lx Ly / 4 pi^2) 8 [a asinh(b/a) + b asinh(a/b)] with a = pi/Lx, b = pi/Ly. ``lattice``: the value for
-        which the approach of one localised contact per square period is that of an isolated contact,
-        3.900265/pi L (lattice constant of a square array of point loads).
-    lengths : (Ly, Lx), m
-        of the periodic cell.
-
-    Returns
-    -------
-    float, m
-        zero, or a length of the order of the cell.
-
-    Raises
-    ------
-    SettingsError
-        for an unknown rule, or for ``lattice`` on a period that is not square.
-
-    References
-    ----------
-    .. [1] Nogi and Kato (1997), Influence of a hard surface layer on the limit of elastic contact, ASME J.
-       Tribol. 119, 493.
-
-    Examples
-    --------
-    >>> print(f"{zero_frequency_compliance('nogi-kato', lengths=(1.0, 1.0)):.5f}")  # 4 asinh(1)/pi
-    1.12220
+    The approach depends on the rule; pressure and contact area do not. `zero`: relative to the mean.
+    `nogi-kato`: the mean of 2/|q| over the zero-frequency cell of the reciprocal lattice (Nogi and Kato 1997,
+    ASME J. Tribol. 119, 493). `lattice`: the approach of one localised contact per square period is that of
+    an isolated contact.
     """
     check_choice("zero_frequency", rule, ZeroFrequency)
     ly, lx = lengths

@@ -1,8 +1,7 @@
 """Influence functions: how a pressure of wave vector q displaces the surface, u = S(q) p / E*.
 
-To add one, write a function (qy, qx, spacing) -> S here and add its name to `INFLUENCE` and
-`roughcontact.choices`; S must be positive and have the dimension of a length. Layers multiply 2/|q| by a
-factor of |q| alone (`roughcontact.elasticity.layers`).
+To add one, write (qy, qx, spacing) -> S, positive, a length, and add its name to `INFLUENCE` and
+`roughcontact.choices`. Layers multiply 2/|q| by a factor of |q| alone (`roughcontact.elasticity.layers`).
 """
 
 import math
@@ -28,40 +27,20 @@ _SMALL = 1e-9  # change of the factor of an alias by layers below which it is le
 
 
 def sampled(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
-    """Return 2/|q|: the half-space at the waves that the grid can hold [1]_.
-
-    The wave vectors have the shapes (ny, 1) and (1, nx//2 + 1) and the unit rad per unit length. The result
-    is infinite at q = 0 and does not depend on the `spacing`.
-
-    References
-    ----------
-    .. [1] Johnson (1985), Contact Mechanics, chapter 13.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> sampled(np.array([[0.0], [3.0]]), np.array([[4.0]]), (1.0, 1.0)).ravel().tolist()
-    [0.5, 0.4]
-    """
+    """Return 2/|q| at wave vectors (ny, 1) and (1, nx//2 + 1), infinite at 0: Johnson (1985), chapter 13."""
     symbol = store.empty((qy.size, qx.size), np.result_type(qy, qx))
     kernels_for(symbol).inverse_root(qy[:, 0] ** 2, qx[0] ** 2, symbol)
     return symbol
 
 
 def elements(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
-    """Return the symbol of pressures constant on every pixel, displacements taken at their centres.
+    """Return the symbol of pressures constant on every pixel, with displacements at their centres.
 
-    It is the sum over the aliases Q = q + 2 pi (m/dy, n/dx) of 2/|Q| sinc(Q_y dy/2) sinc(Q_x dx/2): Love's
-    rectangle [1]_, repeated with the period of the grid. Its ratio to 2/|q| depends on q_y dy and q_x dx
-    alone and is smooth: it is summed at a few nodes and interpolated. Shapes and units are those of
-    `sampled`.
-
-    References
-    ----------
-    .. [1] Love (1929), The stress produced in a semi-infinite solid by pressure on part of the boundary,
-       Phil. Trans. R. Soc. A 228, 377.
+    It is the sum over the aliases Q = q + 2 pi (m/dy, n/dx) of 2/|Q| sinc(Q_y dy/2) sinc(Q_x dx/2): the
+    rectangle of Love (1929, Phil. Trans. R. Soc. A 228, 377), repeated with the period of the grid.
     """
     # rounded, because the same pixels on another grid differ in the last digit
+    # the ratio to 2/|q| is smooth: it is summed at a few nodes and interpolated
     ratio = _elements_over_sampled(float(f"{spacing[0] / spacing[1]:.12g}"))
     phase_y, phase_x = (
         np.clip(np.abs(q).ravel() * d, 0, np.pi) for q, d in zip((qy, qx), spacing, strict=True)

@@ -1,20 +1,12 @@
-"""Elastic bodies with bonded layers: the displacement of their surface under a pressure wave, at any stack.
+"""Elastic bodies with bonded layers: displacement u = S(q) p under a pressure wave p exp(i q x).
 
-A pressure wave p exp(i q x) without friction displaces the surface of such a body by u = S(q) p. S follows
-from Navier's equations in plane strain [1]_, layer by layer from the base outwards. Each layer passes on the
-relation u = C t between the amplitudes of displacement and traction of its lower face to its upper face:
-where |q| t is small by the transfer matrix exp(-A |q| t), whose elements are sums of sinh, cosh and one
-difference with its own series, otherwise by the reflection of the waves that decay from its two faces.
-Neither loses digits, for any thickness, stiffness and Poisson's ratio up to 1/2; the closed form of one layer
-(tests/unit/test_layers.py) does where it is thin. The tractions go the other way, from the surface inwards:
-those of the lower face are T times those of the upper one.
-
-S p^2/2 is the energy of a wave, so that S > 0 for q > 0: the operator remains diagonal and positive in
-Fourier space, which is all that `roughcontact.contact.certificate` asks of it.
-
-References
-----------
-.. [1] Johnson (1985), Contact Mechanics, chapter 13, for the half-space.
+S follows from Navier's equations in plane strain (Johnson 1985, Contact Mechanics, chapter 13, for the
+half-space), from the base outwards: C of u = C t, displacement and traction of a lower face, is passed on to
+the upper one. Where |q| t is small, by the transfer matrix exp(-A |q| t), else by the reflection of the
+decaying waves: neither loses digits for any thickness, stiffness and Poisson's ratio up to 1/2, as the closed
+form of one layer does where it is thin. The tractions go inwards: those of the lower face are T times those
+of the upper one. S p^2/2 is an energy, so that S > 0 for q > 0, which is all that
+`roughcontact.contact.certificate` asks of it.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -114,12 +106,9 @@ class LayeredPair:
         return max(sum(layer.thickness for layer in body.layers) for body in self.bodies)
 
     def mean_compliance(self, *, elastic: bool) -> float:
-        """Return the displacement per mean pressure, q = 0, beside that of elastic bases alone (m/Pa).
-
-        That is the compression of the layers: on a rigid base t/(lambda + 2 mu) each, because they cannot
-        give way sideways; on an elastic base, where `elastic` asks for it, the limit of S(q) - 2/(E2* q) for
-        q to 0.
-        """
+        """Return the displacement (m/Pa) per mean pressure, q = 0, beside that of elastic bases alone."""
+        # t/(lambda + 2 mu) of a layer on a rigid base, whose sides cannot give way; on an elastic base the
+        # limit of S(q) - 2/(E2* q) for q to 0
         return sum(_compression(body) for body in self.bodies if elastic or body.base is None)
 
     def as_settings(self) -> list[dict[str, Any]]:
@@ -175,15 +164,15 @@ class LayeredPair:
 class ConductingPair(LayeredPair):
     """The bodies of a contact as conductors, each material of conductivity k with the modulus 2 k and nu = 0.
 
-    A wave of flux j into a half-space warms its surface by j/(k |q|), as a pressure displaces it by 2/(E*
-    |q|). In a layer the temperature obeys Laplace's equation: where |q| times temperature over flux is Z at
-    its lower face, it is (Z + tanh(|q| t)/k)/(1 + k Z tanh(|q| t)) at its upper one.
+    A wave of flux j warms a half-space by j/(k |q|), as a pressure displaces it by 2/(E* |q|).
     """
 
     @staticmethod
     def _of_body(q: np.ndarray, body: Stack) -> np.ndarray:
         assert body.base is not None
         ratio = np.full(q.shape, 2 / body.base.plane_modulus)
+        # Laplace's equation: q times temperature over flux, Z at the lower face, is (Z + tanh(q t)/k)/(1 + k
+        # Z tanh(q t)) at the upper
         for thickness, material in reversed(body.layers):
             resistivity, rise = 2 / material.plane_modulus, np.tanh(q * thickness)
             ratio = (ratio + resistivity * rise) / (1 + ratio * rise / resistivity)
@@ -191,19 +180,9 @@ class ConductingPair(LayeredPair):
 
 
 def conducting_pair(bodies: Iterable[Mapping[str, Any]], name: str) -> ConductingPair | None:
-    """Return the bodies of the settings as conductors, None unless the property is known of every material.
+    """Return the bodies as conductors, None unless the property is known of every material.
 
-    That is `thermal_conductivity` (W m-1 K-1) or `electrical_resistivity` (Ohm m).
-
-    Examples
-    --------
-    Long waves hardly notice a thin film:
-
-    >>> film = {"thickness": 1e-6, "thermal_conductivity": 1.0}
-    >>> steel = {"thermal_conductivity": 50.0}
-    >>> pair = conducting_pair([steel | {"layers": [film]}, steel], "thermal_conductivity")
-    >>> print(f"{pair.modulus:.3f} {pair.modulus / pair.factor(np.array([1e-3]))[0]:.3f}")
-    1.961 50.000
+    It is `thermal_conductivity` (W m-1 K-1) or `electrical_resistivity` (Ohm m).
     """
     stacks = []
     for body in bodies:
@@ -219,20 +198,7 @@ def conducting_pair(bodies: Iterable[Mapping[str, Any]], name: str) -> Conductin
 
 
 def layered_pair(bodies: Iterable[Mapping[str, Any]]) -> LayeredPair | None:
-    """Return the layered bodies of the settings, None where no layer differs from its base.
-
-    Each has `youngs_modulus` (Pa) and `poissons_ratio` of its base, or `base` = "rigid", and `layers` of
-    `thickness` (m), `youngs_modulus` and `poissons_ratio` from the surface inwards.
-
-    Examples
-    --------
-    >>> steel = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
-    >>> layered_pair([steel, steel]) is None
-    True
-    >>> coated = steel | {"layers": [{"thickness": 2e-6, "youngs_modulus": 4.2e11, "poissons_ratio": 0.3}]}
-    >>> print(f"{layered_pair([coated, steel]).factor(np.array([1e3]))[0]:.3f}")
-    1.333
-    """
+    """Return the layered bodies (Pa, m; layers from the surface inwards), None without layers."""
     stacks = tuple(stack_of(body).merged() for body in bodies)
     return LayeredPair(stacks) if any(stack.layers for stack in stacks) else None
 
@@ -244,9 +210,7 @@ def stack_of(body: Mapping[str, Any]) -> Stack:
 
 
 def compliance_factor(q: np.ndarray, body: Stack) -> np.ndarray:
-    """Return S(q) E1* q/2 of one body, E1* = E/(1 - nu^2) of its surface: 1 for a half-space.
-
-    `q` in rad per unit of the thicknesses: positive.
+    """Return S(q) E1* q/2 of one body, E1* = E/(1 - nu^2) of its surface, for q > 0 in rad/length.
 
     Examples
     --------
@@ -264,22 +228,10 @@ def compliance_factor(q: np.ndarray, body: Stack) -> np.ndarray:
 
 
 def stress_amplitudes(q: np.ndarray, body: Stack) -> Callable[[int, float], np.ndarray]:
-    """Return the function that gives the stresses in a body below unit pressure waves cos(q x), q > 0.
+    """Return the function (material index, depth below its face) -> stresses (3, ...) below waves cos(q x).
 
-    `q` in rad per unit of the thicknesses. The function takes the index of the material from the
-    surface inwards and the depth below its upper face; its array (3, ...) holds the normal stress across the
-    surface over cos(q x), the shear over sin(q x), the normal stress along q over cos(q x); tension is
-    positive, the depth points inwards.
-
-    Examples
-    --------
-    A wave that is long against an incompressible layer on a rigid base acts on it as a uniform pressure, and
-    moves it sideways by a shear that is largest at the base, q t:
-
-    >>> rubber = Stack((Layer(1.0, Material(3.0, 0.5)),), None)
-    >>> stress = stress_amplitudes(np.array([1e-3]), rubber)(0, 1.0)[:, 0]
-    >>> print(stress.round(4), f"{stress[1] / 1e-3:.4f}")
-    [-1.    -0.001 -1.   ] -1.0000
+    They are the normal stress across the surface over cos(q x), the shear over sin(q x) and the normal stress
+    along q over cos(q x), of unit pressure; tension is positive, q > 0 in rad per unit of the thicknesses.
     """
     q = np.asarray(q, float)
     if q.size > 2 * _NODES:

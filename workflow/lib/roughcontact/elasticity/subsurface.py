@@ -17,37 +17,19 @@ def subsurface_stress(
     poissons_ratio: float | None = None,
     body: Stack | None = None,
 ) -> Callable[..., np.ndarray]:
-    """Return the function that gives the stresses at a depth below a periodic pressure without friction.
+    """Return the function depth (m) -> stresses (6, ny, nx; Pa) below a frictionless pressure (ny, nx; Pa).
 
-    The stresses at the depth z below a wave p exp(i q x), q > 0, are [1]_ [2]_::
+    The order is xx, yy, zz, yz, xz, xy, tension is positive, z points into the body. Below a wave p exp(i q
+    x), q > 0, (Johnson 1985, Contact Mechanics, section 13.2 and chapter 3; Tripp, Van Kuilenburg,
+    Morales-Espejel and Lugt 2003, Tribol. Trans. 46, 376):
 
         across the surface    -p (1 + qz) e^(-qz)         shear with q    i p qz e^(-qz)
         along q               -p (1 - qz) e^(-qz)
         along the crests      -2ν p e^(-qz)
 
-    The mean pressure acts at every depth, with the lateral pressure ν/(1 - ν) of a laterally constrained
-    body. In a body with layers the waves are those of `roughcontact.elasticity.layers.stress_amplitudes`.
-
-    `pressure` (ny, nx) in Pa: periodic; `steps` (dy, dx) in m: of the points; `poissons_ratio`: ν, of a
-    half-space; `body`: with layers, instead of that. Returns depth (m) -> array (6, ny, nx), Pa: xx, yy, zz,
-    yz, xz, xy; tension is positive, z points into the body. With layers the depth is that below the upper
-    face of a material, and the index of it follows, from the surface inwards.
-
-    References
-    ----------
-    .. [1] Johnson (1985), Contact Mechanics, section 13.2 and chapter 3.
-    .. [2] Tripp, Van Kuilenburg, Morales-Espejel and Lugt (2003), Frequency response functions and rough
-       surface stress analysis, Tribol. Trans. 46, 376.
-
-    Examples
-    --------
-    At the depth 1/q the shear below a wave is largest, p/e:
-
-    >>> import numpy as np
-    >>> wave = np.cos(2 * np.pi * np.arange(16) / 16)[None, :]
-    >>> stress = subsurface_stress(wave, (1.0, 1.0), poissons_ratio=0.3)(16 / (2 * np.pi))
-    >>> print(round(np.e * np.abs(stress[4]).max(), 6))
-    1.0
+    The mean acts at every depth, with the lateral pressure ν/(1 - ν) of a constrained body. With layers the
+    waves are those of `stress_amplitudes`; the function then takes the depth below the upper face of a
+    material, and its index.
     """
     shape, mean = pressure.shape, float(pressure.mean())
     plan = make_plan(pressure, DOUBLE)
@@ -101,34 +83,14 @@ def subsurface_stress(
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:
-    """Return the equivalent stress of von Mises, from stresses (6, ...) in the order xx, yy, zz, yz, xz, xy.
-
-    Examples
-    --------
-    Tension in one direction is its own equivalent stress; pure shear counts √3 times:
-
-    >>> import numpy as np
-    >>> print(np.round(von_mises(np.array([[5.0, 0], [0, 0], [0, 0], [0, 0], [0, 1], [0, 0]])), 4))
-    [5.     1.7321]
-    """
+    """Return the equivalent stress of von Mises of stresses (6, ...), xx, yy, zz, yz, xz, xy."""
     xx, yy, zz, yz, xz, xy = stress
     normal = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2
     return np.sqrt(normal + 3 * (yz**2 + xz**2 + xy**2))
 
 
 def tresca(stress: np.ndarray) -> np.ndarray:
-    """Return the equivalent stress of Tresca, the largest difference of principal stresses.
-
-    The order of the stresses is that of `von_mises`.
-
-    Examples
-    --------
-    Pure shear counts twice:
-
-    >>> import numpy as np
-    >>> print(tresca(np.array([0, 0, 0, 0, 1.0, 0])))
-    2.0
-    """
+    """Return the largest difference of principal stresses (Tresca) of stresses ordered as in `von_mises`."""
     xx, yy, zz, yz, xz, xy = stress
     tensor = np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), (0, 1), (-2, -1))
     principal = np.linalg.eigvalsh(tensor)

@@ -22,40 +22,13 @@ _MAX_ASPECT_RATIO = 1e3  # range of heights over half the longer side
 def fit_curved_form(
     values: np.ndarray, coordinates: Sequence[np.ndarray], *, shape: str, robust: bool = False
 ) -> tuple[np.ndarray, dict[str, dict]]:
-    """Fit a sphere or a cylinder to a map (ny, nx; m) that may have missing points (NaN).
+    """Fit a sphere or cylinder to a map (ny, nx; m; NaN missing); return form (ny, nx; m) and parameters.
 
-    Both pass through the point (x0, y0, z0) in the middle of the map, with slopes a and b and normal n there,
-    and have their centre or axis at the distance 1/kappa along n. With r the vector from that point and d the
-    direction of the axis (0 for a sphere):
-
-        kappa (|r|^2 - (r . d)^2) - 2 n . r = 0,
-
-    a quadratic equation for z(x, y). The fit minimises the sum of (h - z)^2, or with `robust` that of Tukey's
-    biweight, in which deep valleys and high spikes have no weight.
-
-    The method is that of Levenberg and Marquardt [1]_, started from the second-order polynomial. The
-    parameters remain finite for a flat map, which has kappa = 0.
-
-    `shape`: either fits a circle to a profile. Returns `form` (ny, nx) in m; `removed`: parameters of the
-    form, each with value and units: `mean` (of the form over the map), `radius` (m; absent for a flat map),
-    `curvature` (1/m, negative for a hill), `height_middle` (z0), `slope_x` and `slope_y` at the middle
-    (`middle_x`, `middle_y`), for a sphere `centre_x`, `centre_y`, `centre_z`, for a cylinder `axis_azimuth`
-    (degree from x towards y, -90 to 90) and `axis_inclination` (degree from the x, y plane, upwards in the
-    direction of the azimuth). Raises `HeightMapError` where the map has points beyond the rim of the fitted
-    sphere or cylinder, or is far higher than wide.
-
-    References
-    ----------
-    .. [1] Marquardt, D. W. (1963), SIAM J. Appl. Math. 11, 431.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> y = x = np.linspace(-1.0, 1.0, 21)
-    >>> ball = np.sqrt(25.0 - y[:, None] ** 2 - x**2)
-    >>> form, removed = fit_curved_form(ball, (y, x), shape="sphere")
-    >>> print(round(removed["radius"]["value"], 6), round(removed["curvature"]["value"], 6))
-    5.0 -0.2
+    With r the vector from the point (x0, y0, z0) in the middle of the map, n the normal there, 1/kappa the
+    distance of centre or axis along n and d the direction of the axis (0 for a sphere), kappa (|r|^2 - (r .
+    d)^2) - 2 n . r = 0 for z(x, y). The sum of (h - z)^2, with `robust` of Tukey's biweight, is minimised by
+    the method of Levenberg and Marquardt (Marquardt 1963, SIAM J. Appl. Math. 11, 431); `curvature` (1/m) is
+    negative for a hill, `radius` (m) absent for a flat map.
     """
     if min(values.shape) == 1:
         shape = "sphere"  # of a profile: a circle, the cross-section of both shapes

@@ -12,21 +12,9 @@ _WIDE_HOLE_RADIUS = 8  # pixels from rim to middle; for wider holes the fast Poi
 
 
 def find_holes(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the labelled holes of a map: groups of missing points that do not touch its border.
+    """Return labels (ny, nx) and sizes (points) of holes: missing points connected by edges, off the border.
 
-    Points are connected along their edges, not diagonally.
-
-    The labels are 1 ... n in the n holes, 0 elsewhere: points measured, or missing and connected to the
-    border; the sizes are points. An axis of one point has no border.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> labels, sizes = find_holes(np.array([[0, 0, 0, 1], [0, 1, 1, 0], [0, 0, 0, 0]], dtype=bool))
-    >>> print(labels, sizes)
-    [[0 0 0 0]
-     [0 1 1 0]
-     [0 0 0 0]] [2]
+    The labels are 1 ... n, 0 elsewhere; an axis of one point has no border.
     """
     from scipy import ndimage
 
@@ -44,28 +32,9 @@ def find_holes(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[float]) -> np.ndarray:
     """Return the map (ny, nx; m) with the holes of `find_holes` filled by the solution of Laplace's equation.
 
-    h_xx + h_yy = 0 in each hole, five-point stencil, with the surrounding measured heights as boundary
-    values; in a profile the solution is the straight line between the rims. Missing points connected to the
-    border stay NaN.
-
-    Narrow holes are solved by conjugate gradients, whose iteration count grows only with the width of the
-    hole; wide holes by conjugate gradients preconditioned by a fast Poisson solver (discrete sine transform)
-    on the bounding box of the hole, a fictitious-domain method [1]_.
-
-    Raises `HeightMapError` where a wide hole does not converge within 500 iterations.
-
-    References
-    ----------
-    .. [1] Buzbee, B. L., Dorr, F. W., George, J. A., Golub, G. H. (1971), SIAM J. Numer. Anal. 8, 722.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> values = np.arange(25.0).reshape(5, 5)  # a plane is harmonic
-    >>> values[1:4, 1:3] = np.nan
-    >>> labels, _ = find_holes(np.isnan(values))
-    >>> print(np.round(fill_harmonic(values, labels, (1.0, 1.0))[2], 6))
-    [10. 11. 12. 13. 14.]
+    Narrow holes are solved by conjugate gradients, whose number of iterations grows with the width of the
+    hole; wide ones are preconditioned by a fast Poisson solver on their bounding box (Buzbee, Dorr, George
+    and Golub 1971, SIAM J. Numer. Anal. 8, 722).
     """
     inside = labels > 0
     if not inside.any():

@@ -14,29 +14,11 @@ _REGULARISATION = 1e-11  # of the variance of the positions; sets undetermined s
 
 
 def gaussian_mean_surface(values: np.ndarray, spacing: Sequence[float], nesting_index: float) -> np.ndarray:
-    """Return the mean surface of a map: its long waves, the output of an areal Gaussian low-pass filter.
+    """Return the mean surface (ny, nx; m) of a map by the areal Gaussian filter of ISO 16610-61:2015.
 
-    The weight at the distance r is exp(-pi (r / (alpha lambda_c))^2), alpha^2 = ln 2 / pi, so that a wave of
-    wavelength lambda is transmitted with 2^-((lambda_c / lambda)^2) of its amplitude: one half where lambda
-    is the nesting index lambda_c. At each point a plane is fitted to the surrounding measured points with
-    these weights; its height at the point is the mean surface. Away from edges and holes this is the weighted
-    mean of the standard; near them the weights are renormalised, and constants and planes are reproduced.
-    All lengths are in m; missing points are NaN in the map and in the result.
-
-    References
-    ----------
-    .. [1] ISO 16610-61:2015, areal Gaussian filter.
-    .. [2] ISO 16610-28:2016, end effects: the moments of the weights are retained.
-    .. [3] Cleveland, W. S. (1979), J. Am. Stat. Assoc. 74, 829: the local plane.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> x = np.arange(400)
-    >>> wave = np.cos(2 * np.pi * x / 40)[None, :]
-    >>> mean = gaussian_mean_surface(wave, (1.0, 1.0), 40.0)
-    >>> print(round(np.ptp(mean[0, 100:300]) / 2, 3))  # away from the ends
-    0.5
+    The weight at the distance r is exp(-pi (r / (alpha lambda_c))^2), alpha^2 = ln 2 / pi. Near edges and
+    holes (NaN) the local plane of Cleveland (1979, J. Am. Stat. Assoc. 74, 829) retains the moments, as of
+    ISO 16610-28:2016.
     """
     measured = ~np.isnan(values)
     offset = float(values[measured].mean())

@@ -12,22 +12,7 @@ from roughcontact.levelling.polynomial import polynomial_from_record
 
 
 def form_from_record(removed: Mapping[str, Mapping], y: npt.ArrayLike, x: npt.ArrayLike) -> np.ndarray:
-    """Return the form (ny, nx; m) that levelling removed, of any kind, at the coordinates y and x (m).
-
-    `removed` is the attribute `form_removed` of a levelled map, read from JSON; an empty record gives zero.
-
-    Examples
-    --------
-    >>> import json
-    >>> import numpy as np
-    >>> import roughcontact as rc
-    >>> from roughcontact.maps import height_map
-    >>> tilted = height_map(np.arange(12.0).reshape(3, 4), 1.0)
-    >>> levelled = rc.level(tilted, form="plane")
-    >>> form = form_from_record(json.loads(levelled.attrs["form_removed"]), levelled["y"], levelled["x"])
-    >>> bool(np.allclose(levelled + form, tilted))
-    True
-    """
+    """Return the form (ny, nx; m) that `form_removed` of a levelled map describes, at y and x (m)."""
     # only the records of spheres and cylinders contain the height in the middle
     draw = curved_form_from_record if "height_middle" in removed else polynomial_from_record
     return draw(removed, y, x)

@@ -1,7 +1,6 @@
 """Outlier rejection: isolated spikes, dead lines, and sentinel values for 'not measured'.
 
-The rules are conservative, because the highest points carry the load: ridges, steps, pits and scratches are
-kept, however high; only points that cannot belong to the surface are rejected.
+Ridges, steps, pits and scratches are kept, however high, because the highest points carry the load.
 """
 
 import numpy as np
@@ -26,41 +25,21 @@ _PLANE_POINTS = 20_000  # sufficient for the tilt of a map: 250 000 give the sam
 def find_outliers(
     values: np.ndarray, *, threshold: float, bumps: bool = False
 ) -> tuple[np.ndarray, dict[str, int]]:
-    """Find points (a mask, and their number by kind) that do not belong to the surface.
+    """Return the mask of spikes, sentinels and dead lines in a map (ny, nx; m), and their number by kind.
 
-    * `spike`: a point that deviates from the median of its 5 x 5 neighbourhood by more than `threshold`
-      standard deviations, both of this difference over the whole map and of the heights in the surrounding
-      11 x 11 ring, in a group of no more than 12 such points, all too high or all too low; or by ten times
-      as much, in a group of no more than 12 points with such a deviation. In a profile the neighbourhood has
-      5 points, the ring 56. The first standard deviation is 1.4826 times the median absolute deviation [1]_;
-      the second is the 90 % quantile of the absolute deviation from the median of the ring, over 1.645: equal
-      for normal heights, larger beside steps and ridges. A high group with the shape of a bump, whose flanks
-      extend over a few points, is kept as surface unless `bumps` is set, however narrow, because it carries
-      load. If less than a quarter of the ring is measured, the spread of all heights counts as well.
-    * `sentinel`: the lowest or the highest value, in at most a third of the points, if its distance from all
-      others exceeds their range. It stands for 'not measured' (a -1 among 440 ... 520).
-    * `dead_line`: whole rows or columns of one single value among others that vary, with a larger distance
-      from their neighbours than usual between lines.
-
-    The rules are applied repeatedly to the remaining points until they find no more, at most ten times:
-    an extreme spike may mask a smaller one by widening the spread of its surroundings.
-
-    References
-    ----------
-    .. [1] Davies, L., Gather, U. (1993), J. Am. Stat. Assoc. 88, 782: median and median absolute deviation
-       as outlier rule.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> values = np.random.default_rng(0).standard_normal((40, 40))
-    >>> values[20, 30] = 100.0
-    >>> outliers, kinds = find_outliers(values, threshold=8.0)
-    >>> np.argwhere(outliers).tolist(), kinds
-    ([[20, 30]], {'spike': 1})
+    * `spike`: a group of up to 12 points, all too high or all too low, that deviate from the median of 5 x 5
+      points (5 of a profile) by more than `threshold` standard deviations, both of this difference over the
+      map (Davies and Gather 1993, J. Am. Stat. Assoc. 88, 782) and of the ring of 11 x 11 points (56); or by
+      ten times as much. Bumps, whose flanks extend over a few points, carry load and are kept unless `bumps`
+      is set.
+    * `sentinel`: the lowest or highest value, in at most a third of the points, farther from all others than
+      their range.
+    * `dead_line`: rows or columns of one single value among others that vary, farther from their neighbours
+      than usual.
     """
     counts: dict[str, int] = {}
     outliers = np.zeros(values.shape, dtype=bool)
+    # repeatedly: an extreme spike may mask a smaller one by widening the spread around it
     for _ in range(_MAX_ROUNDS):
         before = counts.copy()
         for outlier_kind, finder in (
@@ -282,13 +261,11 @@ def _without_bumps(
     missing: np.ndarray,
     ring_half_widths: list[int],
 ) -> np.ndarray:
-    """Return the groups that do not have the shape of a bump.
+    """Return the groups whose mean of 4 f (1 - f) around the highest point is below `_MIN_BUMP_SCORE`.
 
-    Let f be the height relative to the highest point (f = 1) and to the median of the ring at a distance of
-    three and four points (f = 0). A group is a bump if the mean of 4 f (1 - f), which is 1 at half height and
-    0 at both ends, reaches `_MIN_BUMP_SCORE` over the points with f >= 1/2 that are connected with the
-    highest one, and their neighbours. The mean is 0 for a spike and for a small block, and well above it for
-    a bell with a standard deviation of one or two points.
+    f is the height relative to the highest point (1) and the median of the ring at three and four points (0);
+    the mean is 0 for a spike and a small block, well above it for a bell with a standard deviation of one or
+    two points.
     """
     from scipy import ndimage
 

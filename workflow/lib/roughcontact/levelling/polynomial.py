@@ -18,32 +18,12 @@ _CONVERGED = 1e-6  # change of the form between iterations, in standard deviatio
 def fit_polynomial(
     values: np.ndarray, coordinates: Sequence[np.ndarray], *, order: int, robust: bool = False
 ) -> tuple[np.ndarray, dict[str, dict]]:
-    """Fit a polynomial to a map (ny, nx; m) that may have missing points (NaN); order 0 fits the mean.
+    """Fit a polynomial to a map (ny, nx; m; NaN missing); return form (ny, nx; m) and parameters.
 
-    form(x, y) = sum c_ij P_i(X) P_j(Y), i + j <= order, with Legendre polynomials P and X, Y the
-    coordinates mapped to [-1, 1] over the map. The coefficients c minimise sum (h - form)^2, or with `robust`
-    sum rho((h - form) / s) with Tukey's biweight and s from the median absolute residual.
-
-    The robust fit uses iteratively reweighted least squares [1]_ with the weights of the robust
-    filters [2]_. It starts from the least absolute deviations, which one-sided valleys hardly bias.
-
-    Returns `form` (ny, nx) in m; `removed`: parameters of the form, each with value and units: `mean` (of the
-    form over the map), from order 1 on `slope_x`, `slope_y` and from order 2 on `curvature_x`, `curvature_y`
-    (all at the middle of the map) and the coefficients `c_i_j` with `middle_x`, `middle_y`, `half_length_x`,
-    `half_length_y`.
-
-    References
-    ----------
-    .. [1] Beaton, A. E., Tukey, J. W. (1974), Technometrics 16, 147.
-    .. [2] ISO 16610-31:2016, robust Gaussian regression filters.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> y, x = np.arange(3.0), np.arange(4.0)
-    >>> form, removed = fit_polynomial(5.0 + 2.0 * x + 0.0 * y[:, None], (y, x), order=1)
-    >>> print({name: round(entry["value"], 6) + 0.0 for name, entry in removed.items()})
-    {'mean': 8.0, 'slope_x': 2.0, 'slope_y': 0.0}
+    form(x, y) = sum c_ij P_i(X) P_j(Y), i + j <= order, with Legendre polynomials of coordinates mapped to
+    [-1, 1]; slopes and curvatures are those at the middle. `robust` minimises Tukey's biweight by iteratively
+    reweighted least squares (Beaton and Tukey 1974, Technometrics 16, 147) with the weights of ISO
+    16610-31:2016.
     """
     measured = ~np.isnan(values)
     reference = float(np.median(values[measured], overwrite_input=True))
@@ -66,9 +46,7 @@ def fit_polynomial(
 
 
 def without_form(values: np.ndarray, form: np.ndarray) -> np.ndarray:
-    """Return the heights less a form (both in m), overwriting the form.
-
-    The result is exactly zero if only rounding errors remain, as for a plane or a constant map.
+    """Return heights less form (m), overwriting the form; exactly zero if only rounding remains.
 
     Examples
     --------
@@ -85,9 +63,7 @@ def without_form(values: np.ndarray, form: np.ndarray) -> np.ndarray:
 
 
 def share_of_form(values: np.ndarray, coordinates: Sequence[np.ndarray], *, order: int = 2) -> float:
-    """Return the contribution (0 to 1) of a polynomial form to the mean square height (about the mean).
-
-    The map has no missing points; a flat one gives 0.
+    """Return the share (0 to 1) of a polynomial form in the mean square height, about the mean; 0 if flat.
 
     Examples
     --------
@@ -106,9 +82,7 @@ def share_of_form(values: np.ndarray, coordinates: Sequence[np.ndarray], *, orde
 
 
 def polynomial_from_record(removed: Mapping[str, Mapping], y: npt.ArrayLike, x: npt.ArrayLike) -> np.ndarray:
-    """Return the form (ny, nx; m) that `fit_polynomial` recorded, at the coordinates y and x (m).
-
-    An empty record gives zero.
+    """Return the form (ny, nx; m) that `fit_polynomial` recorded, at y and x (m); zero for no record.
 
     Examples
     --------

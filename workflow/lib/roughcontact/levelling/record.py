@@ -25,9 +25,7 @@ def removed_and_filled(levelled: Mapping[str, Any]) -> str:
 
 
 def kinds_in_words(levelled: Mapping[str, Any]) -> str:
-    """Return the number of rejected points of each kind as text, from a levelled map's attributes.
-
-    The text is empty if none were rejected.
+    """Return as text how many points of each kind were rejected, empty for none, from a map's attributes.
 
     Examples
     --------

@@ -5,10 +5,10 @@ import xarray as xr
 
 
 def with_rejected(levelled: xr.DataArray, mask: np.ndarray | None = None) -> xr.DataArray:
-    """Return a levelled map with rejected points restored where they had been filled.
+    """Return a levelled map with rejected points (within the mask (ny, nx)) restored where filled.
 
-    Rejected points connected to the border stay missing, so that the window does not change. The mask `which`
-    (ny, nx) selects the points to restore (default: all). The coordinate `filled` is 0 on restored points.
+    Those connected to the border stay missing, so that the window does not change; `filled` is 0 on restored
+    points.
 
     Examples
     --------
@@ -32,15 +32,7 @@ def with_rejected(levelled: xr.DataArray, mask: np.ndarray | None = None) -> xr.
 
 
 def rejected_points(levelled: xr.DataArray) -> np.ndarray:
-    """Return the mask (ny, nx) of rejected points that can be restored.
-
-    Examples
-    --------
-    >>> from roughcontact.levelling.level import level
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> bool(rejected_points(level(rough_reference_surface(64))).any())
-    False
-    """
+    """Return the mask (ny, nx) of rejected points that can be restored."""
     if "rejected_height" not in levelled.coords:
         return np.zeros(levelled.shape, dtype=bool)
     rejected = ~np.isnan(_heights(levelled))

@@ -1,7 +1,7 @@
-"""Measurement noise from two measurements of the same place (ISO 25178-700:2022).
+"""Measurement noise from two measurements of one area (ISO 25178-700:2022).
 
-From the difference of the maps its plane is subtracted, and what a lateral shift of one against the other
-makes of it, shift times slope. It is noise where it is as strong everywhere on the map and in all waves.
+The difference of the maps, less its plane and a lateral shift times the slope, is noise where it is as strong
+everywhere on the map and in all waves.
 """
 
 import math
@@ -26,21 +26,10 @@ _RAYLEIGH = math.sqrt(math.pi) / 2  # mean over rms of the moduli of the waves o
 
 
 def noise_of_repeats(first: xr.DataArray, second: xr.DataArray) -> tuple[float, str]:
-    """Return the noise N_M (m, rms) of two maps of the same place, and what else their difference holds.
+    """Return the noise N_M (m, rms) of two maps of one area, and what else their difference holds.
 
-    Both are levelled by a plane; the difference has twice the variance of the noise of one. Where it does not
-    look like noise N_M is NaN.
-
-    Raises `HeightMapError` for maps of another size or pitch, for equal heights, and for places that do not
-    look alike.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> surface, noise = rough_reference_surface(64), np.random.default_rng(0).standard_normal((2, 64, 64))
-    >>> one, other = (surface + 1e-3 * each for each in noise)
-    >>> round(noise_of_repeats(one, other)[0], 4), noise_of_repeats(one, other.clip(max=0.03))[0]
-    (0.001, nan)
+    Both are levelled by a plane; the difference has twice the variance of the noise of one. NaN where it is
+    unlike noise.
     """
     names = [height.attrs.get("source_file") or "a map" for height in (first, second)]
     steps = [spacing(height) for height in (first, second)]

@@ -8,13 +8,10 @@ _BIWEIGHT = 4.685
 
 
 def robust_scale(residual: np.ndarray, *, overwrite: bool = False) -> float:
-    """Return the standard deviation of normal residuals, from the median of their absolute values.
+    """Return 1.4826 times the median absolute residual (Davies and Gather 1993, J. Am. Stat. Assoc. 88, 782).
 
-    It is 1.4826 times that median [1]_. With `overwrite`, `residual` may be overwritten to save memory.
-
-    References
-    ----------
-    .. [1] Davies, L., Gather, U. (1993), J. Am. Stat. Assoc. 88, 782.
+    This is the standard deviation of normal residuals; with `overwrite` they may be overwritten to save
+    memory.
 
     Examples
     --------
@@ -27,14 +24,10 @@ def robust_scale(residual: np.ndarray, *, overwrite: bool = False) -> float:
 
 
 def biweight(residual: np.ndarray, scale: float) -> np.ndarray:
-    """Return Tukey's biweight of each residual, (1 - (r / (4.685 s))^2)^2, 0 beyond 4.685 s.
+    """Return Tukey's biweight (1 - (r / (4.685 s))^2)^2 of residuals r of scale s, 0 beyond 4.685 s.
 
-    `scale` is the standard deviation s of the residuals.
-
-    References
-    ----------
-    .. [1] Beaton, A. E., Tukey, J. W. (1974), Technometrics 16, 147.
-    .. [2] Holland, P. W., Welsch, R. E. (1977), Comm. Stat. A 6, 813: the constant 4.685.
+    Beaton and Tukey (1974), Technometrics 16, 147; Holland and Welsch (1977), Comm. Stat. A 6, 813, for the
+    constant.
 
     Examples
     --------

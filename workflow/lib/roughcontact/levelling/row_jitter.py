@@ -1,8 +1,7 @@
 """Row jitter: random shifts between the rows of a scanned map.
 
-Heights that are common to the whole length of a row are a shift of the row, or a lay along the rows. Random
-shifts have a white spectrum across the rows: waves of two rows are as strong as waves of eight. A lay that is
-well sampled is smooth across the rows, and even an undersampled lay has weaker short waves than long ones.
+They have a white spectrum across the rows: waves of two rows are as strong as waves of eight. Even an
+undersampled lay along the rows has weaker short waves than long ones.
 """
 
 from typing import Literal, NamedTuple
@@ -26,53 +25,23 @@ _MIN_RELATIVE_RMS = 2e-3  # of the rms height; smaller shifts are negligible
 
 
 class RowJitter(NamedTuple):
-    """Random shifts of the rows of a map.
+    """Random shifts of the rows of a map, 0 without evidence, and one realisation of their error."""
 
-    `rms` in m: root mean square of the shifts; 0 without evidence; `evidence`: `doubtful`: the common part of
-    the rows could also be a lay or a drift; `offsets` (ny,) in m: estimate of the shifts; 0 without evidence;
-    `residual_offsets` (ny,) in m: one random realisation of the error of that estimate.
-    """
-
-    rms: float
-    evidence: Evidence
-    offsets: np.ndarray
-    residual_offsets: np.ndarray
+    rms: float  # root mean square of the shifts, m
+    evidence: Evidence  # `doubtful`: the common part of the rows could also be a lay or a drift
+    offsets: np.ndarray  # (ny,), m
+    residual_offsets: np.ndarray  # (ny,), m
 
 
 def find_row_jitter(values: np.ndarray, *, scanned: bool = False) -> RowJitter:
-    """Find random shifts of the rows of a map (m, NaN where missing), independent from row to row.
+    """Find random shifts of the rows of a map (ny, nx; m; NaN missing), independent from row to row.
 
-    Each row is divided into eight pieces. The second difference across the rows, averaged over a piece,
-    contains the shifts and a remainder of the surface. The cross-spectrum of pieces half a row or more apart
-    contains only their common part: the variance of the shifts is its mean over the waves of two to four
-    rows. There is evidence if the mean coherence of these pieces is at least 0.1 and exceeds four standard
-    deviations of the coherence of independent pieces. The evidence is clear if the waves of four to eight
-    rows are no stronger, and neighbouring pieces have no more in common than distant ones. It is doubtful if
-    these are somewhat stronger. If they are much stronger, the common part is a lay, or doubtful for a
-    scanning instrument, which may drift.
-
-    The shifts are estimated wave by wave with a Wiener filter [1]_: the waves of the row means, times the
-    variance of the shifts over the power of the wave. Long waves, dominated by the surface, are kept; a tilt
-    of the map does not matter.
-
-    `scanned`: whether the map was measured line by line along x, as by a probe or a stylus.
-
-    References
-    ----------
-    .. [1] Wiener, N. (1949), Extrapolation, Interpolation, and Smoothing of Stationary Time Series.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> heights = rough_reference_surface(96).values
-    >>> shifts = 0.002 * np.random.default_rng(0).standard_normal(96)
-    >>> for rows in (heights, heights + shifts[:, None], shifts[:, None] + np.zeros(96)):
-    ...     found = find_row_jitter(rows)
-    ...     print(found.evidence, f"{found.rms:.4f}")
-    none 0.0000
-    clear 0.0017
-    clear 0.0017
+    The variance of the shifts is the mean over the waves of two to four rows of the cross-spectrum of pieces
+    half a row or more apart. The evidence is clear if waves of four to eight rows are no stronger and
+    neighbouring pieces have no more in common than distant ones, doubtful if these are somewhat stronger or,
+    much stronger, the map was `scanned` along x, which may drift. The shifts are estimated wave by wave with
+    a Wiener filter (Wiener 1949, Extrapolation, Interpolation, and Smoothing of Stationary Time Series),
+    which keeps the long waves of the surface.
     """
     ny, nx = values.shape
     no_jitter = RowJitter(0.0, "none", np.zeros(ny), np.zeros(ny))

@@ -1,7 +1,6 @@
-"""Artefacts of scanned maps: offsets between lines, and scars along them.
+"""Artefacts of maps scanned row by row along x: offsets between rows, and scars along them.
 
-A scanning instrument measures a map line by line, each row (along x) without interruption. It drifts between
-rows, and may lose the surface temporarily within a row.
+The instrument drifts between rows, and may lose the surface temporarily within a row.
 """
 
 from collections.abc import Iterator
@@ -15,22 +14,11 @@ _MIN_SCAR_LENGTH = 16  # points along the line; shorter features may be spikes
 
 
 def line_offsets(values: np.ndarray, *, method: str) -> np.ndarray:
-    """Return the offset (m) of each row of a scanned map (m, NaN where missing); 0 for rows without heights.
+    """Return the offset (ny,) of each row of a scanned map (m, NaN missing), 0 for rows without heights.
 
-    * `median`: o_j = median over x of h_j.
-    * `matched-steps`: o_j - o_(j-1) = median over x of (h_j - h_(j-1)), zero between rows without common
-      points. Structure that continues from row to row cancels, so that a row across a deep valley is not
-      raised; but the errors of the steps accumulate.
-
-    The mean over the rows is subtracted, so that the mean height of the map does not change.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> groove = np.array([0.0, 0.0, -5.0, -5.0])
-    >>> rows = np.stack([groove, groove + 1.0, groove + 2.0])
-    >>> print(line_offsets(rows, method="matched-steps"))
-    [-1.  0.  1.]
+    `median`: that of the row. `matched-steps`: the sum of the medians of h_j - h_(j-1), 0 without common
+    points, in which structure that continues from row to row cancels but errors accumulate. The mean of the
+    map is unchanged.
     """
     measured = ~np.isnan(values)
     rows = np.nonzero(measured.any(axis=1))[0]
@@ -48,23 +36,11 @@ def line_offsets(values: np.ndarray, *, method: str) -> np.ndarray:
 
 
 def find_scars(values: np.ndarray, *, threshold: float) -> np.ndarray:
-    """Find scars: pieces of one to four neighbouring rows that deviate from the rows before and after.
+    """Return the mask of scars: pieces of one to four rows that deviate from the rows before and after.
 
-    A point of such a piece lies above both the row before and the row after the piece (or below both), by
-    more than half of `threshold` standard deviations; at least 16 consecutive points along the row do so, and
-    the median of their deviations exceeds `threshold` standard deviations. The standard deviation is that of
-    the differences of neighbouring rows, from their median absolute value.
-
-    A groove or a ridge along x no wider than four points cannot be distinguished from a scar and is found as
-    well. A map of fewer than three rows, or of fewer than 16 columns, has no scars.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> values = np.random.default_rng(0).standard_normal((20, 40))
-    >>> values[10, 5:35] += 50
-    >>> int(find_scars(values, threshold=5.0).sum())
-    30
+    At least 16 consecutive points lie above both (or below both) rows by more than half of `threshold`
+    standard deviations of neighbouring rows, and their median by more than `threshold`. Grooves and ridges
+    along x of up to four points count as well.
     """
     ny, nx = values.shape
     scars = np.zeros(values.shape, dtype=bool)

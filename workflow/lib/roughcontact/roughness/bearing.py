@@ -15,34 +15,12 @@ BEARING_PARAMETERS = (
 
 
 def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
-    """Return core height, peak and dale heights and areas, material ratios, volumes and a height difference.
+    """Return the ISO 25178-2:2021 parameters of the material ratio curve of heights (m, in any order).
 
-    The curve c(mr), the height exceeded by a share mr of the measured points, is linear between their heights
-    (m, in any order). Its central region, 40 % wide, is where its secant has the smallest slope (the first
-    one if several are equal). The least-squares line through this region, extended from 0 to 100 %, bounds
-    the core [1]_. The parts of the curve above and below the core are replaced by triangles of equal area:
-
-    * `Sk`: height of the core, `Spk`, `Svk`: heights of the triangles, m
-    * `Spkx`, `Svkx`: heights of the highest point above and of the lowest one below the core, m
-    * `Sak1`, `Sak2`: areas of the triangles, with the material ratio as a share (0 to 1), m
-    * `Smr1`, `Smr2`: material ratios (0 to 1, NaN where all heights are equal) where the curve enters and
-      leaves the core; `Smrk1` and `Smrk2` in the edition of 2021
-    * `Vmp`, `Vmc`: material volume above the ratio 10 %, and from there to 80 %, per area, m
-    * `Vvc`, `Vvv`: void volume between the ratios 10 % and 80 %, and below 80 %, per area, m
-    * `Sdc`: height between the ratios 2.5 % and 50 %, m; with these ratios `Sxp` in the edition of 2012
-
-    References
-    ----------
-    .. [1] ISO 25178-2:2021, 4.5.3 (Sdc), 4.5.4 (of the core), 4.5.6, 4.5.7 (volumes); ISO 13565-2:1996.
-
-    Examples
-    --------
-    Uniformly distributed heights have a straight curve, which is all core:
-
-    >>> import numpy as np
-    >>> found = bearing_parameters(np.linspace(0.0, 1e-6, 1001))
-    >>> print(f"Sk {found['Sk']:.3g} m, Spk {found['Spk']:.3f} m, Vvv {found['Vvv']:.3g} m")
-    Sk 1e-06 m, Spk 0.000 m, Vvv 2e-08 m
+    The curve c(mr), the height exceeded by a share mr of the points, is linear between their heights. `Sk`,
+    `Spk`, `Svk`, `Spkx`, `Svkx` (4.5.4), `Vmp`, `Vmc`, `Vvc`, `Vvv` (volumes per area, 4.5.6 and 4.5.7),
+    `Sdc` (4.5.3) and the areas of the triangles `Sak1`, `Sak2` are in m, the material ratios `Smr1`, `Smr2`
+    from 0 to 1, NaN where all heights are equal; the core is that of ISO 13565-2:1996.
     """
     curve = np.negative(heights)
     curve.sort()
@@ -52,6 +30,8 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
         return dict.fromkeys(BEARING_PARAMETERS, 0.0) | {"Smr1": math.nan, "Smr2": math.nan}
     ratio = np.linspace(0, 1, curve.size)
     # positions where the window still fits; the allowance for rounding keeps the last one
+    # the central region is where the secant of 40 % has the smallest slope, the first one if several are
+    # equal
     count = int(np.searchsorted(ratio, 1 - _CENTRAL_WIDTH + 1e-12, side="right"))
     fall = np.interp(ratio[:count] + _CENTRAL_WIDTH, ratio, curve)
     np.subtract(curve[:count], fall, out=fall)
@@ -59,6 +39,8 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     del fall  # memory may not hold more than is needed of a large map
     begin = int(np.searchsorted(ratio, start))
     end = int(np.searchsorted(ratio, start + _CENTRAL_WIDTH + 1e-12, side="right"))
+    # the least-squares line through it, extended from 0 to 100 %, bounds the core; triangles of equal area
+    # replace the curve above and below
     middle, y = ratio[begin:end].mean(), curve[begin:end]
     x = ratio[begin:end] - middle
     slope = float(x @ y / (x @ x)) if x.size > 1 else 0.0

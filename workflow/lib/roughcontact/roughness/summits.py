@@ -18,26 +18,11 @@ _COMPARED = 40  # highest summits whose heights say how far the first may be abo
 
 @in_si
 def summit_statistics(height: xr.DataArray) -> dict[str, float]:
-    """Return the summit statistics of a periodic map (m) for the model of Greenwood and Williamson [1]_.
+    """Return density (1/m^2), mean radius, height std and mean height (m) of a periodic map's summits.
 
-    A summit is a point higher than its eight neighbours, with periodic boundaries; its curvature is the
-    spectral mean curvature -(h_xx + h_yy) / 2 at the point.
-
-    Returns `density` (m^-2), `mean_radius` (m, 1 / mean curvature), `height_std` (m, standard deviation of
-    the summit heights), `mean_height` (m, above the mean plane). All are NaN for a profile, and the last
-    three without summits.
-
-    References
-    ----------
-    .. [1] Greenwood, J. A., Williamson, J. B. P. (1966), Proc. R. Soc. A 295, 300.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import product_wave_surface
-    >>> wave = product_wave_surface((64, 64), 1.0, amplitude=1.0, wavelength=64.0)
-    >>> found = summit_statistics(wave)  # two crests, of the radius (64 / (2 pi))^2
-    >>> round(found["density"] * 64**2, 6), round(found["mean_radius"] * (2 * math.pi / 64) ** 2, 6)
-    (2.0, 1.0)
+    A summit is a point higher than its eight neighbours, its curvature -(h_xx + h_yy) / 2, spectral
+    (Greenwood and Williamson 1966, Proc. R. Soc. A 295, 300); all are NaN for a profile, and the last three
+    without summits.
     """
     names = ("density", "mean_radius", "height_std", "mean_height")
     if min(height.shape) == 1:
@@ -63,25 +48,13 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
 
 @in_si
 def summit_that_stands_out(height: xr.DataArray, *, images: int = 1) -> dict[str, float]:
-    """Return the summit that stands farthest above its surroundings, and the chance of it.
+    """Return the summit or spike farthest above its surroundings in a periodic map (m), and the chance of it.
 
-    The height of a summit is the mean of 3 x 3 points less that of the 15 x 15 points around, the height of a
-    spike a point less the mean of the 9 x 9 points around. The highest of many heights are those of an
-    exponential tail, whatever the surface: the i-th spacing between them, times i, is exponential and
-    independent of the others [1]_. The first one over the sum of the others so tells by what chance the
-    highest is as far above the next [2]_.
-
-    `height` (y, x) in m: periodic; `images`: number of mirror images along each axis that make up the map, of
-    which one is searched. Returns, of the summit or the spike, whichever has the smaller chance,
-    `summit_chance` (0 where there is no other), `summit_over_next`, the ratio of the two greatest heights
-    that do not overlap (infinite where there is no other), and `summit_x`, `summit_y` (m). Empty for a map
-    without summits.
-
-    References
-    ----------
-    .. [1] Rényi (1953), On the theory of order statistics, Acta Math. Acad. Sci. Hung. 4, 191.
-    .. [2] Likeš (1967), Distribution of Dixon's statistics in the case of an exponential population, Metrika
-       11, 46.
+    The spacings of the highest of many heights, the i-th times i, are exponential and independent (Rényi
+    1953, Acta Math. Acad. Sci. Hung. 4, 191); the first one over the sum of the others tells by what chance
+    the highest is as far above the next (Likeš 1967, Metrika 11, 46). `summit_over_next` is infinite without
+    another; the position is in m. `images` is the number of mirror images along each axis that make up the
+    map, of which one is searched.
 
     Examples
     --------

@@ -46,31 +46,18 @@ class _Bands(NamedTuple):
 
 @in_si
 def instrument_traces(height: xr.DataArray) -> dict[str, float]:
-    """Return what the waves and curvatures of a periodic map say of the instrument.
+    """Return what the waves and curvatures of a periodic map (ny, nx; m) say of the instrument.
 
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        periodic.
+    * `spectrum_exponent`: of the steepest fall of the areal power spectrum over less than an octave, and
+      `spectrum_end` (m), the wavelength where it falls more steeply than `STEEPEST`, or is steepest
+    * `spectrum_bend`: upper end of the 95 % interval of its change from the last octave but one to the last
+    * `rounded_peaks`: how much blunter peaks are than valleys, in powers of two, and `sharpest_peak_radius`
+      (m), which 0.1 % of the points fall below
+    * `top_exponent`: over the highest octave, again as of an areal spectrum
+    * `noise_floor`, `pixel_roughness` (m): rms of white noise with the power of the shortest waves, with the
+      second differences of the map; `noise_gradient_share`: its share of the mean square gradient
 
-    Returns
-    -------
-    dict
-        * `spectrum_exponent`: that of the steepest fall of the areal power spectrum with the frequency over
-          less than an octave; for a profile, whose spectrum falls one power less, one is subtracted
-        * `spectrum_end` (m): wavelength from which on it falls more steeply than `STEEPEST`, else where it is
-          steepest
-        * `spectrum_bend`: change of the exponent from the last octave but one to the last one, of its 95 %
-          interval the upper end
-        * `rounded_peaks`: how much blunter peaks are than valleys, in powers of two, 0 for normally
-          distributed curvatures; `sharpest_peak_radius` (m): radius that 0.1 % of the points fall below
-        * `top_exponent`: exponent of the spectrum over its highest octave, again as of an areal one
-        * `noise_floor` (m): rms height of white noise with the power of the shortest waves
-        * `noise_gradient_share`: share of the mean square gradient that such noise would make up
-        * `pixel_roughness` (m): rms height of white noise with the second differences of the map;
-          `pixel_pitch` (m): the larger one
-
-        Empty for a map with too few waves, or without heights.
+    Empty for a map with too few waves, or without heights.
 
     Examples
     --------
@@ -113,23 +100,10 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
 
 
 def repeated_heights(values: np.ndarray) -> float:
-    """Return how much more often neighbours along x have the same height than steps of other sizes suggest.
+    """Return how often neighbours along x have equal heights (ny, nx; NaN missing), over the expected.
 
-    A median filter takes every height from a pixel nearby, so that neighbours often get the same one. Steps
-    of zero are compared with the smallest ones: those of one quantum where the heights are quantised, else
-    those up to a small share of the median step. The expected ratio is that of exponentially distributed
-    steps.
-
-    `values` (ny, nx): heights as measured, in any unit; NaN where missing. Returns about 1 for quantised
-    heights, 0 where no height is repeated; 0, not known, for fewer than 1000 steps or coarsely quantised
-    heights.
-
-    Examples
-    --------
-    >>> from scipy.ndimage import median_filter
-    >>> noise = np.random.default_rng(0).standard_normal((64, 64))
-    >>> repeated_heights(noise), repeated_heights(median_filter(noise, 3)) > 4
-    (0.0, True)
+    A median filter takes every height from a pixel nearby. About 1 for quantised heights, 0 where no height
+    is repeated, for fewer than 1000 steps and for coarsely quantised heights.
     """
     rows = values[:: max(1, values.size // _SAMPLE)]
     step = np.abs(np.diff(rows, axis=1)).ravel()
@@ -140,6 +114,7 @@ def repeated_heights(values: np.ndarray) -> float:
     median, quantum = np.median(distinct_steps), np.quantile(distinct_steps, _SMALLEST)
     if quantum > _COARSE * median:
         return 0.0
+    # steps of zero are compared with the smallest ones, as of exponentially distributed steps
     few_steps = np.count_nonzero(distinct_steps <= max(_FEW_STEPS * median, 1.5 * quantum))
     expected = 0.5 * np.exp(_QUANTA * quantum / median)
     return float((step.size - distinct_steps.size) / few_steps / expected)
