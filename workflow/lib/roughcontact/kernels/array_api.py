@@ -1,20 +1,14 @@
-"""The grid kernels of the iteration, for any array library.
+"""The grid kernels of the iteration, for any array library: this module defines what each of them computes.
 
-They use the library of their arrays (NumPy, PyTorch and others with the functions of the Python array API)
-and write to preallocated arrays. This module implements `roughcontact.kernels.protocol.Kernels` and defines
-what each kernel computes.
+They use the functions of the Python array API on fields (ny, nx) and spectra (ny, nx//2 + 1) as of
+`numpy.fft.rfft2`, and write to preallocated arrays. All quantities are dimensionless, sums in double
+precision. Recurring arguments:
 
-Fields have the shape (ny, nx), spectra the shape (ny, nx//2 + 1) of `numpy.fft.rfft2`. All quantities are
-dimensionless. Sums are in double precision. Recurring arguments:
-
-- `pressure`; `separation`: displacement less height; `offset`: separation of a closed gap;
-- `cap`: upper limit of the pressure, possibly infinite;
-- `factors` (fy, fx): cells of the fine grid in a cell of the coarse one, along y and x;
-- `coarse`: field over the coarse cells;
-- `weights`: those of a neighbour across y, across x, and diagonal;
-- `empty`: 1 - weight of each cell, where the weight is the relative linear size of its contact;
-- `active`, `free`: nonzero on the active set, and where the pressure lies between its bounds;
-- `out`: output.
+- `separation`: displacement less height; `offset`: separation of a closed gap; - `cap`: upper limit of the
+pressure, possibly infinite; - `factors` (fy, fx): cells of the fine grid in a cell of the coarse one;
+`coarse`: field over the coarse cells; - `weights`: those of a neighbour across y, across x, and diagonal; -
+`empty`: 1 - weight of each cell, where the weight is the relative linear size of its contact; - `active`,
+`free`: nonzero on the active set, and where the pressure lies between its bounds; `out`: output.
 """
 
 from collections.abc import Sequence
@@ -107,13 +101,12 @@ def measure(
     pressure: Array,
     cap: float,
 ) -> Array:
-    """Turn a displacement into the separation, by subtracting the heights, and return sums over the grid.
+    """Subtract the heights from the displacement in `separation`, in place; return six sums over the grid.
 
-    The dimensionless height is (height - `reference`) / `unit`. `separation` holds the displacement and is
-    overwritten. The six sums are: pressure x displacement; displacement squared; separation over the free
-    contact {0 < p < cap}, and the number of its points; change of pressure x separation before the step, and
-    after it, both less `offset`, which cancels except for rounding. `start` and `before` are the pressure and
-    the separation before the step.
+    They are: pressure x displacement; displacement squared; separation over the free contact {0 < p < cap},
+    and the number of its points; change of pressure x separation before the step, and after it, both less
+    `offset`, which cancels except for rounding. Heights count as (height - `reference`) / `unit`; `start` and
+    `before` are pressure and separation before the step.
     """
     xp = namespace(pressure)
     displaced = xp.asarray(separation, copy=True)
@@ -166,20 +159,16 @@ def predict_active(
     share: Array,
     means: Array,
 ) -> None:
-    """Set `values` to zero where a point is predicted to lose contact.
+    """Set `values` to zero where points are predicted to lose contact; the rest as in `masked_residual`.
 
     The predicted pressure is p - `stiffness` (residual - mean over its eight neighbours), as in a primal-dual
-    active-set method [1]_, with the stiffness of a single point: pressure over its height above its
-    neighbours. The residual is interpolated to all points. Points at the cap remain active. `share` and
-    `means` as in `masked_residual`.
-
-    References
-    ----------
-    .. [1] Hintermueller, Ito and Kunisch (2002), SIAM J. Optim. 13, 865.
+    active-set method (Hintermueller, Ito and Kunisch 2002, SIAM J. Optim. 13, 865). Points at the cap remain
+    active.
     """
     xp = namespace(pressure)
     mean_around = xp.empty_like(residual)
     neighbours(residual, weights, mean_around)
+    # the stiffness of a single point: pressure over its height above its neighbours
     predicted = pressure - stiffness * (residual - mean_around)
     active = (values != 0) & ((predicted > 0) | (pressure >= cap))
     values[...] = xp.where(active, values, xp.zeros_like(values))
@@ -200,14 +189,11 @@ def advance(
     values: Array,
     share: Array,
 ) -> None:
-    """Write p - `length` (c - `mean`), projected onto [0, `cap`], to `out`.
+    """Write p - `length` (c - `mean`), projected onto [0, `cap`], to `out`; c is as in `finish_restriction`.
 
-    The correction c is the sum of `correction`, `passed` and the distributed `coarse`, as in
-    `finish_restriction`, and `mean` its mean over the active set. `values` are zero at inactive points.
-    Inactive points at the cap keep their pressure, in the precision of `out`; the pressure of the other
-    inactive points becomes zero. The pressure removed by the projection is written to `correction`. `values`
-    become 1 between the bounds, 0 elsewhere, and `share`, which may be the array `coarse`, their mean over
-    blocks of `factors` cells.
+    `values` are zero at inactive points, which keep the pressure of the cap or become zero; they become 1
+    between the bounds, else 0, and `share`, which may be `coarse`, their mean over blocks. `correction` takes
+    the pressure removed.
     """
     xp = namespace(pressure)
     active, full = values != 0, pressure >= cap
@@ -324,17 +310,15 @@ def weigh(
 ) -> None:
     """Compute the weight of every cell from the mean weight of its parts; write their ratio to `gain`.
 
-    The weight is the relative linear size of the contact in a cell. If the contact covers the area `share` in
-    one piece, this is the root of the share; if its parts are far apart, it is the sum of their sizes,
-    reduced by mutual shielding at smaller distances. For an unknown arrangement the geometric mean is used.
-    The displacement beside a line contact varies as the logarithm of the distance: each coarser grid adds a
-    constant to the reciprocal of the weight, and contacts add like conductors in parallel. `parts` is the
-    mean weight of the parts; 1 - weight is written to `empty`, which may be the array `parts`. Cells out of
-    contact, with zero weight, are included. The means of weight and `share` over blocks of `next_factors`
-    cells go to `next_parts` and `next_share`, for the next coarser grid.
+    The weight is the relative linear size of the contact: the root of its `share` in one piece, the sum of
+    the sizes of its parts if they are far apart, reduced by mutual shielding; the geometric mean for an
+    unknown arrangement. `empty`, which may be the array `parts`, becomes 1 - weight, and the means over
+    blocks go to `next_parts` and `next_share`.
     """
     xp, count = namespace(share), factors[0] * factors[1]
     if arrangement == Arrangement.ALONG_A_LINE:
+        # the displacement beside a line varies as the logarithm of the distance: each coarser grid adds a
+        # constant to the reciprocal of the weight, and contacts add like conductors in parallel
         weight = count * fine_share / (1 + (count - 1) * fine_share)
     else:
         root_share, perimeter = xp.sqrt(share), fine_share * count**0.5
@@ -427,14 +411,12 @@ def refine(
     cap: float,
     out: Array,
 ) -> None:
-    """Prolongate the pressure `coarse` to a grid `factors` times finer, with contact edges and fine detail.
+    """Prolongate the pressure `coarse` to a grid `factors` times finer; each coarse cell keeps its load.
 
-    Towards the edge of a contact the pressure falls as the root of the distance (Johnson 1985, chapter 4), so
-    that its square is linear there and can be extrapolated beyond the edge: the square is interpolated
-    linearly, and its root distributes the load of every coarse cell over its fine cells. Fine detail is
-    added: the height on the finer grid above the mean of the neighbours, times `stiffness`. The excess load
-    of a cell is subtracted evenly from its parts, those that reach zero excepted, and load beyond the cap is
-    passed to other parts of the cell: each cell keeps its load.
+    The square of the pressure, linear towards the edge of a contact (Johnson 1985, chapter 4), is
+    interpolated beyond it, and its root distributes the load of a cell. Fine detail is added: the height
+    above the mean of the neighbours, times `stiffness`; excess is subtracted evenly from parts above zero,
+    load beyond the cap passed on in the cell.
     """
     xp = namespace(coarse)
     square = _continued(xp, coarse * coarse)

@@ -12,31 +12,17 @@ SINGLE, DOUBLE = "float32", "float64"  # precisions, by the names that every arr
 
 
 def namespace(field: Array) -> Any:
-    """Return the functions of the library of an array, by the names of the Python array API.
-
-    Not every library names itself in its arrays: those of CuPy and PyTorch have no `__array_namespace__`, and
-    functions of their own names, which array-api-compat translates.
-
-    Examples
-    --------
-    >>> namespace(np.zeros(1)) is np
-    True
-    """
+    """Return the functions of the library of an array, by the names of the Python array API."""
     if isinstance(field, np.ndarray):
         return np
+    # arrays of CuPy and PyTorch have no `__array_namespace__`, and names of their own
     import array_api_compat
 
     return array_api_compat.array_namespace(field)
 
 
 def count_of(field: Array) -> int:
-    """Return the number of elements of an array: its `size`, which is a method in PyTorch.
-
-    Examples
-    --------
-    >>> count_of(np.zeros((2, 3)))
-    6
-    """
+    """Return the number of elements of an array: its `size`, which is a method in PyTorch."""
     return math.prod(field.shape)
 
 

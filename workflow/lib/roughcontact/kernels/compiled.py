@@ -1,8 +1,7 @@
 """The kernels of `roughcontact.kernels.array_api` in C: one pass through memory each.
 
-That module defines what they compute; tests compare the two. The sources are in the folder `c`. Their
-library, built when the package is installed, does not depend on Python and distributes the rows of a pass
-over its own threads. Arrays must be contiguous in memory: others are rejected.
+The library is built from `c` at installation, does not depend on Python and distributes rows over its own
+threads. Arrays must be contiguous in memory.
 """
 
 import ctypes
@@ -300,9 +299,7 @@ class CompiledSmallGrids:
 def run_pass(name, rows, scratch, arrays, *numbers, threads=1):
     """Run a pass over a number of rows; return its six sums, the smallest and the largest value.
 
-    `scratch` is the number of floats that each thread needs as work memory, `threads` the maximum number.
-
-    Raises `MemoryError` where the work memory cannot be allocated.
+    `scratch` is the number of floats of work memory for each thread, `threads` the maximum number.
     """
     packed = _pack[name](*[_address(_view(array)) for array in arrays], *numbers)
     address = _find(name, tuple([array.itemsize for array in arrays]))

@@ -1,8 +1,7 @@
 """Common interface to the real two-dimensional FFT of several libraries.
 
-NumPy arrays are transformed by the compiled kernels (`kernels/c/transforms.h`) if these are available and the
-sides of the grid have no prime factors other than 2, 3 and 5, otherwise by SciPy. Arrays of another library
-(such as PyTorch) are transformed by that library.
+NumPy arrays are transformed by the compiled kernels (`kernels/c/transforms.h`) where sides have no prime
+factors other than 2, 3 and 5, else by SciPy; other arrays by their own library.
 """
 
 from collections.abc import Callable
@@ -69,14 +68,10 @@ class PlanInPlace(Plan):
 
 
 class ScipyPlan(PlanInPlace):
-    """Transforms by SciPy.
+    """Transforms by SciPy, rows in blocks that stay in the cache until they are copied, columns in place."""
 
-    `scipy.fft.rfft2` allocates new memory for every result, which the system must clear first; that takes up
-    to twice as long. Therefore rows are transformed in blocks that stay in the cache until they are copied,
-    and columns in place. SciPy is imported on demand: the import takes a fifth of the time to a first
-    solution.
-    """
-
+    # `scipy.fft.rfft2` allocates memory for every result, which the system must clear first: up to twice the
+    # time
     BLOCK = 2**18  # bytes of the spectrum per thread in a block of rows
     LARGE = 2**22  # points above which SciPy's threads, woken for every block, save time
 
@@ -84,6 +79,7 @@ class ScipyPlan(PlanInPlace):
         super().__init__(like, precision, threads=threads if like.size >= self.LARGE else 1, share=share)
 
     def forward(self, field: Array, *, offset: float = 0.0) -> Array:
+        # on demand: the import takes a fifth of the time to a first solution
         import scipy.fft
 
         for rows in self._blocks():

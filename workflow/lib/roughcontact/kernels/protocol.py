@@ -1,9 +1,6 @@
-"""Interface of the grid kernels that the solver uses.
+"""Interface of the grid kernels of the solver, which `roughcontact.kernels.array_api` defines.
 
-`roughcontact.kernels.array_api` defines what each kernel computes, for the arrays of any library;
-`roughcontact.kernels.compiled` computes the same in C, for NumPy arrays. Every kernel writes to preallocated
-arrays. `cap` is the upper limit of the pressure, `factors` = (fy, fx) are the coarsening factors from a fine
-grid to a coarse one, `weights` those of a neighbour across y, across x, and diagonal.
+Every kernel writes to preallocated arrays; `roughcontact.kernels.compiled` has them in C, for NumPy arrays.
 """
 
 from collections.abc import Sequence

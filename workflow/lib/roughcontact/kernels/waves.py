@@ -12,11 +12,10 @@ _BLOCK = 2**17  # waves per block: few enough to stay in the cache
 
 
 def wave_power(field: np.ndarray) -> np.ndarray:
-    """Return |c(q)|^2 of each wave of a periodic field f(r) = sum c(q) exp(i q.r), without the mean.
+    """Return |c(q)|^2 (ny, nx // 2 + 1) of the waves of a periodic field f = sum c(q) exp(i q.r), 0 at q = 0.
 
-    The result, shape (ny, nx // 2 + 1), is the square of the unit of the field, in the layout of
-    `numpy.fft.rfft2`, for the waves of the half-plane only; zero at the zero frequency, and exactly zero
-    everywhere for a constant field.
+    It has the square of the unit of the field and the layout of `numpy.fft.rfft2`, exactly zero for a
+    constant field.
 
     Examples
     --------
@@ -43,22 +42,10 @@ def wave_power(field: np.ndarray) -> np.ndarray:
 def over_waves(
     power: np.ndarray, shape: Sequence[int], spacing: Sequence[float]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Yield the squared wavenumber and the power of all waves, a few rows at a time.
+    """Yield |q|^2 (rad^2 per unit length^2) and power of all waves (rows, nx // 2 + 1), a few rows at a time.
 
-    Parameters
-    ----------
-    power : array (ny, nx // 2 + 1)
-        from `wave_power`.
-    shape : (ny, nx)
-        of the field.
-    spacing : (dy, dx), any unit of length
-
-    Yields
-    ------
-    squared : array (rows, nx // 2 + 1), rad^2 per unit length^2
-        the caller may change it.
-    both : array (rows, nx // 2 + 1)
-        the power, that of the other half-plane added; the caller may change it.
+    The `power` is that of `wave_power`, here with that of the other half-plane; the caller may change both
+    arrays.
 
     Examples
     --------
@@ -78,19 +65,7 @@ def over_waves(
 def over_wavevectors(
     power: np.ndarray, shape: Sequence[int], spacing: Sequence[float]
 ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Yield the wavevectors and the power of all waves, a few rows at a time.
-
-    Arguments are those of `over_waves`. The wavevectors, shapes (rows, 1) and (1, nx // 2 + 1), are in rad
-    per unit length; the power includes the other half-plane and may be changed by the caller.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> wave = 2 * np.cos(2 * np.pi * np.arange(8) / 8)[None, :]
-    >>> [(qy, qx, both)] = over_wavevectors(wave_power(wave), (1, 8), (1, 1))
-    >>> print(qy.shape, qx.shape, both.round(6))
-    (1, 1) (1, 5) [[0. 2. 0. 0. 0.]]
-    """
+    """Yield qy (rows, 1), qx (1, nx // 2 + 1) in rad/length and the power of all waves, as `over_waves`."""
     qy, qx = fourier.wavevectors(shape, spacing)
     weights = fourier.halfplane_weights(shape)
     for rows in _blocks(power.shape):

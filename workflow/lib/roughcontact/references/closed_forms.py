@@ -8,17 +8,9 @@ import numpy as np
 
 
 def hertz(force: float, radius: float, contact_modulus: float) -> dict[str, float]:
-    """Return contact radius, largest pressure, approach and energy of a sphere under a force.
+    """Return contact radius a (m), pressure p0 (Pa), approach δ (m) and energy U (J) of a sphere (N, m, Pa).
 
     a³ = 3FR/(4E*), p0 = 2E*a/(πR), δ = a²/R, U = (8/15) E* √R δ^(5/2); Johnson (1985), eqs. (4.22)-(4.24).
-
-    `force` in N; `radius` in m; `contact_modulus` in Pa. Returns `contact_radius` (a, m), `max_pressure` (p0,
-    Pa), `approach` (δ, m), `energy` (U, J).
-
-    Examples
-    --------
-    >>> {name: round(float(value), 4) for name, value in hertz(4 / 3, 1.0, 1.0).items()}
-    {'contact_radius': 1.0, 'max_pressure': 0.6366, 'approach': 1.0, 'energy': 0.5333}
     """
     a = (3 * force * radius / (4 * contact_modulus)) ** (1 / 3)
     approach = a**2 / radius
@@ -31,19 +23,10 @@ def hertz(force: float, radius: float, contact_modulus: float) -> dict[str, floa
 
 
 def hertz_ellipse(force: float, radii: tuple[float, float], contact_modulus: float) -> dict[str, float]:
-    """Return semi-axes, largest pressure and approach of a body with two radii of curvature under a force.
+    """Return semi-axes (m), largest pressure (Pa) and approach (m) of a body with two radii (m), force (N).
 
-    Johnson (1985), eqs. (4.25) to (4.28), solved for the ratio of the axes: elliptic integrals K, E of
-    m = 1 - (b/a)². The major axis lies along the direction of the larger radius.
-
-    `force` in N; `radii` in m; `contact_modulus` in Pa. Returns `major` (a, m), `minor` (b, m),
-    `max_pressure` (p0, Pa), `approach` (δ, m).
-
-    Examples
-    --------
-    >>> ball, ellipse = hertz(1.0, 1e-2, 1e9), hertz_ellipse(1.0, (1e-2, 1.0000001e-2), 1e9)
-    >>> [f"{ellipse[name] / ball[name]:.4f}" for name in ("max_pressure", "approach")]
-    ['1.0000', '1.0000']
+    Johnson (1985), eqs. (4.25) to (4.28), solved for the ratio of the axes; the major axis is that of the
+    larger radius.
     """
     from scipy.optimize import brentq  # these imports take longer than a small contact
     from scipy.special import ellipe, ellipk

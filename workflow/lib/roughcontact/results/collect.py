@@ -79,27 +79,11 @@ class Failure(TypedDict):
 
 
 def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
-    """Return the statistics of all surfaces, and of all cases where there are any, in one dataset.
+    """Return the statistics of all surfaces (and cases) in one dataset ([case,] surface, load, ...).
 
-    Parameters
-    ----------
-    entries : list of dict
-        ``{"surface": name, "case": name or None, "statistics": path}``, in the order they shall be listed.
-
-    Returns
-    -------
-    Dataset
-        dims (surface, load, ...), or (case, surface, load, ...) where entries have cases. Labels are the
-        coordinates `surface` and `case`; `surface_name` and `case_name` are the same. Loads and bins may
-        differ between surfaces: shorter ones are padded with NaN, and `mean_pressure`, the centres and the
-        bounds of the bins depend on the surface. The attributes are JSON: `source_sha256` has the checksum
-        of every measured file, `verdicts`, `reasons` and `bands` (the waves that a map holds, and the kind of
-        its instrument) those of each file, by case ("" where there are none) and surface.
-
-    Raises
-    ------
-    InputFileError
-        where a file is missing or is no netCDF file.
+    Shorter lists of loads and bins are padded with NaN; `mean_pressure` and the bins depend on the surface.
+    The attributes are JSON: `source_sha256` by surface, `verdicts`, `reasons` and `bands` by case ("" for
+    none) and surface.
     """
     surfaces = list(dict.fromkeys(entry["surface"] for entry in entries))
     cases = list(dict.fromkeys(entry["case"] for entry in entries))
@@ -214,26 +198,10 @@ def table(statistics: xr.Dataset) -> pd.DataFrame:
 
 
 def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
-    """Return one row per (case,) surface and load of `collect_statistics`, every column named with its unit.
+    """Return one row per (case,) surface and load of `collect_statistics`, each column named with its unit.
 
-    Densities stay in the netCDF file. The error budget has the combined uncertainty of each quantity, and the
-    contributions to that of the contact area. The padding of shorter lists of loads is left out.
-    The last columns are the verdicts on each answer, `{answer}_verdict`, the `verdict` on the load and its
-    `reasons`, joined by " | ", where they are known, and `corrected_for`, where a map was corrected.
-
-    `statistics`: from `collect_statistics`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> import xarray as xr
-    >>> labels = {"surface_name": ("surface", np.array(["ground"], object))}
-    >>> labels["mean_pressure"] = (("surface", "load"), [[1e6, 2e6]])
-    >>> gaps = xr.Dataset({"mean_gap": (("surface", "load"), [[3e-7, 2e-7]])}, coords=labels)
-    >>> print(summary_table(gaps).to_string(index=False))
-    surface  mean_pressure_Pa   mean_gap_m
-     ground         1000000.0 3.000000e-07
-     ground         2000000.0 2.000000e-07
+    Densities stay in the netCDF file; the last columns are verdicts, `reasons` joined by " | ", and
+    `corrected_for`.
     """
     statistics = _with_columns_of_the_budget(statistics).drop_vars(["surface", "case"], errors="ignore")
     names = [
@@ -298,18 +266,7 @@ def _with_columns_of_the_budget(statistics: xr.Dataset) -> xr.Dataset:
 
 
 def with_failures(summary: pd.DataFrame, failures: Sequence[Failure]) -> pd.DataFrame:
-    """Return the table of all surfaces with a last row for each `Failure`.
-
-    Such a row has no numbers: `verdict` is "failed" and `reasons` has the reason.
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> summary = pd.DataFrame({"surface": ["ground"], "mean_gap_m": [2e-7]})
-    >>> failed = [{"surface": "turned", "case": None, "reason": "turned.txt: is empty"}]
-    >>> with_failures(summary, failed)["verdict"].tolist()
-    [nan, 'failed']
-    """
+    """Return the table with a last row for each failure, of verdict "failed" and without numbers."""
     rows = pd.DataFrame(
         [
             {
@@ -325,21 +282,9 @@ def with_failures(summary: pd.DataFrame, failures: Sequence[Failure]) -> pd.Data
 
 
 def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame:
-    """Return one row per pair of faces (, case) and load: mean and spread over the members of its ensemble.
+    """Return mean and `spread_...` (standard deviation, n - 1) over the members of each pair, case and load.
 
-    Loads are taken in order, first with first: where they are relative, the mean pressure of the members
-    differs a little, and the table has its mean and spread as well.
-
-    `summary`: from `summary_table`; `pairs`: name of a member -> name of its pair; other surfaces are left
-    out. Returns `surface` (the pair), `members` (count), and for every number of `summary` a column with its
-    mean and one, named `spread_...`, with its standard deviation (n - 1; NaN for a single member).
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> summary = pd.DataFrame({"surface": ["p-1", "p-2"], "mean_gap_m": [1.0, 3.0]})
-    >>> pairs_table(summary, {"p-1": "p", "p-2": "p"}).round(3).to_dict("records")
-    [{'surface': 'p', 'members': 2, 'mean_gap_m': 2.0, 'spread_mean_gap_m': 1.414}]
+    Loads are taken in order, first with first: the mean pressures of members differ where loads are relative.
     """
     names = [name for name in ("case", "surface") if name in summary]
     numbers = [

@@ -1,8 +1,7 @@
-"""A finished run as a research object: an RO-Crate with the content and origin of its files.
+"""A finished run as an RO-Crate 1.1 with the profile Process Run Crate 0.5: content and origin of its files.
 
-The crate follows RO-Crate 1.1 and the profile Process Run Crate 0.5: one action, with this program as its
-instrument, the measured files and the settings as its objects, and the files of the folder as its results.
-With copies of the measured files and the settings (`inputs`) whoever has the crate can repeat the run.
+The program is the instrument of one action, measured files and settings are its objects, the files its
+results.
 """
 
 import json
@@ -44,42 +43,11 @@ def write_crate(
     author: str = "",
     publisher: str = "",
 ) -> Path:
-    """Write `ro-crate-metadata.json` into the folder of a finished run.
+    """Write `ro-crate-metadata.json` into the folder of a finished run and return its path.
 
-    It lists the files of the folder with their types and sizes, the measured files by name and checksum, the
-    settings, and the program with its version, its commit and the packages that computed. The run ended when
-    the newest file was written; no other clock is read, so that an unchanged folder gives an unchanged crate.
-
-    Parameters
-    ----------
-    folder : str or Path
-        the folder `results` of a run.
-    configuration : str or Path, optional
-        the file with the settings of the run. They, the table of surfaces and the measured files are then
-        copied into the folder `run_inputs` of the crate; ``roughcontact run --configfile
-        run_inputs/config.yaml`` repeats the run. None leaves them out.
-    terms : str
-        of use of the results: the address of a licence, or words.
-    author, publisher : str
-        the person who made the run, and the organisation that publishes it: a name, and where there is one
-        the address of an ORCID or ROR in angle brackets after it. An empty text says nothing of them.
-
-    Returns
-    -------
-    Path
-        the file written.
-
-    Raises
-    ------
-    SettingsError
-        where the package rocrate is not installed, or the settings of the run cannot be read.
-    InputFileError
-        where the folder holds no finished run, or a file in it cannot be read, or a measured file is no
-        longer the one that was read.
-
-    References
-    ----------
-    S. Leo et al., Recording provenance of workflow runs with RO-Crate. PLoS ONE 19 (2024) e0309210.
+    It has the types, sizes and checksums of all files, and the program with commit and packages (Leo et al.,
+    PLoS ONE 19 (2024) e0309210). The `configuration` and all it names are copied to `run_inputs`, to repeat
+    the run. `author` and `publisher` may end with their ORCID or ROR in angle brackets.
 
     Examples
     --------
@@ -95,6 +63,7 @@ def write_crate(
     from rocrate.rocrate import ROCrate
 
     files, inputs = sorted(_files(folder)), []
+    # no other clock is read: an unchanged folder gives an unchanged crate
     ended = datetime.fromtimestamp(int(max(path.stat().st_mtime for path in files)), UTC).isoformat()
     crate = ROCrate(version="1.1")
     crate.metadata.extra_terms |= _TERMS

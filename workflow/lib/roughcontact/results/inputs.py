@@ -16,13 +16,9 @@ FOLDER = "run_inputs"  # no surface has this name: `_` is not admitted
 
 
 def copy_inputs(results: Path, configuration: Path, known: set[str]) -> Path:
-    """Copy what a run was made from into the folder of its results, so that it can be repeated elsewhere.
+    """Copy settings, table and measured files of a run into its results; return the path of the settings.
 
-    `results`: the folder `results` of the run; paths are looked up beside it, then beside the file that names
-    them; `configuration`: the file with the settings of the run; `known`: checksums (SHA-256) of the files
-    that were read by the run. Returns the copied settings, for ``roughcontact run --configfile``. Raises
-    `SettingsError` where settings or table cannot be read. Raises `InputFileError` where a measured file is
-    missing, or is not the one that the run has read.
+    Measured files must have one of the checksums (SHA-256) of `known`: those that the run has read.
     """
     import yaml  # comes with Snakemake
 
@@ -30,6 +26,7 @@ def copy_inputs(results: Path, configuration: Path, known: set[str]) -> Path:
         raise SettingsError(f"{configuration}: no such file; name the settings of the run")
     check_yaml(configuration)
     config = yaml.safe_load(configuration.read_text(encoding="utf-8"))
+    # paths are looked up beside the results, then beside the file that names them
     beside = [results.resolve().parent, configuration.resolve().parent]
     named = config.get("surfaces", Settings.model_fields["surfaces"].default)
     table = find(named, beside)

@@ -78,25 +78,11 @@ _TITLES = {
 def provenance(
     settings: dict[str, Any], *, source_sha256: str = "", stage: str = "", of: str = "", history: str = ""
 ) -> dict[str, str]:
-    """Return the attributes that record the origin of a file: settings, versions, checksum of the input.
-
-    No wall clock and no host name, so that two equal runs write equal files.
-
-    `settings`: whatever JSON can write; `source_sha256`: checksum of the measured file; `stage`: name of the
-    file without its ending: "height", "statistics"; `of`: name of the surface; `history`: of the file that it
-    was made of.
-
-    Examples
-    --------
-    >>> made = provenance({"level": {"form": "plane"}}, stage="levelled", of="ground")
-    >>> made["settings"]
-    '{"level": {"form": "plane"}}'
-    >>> made["title"]
-    'Levelled heights: ground'
-    """
+    """Return the attributes that record the origin of a file: settings, versions, checksum of the input."""
     program = f"roughcontact {__version__}"
     how = {"comment": _LOADS_BY_PRESSURE} if stage == "statistics" else {}
     title = _TITLES.get(stage, "Result of roughcontact")
+    # no wall clock and no host name, so that two equal runs write equal files
     attributes = {
         "Conventions": "CF-1.11",
         "title": f"{title}: {of}" if of else title,
@@ -260,26 +246,7 @@ class LoadByLoad:
 def written_load_by_load(
     path: str | Path, loads: Sequence[float], window: xr.DataArray
 ) -> Iterator[LoadByLoad]:
-    """Open a file for the maps of many loads; it appears under its name at the end, if nothing fails.
-
-    `loads` (Pa) are those that will be solved on the map `window` (y, x; m).
-
-    Raises `OutputFileError` where the disk is full or the folder may not be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from roughcontact.contact.solve import solve_contact
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> height, problem = rough_reference_surface(64), {"contact_modulus": 1.0, "mean_pressure": [0.2, 0.1]}
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     with written_load_by_load(f"{folder}/contact.nc", problem["mean_pressure"], height) as file:
-    ...         solved = solve_contact(height, **problem, reduce=file.keep)
-    ...         file.complete(solved.assign(height=height))
-    ...     found = read_dataset(f"{folder}/contact.nc")
-    >>> found.equals(solve_contact(height, **problem))
-    True
-    """
+    """Open a file for the maps of loads (Pa) on a window (y, x; m), which appears at the end."""
     with whole(path, size=len(loads) * window.size * _BYTES_OF_MAPS) as partial:
         file = LoadByLoad(partial, loads)
         try:
@@ -312,11 +279,7 @@ def read_dataset(path: str | Path) -> xr.Dataset:
 def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
     """Open one of the project's own result files, to read a part of it.
 
-    `InputFileError` is raised where the file is missing, damaged or no netCDF file, also if that shows only
-    within the block.
-
-    Raises `InputFileError` where the file is missing, damaged or no netCDF file, also if that shows only
-    within the block.
+    `InputFileError` for a missing or damaged file may also be raised within the block.
     """
     with _readable(path) as sealed:
         with _uncached():
@@ -369,8 +332,6 @@ def _take_digest(attrs: dict[str, Any], path: str | Path, sealed: int) -> None:
 def read_arrays(path: str | Path) -> tuple[dict[str, Array], dict[str, Any]]:
     """Read the bare arrays and attributes of one of the project's own result files, in half the time.
 
-    Raises `InputFileError` where the file is missing, damaged or no netCDF file.
-
     Examples
     --------
     >>> import tempfile, xarray as xr
@@ -392,26 +353,12 @@ def read_arrays(path: str | Path) -> tuple[dict[str, Array], dict[str, Any]]:
 
 
 def write_table(frame: pd.DataFrame, path: str | Path) -> None:
-    """Write a table as CSV (UTF-8), as of `table_text`, whole or not at all.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> import pandas as pd
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_table(pd.DataFrame({"surface": ["-1", "ground"], "load": [-1, 2]}), f"{folder}/a.csv")
-    ...     Path(folder, "a.csv").read_text().splitlines()
-    ['surface,load', "'-1,-1", 'ground,2']
-    """
+    """Write a table as CSV (UTF-8), as of `table_text`, whole or not at all."""
     write_text(table_text(frame), path)
 
 
 def table_text(frame: pd.DataFrame) -> str:
     r"""Return a table as CSV with ten digits, without its index.
-
-    A text that a spreadsheet would take for a formula, one that begins with = + - @, gets an apostrophe
-    before it, by which spreadsheets know a text.
 
     Examples
     --------
@@ -419,6 +366,7 @@ def table_text(frame: pd.DataFrame) -> str:
     >>> table_text(pd.DataFrame({"surface": ["=1"], "load": [1 / 3]}))
     "surface,load\n'=1,0.3333333333\n"
     """
+    # an apostrophe keeps spreadsheets from taking = + - @ for the start of a formula
     frame = frame.map(lambda cell: f"'{cell}" if isinstance(cell, str) and cell[:1] in _FORMULA else cell)
     return str(frame.to_csv(index=False, float_format="%.10g", lineterminator="\n"))
 
@@ -431,19 +379,7 @@ def read_table(path: str | Path) -> pd.DataFrame:
 
 
 def write_text(text: str, path: str | Path) -> None:
-    """Write a text as UTF-8, whole or not at all; the folder is made where it is missing.
-
-    Raises `OutputFileError` where the disk is full or the folder may not be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_text("A/A₀", f"{folder}/new/a.txt")
-    ...     Path(folder, "new", "a.txt").read_text(encoding="utf-8")
-    'A/A₀'
-    """
+    """Write a text as UTF-8, whole or not at all; the folder is made where it is missing."""
     content = text.encode()
     with whole(path, size=len(content)) as partial:
         partial.write_bytes(content)
@@ -453,11 +389,10 @@ def write_text(text: str, path: str | Path) -> None:
 def whole(path: str | Path, *, size: int) -> Iterator[Path]:
     """Yield a temporary name beside `path` that takes its place at the end: no half file is ever seen.
 
-    Its folder is made where it is missing. The name is always the same, so that a later run replaces the rest
-    of a killed job. `size` is an upper estimate of the bytes of the file: where fewer are free, that
-    is given as the reason of a failure.
+    `size` is an upper estimate of the bytes: where fewer are free, that is given as the reason of a failure.
     """
     path = Path(path)
+    # always the same, so that a later run replaces what a killed job left
     partial = path.with_name(f".{path.name}.partial")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

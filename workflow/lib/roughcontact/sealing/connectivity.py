@@ -6,28 +6,10 @@ _BLOCK = 2**20  # points counted at a time
 
 
 def connected_regions(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the connected regions of a periodic map and the axes along which each one percolates.
+    """Return region numbers (ny, nx; 0 outside) of a periodic map and which percolate (regions + 1, 2: y, x).
 
-    Points are connected over shared edges (not corners) and over the seams of the period. Regions that touch
-    a seam are continued into the neighbouring periodic image of the map. A region that meets itself in
-    another image percolates, or runs around the period, along each axis in which the two images differ.
-
-    Returns
-    -------
-    region : int array (ny, nx)
-        0 outside, else 1 to the number of regions.
-    around : bool array (regions + 1, 2)
-        whether a region percolates along y and along x; the first row, for the outside, is False.
-
-    Examples
-    --------
-    A stripe along x, a point, and a patch over the seam:
-
-    >>> import numpy as np
-    >>> rows = ["####", "....", ".#..", "....", "#..#", "...."]
-    >>> region, around = connected_regions(np.array([[point == "#" for point in row] for row in rows]))
-    >>> region[4].tolist(), around.tolist()
-    ([3, 0, 0, 3], [[False, False], [False, True], [False, False], [False, False]])
+    Points are connected over shared edges and over the seams; a region percolates along each axis in which it
+    meets itself in another periodic image.
     """
     labels, roots, around = _joined_over_seams(inside)
     roots_of_regions, number = np.unique(roots, return_inverse=True)
@@ -35,16 +17,7 @@ def connected_regions(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def region_sizes(inside: np.ndarray) -> np.ndarray:
-    """Return the number of points of each connected region (`connected_regions`) of a periodic map.
-
-    Examples
-    --------
-    The two ends of the row are connected over the period.
-
-    >>> import numpy as np
-    >>> region_sizes(np.array([[True, False, True, False, True]]))
-    array([1, 2])
-    """
+    """Return the number of points of each connected region (`connected_regions`) of a periodic map."""
     labels, roots, _ = _joined_over_seams(inside)
     sizes = np.zeros(roots.size, int)
     for rows in np.array_split(labels, -(-labels.size // _BLOCK)):
@@ -56,17 +29,7 @@ def region_sizes(inside: np.ndarray) -> np.ndarray:
 
 
 def percolates(inside: np.ndarray) -> tuple[bool, bool]:
-    """Return whether any region (`connected_regions`) of a periodic map percolates along y, and along x.
-
-    Examples
-    --------
-    A diagonal percolates along both axes if its points share edges, along none if they do not.
-
-    >>> import numpy as np
-    >>> corners = np.eye(4, dtype=bool)
-    >>> percolates(corners | np.roll(corners, 1, axis=0)), percolates(corners)
-    ((True, True), (False, False))
-    """
+    """Return whether any region (`connected_regions`) of a periodic map percolates along y, and along x."""
     along_y, along_x = _joined_over_seams(inside)[2].T
     return bool(along_y.any()), bool(along_x.any())
 

@@ -15,42 +15,16 @@ _STEPS_COMPARED = 4  # steps that together must gain no more than the tolerance
 
 
 def flow_columns(gap: np.ndarray, steps: tuple[float, float], *, tolerance: float = 1e-5) -> dict[str, float]:
-    """Return the flow factors of a periodic gap: its flow over that between parallel plates at its mean.
+    """Return the flow factors of a periodic gap (ny, nx; m): its flow over that of plates at its mean.
 
-    The flux of a thin viscous fluid is -g³/(12 η) ∇P, and ∇·(g³ ∇P) = 0 [1]_. Under a mean pressure gradient,
-    with fluctuations of the period of the map, the mean flux is Φ ū³/(12 η) times that gradient; Φ is a
-    symmetric tensor, because a lay deflects the fluid sideways. Points in contact are impermeable, and so are
-    points whose region does not run around the period.
-
-    Points are cells of constant height; two neighbours conduct in series. The result is exact for channels
-    along the axes, both across and along them. The narrowest places of a path dominate: where they are a
-    pixel wide, the factors are correct only to an order of magnitude. The pressure is found by conjugate
-    gradients with multigrid; the flow decreases with every step.
-
-    `gap` (ny, nx) in m: periodic; zero or less where the surfaces touch; `steps` (dy, dx) in m: pitch of the
-    points; `tolerance`: largest total change of each of the two diagonal factors in the last four steps of
-    the iteration, relative to the factor. Returns `flow_factor_xx`, `flow_factor_yy`, `flow_factor_xy`; 0
-    along an axis without percolation, NaN where the iteration does not reach its tolerance. `shear_flow_x`
-    and `shear_flow_y` are the shares of the mean gap whose fluid moves with a sliding rough face rather than
-    with half its speed: 1 - <g G>/<g>, G the pressure gradient over its mean, since by reciprocity the flow
-    that a sliding face drives follows from that which a pressure drives; 1 without percolation [2]_.
-
-    References
-    ----------
-    .. [1] Patir and Cheng (1978), An average flow model for determining effects of three-dimensional
-       roughness on partial hydrodynamic lubrication, ASME J. Lubr. Technol. 100, 12.
-    .. [2] Patir and Cheng (1979), Application of average flow model to lubrication between rough sliding
-       surfaces, ASME J. Lubr. Technol. 101, 220.
-
-    Examples
-    --------
-    Ridges across x hinder a flow along x, and help one along y:
-
-    >>> import numpy as np
-    >>> gap = (1 + 0.5 * np.cos(2 * np.pi * np.arange(64) / 64)) * np.ones((4, 1))
-    >>> found = flow_columns(gap, (1e-6, 1e-6))
-    >>> print(f"{found['flow_factor_xx']:.4f} {found['flow_factor_yy']:.4f}")
-    0.4330 1.3750
+    The flux of a thin viscous fluid is -g³/(12 η) ∇P with ∇·(g³ ∇P) = 0 (Patir and Cheng 1978, ASME J. Lubr.
+    Technol. 100, 12), Φ ū³/(12 η) times the mean gradient. Φ is a symmetric tensor, 0 along an axis without
+    percolation, NaN where the last four steps change it by more than `tolerance`. `shear_flow_x`,
+    `shear_flow_y`, the shares of the mean gap whose fluid moves with a sliding rough face rather than at half
+    its speed, are by reciprocity 1 - <g G>/<g>, G the pressure gradient over its mean (Patir and Cheng 1979,
+    ASME J. Lubr. Technol. 101, 220); 1 without percolation. Two neighbours of constant height conduct in
+    series, exact for channels along the axes; where paths are a pixel wide the factors are correct only to an
+    order of magnitude.
     """
     region, around = connected_regions(gap > 0)
     axes = np.flatnonzero(around.any(axis=0))
@@ -77,26 +51,9 @@ def leak_columns(
     pressure_difference: float,
     width: float,
 ) -> dict[str, np.ndarray]:
-    """Return the leak rate of a seal of the surface per length of the seal: Φ ū³ Δp/(12 η w).
+    """Return the leak rate per length of a seal (m2/s) along x and y: Φ ū³ Δp/(12 η w).
 
-    Parameters
-    ----------
-    mean_gap : array, m
-        ū.
-    flow_factors : mapping
-        `flow_factor_xx` and `flow_factor_yy`, arrays of the shape of `mean_gap`.
-    viscosity : float, Pa s
-        η, dynamic, of an incompressible Newtonian fluid.
-    pressure_difference : float, Pa
-        Δp, between both sides of the seal.
-    width : float, m
-        w, of the seal in the direction of the flow.
-
-    Returns
-    -------
-    dict of array
-        `leak_rate_x`, `leak_rate_y`: volume by time and by length of the seal, m2 s-1, for a flow along x and
-        along y.
+    ū and w in m, the viscosity η in Pa s, Δp in Pa.
 
     Examples
     --------

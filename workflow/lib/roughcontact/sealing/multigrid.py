@@ -26,30 +26,13 @@ Cycle = Callable[[np.ndarray], np.ndarray]
 
 
 def multigrid(root: sp.csr_array, coordinates: np.ndarray) -> tuple[sp.csr_array, Cycle]:
-    """Return the matrix root' root of a network and a preconditioner: a V-cycle of smoothed aggregation [1]_.
+    """Return the matrix root' root (n, n) of a network and a V-cycle of smoothed aggregation for it.
 
-    The network is divided into blocks of 3 x 3 points. The points of a block that are connected by links not
-    much weaker than their other links become one point of the next coarser network, so that regions on both
-    sides of a wall, however thin, remain separate. Coarser matrices are products of a coarser `root` with
-    itself: where strong links cancel, a weak one beside them is not lost in their rounding.
-
-    Parameters
-    ----------
-    root : sparse array (links, n)
-        a row for each link: the root of its conductance at its end, and less that at its start.
-    coordinates : int array (n, 2)
-        row and column of each unknown on the grid.
-
-    Returns
-    -------
-    matrix : sparse array (n, n)
-    cycle : callable
-        residuals (n, columns) -> corrections (n, columns), symmetric and positive semidefinite.
-
-    References
-    ----------
-    .. [1] Vaněk, Mandel and Brezina (1996), Algebraic multigrid by smoothed aggregation for second and fourth
-       order elliptic problems, Computing 56, 179.
+    Vaněk, Mandel and Brezina (1996), Computing 56, 179, with blocks of 3 x 3 points, of which only those
+    joined by strong links become one coarser point: regions on both sides of a wall remain separate. `root`
+    (links, n) has the root of the conductance at the end of a link and less that at its start; `coordinates`
+    (n, 2) are row and column. Coarser matrices are products of a coarser `root`: a weak link beside strong
+    ones is not lost in rounding.
 
     Examples
     --------
@@ -114,17 +97,10 @@ def multigrid(root: sp.csr_array, coordinates: np.ndarray) -> tuple[sp.csr_array
 def minimised(
     matrix: sp.csr_array, forces: np.ndarray, precondition: Cycle
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Yield ever better solutions of matrix x = forces, by preconditioned conjugate gradients.
+    """Yield ever better x (n, columns) of matrix x = forces, by preconditioned conjugate gradients.
 
-    The matrix is symmetric and positive semidefinite. All columns of `forces` (n, columns) are solved side by
-    side.
-
-    Yields
-    ------
-    solution : array (n, columns)
-        changed by the next step.
-    gain : array (columns)
-        decrease of the energy x A x - 2 b x by the step; inf where rounding makes a step impossible.
+    With it comes the decrease (columns) of the energy x A x - 2 b x; inf where rounding makes a step
+    impossible.
     """
     solution, residual = np.zeros_like(forces), forces.copy()
     solved = _SOLVED * np.abs(forces).max(axis=0, initial=0.0)

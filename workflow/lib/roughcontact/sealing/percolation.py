@@ -10,29 +10,10 @@ _SAMPLE = 4096  # points that narrow the range of levels before all heights in t
 
 
 def percolation_columns(gap: np.ndarray) -> dict[str, float]:
-    """Return whether a periodic gap lets a fluid through along each axis, and its critical constriction.
+    """Return whether a periodic gap (ny, nx; m) percolates along x and y, and its critical constrictions (m).
 
-    A gap percolates along x where some connected region of it runs around the period along x, whatever it
-    does along y; then a fluid under pressure along x passes through. The critical constriction is the largest
-    height that such a path keeps everywhere: the largest level above which an open region still runs around
-    [1]_. It is a height of one point of the map, found exactly, by bisection.
-
-    `gap` (ny, nx) in m: periodic; zero or less where the surfaces touch. Returns `gap_percolates_x`,
-    `gap_percolates_y` (0 or 1), `critical_constriction_x`, `critical_constriction_y` (m; 0 without
-    percolation). Along an axis of a single point nothing varies.
-
-    References
-    ----------
-    .. [1] Persson and Yang (2008), Theory of the leak-rate of seals, J. Phys. Condens. Matter 20, 315011.
-
-    Examples
-    --------
-    Two channels along x, the higher one with a narrow place:
-
-    >>> import numpy as np
-    >>> gap = np.array([[3.0, 3.0, 1.0, 3.0], [0, 0, 0, 0], [2.0, 2.0, 2.0, 2.0], [0, 0, 0, 0]])
-    >>> percolation_columns(gap)["critical_constriction_x"], percolation_columns(gap)["gap_percolates_y"]
-    (2.0, 0)
+    This is the largest height that an open path around the period keeps everywhere (Persson and Yang 2008, J.
+    Phys. Condens. Matter 20, 315011), exactly, by bisection; 0 without percolation.
     """
     y, x = _levels(gap)
     return {
@@ -44,13 +25,10 @@ def percolation_columns(gap: np.ndarray) -> dict[str, float]:
 
 
 def half_way_levels(gap: np.ndarray) -> dict[str, float]:
-    """Return the critical constrictions of paths within a map (y, x; m) that are half as long as the map.
+    """Return the critical constrictions (m) of paths within a map (y, x; m) that are half as long as the map.
 
-    A path around the period has to match at its seam, where a groove that leaves the map is cut. A path that
-    crosses half of the map, anywhere in it, does not.
-
-    Returns `critical_constriction_x`, `critical_constriction_y` (m; 0 without such a path): the largest of
-    three overlapping halves of the map, cut across the axis, for paths from edge to edge.
+    A path around the period has to match at its seam, where a groove that leaves the map is cut; the largest
+    of three overlapping halves does not.
 
     Examples
     --------

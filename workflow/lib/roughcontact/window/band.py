@@ -22,8 +22,8 @@ LIGHT_WAVELENGTH = 550e-9  # m, assumed: files do not state it reliably
 def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
     """Return the shortest wavelength (m) that a map resolves reliably, and what limits it.
 
-    It is two pixels (of the coarser pitch) or, if that is longer and the file states the numerical aperture
-    of the lens (attribute `instrument`, JSON), its `lateral_period_limit` in green light.
+    It is two pixels (of the coarser pitch) or, if longer, the `lateral_period_limit` of the stated numerical
+    aperture.
 
     Examples
     --------
@@ -45,16 +45,10 @@ def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
 
 
 def lateral_period_limit(aperture: float, light: float | None = None) -> float:
-    """Return the wavelength (m) at which a lens passes half of the contrast [1]_.
+    """Return the wavelength (m) at which a lens passes half of the contrast (ISO 25178-600:2019).
 
-    It is 1.24 L / NA for a diffraction-limited lens in incoherent light of the wavelength L [2]_.
-
-    `aperture`: numerical aperture; `light` in m: wavelength of the light, 550 nm unless known.
-
-    References
-    ----------
-    .. [1] ISO 25178-600:2019, metrological characteristics for areal topography measuring methods.
-    .. [2] Goodman, J. W. (1968), Introduction to Fourier Optics, section 6-3.
+    It is 1.24 L / NA for a diffraction-limited lens in incoherent light of the wavelength L (m; Goodman 1968,
+    Introduction to Fourier Optics, section 6-3).
 
     Examples
     --------
@@ -67,16 +61,9 @@ def lateral_period_limit(aperture: float, light: float | None = None) -> float:
 def limit_band(
     window: xr.DataArray, *, shortest: float | None, longest: float | None, reliable: bool
 ) -> xr.DataArray:
-    """Return a periodic map limited to a band of wavelengths, and record what was removed.
+    """Return a periodic map (m) limited to 2 pi / longest <= |q| <= 2 pi / shortest, with a record.
 
-    Waves with 2 pi / longest <= |q| <= 2 pi / shortest are unchanged, and so is the mean.
-
-    `shortest`, `longest` in m: limiting wavelengths; None sets no limit; `reliable`: whether waves shorter
-    than `reliable_wavelength` are removed as well. Returns the window with the attributes of `window` and
-    `band_shortest`, `band_longest` (m, limits of the remaining waves; those of the grid where no other
-    applies), `band_reason` (what sets the shortest), `band_removed_rms_height` (m),
-    `band_removed_rms_gradient`, `reliable_wavelength` (m), `reliable_reason` (m). Raises `HeightMapError`
-    where no wave of the window lies in the band. Raises `SettingsError` where the band is empty.
+    `reliable` removes waves shorter than `reliable_wavelength` as well; the mean is unchanged.
 
     Examples
     --------
@@ -139,13 +126,7 @@ def _check_limits(shortest: float | None, longest: float | None) -> None:
 
 
 def numerical_aperture(instrument: Mapping) -> float | None:
-    """Return the numerical aperture from the file's metadata, an entry of its own or a comment `NA: 0.60`.
-
-    Examples
-    --------
-    >>> numerical_aperture({"numerical_aperture": 0.3}), numerical_aperture({"comment": "20x, NA: 0.60"})
-    (0.3, 0.6)
-    """
+    """Return the numerical aperture from the file's metadata, an entry of its own or a comment `NA: 0.60`."""
     if "numerical_aperture" in instrument:
         return float(instrument["numerical_aperture"])
     match = re.search(r"\bNA\s*[:=]?\s*(0?\.\d+|1\.[0-5]\d*)", str(instrument.get("comment", "")))

@@ -15,11 +15,7 @@ _STATED = "instrument_"  # beginning of the attributes of a map that hold what t
 
 
 def window_arguments(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the keyword arguments of `periodic_window` from the settings.
-
-    `levelled` (y, x) in m; `settings`: section `window`, and section `instrument`, whose `correct` asks for a
-    correction. Raises `SettingsError` for a correction of a pair of faces, or where nothing is known to
-    correct for, and as of `check_instrument`.
+    """Return the arguments of `periodic_window` from the sections `window` and `instrument` (`correct`).
 
     Examples
     --------
@@ -47,17 +43,7 @@ def window_arguments(levelled: xr.DataArray, settings: Mapping[str, Mapping[str,
 
 
 def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> None:
-    """Refuse statements about an instrument that cannot be true of a map.
-
-    `window` (y, x) in m; `instrument`: as of `instrument_uncertainty`. Raises `SettingsError` for negative
-    values, a tip larger than the map, a resolution finer than two pixels, noise above the rms height of the
-    map.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> check_instrument(rough_reference_surface(64), {"tip_radius": 0.1})
-    """
+    """Refuse statements about an instrument that cannot be true of a map (y, x; m)."""
     length = max(n * step for n, step in zip(window.shape, spacing(window), strict=True) if n > 1)
     pixel = max(step for n, step in zip(window.shape, spacing(window), strict=True) if n > 1)
     rms_height = float(window.std())
@@ -78,12 +64,10 @@ def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> Non
 
 
 def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return what is known of the instrument: from the settings, the table of surfaces, the file.
+    """Return what is known of the instrument: from the table of surfaces, then the settings, then the file.
 
-    `levelled` (y, x) in m: whose attributes `instrument_{name}` hold what the table says of this map, and
-    whose attribute `instrument` (JSON) what the file says; of the latter the numerical aperture counts, that
-    of a comment (`NA: 0.60`) too; `settings`: section `instrument`, over which the table prevails; the file
-    comes last. `correct`, which states nothing, is left out. Returns the keys of the section that are known.
+    The table is in the attributes `instrument_{name}`; of the file's `instrument` (JSON) the numerical
+    aperture counts.
 
     Examples
     --------

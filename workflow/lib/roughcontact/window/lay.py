@@ -17,16 +17,8 @@ _TOLERANCE = 0.1  # periods: deviation of a side from a whole number of them
 def lay_period(values: np.ndarray, axis: int) -> float | None:
     """Return the period of the lay, in points, along an axis of a map without missing points, or None.
 
-    The period is the lag of the first maximum of the autocorrelation along the axis (mean over lines), beyond
-    its first zero crossing, that reaches 0.8 of the highest maximum there. The highest maximum must reach
-    0.3, and more than four periods must fit into the map.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> grooves = np.cos(2 * np.pi * np.arange(200) / 12.5) + np.zeros((3, 1))
-    >>> round(lay_period(grooves, 1), 1), lay_period(grooves, 0)
-    (12.5, None)
+    It is the lag of the first maximum of the autocorrelation (mean over lines) beyond its zero that reaches
+    0.8 of the highest one; that must reach 0.3, and more than four periods must fit into the map.
     """
     lines = np.moveaxis(values, axis, -1)
     lines = lines[:: max(1, len(lines) // _MAX_LINES)]
@@ -51,17 +43,7 @@ def lay_period(values: np.ndarray, axis: int) -> float | None:
 
 
 def side_of_whole_periods(longest: int, period: float | None) -> int:
-    """Return the longest side with a fast transform that has a whole number of periods, both in points.
-
-    Without a period, or where no side above 0.7 of the longest has one, that is the longest side itself.
-
-    Examples
-    --------
-    >>> side_of_whole_periods(256, 36.5), side_of_whole_periods(256, None)
-    (256, 256)
-    >>> side_of_whole_periods(240, 36.5)
-    216
-    """
+    """Return the longest side (points) with a fast transform and whole periods, else `longest`."""
     if period is None:
         return longest
     for side in range(longest, math.ceil(_SHORTEST * longest) - 1, -1):

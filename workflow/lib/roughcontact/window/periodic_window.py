@@ -150,11 +150,9 @@ def subwindow(
     correct_for: Mapping[str, Any] | None = None,
     **_placement: Any,
 ) -> xr.DataArray:
-    """Return a part of a map as the window it would be if it had been measured alone, without a record.
+    """Return a part (y, x; m; no NaN) as the window it would be if measured alone, without a record.
 
     The options are those of `periodic_window`, of which placement and least share do not count.
-
-    `part` (y, x) in m: without missing points.
     """
     fade = width if method in _BLENDING_METHODS else 0.0
     start, sides, band, _ = _largest_window(part, part.values, fade, 0.0)

@@ -12,18 +12,9 @@ _ROWS_PER_BLOCK = 128
 def is_periodic(values: np.ndarray) -> bool:
     """Return whether heights and slopes of the map are continuous across its periodic seams.
 
-    The rms height step across the seam of each axis, and the rms change of slope on both sides of it, must
-    not exceed the 95 % quantile of interior pairs of lines by more than 20 % + 1.5 / sqrt(points of the
-    seam), an allowance for chance. A map with missing points is not periodic. Continuity cannot be judged
-    where neighbouring points are nearly uncorrelated (rms step above 1.2 times the rms height) or where
-    there are fewer than 64 points: such a map does not count as periodic.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> wave = np.cos(2 * np.pi * np.arange(128) / 64)[None, :]
-    >>> is_periodic(wave), is_periodic(wave[:, :100])
-    (True, False)
+    The rms step and change of slope at a seam must not exceed the 95 % quantile of interior pairs of lines by
+    more than 20 % + 1.5 / sqrt(points of the seam). False with missing points, and where continuity cannot be
+    judged: uncorrelated neighbours (rms step above 1.2 times the rms height) or fewer than 64 points.
     """
     if values.size < 64 or np.isnan(values).any():
         return False
@@ -31,10 +22,7 @@ def is_periodic(values: np.ndarray) -> bool:
 
 
 def periodic_heights(values: np.ndarray, form: np.ndarray) -> tuple[np.ndarray, bool] | None:
-    """Return the heights (m) of a map that is periodic, with or without the form that levelling removed.
-
-    They come with a flag: whether the form, except for its mean, was restored to make them periodic. None
-    where the map is not periodic either way.
+    """Return periodic heights (m) and whether the form, less its mean, was restored; None if neither is.
 
     Examples
     --------
@@ -78,24 +66,11 @@ def _is_seamless(values: np.ndarray) -> bool:
 
 
 def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.ndarray:
-    """Return the periodic component of a map: the map less the smoothest surface that closes its seams.
+    """Return a map (m) less the smoothest surface that closes its seams, by the method of Moisan (2011).
 
-    The smooth component s minimises the sum of |grad s|^2 inside plus (step of h - s)^2 over the seams. It
-    solves a discrete Poisson equation whose source is the step b of the heights across the seams [1]_:
-    s(q) = b(q) / [w_x (2 cos(q_x dx) - 2) + w_y (2 cos(q_y dy) - 2)], with relative weights w = 1 / pitch^2
-    that account for rectangular pixels (`spacing` is (dy, dx)). The mean is unchanged.
-
-    References
-    ----------
-    .. [1] Moisan, L. (2011), J. Math. Imaging Vis. 39, 161.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> tilt = np.arange(8.0)[None, :]
-    >>> closed = periodic_plus_smooth(tilt, (1.0, 1.0))
-    >>> float(np.ptp(tilt)), round(float(np.ptp(closed)), 3)  # the step at the seam
-    (7.0, 0.875)
+    J. Math. Imaging Vis. 39, 161. It minimises the sum of |grad s|^2 inside plus (step of h - s)^2 over the
+    seams: with their step b, s(q) = b(q) / [w_y (2 cos(q_y dy) - 2) + w_x (2 cos(q_x dx) - 2)], weights w = 1
+    / pitch^2. The mean is unchanged.
     """
     ny, nx = values.shape
     wy, wx = (min(spacing) / np.asarray(spacing)) ** 2
@@ -119,16 +94,7 @@ def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.nda
 
 
 def mirror(values: np.ndarray) -> np.ndarray:
-    """Return the map and its mirror images side by side, (2 ny, 2 nx); an axis of one point is not doubled.
-
-    Heights are continuous at the seams; slopes change sign there.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> print(mirror(np.array([[1, 2, 3]])))
-    [[1 2 3 3 2 1]]
-    """
+    """Return the map and its mirror images side by side, (2 ny, 2 nx); an axis of one point stays."""
     for axis, points in enumerate(values.shape):
         if points > 1:
             values = np.concatenate([values, np.flip(values, axis)], axis=axis)
@@ -138,20 +104,9 @@ def mirror(values: np.ndarray) -> np.ndarray:
 def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool = False) -> np.ndarray:
     """Return the map shortened by a band (by, bx; points) over which its end is blended into its beginning.
 
-    On an axis with n + b points: h'(i) = w h(i) + (1 - w) h(i + n) for i < b, h'(i) = h(i) for b <= i < n,
-    with w = sin^2 from 0 to 1 over the band, b from 0 to n. The result starts at i = b // 2, so that the seam
-    lies in the middle of the blended points.
-
-    Blending reduces the variance of uncorrelated ends by up to one half. With `keep_variance` the blended
-    heights, relative to the mean of the map, are divided by sqrt(w^2 + (1 - w)^2 + 2 r w (1 - w)), where r
-    is the correlation of the two ends: the variance is then preserved, and equal ends (r = 1) are unchanged.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> steps = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 4.0]])
-    >>> print(np.round(cross_fade(steps, (0, 2)), 3))  # from the second point on
-    [[0.586 0.    0.    0.    0.    3.414]]
+    On an axis with n + b points h'(i) = w h(i) + (1 - w) h(i + n) for i < b, w = sin^2 from 0 to 1; the
+    result starts at i = b // 2, so that the seam lies in the middle of the band. `keep_variance` divides the
+    blended heights by sqrt(w^2 + (1 - w)^2 + 2 r w (1 - w)), with the correlation r of the two ends.
     """
     mean = values.mean()
     values = values - mean
@@ -186,23 +141,11 @@ def _correlation(first: np.ndarray, last: np.ndarray) -> float:
 def smooth_cross_fade(values: np.ndarray, band: Sequence[int], spacing: Sequence[float]) -> np.ndarray:
     """Return the map shortened by a band, long waves closed in part, short waves faded at constant variance.
 
-    A cross-fade alone bridges the height difference between both ends within the band: long waves make it
-    steep. A smooth correction alone draws the heights on both sides of the seam to their mean: the rim is
-    flattened and carries too little load. This method first removes a share of the smooth component
-    (`periodic_plus_smooth`) of the long waves and cross-fades the remainder. The short waves are cross-faded
-    separately with `keep_variance` (see `cross_fade`), because their variance determines slopes and peaks.
-    The variance of the long waves is largest at the edges of a levelled map and is not compensated, as that
-    would put too much load on the rim. Long waves are those passed by a Gaussian filter with a standard
-    deviation of half of the band. Both constants were calibrated on cut-outs of periodic surfaces; see
-    docs/explanation/surface.md.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> wave = np.cos(2 * np.pi * np.arange(72) / 64)[None, :]
-    >>> closed = smooth_cross_fade(wave, (0, 8), (1.0, 1.0))  # one period remains, from the fifth point on
-    >>> closed.shape, bool(np.abs(closed - wave[:, 4:68]).max() < 0.1)
-    ((1, 64), True)
+    A cross-fade alone makes long waves steep, a smooth correction alone flattens the rim: a share of the
+    smooth component of the long waves (Gaussian filter of half the band) is removed before. Only short waves
+    keep their variance, which determines slopes and peaks; that of long waves is largest at the edges of a
+    levelled map. Both constants were calibrated on cut-outs of periodic surfaces
+    (docs/explanation/surface.md).
     """
     long_waves = _gaussian_mean(values, [_SMOOTHING_WIDTH * b for b in band])
     # the smooth component of the middle, the same of a mirrored map, continued into half a band on each side
@@ -233,20 +176,9 @@ def _gaussian_mean(values: np.ndarray, deviations: Sequence[float]) -> np.ndarra
 
 
 def taper(values: np.ndarray, width: float) -> np.ndarray:
-    """Return the map faded to its mean near the edges by a Tukey window [1]_.
+    """Return the map faded to its mean over a share `width` of each axis by a Tukey window (Harris 1978).
 
-    `width` is the share (0 to 1) of each axis, both ends together, over which the window falls to zero as a
-    cosine.
-
-    References
-    ----------
-    .. [1] Harris, F. J. (1978), Proc. IEEE 66, 51.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> print(np.round(taper(np.array([[1.0, -1.0] * 4]), 0.5), 3))
-    [[ 0.146 -0.854  1.    -1.     1.    -1.     0.854 -0.146]]
+    Proc. IEEE 66, 51; the share is that of both ends together.
     """
     mean = values.mean()
     result = values - mean

@@ -4,26 +4,11 @@ import numpy as np
 
 
 def largest_rectangle(good: np.ndarray, sides: np.ndarray) -> tuple[int, int, int, int]:
-    """Return first row and column, height and width (points) of the good rectangle with the largest window.
+    """Return row, column, height and width (points) of the good rectangle that holds the largest window.
 
-    `sides[n]` is the side of the window that fits into n points; the area of that window is maximised.
-    Without good points height and width are 0.
-
-    For each row, the tallest column of good points that ends in each cell is widened as far as possible; the
-    largest rectangle is one of these [1]_. The cost is a few array operations per row. Among rectangles with
-    windows of equal area, the largest rectangle is chosen, then the one nearest to the middle of the map, so
-    that a rotated or mirrored map has its window in the same place.
-
-    References
-    ----------
-    .. [1] Vandevoorde, D. (1998), Dr. Dobb's Journal 23(4): the maximal rectangle problem.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> good = np.array([[1, 1, 0, 1], [1, 1, 1, 1], [0, 1, 1, 1]], dtype=bool)
-    >>> largest_rectangle(good, np.arange(5))
-    (1, 1, 2, 3)
+    `sides[n]` is the side of the window that fits into n points. Each row widens the tallest columns of good
+    points that end in it (Vandevoorde 1998, Dr. Dobb's Journal 23(4)). Of equal windows the larger rectangle
+    counts, then the one nearest to the middle, so that a mirrored map has its window in the same position.
     """
     ny, nx = good.shape
     if good.all():

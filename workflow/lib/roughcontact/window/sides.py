@@ -24,14 +24,8 @@ def is_friendly(side: int) -> bool:
 def friendly_sides(longest: int, *, fade: float = 0.0) -> np.ndarray:
     """Return the best side of a window that fits into n points, for each n = 0 ... longest.
 
-    Sides have no prime factor above 5. The largest such side is chosen, but a side that can be halved once
-    more (down to 32 points) may be 2 % shorter. Up to 32 points any side is accepted. The blending band of a
-    cross-fade, `fade` times the side, must fit as well.
-
-    Examples
-    --------
-    >>> print(friendly_sides(100)[[64, 97, 100]], friendly_sides(100, fade=0.25)[[64, 97, 100]])
-    [ 64  96 100] [50 75 80]
+    It is the largest without a prime factor above 5; one that can be halved once more (down to 32) may be 2 %
+    shorter. The blending band of a cross-fade, `fade` times the side, must fit as well.
     """
     sides = np.zeros(longest + 1, dtype=int)
     best, best_score = 0, -math.inf
@@ -47,15 +41,13 @@ def friendly_sides(longest: int, *, fade: float = 0.0) -> np.ndarray:
 def band_points(side: int, fade: float, *, within: int | None = None) -> int:
     """Return the number of points of the blending band, `fade` times the side; 0 for one point: no seam.
 
-    It is one point longer where window and band else were half a point beside the middle of `within` points:
-    a mirrored map would then have another window.
-
     Examples
     --------
     >>> band_points(90, 0.1), band_points(1, 0.5), band_points(90, 0.1, within=100)
     (9, 0, 10)
     """
     band = round(fade * side) if side > 1 else 0
+    # centred in `within`: a mirrored map would else have another window
     return band + (within - side - band) % 2 if band and within else band
 
 

@@ -27,18 +27,11 @@ _POINTS_PER_BLOCK = 2**16  # few enough to stay in the cache
 
 
 def transfer(frequency: np.ndarray, instrument: Mapping[str, Any]) -> np.ndarray:
-    """Return the share of the amplitude of a wave that an instrument transmits.
+    """Return the share (0 to 1) of the amplitude of waves (cycles per m) that an instrument transmits.
 
-    A lens of numerical aperture NA in incoherent light of the wavelength L transmits (2/pi) (acos v - v
-    sqrt(1 - v^2)), v = f L/(2 NA), of a wave of the frequency f [1]_. An instrument of which the topographic
-    spatial resolution W_R is stated is taken to be a Gaussian that transmits half at the wavelength W_R.
-
-    `frequency` in cycles per m; `instrument`: `numerical_aperture`, `wavelength` (m), `resolution` (m);
-    absent or None where not stated. Returns 1 where nothing is stated.
-
-    References
-    ----------
-    .. [1] Goodman (1968), Introduction to Fourier Optics, section 6-3.
+    A lens of aperture NA in incoherent light of the wavelength L transmits (2/pi) (acos v - v sqrt(1 - v^2)),
+    v = f L/(2 NA) (Goodman 1968, Introduction to Fourier Optics, section 6-3); a stated `resolution` W_R (m)
+    is a Gaussian that transmits half at W_R.
 
     Examples
     --------
@@ -59,9 +52,7 @@ def transfer(frequency: np.ndarray, instrument: Mapping[str, Any]) -> np.ndarray
 
 
 def shortest_transmitted(instrument: Mapping[str, Any]) -> float:
-    """Return the shortest wavelength that is transmitted to a fifth or more, m; 0 where nothing is stated.
-
-    `instrument`: as of `transfer`.
+    """Return the shortest wavelength (m) that is transmitted to a fifth or more; 0 where nothing is stated.
 
     Examples
     --------
@@ -83,22 +74,12 @@ def shortest_transmitted(instrument: Mapping[str, Any]) -> float:
 def restored(
     window: xr.DataArray, instrument: Mapping[str, Any], *, noise: float = 0.0, equalise: bool = False
 ) -> xr.DataArray:
-    """Return a periodic map with the known transfer of its instrument undone as far as it carries signal.
+    """Return a periodic map (y, x; m) with its instrument's transfer undone as far as it carries signal.
 
-    Waves are divided by what is transmitted of them, by no less than a fifth, where the power of their ring
-    in the spectrum is at least twice that of white noise: of the stated one, or, where the lens transmits
-    nothing of the shortest waves of the map, of what is measured there.
-
-    `window` (y, x) in m: periodic; `instrument`: as of `transfer`; `noise` in m: rms of the measurement
-    noise; `equalise`: whether the stated noise is taken off as well: with the power P of a ring, of which N
-    is noise, and the transfer T, waves are multiplied by sqrt((P - N)/P)/T, so that the spectrum, and with it
-    the rms gradient, is that expected of the true map (power spectrum equalisation [1]_). Returns DataArray
-    (y, x) in m.
-
-    References
-    ----------
-    .. [1] Cannon (1976), Blind deconvolution of spatially invariant image blurs with phase, IEEE Trans.
-       Acoust. Speech Signal Process. 24, 58.
+    Waves are divided by the transfer T, by no less than a fifth, where the power P of their ring is at least
+    twice that of the noise (m, rms), the stated one or, where the lens transmits nothing of the shortest
+    waves, the measured one. `equalise` multiplies by sqrt((P - N)/P)/T instead (power spectrum equalisation,
+    Cannon 1976, IEEE Trans. Acoust. Speech Signal Process. 24, 58).
 
     Examples
     --------
@@ -128,19 +109,7 @@ def restored(
 
 
 def corrected(window: xr.DataArray, instrument: Mapping[str, Any]) -> xr.DataArray:
-    """Return a periodic map corrected for the noise and the transfer that are stated of its instrument.
-
-    `window` (y, x) in m: periodic; `instrument`: as of `transfer`, and `noise` (m, rms). Returns what
-    `restored` does, with the attribute `corrected_for`: causes and their sizes in words (m).
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> window = rough_reference_surface(64)
-    >>> lens = {"numerical_aperture": 0.3, "noise": 1e-9, "tip_radius": None}
-    >>> corrected(window, lens).attrs["corrected_for"]
-    'noise of 1.00 nm, numerical aperture of 0.3'
-    """
+    """Return a periodic map corrected for stated noise and transfer; `corrected_for` has both in words."""
     stated_causes = {key: stated for key in CORRECTED if (stated := instrument.get(key))}
     causes = [
         f"{key.replace('_', ' ')} of {f'{size:g}' if key == 'numerical_aperture' else quantity(size, 'm')}"
@@ -152,9 +121,6 @@ def corrected(window: xr.DataArray, instrument: Mapping[str, Any]) -> xr.DataArr
 
 def undone(window: xr.DataArray, instrument: Mapping[str, Any]) -> dict[str, xr.DataArray]:
     """Return maps without the effect of a lens, and of a tip, by that cause; a corrected map has no first.
-
-    `window` (y, x) in m: periodic; `instrument`: as of `transfer`, `noise` (m, rms) and `tip_radius` (m).
-    Returns "lens" -> `restored`, "tip" -> `eroded`, of what is stated.
 
     Examples
     --------
@@ -173,19 +139,7 @@ def undone(window: xr.DataArray, instrument: Mapping[str, Any]) -> dict[str, xr.
 
 
 def with_noise(window: xr.DataArray, noise: float) -> tuple[xr.DataArray, float]:
-    """Return a map with white noise added to it, filtered as the map was, and the rms gradient of that noise.
-
-    `window` (y, x) in m: periodic; `noise` in m: rms of the noise, before the S-filter that the map has gone
-    through. Returns `noisy` (y, x) in m; `gradient`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from roughcontact.maps import height_map
-    >>> noisy, gradient = with_noise(height_map(np.zeros((64, 64)), 1.0), 0.1)
-    >>> f"{float(noisy.std()):.2f} {gradient / (0.1 * np.pi * np.sqrt(2 / 3)):.2f}"
-    '0.10 1.00'
-    """
+    """Return a map plus white noise (m, rms), S-filtered as the map was, and the noise's rms gradient."""
     added = noise * np.random.default_rng(_NOISE_SEED).standard_normal(window.shape)
     if s_filter := s_filter_of(window.attrs):  # it transmits half at its nesting index (ISO 16610-61)
         frequency = wavenumbers(window.shape, spacing(window)) / (2 * np.pi)
@@ -195,25 +149,10 @@ def with_noise(window: xr.DataArray, noise: float) -> tuple[xr.DataArray, float]
 
 
 def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
-    """Return the highest surface that a spherical tip could have traced as this periodic map.
+    """Return the highest surface that a spherical tip could have traced as this periodic map (y, x; m).
 
-    It is the erosion of the map by the tip: exact where the tip touched, an upper bound elsewhere [1]_.
-
-    `window` (y, x) in m: periodic; the centre of the tip less its radius; `tip_radius` in m.
-
-    References
-    ----------
-    .. [1] Villarrubia (1997), J. Res. Natl. Inst. Stand. Technol. 102, 425.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from roughcontact.maps import height_map
-    >>> x = np.arange(-16, 16.0)
-    >>> traced = height_map(-(x[None, :] ** 2) / (2 * 50.0), 1.0)  # a spike, traced by a tip of radius 50
-    >>> peak = eroded(traced, 50.0).values
-    >>> bool(peak[0, 16] == 0 and peak[0, 20] < traced.values[0, 20])
-    True
+    It is the erosion by the tip: exact where the tip touched, else an upper bound (Villarrubia 1997, J. Res.
+    Natl. Inst. Stand. Technol. 102, 425).
     """
     values, steps = window.values, spacing(window)
     reach = np.ptp(values)  # no part of the tip above this height touches anything
@@ -234,27 +173,10 @@ def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
 
 
 def unrounded(window: xr.DataArray, step: float) -> xr.DataArray:
-    """Return the smoothest map whose heights lie within half a step of those of the map.
+    """Return the smoothest map whose heights lie within half a step (m) of those of a rounded map.
 
-    Heights that were rounded to a step lie that near to the true ones. The map is smoothed and taken back to
-    within half a step, in turns (projections onto convex sets [1]_): terraces become slopes.
-
-    `window` (y, x) in m: periodic; `step` in m.
-
-    References
-    ----------
-    .. [1] Youla and Webb (1982), Image restoration by the method of convex projections, IEEE Trans. Med.
-       Imaging 1, 81.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> window = rough_reference_surface(64)
-    >>> step = 0.2 * float(window.std())
-    >>> rounded = np.round(window / step) * step
-    >>> [f"{rms_gradient(each):.2f}" for each in (rounded, window, unrounded(rounded, step))]
-    ['0.60', '0.56', '0.51']
+    Smoothing and taking back, in turns, are projections onto convex sets (Youla and Webb 1982, IEEE Trans.
+    Med. Imaging 1, 81): terraces become slopes.
     """
     from scipy.ndimage import convolve1d
 
@@ -268,24 +190,11 @@ def unrounded(window: xr.DataArray, step: float) -> xr.DataArray:
 
 
 def reliability_length(window: xr.DataArray, tip_radius: float) -> float:
-    """Return the wavelength below which a map that a tip traced is not reliable, m; 0 where all waves are.
+    """Return the wavelength (m) below which a map traced by a tip (m) is not reliable; 0 if all waves are.
 
-    A tip of the radius R leaves no valley sharper than 1/R. A map is taken to be shaped by the tip at the
-    distances at which its sharpest valley has a curvature of 1/(2R) or more [1]_; waves are twice as long.
-
-    `window` (y, x) in m: periodic; `tip_radius` in m.
-
-    References
-    ----------
-    .. [1] Sanner, Nöhring, Thimons, Jacobs and Pastewka (2022), Scale-dependent roughness parameters for
-       topography analysis, Appl. Surf. Sci. Adv. 7, 100190.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import westergaard_surface
-    >>> wave = westergaard_surface((1, 64), 1e-6, amplitude=1e-6, wavelength=16e-6)  # curvature 1.5e5 per m
-    >>> reliability_length(wave, 1e-6), reliability_length(wave, 1e-5) > 0
-    (0.0, True)
+    A map counts as shaped by the tip at distances at which its sharpest valley has a curvature of 1/(2R) or
+    more (Sanner, Nöhring, Thimons, Jacobs and Pastewka 2022, Appl. Surf. Sci. Adv. 7, 100190); waves are
+    twice as long.
     """
     longest = 0.0
     for axis, (points, step) in enumerate(zip(window.shape, spacing(window), strict=True)):
