@@ -28,7 +28,7 @@ from roughcontact.report.glance import (
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import comparison_rows, group_pictures, group_rows
 from roughcontact.report.load_plots import compare_areas, sample_of, spread_of_areas
-from roughcontact.report.summary import Summary, read_summary
+from roughcontact.report.summary import read_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 from roughcontact.report.unloading import unloading_of
@@ -111,30 +111,34 @@ def write_report(
     by_surface: dict[str, dict[str, xr.Dataset]] = {}
     for (surface, case), data in series.items():
         by_surface.setdefault(surface, {})[case or ""] = data
-    available = {_name(*key): data for key, data in series.items()}
-    case_of = {_name(*key): key[1] for key in series}
-    summaries = [read_summary(panel) for panel in panels]
     # a placement stands with its pair, which comes last
     grouped = {str(name): group.name for group in groups for name in group.answer["map"].values}
-    categories = dict(zip(available, _line_styles(series, series, grouped), strict=True))
-    units = dict(zip(available, glance_units(list(available.values())), strict=True))
-    indices = dict(zip(available, loads_to_compare(list(available.values())), strict=True))
-    rows = [
-        {
-            **summary,
-            **_glance(summary, available[summary["name"]], units[summary["name"]]),
-            "numbers": _compared(available[summary["name"]], units[summary["name"]], indices[summary["name"]])
-            if indexed
-            else [],
-            "case": case_of[summary["name"]],
-            "sample": sample_of(*categories[summary["name"]]),
-            "group": grouped.get(summary["surface"], ""),
-            "rank": len(checks.VERDICTS) - list(checks.VERDICTS).index(summary["verdict"]),
-            "doubts": ", ".join(summary["doubts"]),
-            "link": f"pages/{summary['surface']}.html#surface-{summary['identifier']}",
-        }
-        for summary in summaries
-    ]
+    every = list(series.values())
+    available = {_name(*key): data for key, data in series.items()}
+    styles = _line_styles(series, series, grouped)
+    units, indices = glance_units(every), loads_to_compare(every)
+    shown = dict(zip(available, zip(series, styles, units, indices, strict=True), strict=True))
+    summaries = [read_summary(panel) for panel in panels]
+    rows: list[dict[str, Any]] = []
+    for panel in summaries:
+        name, data = panel["name"], available[panel["name"]]
+        (surface, case), style, of_surface, index = shown[name]
+        rows.append(
+            {
+                **panel,
+                "glance": glance_rows(data, of_surface, panel["loads"]),
+                "loads": data.sizes["load"],
+                "reason": panel["main_reason"],
+                "others": max(len(panel["reasons"]) - 1, 0),
+                "numbers": _compared(data, of_surface, index) if indexed else [],
+                "case": case,
+                "sample": sample_of(*style),
+                "group": grouped.get(surface, ""),
+                "rank": len(checks.VERDICTS) - list(checks.VERDICTS).index(panel["verdict"]),
+                "doubts": ", ".join(panel["doubts"]),
+                "link": f"pages/{surface}.html#surface-{panel['identifier']}",
+            }
+        )
     causes: dict[tuple[str, str], list[str | None]] = {}
     for failure in failures:
         causes.setdefault((failure["surface"], failure["reason"]), []).append(failure["case"])
@@ -142,6 +146,7 @@ def write_report(
         {"surface": name, "reason": reason, "cases": cases, "name": _name(name, _listed(cases))}
         for (name, reason), cases in causes.items()
     ]
+    cases = [*(case for _, case in series), *(failure["case"] for failure in failures)]
     head = {"title": title, "asked_of_run": describe_problem(settings, changed), "version": __version__}
     equal = same_loads(settings)
     if indexed:
@@ -158,16 +163,12 @@ def write_report(
         many=indexed,
         doubts=Counter(doubt for summary in summaries for doubt in summary["doubts"]).most_common(),
         surfaces=len(by_surface),
-        cases_of_run=list(
-            dict.fromkeys(
-                case for case in (*case_of.values(), *(result["case"] for result in failures)) if case
-            )
-        ),
+        cases_of_run=[*filter(None, dict.fromkeys(cases))],
         light=planned_in_words(
             settings,
             {(name, case or ""): float(data["mean_pressure"][0]) for (name, case), data in series.items()},
         ),
-        which_load=_which_load(list(indices.values()), list(available.values())),
+        which_load=_which_load(indices, every),
         comparisons=_comparisons(series, grouped, many=indexed),
         cases=_cases(by_surface, many=indexed, equal_loads=equal),
         unloadings=[
@@ -231,16 +232,6 @@ def _panel_html(panel: str | Path, folder: Path) -> str:
     return from_page(Path(panel).read_text(encoding="utf-8"), panel, folder)
 
 
-def _glance(summary: Summary, numbers: xr.Dataset, units: Mapping[str, Unit]) -> dict[str, Any]:
-    """Return the cells of a surface at two or three loads, its main reason, the number of the others."""
-    return {
-        "glance": glance_rows(numbers, units, summary["loads"]),
-        "loads": numbers.sizes["load"],
-        "reason": summary["main_reason"],
-        "others": max(len(summary["reasons"]) - 1, 0),
-    }
-
-
 def _as_download(text: str) -> str:
     """Return a table as a data URI, so that the page offers it as a download without another file."""
     return "data:text/csv;charset=utf-8;base64," + base64.b64encode(text.encode()).decode()
@@ -254,36 +245,30 @@ def _comparisons(
     For `many` surfaces the latter alone; flat surfaces are left out; none for a single surface, whose panel
     has the same.
     """
-    rough = {
-        key: data if (np.diff(data["mean_pressure"]) >= 0).all() else data.sortby("mean_pressure")
-        for key, data in series.items()
-        if np.isfinite(data["relative_pressure"]).all()
-    }
+    rough = {key: data for key, data in series.items() if np.isfinite(data["relative_pressure"]).all()}
     if len(rough) < 2:
         return []
-    relative = {
-        key: (data["relative_pressure"].values, data["relative_contact_area"].values)
-        for key, data in rough.items()
-    }
+    relative, pascals, areas = (
+        [data[name].values for data in rough.values()]
+        for name in ("relative_pressure", "mean_pressure", "relative_contact_area")
+    )
     in_these_units = (
         "Over the pressure relative to E* times the rms gradient rough surfaces fall close together; the "
         "dark lines without marks are theories, in which the rms gradient alone stands for the surface."
     )
     if many:
         groups: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
-        for (_, case), line in relative.items():
-            groups.setdefault(case or "", []).append(line)
+        for (_, case), *line in zip(rough, relative, areas, strict=True):
+            groups.setdefault(case or "", []).append((line[0], line[1]))
         statements = f"Each surface is a faint line. {in_these_units}"
         return [
             (image, f"The same under {case}." if index else statements)
             for index, (case, image) in enumerate(spread_of_areas(groups).items())
         ]
     names = [_name(*key) for key in rough]
-    lines = [(name, *relative[key]) for name, key in zip(names, rough, strict=True)]
-    pascal = [
-        (name, data["mean_pressure"].values, data["relative_contact_area"].values)
-        for name, data in zip(names, rough.values(), strict=True)
-    ]
+    over_relative, over_pascals = (
+        list(zip(names, loads, areas, strict=True)) for loads in (relative, pascals)
+    )
     available = all("relative_contact_area_lower" in data for data in rough.values())
     ends = [
         (data["relative_contact_area_lower"].values, data["relative_contact_area_upper"].values)
@@ -292,20 +277,14 @@ def _comparisons(
     ]
     # that of the stiffest, where the cases differ in it
     pressure = min((unit_of(data, "Pa") for data in rough.values()), key=lambda unit: unit.factor)
-    bars = "Bars: the ±." if available else ""
     categories = list(_line_styles(series, rough, grouped))
-    styles = " Surfaces are colours, cases are line styles." if any(case for _, case in categories) else ""
-    styles += " The maps of a group have one colour." if grouped else ""
-    return [
-        (
-            compare_areas(pascal, ends=ends, pressure=pressure, kinds=categories),
-            f"{comparison_caption(pascal, pressure)} {bars}{styles}".strip(),
-        ),
-        (
-            compare_areas(lines, ends=ends, kinds=categories),
-            f"{comparison_caption(lines)} {in_these_units}".strip(),
-        ),
-    ]
+    remarks = ["Bars: the ±."] if available else []
+    remarks += ["Surfaces are colours, cases are line styles."] if any(case for _, case in categories) else []
+    remarks += ["The maps of a group have one colour."] if grouped else []
+    caption = " ".join([comparison_caption(over_pascals, pressure), *remarks]).strip()
+    image = compare_areas(over_pascals, ends=ends, pressure=pressure, kinds=categories)
+    second = compare_areas(over_relative, ends=ends, kinds=categories)
+    return [(image, caption), (second, f"{comparison_caption(over_relative)} {in_these_units}".strip())]
 
 
 def _cases(
