@@ -1,16 +1,13 @@
 """A rigorous bound of the pressure error, nearly sharp, from one fresh application of the operator.
 
-Let p be feasible (0 <= p <= cap, mean(p) given), v = G p - h, c any constant, w = v - c, and r any field with
-r = w where 0 < p < cap, r <= w where p = 0, r >= w where p = cap. With e = p - p*, the variational inequality
-of the solution p* gives <e, v*> >= 0, so ||e||_G^2 = <e, v - v*> <= <e, w> <= <e, r>, because e <= 0 where
-p = 0 and e >= 0 at the cap. By Cauchy and Schwarz
+Let p be feasible (0 <= p <= cap, mean(p) given), w = G p - h - c with any constant c, and r = w where 0 < p <
+cap, r <= w where p = 0, r >= w where p = cap. With e = p - p* the variational inequality gives <e, v*> >= 0,
+so ||e||_G^2 = <e, v - v*> <= <e, w> <= <e, r>, and by Cauchy and Schwarz
 
     ||p - p*||_G <= ||r||_{G^-1} = ( sum_{q != 0} |q|/2 |r_q|^2 )^(1/2),
 
-all in dimensionless form (`roughcontact.elasticity.halfspace`); ||.||_G is the norm of the elastic energy,
-without the mean. The freedom of r off the free contact makes the bound sharp: its energy is least where r
-continues w as `roughcontact.contact.interpolation` does. So r is that interpolation, projected onto w where
-it would violate it.
+all dimensionless, without the mean. The energy of r is least where it continues w as the interpolation does,
+so r is that interpolation, projected onto w where it would violate it.
 """
 
 from math import log2, sqrt
@@ -60,19 +57,11 @@ def relative_bound(halfspace: HalfSpace, state: State, residual_norm: float) -> 
 
 
 def rounding_floor(halfspace: HalfSpace, state: State, precision: str | None = None) -> float:
-    """Return the relative error, in the energy norm, that rounding can hide. The precision is the state's.
+    """Return the relative error, in the energy norm, that rounding (in the precision of the state) hides.
 
-    The error of a Fourier transform is white, of relative size eps sqrt(log2 n) [1]_. That of the transform
-    of the pressure, whose mean counts although q = 0 is left out, is an error of the pressure: a white field
-    of standard deviation s has ||.||_G = s sqrt(mean 2/|q|). That of the transform back is an error of the
-    separation, where such a field has ||.||_{G^-1} = s sqrt(mean |q|/2). In partial contact this one is
-    nearly all of the floor. In full contact and at the hardness, where the pressure is nearly uniform and
-    ||p||_G far less than its root mean square, the others are: that one, and `rounding_by_unit`.
-
-    References
-    ----------
-    .. [1] Schatzman (1996), Accuracy of the discrete Fourier transform and the fast Fourier transform, SIAM
-       J. Sci. Comput. 17, 1150.
+    The error of a Fourier transform is white, of relative size eps sqrt(log2 n) (Schatzman 1996, SIAM J. Sci.
+    Comput. 17, 1150): of the transform of the pressure ||.||_G = s sqrt(mean 2/|q|), of the transform back
+    ||.||_{G^-1} = s sqrt(mean |q|/2), nearly all of the floor in partial contact.
     """
     if state.norm == 0:
         return 0.0
@@ -84,13 +73,8 @@ def rounding_floor(halfspace: HalfSpace, state: State, precision: str | None = N
 
 
 def rounding_by_unit(halfspace: HalfSpace, state: State, precision: str) -> float:
-    """Return the relative error, in the energy norm, by which a result in a precision may miss its state.
-
-    When the pressure gets its unit, after the certificate, each value is rounded by eps/2, as the unit is.
-    On a regular map all points of a kind are rounded alike, so that no more is known of the sum e than
-    ||e||_G <= sqrt(max 2/|q|) eps ||p||, with the root mean square ||p||. A hardness is rounded, too: what
-    the points at it bear more or less, the k free ones of n make up for, each by up to eps mean(p) n/k; the
-    root mean square of that over the grid is sqrt(n/k) times as much.
-    """
+    """Return the relative error, in the energy norm, by which a result in a precision may miss its state."""
+    # each value is rounded by eps/2 when the pressure gets its unit, as the unit is; the k free of n points
+    # make up for what those at the hardness bear more or less, up to eps mean(p) n/k
     of_values = state.pressure_size * sqrt(halfspace.compliances[1] / state.free_share)
     return _EPS[precision] * of_values / state.norm

@@ -1,12 +1,8 @@
 """Coarsening of grids: the factors from each grid to the next coarser one, and the stencil of neighbours.
 
-There are two uses. Nested iteration solves coarser problems, whose cells are whole: an axis is divided by a
-factor of its number of cells. The interpolation needs coarser grids of any kind: cells are halved, whatever
-their number, and the last one along an axis may be incomplete. Cells that are about square are coarsened
-along both axes at a time, others along the finer axis alone.
-
-In all functions `shape` (ny, nx) is the number of cells, `lengths` (Ly, Lx) are those of the periodic cell
-and `pitches` (dy, dx) those of the cells.
+Nested iteration divides an axis by a factor of its number of cells, the interpolation halves any. Cells that
+are about square are coarsened along both axes, others along the finer one. `shape` (ny, nx) counts cells,
+`lengths` (Ly, Lx) are those of the periodic cell, `pitches` (dy, dx) of the cells.
 """
 
 from functools import lru_cache
@@ -62,14 +58,11 @@ def whole_factors(
 
 
 def halving_factors(pitches: tuple[float, float], shape: tuple[int, int]) -> tuple[Factors, bool]:
-    """Return the factors (fy, fx) to the next coarser grid, and whether its cells are whole lines.
-
-    Where pixels are far longer than wide, a line whose whole length is short against the distance to the next
-    is a contact of its own, coupled to the others by its load alone: a residual that is constant along it
-    must stay constant across its gaps. So its one cell takes the mean over its contact.
-    """
+    """Return the factors (fy, fx) to the next coarser grid, and whether its cells are whole lines."""
     (ny, nx), (dy, dx) = shape, pitches
     finest = min(p for p, n in zip(pitches, shape, strict=True) if n > 1)
+    # a short line of long pixels is a contact of its own, coupled by its load alone: its residual must stay
+    # constant across its gaps
     short = ny if dy < dx else nx
     if min(shape) > 1 and short <= MIN_CELLS and max(pitches) > ELONGATED * finest:
         return ((ny, 1) if dy < dx else (1, nx)), True
@@ -79,13 +72,7 @@ def halving_factors(pitches: tuple[float, float], shape: tuple[int, int]) -> tup
 
 @lru_cache(maxsize=64)
 def hierarchy(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[Coarsening, ...]:
-    """Return the grids coarser than `shape`, the finest first; none where that is as small as the coarsest.
-
-    Examples
-    --------
-    >>> [grid.shape for grid in hierarchy((16, 35), (1.0, 2.1875))]
-    [(8, 18), (4, 9), (2, 5), (1, 3)]
-    """
+    """Return the grids coarser than `shape`, the finest first; none where that is the coarsest size."""
     grids: list[Coarsening] = []
     pitches = pitches_of(shape, lengths)
     while True:

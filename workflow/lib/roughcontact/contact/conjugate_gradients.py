@@ -11,22 +11,10 @@ from roughcontact.kernels.arrays import Array, namespace
 def conjugate_gradients(
     grid: Grid, residual: Array, preconditioned: Array, active: Array
 ) -> Iterator[tuple[Array, float]]:
-    """Yield ever better solutions of the operator equation on a fixed active set.
+    """Yield d (ny, nx), changed in place from d = 0, and <r, M r> of the remainder, for C G C d = C r.
 
-    Solves C G C d = C `residual` from d = 0, where C keeps the active points and subtracts their mean [1]_.
-    `preconditioned` is M `residual`; `active` must be the active set of the last residual of the grid. Two
-    applications a step; ends where rounding leaves no further step. All steps change one array d.
-
-    Yields
-    ------
-    solution : array (ny, nx)
-        d.
-    rz : float
-        the square <r, M r> of the remaining residual.
-
-    References
-    ----------
-    .. [1] Hestenes and Stiefel (1952), J. Res. Natl. Bur. Stand. 49, 409.
+    C keeps the active points and subtracts their mean (Hestenes and Stiefel 1952, J. Res. Natl. Bur. Stand.
+    49, 409); `preconditioned` is M r, `active` the active set of the last residual. Two applications a step.
     """
     xp = namespace(residual)
     inside, active_points = xp.astype(active, residual.dtype), xp.nonzero(xp.reshape(active, (-1,)))[0]

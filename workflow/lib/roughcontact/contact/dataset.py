@@ -30,13 +30,9 @@ def as_dataset(
 ) -> xr.Dataset:
     """Return one dimensionless solution as a dataset in SI units, with a dimension `load` of size 1.
 
-    Its variables are those of contact.nc, over (load, y, x) or (load). The fields of the solution are lost:
-    they become those of the dataset. Points at the hardness have yielded until the gap was closed: it is zero
-    there.
-
-    `window` (y, x) in m: the map, with its values in NumPy's memory; `load` in Pa: mean pressure; `modulus`
-    in Pa: E*; `compliance` in m/Pa: mean displacement per mean pressure; `hardness` in Pa: largest pressure
-    allowed; `attrs`: of the dataset; `tolerance` is the limit of the error bound of a converged solution.
+    Its variables are those of contact.nc, over (load, y, x) or (load); its fields are those of the solution,
+    overwritten. `load`, `modulus` and `hardness` are in Pa, `compliance`, mean displacement per mean
+    pressure, in m/Pa.
     """
     pressure_unit = unit_of_pressure(problem, modulus)
     pressure, gap, contact, least_gap, total, yielded = fields_in_units(
@@ -79,18 +75,14 @@ def unit_of_pressure(problem: Problem, modulus: float) -> float:
 
 
 class FieldsInUnits(NamedTuple):
-    """The fields of one solution in SI units, and three numbers that are known on the way.
+    """The fields (ny, nx) of one solution in SI units, and three numbers that are known on the way."""
 
-    `pressure`, `gap` (ny, nx) in Pa and m; `contact` (ny, nx); `least_gap` in m; `total` in Pa: sum of the
-    pressure; `yielded`: share of the points at the hardness.
-    """
-
-    pressure: np.ndarray
-    gap: np.ndarray
+    pressure: np.ndarray  # Pa
+    gap: np.ndarray  # m
     contact: np.ndarray
-    least_gap: float
-    total: float
-    yielded: float
+    least_gap: float  # m
+    total: float  # sum of the pressure, Pa
+    yielded: float  # share of the points at the hardness
 
 
 def fields_in_units(
@@ -133,9 +125,7 @@ def joined(load_datasets: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def influence_of(contact: xr.Dataset) -> Influence:
-    """Return the influence function, "sampled" or "elements", that a contact was solved with.
-
-    `solve_contact` records it in the attributes; without that it is "sampled".
+    """Return the influence function, "sampled" (also where none is recorded) or "elements", of a contact.
 
     Examples
     --------
@@ -148,15 +138,7 @@ def influence_of(contact: xr.Dataset) -> Influence:
 
 
 def layers_of(contact: xr.Dataset) -> LayeredPair | None:
-    """Return the layers of the bodies that a contact was solved with, None for half-spaces.
-
-    `solve_contact` records them in the attributes.
-
-    Examples
-    --------
-    >>> layers_of(xr.Dataset()) is None
-    True
-    """
+    """Return the layers that `solve_contact` recorded in a contact's attributes, None for half-spaces."""
     bodies = contact.attrs.get("bodies")
     return None if bodies is None else layered_pair(json.loads(bodies))
 

@@ -18,27 +18,22 @@ from roughcontact.kernels.arrays import SINGLE
 
 
 class LoadFields(NamedTuple):
-    """The solution of one load.
+    """The solution of one load: fields (ny, nx) and the bound of the relative error in the energy norm."""
 
-    `load_index`: index of the load in `mean_pressure`; `pressure`, `gap` (ny, nx) in Pa and m; `error_bound`:
-    of the relative error of the pressure in the energy norm.
-    """
-
-    load_index: int
-    pressure: np.ndarray
-    gap: np.ndarray
+    load_index: int  # in `mean_pressure`
+    pressure: np.ndarray  # Pa
+    gap: np.ndarray  # m
     error_bound: float
 
 
 def solved_fields(
     window: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float, precision: str = SINGLE
 ) -> Iterator[LoadFields]:
-    """Yield the fields of every load, from the smallest to the largest.
+    """Yield the fields of every load of a periodic map (y, x; m), from the smallest to the largest.
 
-    `window` (y, x) in m: periodic. One so flat that rounding hides its contact is solved as flat; `contact`:
-    keyword arguments of `solve_contact`; of these `contact_modulus` or `bodies`, `mean_pressure`, `hardness`,
-    `influence` and `threads` count; `tolerance`: of the relative error of the pressure; what misses it says
-    so by its `error_bound`; `precision`: "float32" or "float64", of the fields.
+    Of the arguments `contact` of `solve_contact` the elasticity, loads, `hardness`, `influence` and `threads`
+    count; what misses the tolerance says so by its `error_bound`. A map so flat that rounding hides its
+    contact is solved as flat.
     """
     modulus, layers = elasticity(contact.get("contact_modulus"), contact.get("bodies"))
     loads = np.atleast_1d(np.asarray(contact["mean_pressure"], float))

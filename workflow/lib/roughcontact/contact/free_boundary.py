@@ -1,10 +1,8 @@
 """Bodies of finite size on the half-space: no neighbours, one certified solution.
 
-No point carries pressure beyond a region around the contact. In it the kernel that is cut off beyond its
-diameter is exact (`roughcontact.elasticity.free_space`), so the periodic solver with that symbol, in a cell
-about twice as wide as the region, solves the problem of free boundaries, and its certificate is the bound of
-this one. A coarse solution of all of the map gives the region. The gap beyond it, from the displacement of
-the half-space, shows whether more of the map touches: then the region grows, and is solved again.
+In a cell about twice as wide as a region around the contact the kernel that is cut off beyond its diameter is
+exact (`roughcontact.elasticity.free_space`). A coarse solution gives the region; where the gap beyond it
+shows that more of the map touches, it grows and is solved again.
 """
 
 from collections.abc import Iterator, Sequence
@@ -37,20 +35,15 @@ CELL_DIVISOR = 16  # of the points along a cell, for coarser grids of whole cell
 
 @dataclass(frozen=True)
 class FreeSolution:
-    """The contact of a finite body under one force.
+    """The contact of a finite body under one force; errors are relative, in the energy norm."""
 
-    `pressure`, `gap` (ny, nx) in Pa and m; `approach` in m, absolute; `error_bound` of the relative error in
-    the energy norm, over that of the pressure in the window; `floor` of rounding, likewise; `steps` of the
-    iteration; `applications` of the operator, weighted by size over that of the map.
-    """
-
-    pressure: np.ndarray
-    gap: np.ndarray
-    approach: float
+    pressure: np.ndarray  # (ny, nx), Pa
+    gap: np.ndarray  # (ny, nx), m
+    approach: float  # absolute, m
     error_bound: float
-    floor: float
+    floor: float  # of rounding
     steps: int
-    applications: float
+    applications: float  # of the operator, weighted by size over that of the map
 
 
 @dataclass

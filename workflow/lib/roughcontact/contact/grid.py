@@ -40,44 +40,30 @@ SMALL_CHANGE = 0.1  # of the residual's norm; smaller changes are added to it
 
 @dataclass(frozen=True)
 class Residual:
-    """The residual r of a state, interpolated and transformed: half of the preconditioner.
+    """The residual r of a state, interpolated and transformed: half of the preconditioner."""
 
-    `spectrum`: of G^-1 P r. The next residual, and any application of the operator, overwrites it; `energy`:
-    <r, M r>, a mean over the grid; `certifies`: whether r is the gap on all of the contact, so that its
-    energy bounds the error.
-    """
-
-    spectrum: Array
+    spectrum: Array  # of G^-1 P r, overwritten by any application of the operator
     precision: str
-    energy: float
-    certifies: bool
+    energy: float  # <r, M r>, a mean over the grid
+    certifies: bool  # r is the gap on all of the contact, so that its energy bounds the error
 
 
 @dataclass(frozen=True)
 class PreconditionedResidual:
-    """M r, the preconditioned residual of a state, by which a step corrects the pressure.
-
-    At the active points it is the sum of `field` and `passed` (ny, nx) and of the distributed `coarse`; the
-    next residual overwrites all three. `mean` is that over the active set, `energy` <r, M r>.
-    """
+    """M r (ny, nx), by which a step corrects the pressure: `field` + `passed` + the distributed `coarse`."""
 
     field: Array
     passed: Array
     coarse: Array
-    mean: float
-    energy: float
+    mean: float  # over the active set
+    energy: float  # <r, M r>
 
 
 class Grid:
-    """The heights on one grid, dimensionless, with the operators and passes that act on them.
+    """The heights (ny, nx) on one grid, dimensionless, with the operators and passes that act on them.
 
-    A height counts as (height - `reference`) / `unit`: the map itself is neither changed nor copied. All
-    fields are dimensionless and have the shape (ny, nx) of the heights.
-
-    `heights` (ny, nx): the map; `lengths`: of the periodic cell; `reference`, `unit`: offset and scale that
-    make the heights dimensionless; `cap`: largest pressure allowed (the hardness), or infinity; `influence`:
-    symbol of the operator (`roughcontact.elasticity.influence`); `layers`: of the bodies, thicknesses in the
-    unit of the lengths; `threads`: of transforms and passes.
+    A height counts as (height - `reference`) / `unit`, without a copy; `lengths` of the periodic cell and the
+    thicknesses of `layers` share a unit; `cap` is the largest pressure allowed (the hardness), or infinity.
     """
 
     def __init__(
@@ -117,11 +103,9 @@ class Grid:
     def evaluate(
         self, pressure: Array, *, before: State | None = None, out: Array | None = None
     ) -> tuple[State, LineSearch]:
-        """Return the state of a feasible `pressure`, and the energy on the line to it from `before`.
+        """Return the state of a feasible `pressure` by a fresh application of G, and the line search to it.
 
-        The state is computed by a fresh application of G, in the precision of the pressure. `before` has the
-        same load; without it the pressure counts as unchanged. The array `out` (ny, nx) receives the
-        separation.
+        `before` has the same load (None: the pressure is unchanged); `out` (ny, nx) receives the separation.
         """
         precision = precision_of(pressure)
         if precision == SINGLE:
@@ -150,11 +134,10 @@ class Grid:
         return state, LineSearch(slope / size, slope_after / size)
 
     def residual(self, state: State, *, precision: str, predict: bool = False) -> Residual:
-        """Return the residual of `state` in a precision: half of an application of G^-1.
+        """Return the residual of `state` in a precision, valid until the next: half an application of G^-1.
 
-        It is valid until the next one. `predict` excludes points from the active set that are predicted to
-        lose contact: for a first guess, whose contact is too large. It has no effect where pixels are far
-        longer than wide, for which a stencil of neighbours predicts too little.
+        `predict` leaves out points that are predicted to lose contact: for a first guess, whose contact is
+        too large.
         """
         workspace = self._workspace_in(precision)
         interpolation, values, field = workspace.interpolation, workspace.values, workspace.field
@@ -163,6 +146,7 @@ class Grid:
         if interpolation.bends:
             self._foresee_violations(state, workspace)
         self._interpolate(workspace, share_known=not interpolation.bends)
+        # a stencil of neighbours predicts too little where pixels are far longer than wide
         predict = predict and not self._elongated
         if predict:
             weights, stiffness = self._local_stiffness()
@@ -196,13 +180,11 @@ class Grid:
         mean_pressure: float,
         out: Array,
     ) -> Array:
-        """Return the pressure after a step of a `length`, in the array `out`.
+        """Return [p - length (M r - mean)], projected onto [0, cap] with its load kept, in `out`.
 
-        That is p - length (M r - mean) on the active set, projected onto [0, cap]. The load that the
-        projection adds or removes is redistributed to the contact beside it by P^T, until little is left
-        (`roughcontact.contact.iteration`). Lines that are contacts of their own keep their loads. Where the
-        cap prevents such a step, it is one along the projected gradient. The field of the correction is
-        overwritten.
+        The load that the projection changes goes to the contact beside it by P^T, until little is left; lines
+        that are contacts of their own keep their loads. Where the cap prevents such a step, it is one along
+        the projected gradient. The field of the correction is overwritten.
         """
         kernels, cap = self.kernels, self.cap
         workspace = self._workspace_in(precision_of(correction.field))
@@ -266,18 +248,17 @@ class Grid:
         return workspace.field
 
     def residual_norm(self, state: State, residual: Residual) -> float:
-        """Return a bound of ||r||_{G^-1} for the residual that certifies `state`, its last `residual` given.
+        """Return a bound of ||r||_{G^-1} for the residual that certifies `state`, overwritten by it.
 
-        That is the interpolated residual, projected onto the residuals that the certificate admits
-        (`roughcontact.contact.certificate`). The change by the projection is bounded by its mean square times
-        the largest |q|/2; only where this is no small change is the projected residual itself transformed.
-        The residual cannot be preconditioned after that.
+        It is that of the interpolated residual, projected onto those that the certificate admits.
         """
         interpolated = self._workspace_in(residual.precision).field
         norm_of_interpolated = float(np.sqrt(residual.energy))
         squares = self.kernels.project_residual(
             state.pressure, state.separation, state.offset, self.cap, interpolated
         )
+        # bounded by the mean square times the largest |q|/2; only where that is large the projected residual
+        # is transformed
         change = float(np.sqrt(squares / count_of(interpolated) * self.halfspace.largest_stiffness))
         if change <= SMALL_CHANGE * norm_of_interpolated:
             return norm_of_interpolated + change
@@ -337,18 +318,15 @@ class Grid:
         workspace.interpolation.prolong(workspace.values, workspace.field, means_known=share_known)
 
     def _foresee_violations(self, state: State, workspace: "Workspace") -> None:
-        """Put those points of a bound into the active set that will violate it.
-
-        A correction of the other points changes their gap by the interpolated residual. A stiff film that is
-        a little too low overlaps far and wide, and lifts off with that correction; points without pressure
-        are active that will overlap then, points at the cap whose gap will open.
-        """
+        """Put the points of a bound into the active set that a correction makes violate it."""
         values, unloaded, at_cap = workspace.values, state.pressure <= 0, state.pressure >= self.cap
         xp = namespace(values)
         values[...] = xp.where(unloaded | at_cap, xp.zeros_like(values), values)
         self._interpolate(workspace, share_known=False)
         gap = in_precision(state.gap, precision_of(values), copy=False)
         gap = xp.where(gap == 0, xp.full_like(gap, CLOSED), gap)
+        # a stiff film a little too low overlaps far and wide, and lifts off: points without pressure that
+        # will overlap, points at the cap whose gap will open
         foreseen = (unloaded & (gap < workspace.field)) | (at_cap & (gap > workspace.field))
         values[...] = xp.where(foreseen, gap, values)
 

@@ -1,35 +1,16 @@
-"""Interpolation of a residual from the active set to the whole grid, and its transpose.
+"""Interpolation (prolongation) P of a residual from the active set C to the whole grid, and its transpose.
 
-The operator restricted to the active set C has an exact inverse: continue the residual over the rest of the
-surface such that the elastic energy of the continuation is least, apply G^-1 to that, and keep the values on
-C (the Schur complement of G^-1). The continuation of least energy decays from a contact as a displacement
-does. The interpolation (prolongation) P approximates it by a V-cycle on a hierarchy of
-grids: on every grid an empty cell takes the mean of its eight neighbours, weighted by the inverse cube of the
-distance, the decay of G^-1 in space. A cell that is partly in contact is weighted by the linear size of its
-contact, because the displacement beside an isolated contact is proportional to its size over the distance.
-The mean over the parts of a cell is weighted by those sizes, too, and far from all contact the value is the
-mean over all of it. The restriction is the transpose of P: the same V-cycle
-backwards. The terms are those of multigrid [1]_, where they act between two grids; here P acts between the
-active set and the whole grid, and the hierarchy of grids makes it cheap.
+The operator restricted to C has the exact inverse: continue the residual with the least elastic energy, apply
+G^-1, keep the values on C (the Schur complement). P approximates that by a V-cycle on a hierarchy of grids
+(Briggs, Henson and McCormick 2000, A Multigrid Tutorial, chapter 3): an empty cell takes the mean of its
+eight neighbours, weighted by the inverse cube of the distance, the decay of G^-1, and by the linear size of
+the contact in each. P^T G^-1 P was measured to be at most 1.15 times the exact inverse, three times it where
+pixels are far longer than wide.
 
-P^T G^-1 P is nowhere less than the exact inverse. It was measured to be at most 1.15 times it for patches and
-scattered points on square pixels, three times it where pixels are far longer than wide. Therefore few
-iterations suffice.
-
-Bodies with layers are softer or stiffer at the distance of a cell than beside a point of contact, by the
-factor f of `roughcontact.elasticity.layers` for waves of that size. The displacement of a cell is that of
-its contact less what the surface gives way beside it, two springs in series: 1/weight - 1 is divided by f.
-The interpolation thus decays as the displacement of the layers does; without that the iterations took up to
-seven times as many transforms.
-
-A film far stiffer than its base bends as a plate between its contacts. Its continuation of least energy has
-no kinks, but the V-cycle leaves them at the edges of contacts and cells, which made P^T G^-1 P up to 4.5
-times the inverse. On the grids whose cells bend, sweeps of the same mean over the neighbours smooth them: to
+With layers of the factor f at the size of a cell, 1/weight - 1 is divided by f, two springs in series;
+without that the iterations took up to seven times as many transforms. On grids whose cells bend, under a film
+far stiffer than its base, sweeps smooth the kinks, which made P^T G^-1 P up to 4.5 times the inverse: to
 twice.
-
-References
-----------
-.. [1] Briggs, Henson and McCormick (2000), A Multigrid Tutorial, chapter 3.
 """
 
 from collections.abc import Sequence
@@ -54,45 +35,24 @@ MAX_SCATTERED = 32  # cells along an axis; in cells so large the contacts of rou
 
 @dataclass
 class CoarseGrid:
-    """One coarser grid of the hierarchy, with fields of its cells.
+    """One coarser grid of the hierarchy, with fields of its cells."""
 
-    Attributes
-    ----------
-    factors : (fy, fx)
-        from the next finer grid.
-    arrangement : Arrangement
-        of the contacts in its cells.
-    weights : (float, float, float)
-        of the neighbours.
-    empty : array
-        share of a cell that counts as gap.
-    gain : array
-        weight of a cell over the mean weight of its parts.
-    means, work : array
-        workspace.
-    line_gain : array or None
-        where lines have become cells: the mean over the contact of a line over the mean over the line.
-    spares : (array, array) or empty
-        workspace of the sweeps where cells bend.
-    """
-
-    factors: Factors
-    arrangement: Arrangement
+    factors: Factors  # (fy, fx), from the next finer grid
+    arrangement: Arrangement  # of the contacts in its cells
     weights: Weights
-    empty: Array
-    gain: Array
+    empty: Array  # share of a cell that counts as gap
+    gain: Array  # weight of a cell over the mean weight of its parts
     means: Array
     work: Array
-    line_gain: Array | None
+    line_gain: Array | None  # mean over the contact of a line over that of the line
     spares: Sequence[Array] = ()
 
 
 class Interpolation:
-    """The linear map P from fields that are zero outside the active set C to fields on the whole grid.
+    """The linear map P from fields (ny, nx) that are zero outside the active set C to the whole grid.
 
-    `set_active` sets C; the rows of P on C are those of the identity. `like` is an array of the shape (ny,
-    nx), library and device of the fields, `lengths` (Ly, Lx) are those of the periodic cell, `layers` those
-    of the bodies, in the same unit. `bends` says whether cells of some grid bend.
+    The rows of P on C are those of the identity; `layers` are in the unit of the `lengths` (Ly, Lx) of the
+    periodic cell.
     """
 
     def __init__(
@@ -227,10 +187,9 @@ class Interpolation:
     def redistribute(
         self, removed_load: Array, pressure: Array, cap: float, scratch: Array
     ) -> tuple[float, float]:
-        """Add the load P^T `taken`, which is zero on C, to the `pressure`.
+        """Add the load P^T `removed_load`, zero on C, to the pressure; return its excess and projected sum.
 
-        Returns how much of the pressure then lies outside [0, `cap`], and the sum of the pressure projected
-        onto this interval. `taken` and `scratch` are overwritten.
+        The excess is beyond [0, `cap`]; the load and `scratch` are overwritten.
         """
         restricted = self.restricted_to_coarse(removed_load, scratch)
         if self._spares:

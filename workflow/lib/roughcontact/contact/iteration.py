@@ -1,39 +1,19 @@
 """The iteration on one grid: a preconditioned step, projected onto the feasible pressures, again and again.
 
-One step takes a feasible pressure, applies the operator afresh, interpolates the residual of the active set C
-(the points that carry pressure, and those that overlap) over the rest of the surface, applies the inverse
-operator to that, and subtracts the result from the pressure, which is then projected onto p >= 0:
+    p <- [ p - t (M r - mean) ]+ ,    M = P^T G^-1 P
 
-    p <- [ p - t (M r - mean) ]+ .
+M is mostly at most an eighth more than the inverse of the operator on the active set C, the points that carry
+pressure and those that overlap (`roughcontact.contact.interpolation`): a primal-dual active-set method
+(Hintermueller, Ito and Kunisch 2002, SIAM J. Optim. 13, 865). The load of points held at 0 is passed to the
+contact around them by P^T, as to grounded conductors; two transform pairs reduce the error twentyfold. The
+first step on a grid excludes the points that are predicted to lose contact, with a hardness on the finest
+grid alone.
 
-M = P^T G^-1 P is nowhere less than the inverse of the operator on the active set and mostly at most an eighth
-more (`roughcontact.contact.interpolation`), so that the expression in brackets is nearly the pressure of
-least energy that those points could carry with either sign. The one of least energy without tension is its
-projection onto p >= 0 in the norm of the energy. That projection is approximated: the load lost by the points
-held at 0 is passed to the contact around them, as charges at grounded conductors are, by P^T for the
-remaining points. The active set thus changes with every step, and two transform pairs reduce the error
-twentyfold. It is a primal-dual active-set method [1]_ whose linear systems are solved by one application of a
-nearly exact inverse. The contact of a first guess is mostly too large: the first step on a grid excludes from
-the active set the points that are predicted to lose their contact (`Grid.residual`), and their load is
-redistributed at once. With a hardness this is done on the finest grid alone: on coarser ones it gained
-nothing. Where layers bend, those points without pressure are active that will overlap after the step, not
-those that do before it, and those at the hardness whose gap will open.
-
-The step length t follows from the energy along the last step, which is quadratic and known. No convergence is
-proved for steps of this kind, so every one must lower the elastic energy. One that does not is shortened to
-the point of least energy, or undone, and projected gradient steps follow, which alone would converge
-(`roughcontact.contact.projected_gradient`), twice as many with every eighth failure. A correction that
-solves for the active set accurately gained nothing where steps gain little: on stiff films with a hardness,
-of which most points flow, it followed a wrong set so far that loads took up to ten times as many transforms.
-
-The first steps are taken in single precision. Then pressure and separation are in double precision and the
-correction remains in single: it is small, and the next fresh application measures its rounding error
+No convergence is proved, so every step must lower the elastic energy, quadratic along the last one: a step
+that does not is shortened or undone, and projected gradient steps follow, twice as many with every eighth
+failure. A correction that solves for C accurately gained nothing: on stiff films with a hardness loads took
+up to ten times as many transforms. The first steps are in single precision; then only the correction is
 (iterative refinement).
-
-References
-----------
-.. [1] Hintermueller, Ito and Kunisch (2002), The primal-dual active set strategy as a semismooth Newton
-   method, SIAM J. Optim. 13, 865.
 """
 
 from dataclasses import dataclass
@@ -77,16 +57,12 @@ def solve_on_grid(
     max_steps: int = 200,
     give_up: bool = False,
 ) -> GridSolution:
-    """Improve a pressure until the bound of its relative error is at most `tolerance`.
+    """Improve a pressure (ny, nx) until the bound of its relative error is at most `tolerance`.
 
-    All in dimensionless form: heights in units of g L, pressures in units of E* g. Ends early after
-    `max_steps` steps, at the rounding floor, or after `PATIENCE` steps in vain: the caller compares
-    `error_bound` with its tolerance.
-
-    `start` (ny, nx): pressure, nowhere negative; it is scaled to the load first, in place where its precision
-    allows; `finish`: precision of the last application; the first ones are in single, while the error is far
-    above the rounding error of that; `give_up`: take no step where the rounding of the result is above the
-    tolerance.
+    Ends early after `max_steps` steps, at the rounding floor, or after `PATIENCE` steps in vain, with
+    `give_up` before any step that rounding defeats: the caller compares `error_bound`. `start`, nowhere
+    negative, is scaled to the load in place; `finish` is the precision of the last application. Heights are
+    in units of g L, pressures of E* g.
     """
     iterate = Iterate(grid, start, mean_pressure, tolerance=tolerance, finish=finish)
     del start
@@ -108,26 +84,12 @@ def solve_on_grid(
 class Iterate:
     """The state of the iteration on a grid, and the history that determines the next step.
 
-    Attributes
-    ----------
-    state : State
-        the current pressure.
-    residual : Residual
-        of the state; deleted during a step, because its spectrum need not lie beside another.
-    bound : float
-        of the relative error of the state; rigorous after `certify`, an estimate where the residual excludes
-        points of the contact.
-    precision : str
-        of the next pressure.
-    residual_precision : str
-        of residual and correction.
-    finish : str
-        precision of the result.
-    length : float
-        of the next step.
+    `bound` of the relative error is rigorous after `certify`; `precision` is that of the next pressure,
+    `residual_precision` of residual and correction, `finish` of the result; `length` is that of the next
+    step.
     """
 
-    residual: Residual
+    residual: Residual  # deleted during a step: its spectrum need not lie beside another
 
     def __init__(self, grid: Grid, start: Array, mean_pressure: float, *, tolerance: float, finish: str):
         self.grid, self.mean_pressure = grid, mean_pressure
@@ -241,11 +203,9 @@ class Iterate:
 def first_guess_on_grid(
     grid: Grid, start: Array, mean_pressure: float, *, tolerance: float
 ) -> tuple[Array, int]:
-    """Return a pressure (ny, nx) whose relative error is about `tolerance`, and the number of steps to it.
+    """Return a pressure (ny, nx) whose relative error is predicted to be about `tolerance`, and its steps.
 
-    For a first guess on a finer grid: the error after the last step is predicted, not measured. Where steps
-    gain less than half, `solve_on_grid` continues. The mean of `start` may differ from `mean_pressure`; it
-    may be overwritten.
+    The mean of `start`, which may be overwritten, may differ from `mean_pressure`.
     """
     pressure = scale_to_load(start, mean_pressure, cap=grid.cap, precision=SINGLE, copy=False)
     bound_before = np.inf
@@ -255,6 +215,7 @@ def first_guess_on_grid(
         bound = _bound_by(grid, state, residual)
         if bound <= tolerance:
             return state.pressure, step
+        # where steps gain less than half, `solve_on_grid` continues
         if bound > 0.5 * bound_before:
             break
         correction = grid.precondition(residual)

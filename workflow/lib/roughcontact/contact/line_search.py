@@ -9,16 +9,13 @@ from roughcontact.contact.state import State, contact_mean
 
 @dataclass(frozen=True)
 class LineSearch:
-    """The energy on the straight line from one state to another of equal load.
+    """The energy E(p) = <p, G p>/2 - <p, H> on the straight line s = p' - p between states of equal load.
 
-    E(p) = <p, G p>/2 - <p, H> is quadratic along s = p' - p: it changes by t <s, v> + t^2 <s, v' - v>/2, with
-    the separations v = G p - H.
-
-    `slope`, `slope_after`: <s, v> and <s, v'>, means over the grid.
+    It changes by t <s, v> + t^2 <s, v' - v>/2, with the separations v = G p - H.
     """
 
-    slope: float
-    slope_after: float
+    slope: float  # <s, v>, a mean over the grid
+    slope_after: float  # <s, v'>
 
     @property
     def minimizer(self) -> float:

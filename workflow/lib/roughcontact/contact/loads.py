@@ -25,42 +25,9 @@ def plan_loads(
     relative_pressure: float | list[float] | None = None,
     hardness: float | None = None,
 ) -> list[float]:
-    """Return the mean pressures to solve for.
+    """Return the mean pressures (Pa) to solve for on a map (y, x; m): as stated, relative, or planned.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        the map, whose rms gradient is g.
-    contact_modulus : float, Pa
-        E*.
-    mean_pressure : float or list of float, Pa, optional
-        the loads as they are.
-    relative_pressure : float or list of float, optional
-        p' = p / (E* g); with neither, loads are planned (`planned_pressures`).
-    hardness : float, Pa, optional
-        of the softer body: planned loads that are not below it are left out, given ones refused.
-
-    Returns
-    -------
-    list of float, Pa
-        in the order given.
-
-    Raises
-    ------
-    SettingsError
-        for both at once, an empty list, a load that is not positive, a relative one that the hardness does
-        not allow, or a hardness below all planned loads.
-    HeightMapError
-        for relative pressures on a flat map, which has no gradient.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import westergaard_surface
-    >>> wave = westergaard_surface((1, 64), 1e-6, amplitude=1e-7, wavelength=64e-6)
-    >>> plan_loads(wave, contact_modulus=1e9, mean_pressure=1e6)
-    [1000000.0]
-    >>> len(plan_loads(wave, contact_modulus=1e9))
-    8
+    Planned loads that are not below the hardness (Pa) are left out, stated ones refused.
     """
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
     if mean_pressure is not None and relative_pressure is not None:
@@ -103,9 +70,9 @@ def plan_loads(
 def planned_pressures(points: int, limit: float) -> list[float]:
     """Return relative pressures from the first useful contact of a map to where the elastic model ends.
 
-    The first brings a few hundred of the `points` into contact. The last has a mean pressure in contact below
-    `limit`, in units of E* g: 0.1 E* of bodies that are not rubber-like, beyond which every material flows.
-    Both are estimated by A = erf(sqrt(2) p') (Persson 2001). Without such loads the plan is `DEFAULT_PLAN`.
+    The first brings a few hundred of the `points` into contact, the last has a mean pressure in contact below
+    `limit`, in units of E* g; both by A = erf(sqrt(2) p') (Persson 2001). Without such loads the plan is
+    `DEFAULT_PLAN`.
 
     Examples
     --------
@@ -131,8 +98,6 @@ def planned_pressures(points: int, limit: float) -> list[float]:
 
 def check_loads(name: str, loads: Any, *, unit: str) -> list[float]:
     """Return loads, a number or a sequence of numbers in `unit`, as a list of positive floats.
-
-    Raises `SettingsError`: for an empty list, or a load that is not positive.
 
     Examples
     --------

@@ -1,11 +1,7 @@
-"""Nested iteration [1]_: a coarse solution is a cheap first guess for the next finer grid.
+"""Nested iteration: a coarse solution is a cheap first guess for the next finer grid.
 
-Coarse heights are block means, which were measured to need fewer iterations than injection and Fourier
-truncation. `roughcontact.kernels.array_api.refine` transfers a coarse pressure to the finer grid.
-
-References
-----------
-.. [1] Briggs, Henson and McCormick (2000), A Multigrid Tutorial, chapter 3.
+Briggs, Henson and McCormick (2000), A Multigrid Tutorial, chapter 3. Coarse heights are block means, which
+were measured to need fewer iterations than injection and Fourier truncation.
 """
 
 from collections.abc import Sequence
@@ -48,12 +44,10 @@ def nested_heights(heights: Array, lengths: tuple[float, float]) -> list[tuple[F
 def first_guess(
     grids: Sequence[Grid], factors: Sequence[Factors], load: float, fluctuation: Array
 ) -> tuple[Array, int]:
-    """Return a first guess of the pressure on the finest grid, and the steps taken on the others.
+    """Return a first guess (float32) of the pressure on the finest grid, and the steps on the others.
 
-    Each grid, the finest first in `grids`, starts from the refined pressure of the next coarser one, and is
-    solved to about `COARSE_TOLERANCE`. The coarsest starts from the highest part of the pressure in full
-    contact, whose `fluctuation` on that grid is given, in single precision. The `load` is the dimensionless
-    mean pressure; the guess is in single precision.
+    Each grid starts from the refined pressure of the next coarser one, the coarsest from the highest part of
+    the full-contact pressure, of the `fluctuation` on that grid; `load` is the dimensionless mean pressure.
     """
     pressure, steps = _highest_part(fluctuation, load), 0
     for number in range(len(grids) - 1, 0, -1):

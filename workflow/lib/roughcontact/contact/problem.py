@@ -22,19 +22,14 @@ class Problem:
     """The heights of a map, and the units that make them dimensionless: H = (h - h_ref)/(g L).
 
     H is never made for all of the map in double precision: it would fill memory.
-
-    `heights` (ny, nx) in m: h; `lengths`: of the periodic cell, (Ly, Lx)/L; `unit_length` in m: L = sqrt(Lx
-    Ly); `reference` in m: h_ref, the middle of the height range: subtracting it first preserves digits of
-    nanometres beside an offset of metres; `gradient`: g, the spectral rms gradient; E* g is the unit of
-    pressure. A flat map has g = 0; `spacing` (dy, dx) in m: of the points.
     """
 
-    heights: Array
-    lengths: tuple[float, float]
-    unit_length: float
-    reference: float
-    gradient: float
-    spacing: tuple[float, float]
+    heights: Array  # (ny, nx), m
+    lengths: tuple[float, float]  # (Ly, Lx)/L of the periodic cell
+    unit_length: float  # L = sqrt(Lx Ly), m
+    reference: float  # h_ref, m: the middle of the heights, subtracted first to preserve digits
+    gradient: float  # g, the spectral rms gradient, 0 of a flat map; E* g is the unit of pressure
+    spacing: tuple[float, float]  # (dy, dx), m
 
     @property
     def scale(self) -> float:
@@ -79,10 +74,8 @@ def nondimensionalise(
 ) -> Problem:
     """Return the dimensionless problem of a map (y, x; m), in the library that `arrays` brings it into.
 
-    Its heights are not copied where they can be used as they are. They are in double precision, except for a
-    result and a map in single precision. Heights of another array library stay where they are.
-
-    Raises `HeightMapError`: for a map with missing heights, and for those that `check_window` rejects.
+    Its heights are not copied where they can be used as they are, and are in double precision unless map and
+    result are in single precision.
     """
     labelled_heights, window = check_labelled(window).data, on_host(window)
     check_window(window)

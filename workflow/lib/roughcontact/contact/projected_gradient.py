@@ -1,12 +1,7 @@
-"""The safe step: projected gradient, slow but always downhill.
+"""The safe step: projected gradient, slow but always downhill for small enough steps.
 
-The projection onto {0 <= p <= cap, mean(p) = given} is that of the Euclidean norm, whose projected steps
-lower the energy for every small enough step length [1]_.
-
-References
-----------
-.. [1] Bertsekas (1976), On the Goldstein-Levitin-Polyak gradient projection method, IEEE Trans. Autom.
-   Control 21, 174.
+The projection onto {0 <= p <= cap, mean(p) = given} is that of the Euclidean norm (Bertsekas 1976, IEEE
+Trans. Autom. Control 21, 174).
 """
 
 from roughcontact.contact.grid import Grid

@@ -25,51 +25,13 @@ def linear_response(
     layers: LayeredPair | None = None,
     threads: int = 1,
 ) -> float:
-    """Return the response of the mean gap of a fixed contact set to the load: -d mean_gap / d mean_pressure.
+    """Return -d mean_gap / d mean_pressure (m/Pa) of a contact set (ny, nx; bool): inverse stiffness.
 
-    That is the inverse of the contact stiffness [1]_. An increment x of the pressure on the contact set C, of
-    mean 1, leaves no gap there: G x = s on C. The slope s = <x, G x> is the least energy of all such
-    increments. It is found by minimising, with an error of second order: `tolerance` is that of x in the
-    energy norm, and the error of s is about its square.
-
-    Yielded points respond to unloading like all others, but not to further loading: they carry the hardness,
-    and x is zero there. Their overlap grows by s - G x and is flattened plastically, so that the mean gap
-    falls by less: by s minus the mean over the window of (s - G x) on the yielded points. The error is then
-    of first order in `tolerance`.
-
-    Parameters
-    ----------
-    contact : array (ny, nx) of bool
-        True where the surfaces touch.
-    spacing : (dy, dx), m
-        of the points.
-    contact_modulus : float, Pa
-        E*.
-    tolerance : float
-        relative, of the pressure increment in the energy norm; from 1e-3 single precision is used.
-    yielded : array (ny, nx) of bool, optional
-        True where a point in contact has reached the hardness, for the response to further loading.
-    influence : {"sampled", "elements"}
-        symbol of the operator that the contact was solved with (`roughcontact.elasticity.influence`).
-    layers : LayeredPair, optional
-        of the bodies (`roughcontact.elasticity.layers`); E* is then that of their surfaces.
-    threads : int
-        of the solve.
-
-    Returns
-    -------
-    float, m/Pa
-        0 for full contact, where the gap is closed and remains so.
-
-    Raises
-    ------
-    ValueError
-        where nothing is in contact, or nothing of it is elastic.
-
-    References
-    ----------
-    .. [1] Barber (2003), Bounds on the electrical resistance between contacting elastic rough bodies, Proc.
-       R. Soc. A 459, 53.
+    Barber (2003), Proc. R. Soc. A 459, 53. An increment x of mean 1 on the contact set leaves no gap there, G
+    x = s; s = <x, G x> is the least energy of all such increments, with an error of second order in
+    `tolerance`, that of x in the energy norm. Points of `yielded` carry the hardness, and x is zero there:
+    their overlap grows by s - G x, the mean of which over the window is taken off, with an error of first
+    order. 0 for full contact.
 
     Examples
     --------

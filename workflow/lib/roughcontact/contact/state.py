@@ -15,20 +15,14 @@ from roughcontact.kernels.choose import kernels_for
 
 @dataclass(frozen=True)
 class State:
-    """A pressure 0 <= p <= cap of the prescribed mean and its separation G p - H.
-
-    `pressure`, `separation` (ny, nx): dimensionless; `offset`: mean separation over the free contact {0 < p <
-    cap}: the gap is the separation less that; `norm`: ||p||_G; `size`: scale of rounding: the root mean
-    square of G p plus that of H; `free_share`: share of the points that can make up for the rounding of the
-    cap, {0 < p < cap}; 1 without a cap.
-    """
+    """A dimensionless pressure 0 <= p <= cap of the prescribed mean and its separation G p - H (ny, nx)."""
 
     pressure: Array
     separation: Array
-    offset: float
-    norm: float
-    size: float
-    free_share: float = 1.0
+    offset: float  # mean separation over the free contact {0 < p < cap}
+    norm: float  # ||p||_G
+    size: float  # scale of rounding: the root mean square of G p plus that of H
+    free_share: float = 1.0  # share of points that make up for the rounding of the cap
 
     @property
     def gap(self) -> Array:
@@ -42,11 +36,7 @@ class State:
 
 
 def contact_mean(pressure: Array, separation: Array, *, cap: float) -> float:
-    """Return the mean separation over the free contact {0 < p < cap}.
-
-    Where every point in contact has reached the cap, any offset between the separations of the points at the
-    cap and of those without pressure is valid: the middle is used.
-    """
+    """Return the mean separation over the free contact {0 < p < cap}."""
     xp = namespace(pressure)
     free = (pressure > 0) & (pressure < cap)
     if xp.any(free):
@@ -54,6 +44,7 @@ def contact_mean(pressure: Array, separation: Array, *, cap: float) -> float:
     full = pressure >= cap
     if xp.all(full):
         return float(xp.max(separation))
+    # all points in contact are at the cap: any offset between theirs and the others is valid
     return 0.5 * (float(xp.max(separation[full])) + float(xp.min(separation[~full])))
 
 
@@ -67,13 +58,8 @@ def scale_to_load(
 ) -> Array:
     """Return max(pressure, 0) x factor, at most `cap`, with the factor that gives the prescribed mean.
 
-    Without `copy` the pressure may be overwritten.
-
-    Without a cap that is one multiplication. With one, points at the cap stay there, the others are scaled,
-    and those that the factor takes beyond the cap are held in turn, which ends after finitely many passes. A
-    change to another `precision` rounds the cap: points at the cap before it are at the cap after it.
-
-    Raises `ValueError`: for a mean pressure that is not below the cap.
+    Points that the factor takes beyond the cap are held in turn, which ends after finitely many passes; a
+    change of `precision` rounds the cap, and points at it. Without `copy` the pressure may be overwritten.
     """
     xp, total = namespace(pressure), mean_pressure * count_of(pressure)
     if cap == np.inf:

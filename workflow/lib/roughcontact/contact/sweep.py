@@ -24,18 +24,13 @@ LARGE_LOAD = 1.0  # load in units of E* g; the full-contact pressure has a stand
 
 @dataclass(frozen=True)
 class Solution:
-    """One load in dimensionless form: the state on the finest grid and how it was reached.
-
-    `state`: pressure and separation; `error_bound`: of the relative error; `steps`: on all grids;
-    `applications`: operator applications (transform pairs), weighted by grid size; `floor`: relative error
-    below which rounding hides all changes.
-    """
+    """One load in dimensionless form: the state on the finest grid and how it was reached."""
 
     state: State
-    error_bound: float
-    steps: int
-    applications: float
-    floor: float
+    error_bound: float  # of the relative error
+    steps: int  # on all grids
+    applications: float  # transform pairs, weighted by grid size
+    floor: float  # relative error below which rounding hides all changes
 
 
 def sweep(
@@ -50,15 +45,10 @@ def sweep(
     give_up: bool = False,
     threads: int,
 ) -> Iterator[Solution]:
-    """Yield the solution of every load, whose fields the caller may change.
+    """Yield the solution of every load, whose fields the caller may change; flat maps in closed form.
 
-    Flat maps and full contact are known in closed form and take no iteration. Otherwise every load starts
-    from coarser grids (`roughcontact.contact.nested_iteration`).
-
-    `problem`: the map in dimensionless form; `loads`: rising mean pressures, in units of E* g; `tolerance`:
-    of the bound of the relative error; `cap`: largest pressure allowed, in units of E* g; `layers`: of the
-    bodies, thicknesses in the unit of the lengths; `precision`: of the result; `give_up`: take no step on the
-    finest grid where rounding is above the tolerance.
+    `loads` rise, `cap` is the largest pressure, in units of E* g; `layers` have the unit of the lengths.
+    `give_up` takes no step on the finest grid where rounding is above the tolerance.
     """
     if problem.flat:
         for load in loads:
@@ -122,9 +112,9 @@ def sweep(
 def _full_contact(grids: Sequence[Grid], load: float, coarse: Array) -> tuple[Array | None, float]:
     """Return the fluctuation of the full-contact pressure and the load from which it is nowhere negative.
 
-    None, and no such load, where even the largest `load` is far from that: the fluctuation on a coarser grid
-    shows it, because that on the finer ones is larger still; `coarse` is that on the coarsest. The same holds
-    where the cap is exceeded.
+    None, and no such load, where the largest `load` is far from that or the cap is exceeded: already the
+    fluctuation on a coarser grid (`coarse` on the coarsest) shows it, because that on finer ones is larger
+    still.
     """
     xp = namespace(coarse)
     for grid in reversed(grids if load < LARGE_LOAD else grids[1:]):

@@ -19,34 +19,12 @@ def adhesion_numbers(
     power: np.ndarray | None = None,
     layers: LayeredPair | None = None,
 ) -> dict[str, float]:
-    """Return the energy of full conformity, and the effective work of adhesion.
+    """Return the energy U of full conformity (J/m2) of a periodic map (y, x; m), and w - U, the work left.
 
-    Surfaces stick in full contact where their work of adhesion w exceeds the elastic energy U of full
-    conformity: w - U is the effective work of adhesion [1]_. It is a balance of two end states, without a
-    range of the adhesion and without the states between. Roughness sticks by patches long before all of it
-    conforms: a criterion by the slope of the shortest waves says so [2]_, and is disputed [3]_.
-
-    `height` (y, x) in m: periodic; `contact_modulus` in Pa: E*; `work_of_adhesion` in J/m2: w, of flat
-    surfaces; `power` (ny, nx // 2 + 1) in m2: of the waves of the map
-    (`roughcontact.kernels.waves.wave_power`), where that is known already; `layers`: of the bodies; E* is
-    then that of their surfaces. Returns `conforming_energy` (J/m2), and with a work of adhesion
-    `effective_work_of_adhesion` (J/m2).
-
-    References
-    ----------
-    .. [1] Persson and Tosatti (2001), The effect of surface roughness on the adhesion of elastic solids,
-       J. Chem. Phys. 115, 5597.
-    .. [2] Pastewka and Robbins (2014), Contact between rough surfaces and a criterion for macroscopic
-       adhesion, PNAS 111, 3298.
-    .. [3] Ciavarella (2016), arXiv 1602.02555.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import westergaard_surface
-    >>> wave = westergaard_surface((1, 64), 1e-5 / 64, amplitude=1e-7, wavelength=1e-5)
-    >>> found = adhesion_numbers(wave, contact_modulus=1e6, work_of_adhesion=0.05)
-    >>> f"{found['conforming_energy']:.5f} {found['effective_work_of_adhesion']:.5f}"
-    '0.00079 0.04921'
+    Surfaces stick in full contact where the work of adhesion w exceeds U (Persson and Tosatti 2001, J. Chem.
+    Phys. 115, 5597). Roughness sticks by patches long before, by the slope of its shortest waves (Pastewka
+    and Robbins 2014, PNAS 111, 3298; disputed by Ciavarella 2016, arXiv 1602.02555). `power` (ny, nx // 2 +
+    1; m2) is that of the waves, if known.
     """
     energy = conforming_energy(
         height.values, spacing(height), contact_modulus=contact_modulus, power=power, layers=layers
@@ -57,14 +35,7 @@ def adhesion_numbers(
 
 
 def adhesion_in_words(statistics: xr.Dataset) -> str:
-    """Return whether surfaces stick by the balance of energies, in words; empty without a work of adhesion.
-
-    Examples
-    --------
-    >>> numbers = {"conforming_energy": 2.0, "effective_work_of_adhesion": -1.95}
-    >>> adhesion_in_words(xr.Dataset(numbers))
-    'not sticky: pressing the surfaces flat costs 2000 mJ/m², 40 times the work of adhesion (50.0 mJ/m²)'
-    """
+    """Return in words whether surfaces stick by the balance of energies; empty without work of adhesion."""
     if "effective_work_of_adhesion" not in statistics:
         return ""
     energy, remaining = (

@@ -18,10 +18,8 @@ def after_the_load(
 ) -> xr.Dataset:
     """Return the surfaces that flow leaves after each load of `contact.unload`, and the way back from there.
 
-    `contact`: a solution with its maps; `window` (y, x) in m: its map; `settings`: the sections `contact` and
-    `statistics`. `height` and `plastic_depth` (y, x) in m are the residual surface and by how much flow has
-    lowered it; the statistics (load) are those of the contact of that surface, its roughness as well, with
-    that of the window as `{name}_before_load`. Several peaks of the load have a dimension of their own.
+    `height` and `plastic_depth` (y, x; m) are the residual surface and how much lower it is; the statistics
+    (load), and the roughness beside that of the window, `{name}_before_load`, are those of that surface.
     """
     peaks = settings["contact"]["unload"] or [float(contact["mean_pressure"].max())]
     roughness = (rms_height, rms_gradient, rms_curvature)

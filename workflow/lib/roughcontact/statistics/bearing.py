@@ -40,11 +40,10 @@ def shares_above(carried: np.ndarray, limit: float) -> tuple[float, float]:
 def bearing_numbers(
     carried: np.ndarray, *, contact_modulus: float, hardness: float | None
 ) -> dict[str, float | np.ndarray]:
-    """Return the pressure of a load over the strength of the material.
+    """Return the pressures (Pa) of the points in contact over the modulus, and the shares above a strength.
 
-    `carried` has the pressures (Pa) of the points in contact, `hardness` (Pa) is the limit of the pressure,
-    or None. The result has `max_pressure_over_modulus`, and the shares of load and of contact area: at the
-    hardness or, without one, above each of `HARDNESS_OVER_MODULUS` of the modulus.
+    This is the `hardness` (Pa), or each of `HARDNESS_OVER_MODULUS` times the modulus; shares of load and of
+    contact area.
 
     Examples
     --------

@@ -17,45 +17,12 @@ _TRANSPORTS = {"thermal": "thermal_conductance", "electrical": "electrical_condu
 def conductance_columns(
     stiffness: npt.ArrayLike, *, contact_modulus: float, bodies: Bodies | None = None, layered: bool = False
 ) -> dict[str, np.ndarray]:
-    """Return the conductances of a contact of a given stiffness, per nominal area.
+    """Return the conductances of a contact of the `stiffness` K (Pa/m) by nominal area.
 
-    A contact spot constricts heat and current as it does the elastic displacement, so that the conductance of
-    any set of spots follows from its elastic stiffness K = -dp̄/dū [1]_. Per conductivity it is K/E*. Heat: h
-    = k K/E* with k = 2 k1 k2/(k1 + k2). Current: 2 K/(E* (ρ1 + ρ2)). Only the constriction counts: no film or
-    oxide on the spots, no gas or radiation in the gaps; spots far larger than the mean free path.
-
-    Parameters
-    ----------
-    stiffness : array, Pa/m
-        K, that of unloading where points have yielded; infinite in full contact, which constricts nothing.
-    contact_modulus : float, Pa
-        E*.
-    bodies : sequence of two mappings, optional
-        each with `thermal_conductivity` (W m-1 K-1) and `electrical_resistivity` (Ohm m), as far as known.
-    layered : bool
-        whether the contact was solved with layers: heat and current then take another way than the
-        displacement, and nothing is known from the stiffness (see `conductors`).
-
-    Returns
-    -------
-    dict of array, of the shape of `stiffness`
-        `conductance_per_conductivity` (m-1), and where both bodies state the property `thermal_conductance`
-        (W m-2 K-1) and `electrical_conductance` (S m-2). With layers `conductance_per_conductivity` is NaN,
-        and there is no other; nor is there of bodies with layers like their base.
-
-    References
-    ----------
-    .. [1] Barber (2003), Bounds on the electrical resistance between contacting elastic rough bodies, Proc.
-       R. Soc. A 459, 53.
-
-    Examples
-    --------
-    Copper on steel:
-
-    >>> bodies = [{"thermal_conductivity": 400.0}, {"thermal_conductivity": 50.0}]
-    >>> found = conductance_columns(2e14, contact_modulus=1e11, bodies=bodies)
-    >>> print(f"{found['thermal_conductance']:.4g} W/(m2 K)")
-    1.778e+05 W/(m2 K)
+    A spot constricts heat and current as it does the displacement (Barber 2003, Proc. R. Soc. A 459, 53): per
+    conductivity K/E* (1/m), of heat 2 k1 k2/(k1 + k2) times that (W/(m2 K)), of current 2 K/(E* (ρ1 + ρ2))
+    (S/m2), without films, gas and radiation. NaN with layers, whose heat and current take another way than
+    the displacement (`conductors`).
     """
     per_conductivity = np.asarray(stiffness, float) / contact_modulus
     if layered:
@@ -90,11 +57,10 @@ def gas_of(joint: Mapping[str, Any] | None) -> dict[str, float] | None:
 
 
 def gas_columns(gap: np.ndarray, *, conductivity: float, jump: float) -> dict[str, float]:
-    """Return the thermal conductance of a gas in the gap (m; 0 in contact) by area: k <1/(g + M)>.
+    """Return the thermal conductance of a gas in the gap (m; 0 in contact) by area: k <1/(g + M)>, W/(m2 K).
 
-    Each place conducts by itself, as where slopes are small; at a wall the temperature of the gas is that at
-    the distance M behind it, for both walls together (Yovanovich 1982; Song, Yovanovich, Goodman 1993, ASME
-    J. Heat Transf. 115, 533). Radiation is left out: below 10 W/(m2 K) at room temperature.
+    M is the temperature jump at both walls (Yovanovich 1982; Song, Yovanovich, Goodman 1993, ASME J. Heat
+    Transf. 115, 533); radiation is left out: below 10 W/(m2 K) at room temperature.
     """
     is_open = gap > 0
     return {"gas_conductance": conductivity * float(np.sum(1 / (gap[is_open] + jump))) / gap.size}

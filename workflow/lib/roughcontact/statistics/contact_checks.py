@@ -50,14 +50,7 @@ def convergence(statistics: xr.Dataset) -> Check:
 
 
 def contact_points(statistics: xr.Dataset, points: int) -> Check:
-    """Check that more than a handful of the `points` of the window are in contact at every load.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> contact_points(xr.Dataset({"relative_contact_area_pixels": ("load", [0.02])}), 1024).outcome
-    'review'
-    """
+    """Check that more than a handful of the `points` of the window are in contact at every load."""
     counts = np.rint(statistics["relative_contact_area_pixels"].values * points).astype(int)
     few_loads = int((counts < CONTACT_POINTS).sum())
     if few_loads:
@@ -114,26 +107,11 @@ def resolution(statistics: xr.Dataset) -> Check:
 
 
 def plasticity(statistics: xr.Dataset) -> Check:
-    """Check that the pressure is below the strength of the material.
+    """Check that no point carries the hardness, or that pressures are below the strength of their class.
 
-    With a hardness: that no point carries it; the sentence has the plasticity index E* g / H: mostly elastic
-    below 0.3, mostly plastic above 3 [1]_. Without one the check is not made, unless the pressure is beyond
-    the strength of whole classes of materials: metals flow at a mean contact pressure of 0.01 to 0.03 E*,
-    nothing but rubber bears 0.1 E* (`roughcontact.materials`).
-
-    References
-    ----------
-    .. [1] Mikić (1974), Int. J. Heat Mass Transfer 17, 205.
-
-    Examples
-    --------
-    Steel on steel, elastic throughout:
-
-    >>> import xarray as xr
-    >>> pressures = {"mean_contact_pressure": ("load", [5e9]), "max_pressure": ("load", [24.7e9])}
-    >>> steel = xr.Dataset(pressures | {"mean_pressure": ("load", [1e8]), "contact_modulus": 1.154e11})
-    >>> plasticity(steel).outcome
-    'review'
+    The plasticity index E* g / H is mostly elastic below 0.3, mostly plastic above 3 (Mikić 1974, Int. J.
+    Heat Mass Transfer 17, 205); metals flow at a mean contact pressure of 0.01 to 0.03 E*, only rubber bears
+    0.1 E*.
     """
     return _against_hardness(statistics) if "hardness" in statistics else _without_hardness(statistics)
 
@@ -223,9 +201,7 @@ def rubber_like(statistics: Numbers) -> bool:
 
 
 def beyond_metals(statistics: Numbers) -> Any:
-    """Return for each load whether metals would flow: in the mean, or even hardened ones at the peak.
-
-    False for rubber-like solids.
+    """Return for each load whether metals, not rubber, would flow: in the mean, or hardened ones at the peak.
 
     Examples
     --------
@@ -241,21 +217,12 @@ def beyond_metals(statistics: Numbers) -> Any:
 
 
 def yield_flags(load: Numbers) -> list[str]:
-    """Return the warnings of one load about the strength of the material.
-
-    "points flow" where some carry the hardness; without a hardness "metals flow" or "beyond hardness", the
-    hardness of any material.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> yield_flags(xr.Dataset({"hardness": 3e8, "area_share_above_hardness": 0.02}))
-    ['points flow']
-    """
+    """Return the warnings of one load: "points flow", or by class "metals flow", "beyond hardness"."""
     if "hardness" in load:
         return ["points flow"] if load["area_share_above_hardness"] > 0 else []
     if rubber_like(load):
         return []
+    # beyond the hardness of any material
     if load["mean_contact_pressure"] > materials.HARDEST * load["contact_modulus"]:
         return ["beyond hardness"]
     return ["metals flow"] if beyond_metals(load) else []
@@ -263,8 +230,6 @@ def yield_flags(load: Numbers) -> list[str]:
 
 def layers(statistics: xr.Dataset, points: int) -> list[Check]:
     """Check that layers are not thinner than the grid can tell, nor thicker than the window; none: no check.
-
-    `points` are those of the window.
 
     Examples
     --------
@@ -310,26 +275,15 @@ def layers(statistics: xr.Dataset, points: int) -> list[Check]:
 
 
 def units(statistics: xr.Dataset) -> Check:
-    """Check that modulus and loads are those of real materials: else a unit is likely to be wrong.
-
-    A contact modulus of 1 stands for a problem in units of its own, which cannot be checked. Loads that
-    nobody stated, planned or found for a target, have no unit to be wrong: the attribute `loads` says so.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> loads = {"mean_pressure": ("load", [1e6])}
-    >>> units(xr.Dataset(loads | {"contact_modulus": 115.0})).sentence
-    'Contact modulus: 115 Pa is softer than any gel (1.00 kPa); did you mean 115 GPa or 115 MPa?'
-    >>> units(xr.Dataset(loads | {"contact_modulus": 1.15e11})).outcome
-    'passed'
-    """
+    """Check that modulus and loads are those of real materials: else a unit is likely to be wrong."""
     modulus, loads = float(statistics["contact_modulus"]), statistics["mean_pressure"].values
+    # a problem in units of its own, which cannot be checked
     if modulus == 1:
         text = "Not made: the contact modulus is 1, so that pressures are in units of it."
         return Check(CheckName.UNITS, NOT_MADE, text)
     if doubt := materials.doubt_of_modulus(modulus):
         return Check(CheckName.UNITS, REVIEW, f"Contact modulus: {doubt.question().rstrip('.')}")
+    # loads that nobody stated have no unit to be wrong
     if statistics.attrs.get("loads") == "found":
         text = f"A contact modulus of {quantity(modulus, 'Pa')} is that of real materials; no load is stated."
         return Check(CheckName.UNITS, PASSED, text)

@@ -18,11 +18,9 @@ _STIFFNESS_TOLERANCE = 1e-3  # of a punch; the error of its stiffness is about t
 def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
     """Return the statistics of a finite body: stiffness, conductances, energy of its own, and its size.
 
-    The stiffness per area of the map is that of a flat punch on the points in contact, for these stay in
-    contact under a further force; heat and current flow in proportion (Barber 2003, Proc. R. Soc. A 459, 53).
-    The energy per area is half the mean of the pressure times the displacement, height - approach in contact.
-    `loaded_radius` is 3F/(4 E* u) with the displacement u in the middle, of the contact where Hertz holds.
-    The theories of endless surfaces are NaN; the gap has no sides between which it could be open.
+    The stiffness by area is that of a flat punch on the points in contact (Barber 2003, Proc. R. Soc. A 459,
+    53), the energy half the mean of pressure times displacement. `loaded_radius` is 3F/(4 E* u) with the
+    displacement u in the middle. Theories of endless surfaces are NaN.
     """
     from scipy.ndimage import map_coordinates  # imported late, as few maps are bodies
 

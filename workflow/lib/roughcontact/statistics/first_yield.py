@@ -115,25 +115,10 @@ def first_yield_pressure(
 def with_first_yield(
     statistics: xr.Dataset, window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1
 ) -> xr.Dataset:
-    """Return the statistics of a surface with the load of first yield.
+    """Return the statistics with `first_yield_pressure` (Pa) of the solved map `window` (y, x; m).
 
-    `statistics` are those of all loads, as of `contact_statistics`, `window` (y, x; m) is the solved map,
-    `contact` the settings, of which `tolerance`, `influence` and `precision` count here.
-
-    Returns the statistics with `first_yield_pressure` where there is a hardness. Where there is none, with
-    `first_yield_pressure_by_ratio` for each `hardness_over_modulus`: read off the loads that were solved, NaN
-    beyond them.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from roughcontact.references.synthetic import westergaard_surface
-    >>> from roughcontact.statistics.contact_statistics import contact_statistics
-    >>> wave = westergaard_surface((1, 512), 1e-3 / 512, amplitude=1e-5, wavelength=1e-3)
-    >>> loads = 1e9 * np.array([1e-4, 1e-3, 1e-2])
-    >>> solved = solve_contact(wave, contact_modulus=1e9, mean_pressure=loads, reduce=contact_statistics)
-    >>> with_first_yield(solved, wave, {})["first_yield_pressure_by_ratio"].values.round(-4)
-    array([     nan,  800000., 7160000.,      nan])
+    Without a hardness, `first_yield_pressure_by_ratio` for each `hardness_over_modulus`, NaN beyond the
+    solved loads; of the settings `contact`, `tolerance`, `influence` and `precision` count.
     """
     modulus = float(statistics["contact_modulus"])
     order = np.argsort(statistics["mean_pressure"].values)

@@ -34,10 +34,9 @@ def friction_statistics(
 ) -> xr.Dataset:
     """Return the friction of one load: stick and slip, coefficient from the area, flash temperatures (K).
 
-    The contact shears at `shear_strength` τ (Pa): μ = τ A/p̄ (Bowden and Tabor 1950). `coefficient` μ and
-    `tangential_load` Q/(μP) are those of `partial_slip`; the heat μ v p of sliding at `speed` (m/s), with
-    that μ or else τ A/p̄, goes into both bodies, and `thermal_diffusivity` (m2/s) is that of the second
-    one, which moves along x under the contact (`flash_temperature`).
+    μ = τ A/p̄ of the `shear_strength` τ (Pa; Bowden and Tabor 1950); the heat μ v p at `speed` (m/s), with
+    the stated `coefficient` or this one, goes into both bodies, the second of which moves along x
+    (`flash_temperature`).
     """
     columns, load = xr.Dataset(), float(contact["mean_pressure"].item())
     if shear_strength is not None:

@@ -1,10 +1,7 @@
 """Checks of what the instrument, its software or dust made of the surface, and of its units.
 
-A map that was smoothed or is noisy looks like any other. What shows is its spectrum near the pixel, the
-curvature of its peaks, repeated heights, and one peak that carries what many should
-(`roughcontact.roughness.traces`). How often the checks flag maps with a fault, and maps as they are, is
-counted in `benchmarks/results/instrument_checks.csv`. `height` and `window` are the attributes of the map as
-measured (`instrument` is what the file says of it, as JSON) and of the periodic window.
+`height` and `window` are attributes of the map as measured (`instrument` is JSON) and of the periodic window;
+how often the checks flag maps is in `benchmarks/results/instrument_checks.csv`.
 """
 
 import re
@@ -62,21 +59,10 @@ _PERIODIC_MAP = "Not made: the map is periodic as it is, as made ones are."
 
 
 def smoothed(window: Attributes) -> Check:
-    """Check that the map was measured down to its pixels.
+    """Check that the map was measured down to its pixels, or that what smoothed it is stated or removed.
 
-    Four traces are looked for: a spectrum that ends before the pixel (lens, Gaussian filter, interpolation),
-    one that bends down in its last octave (lens), peaks that are blunter than valleys (tip of a stylus), and
-    repeated heights (median filter). What is stated or removed is no fault: the attributes
-    `instrument_lateral_period_limit` (of a lens), `instrument_resolution` and `instrument_tip_radius` (m), an
-    S-filter, or a limit of the band.
-
-    Examples
-    --------
-    >>> sharp = {"spectrum_exponent": -3.6, "spectrum_end": 2e-6, "spectrum_bend": 0.1, "rounded_peaks": 0.0}
-    >>> smoothed(sharp).sentence
-    'The spectrum reaches down to the pixels: its steepest fall is q^−3.6.'
-    >>> smoothed(sharp | {"spectrum_exponent": -11.0, "pixel_pitch": 5e-7}).outcome
-    'review'
+    A spectrum that ends before the pixel (lens, filter, interpolation) or bends down in its last octave
+    (lens), blunt peaks (stylus) and repeated heights (median filter) show that it was not.
     """
     if window.get("periodisation") == "none":
         return Check(CheckName.SMOOTHED, NOT_MADE, _PERIODIC_MAP)
@@ -184,16 +170,7 @@ def _in_pixels(wavelength: float, window: Attributes) -> str:
 
 
 def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
-    """Check that no single summit stands far above all others and carries a pressure far above the mean.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> pressures = {"max_pressure": ("load", [27.0]), "mean_contact_pressure": ("load", [1.0])}
-    >>> dust = {"summit_over_next": 3.0, "summit_chance": 1e-5, "summit_x": 1e-5, "summit_y": 4e-5}
-    >>> isolated_peak(xr.Dataset(pressures), dust).outcome
-    'review'
-    """
+    """Check that no single summit stands far above all others and carries a pressure far above the mean."""
     if "summit_chance" not in window:
         return Check(CheckName.ISOLATED_PEAK, NOT_MADE, "Not made: the map has no summit.")
     over_mean = float((statistics["max_pressure"] / statistics["mean_contact_pressure"]).max())
@@ -217,18 +194,7 @@ def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
 
 
 def noise(statistics: xr.Dataset, window: Attributes) -> Check:
-    """Check that white noise makes up little of the rms gradient.
-
-    With a stated noise, attribute `instrument_noise` (m), its share is known. Else a spectrum that is flat
-    down to the pixel is taken for noise, which waves shorter than the pixel resemble.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> flat = {"top_exponent": -0.2, "noise_floor": 2e-9, "noise_gradient_share": 0.6}
-    >>> noise(xr.Dataset(), flat).outcome, noise(xr.Dataset(), flat | {"top_exponent": -3.0}).outcome
-    ('review', 'passed')
-    """
+    """Check that noise, `instrument_noise` (m) or a flat spectrum, makes up little of the gradient."""
     if "noise_floor" not in window:
         return Check(CheckName.NOISE, NOT_MADE, "Not made: too few waves to judge the spectrum by.")
     share, stated = float(window["noise_gradient_share"]), float(window.get("instrument_noise", 0.0))
@@ -259,14 +225,7 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
 
 
 def suspected_noise(window: Attributes) -> float:
-    """Return the rms (m) of the white noise that the check "Noise" suspects, 0 where it suspects none.
-
-    Examples
-    --------
-    >>> flat = {"top_exponent": -0.2, "noise_floor": 2e-9, "noise_gradient_share": 0.6}
-    >>> suspected_noise(flat), suspected_noise(flat | {"top_exponent": -3.0})
-    (2e-09, 0.0)
-    """
+    """Return the rms (m) of the white noise that the check "Noise" suspects, 0 where it suspects none."""
     if not _ends_flat(window):
         return 0.0
     return float(window["noise_floor"]) if window["noise_gradient_share"] > NOISE_SHARE else 0.0
@@ -274,8 +233,6 @@ def suspected_noise(window: Attributes) -> float:
 
 def is_mostly_noise(window: Attributes) -> bool:
     """Return whether a noise that nobody has stated is likely to make up most of the mean square gradient.
-
-    The interval then rests on a guess: of maps with noise of 10 % of Sq it missed one area in four.
 
     Examples
     --------
@@ -285,6 +242,7 @@ def is_mostly_noise(window: Attributes) -> bool:
     """
     if window.get("instrument_noise") or window.get("top_exponent", -np.inf) <= NEARLY_WHITE:
         return False
+    # the interval rests on a guess: of maps with noise of 10 % of Sq it missed one area in four
     return float(window.get("noise_gradient_share", 0.0)) > MOST_OF_THE_GRADIENT
 
 
@@ -338,9 +296,7 @@ def is_too_coarse(window: Attributes) -> bool:
 
 
 def quantisation(window: Attributes) -> Check:
-    """Check that the heights are not rounded to steps that make up the roughness.
-
-    The step is the digitisation step in z of ISO 25178-600.
+    """Check that the digitisation step (ISO 25178-600) of the heights does not make up the roughness.
 
     Examples
     --------
@@ -368,13 +324,7 @@ def quantisation(window: Attributes) -> Check:
 
 
 def height_unit(height: Attributes, window: Attributes) -> Check:
-    """Check that the heights are not smaller than what an instrument can tell from noise.
-
-    Examples
-    --------
-    >>> height_unit({}, {"pixel_roughness": 4e-12, "pixel_pitch": 1e-6, "spectrum_exponent": -3.0}).outcome
-    'review'
-    """
+    """Check that the heights are not smaller than what an instrument can tell from noise."""
     if window.get("periodisation") == "none":
         return Check(CheckName.HEIGHT_UNIT, NOT_MADE, _PERIODIC_MAP)
     if window.get("spectrum_exponent", -np.inf) < SPECTRUM_ENDS:
@@ -395,14 +345,7 @@ def height_unit(height: Attributes, window: Attributes) -> Check:
 
 
 def pixel_size(height: Attributes, window: Attributes) -> Check:
-    """Check that the instrument which the file names can have pixels of this size.
-
-    Examples
-    --------
-    >>> named = {"instrument": '{"kind": "optical profiler", "lens": "20X Mirau"}'}
-    >>> pixel_size(named, {"pixel_pitch": 1.1e-6}).sentence
-    'Pixels of 1.1 µm are those of an optical profiler with a lens of 20×.'
-    """
+    """Check that the instrument which the file names can have pixels of this size."""
     instrument, pixel = instrument_kind(height), float(window.get("pixel_pitch", 0.0))
     if instrument is UNKNOWN or not pixel:
         return Check(

@@ -1,7 +1,6 @@
 """Checks of the map: whether the solved window stands for the surface that was measured.
 
-`statistics` is as `contact_statistics` returns it; `height`, `levelled` and `window` are the attributes of
-the map as measured, levelled and made periodic.
+`height`, `levelled` and `window` are the attributes of the map as measured, levelled and made periodic.
 """
 
 import json
@@ -100,16 +99,7 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
 
 
 def scan_lines(levelled: Attributes, statistics: xr.Dataset | None = None) -> Check:
-    """Check that the rows of the map are not shifted against one another, or that the user aligned them.
-
-    `Str` and `Std` of the statistics show a lay along the rows, which hides shifts.
-
-    Examples
-    --------
-    >>> shifted = {"row_jitter": 0.1, "row_jitter_evidence": "clear", "line_alignment": "none"}
-    >>> scan_lines(shifted).outcome
-    'review'
-    """
+    """Check that rows are not shifted against one another, which a lay along them hides, or were aligned."""
     jitter, evidence = levelled.get("row_jitter", 0.0), levelled.get("row_jitter_evidence", "none")
     aligned = levelled.get("line_alignment", "none")
     if evidence == "none":
@@ -282,9 +272,7 @@ def longest_wave(statistics: xr.Dataset) -> Check:
 
 
 def sample(statistics: xr.Dataset) -> Check:
-    """Check that the map shows how far its results hold for the surface beyond it.
-
-    The attribute `window_flag` of `with_uncertainty` names the reason why it does not.
+    """Check by `window_flag` of `with_uncertainty` that the map shows how far results hold beyond it.
 
     Examples
     --------
@@ -302,14 +290,7 @@ def sample(statistics: xr.Dataset) -> Check:
 
 
 def lay(statistics: xr.Dataset, window: Attributes) -> list[Check]:
-    """Check that it is stated of a profile whether it is one of ridges or of an isotropic surface.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> [check.outcome for check in lay(xr.Dataset(), {"lay": "none", "profile_warnings": "[]"})]
-    ['passed']
-    """
+    """Check that it is stated of a profile whether it is one of ridges or of an isotropic surface."""
     if window.get("lay") == "none":
         warnings = json.loads(window["profile_warnings"])
         text = "No lay, as stated: the numbers are those of isotropic surfaces with this spectrum."
@@ -408,15 +389,7 @@ def steep_places(window: Attributes) -> Check:
 
 
 def reading(height: Attributes, levelled: Attributes) -> Check:
-    """Check that the file was read without a warning.
-
-    What the user asked for, which channel was chosen, and pixels that are not square, are notes.
-
-    Examples
-    --------
-    >>> reading({"ingest_warnings": '["the unit of the heights was guessed"]'}, {}).sentence
-    'The unit of the heights was guessed.'
-    """
+    """Check that the file was read without a warning; what the user asked for is a note."""
     warnings = json.loads(height.get("ingest_warnings", "[]"))
     if not warnings:
         return Check(CheckName.READING, PASSED, "Read without a warning.")

@@ -52,18 +52,14 @@ class CheckName(StrEnum):
 
 
 class Check(NamedTuple):
-    """One check: its name, its outcome (one of those above), and complete sentences with the numbers.
-
-    `finding` says what was found, `explanation` why it matters, `advice` what to do; `answers` are the keys
-    of `ANSWERS` that it concerns.
-    """
+    """One check: its name, its outcome (one of those above), and complete sentences with the numbers."""
 
     name: str
     outcome: str
-    finding: str
-    answers: tuple[str, ...] = tuple(ANSWERS)
-    explanation: str = ""
-    advice: str = ""
+    finding: str  # what was found
+    answers: tuple[str, ...] = tuple(ANSWERS)  # keys of `ANSWERS` that it concerns
+    explanation: str = ""  # why it matters
+    advice: str = ""  # what to do
 
     @property
     def sentence(self) -> str:
@@ -72,17 +68,9 @@ class Check(NamedTuple):
 
 
 def verdict(checks: Iterable[Check], *answers: str) -> str:
-    """Return the worst outcome among the checks, a key of `VERDICTS`; `review` where none was made.
+    """Return the worst outcome of the checks that concern an answer, by default area and pressure in contact.
 
-    Only those count that concern one of the answers, by default contact area and pressure in contact, which
-    every load is asked for. Notes count as passed, checks that were not made not at all.
-
-    Examples
-    --------
-    >>> dust = Check("Isolated peak", REVIEW, "One summit stands out.", ("max_pressure",))
-    >>> checks = [Check("Slopes", PASSED, "Small."), dust]
-    >>> verdict(checks), verdict(checks, "max_pressure")
-    ('passed', 'review')
+    It is a key of `VERDICTS`; notes count as passed, and `review` stands where no check was made.
     """
     concerned = set(answers or _MAIN_ANSWERS)
     outcomes = {
@@ -92,14 +80,7 @@ def verdict(checks: Iterable[Check], *answers: str) -> str:
 
 
 def reasons(checks: Iterable[Check]) -> list[Check]:
-    """Return the checks that did not pass: warnings (`review`) and failures.
-
-    Examples
-    --------
-    >>> flat, steep = Check("Form", PASSED, "No bow."), Check("Slopes", REVIEW, "Steep.")
-    >>> [check.name for check in reasons([flat, steep])]
-    ['Slopes']
-    """
+    """Return the checks that did not pass: warnings (`review`) and failures."""
     return [check for check in checks if check.outcome in (FAILED, REVIEW)]
 
 
@@ -119,8 +100,6 @@ def by_importance(checks: Iterable[Check]) -> list[Check]:
 def reason(check: Check, *, letters: int | None = None) -> str:
     """Return name, answers concerned, finding and advice of a check, in so many letters at the most.
 
-    The finding is cut first: what to do stays.
-
     Examples
     --------
     >>> steep = Check("Slopes", REVIEW, "The rms gradient is 0.4.", advice="Refine.")
@@ -135,6 +114,7 @@ def reason(check: Check, *, letters: int | None = None) -> str:
     head = f"{check.name}{concerned}:"
     advice = textwrap.shorten(check.advice, _LONGEST_SENTENCE, placeholder=" …")
     room = _LONGEST_SENTENCE if letters is None else max(letters - len(head) - len(advice) - 2, 0)
+    # the finding is cut first: what to do stays
     finding = textwrap.shorten(check.finding, min(room, _LONGEST_SENTENCE), placeholder=" …")
     text = " ".join(filter(None, (head, finding, advice))).rstrip(".")
     return text if letters is None else textwrap.shorten(text, letters, placeholder=" …")

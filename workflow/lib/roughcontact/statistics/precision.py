@@ -31,13 +31,7 @@ def relative_half_width(
 
 
 def precision(value: float, lower: float, upper: float) -> tuple[str, float]:
-    """Return the class of precision of a number with an interval, and its percents, factor or bound.
-
-    Examples
-    --------
-    >>> [precision(1.0, *ends) for ends in ((0.98, 1.01), (0.83, 1.1), (0.5, 1.2), (0.2, 3.0), (0.0, 1.5))]
-    [('percent', 10.0), ('percent', 20.0), ('factor', 2.0), ('magnitude', 10.0), ('at most', 1.5)]
-    """
+    """Return the class of precision of a number with an interval, and its percents, factor or bound."""
     if lower == value == upper:
         return "exactly", 0.0
     if value > 0 and not math.isnan(lower + upper):
@@ -55,16 +49,7 @@ def precision(value: float, lower: float, upper: float) -> tuple[str, float]:
 
 
 def precision_in_words(value: float, lower: float, upper: float, unit: Unit) -> str:
-    """Return how well a number is known by its interval; empty without an interval.
-
-    Examples
-    --------
-    >>> share = Unit(100.0, "%")
-    >>> [precision_in_words(0.1, *ends, share) for ends in ((0.09, 0.112), (0.05, 0.12), (0.02, 0.3))]
-    ['to ± 15 %', 'to a factor 2.0', 'order of magnitude']
-    >>> precision_in_words(0.01, 0.0, 0.33, share), precision_in_words(0.01, 0.005, np.nan, share)
-    ('not by this map: at most 33.0 %', 'not by this map: at least 0.500 %')
-    """
+    """Return how well a number is known by its interval; empty without an interval."""
     if math.isnan(lower) and math.isnan(upper):
         return ""
     precision_class, limit = precision(value, lower, upper)
@@ -94,8 +79,8 @@ def gap_is_decided(numbers: Numbers, axis: str) -> np.ndarray:
 def yield_is_decided(numbers: Numbers) -> np.ndarray:
     """Return per load 1 where the interval of the largest pressure lies on one side of the hardness, else 0.
 
-    Where points carry the hardness, all parts of the window must do so, or the lower end of the interval.
-    NaN without a hardness or an interval.
+    Where points carry the hardness, all parts of the window must, or the lower end; NaN without hardness or
+    interval.
     """
     limit = float(numbers.get("hardness", np.nan)) * (1 - _HARDNESS_ROUNDING)
     value, lower, upper = (

@@ -47,55 +47,13 @@ def target_loads(
     bodies: Bodies | None = None,
     **solver: Any,
 ) -> list[float]:
-    """Return the mean pressures at which a contact reaches given targets.
+    """Return the mean pressures (Pa) at which the contact of a periodic map (y, x; m) reaches given targets.
 
-    Area and mean gap change steadily with the load; it is bracketed between two loads and found to 1e-4 of
-    itself, with a solution of the contact for each step. Where the target is reached at once (a gap that
-    closes), the load is the one just beyond.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic, no NaN, not flat.
-    contact_modulus : float, Pa
-        E*.
-    target_area : float or sequence of float, optional
-        relative contact area, corrected, between 0 and 1.
-    target_gap : float or sequence of float, m, optional
-        mean gap, less than that of the unloaded surfaces.
-    target : {"percolation", "first_yield"} or a sequence of these, optional
-        ``percolation``: the gap closes, along x and along y, one load where both are the same, none where it
-        is closed as soon as the surfaces touch (across ridges);
-        ``first_yield``: the stress of von Mises below the surface reaches the yield stress of a body, or
-        without one the largest pressure the hardness.
-    hardness : float, Pa, optional
-        of the softer body: it limits the pressure, and is what ``first_yield`` reaches.
-    bodies : sequence of two mappings, optional
-        `poissons_ratio` and `yield_stress` (Pa), for ``first_yield``; with `layers`, those of the contact.
-    **solver
-        further arguments of `solve_contact`: `tolerance`, `influence`, `precision`, `threads`.
-
-    Returns
-    -------
-    list of float, Pa
-        in the order of the arguments.
-
-    Raises
-    ------
-    SettingsError
-        for an area or a gap that no load gives, and for first yield without a yield stress and a hardness.
-    HeightMapError
-        for a flat map, which is in full contact at every load.
-
-    Examples
-    --------
-    Half of a wave touches at half of the load that closes it (Westergaard 1939):
-
-    >>> from roughcontact.references.synthetic import westergaard_surface
-    >>> wave = westergaard_surface((1, 1024), 1e-3 / 1024, amplitude=1e-6, wavelength=1e-3)
-    >>> load, = target_loads(wave, contact_modulus=1e9, target_area=0.5)
-    >>> print(f"{load / (3.14159e6 / 2):.2f}")
-    1.00
+    They are relative contact areas, mean gaps (m), and by name `percolation`, where the gap closes along x
+    and along y (one load where both are the same, none where it is closed at first touch), and `first_yield`,
+    where the stress of von Mises reaches a yield stress (Pa), or without one the largest pressure the
+    hardness (Pa). Loads are bracketed and found to 1e-4 of themselves, just beyond a gap that closes at once;
+    `solver` are arguments of `solve_contact`.
     """
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
     if have_layers(bodies):
@@ -164,22 +122,7 @@ def target_loads(
 
 
 def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> list[float]:
-    """Return the mean pressures that the settings ask for: as they are, relative, planned, or by target.
-
-    `window` (y, x; m) is the map to be solved, `contact` the section of the settings, and `threads` serve the
-    solutions on the way to a target.
-
-    Returns the loads (Pa), planned for the map where neither loads nor targets are given. Raises
-    `SettingsError`: for an area or a gap that no load gives, and for targets that any load meets where no
-    load is given. Raises `HeightMapError`: for relative loads or targets on a flat map.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import westergaard_surface
-    >>> wave = westergaard_surface((1, 64), 1e-6, amplitude=1e-7, wavelength=64e-6)
-    >>> wanted_loads(wave, {"contact_modulus": 1e9, "mean_pressure": [1e5], "relative_pressure": None})
-    [100000.0]
-    """
+    """Return the mean pressures (Pa) of the section `contact`: as stated, relative, planned, by target."""
     material: dict[str, Any] = {key: contact.get(key) for key in ("contact_modulus", "hardness")}
     loads_in_settings: dict[str, Any] = {
         key: contact.get(key) for key in ("mean_pressure", "relative_pressure")

@@ -1,8 +1,6 @@
 """Statistical theories of rough contact, to draw beside the deterministic result.
 
-Each returns the relative contact area for a load p' = p̄/(E* g): mean pressure over contact modulus times
-root mean square gradient. They are estimates from a few numbers of the surface; the solver needs none of
-them.
+Each returns the relative contact area for a load p' = p̄/(E* g), g the root mean square gradient.
 """
 
 from functools import cache
