@@ -16,11 +16,9 @@ _COMMENT = re.compile(r"#[^\n]*")
 def source_digest(script: str | Path) -> str:
     """Return a checksum, 16 hexadecimal digits, of the modules that a script imports, directly or indirectly.
 
-    Only the modules of this package count, and those beside the script whose names start with _; the script
-    itself does not. Imports are found in the source, also inside functions, without running anything. The
-    files of a folder beside a module that names it ("templates") count as well, and so do all modules of a
-    folder of the package that a module names in a string ("roughcontact.io.readers"), because they are found
-    at run time.
+    Modules of this package count, those beside the script whose names start with _, files of a folder beside
+    a module that names it ("templates"), and all modules of a folder named in a string, found at run time
+    ("roughcontact.io.readers").
 
     Examples
     --------

@@ -11,16 +11,7 @@ from roughcontact.configuration.plausible import Range
 
 
 def section_of(field: FieldInfo) -> type[Section] | None:
-    """Return the section that a setting holds, alone or in a list; None for a plain value.
-
-    Examples
-    --------
-    >>> from roughcontact.configuration.models import Contact
-    >>> section_of(Contact.model_fields["bodies"]).__name__
-    'Body'
-    >>> section_of(Contact.model_fields["tolerance"]) is None
-    True
-    """
+    """Return the section that a setting holds, alone or in a list; None for a plain value."""
     types = _parts(field.annotation)
     return next((type_ for type_ in types if isinstance(type_, type) and issubclass(type_, Section)), None)
 
@@ -54,9 +45,7 @@ def base_of(field: FieldInfo) -> str:
 
 
 def fields_at(location: Sequence[str | int]) -> dict[str, FieldInfo]:
-    """Return the fields of the section at a location; none where there is no such section.
-
-    A location has the keys from the top down; positions in lists are skipped.
+    """Return the fields of the section at a location (keys from the top, list positions); none without.
 
     Examples
     --------

@@ -40,8 +40,7 @@ _SAID_ELSEWHERE = tuple(
 def default_yaml(*, head: str = _HEAD, stated: Mapping[str, Mapping[str, Any]] | None = None) -> str:
     """Return the default configuration: every key with its default, its meaning and its unit.
 
-    It begins with the comment lines `head`, by default those of config/config.yaml. `stated` has, by section,
-    the keys that are set although they have no default, by default those of the samples.
+    It begins with the comment lines `head`; `stated` has, by section, keys set although they have no default.
 
     Examples
     --------
@@ -57,22 +56,16 @@ def default_yaml(*, head: str = _HEAD, stated: Mapping[str, Mapping[str, Any]] |
 
 
 def json_schema() -> str:
-    """Return the JSON schema of the configuration, for editors that complete and check YAML.
-
-    Examples
-    --------
-    >>> json.loads(json_schema())["$defs"]["Level"]["properties"]["fill"]["enum"]
-    ['harmonic', 'none']
-    """
+    """Return the JSON schema of the configuration, for editors that complete and check YAML."""
     schema = Settings.model_json_schema()
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     return json.dumps(schema, indent=2) + "\n"
 
 
 def changed_settings(settings: Mapping[str, Any]) -> list[str]:
-    """Return the settings of a case that differ from their defaults, each with its value.
+    """Return the settings of a case (of `resolve`) that differ from their defaults, each with its value.
 
-    `settings` are those of `resolve`. Bodies, hardness and loads are left out, and what changes no result.
+    Bodies, hardness, loads and what changes no result are left out.
 
     Examples
     --------

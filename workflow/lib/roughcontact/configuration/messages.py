@@ -78,31 +78,15 @@ def name_mistake(name: str) -> str:
 
 
 def nearest(word: object, valid: Collection[str]) -> str:
-    """Return the end of a sentence that names the valid word nearest to a wrong one, or all of them.
-
-    Examples
-    --------
-    >>> nearest("paht", ["surface", "path"])
-    'did you mean path?'
-    >>> nearest("colour", ["surface", "path"])
-    'valid are surface, path'
-    """
+    """Return the end of a sentence that names the valid word nearest to a wrong one, or all of them."""
     close = get_close_matches(str(word).lower(), valid, n=1, cutoff=0.6)
     return f"did you mean {close[0]}?" if close else f"valid are {', '.join(valid)}"
 
 
 def mistake(case: str, overrides: Mapping[str, Any], detail: ErrorDetails) -> SettingsError:
-    """Return the error for one mistake found by pydantic: key, value, rule and meaning of the setting.
+    """Return the error for one entry of `ValidationError.errors()`: key, value, rule, meaning of a setting.
 
-    `case`: name of the case; empty where there are none; `overrides`: the settings of the case that differ
-    from the common ones; a mistake in them is named by the case; `detail`: one entry of
-    `ValidationError.errors()`.
-
-    Examples
-    --------
-    >>> detail = {"type": "greater_than", "loc": ("level", "s_filter"), "input": -1, "ctx": {"gt": 0}}
-    >>> str(mistake("", {}, detail)).split(" (")[0]
-    'level.s_filter = -1: must be greater than 0'
+    A mistake in the `overrides` of a case is named by the case.
     """
     if detail["type"] == "invalid_key":
         above, key = detail["loc"][:-1], detail["input"]

@@ -1,8 +1,7 @@
 """The settings: the keys of the configuration, their units and defaults.
 
 A section is exactly the keyword arguments of its function (`level(height, **settings["level"])`), so that
-each quantity has one name. `resolve` checks a configuration against these models, `messages` describes the
-mistakes, `generated` writes the default configuration and the JSON schema.
+each quantity has one name.
 """
 
 import math

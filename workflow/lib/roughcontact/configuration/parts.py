@@ -25,13 +25,7 @@ class MapPart:
 
 
 def parts_of(text: str) -> list[MapPart]:
-    """Return the parts that a text such as `3x2`, three along x and two along y, cuts a map into.
-
-    Examples
-    --------
-    >>> [(part.column, part.row) for part in parts_of("2x2")]
-    [(1, 1), (2, 1), (1, 2), (2, 2)]
-    """
+    """Return the parts that a text such as `3x2`, three along x and two along y, cuts a map into."""
     match = _FORM.fullmatch(text.strip())
     columns, rows = (int(match[1]), int(match[2])) if match else (0, 0)
     if not 2 <= columns * rows <= MAX_PARTS:

@@ -1,9 +1,8 @@
 """The plan of a run: which result is made of which files, and what each job asks for.
 
-A *result* is a folder: `ground`, or `soft/ground` for the surface ground under the case soft. Surfaces are
-*single* ones, the two measured *faces* of a pair, or its *placements*, relative positions of the faces. A
-case has its own files only where it differs in the settings that these depend on; otherwise those of the
-first case with the same settings are used.
+A *result* is a folder, `ground` or `soft/ground` under a case. Surfaces are *single* ones, the *faces* of a
+pair, or its *placements*. A case has its own files only where the settings that they depend on differ from an
+earlier case's.
 """
 
 import re
@@ -52,19 +51,7 @@ class Group(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """The plan of a run, from the settings of each case (`resolve`) and the table (`read_surfaces`).
-
-    Examples
-    --------
-    >>> from roughcontact.configuration.resolve import resolve
-    >>> two = {"a": {}, "b": {"contact": {"contact_modulus": 2e9}}}
-    >>> cases = resolve({"contact": {"contact_modulus": 1e9}, "cases": two})
-    >>> plan = Plan(cases, {"ground": Surface("ground", Path("ground.x3p"), "line 2", {})})
-    >>> plan.results
-    ['a/ground', 'b/ground']
-    >>> plan.file("window", "b/ground"), plan.file("contact", "b/ground")
-    ('results/a/ground/window.nc', 'results/b/ground/contact.nc')
-    """
+    """The plan of a run, from the settings of each case (`resolve`) and the table (`read_surfaces`)."""
 
     cases: Mapping[str, dict[str, Any]]
     table: Mapping[str, Surface]
@@ -163,9 +150,8 @@ class Plan:
     def file(self, name: str, result: str) -> str:
         """Return the path of a file that a result uses, of the first case with the same settings.
 
-        The name is that of a stage; of a placement also "face" and "counter_face", its levelled faces, and
-        "counter_height", the measured heights of the counter-face ("height" has those of the face), which is
-        empty for others.
+        The name is a stage; of a placement also "face", "counter_face" and "counter_height", empty for
+        others.
         """
         case, surface = split(result)
         placement = self.placements.get(surface)
@@ -233,11 +219,9 @@ class Plan:
         }
 
     def threads(self, result: str) -> int:
-        """Return the threads of the solver: one for small maps, where jobs run side by side instead.
-
-        It depends on the measured file alone: rounding of sums over the grid depends on the number of
-        threads, and results must not depend on the computer.
-        """
+        """Return the threads of the solver: one for small maps, where jobs run side by side instead."""
+        # of the measured file alone: sums over the grid round by the number of threads, and results must not
+        # depend on the computer
         return 1 if megabytes(self.row(split(result)[1]).path) < _SMALL else 4
 
     def loads(self, case: str = "") -> int:
@@ -318,13 +302,7 @@ class Plan:
 
 
 def split(result: str) -> tuple[str, str]:
-    """Return the case, empty where there are none, and the surface of a result.
-
-    Examples
-    --------
-    >>> split("soft/ground"), split("ground")
-    (('soft', 'ground'), ('', 'ground'))
-    """
+    """Return the case, empty where there are none, and the surface of a result."""
     case, _, surface = result.rpartition("/")
     return case, surface
 
@@ -338,13 +316,7 @@ def _folder(file: str) -> str:
 
 
 def regex_of_names(names: Iterable[str]) -> str:
-    r"""Return the regular expression of some names, a tree by their letters; without names nothing matches.
-
-    Examples
-    --------
-    >>> regex_of_names(["ground-1", "ground-2", "turned"])
-    '(?:ground\\-(?:1|2)|turned)'
-    """
+    r"""Return the regular expression of some names, a tree by letters; without names nothing matches."""
     branches: dict[str, list[str]] = {}
     for name in names:
         branches.setdefault(name[:1], []).append(name[1:])

@@ -21,8 +21,8 @@ _WAY_OUT = "A bare number is in {unit}: write the unit behind it, even if the nu
 class Range:
     """The values of a quantity that are plausible as bare numbers; a validator of a field type.
 
-    A value is in doubt below `least` and above `most`, where it is what `below` and `above` say; from `rigid`
-    on it stands for something else. `meant` are factors of a value that is too low, the likeliest first.
+    A value below `least` or above `most` is in doubt, and is what `below` and `above` say; from `rigid` on it
+    stands for something else. `meant` are factors of a value that is too low, the likeliest first.
 
     Examples
     --------
@@ -73,10 +73,9 @@ def bare_number(value: object) -> float:
 def implausible_together(
     stated: Mapping[str, Any], contact: Mapping[str, Any]
 ) -> Iterator[tuple[Location, str]]:
-    """Yield location, and value with question, for each modulus, hardness and load that others contradict.
+    """Yield location and question for each modulus, hardness and load (SI) that others contradict.
 
-    `given` is the configuration as it was written, `contact` its section `contact` in SI units. A number is
-    not judged beside a modulus that is in doubt itself.
+    A number is not judged beside a modulus that is in doubt itself.
     """
     loads, hardness = contact["mean_pressure"] or (), contact["hardness"]
     doubts: list[tuple[Location, Doubt | None]] = []

@@ -24,21 +24,10 @@ _COMMON = ("surfaces", "composite", "report", "cases")
 
 
 def resolve(config: Mapping[str, Any], *, origin: str = "the settings") -> dict[str, dict[str, Any]]:
-    """Check a raw configuration and return the full settings of every case, as plain dictionaries.
+    """Check a raw configuration and return the full settings (SI) of every case by name; "" without cases.
 
-    `config`: the content of the YAML file: nested mappings, numbers possibly as text ("1e9", "115 GPa");
-    `origin`: where it comes from, for messages. Returns the name of the case -> settings, every key present,
-    all in SI units, `contact.contact_modulus` and the `contact.hardness` of the softer body derived from the
-    bodies if these are given; without `cases` there is the one entry "". Raises `SettingsError`: one message
-    that lists all mistakes, each with its key, the value, the rule and the nearest valid key.
-
-    Examples
-    --------
-    >>> settings = resolve({"contact": {"contact_modulus": "1e9", "mean_pressure": 1e5}})[""]
-    >>> settings["contact"]["contact_modulus"], settings["contact"]["mean_pressure"]
-    (1000000000.0, [100000.0])
-    >>> settings["level"]["form"]
-    'plane'
+    `contact_modulus` and the `hardness` of the softer body are derived from bodies. The message of a
+    `SettingsError` from `origin` lists all mistakes, each with key, value, rule and the nearest valid key.
     """
     base = {key: {} if value is None else value for key, value in config.items()}
     base.setdefault("contact", {})

@@ -1,8 +1,7 @@
 """The stages of one surface, and the settings on which each one depends.
 
-A stage depends on its own section of the settings and on those of the stages before it. If two cases agree in
-all of them the stage is computed once, by the case that comes first. If the fields of the contact are not
-kept, contact and statistics are one stage.
+If two cases agree in those of a stage and of the stages before it, the first computes it for both. Where the
+fields of the contact are not kept, contact and statistics are one stage.
 """
 
 from collections.abc import Mapping
@@ -20,17 +19,7 @@ _RESIDUAL = ("level", "window", "contact", "statistics")  # of residual.nc, whic
 
 
 def settings_of(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
-    """Return the settings on which a stage, one of `SECTIONS` or "residual", depends: section -> settings.
-
-    Two cases with equal settings share the stage.
-
-    Examples
-    --------
-    >>> from roughcontact.configuration.resolve import resolve
-    >>> settings = resolve({"contact": {"contact_modulus": 1e9}})[""]
-    >>> list(settings_of(settings, "window"))
-    ['level', 'window']
-    """
+    """Return the settings (section -> settings) on which a stage, of `SECTIONS` or "residual", depends."""
     if stage == "contact" and not settings["contact"]["keep_fields"]:
         stage = "statistics"
     sections = _RESIDUAL if stage == "residual" else SECTIONS[stage]
@@ -48,15 +37,6 @@ def settings_of(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
 
 
 def owner(cases: Mapping[str, Mapping[str, Any]], case: str, stage: str) -> str:
-    """Return the case that computes a stage of a case: the first whose stage depends on the same settings.
-
-    Examples
-    --------
-    >>> from roughcontact.configuration.resolve import resolve
-    >>> cases = {"all": {}, "soft": {"contact": {"contact_modulus": 1e6}}}
-    >>> settings = resolve({"contact": {"contact_modulus": 1e9}, "cases": cases})
-    >>> owner(settings, "soft", "window"), owner(settings, "soft", "contact")
-    ('all', 'soft')
-    """
+    """Return the case that computes a stage of a case: the first whose stage depends on the same settings."""
     required = settings_of(cases[case], stage)
     return next(name for name in cases if settings_of(cases[name], stage) == required)

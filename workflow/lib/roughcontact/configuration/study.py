@@ -24,26 +24,10 @@ def read_study(
     origin: str = "the settings",
     checked: bool = False,
 ) -> tuple[dict[str, dict[str, Any]], dict[str, Surface]]:
-    r"""Return the settings of every case and the table of surfaces.
+    r"""Return the settings of every case (as `resolve`) and the table of surfaces (as `read_surfaces`).
 
-    `config`: the content of the YAML file; `folders`: search path for a relative path of the table;
-    `measured_in`: search path for the paths in the table; `origin`: where the settings come from, for
-    messages: "config/config.yaml"; `checked`: whether the files were there when the run began: they may have
-    gone since. Returns `cases`: as `resolve` returns them; `surfaces`: as `read_surfaces` returns them.
-    Raises `SettingsError`: one message that lists all mistakes in both, including missing measured files and
-    unknown units.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     table = Path(folder) / "surfaces.tsv"
-    ...     _ = table.write_text("surface\tpath\tunit\nground\tground.txt\tmetre\n")
-    ...     _ = (Path(folder) / "ground.txt").write_text("1 2\n3 4\n")
-    ...     config = {"surfaces": "surfaces.tsv", "contact": {"contact_modulus": 1e9}}
-    ...     cases, surfaces = read_study(config, [folder], measured_in=[folder])
-    >>> list(cases), list(surfaces)
-    ([''], ['ground'])
+    `folders` and `measured_in` are search paths of table and measured files, which may have gone where they
+    were `checked` when the run began. A `SettingsError` from `origin` lists all mistakes in both.
     """
     _check_size(config)
     cases: dict[str, dict[str, Any]] = {}

@@ -1,15 +1,9 @@
 """The table of surfaces: the file of each surface, and information that is not in the file.
 
-A tab-separated text with a header; columns `surface` and `path`, optionally `channel`, `dx`, `dy`, `unit`,
-`height_unit`, `resample`, `checksum`, `first_row`, `missing_value`; empty cells mean "as in the file". Lines
-that start with # are ignored.
-
-A row that names a `counter_face` is a pair: two measured files that touch. Its files are read and levelled as
-`{surface}-face` and `{surface}-counter-face`; its placements `{surface}-1`, `{surface}-2` ..., the relative
-positions of the faces (`roughcontact.faces.positions`), are solved.
-
-A row with `parts` (2x2) is a map that is cut: its parts `{surface}-1-1`, `{surface}-2-1` ... (along x, along
-y) are surfaces of their own, in the group of the row, or in one that has its name.
+A row that names a `counter_face` is a pair: its files are read as `{surface}-face` and
+`{surface}-counter-face`, its placements `{surface}-1`, `{surface}-2` ... are solved. A row with `parts` (2x2)
+is a map that is cut: its parts `{surface}-1-1`, `{surface}-2-1` ... (along x, along y) are surfaces of their
+own, in its group.
 """
 
 import codecs
@@ -46,40 +40,18 @@ COLUMNS = (*REQUIRED, GROUP, PART, PARTS, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT, 
 
 @dataclass(frozen=True)
 class Surface:
-    """One row of the table.
+    """One row of the table."""
 
-    Attributes
-    ----------
-    name : str
-        of the surface and of its folder of results.
-    path : Path
-        the measured file as found; as in the table where there is no such file.
-    origin : str
-        table and line, for messages.
-    given : dict
-        keyword arguments of `read_height_map` that override or complete the file.
-    counter_face : Path or None
-        the other file of a pair; None where a single face is measured.
-    counter_face_first_row : str
-        position of the first row of that file; empty: as in the file.
-    group, part : str
-        the finish and the part that the map is of; empty where it is of none, or of a part of its own.
-    repeat_of : str
-        name of the surface that is the same place, measured with nothing done in between; or empty.
-    before : str
-        name of the surface that is the same place before something was done to it; or empty.
-    """
-
-    name: str
-    path: Path
-    origin: str
-    given: dict[str, Any]
-    counter_face: Path | None = None
-    counter_face_first_row: str = ""
-    group: str = ""
-    part: str = ""
-    repeat_of: str = ""
-    before: str = ""
+    name: str  # of the surface and of its folder of results
+    path: Path  # the measured file; as in the table where there is no such file
+    origin: str  # table and line, for messages
+    given: dict[str, Any]  # keyword arguments of `read_height_map`
+    counter_face: Path | None = None  # the other file of a pair
+    counter_face_first_row: str = ""  # empty: as in the file
+    group: str = ""  # the finish
+    part: str = ""  # empty where it is of a part of its own
+    repeat_of: str = ""  # surface of the same area, measured with nothing done in between
+    before: str = ""  # surface of the same area before something was done to it
 
 
 @dataclass(frozen=True)
@@ -93,17 +65,9 @@ class Placement:
 
 
 def find(path: str | Path, folders: Iterable[str | Path]) -> Path | None:
-    """Return the first existing file among `folder / path`, None where there is none.
-
-    An absolute path is taken as it is; a path in the working directory stays relative, so that recorded paths
-    do not depend on the location of that directory.
-
-    Examples
-    --------
-    >>> find("no-such-file.x3p", ["."]) is None
-    True
-    """
+    """Return the first existing file among `folder / path`, None where there is none."""
     for folder in folders:
+        # relative in the working directory: recorded paths do not depend on where that is
         candidate = Path(folder) / path
         if os.path.isfile(candidate):  # noqa: PTH113 - false also of a path that is too long
             return candidate
@@ -117,22 +81,11 @@ def read_surfaces(
     check: Callable[[Surface], list[str]] | None = None,
     placements_each: int = 0,
 ) -> dict[str, Surface]:
-    r"""Read the table of surfaces: name -> Surface, in the order of the table.
+    r"""Read the table of surfaces (tab-separated): name -> Surface, in the order of the table.
 
-    `table`: the tab-separated file; `folders`: search path for relative paths in the table; the table's own
-    folder comes second; `check`: returns further mistakes of a row, which the table alone does not show, such
-    as missing files; `placements_each`: number of placements of each pair, whose names no row may have; 0
-    skips this check. Raises `SettingsError`: one message that lists all mistakes, each with its line, the
-    value and the way out.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     table = Path(folder) / "surfaces.tsv"
-    ...     _ = table.write_text("surface\tpath\tdx\tunit\nground\tground.txt\t0.5\tum\n")
-    ...     read_surfaces(table)["ground"].given
-    {'unit': 'um', 'dx': 0.5}
+    `folders` and the table's own are searched; `check` returns further mistakes of a row, and no row may have
+    the name of one of `placements_each` placements. A `SettingsError` lists all mistakes with line, value and
+    way out.
     """
     table = Path(table)
     header, rows = read_table(table)
@@ -191,14 +144,7 @@ def read_surfaces(
 
 
 def measured(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
-    """Return every measured file, name -> Surface: of a pair its face and its counter-face.
-
-    Examples
-    --------
-    >>> pair = Surface("seal", Path("a.x3p"), "line 2", {}, counter_face=Path("b.x3p"))
-    >>> {name: str(each.path) for name, each in measured({"seal": pair}).items()}
-    {'seal-face': 'a.x3p', 'seal-counter-face': 'b.x3p'}
-    """
+    """Return every measured file, name -> Surface: of a pair its face and its counter-face."""
     files = {}
     for name, row in surfaces.items():
         if row.counter_face is None:
@@ -215,14 +161,7 @@ def measured(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
 
 
 def placements(surfaces: Mapping[str, Surface], count: int) -> dict[str, Placement]:
-    """Return the placements of all pairs, name -> Placement, with `count` placements of each pair.
-
-    Examples
-    --------
-    >>> pair = Surface("seal", Path("a.x3p"), "line 2", {}, counter_face=Path("b.x3p"))
-    >>> list(placements({"seal": pair}, 3))
-    ['seal-1', 'seal-2', 'seal-3']
-    """
+    """Return the placements of all pairs, name -> Placement, with `count` placements of each pair."""
     return {
         f"{name}-{number}": Placement(name, number, f"{name}-face", f"{name}-counter-face")
         for name, row in surfaces.items()

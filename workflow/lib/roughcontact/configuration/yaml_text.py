@@ -1,7 +1,6 @@
 """The text of a configuration file, checked before Snakemake reads it: each mistake with file and line.
 
-A few lines of YAML can stand for billions of values (aliases, merge keys), for themselves, or for a number
-that was not meant. Nothing is expanded here: the nodes of the text are counted as often as aliases name them.
+A few lines can stand for billions of values (aliases, merge keys): nothing is expanded, nodes are counted.
 """
 
 import re

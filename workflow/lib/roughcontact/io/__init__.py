@@ -1,6 +1,5 @@
 """Reading: one measured file in, one labelled height map in SI units out.
 
-The public functions are in `read` and `inspection`. A file passes through `registry` (choice of the
-reader), a module of `readers` (channels in the file's units), `conversion` (one channel, in metres) and
-`plausibility`.
+A file passes through `registry` (choice of the reader), a module of `readers` (channels in the file's units),
+`conversion` (one channel, in metres) and `plausibility`.
 """

@@ -25,74 +25,37 @@ class UnevenPositionsError(InputFileError):
 
 
 class Points(NamedTuple):
-    """Points that form no even grid, in the file's units.
-
-    Attributes
-    ----------
-    x, y, z : array (n,)
-        One entry per point; y is None for a profile.
-    uneven : str
-        Why the positions form no even grid.
-    """
+    """Points (n,) that form no even grid, in the file's units."""
 
     x: np.ndarray
-    y: np.ndarray | None
+    y: np.ndarray | None  # None for a profile
     z: np.ndarray
-    uneven: str
+    uneven: str  # why the positions form no even grid
 
 
 @dataclass
 class Channel:
-    """One map or profile of a file. None: not stated in the file.
+    """One map or profile of a file; None: not stated in the file."""
 
-    Attributes
-    ----------
-    name : str
-        As the file calls it.
-    shape : tuple of int
-        (ny, nx); ny is 1 for a profile.
-    read : callable () -> array (ny, nx)
-        Returns the heights in `height_unit` as float64, NaN where not measured, in the order of the file's
-        rows (`first_row`). For a channel without heights it may raise `InputFileError` instead.
-    height_unit, lateral_unit : str or None
-        Units of the heights; of the steps and positions.
-    dx, dy : float or None
-        Steps, in `lateral_unit`.
-    first_x, first_y : float or None
-        Position of the first cell centre, in `lateral_unit`; None: half a step.
-    no_height : str
-        Why this channel holds no heights; empty for a height channel. A unit that is no length is a reason.
-    size_rounding : tuple of float or None
-        Where the steps are a total size over the number of points found: relative rounding errors of the
-        stated sizes along x and y.
-    doubt : str
-        Why the channel cannot be read as it is.
-    otherwise : Channel or None
-        The same numbers as a map, where they may be points or a map; used if the user gives both steps.
-    points : Points or None
-        The points themselves, where they form no even grid.
-    notes : list of str
-        Statements of the header that the user should know.
-    first_row : str
-        Where row 0 lies, if not as in the rest of the file; counts as assumed.
-    """
-
-    name: str
-    shape: tuple[int, int]
+    name: str  # as the file calls it
+    shape: tuple[int, int]  # (ny, nx); ny is 1 for a profile
+    # float64 heights (ny, nx) in `height_unit`, NaN where not measured, in the order of the file's rows; may
+    # raise `InputFileError` for a channel without heights
     read: Callable[[], np.ndarray]
     height_unit: str | None = None
-    dx: float | None = None
+    dx: float | None = None  # steps, in `lateral_unit`
     dy: float | None = None
     lateral_unit: str | None = None
-    first_x: float | None = None
+    first_x: float | None = None  # position of the first cell centre, in `lateral_unit`; None: half a step
     first_y: float | None = None
-    no_height: str = ""
-    size_rounding: tuple[float, ...] | None = None
-    doubt: str = ""
+    no_height: str = ""  # why this channel holds no heights; empty for a height channel
+    size_rounding: tuple[float, ...] | None = None  # relative, along x and y, of sizes over points
+    doubt: str = ""  # why the channel cannot be read as it is
+    # the same numbers as a map, used if the user gives both steps
     otherwise: "Channel | None" = None
-    points: Points | None = None
-    notes: list[str] = field(default_factory=list)
-    first_row: str = ""
+    points: Points | None = None  # where they form no even grid
+    notes: list[str] = field(default_factory=list)  # statements of the header that the user should know
+    first_row: str = ""  # where row 0 lies, if not as in the rest of the file; assumed
 
     def __post_init__(self) -> None:
         if not self.no_height and self.height_unit is not None and not is_length(self.height_unit):
@@ -101,49 +64,19 @@ class Channel:
 
 @dataclass
 class MeasuredFile:
-    """One opened file.
+    """One opened file."""
 
-    Attributes
-    ----------
-    format : str
-        Name of the format, for people.
-    channels : list of Channel
-        In the file's order.
-    first_row : str
-        Where row 0 lies in the picture that the instrument's own software shows: ``top`` or ``bottom``.
-    instrument : dict
-        Metadata of the instrument, with the keys of `roughcontact.io.metadata`.
-    warnings : list of str
-        Warnings about the file as a whole.
-    stale : str
-        Which checksum or size that the file states differs from its content; empty where none does.
-    first_row_assumed : bool
-        Whether neither the file nor its format states `first_row`, so that it is only the usual convention.
-    question : str
-        What the file has several of, where the user has to name one; empty where the first will do.
-    """
-
-    format: str
+    format: str  # for people
     channels: list[Channel]
-    first_row: str
-    instrument: dict[str, Any] = field(default_factory=dict)
-    warnings: list[str] = field(default_factory=list)
-    stale: str = ""
-    first_row_assumed: bool = False
-    question: str = ""
+    first_row: str  # in the picture of the instrument's own software: `top` or `bottom`
+    instrument: dict[str, Any] = field(default_factory=dict)  # keys of `roughcontact.io.metadata`
+    warnings: list[str] = field(default_factory=list)  # about the file as a whole
+    stale: str = ""  # which stated checksum or size differs from the content
+    first_row_assumed: bool = False  # stated neither by file nor format
+    question: str = ""  # what there are several of, where the user has to name one
 
     def rows_of(self, channel: Channel) -> tuple[str, bool]:
-        """Return where row 0 of a channel lies, ``top`` or ``bottom``, and whether that is only assumed.
-
-        Parameters
-        ----------
-        channel : Channel
-            Of this file.
-
-        Returns
-        -------
-        tuple of str and bool
-        """
+        """Return where row 0 of a channel lies, `top` or `bottom`, and whether that is only assumed."""
         if channel.first_row:
             return channel.first_row, True
         return self.first_row, self.first_row_assumed
@@ -157,27 +90,10 @@ class MeasuredFile:
 def choose_channel(
     file: MeasuredFile, requested: str | None, where: str, *, unit_given: bool = False
 ) -> tuple[Channel, str]:
-    """Return the channel to use and a sentence that says how it was chosen.
+    """Return the channel of that name, else the first that holds heights, and a sentence on the choice.
 
-    Parameters
-    ----------
-    file : MeasuredFile
-    requested : str or None
-        Name of the channel. Without it, it is the first one that holds heights (a length unit, and no
-        amplitude, phase, error or the like by name).
-    where : str
-        Place that error messages name.
-    unit_given : bool
-        Whether the user gives the unit of the heights, which makes the values of an only channel heights.
-
-    Returns
-    -------
-    tuple of Channel and str
-
-    Raises
-    ------
-    InputFileError
-        Where no channel has the wanted name, or none holds heights.
+    A height channel has a length unit, and no amplitude, phase, error or the like by name; a unit that the
+    user gives makes the values of an only channel heights.
 
     Examples
     --------
@@ -215,16 +131,7 @@ def choose_channel(
 
 
 def unreadable(message: str) -> Callable[[], np.ndarray]:
-    """Return the `read` of a channel without numbers: it raises InputFileError with this message.
-
-    Parameters
-    ----------
-    message : str
-
-    Returns
-    -------
-    callable
-    """
+    """Return the `read` of a channel without numbers: it raises InputFileError with this message."""
 
     def read() -> np.ndarray:
         raise InputFileError(message)
@@ -240,27 +147,9 @@ def oversized(name: str, shape: tuple[int, ...], path: Path) -> Channel:
 
 
 def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -> np.ndarray:
-    """Return values as a map of heights.
+    """Return real numbers, perhaps masked, as a float64 copy (ny, nx), NaN where missing.
 
-    Parameters
-    ----------
-    values : array (ny, nx) or (nx,)
-        Real numbers of any type; also a masked array.
-    where : str
-        Place that the message names.
-    missing : float, optional
-        The value that stands for a missing point.
-
-    Returns
-    -------
-    array (ny, nx)
-        A copy, float64; NaN where masked, infinite, equal to `missing`, or one of the numbers beyond all
-        heights that mark missing points (`io.markers`).
-
-    Raises
-    ------
-    InputFileError
-        Where the values are not real numbers.
+    Missing are masked, infinite, `missing` and the marker values beyond all heights (`io.markers`).
 
     Examples
     --------
@@ -287,24 +176,7 @@ def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -
 
 @np.errstate(all="ignore")  # infinite positions are not even
 def even_step(positions: ArrayLike, name: str) -> float:
-    """Return the step of evenly spaced positions.
-
-    Parameters
-    ----------
-    positions : array (n,)
-        Two or more.
-    name : str
-        Name of the axis, for the message.
-
-    Returns
-    -------
-    float
-        Negative for positions that decrease.
-
-    Raises
-    ------
-    UnevenPositionsError
-        Where a position is off the even grid by more than 2 % of a step, which rounding does not explain.
+    """Return the step of two or more positions (n,), negative for decreasing ones, even to 2 % of a step.
 
     Examples
     --------
@@ -326,20 +198,10 @@ def even_step(positions: ArrayLike, name: str) -> float:
 
 @np.errstate(all="ignore")
 def rounded_step(positions: ArrayLike) -> float | None:
-    """Return the step of positions that are even but for the rounding of their last decimal.
+    """Return the step of rising positions (n,) even but for the rounding of their last decimal, or None.
 
-    Fifty and more positions, all of them multiples of a power of ten that is no more than the step, within
-    0.55 of it from a straight line: a list with gaps strays further.
-
-    Parameters
-    ----------
-    positions : array (n,)
-        Increasing.
-
-    Returns
-    -------
-    float or None
-        None for other positions.
+    Fifty and more, multiples of a power of ten up to the step, lie within 0.55 of it from a line; gaps stray
+    further.
 
     Examples
     --------
@@ -363,23 +225,9 @@ def rounded_step(positions: ArrayLike) -> float | None:
 def scattered(
     name: str, x: ArrayLike, y: ArrayLike | None, z: ArrayLike, error: UnevenPositionsError, **attributes: Any
 ) -> Channel:
-    """Return a channel of points that form no even grid: it can be read only by resampling.
+    """Return a channel of points (x, y, z; y None for a profile) that can be read only by resampling.
 
-    Parameters
-    ----------
-    name : str
-        Name of the channel.
-    x, y, z : arrays of equal size, in the file's units
-        `y` is None for a profile. Points without a height are left out.
-    error : UnevenPositionsError
-        Why the positions form no even grid.
-    **attributes
-        Further attributes of the channel, such as `lateral_unit` and `height_unit`.
-
-    Returns
-    -------
-    Channel
-        With `points`.
+    Points without a height are left out; `attributes` are further ones of the channel.
 
     Examples
     --------

@@ -1,8 +1,7 @@
 """Checksums of the files that are read from outside, by which a replaced file is noticed whatever its date.
 
-A checksum is noted with size, dates and place on the disk of its file, and computed anew only where one of
-them has changed. The date of the last change of a file's entry (ctime) is among them: no program can set it,
-as copying, unpacking and synchronising programs set the date of the content.
+They are noted with size, dates and place on the disk, and computed anew where one has changed; ctime is among
+them, which no program can set as those that copy, unpack and synchronise set the date of the content.
 """
 
 import json
@@ -20,22 +19,9 @@ _SETTLED = 3_000_000_000
 
 
 def checksum(path: str | Path, *, noted: Path = NOTED) -> str:
-    """Return the SHA-256 of a file, as it was noted if the file has not changed since.
+    """Return the SHA-256 of a file, as it was noted if the file has not changed since; empty if unreadable.
 
-    64 hexadecimal digits; empty where the file cannot be read, which the job that reads it reports. `noted`
-    is the file of the noted checksums, a line of JSON for each; the last line of a path counts. Lines are
-    added where its folder exists.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder) / "a.txt"
-    ...     _ = path.write_text("1 2")
-    ...     first = checksum(path, noted=Path(folder) / "noted")
-    ...     _ = path.write_text("1 3")
-    ...     first == checksum(path, noted=Path(folder) / "noted")
-    False
+    `noted` has a line of JSON for each, the last of a path counts; lines are added where its folder exists.
     """
     state = state_of(path)
     recorded = _noted(noted).get(str(path))

@@ -27,16 +27,10 @@ class _Variable(NamedTuple):
 
 
 def check_header(path: Path) -> int | None:
-    """Refuse a file with one of `MARKS` whose header contradicts itself or counts more than the file holds.
+    """Refuse a netCDF classic file whose header contradicts itself; return its size (bytes), None if open.
 
-    Checked are the lists, the axes of the variables, their stated sizes against their axes, and that they lie
-    in the file.
-
-    The result is the size of the file by its header, bytes; None where the number of records is left open.
-
-    References
-    ----------
-    Unidata, The NetCDF Classic Format Specification, appendix B of the NetCDF User's Guide.
+    The NetCDF Classic Format Specification, appendix B of the NetCDF User's Guide (Unidata); the lists, axes
+    and sizes of variables are checked, and that they lie in the file.
     """
     with refusing(f"{path}: damaged or cut off netCDF file"), path.open("rb") as stream:
         return _stated_size(_Header(stream, path.stat().st_size))

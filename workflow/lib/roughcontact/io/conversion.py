@@ -1,7 +1,6 @@
 """Conversion of a file's channels to one map in metres: channel, even grid, scale, orientation.
 
-Every resulting map is right-handed: x to the right, y upwards, the height towards the viewer. Its row 0 is
-the bottom line of the picture, whatever the order in the file.
+Every map is right-handed, the height towards the viewer, row 0 the bottom line of the picture.
 """
 
 from dataclasses import dataclass, replace
@@ -22,36 +21,16 @@ _LARGEST_HEIGHT = 1e5  # m; higher than any mountain
 
 @dataclass(frozen=True)
 class Converted:
-    """One map or profile in metres, on an even grid.
+    """One map or profile in metres, on an even grid."""
 
-    Attributes
-    ----------
-    channel : Channel
-        The channel that was read, on its even grid, still in the file's units.
-    choice : str
-        Which channel was chosen, and why.
-    heights : array (ny, nx), m
-        NaN where not measured; row 0 is the bottom line of the picture.
-    dx, dy : float, m
-        Steps.
-    notes : list of str
-        Sentences for the user.
-    facts : list of str
-        Those of them that say what the user asked for.
-    first_row : str
-        Where the first row of the file lies in the picture: ``top`` or ``bottom``.
-    first_row_assumed : bool
-        Whether neither the file nor its format nor the user states it.
-    """
-
-    channel: Channel
-    choice: str
-    heights: np.ndarray
-    dx: float
-    dy: float
-    notes: list[str]
-    facts: list[str]
-    first_row: str
+    channel: Channel  # on its even grid, in the file's units
+    choice: str  # which channel was chosen, and why
+    heights: np.ndarray  # (ny, nx), m, NaN where not measured; row 0 is the bottom line
+    dx: float  # m
+    dy: float  # m
+    notes: list[str]  # sentences for the user
+    facts: list[str]  # those that say what the user asked for
+    first_row: str  # of the file, in the picture: `top` or `bottom`
     first_row_assumed: bool
 
     def centres(self) -> tuple[np.ndarray, np.ndarray]:

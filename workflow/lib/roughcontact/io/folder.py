@@ -24,11 +24,7 @@ def is_folder(path: str | Path) -> bool:
 
 
 def measurements_in(folder: Path) -> tuple[list[Path], list[Path]]:
-    """Return the files of a folder that can be measurements, by name, and the others but for hidden ones.
-
-    Others are documents, programs and settings by their extension, empty files, and texts without a line of
-    numbers.
-    """
+    """Return the files of a folder that can be measurements, by name, and the others but for hidden ones."""
     files = sorted(path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
     measured = [path for path in files if _can_be_measured(path)]
     return measured, [path for path in files if path not in measured]

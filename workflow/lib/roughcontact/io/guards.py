@@ -28,14 +28,6 @@ BYTES_PER_POINT = 32  # while a map is read: as stored, in double precision, and
 def brief(error: Exception) -> str:
     r"""Return the message of a library's error on one line of at most 160 characters.
 
-    Parameters
-    ----------
-    error : Exception
-
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> brief(ValueError("no header\n  in line 3")), brief(EOFError())
@@ -57,17 +49,7 @@ def refusing(message: str, way_out: str = "") -> Iterator[None]:
 
 
 def check_file(path: Path) -> None:
-    """Refuse a path that is no regular file, and a file that is empty or larger than 4 GiB.
-
-    Parameters
-    ----------
-    path : Path
-
-    Raises
-    ------
-    InputFileError
-        With advice.
-    """
+    """Refuse a path that is no regular file, and a file that is empty or larger than 4 GiB."""
     if len(str(path)) > _LONGEST_PATH or max(map(len, path.parts), default=0) > _LONGEST_NAME:
         name = str(path)
         raise InputFileError(
@@ -97,33 +79,13 @@ def check_file(path: Path) -> None:
 
 
 def sha256(path: Path) -> str:
-    """Return the SHA-256 of a file, read in pieces.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    str
-        64 hexadecimal digits.
-    """
+    """Return the SHA-256 of a file, 64 hexadecimal digits, read in pieces."""
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def state_of(path: str | Path) -> list[int] | None:
-    """Return what changes when a file is written to or replaced: size, dates (ns), place on the disk.
-
-    Parameters
-    ----------
-    path : str or Path
-
-    Returns
-    -------
-    list of int or None
-        None where there is no such file.
-    """
+    """Return what changes when a file is written or replaced: size, dates (ns), inode; None without it."""
     try:
         status = Path(path).stat()
     except (OSError, ValueError):
@@ -133,21 +95,7 @@ def state_of(path: str | Path) -> list[int] | None:
 
 @contextmanager
 def unchanged(path: Path) -> Iterator[None]:
-    """Refuse a file that changes within the block, which reads it.
-
-    Parameters
-    ----------
-    path : Path
-
-    Yields
-    ------
-    None
-
-    Raises
-    ------
-    InputFileError
-        Also instead of the error of a reader that came upon half a file.
-    """
+    """Refuse a file that changes within the block, also instead of the error of a reader of half a file."""
     before = state_of(path)
     try:
         yield
@@ -159,20 +107,7 @@ def unchanged(path: Path) -> Iterator[None]:
 
 
 def check_points(shape: tuple[int, int], where: str | Path) -> None:
-    """Refuse a map of more points than are read, or than this computer can hold, before it is read.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        (ny, nx).
-    where : str or Path
-        Place that the message names.
-
-    Raises
-    ------
-    InputFileError
-        For more than 2²⁷ points, or more memory than this computer has.
-    """
+    """Refuse a map (ny, nx) of more than 2²⁷ points, or than this computer can hold, before it is read."""
     ny, nx = shape
     if ny * nx > MAX_POINTS:
         raise InputFileError(
@@ -182,21 +117,7 @@ def check_points(shape: tuple[int, int], where: str | Path) -> None:
 
 
 def check_memory(required: float, data_name: str, where: str | Path) -> None:
-    """Refuse to read data that need more memory than this computer has.
-
-    Parameters
-    ----------
-    required : float, bytes
-    data_name : str
-        Name of the data, in the plural.
-    where : str or Path
-        Place that the message names.
-
-    Raises
-    ------
-    InputFileError
-        With both numbers.
-    """
+    """Refuse to read data that need more memory (bytes) than this computer has."""
     total = memory_bytes()
     if total is not None and required > total:
         raise InputFileError(
@@ -206,13 +127,7 @@ def check_memory(required: float, data_name: str, where: str | Path) -> None:
 
 
 def memory_bytes() -> float | None:
-    """Return the memory that this process may use.
-
-    Returns
-    -------
-    float or None, bytes
-        The smaller one of the limits of computer and container; None where unknown.
-    """
+    """Return the memory (bytes) that this process may use, of computer and container; None where unknown."""
     limits: list[float] = []
     with suppress(AttributeError, ValueError, OSError):
         limits.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
@@ -222,26 +137,14 @@ def memory_bytes() -> float | None:
 
 
 def check_line_ends(path: Path) -> None:
-    """Refuse a binary file that went through a text-mode transfer: every line feed follows a carriage return.
-
-    One byte in 256 of binary data is a line feed: that a carriage return precedes all of more than 50 of them
-    is no coincidence. Only the end of the file is examined, which has no header.
-
-    Parameters
-    ----------
-    path : Path
-        A file of a binary format.
-
-    Raises
-    ------
-    InputFileError
-        With advice.
-    """
+    """Refuse a binary file after a text-mode transfer: every line feed follows a carriage return."""
     size = path.stat().st_size
     with path.open("rb") as stream:
+        # only the end, which has no header
         stream.seek(max(size // 2, size - 2**24))
         data = stream.read()
     feeds = data.count(b"\n")
+    # one byte in 256 of binary data is a line feed: no coincidence
     if feeds > 50 and feeds == data.count(b"\r\n"):
         raise InputFileError(
             f"{path}: every line feed in this binary file follows a carriage return: it was transferred as "
@@ -250,21 +153,9 @@ def check_line_ends(path: Path) -> None:
 
 
 def check_archive(path: Path) -> None:
-    """Refuse a ZIP archive that unpacks to more than 1 GiB or whose XML declares entities.
+    """Refuse a ZIP archive that unpacks to more than 1 GiB or whose XML declares entities (expansion bombs).
 
-    The sizes are those in the archive's directory; `zipfile` never unpacks more of a member.
-    A document type declaration is refused as a whole: no instrument format needs one, and entities are its
-    only use here (expansion bombs, reading of other files).
-
-    Parameters
-    ----------
-    path : Path
-        A file of any format; a file that is no archive passes.
-
-    Raises
-    ------
-    InputFileError
-        Also for an archive that is damaged, encrypted or cut off.
+    Any document type declaration is refused: no instrument format needs one. Other files pass.
     """
     if not zipfile.is_zipfile(path):
         with path.open("rb") as stream:
@@ -274,6 +165,7 @@ def check_archive(path: Path) -> None:
                 )
         return
     try:
+        # sizes of the directory: `zipfile` never unpacks more of a member
         with zipfile.ZipFile(path) as archive:
             entries = archive.infolist()
             total = sum(entry.file_size for entry in entries)

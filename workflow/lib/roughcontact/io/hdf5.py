@@ -34,16 +34,11 @@ def opened(path: Path) -> Iterator["h5py.File"]:
 
 
 def stated_size(path: Path) -> int | None:
-    """Return the bytes that a file has by its superblock, at its beginning; None where it does not say.
-
-    References
-    ----------
-    The HDF Group, HDF5 File Format Specification 3.0, II.A: the address of the end of the file is the third
-    one of the superblock, behind 24 bytes in version 0, 28 in version 1, 12 in versions 2 and 3.
-    """
+    """Return the bytes of a file by its superblock (HDF5 File Format Specification 3.0, II.A), or None."""
     with path.open("rb") as stream:
         head = stream.read(64)
     version = head[8] if len(head) == 64 else -1
+    # the address of the end of the file is the third one, behind so many bytes by version
     offset = {0: 24, 1: 28, 2: 12, 3: 12}.get(version)
     if offset is None or head[13 if version < 2 else 9] != 8:  # bytes of an address
         return None
@@ -52,11 +47,8 @@ def stated_size(path: Path) -> int | None:
 
 
 def datasets(path: Path) -> dict[str, tuple[int, ...]]:
-    """Return the shapes of all arrays of a file by their full names, and refuse data outside the file.
-
-    Refused are links to other files, external storage and virtual arrays (the heights would be bytes of other
-    files of this computer), more than 10 000 objects, an axis scale that is a single number, and damage.
-    """
+    """Return the shapes of all arrays of a file by full name, and refuse links and data outside the file."""
+    # heights must not be bytes of other files of this computer
     _check_heaps(path)
     with opened(path) as file:
         return dict(_arrays(file, path))

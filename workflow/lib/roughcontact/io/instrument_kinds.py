@@ -1,8 +1,7 @@
 """Kinds of instruments, and the steps, fields and heights that each of them can measure.
 
-The ranges are wide: they follow the largest scanners, stages and columns that are sold, and the finest
-sampling that makes sense (a tenth of the resolution of light, tip or stylus, and less). A value outside them
-is more likely due to a wrong unit than to an unusual instrument.
+The ranges follow the largest scanners, stages and columns that are sold, and the finest sampling that makes
+sense: a value outside them is more likely due to a wrong unit.
 """
 
 from typing import NamedTuple

@@ -8,13 +8,9 @@ _EXAMINED = 2**20  # bytes of an excess that are compared with each other
 
 
 def compare_size(path: Path, required_size: int) -> tuple[str, list[str]]:
-    """Compare the size of a file with the bytes that its header needs.
+    """Return how the size of a file differs from the bytes needed, as in `MeasuredFile.stale`, and a warning.
 
-    Excess bytes may have been inserted anywhere, so that the heights behind them moved. Only where all of
-    them are equal they are padding at the end, as some transfers and disks leave it.
-
-    The result is how the size differs, as in `MeasuredFile.stale` (empty where it agrees, or where the excess
-    is padding), and a warning about padding. A file that is too short is refused.
+    Equal excess bytes are padding at the end; others may have moved the heights. A file too short is refused.
     """
     size = path.stat().st_size
     if size < required_size:

@@ -16,9 +16,7 @@ _VALUES = (
 
 
 def remove_marker_values(values: np.ndarray, further_markers: Iterable[float] = ()) -> None:
-    """Replace infinite values, numbers that mark a missing point, and exactly the `others` by NaN, in place.
-
-    The largest double is infinite where its last digit was rounded up.
+    """Replace infinite values, markers of a missing point, and `further_markers` by NaN, in place.
 
     Examples
     --------
@@ -27,6 +25,7 @@ def remove_marker_values(values: np.ndarray, further_markers: Iterable[float] = 
     >>> heights
     array([1.5, nan, nan])
     """
+    # the largest double is infinite where its last digit was rounded up
     values[np.isinf(values)] = np.nan
     for value in further_markers:
         values[values == value] = np.nan

@@ -1,8 +1,6 @@
-"""Instrument, lens, date and serial number of a file, with the same keys for all formats.
+"""Instrument, lens, date and serial number of a file, with the same keys (`LABELS`) for all formats.
 
-`kind`, `vendor`, `name`, `serial`, `scanner_serial`, `lens`, `magnification`, `numerical_aperture`, `probe`,
-`acquisition_time` (ISO 8601 where known), `calibration_time`, `software`, `sample`, `comment`;
-a key exists only where the file states its value. Names of persons are left out.
+A key exists only where the file states its value. Names of persons are left out.
 """
 
 import datetime
@@ -58,9 +56,8 @@ _LONGEST = 200  # characters of a name
 def instrument_metadata(stated: Mapping[str, Any], header: Mapping | None = None) -> dict[str, Any]:
     """Return the known metadata of the instrument, as plain JSON values in the order of `LABELS`.
 
-    `stated` are values that a reader found, by the keys of this module; they win over those in `header`, the
-    file's own, which is searched (two levels deep) for the usual spellings of the keys. Sections on software
-    are skipped: their serial number is that of a licence.
+    `stated` wins over the file's `header`, searched two levels deep for the usual spellings, but for sections
+    on software, whose serial number is that of a licence.
 
     Examples
     --------
@@ -126,13 +123,7 @@ def _plain(value: Any) -> str | float | None:
 
 
 def labelled(instrument: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return the metadata from `instrument_metadata` for people, as labels and texts.
-
-    Examples
-    --------
-    >>> labelled({"lens": "20X Mirau", "numerical_aperture": 0.4})
-    [('lens', '20X Mirau'), ('numerical aperture', '0.400')]
-    """
+    """Return the metadata from `instrument_metadata` for people, as labels and texts."""
     labels = [LABELS.get(entry, entry.replace("_", " ")) for entry in instrument]
     texts = [number(value) if isinstance(value, float) else str(value) for value in instrument.values()]
     return list(zip(labels, texts, strict=True))

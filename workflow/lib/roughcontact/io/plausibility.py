@@ -33,16 +33,7 @@ class Suspicion(NamedTuple):
 
 
 def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = UNKNOWN) -> list[Suspicion]:
-    """Return the implausible properties of a map, with the numbers they rest on.
-
-    `height` (ny, nx; m) is NaN where not measured and has at least one measured point; the steps are in m;
-    `kind` gives the ranges that the instrument can measure.
-
-    Examples
-    --------
-    >>> print(*suspicions(np.zeros((8, 8)), 1e-6, 1e-6))
-    all heights are equal (0 m): the map is flat or holds no measurement
-    """
+    """Return the implausible properties of a map (ny, nx; m; steps in m), with the numbers they rest on."""
     measured = height[np.isfinite(height)]
     low, high = measured.min(), measured.max()
     spikes = _extremes(measured, low, high)
@@ -62,17 +53,9 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = UNKNOWN
 
 
 def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float, float]:
-    """Return rms height (m) and rms gradient of a map (ny, nx; m) off its mean plane, without missing points.
+    """Return rms height (m) and rms gradient of a map (ny, nx; m) off its least-squares plane.
 
-    The plane is that of least squares; the gradient, sqrt(var(dh/dx) + var(dh/dy)), is taken between
-    neighbouring measured points, and is NaN where there are none.
-
-    Examples
-    --------
-    >>> waves = 1e-6 * np.array([[0.0, 2.0, 0.0, 2.0]] * 3)
-    >>> rms_height, rms_gradient = roughness_off_plane(waves, 4e-6, 4e-6)
-    >>> round(1e6 * rms_height, 3), round(rms_gradient, 3)
-    (0.894, 0.471)
+    The gradient, sqrt(var(dh/dx) + var(dh/dy)), is between measured neighbours, NaN where there are none.
     """
     measured = np.isfinite(height)
     count = np.count_nonzero(measured)
@@ -102,12 +85,6 @@ def quantisation_step(height: np.ndarray) -> float | None:
     """Return the step (m) of which all heights (m, NaN where not measured) are multiples, or None.
 
     It is the usual distance of neighbouring levels, if the levels lie on its lattice to a tenth of it.
-
-    Examples
-    --------
-    >>> counts = np.array([[0.0, 3.0, 4.0], [9.0, 10.0, 2.0]])
-    >>> round(1e9 * quantisation_step(5e-9 * counts), 3)
-    5.0
     """
     sampled = _sample(height.reshape(-1))  # large maps leave no room for a copy
     levels = np.unique(sampled[np.isfinite(sampled)])

@@ -1,11 +1,8 @@
-"""Reading a measured file as a height map in metres.
+"""Reading a measured file as a height map in metres, in a format that its content tells, never its name.
 
-The format is recognised by the content of a file, never by its name. Units are converted once, here. Missing
-units and sizes are never guessed: they are given as arguments (or in the table of surfaces), or the file is
-refused.
-
-Every map is right-handed: x to the right, y upwards, row 0 the bottom line of the picture that the
-instrument's software shows. The attribute `first_row` keeps the position of the file's first row.
+Missing units and sizes are never guessed: they are given as arguments (or in the table of surfaces), or the
+file is refused. Every map is right-handed, row 0 the bottom line of the instrument's picture; the attribute
+`first_row` keeps where the file's first row lies.
 """
 
 import json

@@ -12,10 +12,7 @@ _READERS = "roughcontact.io.readers"
 
 
 def readers() -> list[tuple[str, Reader]]:
-    """Return the readers and the names of their modules, in the order in which they are asked.
-
-    Every module of the folder `readers` is one. The order is that of `io.interface.RecognisedBy`, which
-    gives the reasons, and alphabetical among equals.
+    """Return readers and names of their modules in the folder `readers`, by `RecognisedBy`, then by name.
 
     Examples
     --------
@@ -29,11 +26,7 @@ def readers() -> list[tuple[str, Reader]]:
 
 
 def recognised(path: Path) -> tuple[str, Reader]:
-    """Return the reader that recognises a file, and the name of its module.
-
-    The file must have passed `check_file` and `check_archive`. The last of the readers takes every file, and
-    refuses it when it cannot read it either.
-    """
+    """Return the reader that recognises a file (the last takes every file), and the name of its module."""
     head = head_of(path)
     return next((name, reader) for name, reader in readers() if reader.recognises(path, head))
 

@@ -9,9 +9,7 @@ from roughcontact.checking import check_lay
 
 @dataclass(frozen=True)
 class Request:
-    """The user's arguments for a file, as in `read_height_map`; None for all that is left to the file.
-
-    An empty cell of a table (an empty text, NaN) stands for None.
+    """The user's arguments for a file, as in `read_height_map`; None, an empty text or NaN: as in the file.
 
     Examples
     --------

@@ -21,10 +21,9 @@ _REACH = 2.0  # steps from the nearest point beyond which a grid point counts as
 
 
 def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channel, Request, list[str]]:
-    """Return the channel on an even grid: as it is, or resampled where the user asks for it.
+    """Return the channel on an even grid, the request less the steps used, and how it was resampled.
 
-    `request` gives the steps of the grid. It is returned without them for a resampled channel, which has
-    them itself. A sentence says how the channel was resampled; the list is empty where it was not.
+    The list of sentences is empty where it was not resampled.
     """
     points = channel.points
     if points is None:
@@ -57,17 +56,11 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
 def resampled(
     channel: Channel, points: Points, steps: tuple[float | None, float | None], where: str | Path
 ) -> tuple[Channel, str]:
-    """Return a channel on an even grid and a sentence that says how it was resampled.
+    """Return a channel on an even grid of steps (dx, dy), in its units, and a sentence that says how.
 
-    Heights are linear within the triangles of Delaunay's triangulation [1]_ (of a profile: between
-    neighbours). Outside them, and further than two steps from any point, the grid stays without heights.
-    `points` and `steps` (dx, dy) are in the channel's units; a step of None is the mean distance of the
-    points, sqrt(area / number), the same along x and y.
-
-    References
-    ----------
-    .. [1] B. Delaunay (1934), Sur la sphère vide, Bulletin de l'Académie des Sciences de l'URSS, Classe des
-       sciences mathématiques et naturelles 6, 793-800.
+    Heights are linear within the triangles of Delaunay (1934, Bulletin de l'Académie des Sciences de l'URSS
+    6, 793), of a profile between neighbours; none outside, or further than two steps from any point. A step
+    of None is sqrt(area / number), the same along x and y.
 
     Examples
     --------

@@ -20,17 +20,12 @@ _FEWEST_LINES = 10  # of a matrix whose pixels reveal that it was cut off
 
 @dataclass(frozen=True)
 class Scale:
-    """Steps and height unit of one map.
+    """Steps and height unit of one map."""
 
-    `dx`, `dy` in m: steps from point to point; of a profile without `dy` both are `dx`; `height_factor` in m:
-    metres per unit of the file's heights; `notes`: a sentence for each argument of the user that contradicts
-    the file.
-    """
-
-    dx: float
-    dy: float
-    height_factor: float
-    notes: list[str] = field(default_factory=list)
+    dx: float  # m; of a profile without `dy` both are `dx`
+    dy: float  # m
+    height_factor: float  # metres per unit of the file's heights
+    notes: list[str] = field(default_factory=list)  # arguments of the user that contradict the file
 
 
 def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
@@ -162,13 +157,11 @@ def _missing_steps_message(channel: Channel, path: Path) -> str:
 
 
 def _refuse_cut_matrix(shape: tuple[int, int], dx: float, dy: float, rounding: float, path: Path) -> None:
-    """Refuse a text matrix that seems to have lost its last lines.
+    """Refuse a text matrix whose pixels would be square with more lines (`rounding`: of their ratio).
 
-    Its header gives the size of the whole field and not the number of lines, so that a file that was cut off
-    shows only in pixels that are too long along y: with whole lines added they would be square. Accepted are
-    scans with every second, third ... line, pixels of 3 : 2 and 4 : 3, numbers of lines that no square pixels
-    explain, sizes that extend from the first point to the last one, and maps of less than ten lines, where
-    pixels of any shape are as likely. `rounding` is the relative error of the ratio of the stated sizes.
+    Accepted are every second, third ... line, pixels of 3 : 2 and 4 : 3, numbers of lines that no square
+    pixels explain, sizes from the first point to the last, and maps of less than ten lines, whose pixels may
+    have any shape.
     """
     ny, nx = shape
     ratio = dy / dx

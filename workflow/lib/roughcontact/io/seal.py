@@ -1,7 +1,6 @@
 """The last line of the project's own netCDF files: a checksum of all bytes before it.
 
-HDF5 states the end of its own content, and no program reads beyond it. A program that writes to such a file
-cuts the line off.
+HDF5 states the end of its content, so that no program reads it, and one that writes cuts it off.
 """
 
 import re
@@ -26,9 +25,7 @@ def seal(path: Path) -> None:
 
 
 def check_seal(path: str | Path) -> int:
-    r"""Return the bytes of the last line with the checksum of a file, 0 where there is none.
-
-    An `InputFileError` is raised where the content is not that of which the checksum was made.
+    r"""Return the bytes of the last line with the checksum of a file, 0 without one; refuse a wrong checksum.
 
     Examples
     --------

@@ -25,19 +25,8 @@ _BYTES_PER_POINT = 4
 def estimate_points(path: str | Path) -> int:
     """Return the approximate number of points of the map in a measured file, 0 where there is no file.
 
-    Exact for NumPy's arrays and X3P, whose headers say it; extrapolated from a piece of a text; one for every
-    four bytes for all others, which is too many where a file holds several channels. It never exceeds the
-    number of points that are read at most.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> import numpy as np
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     np.save(f"{folder}/map.npy", np.zeros((30, 20)))
-    ...     np.savetxt(f"{folder}/map.txt", np.zeros((30, 20)), fmt="%.3f")
-    ...     estimate_points(f"{folder}/map.npy"), estimate_points(f"{folder}/map.txt")
-    (600, 600)
+    Exact for NumPy's arrays and X3P, extrapolated from a piece of a text, one for every four bytes of all
+    others.
     """
     path = Path(path)
     try:

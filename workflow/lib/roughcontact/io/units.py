@@ -18,17 +18,7 @@ def is_length(unit: object) -> TypeGuard[str]:
 
 
 def metres(unit: str, *, where: str = "unit", error: type[Exception] = InputFileError) -> float:
-    """Return how many metres one `unit` is.
-
-    Units are m, mm, um (or with the micro sign or the letter mu), nm, Å, pm, inch, mil, uin, ... and their
-    names written out. An unknown one raises `error`; the message names the place, `where`, and the nearest
-    accepted spelling, if any is near.
-
-    Examples
-    --------
-    >>> metres("nm"), metres("inch"), metres("micrometre")
-    (1e-09, 0.0254, 1e-06)
-    """
+    """Return how many metres one `unit` (m, um, Å, inch, mil, uin ...) is; unknown: an `error`."""
     factor = value_of(unit, "m")
     if factor is None:
         raise error(f"{where}: {unknown_unit(unit, 'm')}")
@@ -36,9 +26,7 @@ def metres(unit: str, *, where: str = "unit", error: type[Exception] = InputFile
 
 
 def same_length(unit: str, second: str) -> bool:
-    """Return whether two spellings stand for the same unit of length.
-
-    Two texts that are no units of length are the same where they are spelled alike.
+    """Return whether two spellings stand for the same unit of length, or are the same text.
 
     Examples
     --------

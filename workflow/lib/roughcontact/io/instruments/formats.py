@@ -1,7 +1,6 @@
 """The instrument formats: their marks, vendors, and header entries that the library skips.
 
-Only formats with recognisable content are here; the library's readers that accept any bytes (hgt, h5, mat,
-npz, xyz, asc) are not.
+The library's readers that accept any bytes (hgt, h5, mat, npz, xyz, asc) are left out.
 """
 
 import mmap
@@ -25,38 +24,17 @@ Header = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Format:
-    """One format that SurfaceTopography reads.
+    """One format that SurfaceTopography reads."""
 
-    Attributes
-    ----------
-    name : str
-        Its name in the library.
-    marks : tuple of bytes
-        Its first bytes; several formats may share one. Without a mark only an attempt to read tells.
-    kind : Kind
-        The kind of instrument that writes it.
-    vendor : str
-        Where only one vendor uses the format.
-    offset : int
-        Position of the mark, bytes.
-    text_header : bool
-        Whether the header is plain text. All other formats are binary from the start, so that a text that
-        begins with their mark is a text.
-    binary_data : bool
-        Whether the data after a header in plain text are always binary: a file that is text to its end is
-        an export, which begins with the same header.
-    recognised_by : RecognisedBy
-        `RecognisedBy.CONTENTS` where the mark is that of a container, in which another reader looks for this
-        format.
-    """
-
-    name: str
+    name: str  # in the library
+    # first bytes, perhaps of several formats; without one only an attempt to read tells
     marks: tuple[bytes, ...] = ()
-    kind: Kind = UNKNOWN
-    vendor: str = ""
-    offset: int = 0
-    text_header: bool = False
-    binary_data: bool = False
+    kind: Kind = UNKNOWN  # of the instrument that writes it
+    vendor: str = ""  # where only one uses the format
+    offset: int = 0  # position of the mark, bytes
+    text_header: bool = False  # plain text; otherwise a text that begins with the mark is a text
+    binary_data: bool = False  # after a text header: a file that is text to its end is an export
+    # CONTENTS for the mark of a container, in which another reader looks
     recognised_by: RecognisedBy = RecognisedBy.MARK
 
     def has_mark(self, head: bytes) -> bool:
@@ -171,12 +149,9 @@ class _Park(Format):
 
 class _Wyko(Format):
     def instrument(self, path):
-        """Return lens and numerical aperture, where a file of the newer kind holds them.
-
-        They are among the named values of its block MeasurementSet, which the library skips: the length
-        of the name (4 bytes), the name, then 0x12 0x01, a length and a text, or 0x0d and a double.
-        """
+        """Return lens and numerical aperture from the block MeasurementSet of the newer kind of file."""
         with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            # length of the name (4 bytes), name, then 0x12 0x01, a length and a text, or 0x0d and a double
             lens = re.search(rb"\x09\0\0\0Objective\x12\x01([\x01-\x40])", data)
             aperture = re.search(rb"\x05\0\0\0ObjNa\x0d(.{8})", data, re.DOTALL)
             instrument = {}
@@ -228,13 +203,5 @@ FORMATS = (
 
 
 def marked(head: bytes) -> list[Format]:
-    """Return the formats whose mark a file has, in the order in which they are tried.
-
-    Examples
-    --------
-    >>> [each.name for each in marked(b"II*" + bytes(100))]
-    ['ps', 'jpk', 'lext']
-    >>> marked(b"KPK0 is how this text begins")
-    []
-    """
+    """Return the formats whose mark a file has, in the order in which they are tried."""
     return [format_ for format_ in FORMATS if format_.marks and format_.has_mark(head)]

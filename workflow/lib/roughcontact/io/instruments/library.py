@@ -1,8 +1,7 @@
-"""Safe reading of instrument formats with SurfaceTopography.
+"""Safe reading of instrument formats with SurfaceTopography, without sizes, units or scales passed to it.
 
-No physical size, unit or scale is passed to the library, so that missing ones stay missing.
-Its heights are indexed [x, y] and arranged so that their transpose, drawn as a picture, looks as in the
-instrument's software (and as in Gwyddion): row 0 of the transpose is the upper line of that picture.
+The transpose of its heights [x, y], drawn as a picture, looks as in the instrument's software: row 0 is the
+upper line.
 """
 
 import logging

@@ -1,7 +1,7 @@
 """Lines and sizes of Nanoscope's channels, from all that its header states of them.
 
-The number of lines of an image may be that of the scan that was planned, and its second size that of a whole
-scan, or just the first size. The length of the data says how many lines there are.
+The stated lines and second size may be those of the planned scan: the length of the data says how many lines
+there are.
 """
 
 import re
@@ -15,13 +15,7 @@ _HEADER = 2**20  # bytes in which it ends
 
 
 def sections(header: bytes) -> list[dict[str, str]]:
-    r"""Return the sections of a header, each with its entries by lower-case names, and its ``name``.
-
-    Examples
-    --------
-    >>> sections(b"\\*Ciao scan list\r\n\\Samps/line: 512\r\n\\*File list end")
-    [{'name': 'ciao scan list', 'samps/line': '512'}]
-    """
+    r"""Return the sections of a header, each with its entries by lower-case names, and its ``name``."""
     text = header.partition(END)[0].decode("latin-1")
     return [
         {"name": body.partition("\n")[0].strip().lower()}
@@ -34,10 +28,10 @@ def sections(header: bytes) -> list[dict[str, str]]:
 
 
 def corrected(channels: list[Any], path: Path) -> list[str]:
-    """Give the library's channels, in place, the lines and sizes that the file has; return what was changed.
+    """Give the library's channels, in place, the lines and sizes of the file; return what was changed.
 
-    The length of y is that of the lines that were scanned: of the planned scan (size over aspect ratio, in so
-    many lines) those that the file has; with pixels as long as wide where more are there than were planned.
+    The length of y is that of the scanned lines of the planned ones; pixels are square where more lines are
+    there.
     """
     from SurfaceTopography.IO.Reader import ChannelInfo
 

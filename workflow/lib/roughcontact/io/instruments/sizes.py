@@ -1,7 +1,6 @@
 """Sizes of instrument files by their own headers and directories.
 
-A file of another size than its header needs has lost or gained bytes, so that the heights behind that place
-moved.
+The heights behind lost or added bytes moved.
 """
 
 import mmap
@@ -18,14 +17,10 @@ Header = Mapping[str, Any]
 
 
 class Stated(NamedTuple):
-    """The size of a file as its header states it.
+    """The size of a file as its header states it."""
 
-    `size`: bytes up to the end of the last block that the header or directory counts; `more`: whether the
-    format has blocks behind these that nothing counts.
-    """
-
-    size: int
-    more: bool = False
+    size: int  # bytes up to the end of the last block that is counted
+    more: bool = False  # blocks that nothing counts follow
 
 
 def _metropro(data: mmap.mmap, header: Header, points: int) -> Stated:
@@ -150,11 +145,7 @@ _SIZES: dict[str, Callable[[mmap.mmap, Header, int], Stated | None]] = {
 
 
 def stated_size(name: str, path: Path, header: Header, points: int) -> Stated | None:
-    """Return the size of a file by its header; None where its format states none.
-
-    `name` is that of the format in SurfaceTopography, `header` as that gives it with the first channel,
-    `points` the number in a map of the file.
-    """
+    """Return the size of a file by the header that SurfaceTopography gives; None if its format has none."""
     count = _SIZES.get(name)
     if count is None:
         return None

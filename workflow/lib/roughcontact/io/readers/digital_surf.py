@@ -1,8 +1,7 @@
 """Digital Surf's SUR and PRO (MountainsMap): surfaces, profiles, and series of them.
 
-A file is one object or several, one behind the other: a header of 512 bytes, a comment, a private zone, and
-the points, row by row from the top, as integers. A series has all its objects alike; in a series of profiles
-the rows of one object are the profiles. The offset of the heights is left out.
+Each object is a header of 512 bytes, a comment, a private zone, and integer points, row by row from the top;
+in a series of profiles the rows are the profiles. The offset of the heights is left out.
 """
 
 import datetime
@@ -60,13 +59,7 @@ class _Object(NamedTuple):
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    r"""Return whether a file begins with Digital Surf's mark.
-
-    Examples
-    --------
-    >>> recognises(Path("map.sur"), b"DIGITAL SURF\0\0"), recognises(Path("map.sur"), b"DSCOMPRESSED\0\0")
-    (True, False)
-    """
+    r"""Return whether a file begins with Digital Surf's mark."""
     return head.startswith(_MARK + b"\0")
 
 

@@ -1,12 +1,8 @@
-"""Gwyddion's own files: one channel for each image, whatever its unit.
+"""Gwyddion's own files (Gwyddion user guide, native format GWY): one channel for each image, in SI units.
 
-Behind the mark lies one object: the name of its class, its size (four bytes), and components of a name, a
-letter for the type, and a value, which may be an object again. The image ``/0/data`` has its title in
-``/0/data/title`` and its mask in ``/0/mask``; its rows run from the top. Lengths are in SI units.
-
-References
-----------
-Gwyddion user guide, Gwyddion native format (GWY).
+Behind the mark lies one object: the name of its class, its size (four bytes), and components of name, letter
+for the type, and value. ``/0/data`` has its title in ``/0/data/title``, its mask in ``/0/mask``; rows run
+from the top.
 """
 
 import mmap

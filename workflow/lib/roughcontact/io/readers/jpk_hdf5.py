@@ -1,8 +1,8 @@
 """JPK's fast scans in HDF5: one channel for each quantity, direction and frame.
 
-A file holds groups ``Measurement_000``, ... with a grid in their attributes (``position-pattern.grid.*``) and
-groups ``Channel_000``, ... Each channel has one array of counts, a row for each point of the grid (x fastest)
-and a column for each frame. Its attributes ``net-encoder.scaling.*`` lead from counts to the quantity.
+Groups ``Measurement_000`` ... have a grid (``position-pattern.grid.*``); their ``Channel_000`` ... counts, a
+row for each point (x fastest), a column for each frame, and ``net-encoder.scaling.*`` from counts to the
+quantity.
 """
 
 from functools import partial

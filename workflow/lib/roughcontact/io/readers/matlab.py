@@ -24,27 +24,18 @@ _NUMBERS = ("double", "single", "int8", "uint8", "int16", "uint16", "int32", "ui
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins with MATLAB's mark.
-
-    Examples
-    --------
-    >>> recognises(Path("map.dat"), b"MATLAB 5.0 MAT-file, Platform: GLNXA64")
-    True
-    """
+    """Return whether a file begins with MATLAB's mark."""
     return head.startswith(_MARK)
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a file; only names and sizes of its variables are read.
-
-    There is one channel for each real matrix or vector, and for each matrix of an array of three axes; those
-    named height, heights or z come first.
-    """
+    """Open a file with a channel for each matrix, vector or page; only names and sizes are read."""
     from scipy.io import whosmat
 
     with refusing(f"{path}: damaged or cut off MATLAB file"):
         _check_unpacked_size(path)
         variables = whosmat(str(path))
+    # those named height, heights or z come first
     channels = []
     for name, shape, value_type in variables:
         if value_type not in _NUMBERS or len(shape) not in (2, 3) or shape[0] * shape[1] < 2:

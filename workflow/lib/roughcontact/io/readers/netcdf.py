@@ -1,7 +1,6 @@
 """NetCDF: each variable with two axes, in the units of the variable and its coordinates.
 
-y increases upwards: row 0 is the line of the smallest y; without positions it is assumed to be the lowest
-one.
+Row 0 is the line of the smallest y; without positions it is assumed to be the lowest one.
 """
 
 import json
@@ -39,21 +38,15 @@ _MARKS = (*classic.MARKS, hdf5.MARK)
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    r"""Return whether a file begins as netCDF does; other HDF5 is recognised before, by its contents.
-
-    Examples
-    --------
-    >>> recognises(Path("map.dat"), b"CDF\x01"), recognises(Path("map.nc"), b"\x89HDF")
-    (True, False)
-    """
+    r"""Return whether a file begins as netCDF does; other HDF5 is recognised before, by its contents."""
     return head.startswith(_MARKS)
 
 
 def read(path: Path) -> MeasuredFile:
     """Open a netCDF file; a map that this project wrote is restored unchanged.
 
-    There is one channel for each variable over two axes (y, x), or over one that is no time or load, and one
-    for each index of a third axis; those named height, heights or z come first.
+    There is one channel for each variable over two axes (y, x), or one that is no time or load, and for each
+    index of a third; those named height, heights or z come first.
     """
     head = head_of(path)
     sealed = check_seal(path)

@@ -1,8 +1,4 @@
-"""SDF, ISO 25178-71: a header and one map, in text or binary, in metres.
-
-In the standard y increases from row to row in a right-handed system, so that row 0 is the lowest line of the
-map and is drawn at the bottom.
-"""
+"""SDF, ISO 25178-71: a header and one map, in text or binary, in metres; row 0 is the lowest line."""
 
 import io
 import re

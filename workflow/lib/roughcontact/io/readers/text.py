@@ -1,7 +1,7 @@
 """Text files: matrices of heights, lists of points x y z, profiles x z, with or without a header.
 
-The first line of a matrix is the upper one, as in the files of instrument software; without a header this is
-an assumption. Where positions are given, in a list of points or beside a matrix, y increases upwards.
+The first line of a matrix is the upper one, as of instrument software; without a header this is an
+assumption. Where positions are given, y increases upwards.
 """
 
 from collections.abc import Sequence
@@ -81,22 +81,12 @@ class _Text(NamedTuple):
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins as readable text.
-
-    Examples
-    --------
-    >>> recognises(Path("map.dat"), b"Width: 2 mm"), recognises(Path("map.txt"), bytes(8))
-    (True, False)
-    """
+    """Return whether a file begins as readable text."""
     return looks_like_text(head)
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a text file and decide by its content whether it is a matrix, a list of points or a profile.
-
-    The channels have the steps and units of the headers and the column names. A file that can be read in two
-    ways is refused.
-    """
+    """Open a text file as a matrix, a list of points or a profile, by its content; both readings: refused."""
     size = path.stat().st_size
     check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text", path)
     header, body = unquoted(*split_header(lines_of(path), path))

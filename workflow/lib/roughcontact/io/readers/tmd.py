@@ -1,8 +1,7 @@
 """TrueMap's TMD (version 2.0), which GelSight writes too: a map of lengths in millimetres.
 
-After the mark, which a zero ends, a comment, which a zero ends too (24 characters in TrueMap, none in
-GelSight); then the numbers of columns and rows (32 bits each), the lengths and the origins along x and y, and
-the heights row by row (4-byte floats, little-endian).
+Mark and comment end with a zero (24 characters in TrueMap, none in GelSight); then numbers of columns and
+rows (32 bits), lengths and origins along x and y, and rows of 4-byte floats, little-endian.
 """
 
 import struct
@@ -25,13 +24,7 @@ _MAX_HEADER_BYTES = 4096  # bytes of mark and comment
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    r"""Return whether a file begins with TrueMap's mark.
-
-    Examples
-    --------
-    >>> recognises(Path("map.dat"), b"Binary TrueMap Data File v2.0\r\n\0\0")
-    True
-    """
+    r"""Return whether a file begins with TrueMap's mark."""
     return head.startswith(_MARK) and not looks_like_text(head)
 
 

@@ -1,8 +1,4 @@
-"""X3P, ISO 25178-72: a ZIP archive of one main.xml and its data, in metres.
-
-In the standard y increases from row to row in a right-handed system, so that row 0 is the lowest line of the
-map and is drawn at the bottom.
-"""
+"""X3P, ISO 25178-72: a ZIP archive of one main.xml and its data, in metres; row 0 is the lowest line."""
 
 import hashlib
 import io
@@ -101,9 +97,8 @@ def _check_claimed_size(main: bytes, path: Path) -> None:
 def _normalised_archive(path: Path, name: str, main: bytes, *, verify: bool) -> Path | io.BytesIO:
     """Return an archive that x3pio can read: the file itself, or one repacked in memory.
 
-    Repacked are archives whose main.xml lies more than one folder deep, and those whose root element is not
-    called ISO5436_2 (written by some tools). The checksum of main.xml is compared before it is changed; those
-    of the data stay in it.
+    Repacked are main.xml more than one folder deep, or of another root than ISO5436_2, as some tools write
+    it; the checksum of main.xml is compared before, those of the data stay in it.
     """
     folder = name[: -len("main.xml")]
     strange_root = re.search(rb"<(?:\w+:)?ISO5436[\s>]", main) is not None

@@ -1,8 +1,7 @@
 """Zygo's XYZ data files (Format 1): the phase as heights in micrometres, a line for each pixel.
 
-Below the mark come lines of numbers and texts, then, between two lines with ``#``, column, row and height (or
-``No Data``) of each pixel. The fourth line has the numbers of columns and rows, the eighth the side of a
-pixel in m, 0 where the instrument was not calibrated. The rows are counted upwards.
+The fourth line has the columns and rows, the eighth the side of a pixel in m, 0 where not calibrated; between
+two lines with ``#`` lie column, row (upwards) and height, or ``No Data``.
 """
 
 from pathlib import Path

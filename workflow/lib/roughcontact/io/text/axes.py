@@ -34,8 +34,8 @@ class Axes(NamedTuple):
 def axes_of(values: np.ndarray, *, corner: bool = False) -> Axes | None:
     """Return the heights of a table and the positions beside them, None where there are none.
 
-    Positions are a first row or column that is an even progression, as the others are not. With positions in
-    both, the cell that they share is none of the heights; `corner`: it is empty.
+    Positions are a first row or column that is an even progression, as the others are not; the cell that both
+    share, which is empty if `corner`, is no height.
 
     Examples
     --------

@@ -41,15 +41,11 @@ _ROLE |= dict.fromkeys(HEIGHT_WORDS.split(", "), "z")
 
 
 class Column(NamedTuple):
-    """One column, by its heading.
-
-    The name is the heading without its unit. The role is ``index``, ``valid`` (0 at missing points), ``x``,
-    ``y``, ``z``, or empty where the name says none of these.
-    """
+    """One column, by its heading without its unit."""
 
     name: str
     unit: str | None
-    role: str
+    role: str  # `index`, `valid` (0 at missing points), `x`, `y`, `z`, or empty
 
 
 class Layout(NamedTuple):
@@ -60,9 +56,7 @@ class Layout(NamedTuple):
 
 
 def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Column] | None:
-    """Return one entry per column of a table from the header line that names them, and a line of units below.
-
-    A `delimiter` of None stands for white space. The result is None where no line names the columns.
+    """Return one entry per column by the line that names them, and units below; None without names.
 
     Examples
     --------
@@ -105,15 +99,8 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
 def layout(columns: Sequence[Column]) -> Layout | None:
     """Return which columns hold positions and heights; None where the headings do not say it.
 
-    Without names of positions, a few columns of heights are profiles without positions, and two or three
-    others are positions and heights.
-
-    Examples
-    --------
-    >>> layout([Column("index", None, "index"), Column("Weg", "mm", "x"), Column("Profil 1", "nm", "z")])
-    Layout(positions=[[1]], heights=[2])
-    >>> layout([Column(name, "nm", name[0]) for name in ("x", "z1", "z2")])
-    Layout(positions=[[0], [0]], heights=[1, 2])
+    Without names of positions, a few columns of heights are profiles, two or three others positions and
+    heights.
     """
     data = [index for index, column in enumerate(columns) if column.role not in ("index", "valid")]
     x, y = ([index for index in data if columns[index].role == axis] for axis in "xy")

@@ -39,15 +39,8 @@ def thousands(
 ) -> list[str]:
     """Return a warning where all numbers have three digits behind a mark that may separate thousands.
 
-    A number below one, one with four digits in a row or another number of decimals, also in a length of the
-    header, shows that the mark is a decimal sign. Only the first cells are compared.
-
-    Examples
-    --------
-    >>> thousands([], ["1.250 2.500"] * 5, None, False, Path("map.txt"))[0][:60]
-    "every number has three digits behind its '.', as in '1.250':"
-    >>> thousands([], ["0.250 2.500"] * 5, None, False, Path("map.txt"))
-    []
+    A number below one, with four digits in a row or other decimals, also in a length of the header, shows a
+    decimal sign.
     """
     if decimal_comma:
         _refuse_both_marks(body, path)

@@ -82,14 +82,10 @@ _ODD_PIXEL = 10.0  # ratio of the sides of a pixel above which two different uni
 
 
 class Statement(NamedTuple):
-    """One entry of a header.
+    """One entry of a header, `rounding` half a unit of its last digit, 0 for a whole number."""
 
-    The value is a text or a number, NaN where a mark in it may be the decimal sign or separate thousands; the
-    unit is empty where there is none; `rounding` is half a unit of the last digit, 0 for a whole number.
-    """
-
-    value: Any
-    unit: str
+    value: Any  # text or number, NaN where a mark may be a decimal sign or separate thousands
+    unit: str  # empty where there is none
     rounding: float
     line: int
     text: str
@@ -102,15 +98,10 @@ Stated = dict[str, list[Statement]]
 
 
 def statements(lines: Iterable[str], *, first: int = 1, sign: str = "") -> Stated:
-    """Return the entries of a header that are understood, by their meaning, in the order of the lines.
+    """Return the entries of a header that are understood, by meaning, in the order of the lines.
 
-    Every line is read once from its beginning to its end. Lines of more than 4096 characters, and those after
-    the first 100 000, are skipped. `first` is the number of the first line in the file, `sign` the decimal
-    sign in its table, empty where that has whole numbers.
-
-    The keys are `length_x`, `length_y`, `step`, `dx`, `dy`, `nx`, `ny`, `count`, `z_factor`,
-    `missing`, `height_range` (numbers), `height_unit`, `lateral_unit`, `unit`, `channel`, `instrument`,
-    `serial`, `lens`, `date` (texts).
+    `first` is the number of the first line in the file, `sign` the decimal sign of its table, empty for whole
+    numbers; lines of more than 4096 characters, and those after the first 100 000, are skipped.
 
     Examples
     --------
@@ -158,9 +149,6 @@ def disagreeing(stated: Stated) -> str:
 
 def contradiction(stated: Stated, shape: tuple[int, int]) -> str:
     """Return a sentence on statements that contradict each other or the table (ny, nx); empty where none do.
-
-    Repeated entries, sizes and steps times points, and units must agree; a size is counted from edge to edge
-    or from the first point to the last one.
 
     Examples
     --------

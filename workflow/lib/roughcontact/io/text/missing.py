@@ -48,11 +48,5 @@ def is_spoken(cell: str) -> bool:
 
 
 def joined(line: str) -> str:
-    """Return a line in which the phrases for a missing point are one word each.
-
-    Examples
-    --------
-    >>> joined("1.5 No Data 2.5")
-    '1.5 nodata 2.5'
-    """
+    """Return a line in which the phrases for a missing point are one word each."""
     return _PHRASE.sub(lambda match: match[0].lower().replace(" ", ""), line) if " " in line else line

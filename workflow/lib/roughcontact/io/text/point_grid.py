@@ -13,10 +13,10 @@ from roughcontact.io.guards import check_points
 def points_on_grid(
     x: np.ndarray, y: np.ndarray, z: np.ndarray, path: Path
 ) -> tuple[np.ndarray, dict[str, float | None], tuple[float, float]]:
-    """Return the map that points (n,) in any order form, its steps and first position (x, y).
+    """Return the map that points (n,) in any order form, NaN if absent, its steps and first position (x, y).
 
-    Absent points are NaN, the step along an axis of one line is None. Positions are sorted into lines by gaps
-    larger than half the largest one, which tolerates rounding.
+    Positions are sorted into lines by gaps larger than half the largest one, which tolerates rounding; the
+    step along an axis of one line is None.
 
     Examples
     --------

@@ -32,19 +32,15 @@ _FEW_CELLS = 32  # at the beginning of a line, which tell a row with words from 
 
 
 class Table(NamedTuple):
-    """The numbers of a table; NaN for missing points and empty cells.
-
-    `empty_left`, `empty_right`: columns of nothing but empty cells on both sides; `empty_corner`: the first
-    cell is empty, of a `short` first row because it held a word or was lacking; `spoken`: words that were
-    taken as missing, with another meaning as well -> how often.
-    """
+    """The numbers of a table; NaN for missing points and empty cells."""
 
     values: np.ndarray
-    empty_left: int = 0
+    empty_left: int = 0  # empty columns
     empty_right: int = 0
-    empty_corner: bool = False
+    empty_corner: bool = False  # the first cell is empty
+    # words with another meaning, taken as missing -> how often
     spoken: Mapping[str, int] = MappingProxyType({})
-    short: bool = False
+    short: bool = False  # the first row held a word there, or lacked a cell
 
 
 class Rows(NamedTuple):
@@ -83,11 +79,7 @@ def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
 
 
 def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str]]:
-    """Return the whole numbers that stand alone in a line above the table, and the table without them.
-
-    They count the points, as a line ``23`` above 23 rows, or ``256 192`` above a map. There are one or two;
-    none where the first line is a row as the others are. A `delimiter` of None stands for white space.
-    """
+    """Return the numbers of points alone in a line above the table (``23``, ``256 192``), and the table."""
     filled = [number for number, line in enumerate(body[:50]) if line.strip()][:2]
     if len(filled) < 2:
         return [], body
@@ -171,10 +163,9 @@ def _is_number(cell: str) -> bool:
 def split_tables(
     header: list[str], body: list[str], first: int, delimiter: str | None, decimal_comma: bool, path: Path
 ) -> list[Rows]:
-    """Return the tables of a text, which end at a heading between rows.
+    """Return the tables of a text, which end at headings between rows; `first` numbers the first line.
 
-    Empty lines and comments between rows are no headings, and an empty line between all rows says nothing;
-    comments with entries are headings. `first` is the number of the first line of the body.
+    Empty lines and comments without entries are no headings.
 
     Examples
     --------
@@ -238,10 +229,7 @@ def _names_a_table(line: str) -> bool:
 def parse_table(
     rows: list[str], lines: list[int], delimiter: str | None, decimal_comma: bool, path: Path
 ) -> Table:
-    """Return the numbers of a table.
-
-    A `delimiter` of None stands for white space; `lines` are the numbers of the rows in the file, for the
-    messages.
+    """Return the numbers of a table; `delimiter` None: white space; `lines` number the rows, for messages.
 
     Examples
     --------
@@ -329,11 +317,7 @@ def _refuse_unequal_rows(counts: array, lines: list[int], path: Path) -> None:
 
 
 def word_in_row(line: str, width: int, delimiter: str | None, decimal_comma: bool) -> str | None:
-    """Return the first word in a line that is a row of a table but for it: most of its cells are numbers.
-
-    The line has the `width` of the table. In eight columns and more, a lost separator or a blank in a word
-    may make one cell fewer or more, and one repeated word may fill most of the cells. None for other lines.
-    """
+    """Return the first word in a line that is a row of a table of that `width` but for it, or None."""
     if not width or len(line) > width * _MAX_CELL:
         return None
     text = joined(line.strip(" \r\f\n"))
@@ -341,6 +325,7 @@ def word_in_row(line: str, width: int, delimiter: str | None, decimal_comma: boo
     while len(cells) > width and not cells[-1]:
         cells.pop()
     comment = bool(cells[0]) and cells[0][0] in COMMENT_SIGNS
+    # in a wide table a lost separator or a blank in a word makes one cell fewer or more
     if abs(len(cells) - width) > (width >= _WIDE_TABLE and not comment) or (comment and len(cells[0]) > 1):
         return None
     non_numbers, numbers, finite = [], 0, 0
