@@ -1,6 +1,7 @@
 """The page `roughcontact app`: five steps in a real browser, who is refused, keys alone, narrow screens."""
 
 import contextlib
+import html.parser
 import http.client
 import http.server
 import json
@@ -16,9 +17,11 @@ import numpy as np
 import pytest
 import yaml
 from browser import CHROMIUM, Browser
+from starlette.datastructures import QueryParams
 
 from data_samples.make_samples import sdf_bytes, x3p_bytes
-from roughcontact.app.fields import settings_of, texts_of
+from roughcontact.app.page import Page
+from roughcontact.app.study import check
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import read_surfaces
 from roughcontact.references.synthetic import self_affine_surface
@@ -71,10 +74,8 @@ def fill(browser, name, text):
 def fill_cell(browser, number, column, text):
     """Write a text into a cell of a row, as typing does."""
     browser.evaluate(
-        f"{{ const cell = document.querySelectorAll('.row')[{number}]"
-        f".querySelector('[data-column={column}]'); "
-        f"cell.value = {json.dumps(text)}; cell.dispatchEvent(new Event('input', {{bubbles: true}})); "
-        "cell.dispatchEvent(new Event('change', {bubbles: true})); }"
+        f"{{ const cell = document.getElementById('rows.{number}.{column}'); "
+        f"cell.value = {json.dumps(text)}; cell.dispatchEvent(new Event('input', {{bubbles: true}})); }}"
     )
 
 
@@ -101,7 +102,7 @@ class TestFiveSteps:
             # 1: files, of which one does not say its unit
             browser.choose_files("#choose", *files)
             browser.wait("document.querySelectorAll('.row').length === 3")
-            browser.wait("[...document.querySelectorAll('.row pre')].every(text => text.textContent)")
+            browser.wait("document.querySelectorAll('.row pre').length === 3")
             assert sorted(path.name for path in (study / "measured").iterdir()) == sorted(
                 p.name for p in files
             )
@@ -109,19 +110,20 @@ class TestFiveSteps:
             assert "X3P" in rows[0]
             assert "SDF" in rows[1]
             assert "give dx, dy, unit in the table of surfaces" in " ".join(rows[2].split())
-            seen = "image => !image.hidden && image.naturalWidth > 0"
-            images = f"[...document.querySelectorAll('.row img')].map({seen})"
-            browser.wait(f"{images}.join() === 'true,true,false'")
+            seen = "[...document.querySelectorAll('.row img')].filter(image => image.naturalWidth > 0).length"
+            browser.wait(f"{seen} === 2")
             for column, text in (("dx", "1 um"), ("dy", "1 um"), ("unit", "um")):
                 fill_cell(browser, 2, column, text)
-            browser.wait(f"{images}.join() === 'true,true,true'")
+            browser.wait(f"{seen} === 3")
             assert "--dx '1 um'" in browser.text(".row:nth-child(3) .command")
             picture(browser, "app-files", "#files")
             # groups by selecting
             for number in (1, 2):
                 click(browser, f".row:nth-child({number}) .pick")
-            browser.evaluate("document.querySelector('#group').value = 'ground'")
-            browser.evaluate("document.querySelector('#selected').requestSubmit()")
+            browser.evaluate("document.querySelector('#cell').value = 'ground'")
+            click(browser, "#selected button[formaction=set]")
+            browser.wait("document.getElementById('rows.1.group')?.value === 'ground'")
+            assert browser.evaluate("document.getElementById('rows.2.group')") is None
             # 2: bodies and loads, a load in the wrong unit
             fill(browser, "contact.bodies.0.material", "steel")
             fill(browser, "contact.bodies.1.material", "PEEK")
@@ -129,8 +131,8 @@ class TestFiveSteps:
             browser.wait(f"{placeholder} === '207 GPa'")
             fill(browser, "contact.bodies.1.youngs_modulus", "4 GPa")
             fill(browser, "contact.mean_pressure", "5, 20")
-            mistake = "output[for='contact.mean_pressure']"
-            browser.wait(f'document.querySelector("{mistake}").textContent')
+            mistake = "[data-of='contact.mean_pressure']"
+            browser.wait(f'document.querySelector("{mistake}")')
             said = browser.text(mistake)
             assert "5.00 Pa is next to no load" in said
             assert "did you mean 5.00 MPa" in said
@@ -158,30 +160,31 @@ class TestFiveSteps:
             assert rows["three"].given == {"unit": "um", "dx": "1 um", "dy": "1 um"}
             # 4: a run, cancelled after its first map and resumed
             click(browser, "#start")
-            browser.wait("document.querySelector('#surfaces').textContent.includes('done')", seconds=120)
+            browser.wait("/: done/.test(document.querySelector('#screen').textContent)", seconds=120)
             picture(browser, "app-run", "#run")
             click(browser, "#cancel")
             browser.wait("document.querySelector('#state').textContent.startsWith('cancelled')", seconds=120)
             assert not (study / "results/report.html").exists()
-            done = re.findall(r"(one|two|three): done", browser.text("#surfaces"))
+            done = re.findall(r"(one|two|three): done", browser.text("#screen"))
             finished = [study / f"results/{name}/statistics.nc" for name in done]
             before = [path.stat().st_mtime_ns for path in finished]
             click(browser, "#start")
             browser.wait("document.querySelector('#state').textContent === 'done'", seconds=300)
-            assert browser.text("#surfaces").count("done") == 3
+            assert browser.text("#screen").count(": done") == 3 - len(done)
             assert [path.stat().st_mtime_ns for path in finished] == before
             # 5: report, comparison, export
-            browser.wait("!document.querySelector('#report').hidden")
+            browser.wait("document.querySelector('#report')")
             assert (study / "results/report.html").is_file()
             browser.wait("document.querySelector('#results').children.length === 3")
             assert browser.text("#results").count("To halve the ± of the contact area: ") == 3
             assert "3 results:" in browser.text_of_frame()
-            click(browser, "#compare button")
+            click(browser, "#compare")
             browser.wait("document.querySelector('#answer').textContent.includes('numbers')")
             assert browser.text("#command").startswith("roughcontact compare results/")
             for ending in (".vti", ".gsf", ".xlsx"):
+                browser.evaluate("document.querySelector('#result').value = 'one'")
                 browser.evaluate(f"document.querySelector('#form').value = '{ending}'")
-                click(browser, "#export button")
+                click(browser, "#export")
                 command = f"roughcontact export results/one -o exports/one{ending}"
                 browser.wait(f"document.querySelector('#command').textContent === '{command}'")
                 browser.wait("document.querySelector('#problem').textContent === ''")
@@ -193,7 +196,7 @@ class TestFiveSteps:
         assert "Nothing to be done" in run.stdout + run.stderr
 
 
-def get(address, *, method="GET", body=None, **headers):
+def get(address, *, method="GET", body=None, form=None, **headers):
     """Return status and text of the answer to a request, with headers as they are given."""
     parts = urllib.parse.urlsplit(address)
     connection = http.client.HTTPConnection("127.0.0.1", parts.port, timeout=30)
@@ -202,7 +205,9 @@ def get(address, *, method="GET", body=None, **headers):
     )
     for name, value in headers.items():
         connection.putheader(name.replace("_", "-"), value)
-    data = json.dumps(body).encode() if body is not None else b""
+    data = body or urllib.parse.urlencode(form or {}).encode()
+    if form:
+        connection.putheader("Content-Type", "application/x-www-form-urlencoded")
     connection.putheader("Content-Length", str(len(data)))
     connection.endheaders(data)
     answer = connection.getresponse()
@@ -239,10 +244,10 @@ class TestWhoIsRefused:
             # a page with another name, or with none, does nothing
             name = re.search(r'data-page="(\w+)"', page)[1]
             for other in ("", "0" * 16):
-                status, said = get(f"{address}state?page={other}", method="POST", body={})
+                status, said = get(f"{address}state?page={other}", method="POST")
                 assert (status, "another page" in said) == (400, True)
-                assert get(f"{address}drop?page={other}&name=a.txt", method="PUT", body=1)[0] == 400
-            assert get(f"{address}state?page={name}", method="POST", body={})[0] == 200
+                assert get(f"{address}drop?page={other}&name=a.txt", method="POST", body=b"1")[0] == 400
+            assert get(f"{address}state?page={name}", method="POST")[0] == 200
             assert not (tmp_path / "study/measured").exists()
 
     def test_dropped_files_stay_in_their_folder_and_write_over_nothing(self, tmp_path):
@@ -250,15 +255,12 @@ class TestWhoIsRefused:
         with served(study) as address:
             name = re.search(r'data-page="(\w+)"', get(address)[1])[1]
 
-            def drop(file, body):
-                return get(
-                    f"{address}drop?page={name}&name={urllib.parse.quote(file)}", method="PUT", body=body
-                )
-
-            assert json.loads(drop("../../one.txt", 1)[1]) == {"path": "measured/one.txt"}
-            assert json.loads(drop("C:\\maps\\two.txt", 2)[1]) == {"path": "measured/two.txt"}
-            assert "is there already" in drop("one.txt", 3)[1]
-            assert "is no name" in drop("..", 4)[1]
+            to = f"{address}drop?page={name}&name="
+            assert get(to + "../../one.txt", method="POST", body=b"1") == (200, "measured/one.txt")
+            assert get(to + "C:\\maps\\two.txt", method="POST", body=b"2") == (200, "measured/two.txt")
+            for taken in ("one.txt", "..", ".", "/", ""):
+                status, said = get(to + taken, method="POST", body=b"3")
+                assert (status, "is there already" in said) == (400, True)
             assert sorted(path.name for path in tmp_path.rglob("*.txt")) == ["one.txt", "two.txt"]
             assert (study / "measured/one.txt").read_text() == "1"
             # nor do the results lead out of their folder
@@ -319,7 +321,7 @@ class TestPages:
                 browser.open(f"http://127.0.0.1:{server.server_port}/")
                 for words in (
                     f'fetch("{address}results/secret.json")',
-                    f'fetch("{address}state?page={name}", {{method: "POST", body: "{{}}"}})',
+                    f'fetch("{address}state?page={name}", {{method: "POST", body: ""}})',
                     f'fetch("{address}")',
                 ):
                     assert browser.evaluate(f"{words}.then(() => 'an answer', () => 'nothing')") == "nothing"
@@ -337,7 +339,7 @@ class TestPages:
                 assert browser.evaluate(socket) == "nothing"
                 # no answer without credentials in the modes that hide it, either: nothing has been started
                 browser.evaluate(
-                    f'fetch("{address}start?page={name}", {{method: "POST", mode: "no-cors", body: "{{}}"}})'
+                    f'fetch("{address}start?page={name}", {{method: "POST", mode: "no-cors"}}).catch(() => 0)'
                 )
                 server.shutdown()
             assert not (tmp_path / "study/logs").exists()
@@ -373,18 +375,18 @@ class TestPages:
             browser.type("measured")
             browser.press("Enter")
             browser.wait("document.querySelectorAll('.row').length === 3")
-            browser.wait("[...document.querySelectorAll('.row pre')].every(text => text.textContent)")
-            assert browser.text("#added") == "3 added"
-            # what the array does not say: its panel has opened, with a field for each
-            for column, text in (("dx", "1 um"), ("dy", "1 um"), ("unit", "um")):
-                browser.tab_to(f"details[open] [data-column={column}]")
+            browser.wait("document.querySelectorAll('.row pre').length === 3")
+            assert browser.text("#added") == "3 added; left out, as no measurements: none"
+            # what the array does not say has a field for each
+            for column, text in (("unit", "um"), ("dx", "1 um"), ("dy", "1 um")):
+                browser.tab_to(f".row [name$='.{column}']")
                 browser.type(text)
             for name, text in (("0.material", "steel"), ("1.material", "PEEK")):
                 browser.tab_to(f"[name='contact.bodies.{name}']")
                 browser.type(text)
             browser.tab_to("[data-list='contact.bodies.1.layers'] .more")
             browser.press("Enter")  # a layer, whose first field has the focus
-            assert browser.evaluate("document.activeElement.name") == "contact.bodies.1.layers.0.thickness"
+            browser.wait("document.activeElement.name === 'contact.bodies.1.layers.0.thickness'")
             for name, text in (
                 ("thickness", "2 um"),
                 ("youngs_modulus", "1 GPa"),
@@ -405,11 +407,11 @@ class TestPages:
                 {"thickness": "2 um", "youngs_modulus": "1 GPa", "poissons_ratio": 0.4}
                 | {"thermal_conductivity": 0.3}
             ]
-            for selector in ("#start", "#compare button", "#export button", ".pick", "#remove", "summary"):
+            for selector in ("#start", ".pick", "#remove", "summary"):
                 browser.tab_to(selector)
             unnamed = (
                 "[...document.querySelectorAll('input, select, textarea, button')].filter(field => "
-                "!field.closest('template') && "
+                "field.type !== 'hidden' && "
                 "!(field.labels?.length || field.ariaLabel || field.textContent)).length"
             )
             assert browser.evaluate(unnamed) == 0
@@ -417,6 +419,39 @@ class TestPages:
             assert browser.evaluate("document.documentElement.scrollWidth") <= 400
             picture(browser, "app-narrow")
             assert browser.problems == []
+
+
+class Fields(html.parser.HTMLParser):
+    """The fields of a page with their texts, as a browser sends them."""
+
+    def __init__(self):
+        super().__init__()
+        self.texts, self.name, self.area = {}, None, None
+
+    def handle_starttag(self, tag, attrs):
+        attrs = dict(attrs)
+        if tag in ("input", "select", "textarea") and "name" in attrs and attrs.get("type") != "checkbox":
+            self.name = attrs["name"]
+            self.texts[self.name] = attrs.get("value", "")
+            self.area = tag
+        if tag == "option" and self.area == "select":
+            self.chosen = "selected" in attrs
+
+    def handle_data(self, data):
+        if self.area == "textarea":
+            self.texts[self.name] += data.removeprefix("\n")
+        elif self.area == "select" and getattr(self, "chosen", False):
+            self.texts[self.name], self.chosen = data, False
+
+    def handle_endtag(self, tag):
+        if tag == self.area:
+            self.area = None
+
+
+def fields_of(page):
+    fields = Fields()
+    fields.feed(page)
+    return fields.texts
 
 
 class TestForm:
@@ -459,9 +494,33 @@ class TestForm:
             },
         ],
     )
-    def test_settings_survive_the_form(self, config):
-        again = settings_of(texts_of(config))
-        assert resolve(again) == resolve(config)
+    def test_settings_survive_the_form(self, config, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        maps(tmp_path / "measured")
+        (tmp_path / "config").mkdir()
+        (tmp_path / "config/config.yaml").write_text(yaml.safe_dump(config))
+        (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tmeasured/one.x3p\n")
+        sent = Page().after("write", QueryParams(urllib.parse.urlencode(fields_of(Page().first("a page")))))
+        assert "written: config/config.yaml, config/surfaces.tsv" in sent
+        written = (tmp_path / "config/config.yaml").read_text()
+        assert resolve(yaml.safe_load(written)) == resolve(config)
+        Page().after("write", QueryParams(urllib.parse.urlencode(fields_of(Page().first("a page")))))
+        assert (tmp_path / "config/config.yaml").read_text() == written
+
+    def test_numbers_that_yaml_reads_otherwise_are_refused(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        for text, words in (
+            ("010", "as octal"),
+            ("1:30", "to the base of 60"),
+            ("[5", "5"),
+            ("a: b", "a: b"),
+        ):
+            mistakes = check({"contact.hardness": text, "contact.contact_modulus": "1 GPa"}, [])["mistakes"]
+            assert words in str(mistakes)
+        mistakes = check({"cases": "soft: {", "contact.contact_modulus": "1 GPa"}, [])["mistakes"]
+        assert "must be" in mistakes["cases"][0]
+        mistakes = check({"contact": "5", "contact.force": "1 N"}, [])["mistakes"]
+        assert "must be a group of settings" in mistakes["contact"][0]
 
     def test_notes_of_others_are_kept_and_unknown_keys_shown(self, tmp_path):
         study = tmp_path / "study"
@@ -474,19 +533,20 @@ class TestForm:
             page = get(address)[1]
             name = re.search(r'data-page="(\w+)"', page)[1]
             assert 'name="contact.bodys"' in page
-            rows = [{"surface": "one", "path": "measured/one.x3p"}]
+            fields = {"rows.0.surface": "one", "rows.0.path": "measured/one.x3p"}
+            fields["contact.contact_modulus"] = "1 GPa"
 
-            def write(texts):
-                body = {"texts": texts, "rows": rows}
-                return json.loads(get(f"{address}write?page={name}", method="POST", body=body)[1])
+            def ask(action, **further):
+                return get(f"{address}{action}?page={name}", method="POST", form=fields | further)[1]
 
-            said = write({"contact.contact_modulus": "1 GPa", "contact.bodys": "steel"})
-            assert "did you mean bodies?" in said["mistakes"]["contact.bodys"][0]
+            said = ask("write", **{"contact.bodys": "steel"})
+            assert "nothing is written: correct first" in said
+            assert "did you mean bodies?" in ask("check", **{"contact.bodys": "steel"})
             assert (study / "config/config.yaml").read_text() == note
-            said = write({"contact.contact_modulus": "1 GPa"})
-            assert said["mistakes"] == {}
-            assert said["kept"] == ["config/config.yaml.before-page", "config/surfaces.tsv.before-page"]
+            said = ask("write")
+            assert "what was there is kept as config/config.yaml.before-page" in said
+            assert "what was there is kept as config/surfaces.tsv.before-page" in said
             assert (study / "config/config.yaml.before-page").read_text() == note
-            rows[0]["path"] = "measured/gone.x3p"
-            said = write({"contact.contact_modulus": "1 GPa"})
-            assert "no such file" in said["mistakes"]["rows.0.path"][0]
+            assert "what was there is kept" not in ask("write")  # by the page itself
+            fields["rows.0.path"] = "measured/gone.x3p"
+            assert "no such file; correct the path" in ask("check")

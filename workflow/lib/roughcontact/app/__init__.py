@@ -1,6 +1,6 @@
 """The page `roughcontact app`: makes a study folder, runs it and shows its report, on this computer alone.
 
-`server` (requests, and who may make them) → `study` (settings and table as texts of a form, inspected files),
-`run` (the command of the terminal); `fields` makes the form from the models of the settings. Rules, sentences
-and defaults are those of `configuration`; what it does in the folder the commands do as well.
+`server` (`access`: who may ask) answers each button with the `page` as it is after it, which a script puts in
+the place of the former one. `study` is what the form says, and its two files; `measurements` are the files of
+its rows, `commands` those of the terminal. Rules, sentences and defaults are those of `configuration`.
 """

@@ -10,18 +10,13 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
+from roughcontact.configuration.fields import grouped, is_list
 from roughcontact.configuration.models import Contact, Form, Instrument, Level, Section, Uncertainty, Window
 from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import SettingsError
 
 # settings for the workflow alone, or with an option of their own here
 _LEFT_OUT = {"bodies", "keep_fields"}
-_LISTS = {
-    **dict.fromkeys(
-        ("mean_pressure", "relative_pressure", "force", "target_area", "target_gap", "target", "radius"), "+"
-    ),
-    "sources": "*",
-}
 _BODY = ("youngs_modulus", "poissons_ratio", "hardness")
 _LAYER = ("thickness", "youngs_modulus", "poissons_ratio")
 _LOADS = ("mean_pressure", "relative_pressure", "force")  # one or the other
@@ -67,7 +62,7 @@ def add_settings(parser: ArgumentParser) -> None:
             option,
             dest=f"{section}.{key}",
             metavar="VALUE",
-            nargs=_LISTS.get(key),
+            nargs="*" if is_list(field.annotation) else None,
             help=text.replace("%", "%%"),
         )
     add_body(elasticity)
@@ -163,12 +158,10 @@ def chosen_settings(options: Namespace) -> dict:
     >>> settings["contact"]["contact_modulus"], settings["level"]["form"]
     (1000000000.0, 'mean')
     """
-    config: dict[str, dict] = {section: {} for section in _SECTIONS}
-    for section, key, _, _ in _options():
-        value = getattr(options, f"{section}.{key}")
-        if value is not None:
-            empty = [] if value == ["[]"] else value  # as in a configuration
-            config[section][key] = None if value == "null" else empty
+    names = [f"{section}.{key}" for section, key, _, _ in _options()]
+    stated = {name: value for name in names if (value := getattr(options, name)) is not None}
+    words: dict[str, Any] = {"null": None, "['[]']": []}  # as in a configuration
+    config = {"contact": {}} | grouped({name: words.get(str(value), value) for name, value in stated.items()})
     if config["contact"].get("contact_modulus") is None and not options.body:
         raise SettingsError(
             "no elasticity given; give --contact-modulus (E* in Pa, or as 115GPa), or --body (a name, or E "

@@ -169,7 +169,7 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
 
     _add_app(verbs)
 
-    methods = verbs.add_parser("methods", help=f"print {saving.CONTENT_BY_COMMAND['methods']}")
+    methods = verbs.add_parser("methods", help=f"print {saving.EXPORTS['methods'][0]}")
     methods.add_argument(
         "files",
         nargs="+",
@@ -178,14 +178,12 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     )
     methods.set_defaults(run=_methods)
 
-    table = verbs.add_parser("table", help=f"print {saving.CONTENT_BY_COMMAND['table']}")
+    table = verbs.add_parser("table", help=f"print {saving.EXPORTS['table'][0]}")
     table.add_argument("file", metavar="RESULT", help="statistics.nc of a surface (statistics.flow: always)")
     table.add_argument("-o", "--output", type=Path, metavar="TABLE", help="write it, as .csv or .nc")
     table.set_defaults(run=_table)
 
-    compare = verbs.add_parser(
-        "compare", help="list the numbers of two runs that differ by more than their ±"
-    )
+    compare = verbs.add_parser("compare", help=f"list {saving.EXPORTS['compare'][0]}")
     compare.add_argument("before", metavar="BEFORE", help="statistics.nc of one run")
     compare.add_argument("after", metavar="AFTER", help="statistics.nc of the other run")
     compare.add_argument(
@@ -200,11 +198,11 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     export = verbs.add_parser("export", help="write a result of a finished run as another kind of file")
     export.add_argument("folder", type=Path, metavar="RESULT", help="folder of the result: results/SURFACE")
     export.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", required=True, help=_endings(saving.exports())
+        "-o", "--output", type=Path, metavar="FILE", required=True, help=_endings(saving.EXPORTED_BY_ENDING)
     )
     export.set_defaults(run=_export)
 
-    crate = verbs.add_parser("crate", help=f"write {saving.CONTENT_BY_COMMAND['crate']}")
+    crate = verbs.add_parser("crate", help=f"write {saving.EXPORTS['crate'][0]}")
     crate.add_argument(
         "folder", metavar="FOLDER", help="the results of the run; ro-crate-metadata.json goes there"
     )

@@ -19,7 +19,6 @@ _TABLE_HEAD = """\
 # One row for each surface: a name (letters, digits, -) and the file, separated by a tab.
 # A row that starts with # is ignored. Further columns complete the files: dx and dy (steps
 # between points) and unit (theirs), height_unit, channel.
-surface\tpath
 """
 _TABLE_EXAMPLE = "# ground\tmeasured/ground.x3p\n"
 
@@ -48,6 +47,7 @@ def write_project(
     """
     from roughcontact.configuration.generated import default_yaml
     from roughcontact.configuration.resolve import resolve
+    from roughcontact.configuration.surfaces import table_text
     from roughcontact.results.storage import write_text
 
     for path in _FILES:
@@ -56,13 +56,13 @@ def write_project(
     for file in files:
         if not Path(file).is_file():
             raise SettingsError(f"{file}: no such file")
-    rows = [f"{name}\t{file}\n" for name, file in zip(surface_names(files), files, strict=True)]
+    rows = rows_of(files)
     stated = {"contact": contact or {}, "statistics": statistics or {}}
     if any(stated.values()):
         resolve(stated)
     texts = (
         default_yaml(head=_SETTINGS_HEAD, stated=stated),
-        _TABLE_HEAD + ("".join(rows) or _TABLE_EXAMPLE),
+        _TABLE_HEAD + table_text(rows) + ("" if rows else _TABLE_EXAMPLE),
     )
     for path, text in zip(_FILES, texts, strict=True):
         write_text(text, path)
@@ -72,19 +72,29 @@ def write_project(
 def files_in(paths: Sequence[str]) -> tuple[list[str], list[str]]:
     """Return the given files, and in the place of a folder those in it that can be measurements, by name.
 
-    `paths`: files and folders. Returns these files, and those of the folders that were left out, but for
-    hidden ones.
+    `paths`: files and folders. Returns these files, each once and those of the working directory as seen from
+    there, and those of the folders that were left out, but for hidden ones.
     """
-    files: list[str] = []
+    files: list[Path] = []
     skipped: list[str] = []
-    for path in paths:
+    for path in map(Path, paths):
         if is_folder(path):
-            measured, unmeasured = measurements_in(Path(path))
-            files += map(str, measured)
+            measured, unmeasured = measurements_in(path)
+            files += measured
             skipped += map(str, unmeasured)
         else:
             files.append(path)
-    return files, skipped
+    here = Path.cwd()
+    near = [file.relative_to(here) if file.is_relative_to(here) else file for file in files]
+    return list(dict.fromkeys(map(str, near))), skipped
+
+
+def rows_of(
+    files: Sequence[str | Path], *, present: Sequence[Mapping[str, str]] = ()
+) -> list[dict[str, str]]:
+    """Return a row of the table for each file, under a name that no row has that is `present`."""
+    names = surface_names([*(f"{row.get('surface', '')}.x" for row in present), *files])[len(present) :]
+    return [{"surface": name, "path": str(file)} for name, file in zip(names, files, strict=True)]
 
 
 def surface_names(files: Sequence[str | Path]) -> list[str]:

@@ -29,14 +29,30 @@ CONTENT_BY_ENDING = {
     ".tiff": "the same maps for Gwyddion or ImageJ, a page each",
     ".gsf": "the map of pressure at the largest load for Gwyddion",
 }
-# what the other commands make of a finished run
-CONTENT_BY_COMMAND = {
-    "methods": "a paragraph of methods and answers for a paper",
-    "table": "pressure, area and flow factors over the mean gap",
-    "crate": "a description of the run as an RO-Crate, for an archive",
+# the same of a run, which has written the other two already
+EXPORTED_BY_ENDING = {
+    ending: holds for ending, holds in CONTENT_BY_ENDING.items() if ending not in (".nc", ".html")
+}
+# what can be made of a result in a folder, or of two, and the arguments of the program that make it
+EXPORTS = {
+    "methods": ("a paragraph of methods and answers for a paper", "methods {folder}/statistics.nc"),
+    "table": (
+        "pressure, area and flow factors over the mean gap",
+        "table {folder}/statistics.nc -o {output}-table.csv",
+    ),
+    "compare": (
+        "the numbers of two runs that differ by more than their ±",
+        "compare {before}/statistics.nc {folder}/statistics.nc",
+    ),
+    "crate": (
+        "a description of the run as an RO-Crate, for an archive",
+        "crate results --configfile config/config.yaml",
+    ),
+} | {
+    ending: (holds, f"export {{folder}} -o {{output}}{ending}")
+    for ending, holds in EXPORTED_BY_ENDING.items()
 }
 _WITHOUT_MAPS = (".nc", ".csv", ".xlsx")
-_OF_A_RUN = (".nc", ".html")  # a run has written them already: statistics.nc and the report
 _LINKS_BESIDE = re.compile(", or see <a .*? beside this page")  # what the page says of the files of a run
 
 
@@ -68,18 +84,13 @@ def _check_ending(output: Path, endings: Collection[str]) -> None:
         raise SettingsError(f"-o {output}: end it with one of {', '.join(endings)}")
 
 
-def exports() -> dict[str, str]:
-    """Return what a finished run can be exported as, with what each holds: endings of files."""
-    return {ending: holds for ending, holds in CONTENT_BY_ENDING.items() if ending not in _OF_A_RUN}
-
-
 def export(folder: Path, output: Path) -> None:
     """Write a result of a finished run, the folder of its statistics.nc, as another kind of file.
 
-    Raises `SettingsError` for an ending that is none of `exports`, `InputFileError` where the folder has no
-    result, or no maps of one.
+    Raises `SettingsError` for an ending that is none of `EXPORTED_BY_ENDING`, `InputFileError` where the
+    folder has no result, or no maps of one.
     """
-    _check_ending(output, exports())
+    _check_ending(output, EXPORTED_BY_ENDING)
     if not (folder / "statistics.nc").is_file():
         raise InputFileError(f"{folder}: has no statistics.nc; name the folder of a surface in the results")
     _write(output, folder, surface=folder.name, title=folder.name)

@@ -1,6 +1,6 @@
 """Properties of a setting, read from its model: the section below it, its choices, its description."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
@@ -29,6 +29,40 @@ def words_of(field: FieldInfo) -> list[str]:
     """
     types = _parts(field.annotation)
     return [choice for type_ in types if get_origin(type_) is Literal for choice in get_args(type_)]
+
+
+def is_list(annotation: Any) -> bool:
+    """Return whether a setting of this type takes a list."""
+    return get_origin(annotation) is list or any(map(is_list, get_args(annotation)))
+
+
+def grouped(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values by dotted names as groups, those of which all keys are positions as lists.
+
+    Examples
+    --------
+    >>> grouped({"contact.bodies.0.material": "steel", "contact.boundary": "free"})
+    {'contact': {'bodies': [{'material': 'steel'}], 'boundary': 'free'}}
+    """
+    groups: dict[str, Any] = {}
+    for name, value in values.items():
+        *above, key = name.split(".")
+        group = groups
+        for part in above:
+            below = group.setdefault(part, {})
+            group = below if isinstance(below, dict) else {}  # a value where a group belongs stays
+        group[key] = value
+    return {key: _with_lists(group) for key, group in groups.items()}
+
+
+def _with_lists(value: Any) -> Any:
+    """Return groups whose keys are all positions as lists, an entry without a value as an empty group."""
+    if not isinstance(value, dict):
+        return value
+    full = {key: _with_lists(entry) for key, entry in value.items()}
+    if full and all(map(str.isdecimal, full)):
+        return [full.get(str(index), {}) for index in range(max(map(int, full)) + 1)]
+    return full
 
 
 def base_of(field: FieldInfo) -> str:
@@ -73,7 +107,7 @@ def field_at(location: Sequence[str | int]) -> FieldInfo | None:
 
 def _keys(location: Sequence[str | int]) -> list[str]:
     """Return a location without its positions in lists."""
-    return [key for key in location if isinstance(key, str)]
+    return [key for key in location if isinstance(key, str) and not key.isdecimal()]
 
 
 def _rules(annotation: Any) -> Iterator[Any]:

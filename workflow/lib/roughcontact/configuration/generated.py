@@ -143,6 +143,14 @@ def _keys(section: type[Section], start: str) -> list[str]:
     return lines
 
 
+def hint(field: FieldInfo) -> str:
+    """Return the default of a setting, or an example of one that has none."""
+    default = None if field.is_required() else field.get_default(call_default_factory=True)
+    if default in (None, {}):
+        return f"none; for example {flow(field.examples[0])}" if field.examples else "none"
+    return flow(default)
+
+
 def flow(value: Any) -> str:
     """Return a value in YAML's one-line spelling, floats such that YAML 1.1 reads them as floats."""
     if isinstance(value, dict):

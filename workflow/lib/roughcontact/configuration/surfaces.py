@@ -223,6 +223,20 @@ def read_table(table: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     return header, rows
 
 
+def table_text(rows: Sequence[Mapping[str, str]]) -> str:
+    r"""Return the text of a table with the columns that have a cell in any of the rows.
+
+    Examples
+    --------
+    >>> table_text([{"surface": "ground", "path": "ground.txt", "unit": "", "dx": "1 um"}])
+    'surface\tpath\tdx\nground\tground.txt\t1 um\n'
+    """
+    used = {column for row in rows for column, cell in row.items() if cell.strip()} - {*REQUIRED}
+    header = [*REQUIRED, *(name for name in COLUMNS if name in used), *sorted(used - {*COLUMNS})]
+    lines = [header, *([" ".join(row.get(name, "").split()) for name in header] for row in rows)]
+    return "".join("\t".join(line) + "\n" for line in lines)
+
+
 def _mistakes_in_header(header: Sequence[str]) -> list[str]:
     """Return the mistakes in the column names."""
     if len(header) == 1 and any(mark in header[0] for mark in ",; "):
