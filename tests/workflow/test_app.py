@@ -132,7 +132,7 @@ class TestFiveSteps:
             fill(browser, "contact.bodies.1.youngs_modulus", "4 GPa")
             fill(browser, "contact.mean_pressure", "5, 20")
             mistake = "[data-of='contact.mean_pressure']"
-            browser.wait(f'document.querySelector("{mistake}")')
+            browser.wait(f'document.querySelector("{mistake}").textContent')
             said = browser.text(mistake)
             assert "5.00 Pa is next to no load" in said
             assert "did you mean 5.00 MPa" in said
@@ -386,7 +386,7 @@ class TestPages:
                 browser.type(text)
             browser.tab_to("[data-list='contact.bodies.1.layers'] .more")
             browser.press("Enter")  # a layer, whose first field has the focus
-            browser.wait("document.activeElement.name === 'contact.bodies.1.layers.0.thickness'")
+            browser.wait("document.activeElement.name === 'contact.bodies.1.layers.0.material'")
             for name, text in (
                 ("thickness", "2 um"),
                 ("youngs_modulus", "1 GPa"),

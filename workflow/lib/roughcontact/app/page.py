@@ -77,6 +77,6 @@ class Page:
 
     def html(self, sections: Sequence[str], **context: Any) -> str:
         """Return sections of the page."""
-        shown: dict[str, Any] = {"files": {}, "mistakes": {}, "of_materials": {}, "ours": {}, "chosen": ()}
+        shown: dict[str, Any] = {"files": {}, "mistakes": {}, "bodies": [], "ours": {}, "chosen": ()}
         shown |= {"name": "", "problem": "", "sections": sections, "folder": Path.cwd()}
         return _TEMPLATE.render(_SHARED | vars(self) | shown | {"run": self.run.state()} | context)

@@ -10,8 +10,7 @@ from typing import Any
 import yaml
 
 from roughcontact.configuration.fields import field_at, grouped, is_list
-from roughcontact.configuration.generated import in_words
-from roughcontact.configuration.models import Body, Settings
+from roughcontact.configuration.models import Settings
 from roughcontact.configuration.study import read_study
 from roughcontact.configuration.surfaces import read_table, table_text
 from roughcontact.configuration.yaml_text import check_yaml
@@ -68,8 +67,8 @@ def _value(name: str, text: str) -> Any:
     return _Typed(text) if field and field.annotation not in (str, str | None) else text
 
 
-def check(texts: Mapping[str, str], rows: Sequence[Row]) -> dict[str, dict]:
-    """Return the files of a form, what a run would say of them by field, and the numbers of materials.
+def check(texts: Mapping[str, str], rows: Sequence[Row]) -> dict[str, Any]:
+    """Return the files of a form, what a run would say of them by field, and the bodies with all numbers.
 
     `texts` are those of the settings by dotted names.
     """
@@ -88,7 +87,11 @@ def check(texts: Mapping[str, str], rows: Sequence[Row]) -> dict[str, dict]:
             read_study(loaded, ["."], measured_in=["."], origin=str(CONFIG))
         except SettingsError as error:
             message = str(error).replace(f"{folder}/", "")
-    return {"files": files, "mistakes": _by_field(message), "of_materials": _of_materials(config)}
+    try:
+        bodies = named_bodies(config["contact"]["bodies"])
+    except (RoughContactError, LookupError, TypeError):  # none is stated, or one that does not exist
+        bodies = []
+    return {"files": files, "mistakes": _by_field(message), "bodies": bodies}
 
 
 def write(files: Mapping[Path, str]) -> str:
@@ -115,17 +118,3 @@ def _by_field(message: str) -> dict[str, list[str]]:
             name = "cases" if name.startswith("cases.") else re.sub(r"\[(\d+)\](?=.)", r".\1", name)
             sentences.setdefault(name.partition("[")[0], []).append(sentence)
     return sentences
-
-
-def _of_materials(config: Mapping[str, Any]) -> dict[str, str]:
-    """Return the numbers that named materials bring, by the names of their fields."""
-    try:
-        full = named_bodies(config["contact"]["bodies"])
-    except (RoughContactError, LookupError, TypeError):  # none is stated, or one that does not exist
-        return {}
-    return {
-        f"contact.bodies.{index}.{key}": in_words(value, field)
-        for index, body in enumerate(full)
-        for key, field in Body.model_fields.items()
-        if isinstance(value := body.get(key), float | str)
-    }
