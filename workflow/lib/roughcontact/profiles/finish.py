@@ -17,7 +17,9 @@ _CLASSES = 6  # of height, equally frequent, in which slopes have a distribution
 _SCORES = np.linspace(-5.2, 5.2, 257)  # normal scores at which the distribution of heights is stored
 _SLOPE_RANKS = (np.arange(400) + 0.5) / 400
 _TAIL = 0.5  # of an independent height: beyond this expected number a quantile is extrapolated
-_CHANCE = 1.5  # mean square deviation of n normal heights from their quantiles, times n over the variance
+_CHANCE = (
+    3.0  # n times the mean square deviation of n normal heights from their quantiles: one sample in twenty
+)
 _CORRELATION = 0.2  # at the correlation length
 _BLOCKS = 5  # of each profile, which are drawn anew for the scatter
 _SORTED = 16  # every so manieth rank is interpolated between
@@ -118,13 +120,13 @@ def _with_ranks(values: np.ndarray, quantiles: np.ndarray) -> np.ndarray:
 def _heights(profiles: np.ndarray, independent: float) -> np.ndarray:
     """Return the quantiles of heights at `_SCORES`, extrapolated linearly beyond those that a sample shows.
 
-    The deviation from a normal distribution counts by how far it is beyond chance: little where chance would
-    give as much, nearly all of it where it is three times as large.
+    The deviation from a normal distribution counts where it is larger than chance gives: nearly all of it
+    where its mean square is twice as large.
     """
     values = np.sort(profiles, axis=None)
     scores = scipy.special.ndtri((np.arange(values.size) + 0.5) / values.size)
     deviation = (values - values.mean()) / values.std() - scores
-    share = max(0.0, 1 - (_CHANCE / (independent * np.mean(deviation**2))) ** 2)
+    share = max(0.0, 1 - (_CHANCE / (independent * np.mean(deviation**2))) ** 4)
     quantiles = _SCORES + np.interp(_SCORES, scores, share * deviation)
     limit = -scipy.special.ndtri(min(0.2, _TAIL / independent))
     for side in (-1, 1):
