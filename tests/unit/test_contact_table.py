@@ -3,9 +3,11 @@
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 import roughcontact as rc
 from roughcontact.command_line.program import main
+from roughcontact.evaluation import over_mean_gap
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.sealing.flow import flow_columns
 
@@ -69,8 +71,66 @@ def test_the_table_is_that_of_the_statistics(statistics, tmp_path, capsys):
     assert capsys.readouterr().out.startswith("mean_gap_m,mean_pressure_Pa,")
 
 
-def test_statistics_without_flow_are_refused(statistics):
-    from roughcontact.evaluation import over_mean_gap
+def test_the_ends_at_a_gap_are_those_of_a_curve_moved_along_it():
+    """Of powers of the gap that is known to a factor of 1.2, and the stiffness with the conductance."""
+    gap, factor, sigma = np.geomspace(3e-6, 1e-7, 2001), 1.2, 4e-7
+    rows = {
+        "mean_gap": gap,
+        "mean_gap_lower": gap / factor,
+        "mean_gap_upper": gap * factor,
+        "mean_pressure": 1e6 * (gap / 1e-6) ** -2.0,
+        "contact_stiffness": 1e12 * (gap / 1e-6) ** -3.0,
+        "conductance_per_conductivity": 10 * (gap / 1e-6) ** -3.0,
+        "conductance_per_conductivity_lower": 5 * (gap / 1e-6) ** -3.0,
+        "conductance_per_conductivity_upper": 20 * (gap / 1e-6) ** -3.0,
+    }
+    for axis in "xy":
+        rows |= {f"flow_factor_{axis}{axis}": gap / 3e-6, f"shear_flow_{axis}": (gap / 1e-6) ** -2.0}
+    statistics = xr.Dataset({name: ("load", values) for name, values in rows.items()}).assign(
+        rms_height=sigma
+    )
+    table = over_mean_gap(statistics)
+    inner = table.sel(mean_gap=slice(2.4e-6, 1.3e-7))
+    # a gap larger by f at each load: p(u) = 1/u^2 becomes f^2/u^2
+    for name, exponent in {
+        "mean_pressure": 2,
+        "pressure_flow_factor_x": -1,
+        "shear_flow_factor_x": 2,
+        "shear_flow_factor_y": 2,
+    }.items():
+        low, high = sorted([factor**exponent, factor**-exponent])
+        np.testing.assert_allclose(inner[f"{name}_lower"], low * inner[name], rtol=1e-4)
+        np.testing.assert_allclose(inner[f"{name}_upper"], high * inner[name], rtol=1e-4)
+    np.testing.assert_allclose(table["contact_stiffness_lower"], table["contact_stiffness"] / 2)
+    np.testing.assert_allclose(table["contact_stiffness_upper"], table["contact_stiffness"] * 2)
+    # beyond the loads that were solved
+    assert float(table["mean_pressure_lower"][0]) == 0
+    assert np.isnan(float(table["mean_pressure_upper"][-1]))
+    assert float(table["pressure_flow_factor_x_lower"][-1]) == 0
+    assert np.isnan(float(table["pressure_flow_factor_x_upper"][0]))
 
+
+def test_the_table_of_cuts_holds_that_of_the_whole_surface():
+    """Curves of a surface that is nine times as large lie within the ends in nine of ten rows."""
+    whole = rc.self_affine_surface(
+        (384, 384), 1e-6, hurst=0.8, shortest=4e-6, longest=4e-5, rms_height=3e-7, seed=2
+    )
+    true = rc.contact_table(whole, contact_modulus="1 GPa", loads=12).sortby("mean_gap")
+    sigma = true.attrs["rms_height"]
+    inside = []
+    for corner in (0, 128, 256):
+        cut = rc.height_map(whole.values[corner : corner + 128, :128], 1e-6)
+        table = rc.contact_table(rc.periodic_window(rc.level(cut)), contact_modulus="1 GPa", loads=12)
+        table = table.sel(mean_gap=slice(float(true["mean_gap"].max()), 0.15 * sigma))
+        for name in ("mean_pressure", "pressure_flow_factor_x", "shear_flow_factor_x"):
+            values = np.interp(np.log(table["mean_gap"]), np.log(true["mean_gap"]), true[name])
+            if name.startswith("shear"):  # times sigma is what drives the flow
+                values = values * sigma / table.attrs["rms_height"]
+            ends = table[f"{name}_lower"].fillna(0.0), table[f"{name}_upper"].fillna(np.inf)
+            inside += ((ends[0] <= values) & (values <= ends[1])).values.tolist()
+    assert np.mean(inside) >= 0.9
+
+
+def test_statistics_without_flow_are_refused(statistics):
     with pytest.raises(rc.SettingsError, match=r"statistics\.flow: always"):
         over_mean_gap(statistics.drop_vars("flow_factor_xx"))

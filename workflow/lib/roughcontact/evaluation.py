@@ -19,6 +19,7 @@ from roughcontact.si import labelled_in_si
 from roughcontact.variables import describe
 
 _TABLE_LOADS = 1e-3, 2.0  # E* times the rms gradient: from first contact to nearly closed
+_ENDS = ("_lower", "_upper")
 _TABLE = ("mean_pressure", "relative_contact_area", "contact_stiffness", "conductance_per_conductivity")
 
 
@@ -153,14 +154,18 @@ def contact_table(
     Dataset
         over `mean_gap` (m), falling: `mean_pressure` (Pa), `relative_contact_area`, `contact_stiffness` (Pa
         m-1), `conductance_per_conductivity` (m-1), `pressure_flow_factor_x`, `_y` and `shear_flow_factor_x`,
-        `_y` [1]_ [2]_, with `{name}_lower` and `_upper` of those that have an interval. With plates at the
-        mean gap h the flow along x is -phi_p h^3/(12 eta) dp/dx + U/2 (h + sigma phi_s), U the speed of the
-        rough face; sigma is the attribute `rms_height`.
+        `_y` [1]_ [2]_, with `{name}_lower` and `_upper`. Those of area and conductance are of the load of the
+        row, those of the stiffness follow from the conductance, to which it is proportional [3]_. Pressure
+        and flow factors are those of a gap: their ends are the values that they have where the interval of
+        the mean gap ends; NaN beyond the loads solved. With plates at the mean gap h the flow along x is
+        -phi_p h^3/(12 eta) dp/dx + U/2 (h + sigma phi_s), U the speed of the rough face; sigma is the
+        attribute `rms_height`.
 
     References
     ----------
     .. [1] Patir and Cheng (1978), ASME J. Lubr. Technol. 100, 12.
     .. [2] Patir and Cheng (1979), ASME J. Lubr. Technol. 101, 220.
+    .. [3] Barber (2003), Proc. R. Soc. A 459, 53.
 
     Examples
     --------
@@ -191,11 +196,51 @@ def over_mean_gap(statistics: xr.Dataset) -> xr.Dataset:
         raise SettingsError(
             "the statistics are to be of one surface with flow factors (statistics.flow: always)"
         )
+    statistics = statistics.sortby("mean_gap", ascending=False)
     sigma, gap = float(statistics["rms_height"]), statistics["mean_gap"].values
-    names = [f"{name}{end}" for name in _TABLE for end in ("", "_lower", "_upper")]
+    names = [f"{name}{end}" for name in _TABLE for end in ("", *_ENDS)]
     columns = {name: statistics[name].values for name in names if name in statistics.variables}
     for axis in "xy":
         columns[f"pressure_flow_factor_{axis}"] = statistics[f"flow_factor_{axis}{axis}"].values
         columns[f"shear_flow_factor_{axis}"] = statistics[f"shear_flow_{axis}"].values * gap / sigma
+    if "mean_gap_lower" in statistics.variables:
+        ends = [statistics[f"mean_gap{end}"].values for end in _ENDS]
+        columns |= _ends_at_stated_gaps(columns, gap, ends)
+    if "conductance_per_conductivity_lower" in columns:
+        stiffness, conductance = columns["contact_stiffness"], columns["conductance_per_conductivity"]
+        for end in _ENDS:
+            with np.errstate(invalid="ignore"):  # both are infinite in full contact
+                factor = columns[f"conductance_per_conductivity{end}"] / conductance
+            columns[f"contact_stiffness{end}"] = stiffness * factor
     table = xr.Dataset({name: ("mean_gap", values) for name, values in columns.items()}, {"mean_gap": gap})
-    return describe(table.sortby("mean_gap", ascending=False).assign_attrs(rms_height=sigma))
+    return describe(table.assign_attrs(rms_height=sigma))
+
+
+def _ends_at_stated_gaps(
+    columns: Mapping[str, np.ndarray], gap: np.ndarray, ends: Sequence[np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Return the ends of pressure and flow factors at stated gaps (m, falling), from those of the gap.
+
+    Where the gap of a load is really larger by a factor, the values at a gap are those that were computed for
+    one smaller by it. Beyond the least gap nothing flows, beyond the largest one nothing need touch; what is
+    not known there is NaN.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):  # gaps that are closed
+        position = np.log(gap)
+        closer, farther = (2 * position - np.log(end) for end in reversed(ends))
+
+    def at(name: str, shifted: np.ndarray) -> np.ndarray:
+        closed, open_ = (np.nan, 0.0) if name == "mean_pressure" else (0.0, np.nan)
+        return np.interp(shifted, position[::-1], columns[name][::-1], closed, open_)
+
+    intervals = {"mean_pressure": (at("mean_pressure", farther), at("mean_pressure", closer))}
+    for axis in "xy":
+        name, shear = f"pressure_flow_factor_{axis}", f"shear_flow_factor_{axis}"
+        intervals[name] = at(name, closer), at(name, farther)
+        # sigma phi_s over the gap is what a state has; the gap of the row is stated
+        moved = [at(shear, shifted) * gap / np.exp(shifted) for shifted in (closer, farther)]
+        three = np.array([columns[shear], *moved])
+        intervals[shear] = three.min(axis=0), three.max(axis=0)
+    return {
+        f"{name}{end}": pair[index] for name, pair in intervals.items() for index, end in enumerate(_ENDS)
+    }

@@ -345,7 +345,9 @@ _OF_INTERVALS = {
     "at_cutoff": "{} of the waves that are kept, by the shortest of them",
     "as_measured": "{} without the correction for the instrument",
 }
-_DERIVED = ["leak_rate_x", "leak_rate_y", "friction_coefficient"]  # whose interval follows from another one
+# whose interval follows from another one
+_DERIVED = ["leak_rate_x", "leak_rate_y", "friction_coefficient", "mean_pressure", "contact_stiffness"]
+_DERIVED += [f"{name}_flow_factor_{axis}" for name in ("pressure", "shear") for axis in "xy"]
 _DERIVED += [
     f"{property_name}_{quantity_name}"
     for property_name in ("thermal", "electrical")
