@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import Unit, number, percent, prefix, with_interval
+from roughcontact.quantities import Unit, number, percent, prefix
 from roughcontact.report.charts import Axis, Chart, log_axis
 from roughcontact.report.tables import TITLES, UNITS
-from roughcontact.report.units import unit_of
+from roughcontact.report.units import interval_at, unit_of
 from roughcontact.uncertainty.combination import COMBINED, uncertainty_table
 from roughcontact.uncertainty.measurands import beyond_the_map
 
@@ -58,14 +58,14 @@ def shown_budget(
         return None
     present, pressure = present_sources(numbers), unit_of(numbers, "Pa")
     budget = numbers["relative_contact_area_uncertainty"].sel(source=present).values.T
-    displayed = [100 * numbers[f"relative_contact_area{end}"].values for end in ("", "_lower", "_upper")]
+    share = unit_of(numbers, "%")
     rows = []
     for index, load in enumerate(numbers["mean_pressure"].values):
         components = dict(zip(present, budget[:, index].tolist(), strict=True))
         rows.append(
             [
                 pressure.text(float(load)),
-                with_interval(*(float(arrays[index]) for arrays in displayed)),
+                share.interval(*interval_at(numbers, "relative_contact_area", index)),
                 *(_contribution(100 * component, source) for source, component in components.items()),
                 _largest(components),
             ]
@@ -79,6 +79,7 @@ def shown_budget(
     notes += _note_on_open_ends(numbers)
     listed = numbers.isel(load=list(loads))
     excess, intervals = _intervals(listed, extent)
+    labels = [_SOURCE_LABELS[source] for source in present]
     return {
         "images": [(TITLES[name], budget_against_load(numbers, name).source()) for name in _HEADLINE],
         "components": _component_table(listed) if len(loads) else None,
@@ -86,12 +87,7 @@ def shown_budget(
         "intervals": intervals,
         "magnification": _magnification(numbers),
         "converged": _note_on_convergence(numbers),
-        "header": [
-            "mean pressure p̄",
-            "contact area A/A₀",
-            *(_SOURCE_LABELS[s] for s in present),
-            "largest part",
-        ],
+        "header": ["mean pressure p̄", "contact area A/A₀", *labels, "largest part"],
         "rows": rows,
         "notes": notes,
     }
@@ -183,14 +179,8 @@ def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
                 else _both_sides(row, "one_sided", unit),
             ]
         )
-    header = [
-        "result",
-        "source",
-        "type",
-        "correction",
-        "u, below / above",
-        "one-sided, below / above; all together: interval",
-    ]
+    one_sided = "one-sided, below / above; all together: interval"
+    header = ["result", "source", "type", "correction", "u, below / above", one_sided]
     return {"header": header, "rows": rows}
 
 

@@ -23,9 +23,8 @@ def area_caption(numbers: xr.Dataset) -> str:
     '1.00 % of the area touch at 1.00 MPa, 5.00 % at 5.00 MPa; the theory of Xu et al. says 4.00 % there.'
     """
     areas, xu = numbers["relative_contact_area"].values, numbers.get("area_xu")
-    text = _at_extreme_loads(
-        numbers, [percent(float(areas[0])) + " of the area touch", percent(float(areas[-1]))]
-    )
+    first, last = (percent(float(area)) for area in (areas[0], areas[-1]))
+    text = _at_extreme_loads(numbers, [f"{first} of the area touch", last])
     if xu is not None and np.isfinite(xu.values[-1]):
         text += f"; the theory of Xu et al. says {percent(float(xu[-1]))} there"
     return f"{text}."

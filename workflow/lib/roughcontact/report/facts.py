@@ -124,9 +124,7 @@ def versions(numbers: xr.Dataset) -> str:
     >>> versions(xr.Dataset(attrs={"versions": '{"python": "3.11", "numpy": "2.1"}'}))
     'python 3.11, numpy 2.1'
     """
-    return ", ".join(
-        f"{name} {text}" for name, text in json.loads(numbers.attrs.get("versions", "{}")).items()
-    )
+    return ", ".join(map(" ".join, json.loads(numbers.attrs.get("versions", "{}")).items()))
 
 
 def measured_caption(measured: xr.DataArray) -> str:
@@ -270,21 +268,15 @@ def _first_yield(numbers: xr.Dataset) -> str:
     index = int(np.nanargmin(numbers["material_first_yield_pressure"].values))
     nearest = int(np.argmin(np.abs(np.log(numbers["mean_pressure"].values / load))))
     depth = float(numbers["material_von_mises_depth"][nearest, index])
-    faces = {
-        "surface": 0.0,
-        **{f"interface {i + 1}": z for i, z in enumerate(numbers["interface_depth"].values)},
-    }
-    start = [f" at the {name}" for name, face in faces.items() if np.isclose(depth, face, rtol=1e-9, atol=0)]
+    face = np.flatnonzero(np.isclose(depth, [0.0, *numbers["interface_depth"].values], rtol=1e-9, atol=0))
+    start = [f" at the {f'interface {i}' if i else 'surface'}" for i in face]
     return f"{text}, in {material_name(numbers, index)}{''.join(start)}"
 
 
 def _closing(numbers: xr.Dataset) -> str:
     """Return between which loads the gap closes along each axis, nothing for a profile and for a flat map."""
-    if (
-        "gap_percolates_x" not in numbers
-        or "contact_radius" in numbers
-        or not np.isfinite(numbers.get("Std", np.nan))
-    ):
+    flat = not np.isfinite(numbers.get("Std", np.nan))
+    if "gap_percolates_x" not in numbers or "contact_radius" in numbers or flat:
         return ""
     loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"]]
     result = {}
@@ -355,9 +347,8 @@ def _lines(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
 
 def _filters(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
     """Return the waves that the filters of levelling removed, nothing where there was no filter."""
-    names = {"s_filter": "S-filter", "l_filter": "L-filter"}
     return "; ".join(
-        f"{names[name]} {quantity(entry['nesting_index']['value'], 'm')}, "
+        f"{name[0].upper()}-filter {quantity(entry['nesting_index']['value'], 'm')}, "
         f"{unit_of(numbers, 'm').text(entry['rms_removed']['value'])} rms removed"
         for name, entry in json.loads(levelled.attrs.get("filters_removed", "{}")).items()
     )

@@ -185,9 +185,8 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
     factor, unit_label = units[name]
     value, lower, upper = (number * factor for number in interval_at(numbers, name, index))
     if not _has_number(numbers, f"{name}_lower"):
-        if name.endswith(("_conductance", "_resistance")) and _has_number(
-            numbers, "relative_contact_area_lower"
-        ):
+        has_area = _has_number(numbers, "relative_contact_area_lower")
+        if name.endswith(("_conductance", "_resistance")) and has_area:
             return Cell(f"{as_the_area(numbers, name, units[name], index)} {unit_label}", _NO_INTERVAL)
         return Cell(f"{number(value)} {unit_label}")
     text, _, interval = with_interval(value, lower, upper).partition(" ")

@@ -92,25 +92,19 @@ def comparison_rows(
     rows = []
     for (first, second), result in compared.items():
         pressure = unit_of(answers[first], "Pa")
-        area = np.interp(
-            result["mean_pressure"].values,
-            answers[first]["mean_pressure"].values,
-            answers[first][_AREA].values,
-        )
+        loads, areas = (answers[first][name].values for name in ("mean_pressure", _AREA))
+        area = np.interp(result["mean_pressure"].values, loads, areas)
         displayed = result.isel(load=shown_loads(area))
-        loads = displayed["mean_pressure"].values
-        limited = [
-            all(_limited_at(answers[name], load) for name in (first, second)) for load in loads.tolist()
-        ]
+        loads = displayed["mean_pressure"].values.tolist()
+        limited = [all(_limited_at(answers[name], load) for name in (first, second)) for load in loads]
+        free = [False] * len(loads)
         rows.append(
             {
                 "first": first,
                 "second": second,
-                "loads": [pressure.text(load) for load in loads.tolist()],
+                "loads": [pressure.text(load) for load in loads],
                 "rows": [
-                    _comparison(
-                        displayed.sel(quantity=name), name, limited if name == _PEAK else [False] * loads.size
-                    )
+                    _comparison(displayed.sel(quantity=name), name, limited if name == _PEAK else free)
                     for name in _COMPARED
                     if name in result["quantity"].values
                 ],
@@ -132,11 +126,7 @@ def _composition(group: NamedGroup) -> str:
     if group.placements:
         return several(maps, "placement") + " of two faces"
     components = len(set(group.answer["part"].values))
-    return (
-        several(maps, "map")
-        if components == maps
-        else f"{several(maps, 'map')} of {several(components, 'part')}"
-    )
+    return several(maps, "map") + (f" of {several(components, 'part')}" if components < maps else "")
 
 
 def _verdicts(group: NamedGroup, verdicts: Mapping[tuple[str, str | None], str]) -> str:

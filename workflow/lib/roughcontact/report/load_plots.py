@@ -1,6 +1,7 @@
 """Charts of results against load: area, gap, pressure; of distributions and comparisons, as data URIs."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -54,21 +55,14 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
         label=f"mean pressure p̄ ({unit_label})",
         top=_relative_axis(statistics),
     )
-    half_spaces = layers_of(statistics) is None  # the theories are of these
-    line = _theory_lines(chart, relative, unit=unit * factor) if half_spaces else relative
-    area = np.full(line.shape, np.nan)
-    if half_spaces and window is not None:
-        modulus, summits = float(statistics["contact_modulus"]), summit_statistics(window)
-        area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)
-    if np.isfinite(area).any():
-        chart.line(
-            line * unit * factor,
-            100 * area,
-            colour="#8a5a00",
-            dash=DASH_DOTTED,
-            width=1.3,
-            label="Greenwood-Williamson",
-        )
+    if layers_of(statistics) is None:  # the theories are of half-spaces
+        line = _theory_lines(chart, relative, unit=unit * factor)
+        if window is not None:
+            modulus, summits = float(statistics["contact_modulus"]), summit_statistics(window)
+            area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)
+            if np.isfinite(area).any():
+                x, name = line * unit * factor, "Greenwood-Williamson"
+                chart.line(x, 100 * area, colour="#8a5a00", dash=DASH_DOTTED, width=1.3, label=name)
     chart.bars(load, *(100 * end for end in ends), colour=COLOURS[0])
     chart.marks(load, 100 * counted, colour=COLOURS[0], filled=False, label="solved, pixels counted")
     chart.marks(load, 100 * corrected, colour=COLOURS[0], label="solved, corrected")
@@ -114,21 +108,14 @@ def compare_areas(
         cases[name.partition(" · ")[2]] = case
         if ends:
             chart.bars(load * factor, *(100 * end for end in ends[index]), colour=colour)
+        x, y, of_case = load[order] * factor, 100 * area[order], _case_style(case)
         chart.marks(
-            load[order] * factor,
-            100 * area[order],
-            colour=colour,
-            marker=marker,
-            filled=not case,
-            joined=1.0,
-            dash=_DASHES[case % len(_DASHES)],
-            label=name,
-            listed=not multiple,
+            x, y, colour=colour, marker=marker, joined=1.0, label=name, listed=not multiple, **of_case
         )
     for name, (colour, marker) in surfaces.items() if multiple else ():
         chart.key(name, colour=colour, marker=marker)
     for name, case in cases.items() if multiple else ():
-        chart.key(name, colour=GREY, marker="o", filled=not case, dash=_DASHES[case % len(_DASHES)])
+        chart.key(name, colour=GREY, marker="o", **_case_style(case))
     return chart.source()
 
 
@@ -169,13 +156,8 @@ def group_curves(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> st
 def _groups_chart(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> Chart:
     """Return the axes that hold the areas of all maps of some groups."""
     loads = np.concatenate([answer["mean_pressure"].values for _, answer in groups])
-    areas = np.concatenate(
-        [
-            np.ravel(answer[key].values)
-            for _, answer in groups
-            for key in (f"{_AREA}_of_maps", f"{_AREA}_lower")
-        ]
-    )
+    keys = f"{_AREA}_of_maps", f"{_AREA}_lower"
+    areas = np.concatenate([np.ravel(answer[key].values) for _, answer in groups for key in keys])
     label = f"mean pressure p̄ ({pressure.shown})"
     return _area_chart(loads * pressure.factor, areas, size=(560.0, 430.0), label=label)
 
@@ -185,9 +167,14 @@ def _style(index: int) -> tuple[str, str]:
     return COLOURS[index % len(COLOURS)], MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
 
 
+def _case_style(case: int) -> dict[str, Any]:
+    """Return what the lines of a case have in common: dashes, and whether marks are filled."""
+    return {"filled": not case, "dash": _DASHES[case % len(_DASHES)]}
+
+
 def sample_of(surface: int, case: int) -> dict[str, str]:
     """Return colour and dashes of the line of a surface under a case, by their places, in `compare_areas`."""
-    return {"colour": _style(surface)[0], "dash": _DASHES[case % len(_DASHES)]}
+    return {"colour": _style(surface)[0], "dash": _case_style(case)["dash"]}
 
 
 def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]]) -> dict[str, str]:
@@ -263,22 +250,17 @@ def _clipped_ends(ends: np.ndarray, areas: np.ndarray) -> np.ndarray:
     return np.maximum(ends, _SHOWN_BELOW * np.min(areas[areas > 0], initial=1.0))
 
 
-def _load_axis(statistics: xr.Dataset, name: str, label: str, factor: float) -> Axis:
-    """Return the logarithmic axis of a load; those of mean and relative pressure run alongside."""
-    return log_axis(label, statistics[name].values * factor)
-
-
 def _pascal_axis(statistics: xr.Dataset) -> Axis:
     """Return the axis of the mean pressure."""
     factor, unit = unit_of(statistics, "Pa")
-    return _load_axis(statistics, "mean_pressure", f"mean pressure p̄ ({unit})", factor)
+    return log_axis(f"mean pressure p̄ ({unit})", statistics["mean_pressure"].values * factor)
 
 
 def _relative_axis(statistics: xr.Dataset) -> Axis | None:
-    """Return the axis of the relative pressure, None for a flat map, which has none."""
+    """Return the axis of the relative pressure, alongside; None for a flat map, which has none."""
     if "relative_pressure" not in statistics or not np.isfinite(statistics["relative_pressure"]).all():
         return None
-    return _load_axis(statistics, "relative_pressure", _RELATIVE, 1.0)
+    return log_axis(_RELATIVE, statistics["relative_pressure"].values)
 
 
 def _ends(statistics: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -358,28 +340,18 @@ def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
 
     The share of the contact per factor e of pressure, p P(p), so that equal areas are equal shares.
     """
-    return _distribution(
-        statistics,
-        loads,
-        name="pressure",
-        unit="Pa",
-        labels=("contact pressure p", "p P(p), share of the contact per factor e"),
-        means=("mean over the contact", statistics["mean_contact_pressure"].values),
-    )
+    labels = "contact pressure p", "p P(p), share of the contact per factor e"
+    means = "mean over the contact", statistics["mean_contact_pressure"].values
+    return _distribution(statistics, loads, "pressure", unit="Pa", labels=labels, means=means)
 
 
 def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
     """Draw the distribution of the gap at the loads of these indices, points out of contact only."""
-    apart = 1 - statistics["relative_contact_area_pixels"].values
-    gap = statistics["mean_gap"].values
-    return _distribution(
-        statistics,
-        loads,
-        name="gap",
-        unit="m",
-        labels=("gap u", "u P(u), share of the open area per factor e"),
-        means=("mean out of contact", np.divide(gap, apart, out=np.full(gap.shape, np.nan), where=apart > 0)),
-    )
+    apart, gap = 1 - statistics["relative_contact_area_pixels"].values, statistics["mean_gap"].values
+    labels = "gap u", "u P(u), share of the open area per factor e"
+    mean = np.divide(gap, apart, out=np.full(gap.shape, np.nan), where=apart > 0)
+    means = "mean out of contact", mean
+    return _distribution(statistics, loads, "gap", unit="m", labels=labels, means=means)
 
 
 def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
@@ -391,21 +363,17 @@ def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
     middles = np.sqrt(np.maximum(bounds[:, 0], bounds[:, 1] / 2) * bounds[:, 1])
     by_area = statistics["patch_area_density"].transpose("load", "patch_bin") * middles
     share = by_area / (by_area * np.diff(bounds, axis=1).ravel()).sum("patch_bin")
-    return _distribution(
-        statistics.assign(patch_density=share),
-        loads,
-        name="patch",
-        unit="m2",
-        labels=("area of a patch", "share of the contact per factor e"),
-        means=("largest patch", statistics["largest_patch_area"].values),
-    )
+    labels = "area of a patch", "share of the contact per factor e"
+    means = "largest patch", statistics["largest_patch_area"].values
+    shares = statistics.assign(patch_density=share)
+    return _distribution(shares, loads, "patch", unit="m2", labels=labels, means=means)
 
 
 def _distribution(
     statistics: xr.Dataset,
     loads: Sequence[int],
-    *,
     name: str,
+    *,
     unit: str,
     labels: tuple[str, str],
     means: tuple[str, np.ndarray],

@@ -114,13 +114,11 @@ def _contact(statistics: xr.Dataset, contact: Mapping[str, Any]) -> str:
     load, cell = ("force", "without neighbours") if free else ("mean pressure", "of one period")
     bound = float(statistics["error_bound"].max())
     last_digit = 10.0 ** (math.floor(math.log10(bound)) - 1) if bound > 0 else 1.0
-    bound_text = number(
-        math.ceil(bound / last_digit * (1 - 1e-9)) * last_digit, digits=2
-    )  # never rounded down
+    rounded_up = number(math.ceil(bound / last_digit * (1 - 1e-9)) * last_digit, digits=2)
     return (
         f"The frictionless contact{bodies} under a prescribed {load} (E* = {modulus}{limit}) was "
         f"solved for elastic {solids} {cell} by fast Fourier transforms on the grid of the window; the "
-        f"relative error of the pressures in the energy norm is proved to be at most {bound_text}."
+        f"relative error of the pressures in the energy norm is proved to be at most {rounded_up}."
     )
 
 

@@ -18,13 +18,7 @@ from roughcontact.report.asked import describe_problem, measured_in_words, plann
 from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
-from roughcontact.report.glance import (
-    HEADINGS,
-    Cell,
-    glance_rows,
-    glance_units,
-    loads_to_compare,
-)
+from roughcontact.report.glance import HEADINGS, Cell, glance_rows, glance_units, loads_to_compare
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import comparison_rows, group_pictures, group_rows
 from roughcontact.report.load_plots import compare_areas, sample_of, spread_of_areas

@@ -93,6 +93,9 @@ def write_panel(
     source, date = measured.attrs.get("source_sha256", ""), facts.date_of(measured)
     del measured, plane  # large maps leave no room for them beside the solution
     fields = _fields(contact, solved, numbers, order[displayed])
+    files = {"measured heights": height, "levelled": levelled, "solved window": window}
+    files |= {"pressure and gap" if fields else "solution without maps": contact, "all numbers": statistics}
+    recorded = json.loads(numbers.attrs.get("settings", "{}"))
     rough = float(numbers["rms_gradient"]) > 0  # a flat map has neither waves nor charts
     html = template("panel.html").render(
         identifier=identifier,
@@ -117,21 +120,8 @@ def write_panel(
         tables=tables.number_tables(numbers, checks.load_flags(numbers, solved.size)),
         outcomes=[outcome_of(numbers, index) for index in range(numbers.sizes["load"])],
         material=tables.material_table(numbers, displayed),
-        files=relative_links(
-            path,
-            {
-                "measured heights": height,
-                "levelled": levelled,
-                "solved window": window,
-                "pressure and gap" if fields else "solution without maps": contact,
-                "all numbers": statistics,
-            }
-            if linked
-            else {},
-        ),
-        methods=methods_paragraph(numbers)
-        if "level" in json.loads(numbers.attrs.get("settings", "{}"))
-        else "",
+        files=relative_links(path, files) if linked else [],
+        methods=methods_paragraph(numbers) if "level" in recorded else "",
         settings=json.dumps(settings, indent=1, sort_keys=True),
         versions=facts.versions(numbers),
         source_sha256=source,
@@ -275,6 +265,7 @@ def _charts(
 ) -> list[tuple[str, str, str, str]]:
     """Return (title, image, result, reading) of the charts of a window that is not flat."""
     bars = partial(captions.reading_of, numbers)
+    of_contact = "Equal areas below a line are equal shares of the contact."
     charts = [
         (
             "Contact area against load",
@@ -298,7 +289,7 @@ def _charts(
             "Distribution of the contact pressure",
             load_plots.pressure_distribution(numbers, displayed),
             captions.distribution_caption(numbers),
-            "Equal areas below a line are equal shares of the contact.",
+            of_contact,
         ),
         (
             "Distribution of the gap",
@@ -307,12 +298,7 @@ def _charts(
             "Equal areas below a line are equal shares of what is apart.",
         ),
     ]
-    if 1 in window.shape:  # the patches of a profile have no area
-        return charts
-    patches = (
-        "Sizes of the contact patches",
-        load_plots.patch_distribution(numbers, displayed),
-        captions.patch_caption(numbers),
-        "Equal areas below a line are equal shares of the contact.",
-    )
-    return [*charts, patches]
+    if 1 not in window.shape:  # the patches of a profile have no area
+        patches, caption = load_plots.patch_distribution(numbers, displayed), captions.patch_caption(numbers)
+        charts.append(("Sizes of the contact patches", patches, caption, of_contact))
+    return charts

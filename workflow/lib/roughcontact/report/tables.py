@@ -186,12 +186,7 @@ def material_table(numbers: xr.Dataset, displayed: Sequence[int]) -> Table | Non
             yields = f"above {pressure(float(loads[-1]))}"
         else:
             yields = f"below {pressure(float(loads[0]))}"
-        shares = [
-            ", ".join(
-                percent(float(of_class[f"{component}_share_above_ratio"][index]))
-                for component in ("load", "area")
-            )
-            for index in displayed
-        ]
-        rows.append([number(float(ratio), digits=1), pressure(ratio * modulus), text, yields, *shares])
+        shares = (of_class[f"{name}_share_above_ratio"].values[displayed] for name in ("load", "area"))
+        texts = [", ".join(map(percent, pair)) for pair in zip(*shares, strict=True)]
+        rows.append([number(float(ratio), digits=1), pressure(ratio * modulus), text, yields, *texts])
     return {"header": header, "rows": rows}

@@ -89,17 +89,12 @@ def _mark_band(chart: Chart, window: xr.DataArray, first: float, unit_q: float) 
         outside.append((shortest, chart.x.high))
     for index, span in enumerate(outside):
         chart.band(*span, label="" if index else "removed")
-    chart.across(
-        x=2 * np.pi / window.attrs["reliable_wavelength"] * unit_q,
-        colour=COLOURS[1],
-        dash=DASHED,
-        label=f"reliable: {window.attrs['reliable_reason']}",
-    )
-    of_map = parameters.shortest_wavelength(window)
+    reliable, of_map = window.attrs["reliable_wavelength"], parameters.shortest_wavelength(window)
+    label = f"reliable: {window.attrs['reliable_reason']}"
+    chart.across(x=2 * np.pi / reliable * unit_q, colour=COLOURS[1], dash=DASHED, label=label)
     if np.isfinite(of_map):
-        chart.across(
-            x=2 * np.pi / of_map * unit_q, colour=COLOURS[2], dash=DOTTED, label="shortest wave of the map"
-        )
+        label = "shortest wave of the map"
+        chart.across(x=2 * np.pi / of_map * unit_q, colour=COLOURS[2], dash=DOTTED, label=label)
 
 
 def directional_spectrum(window: xr.DataArray) -> str:

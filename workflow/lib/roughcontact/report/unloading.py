@@ -33,12 +33,8 @@ def unloading_of(name: str, loaded: xr.Dataset, residual: str | Path, folder: Pa
     ways = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
     charts = {label: _both_ways(loaded, ways, result) for result, (label, _) in _LABELS.items()}
     images = {label: chart.source() for label, chart in charts.items() if chart}
-    return {
-        "name": name,
-        "images": images,
-        "sentences": [_sentence(loaded, way) for way in ways],
-        "link": link,
-    }
+    sentences = [_sentence(loaded, way) for way in ways]
+    return {"name": name, "images": images, "sentences": sentences, "link": link}
 
 
 def _both_ways(loaded: xr.Dataset, ways: Sequence[xr.Dataset], result: str) -> Chart | None:
