@@ -138,7 +138,7 @@ def test_every_surface_of_many_has_a_mark_of_its_own():
 def test_surfaces_are_colours_and_cases_are_line_styles():
     names = [(surface, case) for case in range(2) for surface in range(2)]
     series = [(f"{surface} · {('first', 'second')[case]}", LOADS, AREAS) for surface, case in names]
-    drawn = read_chart(load_plots.compare_areas(series, kinds=names, pressure=Unit(1e-6, "MPa")), log="xy")
+    drawn = read_chart(load_plots.compare_areas(series, styles=names, pressure=Unit(1e-6, "MPa")), log="xy")
     seen = [(line.colour, line.style) for line in drawn.lines]
     assert seen == [(COLOURS[surface], "6 3" if case else "") for surface, case in names]
     assert [drawn.legend[str(surface)][0] for surface in range(2)] == [colour for colour, _ in seen[:2]]

@@ -96,8 +96,8 @@ def coloured(
 def _png(index: np.ndarray, palette: bytes) -> bytes:
     """Return a PNG of places in a palette; as differences of rows ("up") heights take half the room."""
 
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    def chunk(name: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
     height, width = index.shape
     rows = np.diff(index, axis=0, prepend=np.uint8(0))

@@ -74,12 +74,12 @@ def compare_areas(
     *,
     ends: Sequence[tuple[np.ndarray, np.ndarray]] = (),
     pressure: Unit | None = None,
-    kinds: Sequence[tuple[int, int]] = (),
+    styles: Sequence[tuple[int, int]] = (),
 ) -> str:
     """Draw the contact area against the load of several surfaces or cases.
 
     `series` has a (label, loads, relative contact areas) for each surface under each case, `ends` the (lower,
-    upper) of each area, or nothing, `kinds` the places of (surface, case) of each, by default all of one
+    upper) of each area, or nothing, `styles` the places of (surface, case) of each, by default all of one
     case: surfaces are colours, cases are line styles, and the legend has both parts of the labels, "surface ·
     case". Loads are mean pressures (Pa), shown in the unit
     `pressure`, or without it relative pressures: then the theories that hold for all surfaces are drawn, too.
@@ -98,12 +98,12 @@ def compare_areas(
     chart = _area_chart(loads * factor, _clipped_ends(areas, drawn), size=(560.0, 430.0), label=label)
     if pressure is None:
         _theory_lines(chart, loads)
-    multiple = len({case for _, case in kinds}) > 1
+    multiple = len({case for _, case in styles}) > 1
     surfaces: dict[str, tuple[str, str]] = {}
     cases: dict[str, int] = {}
     for index, (name, load, area) in enumerate(series):
         order = np.argsort(load)
-        surface, case = kinds[index] if kinds else (index, 0)
+        surface, case = styles[index] if styles else (index, 0)
         colour, marker = surfaces[name.partition(" · ")[0]] = _style(surface)
         cases[name.partition(" · ")[2]] = case
         if ends:
@@ -341,8 +341,8 @@ def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
     The share of the contact per factor e of pressure, p P(p), so that equal areas are equal shares.
     """
     labels = "contact pressure p", "p P(p), share of the contact per factor e"
-    means = "mean over the contact", statistics["mean_contact_pressure"].values
-    return _distribution(statistics, loads, "pressure", unit="Pa", labels=labels, means=means)
+    dotted = "mean over the contact", statistics["mean_contact_pressure"].values
+    return _distribution(statistics, loads, "pressure", unit="Pa", labels=labels, dotted=dotted)
 
 
 def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
@@ -350,8 +350,8 @@ def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
     apart, gap = 1 - statistics["relative_contact_area_pixels"].values, statistics["mean_gap"].values
     labels = "gap u", "u P(u), share of the open area per factor e"
     mean = np.divide(gap, apart, out=np.full(gap.shape, np.nan), where=apart > 0)
-    means = "mean out of contact", mean
-    return _distribution(statistics, loads, "gap", unit="m", labels=labels, means=means)
+    dotted = "mean out of contact", mean
+    return _distribution(statistics, loads, "gap", unit="m", labels=labels, dotted=dotted)
 
 
 def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
@@ -364,9 +364,9 @@ def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
     by_area = statistics["patch_area_density"].transpose("load", "patch_bin") * middles
     share = by_area / (by_area * np.diff(bounds, axis=1).ravel()).sum("patch_bin")
     labels = "area of a patch", "share of the contact per factor e"
-    means = "largest patch", statistics["largest_patch_area"].values
+    dotted = "largest patch", statistics["largest_patch_area"].values
     shares = statistics.assign(patch_density=share)
-    return _distribution(shares, loads, "patch", unit="m2", labels=labels, means=means)
+    return _distribution(shares, loads, "patch", unit="m2", labels=labels, dotted=dotted)
 
 
 def _distribution(
@@ -376,9 +376,9 @@ def _distribution(
     *,
     unit: str,
     labels: tuple[str, str],
-    means: tuple[str, np.ndarray],
+    dotted: tuple[str, np.ndarray],
 ) -> str:
-    """Draw shares per factor e over a logarithmic axis at a few loads, dotted lines at `means`."""
+    """Draw shares per factor e over a logarithmic axis at a few loads, dotted lines at `dotted`."""
     bounds = statistics[f"{name}_bin_bounds"].values
     shares = statistics[f"{name}_density"].fillna(0.0).values * np.diff(bounds, axis=1).ravel()
     widths = np.log(bounds[1:, 1] / bounds[1:, 0])
@@ -396,6 +396,6 @@ def _distribution(
         steps = np.concatenate([[0.0], np.repeat(shares[load, 1:] / widths, 2), [0.0]])
         label = f"p̄ = {unit_of(statistics, 'Pa').text(float(statistics['mean_pressure'][load]))}"
         chart.line(edges, steps, colour=COLOURS[index], label=label)
-        text = means[0] if load == loads[-1] else ""
-        chart.across(x=float(means[1][load]) * factor, colour=COLOURS[index], dash=DOTTED, label=text)
+        text = dotted[0] if load == loads[-1] else ""
+        chart.across(x=float(dotted[1][load]) * factor, colour=COLOURS[index], dash=DOTTED, label=text)
     return chart.source()

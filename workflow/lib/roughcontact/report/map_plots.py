@@ -68,8 +68,8 @@ def height_map(
         outline = np.array([x, x + width, x + width, x, x]), np.array([y, y, y + depth, y + depth, y])
     values = height.values - np.nanmean(height.values)
     lowest, highest = np.nanpercentile(values, [0.1, 99.9])  # a few spikes must not take up the colour scale
-    limits, beyond = (lowest, highest), (True, True)
-    return _map(_HEIGHT, height, values, limits, beyond, unit=unit, outline=outline, along=along)
+    limits, extend = (lowest, highest), (True, True)
+    return _map(_HEIGHT, height, values, limits, extend, unit=unit, outline=outline, along=along)
 
 
 def common_limits(loads: Iterable[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
@@ -125,8 +125,8 @@ def pressure_map(
         (ly, lx), (a, b) = side_lengths(height), ellipse
         outline = lx / 2 + a * np.cos(angle), ly / 2 + b * np.sin(angle)
     values = np.where(pressure > 0, pressure, np.nan)
-    beyond = False, bool((pressure > highest).any())
-    return _map(_PRESSURE, height, values, (0, highest), beyond, unit=unit, outline=outline)
+    extend = False, bool((pressure > highest).any())
+    return _map(_PRESSURE, height, values, (0, highest), extend, unit=unit, outline=outline)
 
 
 def gap_map(

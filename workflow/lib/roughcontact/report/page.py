@@ -107,16 +107,16 @@ def write_report(
         by_surface.setdefault(surface, {})[case or ""] = data
     # a placement stands with its pair, which comes last
     grouped = {str(name): group.name for group in groups for name in group.answer["map"].values}
-    every = list(series.values())
+    results = list(series.values())
     available = {_name(*key): data for key, data in series.items()}
     styles = _line_styles(series, series, grouped)
-    units, indices = glance_units(every), loads_to_compare(every)
-    shown = dict(zip(available, zip(series, styles, units, indices, strict=True), strict=True))
+    units, indices = glance_units(results), loads_to_compare(results)
+    by_name = dict(zip(available, zip(series, styles, units, indices, strict=True), strict=True))
     summaries = [read_summary(panel) for panel in panels]
     rows: list[dict[str, Any]] = []
     for panel in summaries:
         name, data = panel["name"], available[panel["name"]]
-        (surface, case), style, of_surface, index = shown[name]
+        (surface, case), style, of_surface, index = by_name[name]
         rows.append(
             {
                 **panel,
@@ -162,7 +162,7 @@ def write_report(
             settings,
             {(name, case or ""): float(data["mean_pressure"][0]) for (name, case), data in series.items()},
         ),
-        which_load=_which_load(indices, every),
+        which_load=_which_load(indices, results),
         comparisons=_comparisons(series, grouped, many=indexed),
         cases=_cases(by_surface, many=indexed, equal_loads=equal),
         unloadings=[
@@ -276,8 +276,8 @@ def _comparisons(
     remarks += ["Surfaces are colours, cases are line styles."] if any(case for _, case in categories) else []
     remarks += ["The maps of a group have one colour."] if grouped else []
     caption = " ".join([comparison_caption(over_pascals, pressure), *remarks]).strip()
-    image = compare_areas(over_pascals, ends=ends, pressure=pressure, kinds=categories)
-    second = compare_areas(over_relative, ends=ends, kinds=categories)
+    image = compare_areas(over_pascals, ends=ends, pressure=pressure, styles=categories)
+    second = compare_areas(over_relative, ends=ends, styles=categories)
     return [(image, caption), (second, f"{comparison_caption(over_relative)} {in_these_units}".strip())]
 
 
