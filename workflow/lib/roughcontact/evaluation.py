@@ -216,6 +216,7 @@ def over_mean_gap(statistics: xr.Dataset) -> xr.Dataset:
     return describe(table.assign_attrs(rms_height=sigma))
 
 
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")  # where the gap is closed
 def _ends_at_stated_gaps(
     columns: Mapping[str, np.ndarray], gap: np.ndarray, ends: Sequence[np.ndarray]
 ) -> dict[str, np.ndarray]:
@@ -225,9 +226,8 @@ def _ends_at_stated_gaps(
     one smaller by it. Beyond the least gap nothing flows, beyond the largest one nothing need touch; what is
     not known there is NaN.
     """
-    with np.errstate(divide="ignore", invalid="ignore"):  # gaps that are closed
-        position = np.log(gap)
-        closer, farther = (2 * position - np.log(end) for end in reversed(ends))
+    position = np.log(gap)
+    closer, farther = (2 * position - np.log(end) for end in reversed(ends))
 
     def at(name: str, shifted: np.ndarray) -> np.ndarray:
         closed, open_ = (np.nan, 0.0) if name == "mean_pressure" else (0.0, np.nan)
