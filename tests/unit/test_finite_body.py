@@ -36,6 +36,47 @@ def test_smooth_ball_is_that_of_hertz():
     assert answer["elastic_energy"].item() * area == pytest.approx(exact["energy"], rel=5e-3)
 
 
+def test_stresses_below_a_smooth_ball_are_those_of_hertz():
+    """Largest stresses on the axis (Johnson 1985, section 4.2): 0.310 p0 of shear at 0.48 a for nu = 0.3."""
+    steel = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "yield_stress": "700 MPa"}
+    contact = {"bodies": [steel, steel], "boundary": "free", "force": ["5 N", "40 N"]}
+    answer = rc.evaluate(ground(1e-10), contact=contact, form={"radius": "5 mm"})
+    for load, force in enumerate((5.0, 40.0)):
+        exact, numbers = hertz(force, 5e-3, 210e9 / 0.91 / 2), answer.isel(load=load)
+        largest = 2 * 0.31001 * exact["max_pressure"]
+        assert numbers["max_tresca_stress"].item() == pytest.approx(largest, rel=5e-3)
+        assert numbers["max_von_mises_stress"].item() == pytest.approx(largest, rel=5e-3)
+        depth = numbers["max_von_mises_depth"].item()
+        assert depth == pytest.approx(0.481 * exact["contact_radius"], rel=0.03)
+        middle = [(n - 1) / 2 * 5e-6 for n in (160, 200)]
+        assert numbers["max_von_mises_y"].item() == pytest.approx(middle[0], abs=1e-5)
+        assert numbers["max_von_mises_x"].item() == pytest.approx(middle[1], abs=1e-5)
+    # the force of first yield, where p0 = 700 MPa/0.62: F = pi^3 R^2 p0^3/(6 E*^2)
+    force = np.pi**3 * 25e-6 * (700e6 / 0.62) ** 3 / (6 * (210e9 / 1.82) ** 2)
+    first = answer["first_subsurface_yield_pressure"].item() * 160 * 200 * 25e-12
+    assert first == pytest.approx(force, rel=0.02)
+
+
+def test_volume_above_yield_of_a_body_is_over_the_area_of_the_map():
+    """The volume does not depend on how much of the flat around the contact is in the map."""
+    bodies = [{"youngs_modulus": 210e9, "poissons_ratio": 0.3, "yield_stress": 4e8}]
+    volumes = []
+    for points in (128, 192):
+        body = finite_body(ground(1e-12, (points, points)), radius=[5e-3])
+        contact = rc.solve_contact(body, **FREE | {"force": 2.0})
+        statistics = rc.contact_statistics(contact, bodies=bodies)
+        volumes.append(statistics["volume_above_yield"].item() * points**2)
+    assert volumes[0] == pytest.approx(volumes[1], rel=2e-3)
+
+
+def test_stresses_in_layers_of_a_body_are_refused():
+    film = {"thickness": 1e-6, "youngs_modulus": 4e11, "poissons_ratio": 0.2, "yield_stress": 5e9}
+    layered = {"youngs_modulus": 210e9, "poissons_ratio": 0.3, "layers": [film]}
+    contact = rc.solve_contact(finite_body(ground(1e-8, (64, 64)), radius=[5e-3]), **FREE | {"force": 0.2})
+    with pytest.raises(rc.SettingsError, match=r"stresses in layers .* finite size"):
+        rc.contact_statistics(contact, bodies=[layered, layered])
+
+
 def test_roughness_lowers_the_area_and_raises_the_pressure():
     answer = rc.evaluate(ground(1.5e-7), contact=FREE, form={"radius": ["5 mm", "10 mm"]})
     smooth = hertz_ellipse(5.0, (5e-3, 10e-3), 115e9)
@@ -180,7 +221,6 @@ def test_map_smaller_than_the_contact_is_refused_with_a_size():
         ({"contact": FREE | {"zero_frequency": "lattice"}}, r"contact.zero_frequency: the approach"),
         ({"form": {"radius": "5 mm"}}, r"form.radius .* contact.boundary = free"),
         ({"contact": FREE, "form": {"radius": [1, 2, 3]}}, r"form.radius"),
-        ({"contact": FREE, "statistics": {"stress": "always"}}, r"statistics.stress"),
     ],
 )
 def test_settings_that_do_not_fit(settings, message):

@@ -213,8 +213,6 @@ def _mistakes_in_finite_bodies(settings: Mapping[str, Any]) -> list[str]:
         mistakes.append("contact.bodies: layers are solved for periodic maps only, not for boundary: free")
     if contact["zero_frequency"] != "zero":
         mistakes.append("contact.zero_frequency: the approach of a finite body is absolute; leave it out")
-    if settings["statistics"]["stress"] == "always":
-        mistakes.append("statistics.stress = 'always': is of periodic maps, not of boundary: free")
     return mistakes
 
 

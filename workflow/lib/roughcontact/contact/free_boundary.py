@@ -44,6 +44,7 @@ class FreeSolution:
     floor: float  # of rounding
     steps: int
     applications: float  # of the operator, weighted by size over that of the map
+    passes: int  # solutions
 
 
 @dataclass
@@ -146,8 +147,9 @@ class FreeBody:
     def solve(self, force: float, *, tolerance: float) -> FreeSolution:
         """Return the contact under a force (N)."""
         region, ratio = self._first_region(force)
-        start, cell_tolerance, steps, applications = None, tolerance / ratio, 0, 0.0
-        for _ in range(MAX_PASSES):
+        start, cell_tolerance, steps, applications, passes = None, tolerance / ratio, 0, 0.0, 0
+        while passes < MAX_PASSES:
+            passes += 1
             cell = Cell(self, region, force)
             solved = cell.solve(start, tolerance=cell_tolerance)
             pressure = np.zeros(self.heights.shape)
@@ -168,7 +170,8 @@ class FreeBody:
         else:
             raise HeightMapError(f"the region of contact still grows after {MAX_PASSES} solutions")
         self._check_border(pressure, force)
-        return FreeSolution(pressure, gap, cell.approach, bound, cell.floor * ratio, steps, applications)
+        floor = cell.floor * ratio
+        return FreeSolution(pressure, gap, cell.approach, bound, floor, steps, applications, passes)
 
     def _first_region(self, force: float) -> tuple[Region, float]:
         """Return the region of contact by a coarse solution, and the ratio of its norms."""

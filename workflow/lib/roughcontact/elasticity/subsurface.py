@@ -1,10 +1,12 @@
 """Stresses below the surface of a half-space, or of a body with layers, wave by wave."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 
 from roughcontact.elasticity.layers import Stack, stress_amplitudes
+from roughcontact.elasticity.point_force import TAPER, PointForce, half_space_amplitudes
 from roughcontact.fourier import wavevectors
 from roughcontact.kernels.arrays import DOUBLE, empty
 from roughcontact.kernels.fft import make_plan
@@ -16,6 +18,7 @@ def subsurface_stress(
     *,
     poissons_ratio: float | None = None,
     body: Stack | None = None,
+    free: bool = False,
 ) -> Callable[..., np.ndarray]:
     """Return the function depth (m) -> stresses (6, ny, nx; Pa) below a frictionless pressure (ny, nx; Pa).
 
@@ -29,16 +32,28 @@ def subsurface_stress(
 
     The mean acts at every depth, with the lateral pressure ν/(1 - ν) of a constrained body. With layers the
     waves are those of `stress_amplitudes`; the function then takes the depth below the upper face of a
-    material, and its index.
+    material, and its index. `free`: without periodic images, on a half-space (`PointForce`).
     """
-    shape, mean = pressure.shape, float(pressure.mean())
+    inside = (slice(None), *(slice(n) for n in pressure.shape))
+    if free:
+        from scipy.fft import next_fast_len  # imported late: periodic maps need nothing of scipy
+
+        reach = float(np.hypot(*np.multiply(pressure.shape, steps)))
+        wide = [n + math.ceil(TAPER * reach / step) for n, step in zip(pressure.shape, steps, strict=True)]
+        pressure = np.pad(
+            pressure,
+            [(0, next_fast_len(m, real=True) - n) for n, m in zip(pressure.shape, wide, strict=True)],
+        )
+    shape, mean = pressure.shape, 0.0 if free else float(pressure.mean())
     plan = make_plan(pressure, DOUBLE)
     spectrum = plan.forward(np.subtract(pressure, mean, dtype=float)).copy()
     qy, qx = wavevectors(shape, steps)
     q = np.hypot(qy, qx)
+    force = PointForce(q, reach, min(steps) / 32) if free else None
     along_y, along_x = (
         np.divide(wavevector, q, out=np.zeros_like(q), where=q > 0) for wavevector in (qy, qx)
     )
+    along_y[0, 0] = along_x[0, 0] = np.sqrt(0.5)  # without a direction
     # a wave at the Nyquist limit has no sign, and no direction of its shear
     ny, nx = shape
     odd_y, odd_x = along_y.copy(), along_x.copy()
@@ -57,12 +72,13 @@ def subsurface_stress(
         """Return the stresses (6, ny, nx) at a depth."""
         ratio = ratios[material]
         if body is None:
-            reduced = q * depth
-            decay = np.exp(-reduced)
-            normal, shear, with_q = -(1 + reduced) * decay, -reduced * decay, (reduced - 1) * decay
+            amplitudes = half_space_amplitudes(q * depth, ratio)
+            if force is not None:
+                amplitudes[:, force.long] = force.amplitudes(depth, ratio)
+            normal, shear, with_q, crests = amplitudes
         else:
             normal, shear, with_q = layered(material, depth)
-        crests = ratio * (normal + with_q)
+            crests = ratio * (normal + with_q)
         components = (
             lambda: along_x**2 * with_q + along_y**2 * crests,
             lambda: along_y**2 * with_q + along_x**2 * crests,
@@ -77,7 +93,7 @@ def subsurface_stress(
         for index, component in enumerate(components):
             plan.inverse(component() * spectrum, stress[index])
             stress[index] += uniform[index]
-        return stress
+        return stress[inside]
 
     return stress_at
 

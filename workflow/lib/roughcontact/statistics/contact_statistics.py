@@ -176,8 +176,8 @@ def contact_statistics(
                 f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
             )
     check_solution(contact)
-    flow, stress = _extras(contact, flow, stress)
-    layers, body = layers_of(contact), _body_to_strain(stress, bodies)
+    flow, free = _flow_of(contact, flow, stress)
+    layers, body = layers_of(contact), _body_to_strain(stress, bodies, free)
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)
     mean_pressure = np.asarray(contact["mean_pressure"].values, float)
@@ -581,12 +581,13 @@ def _one_load(
         "influence": influence_of(contact),
         "layers": layers_of(contact),
     }
+    free = contact.attrs.get("boundary") == "free"
     pressure = contact["pressure"].isel(load=load).values
     touching = pressure > 0
     carried = pressure[touching]
     points = carried.size
     of_pressure = {
-        **({} if body is None else stress_columns(pressure, steps, **body)),
+        **({} if body is None else stress_columns(pressure, steps, free=free, **body)),
         "elastic_energy": elastic_energy(pressure, steps, **elastic),
         "pressure_density": density(carried, edges["pressure"]),
     }
@@ -670,21 +671,30 @@ def _inverse(compliance: float) -> float:
     return 1 / compliance if compliance > 0 else np.inf
 
 
-def _extras(contact: xr.Dataset, flow: Extra, stress: Extra) -> tuple[Extra, Extra]:
-    """Return whether flow and stress are computed: those of a finite body have neither sides nor a period."""
+def _flow_of(contact: xr.Dataset, flow: Extra, stress: Extra) -> tuple[Extra, bool]:
+    """Return the checked choice of the flow, and whether the body is of finite size, which has none."""
     check_choice("flow", flow, Extra)
     check_choice("stress", stress, Extra)
-    return ("never", "never") if contact.attrs.get("boundary") == "free" else (flow, stress)
+    free = contact.attrs.get("boundary") == "free"
+    return ("never" if free else flow), free
 
 
-def _body_to_strain(stress: Extra, bodies: Bodies | None) -> Mapping[str, Any] | None:
+def _body_to_strain(stress: Extra, bodies: Bodies | None, free: bool) -> Mapping[str, Any] | None:
     """Return the body whose stresses below the surface are computed; None where they are not wanted."""
     body = strained_body(check_bodies(bodies) if bodies and have_layers(bodies) else bodies) or {}
     deformable = body.get("poissons_ratio") is not None or bool(body.get("layers"))
     if stress == "always" and not deformable:
         raise SettingsError("stress = 'always' needs bodies, for their Poisson's ratios", keys=["stress"])
     limited = bool(body) and min(yield_stresses(body)) < np.inf
-    return body if stress == "always" or (stress == "auto" and deformable and limited) else None
+    if stress == "never" or (stress == "auto" and not (deformable and limited)):
+        return None
+    if free and body.get("layers"):
+        raise SettingsError(
+            "stresses in layers are computed for periodic maps, not for a body of finite size: set stress to "
+            "'never', or state the bodies without layers",
+            keys=["stress"],
+        )
+    return body
 
 
 def _bins(edges: dict[str, np.ndarray]) -> dict[Hashable, tuple]:

@@ -95,7 +95,9 @@ def largest_over_yield(statistics: Mapping[str, Any] | xr.Dataset, body: Body) -
     return np.asarray(statistics["max_von_mises_stress"]) / yield_stresses(body)[0]
 
 
-def stress_columns(pressure: np.ndarray, steps: tuple[float, float], **body: Any) -> dict[str, Any]:
+def stress_columns(
+    pressure: np.ndarray, steps: tuple[float, float], *, free: bool = False, **body: Any
+) -> dict[str, Any]:
     """Return the largest stresses (Pa) below a pressure (ny, nx; Pa), where they act, and their profile.
 
     `von_mises_profile` has the `profile_depths`, position and depth are in m; with layers, `material_...` has
@@ -103,18 +105,20 @@ def stress_columns(pressure: np.ndarray, steps: tuple[float, float], **body: Any
     each lower face. `volume_above_yield` (m), the volume by area beyond the yield stress (Pa), is infinite
     where the stress of the mean pressure alone exceeds it. Against sums over hundreds of depths of 290 maps,
     stresses are exact to 0.1 %, and the volume to 0.5 % at yield stresses of 0.6 to 0.95 of the largest
-    stress.
+    stress. `free`: of a body of finite size, below its contact and an eighth of the width beside it.
     """
     layered, limits = bool(body.get("layers")), yield_stresses(body)
+    region = _around(pressure > 0) if free else (slice(None), slice(None))
     stress_at = subsurface_stress(
-        pressure,
+        pressure[region],
         steps,
+        free=free,
         **({"body": stack_of(body)} if layered else {"poissons_ratio": body["poissons_ratio"]}),
     )
     sections = _depths(pressure.shape, steps, body)
     ratio = body.get("poissons_ratio") or 0.0
     uniform_stress = float(pressure.mean()) * (1 - 2 * ratio) / (1 - ratio)
-    unlimited = body.get("base") is None and uniform_stress > limits[-1]
+    unlimited = not free and body.get("base") is None and uniform_stress > limits[-1]
     volume, best, profile, shear = math.inf if unlimited else 0.0, [], [], 0.0
     faces = [0.0, *interface_depths(body)]
     for number, (depths, limit) in enumerate(zip(sections, limits, strict=True)):
@@ -126,17 +130,17 @@ def stress_columns(pressure: np.ndarray, steps: tuple[float, float], **body: Any
         best.append(max(largest, key=lambda candidate: candidate.von_mises))
         shear = max(shear, *(candidate.tresca for candidate in largest))
     largest_overall = max(best, key=lambda candidate: candidate.von_mises)
-    row, column = np.unravel_index(largest_overall.position, pressure.shape)
+    row, column = np.unravel_index(largest_overall.position, pressure[region].shape)
     columns: dict[str, Any] = {
         "max_von_mises_stress": largest_overall.von_mises,
         "max_von_mises_depth": largest_overall.depth,
-        "max_von_mises_x": column * steps[1],
-        "max_von_mises_y": row * steps[0],
+        "max_von_mises_x": (column + (region[1].start or 0)) * steps[1],
+        "max_von_mises_y": (row + (region[0].start or 0)) * steps[0],
         "max_tresca_stress": shear,
         "von_mises_profile": np.array(profile),
     }
     if min(limits) < math.inf:
-        columns["volume_above_yield"] = volume
+        columns["volume_above_yield"] = volume * pressure[region].size / pressure.size
     if not layered:
         return columns
     lower = [stress_at(layer["thickness"], number) for number, layer in enumerate(body["layers"])]
@@ -168,6 +172,16 @@ def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.D
     return extended.assign(
         material_first_yield_pressure=("material", [_reached(loads, ratio) for ratio in ratios])
     )
+
+
+def _around(touching: np.ndarray) -> tuple[slice, slice]:
+    """Return the rectangle (rows, columns) of the map around a contact, and a margin beside it."""
+    sides = []
+    for axis in (1, 0):
+        lines = np.flatnonzero(touching.any(axis=axis))
+        margin = 2 + (lines[-1] - lines[0]) // 8
+        sides.append(slice(max(int(lines[0] - margin), 0), int(lines[-1] + margin + 1)))
+    return sides[0], sides[1]
 
 
 def _rank(body: Body) -> tuple[float, bool, float]:

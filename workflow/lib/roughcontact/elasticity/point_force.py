@@ -1,0 +1,54 @@
+"""Stresses below a point force, wave by wave, in a cell where no image of the force acts.
+
+Up to the distance `reach` beside the force the stresses are those of the half-space (Boussinesq), beyond it
+they fade to zero (`roughcontact.elasticity.free_space` does so with displacements). Short waves keep the
+amplitudes that they have without the fade, those of long waves are Hankel transforms by quadrature.
+"""
+
+import numpy as np
+
+TAPER = 1.25  # distance where the stresses vanish over the distance up to which they are exact
+_LONG = 200.0  # |q| reach: shorter waves do not notice the fade, which is wider
+_NODES, _EVEN_PANELS = 16, 20  # of Gauss and Legendre's quadrature; panels between 0 and the end
+
+
+def half_space_amplitudes(reduced: np.ndarray, ratio: float) -> np.ndarray:
+    """Return the stresses (normal, shear, along q, along crests) of a unit wave at q z (Johnson, 13.2)."""
+    decay = np.exp(-reduced)
+    normal, with_q = -(1 + reduced) * decay, (reduced - 1) * decay
+    return np.array([normal, -reduced * decay, with_q, ratio * (normal + with_q)])
+
+
+class PointForce:
+    """The long waves of a cell, |q| in rad/m, and Bessel's functions of them at the nodes of a quadrature."""
+
+    def __init__(self, q: np.ndarray, reach: float, finest: float):
+        from scipy.special import jv  # imported late: stresses of periodic maps need nothing of it
+
+        self.long, self.shallow = q * reach < _LONG, finest
+        self.q, self.index = np.unique(q[self.long], return_inverse=True)
+        end = TAPER * reach
+        halved = end * 0.5 ** np.arange(np.ceil(np.log2(4 * end / finest)))
+        edges = np.union1d(np.linspace(0, end, _EVEN_PANELS + 1), halved)
+        points, weights = np.polynomial.legendre.leggauss(_NODES)
+        half = np.diff(edges)[:, None] / 2
+        self.r = (edges[:-1, None] + half * (1 + points)).ravel()
+        beyond = np.clip((self.r / reach - 1) / (TAPER - 1), 0, 1)
+        fade = 1 - beyond**3 * (10 - 15 * beyond + 6 * beyond**2)
+        self.bessel = [
+            jv(order, self.q[:, None] * self.r) * (half * weights).ravel() * fade for order in range(3)
+        ]
+
+    def amplitudes(self, depth: float, ratio: float) -> np.ndarray:
+        """Return the `half_space_amplitudes` (4, long waves) of faded stresses (Johnson 1985, eq. 3.19)."""
+        # nearer to the surface, what lies beyond the fade does not depend on the depth
+        z, r = max(depth, self.shallow), self.r
+        big = np.hypot(r, z)
+        slope, ring = (1 - 2 * ratio) * z / big**3, 3 * z * r**2 / big**5
+        normal = self.bessel[0] @ (-3 * z**3 * r / big**5)
+        shear = self.bessel[1] @ (-3 * z**2 * r**2 / big**5)
+        mean = self.bessel[0] @ (r * (slope - ring) / 2)
+        difference = self.bessel[2] @ (r * (slope + ring - 2 * (1 - 2 * ratio) / (big * (big + z))) / 2)
+        faded = np.array([normal, shear, mean + difference, mean - difference])
+        faded += half_space_amplitudes(self.q * depth, ratio) - half_space_amplitudes(self.q * z, ratio)
+        return faded[:, self.index]
