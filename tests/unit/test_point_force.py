@@ -44,7 +44,7 @@ def test_points_of_any_pressure_act_as_point_forces():
     """Four pixels below the surface the sum of Boussinesq's stresses, of an oblong map and uneven pixels."""
     shape, (dy, dx), nu, z = (20, 70), (1.0, 1.4), 0.25, 5.0
     pressure = np.random.default_rng(5).random(shape) * np.hanning(20)[:, None] * np.hanning(70)
-    found = subsurface_stress(pressure, (dy, dx), poissons_ratio=nu, free=True)(z)
+    stress = subsurface_stress(pressure, (dy, dx), poissons_ratio=nu, free=True)(z)
     y, x = np.indices(shape) * np.array([dy, dx])[:, None, None]
     for row, column in ((0, 0), (9, 35), (19, 69), (4, 60)):
         across, along = y[row, column] - y, x[row, column] - x
@@ -66,7 +66,7 @@ def test_points_of_any_pressure_act_as_point_forces():
                 (rr - tt) * tangent,
             )
         ]
-        np.testing.assert_allclose(found[:, row, column], exact, atol=2e-5)
+        np.testing.assert_allclose(stress[:, row, column], exact, atol=2e-5)
 
 
 def test_short_waves_do_not_notice_the_fade():
