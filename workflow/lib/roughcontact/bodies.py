@@ -11,26 +11,7 @@ _MATERIAL = ("youngs_modulus", "poissons_ratio")
 
 
 def check_bodies(bodies: Sequence[str | Mapping[str, Any]], *, where: str = "bodies") -> list[dict[str, Any]]:
-    """Return bodies whose numbers are checked; numbers in text are converted.
-
-    Parameters
-    ----------
-    bodies : sequence of one or two names or mappings
-        name of a material (`roughcontact.material`); or `youngs_modulus` (Pa) and `poissons_ratio` of the
-        body, or `base` = "rigid"; `layers` bonded to it, from the surface inwards, each with `thickness`
-        (m), `youngs_modulus` and `poissons_ratio`. A second body that is not given is rigid. Other
-        properties are kept as they are.
-    where : str
-        key of the bodies in error messages.
-
-    Returns
-    -------
-    list of dict
-
-    Raises
-    ------
-    SettingsError
-        for a property that is missing, impossible or contradicts another one.
+    """Return one or two bodies (named, or with Pa, m, layers from the surface inwards) as checked numbers.
 
     Examples
     --------
@@ -44,17 +25,12 @@ def check_bodies(bodies: Sequence[str | Mapping[str, Any]], *, where: str = "bod
             f"{where} = {bodies!r}: give a list of two bodies, or of one on a rigid counter-body",
             keys=[where],
         )
+    # a second body that is not given is rigid; other properties are kept as they are
     return [_checked(body, f"{where}[{index}]") for index, body in enumerate(named_bodies(bodies))]
 
 
 def have_layers(bodies: Sequence[Mapping[str, Any]] | None) -> bool:
-    """Return whether one of the bodies of the settings, if there are any, has layers.
-
-    Examples
-    --------
-    >>> have_layers(None), have_layers([{"layers": [{"thickness": 1e-6}]}, {}])
-    (False, True)
-    """
+    """Return whether one of the bodies of the settings, if there are any, has layers."""
     return any(body.get("layers") for body in bodies or ())
 
 

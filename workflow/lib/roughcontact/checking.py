@@ -20,15 +20,9 @@ FEWEST_POINTS = 16  # of a map whose contact may mean something
 
 
 def check_labelled(height: object) -> "xr.DataArray":
-    """Return a height map as it is, or raise an error: no labels, no real numbers, no positions.
+    """Return a height map as it is, or refuse one without labels, real numbers, positions or two points.
 
     The attribute `source_file` names it in the message.
-
-    Raises
-    ------
-    HeightMapError
-        for an array without labels, for text, complex numbers or true and false, for other dimensions, for
-        a map without coordinates or with others than numbers, or for fewer than two points.
 
     Examples
     --------
@@ -94,12 +88,7 @@ def check_periodic_solution(contact: "xr.Dataset") -> None:
 
 
 def check_map(height: "xr.DataArray") -> "np.ndarray":
-    """Return a copy of the heights (m) as float64, NaN where not finite, or raise an error.
-
-    Raises
-    ------
-    HeightMapError
-        as `check_labelled`, without any measured point, or for heights beyond those of any surface.
+    """Return a copy of the heights (m) as float64, NaN where not finite, or raise a HeightMapError.
 
     Examples
     --------
@@ -123,22 +112,9 @@ def check_map(height: "xr.DataArray") -> "np.ndarray":
 
 
 def warn_of_map(shape: tuple[int, ...], rms_gradient: float, *, stacklevel: int = 4) -> None:
-    """Warn the caller of a public function of a map that is unlike any measured surface.
+    """Warn the caller of a public function of fewer than 16 points, or an rms gradient above 3.
 
-    It changes no number.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        (ny, nx).
-    rms_gradient : float
-    stacklevel : int
-        distance of the caller to warn; 4 of functions that convert their arguments (`in_si`).
-
-    Warns
-    -----
-    HeightMapWarning
-        For fewer than 16 points, or an rms gradient above 3.
+    `stacklevel` is the distance of the caller to warn; 4 of functions that convert their arguments (`in_si`).
     """
     ny, nx = shape
     if ny * nx < FEWEST_POINTS:
@@ -158,24 +134,7 @@ def warn_of_map(shape: tuple[int, ...], rms_gradient: float, *, stacklevel: int 
 
 
 def check_choice(key: str, value: object, choices: Any) -> None:
-    """Raise an error, with the nearest valid word, where a value is not among the choices.
-
-    `key` is the name of the setting or argument, `choices` a type of `roughcontact.choices`.
-
-    Raises
-    ------
-    SettingsError
-        where `value` is none of them.
-
-    Examples
-    --------
-    >>> from roughcontact.choices import Fill
-    >>> check_choice("fill", "harmonic", Fill)
-    >>> check_choice("fill", "harmonics", Fill)
-    Traceback (most recent call last):
-    ...
-    roughcontact.errors.SettingsError: fill = 'harmonics': did you mean 'harmonic'? choose harmonic or none
-    """
+    """Raise a SettingsError, with the nearest valid word, where a value is not among the choices."""
     admitted = get_args(choices)
     if value in admitted:
         return
@@ -198,11 +157,6 @@ def check_lay(lay: object) -> None:
 
 def check_positive(name: str, value: Any, *, unit: str) -> float:
     """Return a value, a number or text, as a float where it is a finite positive number in `unit`.
-
-    Raises
-    ------
-    SettingsError
-        where it is not a number, infinite, NaN, zero, negative, or beyond any physical quantity.
 
     Examples
     --------
@@ -229,11 +183,6 @@ def check_positive(name: str, value: Any, *, unit: str) -> float:
 
 def marker_values(stated: float | str | None, where: str = "missing_value") -> list[float]:
     """Return the numbers that the user states for missing points, one or several between blanks.
-
-    Raises
-    ------
-    SettingsError
-        For a text that is no number.
 
     Examples
     --------

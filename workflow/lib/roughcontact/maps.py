@@ -98,31 +98,14 @@ def height_map(
 
 
 def pitches(spacing: float | str | Sequence[float | str]) -> tuple[float, float]:
-    """Return the pitches (dy, dx) of both axes, from one for both or from two; text with a unit in m.
-
-    Examples
-    --------
-    >>> pitches(2), pitches((3.0, 1.0))
-    ((2.0, 2.0), (3.0, 1.0))
-    """
+    """Return the pitches (dy, dx) of both axes, from one for both or from two; text with a unit in m."""
     steps = np.broadcast_to(np.asarray(spacing, dtype=object), 2)
     dy, dx = (float(quantity_in("m", "spacing", step)) for step in steps)
     return dy, dx
 
 
 def spacing(height: xr.DataArray) -> tuple[float, float]:
-    """Return the pitches (dy, dx) of an evenly spaced map, from its coordinates and in their unit.
-
-    The pitch of an axis with a single cell is not in its coordinate; it is then that of the other axis (a
-    profile represents a surface that does not vary across it, so the value only scales its width, on which no
-    result may depend).
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> spacing(height_map(np.zeros((2, 5)), (3.0, 1.0))), spacing(height_map(np.zeros((1, 5)), (3.0, 1.0)))
-    ((3.0, 1.0), (1.0, 1.0))
-    """
+    """Return the pitches (dy, dx) of an evenly spaced map, from its coordinates and in their unit."""
     steps = {}
     for axis in ("y", "x"):
         values = height.get_index(axis).values  # thirty times as fast as height[axis]
@@ -130,14 +113,14 @@ def spacing(height: xr.DataArray) -> tuple[float, float]:
             steps[axis] = float(values[-1] - values[0]) / (values.size - 1)
     if not steps:
         return 1.0, 1.0
+    # the pitch of a single cell is that of the other axis: a profile does not vary across, and no result may
+    # depend on its width
     only_step = next(iter(steps.values()))
     return steps.get("y", only_step), steps.get("x", only_step)
 
 
 def side_lengths(height: xr.DataArray) -> tuple[float, float]:
-    """Return the lengths (y, x) of both sides of an evenly spaced map, in the unit of its coordinates.
-
-    That of a single cell is its pitch.
+    """Return the lengths (y, x) of both sides of an evenly spaced map, one pitch for a single cell.
 
     Examples
     --------
@@ -150,25 +133,14 @@ def side_lengths(height: xr.DataArray) -> tuple[float, float]:
 
 
 def refined(window: xr.DataArray, factor: int) -> xr.DataArray:
-    """Return a periodic map (y, x; m) at `factor` times as many points per axis, by its own Fourier series.
-
-    Every `factor`-th point is a point of the map. The wave at the Nyquist limit of an even side is shared
-    between both signs, so that the series is real and interpolates the points. An axis of one point keeps its
-    point and its pitch.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> wave = height_map(np.cos(np.pi / 2 * np.arange(4))[None, :], 1.0)
-    >>> print(np.round(refined(wave, 2).values[:, 1::2], 3))
-    [[ 0.707 -0.707 -0.707  0.707]]
-    """
+    """Return a periodic map (y, x; m) at `factor` times as many points per axis, by its Fourier series."""
     values = window.values
     for axis, points in enumerate(values.shape):
         if points == 1 or factor == 1:
             continue
         spectrum = np.fft.rfft(values, axis=axis)
         if points % 2 == 0:
+            # the Nyquist wave is shared between both signs: the series is real and interpolates
             np.moveaxis(spectrum, axis, 0)[-1] /= 2
         values = np.fft.irfft(spectrum, points * factor, axis=axis) * factor
     steps = [step / factor if n > 1 else step for n, step in zip(window.shape, spacing(window), strict=True)]

@@ -1,7 +1,6 @@
 """Plausible ranges of moduli, loads and hardness of real materials, and detection of wrong units.
 
-A value outside its range was mostly meant in another unit. A `Doubt` says so and suggests the intended value;
-the caller decides whether it is an error.
+A `Doubt` suggests the value that was meant in another unit; the caller decides whether it is an error.
 """
 
 from collections.abc import Mapping, Sequence
@@ -49,21 +48,7 @@ class Doubt(NamedTuple):
 
 
 def contact_modulus(bodies: Sequence[Mapping[str, Any]]) -> float:
-    """Return the plane-strain contact modulus (Pa) of two bodies, 1/E* = sum of (1 - nu^2)/E.
-
-    Each body has `youngs_modulus` (Pa) and `poissons_ratio`, and may have `layers` from the surface inwards,
-    of which the first counts: E* is that of the surfaces.
-
-    References
-    ----------
-    .. [1] K. L. Johnson (1985), Contact Mechanics, eq. (4.4).
-
-    Examples
-    --------
-    >>> steel = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
-    >>> f"{contact_modulus([steel, steel]):.4g}"
-    '1.154e+11'
-    """
+    """Return E* (Pa) of two bodies, 1/E* = sum of (1 - nu^2)/E at the surface (Johnson 1985, eq. (4.4))."""
     surfaces = [surface_of(body) for body in bodies]
     return 1 / sum((1 - surface["poissons_ratio"] ** 2) / surface["youngs_modulus"] for surface in surfaces)
 
@@ -99,10 +84,7 @@ def doubt_of_modulus(modulus: float) -> Doubt | None:
 
 
 def doubt_of_gel(modulus: float, pressures: Sequence[float]) -> Doubt | None:
-    """Return a doubt about a contact modulus E* (Pa) in the range of gels that the loads contradict, or None.
-
-    Many gels are as soft, so that the number alone is no evidence; a pressure (Pa; the loads, and the
-    hardness where there is one) that no gel bears may be.
+    """Return a doubt about an E* (Pa) as soft as a gel, which does not bear the pressures (Pa), or None.
 
     Examples
     --------
@@ -122,19 +104,7 @@ def doubt_of_gel(modulus: float, pressures: Sequence[float]) -> Doubt | None:
 
 
 def doubt_of_body(youngs_modulus: float, poissons_ratio: float) -> Doubt | None:
-    """Return a doubt about an implausible Young's modulus (Pa) of a body, or None.
-
-    A rigid body has `RIGID` or more; gels have a Poisson's ratio near 0.5.
-
-    Examples
-    --------
-    Steel, given in MPa instead of Pa; a gel; a rigid body.
-
-    >>> doubt_of_body(2.1e5, 0.3).meant
-    (210000000000.0,)
-    >>> doubt_of_body(2.1e5, 0.5) is None, doubt_of_body(1e20, 0.3) is None
-    (True, True)
-    """
+    """Return a doubt about an implausible Young's modulus (Pa) of a body, or None, as for a rigid one."""
     if youngs_modulus >= RIGID:
         return None
     if SOFTEST <= youngs_modulus < GEL and poissons_ratio < GEL_POISSONS_RATIO:
@@ -180,10 +150,7 @@ def doubt_of_load(mean_pressure: float, contact_modulus: float) -> Doubt | None:
 
 
 def doubt_of_hardness(hardness: float, modulus: float) -> Doubt | None:
-    """Return a doubt about an implausible hardness (Pa), or None.
-
-    The modulus (Pa) is Young's modulus of the body, or the contact modulus, which is not above it by much and
-    is no upper limit: it may be that of the other body.
+    """Return a doubt about a hardness (Pa) implausible beside a modulus (Pa) of one of the bodies, or None.
 
     Examples
     --------
@@ -194,6 +161,7 @@ def doubt_of_hardness(hardness: float, modulus: float) -> Doubt | None:
         share = number(hardness / modulus, digits=2)
         reason = f"{quantity(hardness, 'Pa')} is {share} of the modulus, softer than lead"
         factors: Sequence[float] = (_GIGA, _MEGA)
+    # the modulus is no upper limit: it may be that of the other body
     elif hardness > HARDEST * STIFFEST:
         reason = f"{quantity(hardness, 'Pa')} is harder than diamond"
         factors = (1 / _KILO, 1 / _MEGA)

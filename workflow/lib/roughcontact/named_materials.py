@@ -54,17 +54,10 @@ def material(name: str) -> dict[str, Any]:
 
 
 def named_bodies(bodies: Sequence[Any]) -> list[Any]:
-    """Return bodies with names of materials replaced by their properties.
+    """Return bodies with names of materials replaced by their properties; what a mapping states goes before.
 
-    A body is a name, or a mapping whose `material` is one: what else it states goes before the table. So is a
-    layer with its `thickness`; the hardness is that of the outermost one, where it has a name.
-    Conductivity and resistivity are taken from the table only where all bodies and layers have them.
-
-    Examples
-    --------
-    >>> bodies = named_bodies(["steel", {"material": "PTFE", "youngs_modulus": 6e8}])
-    >>> [body["youngs_modulus"] for body in bodies]
-    [207000000000.0, 600000000.0]
+    Conductivity and resistivity are taken from the table only where all bodies and layers have them; the
+    hardness is that of the outermost layer with a name.
     """
     stated = [{"material": body} if isinstance(body, str) else body for body in bodies]
     full: list[Any] = []
@@ -100,14 +93,7 @@ def modulus_uncertainty(
 ) -> float | None:
     """Return the relative uncertainty of E* by the ranges of the named materials, None without a named one.
 
-    `stated` are the bodies as the settings name them, `bodies` the same with all numbers (SI). The
-    half-ranges of Young's moduli, weighted by the shares of the bodies in 1/E*, add in quadrature. A body
-    with layers counts by its first layer.
-
-    Examples
-    --------
-    >>> modulus_uncertainty(["steel", "PTFE"], named_bodies(["steel", "PTFE"]))
-    0.15
+    The half-ranges of Young's moduli of the surfaces, weighted by their shares in 1/E*, add in quadrature.
     """
     total, uncertain = 0.0, []
     for name, body in zip(stated, bodies, strict=True):

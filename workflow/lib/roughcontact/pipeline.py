@@ -1,8 +1,6 @@
 """The chain from a height map to numbers: level, cut out a periodic window, solve and count, bound the error.
 
-The scripts of the workflow, `roughcontact solve` and `roughcontact.evaluate` all use it, so that they give
-the same numbers. Reading, levelling and windowing are one function each; the later steps have several parts,
-which are here.
+Workflow, `roughcontact solve` and `roughcontact.evaluate` all use it, so that they give the same numbers.
 """
 
 from collections.abc import Callable, Mapping
@@ -49,15 +47,11 @@ StatisticsFunction = Callable[[xr.Dataset], xr.Dataset]
 
 
 class Chain(NamedTuple):
-    """The results of the chain for one map.
+    """The results of the chain for one map."""
 
-    `levelled`, `window` (y, x) in m: the map without form and outliers, and the periodic part of it that was
-    solved; `statistics`: the content of statistics.nc, with its provenance.
-    """
-
-    levelled: xr.DataArray
-    window: xr.DataArray
-    statistics: xr.Dataset
+    levelled: xr.DataArray  # (y, x), m
+    window: xr.DataArray  # (y, x), m, the periodic part that was solved
+    statistics: xr.Dataset  # the content of statistics.nc
 
 
 def run_chain(
@@ -68,12 +62,10 @@ def run_chain(
     progress: Callable[[int, int | None, str], None] = lambda solved, total, text: None,
     fields: Path | None = None,
 ) -> Chain:
-    """Run the chain on a map in memory.
+    """Run the chain on a map (y, x; m) with the complete sections of the settings (`resolve`).
 
-    `height` (y, x) in m: as `read_height_map` returns it; `settings`: the `SECTIONS`, complete, as `resolve`
-    returns them; `threads`: threads of the solver; `progress`: called as ``progress(done, total, text)``
-    before each part, and after each load; `fields`: of the file for the solution with its maps, contact.nc.
-    Raises `RoughContactError`: as its parts raise it: `level`, `periodic_window`, `solve_contact`.
+    `progress(done, total, text)` is called before each part and after each load; `fields` is the file for the
+    solution with its maps, contact.nc.
     """
     progress(0, None, "levelling")
     levelled = levelled_heights(height, settings["level"])
@@ -116,11 +108,7 @@ def mean_pressures(window: xr.DataArray, solver: Mapping[str, Any]) -> list[floa
 
 
 def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> dict[str, Any]:
-    """Return the keyword arguments of `solve_contact` from the section `contact` of the settings.
-
-    The window is the map to be solved, for targets and for loads relative to its rms gradient.
-
-    Raises `HeightMapError`: for relative loads and targets on a flat map; it names the measured file.
+    """Return the keyword arguments of `solve_contact` from the section `contact`, for the solved window.
 
     Examples
     --------
@@ -159,11 +147,7 @@ def bound_error(
     solver: Mapping[str, Any],
     solved: xr.Dataset | None = None,
 ) -> xr.Dataset:
-    """Return the `error_budget` of a solution, which is computed again where `solved` is not given.
-
-    Uses the levelled map, the window, the sections `level`, `window`, `contact`, `uncertainty`,
-    `instrument` of the settings, the solver arguments of `solver_arguments`, and `Solved.for_budget`.
-    """
+    """Return the `error_budget` of a solution (`Solved.for_budget`), computed again where it is not given."""
     if "force" in solver:
         inputs = solve_contact(window, **solver, reduce=budget_inputs) if solved is None else solved
         options = {key: settings["uncertainty"][key] for key in ("sources", "windows")}
@@ -187,16 +171,11 @@ def bound_error(
 
 
 class Solved(NamedTuple):
-    """What is kept of a solution.
+    """What is kept of a solution, without fields."""
 
-    `solution`: the numbers of the solver for each load, without fields; `statistics`: as of
-    `contact_statistics`; `for_budget`: as of `budget_inputs`; None where the settings ask for no source of
-    uncertainty.
-    """
-
-    solution: xr.Dataset
-    statistics: xr.Dataset
-    for_budget: xr.Dataset | None
+    solution: xr.Dataset  # the numbers of the solver
+    statistics: xr.Dataset  # of `contact_statistics`
+    for_budget: xr.Dataset | None  # of `budget_inputs`; None without sources of uncertainty
 
 
 def solve_and_evaluate(
@@ -206,11 +185,9 @@ def solve_and_evaluate(
     *,
     store: StatisticsFunction | None = None,
 ) -> Solved:
-    """Solve the contact load by load, and compute the statistics of each solution before the next one.
+    """Solve a periodic window (y, x; m) load by load, and count each solution before the next one.
 
-    `window` (y, x) in m: periodic; `settings`: the sections `contact` (only its `bodies` are used here),
-    `statistics` and `uncertainty`; `solver`: from `solver_arguments`; `progress` may be added; `store`:
-    receives the solution of each load, with its fields: `LoadByLoad.keep`.
+    `solver` is from `solver_arguments`; `store` receives each solution with its fields (`LoadByLoad.keep`).
     """
     count, bounded = statistics_of_settings(window, settings), bool(settings["uncertainty"]["sources"])
     statistics: dict[float, xr.Dataset] = {}
@@ -236,11 +213,7 @@ def solve_and_evaluate(
 
 
 def statistics_of_settings(window: xr.DataArray, settings: Settings) -> StatisticsFunction:
-    """Return the function that computes the statistics of solutions of one map.
-
-    It takes the dataset of a solution with its fields and returns one as of `contact_statistics`. Numbers of
-    the map are computed once. The sections `contact` and `statistics` of the settings are used.
-    """
+    """Return the function from a solution to `contact_statistics`, by the sections of the settings."""
     contact = settings["contact"]
     return statistics_function(
         window,
@@ -255,9 +228,7 @@ def complete_statistics(
 ) -> xr.Dataset:
     """Return the statistics with first yield, intervals, subsurface stresses, verdicts and reasons.
 
-    `statistics`: of `solve_and_evaluate`; `window` (y, x) in m: the solved map, with the attributes of
-    reading, levelling and windowing; `budget`: of `bound_error`, for the same loads; `settings`: the section
-    `contact`; `threads`: of the solutions on the way to first yield.
+    `window` (y, x; m) has the attributes of reading, levelling and windowing, `budget` the same loads.
     """
     yielding = with_first_yield(statistics, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])

@@ -83,15 +83,7 @@ def quantity_in(base: str, name: str, value: Any) -> Any:
 def labelled_in_si(labelled: _Labelled) -> _Labelled:
     """Return a map, or a dataset of maps, with lengths in m and pressures in Pa, by the attributes `units`.
 
-    Raises
-    ------
-    HeightMapError
-        for heights or positions in another unit than one of length.
-
-    Warns
-    -----
-    HeightMapWarning
-        where some of heights and positions are in a unit other than m, and others have none.
+    A unit of something else is refused; units on some of heights and positions alone give a warning.
 
     Examples
     --------

@@ -420,14 +420,13 @@ _AXES = {
 def values_at_load(statistics: xr.Dataset, index: int) -> dict[str, np.ndarray]:
     """Return the plain values of all variables at one load; those of no load as they are.
 
-    Looking up a variable of a dataset takes a hundred times as long, since it gathers its coordinates.
-
     Examples
     --------
     >>> statistics = xr.Dataset({"contact_modulus": 1e9, "mean_gap": ("load", [2e-7, 1e-7])})
     >>> values_at_load(statistics, 1)["mean_gap"].item()
     1e-07
     """
+    # looking up a variable of a dataset, with its coordinates, takes a hundred times as long
     return {
         str(name): variable.values.take(index, variable.dims.index("load"))
         if "load" in variable.dims
@@ -437,32 +436,10 @@ def values_at_load(statistics: xr.Dataset, index: int) -> dict[str, np.ndarray]:
 
 
 def describe(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a dataset with `units` and `long_name` on every variable, from the table `VARIABLES`.
+    """Return a copy of a dataset with `units` and `long_name` of `VARIABLES` on every variable (CF).
 
-    Longer explanations are in the `comment`. The bounds of bins are described by the bins, as the
-    CF conventions have it; `x`, `y` and `depth` get their `axis`, flags their `flag_values` and
-    `flag_meanings`.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        whose variables all stand in the table.
-
-    Returns
-    -------
-    Dataset
-        a copy; the values are shared.
-
-    Raises
-    ------
-    RoughContactError
-        where a variable is not in the table: no file has a variable without a description.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> describe(xr.Dataset({"mean_gap": ("load", [2e-7])}))["mean_gap"].attrs
-    {'long_name': 'mean of the gap over the window', 'units': 'm'}
+    A variable that is not in the table is refused. Longer explanations are in `comment`; `x`, `y` and `depth`
+    get their `axis`, flags their `flag_values` and `flag_meanings`, and bins describe their bounds.
     """
     unknown = [name for name in dataset.variables if name not in VARIABLES]
     if unknown:

@@ -39,16 +39,7 @@ _HEADINGS = {
 
 
 def add_settings(parser: ArgumentParser) -> None:
-    """Add an option for each setting of the stages to the parser of `roughcontact solve`.
-
-    Examples
-    --------
-    >>> parser = ArgumentParser()
-    >>> add_settings(parser)
-    >>> options = parser.parse_args(["--level-form", "mean"])
-    >>> getattr(options, "level.form")
-    'mean'
-    """
+    """Add an option for each setting of the stages to the parser of `roughcontact solve`."""
     groups = {section: parser.add_argument_group(heading) for section, heading in _HEADINGS.items()}
     elasticity, loads = (groups["contact"].add_mutually_exclusive_group() for _ in range(2))
     together = {"contact_modulus": elasticity} | dict.fromkeys(_LOADS, loads)
@@ -90,17 +81,7 @@ def add_body(parser: ArgumentParser | _ArgumentGroup) -> None:
 
 
 def bodies_of(texts: Sequence[Sequence[str]]) -> list[str | dict[str, Any]]:
-    """Return the two bodies, as in the configuration, from what `--body` was given.
-
-    Raises `SettingsError` where it is not given twice, or where a body is neither a name nor its numbers.
-
-    Examples
-    --------
-    >>> bodies_of([["210GPa", "0.3"], ["4GPa", "0.4", "0.3GPa"]])[1]["hardness"]
-    '0.3GPa'
-    >>> bodies_of([["steel", "layer=2um,180GPa,0.2"], ["NBR"]])[0]["layers"]
-    [{'thickness': '2um', 'youngs_modulus': '180GPa', 'poissons_ratio': '0.2'}]
-    """
+    """Return the two bodies, as in the configuration, from what `--body` was given."""
     if len(texts) != 2:
         times = "once" if len(texts) == 1 else f"{len(texts)} times"
         raise SettingsError(f"--body is given {times}; give it twice, one for each body")
@@ -124,10 +105,7 @@ def bodies_of(texts: Sequence[Sequence[str]]) -> list[str | dict[str, Any]]:
 def keyed(
     option: str, words: Sequence[str], *, names: Sequence[str] = (), by_name: Sequence[str] = ()
 ) -> dict[str, str]:
-    """Return values by their keys, from KEY=VALUE, before which the values of `names` may stand alone.
-
-    So may as many as `by_name` has, which then are those. Raises `SettingsError` for a value without a
-    key, and for a key that occurs twice.
+    """Return values by their keys, from KEY=VALUE, after those of `names` (or `by_name`) without a key.
 
     Examples
     --------
@@ -146,18 +124,7 @@ def keyed(
 
 
 def chosen_settings(options: Namespace) -> dict:
-    """Return the full settings of a single case, as `resolve` does, from options that `add_settings` added.
-
-    Raises `SettingsError` for values that the settings do not accept.
-
-    Examples
-    --------
-    >>> parser = ArgumentParser()
-    >>> add_settings(parser)
-    >>> settings = chosen_settings(parser.parse_args(["--contact-modulus", "1e9", "--level-form", "mean"]))
-    >>> settings["contact"]["contact_modulus"], settings["level"]["form"]
-    (1000000000.0, 'mean')
-    """
+    """Return the full settings of a single case, as `resolve` does, from options of `add_settings`."""
     names = [f"{section}.{key}" for section, key, _, _ in _options()]
     stated = {name: value for name in names if (value := getattr(options, name)) is not None}
     words: dict[str, Any] = {"null": None, "['[]']": []}  # as in a configuration
@@ -173,15 +140,7 @@ def chosen_settings(options: Namespace) -> dict:
 
 
 def in_options(error: SettingsError) -> str:
-    """Return the message of an error about settings as one sentence that names options.
-
-    Several mistakes are separated by semicolons.
-
-    Examples
-    --------
-    >>> in_options(SettingsError("level.order = 0: give 1 or more", keys=["level.order"]))
-    '--level-order = 0: give 1 or more'
-    """
+    """Return the message of an error about settings as one sentence that names options."""
     return "; ".join(_with_options(mistake) for mistake in error.mistakes or (error,))
 
 

@@ -67,16 +67,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the program and return its exit code, one of those at the head of this module.
-
-    The arguments are by default those of the command line.
-
-    Examples
-    --------
-    >>> main(["inspect", "--json", "nowhere.x3p"])
-    []
-    2
-    """
+    """Run the program and return its exit code, one of those at the head of this module."""
     if arguments is None:  # the process is this program's own
         collect_rarely()
         arguments = sys.argv[1:]

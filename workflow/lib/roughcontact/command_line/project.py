@@ -29,12 +29,10 @@ def write_project(
     contact: Mapping[str, Any] | None = None,
     statistics: Mapping[str, Any] | None = None,
 ) -> list[Path]:
-    r"""Write settings and a table of surfaces into the folder `config` of the working directory.
+    r"""Write settings and a table of the measured files into the folder `config`; return the written files.
 
-    `files`: measured files; each becomes a row of the table, named after the file; `contact`: `bodies` and
-    `mean_pressure`, and `statistics`: `seal`, `joint` or `friction`, as far as they are known; otherwise
-    examples stand there as comments. Returns the written files. Raises `SettingsError` where one of them
-    already exists, a measured file is missing, or for settings that are not accepted.
+    `contact` (`bodies`, `mean_pressure`) and `statistics` (`seal`, `joint`, `friction`) may be known; else
+    examples stand there as comments.
 
     Examples
     --------
@@ -70,11 +68,7 @@ def write_project(
 
 
 def files_in(paths: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return the given files, and in the place of a folder those in it that can be measurements, by name.
-
-    `paths`: files and folders. Returns these files, each once and those of the working directory as seen from
-    there, and those of the folders that were left out, but for hidden ones.
-    """
+    """Return the files, of folders those that can be measurements, and those left out but for hidden ones."""
     files: list[Path] = []
     skipped: list[str] = []
     for path in map(Path, paths):

@@ -34,9 +34,9 @@ class RuleArguments:
     def file_of(self, name: str, *, earlier: bool = False) -> InputFunction | list[str] | str:
         """Return the input function of a file: the own one, or that of the first case with the same settings.
 
-        There is none where only pairs have it, and with `earlier` where it is the own one. Without pairs and
-        cases it is text, which Snakemake takes in less time.
+        None where only pairs have it, or with `earlier` where it is the own one.
         """
+        # text takes Snakemake less time
         if not self.plan.placements and len(self.plan.cases) == 1:
             return [] if earlier or name == "counter_height" else f"results/{{result}}/{name}.nc"
 
@@ -48,17 +48,15 @@ class RuleArguments:
         return file
 
     def sources_of(self, rule: Rule, local: Callable[[str], str]) -> InputFunction | list[str]:
-        """Return the input function of measured files, `local` ones even where results have a prefix.
-
-        Two kinds are left out, whose content counts all the same, by its checksum: those from the future, by
-        a wrong clock, since every result would be older, and those with braces, which mark wildcards.
-        """
+        """Return the input function of measured files, `local` ones even where results have a prefix."""
         if not self._reads(rule):
             return []
 
         @_with_signature
         def files(wildcards: Any) -> list[str]:
             time_now = time.time()
+            # left out, but counted by checksum: files from the future, by a wrong clock, and braces, which
+            # mark wildcards
             paths = [path for path in self.plan.sources(rule, wildcards.result) if "{" not in path]
             return [local(path) for path in paths if Path(path).stat().st_mtime <= time_now]
 

@@ -1,8 +1,7 @@
 """One run at a time in a folder, and whether the last one was killed.
 
-A run locks .snakemake/running as long as it or the Snakemake that it starts lives. The system releases the
-lock when both have ended, in whatever way: by this a job knows that its run has ended (`_job.py`). The file
-names computer, process and run; a run that ends by itself leaves it empty, a killed one does not.
+A run, or its Snakemake, locks .snakemake/running; the system releases the lock when both have ended, by which
+a job knows it. The file names computer, process and run, and is empty unless the run was killed.
 """
 
 import os
@@ -20,26 +19,20 @@ _TRIES = 20  # tenths of a second in which a run that ends releases its lock
 
 @dataclass
 class RunLock:
-    """The lock of a run; without one, where a folder or a system has none, there is no `name`.
+    """The lock of a run; without one, where a folder or a system has none, there is no `name`."""
 
-    `files`: descriptors that Snakemake has to inherit; `name`: computer, process and time of the run, as the
-    file has them; `killed`: whether the last run was killed; `ended`: whether this one has ended by itself.
-    """
-
-    files: list[int] = field(default_factory=list)
-    name: str = ""
-    killed: bool = False
-    ended: bool = True
+    files: list[int] = field(default_factory=list)  # descriptors that Snakemake has to inherit
+    name: str = ""  # computer, process and time of the run
+    killed: bool = False  # the last run was killed
+    ended: bool = True  # this one has ended by itself
 
 
 @contextmanager
 def run_lock(folder: Path, *, unlocks: bool = False) -> Iterator[RunLock]:
     """Lock a folder for one run; a SettingsError where another one is at work there.
 
-    Snakemake started by itself has a lock of its own, which Snakemake reports; jobs of a killed run end
-    within tenths of a second, before Snakemake has started again.
-
-    `unlocks`: whether the user states that no run is at work there, on another computer.
+    `unlocks`: the user states that no run is at work there, on another computer. Snakemake reports its own
+    lock.
     """
     path = folder / ".snakemake/running"
     try:

@@ -50,13 +50,9 @@ def workflow_file() -> Path:
 
 
 def run_workflow(arguments: Sequence[str]) -> int:
-    """Run the workflow in the working directory, on all cores unless the arguments say otherwise.
+    """Run the workflow in the working directory with arguments for Snakemake; return its exit status.
 
-    A run that was killed is continued; a bad file stops only its own surface.
-
-    `arguments`: for Snakemake. Returns the exit status of Snakemake. Raises `SettingsError` where a run
-    cannot begin: Snakemake, a configuration file or the right to write is missing. Raises `InputFileError`
-    for results that are not as they were written; a run would leave them as they are.
+    On all cores by default; a killed run is continued; a bad file stops only its own surface.
     """
     options = stated_options(arguments)
     _check_start(options)
@@ -150,17 +146,14 @@ def _cache(folder: Path) -> dict[str, str]:
 
 
 def _wait(command: Sequence[str], folder: Path, lock: RunLock) -> int:
-    """Run a command to its end, even after an interruption, which the command has received as well.
-
-    A termination has reached this process alone: it interrupts the command and ends its jobs. The exit status
-    is then that of a terminated program.
-    """
+    """Run a command to its end, even after an interruption, and return its exit status."""
     run = lock.name or str(os.getpid())
     variables = os.environ | _cache(folder) | {_RUN: run}  # for its jobs
     variables["PYTHONSAFEPATH"] = "1"  # nothing in the working folder is code, for this command and its jobs
     process: subprocess.Popen | None = None
     terminated = False
 
+    # a termination has reached this process alone: it interrupts the command and ends its jobs
     def terminate(*_: object) -> None:
         nonlocal terminated
         if process and not terminated:

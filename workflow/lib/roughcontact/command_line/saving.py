@@ -57,16 +57,7 @@ _LINKS_BESIDE = re.compile(", or see <a .*? beside this page")  # what the page 
 
 
 def check_output(output: Path, files: Sequence[str]) -> None:
-    """Raise a SettingsError where results cannot be written there, before anything is solved.
-
-    Examples
-    --------
-    >>> try:
-    ...     check_output(Path("result.doc"), ["ground.txt"])
-    ... except SettingsError as error:
-    ...     print(error)
-    -o result.doc: end it with one of .nc, .csv, .xlsx, .html, .png, .vti, .tiff, .gsf
-    """
+    """Raise a SettingsError where results cannot be written there, before anything is solved."""
     _check_ending(output, CONTENT_BY_ENDING)
     if len(files) > 1:
         raise SettingsError(
@@ -85,11 +76,7 @@ def _check_ending(output: Path, endings: Collection[str]) -> None:
 
 
 def export(folder: Path, output: Path) -> None:
-    """Write a result of a finished run, the folder of its statistics.nc, as another kind of file.
-
-    Raises `SettingsError` for an ending that is none of `EXPORTED_BY_ENDING`, `InputFileError` where the
-    folder has no result, or no maps of one.
-    """
+    """Write a result of a finished run, the folder of its statistics.nc, as another kind of file."""
     _check_ending(output, EXPORTED_BY_ENDING)
     if not (folder / "statistics.nc").is_file():
         raise InputFileError(f"{folder}: has no statistics.nc; name the folder of a surface in the results")

@@ -32,13 +32,9 @@ Progress = Callable[[int, int | None, str], None]
 def solve_files(
     paths: Sequence[str | Path], given: Mapping[str, Any], settings: Mapping[str, Any], *, threads: int = 1
 ) -> dict[str, Any]:
-    """Solve several maps of a finish, and return their headline numbers and those of the group.
+    """Solve several maps of a finish; return `maps` (`solve_file`) and the numbers of the `group` (SI).
 
-    `paths`: measured height maps, two or more; `given`, `settings`, `threads`: as of `solve_file`, for all
-    maps. Returns `maps` (a result of `solve_file` each), `group`: `loads` (one dict per load, name -> number,
-    those of the intervals included), `maps` (number), `range` (whether the ends are those of a range),
-    `remarks` (sentences), `units`; for maps that are no group `maps` and the reason, `none`. Raises
-    `RoughContactError` as `solve_file` does.
+    For maps that are no group `none` has the reason.
     """
     solved = [_solved(path, given, settings, threads=threads) for path in paths]
     maps = [result for result, _ in solved]
@@ -71,34 +67,10 @@ def solve_file(
     threads: int = 1,
     output: Path | None = None,
 ) -> dict[str, Any]:
-    """Read, level, window and solve one map, and return the headline numbers as plain values in SI units.
+    """Read, level, window and solve one map; return the headline numbers as plain values in SI units.
 
-    Parameters
-    ----------
-    path : str or Path
-        a measured height map.
-    given : dict
-        keyword arguments of `read_height_map`.
-    settings : dict
-        as `roughcontact.configuration.resolve` returns them, for one case.
-    threads : int
-        threads of the Fourier transforms.
-    output : Path, optional
-        of a file for the results, of which `saving` has the kinds.
-
-    Returns
-    -------
-    dict
-        `file`, `source_sha256`, `measured`, `levelled` (removed and filled points), `window` (numbers of
-        points), `surface` (name -> number),
-        `loads` (one dict per load, name -> number, `{name}_uncertainty` -> source -> half-width, with the
-        words `flags`, `verdict` and `reasons`), `units` (name -> unit), `checks` (name, outcome, sentence),
-        `verdict`, `verdicts` (answer -> verdict), `warnings` (sentences), `settings`.
-
-    Raises
-    ------
-    RoughContactError
-        for a file, a setting or a map that a stage rejects, or a load that misses the tolerance.
+    `given` are arguments of `read_height_map`, `settings` one case of `resolve`; `output` is a file of one of
+    the kinds of `saving`.
     """
     return _solved(path, given, settings, threads=threads, output=output)[0]
 

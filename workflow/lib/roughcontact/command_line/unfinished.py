@@ -1,7 +1,6 @@
 """Report after a run in which surfaces have failed: `python -m roughcontact.command_line.unfinished`.
 
-The workflow calls it when it ends with an error, with configuration and folders as JSON on standard input. It
-writes the partial report and names the missing surfaces.
+The workflow calls it with configuration and folders as JSON; it names the missing surfaces.
 """
 
 import json

@@ -15,13 +15,11 @@ _SPLINE_MARGIN = 24  # points; the influence on a cubic spline falls by a factor
 
 
 class Face:
-    """A map as a function of position, interpolated between its points and continued if periodic.
+    """A map (y, x; m; NaN missing) as a function of position, interpolated, continued if periodic.
 
-    `height` (y, x) in m: from `level`, NaN where missing; `name`: of its file; `periodic`: whether the map is
-    periodic; `values` (ny, nx) in m: heights; with the form restored if its removal made the map aperiodic;
-    `filled` (ny, nx): mask of filled points; `shape` (ny, nx); `step` (dy, dx) in m; `lengths` (y, x) in m:
-    sides, one step longer than the distance from the first to the last point; `middle` (y, x) in m: middle of
-    the map in its own coordinates.
+    `values` (ny, nx; m) have the form restored if its removal made the map aperiodic; `filled` is the mask of
+    filled points, `step` (dy, dx; m), `lengths` (y, x; m) the sides, one step longer than from first to last
+    point.
 
     Examples
     --------

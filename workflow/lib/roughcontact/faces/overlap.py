@@ -13,11 +13,7 @@ _ANGLE_TOLERANCE = 1e-9  # sine or cosine below which two axes count as parallel
 
 
 def check_pair(lower: Face, upper: Face, shift: Sequence[float], rotation: float) -> None:
-    """Raise an error for two faces that cannot be combined at this shift (y, x; m) and rotation (degree).
-
-    Raises `HeightMapError`: for a map and a profile. Raises `SettingsError`: for an invalid shift or
-    rotation.
-    """
+    """Refuse a map and a profile, and an invalid shift (y, x; m) or rotation (degree) of two faces."""
     name = pair_name(lower, upper)
     across = [n == 1 for n in lower.shape]
     if across != [n == 1 for n in upper.shape]:
@@ -86,12 +82,10 @@ def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
 def common_grid(
     lower: Face, upper: Face, turn: tuple[float, float], shift: Sequence[float]
 ) -> list[np.ndarray]:
-    """Return the grid [y, x] (m, relative to the middle of the lower face) on the overlap of both faces.
+    """Return the grid [y, x] (m, from the middle of the lower face) on the overlap of both faces.
 
-    It is the grid of the lower face, refined along an axis where the upper face has the smaller step. `turn`
-    (cosine, sine) and `shift` (y, x; m) are those of the upper face.
-
-    Raises `HeightMapError`: for fewer than two points along an axis, or more points than a map may have.
+    It is that of the lower face, refined along an axis where the upper face, at (cosine, sine) and `shift`
+    (y, x; m), has the smaller step.
     """
     name = pair_name(lower, upper)
     steps = along_axes(upper.step, turn) or (min(upper.step),) * 2

@@ -1,8 +1,7 @@
 """What profiles tell of a surface: its spectrum, and the distributions of heights and slopes.
 
-Surfaces are drawn with the amplitudes of the spectrum and the ranks of the distributions in turns (Schreiber
-and Schmitz, 1996, Phys. Rev. Lett. 77, 635). Their slopes along x and y have the distribution that those of
-the profiles have at the same height: plateaus are flat, flanks of pits steep.
+Surfaces are drawn with both in turns (Schreiber and Schmitz 1996, Phys. Rev. Lett. 77, 635); their slopes
+have the distribution of those of the profiles at the same height: plateaus are flat, flanks of pits steep.
 """
 
 from typing import NamedTuple
@@ -26,20 +25,11 @@ _SORTED = 16  # every so manieth rank is interpolated between
 
 
 class Finish(NamedTuple):
-    """A spectrum, and heights and slopes over their standard deviation.
-
-    Attributes
-    ----------
-    spectrum : Spectrum
-    heights : array (scores,)
-        at `_SCORES`.
-    slopes : array (classes, ranks)
-        between neighbouring points, for each class of height from the lowest.
-    """
+    """A spectrum, and heights and slopes over their standard deviation."""
 
     spectrum: Spectrum
-    heights: np.ndarray
-    slopes: np.ndarray
+    heights: np.ndarray  # (scores,), at `_SCORES`
+    slopes: np.ndarray  # (classes of height, lowest first; ranks), of neighbouring points
 
 
 def finish_of(profiles: np.ndarray, fit: ProfileFit) -> Finish:

@@ -1,14 +1,9 @@
 """Scatter of the results of surfaces behind profiles, and the arms of their intervals.
 
-The members are surfaces drawn from pieces of the profiles that are chosen anew: they scatter by their phases,
-by the spectrum of few profiles, and by the heights, tails included, that these happen to show. What spectrum,
-heights and slopes do not hold is calibrated: profiles were cut out of maps, measured and made ones, and the
-error e of each result, on its scale, was held against the standard deviation s of the members.
-The arms are q sqrt(s^2 + c^2) about the mean of the members, with the spread c of the errors beyond s, and a
-quantile q of |e|/sqrt(s^2 + c^2) of 95 %, in which made and measured maps weigh the same (split conformal
-prediction).
-
-`calibration.json` is written by `benchmarks/profiles.py`; its data are `benchmarks/results/profiles`.
+The members are surfaces drawn from pieces of the profiles, with standard deviation s. The arms are q sqrt(s^2
++ c^2) about their mean, c the spread beyond s of the errors e of profiles cut out of maps, and q the 95 %
+quantile of |e|/sqrt(s^2 + c^2) (split conformal prediction). `calibration.json` is written by
+`benchmarks/profiles.py`.
 """
 
 import json
@@ -57,8 +52,7 @@ def scatter_of_surfaces(
 ) -> Scatter:
     """Return the scatter of the results of surfaces that profiles (number, x; m) leave open, about the mean.
 
-    `window` is the surface that was solved, with the results `values`, quantity -> array (load); `number` is
-    that of the members. Of `arguments`, those of the window, the members have the band of waves.
+    `values` (quantity -> (load)) are results of the solved `window`, `number` that of the members.
     """
     load = loads_of(contact)
     solved = few_loads(load)

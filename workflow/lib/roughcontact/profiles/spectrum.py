@@ -1,20 +1,12 @@
 """The isotropic spectrum of a surface from profiles of it, by non-negative least squares.
 
-The spectral density of a surface is a sum of hat functions of ln f with factors a >= 0,
+    C(f) = sum_j a_j r_j hat_j(ln f) f_j^3 / f^3,     y_b = sum_j A_bj a_j + error,     a >= 0,
 
-    C(f) = sum_j a_j r_j hat_j(ln f) f_j^3 / f^3,     y_b = sum_j A_bj a_j + error,
-
-y_b being the mean periodogram of the profiles in a band of frequencies. A has the whole way from the surface
-to y: the integral over the waves of all directions that a line crosses at one frequency, the polynomial that
-levelling has removed from each line, and the taper. What was removed of the long waves is therefore put back.
-The errors are those of a chi-square variable; the second differences of a are damped by a factor that
-cross-validation over the bands chooses.
-
-References
-----------
-Nayak (1971), J. Lubr. Technol. 93, 398, for the spectra of a surface and of its profiles; Lawson and Hanson
-(1974), Solving Least Squares Problems, chapter 23; Wahba (1990), Spline Models for Observational Data,
-chapter 4.
+y_b the mean periodogram in a band. A is the way from the surface to y: the integral over all directions that
+a line crosses at one frequency (Nayak 1971, J. Lubr. Technol. 93, 398), the removed polynomial, the taper:
+what was removed of long waves is put back. Errors are those of chi-square (Lawson and Hanson 1974, Solving
+Least Squares Problems, chapter 23), second differences of a are damped by cross-validation (Wahba 1990,
+Spline Models for Observational Data, chapter 4).
 """
 
 from itertools import pairwise
@@ -39,22 +31,12 @@ _HIGHEST = np.sqrt(0.5)  # cycles per point, in the corner of a grid
 
 
 class Spectrum(NamedTuple):
-    """The spectrum of a surface; frequencies in cycles per point of the profiles, heights in m.
+    """The spectrum of a surface; frequencies in cycles per point of the profiles, heights in m."""
 
-    Attributes
-    ----------
-    frequency, density : array (hats,)
-        density (m^2 points^2) at its nodes, where density times frequency^3 is linear in ln f.
-    band : array (bands,)
-        frequencies of the mean periodograms of the profiles.
-    fitted : array (bands + 2,)
-        what the spectrum makes of the periodograms, and of the mean squares of steps and heights.
-    """
-
-    frequency: np.ndarray
-    density: np.ndarray
-    band: np.ndarray
-    fitted: np.ndarray
+    frequency: np.ndarray  # (hats,)
+    density: np.ndarray  # (hats,), m^2 points^2; times frequency^3 it is linear in ln f
+    band: np.ndarray  # (bands,), of the mean periodograms
+    fitted: np.ndarray  # (bands + 2,), periodograms, mean squares of steps and heights
 
     def at(self, frequency: np.ndarray) -> np.ndarray:
         """Return the density at some frequencies, cycles per point; 0 at 0 and beyond the last node."""
@@ -67,12 +49,8 @@ class Spectrum(NamedTuple):
 class ProfileFit:
     """Periodograms of profiles (number, points; m), and the way to them from the spectrum of a surface.
 
-    Attributes
-    ----------
-    band : array (bands,)
-        frequencies.
-    measured, freedom : array (bands + 2,)
-        mean periodograms (m^2 points), mean squares of steps and heights (m^2), and degrees of freedom.
+    `band` (bands,) are frequencies, `measured` (bands + 2,) mean periodograms (m^2 points) and mean squares
+    of steps and heights (m^2), with their degrees of `freedom`.
     """
 
     def __init__(self, profiles: np.ndarray, order: int) -> None:

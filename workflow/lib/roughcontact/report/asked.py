@@ -13,10 +13,7 @@ _TARGETS = {"percolation": "the load at which the gap closes", "first_yield": "t
 def describe_problem(
     settings: Mapping[str, Any], changed: Mapping[str, Sequence[str]] | None = None
 ) -> list[tuple[str, str]]:
-    """Return for each case of a run (an empty name where there are none) what it asks.
-
-    These are its bodies, its loads, and of `changed` the settings that differ from their defaults, by case.
-    `settings` are those of the run, or of each case by its name.
+    """Return for each case of a run ("" without cases) its bodies, loads, and `changed` settings.
 
     Examples
     --------
@@ -47,7 +44,7 @@ def same_loads(settings: Mapping[str, Any]) -> bool:
 def planned_in_words(settings: Mapping[str, Any], lightest: Mapping[tuple[str, str], float]) -> str:
     """Return what it means that planned loads are as light as a sheet, nothing where none is.
 
-    `lightest` has the lowest mean pressure (Pa) of each surface under each case ("" where there are none).
+    `lightest` has the lowest mean pressure (Pa) of each surface under each case ("" without cases).
 
     Examples
     --------

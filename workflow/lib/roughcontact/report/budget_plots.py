@@ -41,18 +41,10 @@ def shown_budget(
 ) -> dict[str, Any] | None:
     """Return figures, tables and notes of the error budget of a surface; None where it has none.
 
-    `numbers` are the statistics of one surface with `{quantity}_uncertainty` (load, source), `loads` the
-    indices of those whose components and intervals are listed, `extent` is the setting. The result has
-    `images`, for each quantity its name and its figure (a data URI), `header` and `rows` of the table, as
-    text, `components` and `intervals`, tables of the same form, `beyond`, lines on the area beyond band and
-    map, `magnification`, the figures of the results by the shortest wave, and notes: `notes` on how the parts
-    were found and which are missing, `converged` on the waves.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> shown_budget(xr.Dataset({"mean_gap": ("load", [1e-6])})) is None
-    True
+    `loads` are the indices of those whose components and intervals are listed. `images` has the figure (data
+    URI) of each quantity, `header` and `rows` the table, as `components` and `intervals`; `beyond` is on the
+    area beyond band and map, `magnification` on the shortest wave, `notes` on missing parts, `converged` on
+    the waves.
     """
     if "source" not in numbers.dims:
         return None

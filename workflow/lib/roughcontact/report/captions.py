@@ -14,14 +14,7 @@ from roughcontact.report.units import unit_of
 
 
 def area_caption(numbers: xr.Dataset) -> str:
-    """Return the contact area at the lowest and at the highest load.
-
-    Examples
-    --------
-    >>> areas = {"mean_pressure": ("load", [1e6, 5e6]), "relative_contact_area": ("load", [0.01, 0.05])}
-    >>> area_caption(xr.Dataset(areas | {"area_xu": ("load", [0.01, 0.04])}))
-    '1.00 % of the area touch at 1.00 MPa, 5.00 % at 5.00 MPa; the theory of Xu et al. says 4.00 % there.'
-    """
+    """Return the contact area at the lowest and at the highest load."""
     areas, xu = numbers["relative_contact_area"].values, numbers.get("area_xu")
     first, last = (percent(float(area)) for area in (areas[0], areas[-1]))
     text = _at_extreme_loads(numbers, [f"{first} of the area touch", last])
@@ -31,14 +24,7 @@ def area_caption(numbers: xr.Dataset) -> str:
 
 
 def gap_caption(numbers: xr.Dataset) -> str:
-    """Return the mean gap at the lowest and at the highest load.
-
-    Examples
-    --------
-    >>> gaps = {"mean_pressure": ("load", [1e6, 5e6]), "mean_gap": ("load", [2e-6, 5e-7])}
-    >>> gap_caption(xr.Dataset(gaps | {"rms_height": 1e-6}))
-    'The mean gap is 2.00 µm at 1.00 MPa, 0.500 µm at 5.00 MPa: 2.00 and 0.500 of the rms height.'
-    """
+    """Return the mean gap at the lowest and at the highest load."""
     gaps, rms = numbers["mean_gap"].values, float(numbers["rms_height"])
     first, last = (unit_of(numbers, "m").text(float(gap)) for gap in (gaps[0], gaps[-1]))
     text = _at_extreme_loads(numbers, [f"The mean gap is {first}", last])
@@ -47,14 +33,7 @@ def gap_caption(numbers: xr.Dataset) -> str:
 
 
 def pressure_caption(numbers: xr.Dataset) -> str:
-    """Return mean and largest pressure at the lowest and highest load, and where the hardness is reached.
-
-    Examples
-    --------
-    >>> loads = {"mean_pressure": ("load", [1e6, 5e6]), "mean_contact_pressure": ("load", [1e8, 2e8])}
-    >>> pressure_caption(xr.Dataset(loads | {"max_pressure": ("load", [3e8, 4e8])}))
-    'Mean pressure in contact 100 MPa at 1.00 MPa, 200 MPa at 5.00 MPa; largest 400 MPa at 5.00 MPa.'
-    """
+    """Return mean and largest pressure at the lowest and highest load, and where the hardness is reached."""
     averages, largest = (numbers[name].values for name in ("mean_contact_pressure", "max_pressure"))
     pressure = unit_of(numbers, "Pa").text
     first, last = (pressure(float(mean)) for mean in (averages[0], averages[-1]))
@@ -131,20 +110,10 @@ def reading_of(numbers: xr.Dataset, *names: str) -> str:
 def comparison_caption(
     series: Sequence[tuple[str, np.ndarray, np.ndarray]], pressure: Unit | None = None
 ) -> str:
-    """Return the surfaces with the least and the most contact at the highest load that all have in common.
+    """Return the surfaces with least and most contact at the highest common load of (name, loads, areas).
 
-    `series` has a (name, loads, relative contact areas) for each surface, loads rising: mean pressures (Pa)
-    shown in the unit `pressure`, or relative pressures without one. Areas are interpolated between loads that
-    were solved. Empty for a single surface, and where the loads of some surfaces lie below those of others.
-
-    Examples
-    --------
-    >>> loads = np.array([1e6, 5e7])
-    >>> series = [("ground", loads, np.array([0.1, 0.3])), ("turned", loads, np.array([0.1, 0.5]))]
-    >>> comparison_caption(series, Unit(1e-6, "MPa"))
-    'At p̄ = 50.0 MPa, 30.0 % (ground) to 50.0 % (turned) of the area touch.'
-    >>> comparison_caption([("soft", loads / 1e6, np.array([0.2, 0.7])), series[0]])
-    ''
+    Loads rise, mean pressures (Pa) in the unit `pressure`, or relative ones without. Empty for one surface,
+    and where loads do not overlap.
     """
     if len(series) < 2:
         return ""

@@ -33,20 +33,11 @@ class _Shared(NamedTuple):
 
 
 def case_table(cases: Mapping[str, xr.Dataset], *, equal_loads: bool = False) -> dict[str, Any] | None:
-    """Return the numbers of one surface under several cases, with their differences.
+    """Return the numbers of one surface under several cases, with their differences; None for a single case.
 
-    `cases` maps names to statistics of the surface, loads rising. The two cases of each pair (`case_pairs`)
-    are compared at the loads that they share (`shared_loads`), in order where all cases ask for the same ones
-    (`equal_loads`) and both are as many. The ± of a difference leaves out what both share
-    (`case_differences`).
-
-    Returns
-    -------
-    dict or None
-        `cases`, their names; `differences`, those of the columns beside them; `groups`, for each quantity its
-        `title` and `rows` of cells: mean pressure (in E* g, or that of each case, where the cases differ in
-        it), the value under each case, the differences in percent; `apart`, a sentence on the pairs that
-        share no load; `surfaces`, how many are compared. None for a single case.
+    The pairs of `case_pairs` are compared at `shared_loads`, in order where all cases ask for `equal_loads`,
+    without what both share (`case_differences`). `groups` has `title` and `rows` of each quantity, `apart` a
+    sentence on pairs that share no load.
 
     Examples
     --------
@@ -67,10 +58,8 @@ def case_medians(
 ) -> dict[str, Any] | None:
     """Return medians over many surfaces under each case, and those of the differences between cases.
 
-    Each of `surfaces` maps names of cases to statistics, loads rising; those that lack a case are left out,
-    and those whose cases share other loads than those of the first. The result is as of `case_table`, each
-    cell with the 10th and 90th percentile, a difference also with the number of surfaces for which it exceeds
-    its ±, where that is known. None where there is a single case, or no surface under all of them.
+    As of `case_table`, with the 10th and 90th percentile, and how many differences exceed their ±; surfaces
+    that lack a case or share other loads are left out. None for a single case, or no surface under all.
     """
     names = list(dict.fromkeys(name for surface in surfaces for name in surface))
     complete = [{name: result[name] for name in names} for result in surfaces if len(result) == len(names)]
@@ -188,18 +177,14 @@ def _change(
     *,
     many: bool,
 ) -> str:
-    """Return the difference of a surface under two cases with its interval; of `many` the median.
-
-    It is in percent, from tenfold on a factor for a single surface.
-
-    With the median stands of how many surfaces the difference is larger than its interval.
-    """
+    """Return the difference of a surface under two cases in percent with its interval, or the median."""
     first, second = (
         np.array([float(data[name].values[start]) for data, start in entry]) for entry in (loads, remaining)
     )
     with np.errstate(divide="ignore", invalid="ignore"):
         change, low, high = (100 * (ratio - 1) for ratio in (second / first, *np.transpose(ends)))
     change, low, high = (np.where(np.abs(entry) < _DUST, 0.0, entry) for entry in (change, low, high))
+    # with of how many surfaces the difference is larger than its interval
     if many:
         available = np.isfinite(low) & np.isfinite(high)
         clear = available & ((low > 0) | (high < 0))

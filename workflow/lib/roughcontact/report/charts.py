@@ -1,8 +1,7 @@
 """Charts as SVG text: axes, lines, marks, pictures with a colour bar; each becomes the source of an image.
 
-A source is a data URI, the same for the same data, so that a page needs no other file and does not change
-when it is drawn again. A page shows some twenty charts of every surface: written as text, each takes about a
-millisecond and a few kilobytes.
+A source is a data URI, the same for the same data: a page needs no other file. Some twenty charts of every
+surface take about a millisecond and a few kilobytes each.
 """
 
 import html
@@ -51,27 +50,15 @@ Rectangle = tuple[float, float, float, float]  # left, top, width, height
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis: what it shows, from where to where.
+    """One axis: what it shows, from where to where."""
 
-    Attributes
-    ----------
-    label : str
-        with the unit.
-    low, high : float
-        its ends; `low` is at the left or at the bottom, also where it is the larger.
-    log : bool
-        logarithmic.
-    """
-
-    label: str
-    low: float
+    label: str  # with the unit
+    low: float  # at the left or at the bottom, also where it is the larger
     high: float
     log: bool = False
 
     def place(self, values: float | np.ndarray) -> np.ndarray:
-        """Return the positions of values, 0 at the lower end and 1 at the upper one.
-
-        NaN for NaN and, on a logarithmic axis, for values that are not positive.
+        """Return the positions of values, 0 at the lower end and 1 at the upper one, NaN beyond a logarithm.
 
         Examples
         --------
@@ -156,37 +143,16 @@ def tick_text(value: float) -> str:
 
 @dataclass
 class Chart:
-    """Two axes and what is drawn between them.
-
-    Attributes
-    ----------
-    x, y : Axis
-        below and at the left.
-    top : Axis or None
-        another scale for x.
-    title : str
-        above the chart.
-    size : (width, height)
-        of the whole, in pixels where it is shown at its own size.
-    margins : (left, top, right, bottom) or None
-        room around the axes; None for what their labels take.
-    grid : bool
-        whether lines go through from the ticks.
-    reading : dict
-        what a script needs beside the axes to read values of a picture (`map_plots.framed`); with these it is
-        written as JSON.
-    steps : list of (str, dict)
-        what was drawn, for another program that draws (`roughcontact.plot`): method, keyword arguments.
-    """
+    """Two axes and what is drawn between them."""
 
     x: Axis
     y: Axis
-    top: Axis | None = None
+    top: Axis | None = None  # another scale for x
     title: str = ""
-    size: tuple[float, float] = (430.0, 360.0)
-    margins: Rectangle | None = None
-    grid: bool = True
-    reading: dict[str, Any] = field(default_factory=dict)
+    size: tuple[float, float] = (430.0, 360.0)  # of the whole, pixels
+    margins: Rectangle | None = None  # room around the axes (left, top, right, bottom); None: for labels
+    grid: bool = True  # lines go through from the ticks
+    reading: dict[str, Any] = field(default_factory=dict)  # what a script needs to read values of a picture
     steps: list[tuple[str, dict[str, Any]]] = field(default_factory=list)
     _drawn: list[str] = field(default_factory=list)
     _colour_bar_svg: list[str] = field(default_factory=list)
@@ -210,10 +176,9 @@ class Chart:
         label: str = "",
         read: bool = True,
     ) -> None:
-        """Draw a line through points, interrupted at NaN.
+        """Draw a line through points, interrupted at NaN; `width` in pixels, `dash` of dashes and gaps.
 
-        `width` is in pixels, `dash` has the lengths of dashes and gaps (empty: solid), `label` stands in the
-        legend (empty: not listed); `read`: whether values can be read from it.
+        `label` stands in the legend (empty: not listed); `read`: values can be read from it.
         """
         self.note("line", x=x, y=y, colour=colour, width=width, dash=dash, label=label)
         style = _stroke(colour, width, dash)
@@ -234,10 +199,9 @@ class Chart:
         dash: str = "",
         listed: bool = True,
     ) -> None:
-        """Draw marks at points, each one of `MARKERS`, filled or as an outline.
+        """Draw marks at points, each one of `MARKERS`, joined by a line of that width (pixels), none for 0.
 
-        `joined` is the width (pixels) of a line through the marks, with its `dash`; none for 0. `listed`:
-        whether the label stands in the legend, too, and not only beside values that are read.
+        `listed`: the label stands in the legend, too, and not only beside values that are read.
         """
         if joined:
             self.line(x, y, colour=colour, width=joined, dash=dash, read=False)
@@ -364,15 +328,7 @@ class Chart:
         ]
 
     def source(self) -> str:
-        """Return the chart as a data URI, with its legend below it.
-
-        Examples
-        --------
-        >>> chart = Chart(Axis("load", 1, 100, log=True), Axis("area", 0, 1))
-        >>> chart.line(np.array([1.0, 100.0]), np.array([0.1, 0.9]), colour=COLOURS[0])
-        >>> chart.source()[:24]
-        'data:image/svg+xml,%3Csv'
-        """
+        """Return the chart as a data URI, with its legend below it."""
         left, top, width, height = area = self.area
         total = self.size[1]
         components = [

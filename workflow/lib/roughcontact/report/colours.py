@@ -46,33 +46,9 @@ def colour_scale(name: str) -> list[str]:
 def coloured(
     values: np.ndarray, limits: tuple[float, float], colours: str, *, bad: str = "#ffffff"
 ) -> tuple[str, bool]:
-    """Return an array as a picture, its first row at the top.
+    """Return an array as the data URI of a PNG, first row at the top, and whether its points are few.
 
-    Every point is drawn, of up to two million. A finer array is drawn as it looks from afar: every point of
-    the picture is the mean of several, and has its part of the colour of bad points, so that these keep their
-    share.
-
-    Parameters
-    ----------
-    values : array (rows, columns)
-        NaN where bad.
-    limits : (float, float)
-        values of the lowest and of the highest colour; beyond them the colour stays.
-    colours : {"viridis", "cividis", "magma"}
-    bad : str
-        colour of bad points, ``#rrggbb``.
-
-    Returns
-    -------
-    source : str
-        data URI of a PNG.
-    coarse : bool
-        whether points should be shown as rectangles, since there are few.
-
-    Examples
-    --------
-    >>> coloured(np.array([[0.0, 1.0], [np.nan, 0.5]]), (0.0, 1.0), "viridis")[0][:22]
-    'data:image/png;base64,'
+    `limits` are values of the first and last colour, `bad` the colour of NaN.
     """
     missing = np.isnan(values)
     span = limits[1] - limits[0]
@@ -82,6 +58,7 @@ def coloured(
     level[missing] = 0.0
     together = max(math.ceil(math.sqrt(values.size / POINTS)), math.ceil(max(values.shape) / _LONGEST))
     share = missing
+    # beyond two million points each of the picture is the mean of several, with its part of bad ones
     if together > 1:
         level, share = _averaged(level, missing, together)
     steps = _SHARES if together > 1 and missing.any() else 2

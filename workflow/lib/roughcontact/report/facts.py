@@ -25,11 +25,7 @@ from roughcontact.statistics.friction import slip_in_words
 def surface_facts(
     measured: xr.DataArray, levelled: xr.DataArray, window: xr.DataArray, numbers: xr.Dataset
 ) -> list[tuple[str, str]]:
-    """Return the facts of a surface as (name, text), in the order of the page; unknown ones are left out.
-
-    `measured`, `levelled` and `window` (y, x; m) are the map after each stage, with the attributes of that
-    stage; `numbers` the statistics of the surface.
-    """
+    """Return the facts of a surface as (name, text), in the order of the page; unknown ones are left out."""
     pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured)[::-1]))
     instrument = labelled(stored_instrument(measured.attrs))
     sentence = ", ".join(f"{label} {text}" for label, text in instrument)
@@ -198,11 +194,7 @@ def waves_in_words(window: xr.DataArray) -> str:
 
 
 def lay_caption(numbers: xr.Dataset) -> str:
-    """Return the direction of the lay, from `Str` and `Std` (degrees); isotropic surfaces have none.
-
-    References
-    ----------
-    .. [1] ISO 25178-2 (2021), texture aspect ratio Str and texture direction Std.
+    """Return the direction of the lay from `Str` and `Std` (degree; ISO 25178-2, 2021), if there is one.
 
     Examples
     --------
@@ -223,9 +215,7 @@ def lay_caption(numbers: xr.Dataset) -> str:
 
 
 def autocorrelation_caption(numbers: xr.Dataset, *, profile: bool) -> str:
-    """Return the length over which the autocorrelation falls, from `Sal` (m) and `Str`.
-
-    A `profile` has one direction only.
+    """Return the length over which the autocorrelation falls, from `Sal` (m) and `Str`, if no `profile`.
 
     Examples
     --------

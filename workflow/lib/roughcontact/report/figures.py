@@ -29,13 +29,6 @@ _STYLE: dict[Any, Any] = {
 def new_figure(
     width: float, height: float, *, layout: Literal["constrained"] | None = "constrained"
 ) -> Iterator[Figure]:
-    """Yield a figure (inches) in the style of the pages; with `layout` None the caller places the axes.
-
-    Examples
-    --------
-    >>> with new_figure(4.3, 3.6) as figure:
-    ...     figure.add_subplot().xaxis.label.get_family()
-    ['DejaVu Sans']
-    """
+    """Yield a figure (inches) in the style of the pages; with `layout` None the caller places the axes."""
     with matplotlib.rc_context(_STYLE):
         yield Figure(figsize=(width, height), layout=layout)

@@ -13,8 +13,6 @@ _LINK = re.compile(r'<a class="file" href="([^"]*)"')
 def relative_links(panel: str | Path, files: Mapping[str, str | Path]) -> list[tuple[str, str, str]]:
     """Return (content, name, address) of the files of a surface, seen from its panel.
 
-    `files` maps the content of a file, in words, to its path; `panel` is the path of the panel.
-
     Examples
     --------
     >>> relative_links("results/soft/one/panel.html", {"solved window": "results/hard/one/window.nc"})

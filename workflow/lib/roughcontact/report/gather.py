@@ -46,33 +46,11 @@ def write_results(
     failures: Sequence[Failure] = (),
     seen_from: str | Path | None = None,
 ) -> list[str]:
-    """Write the datasets, tables and page of all surfaces of a run, and return why groups were left out.
+    """Write the datasets, tables and page of all surfaces of a run; return why groups were left out.
 
-    These are `statistics.nc`, `summary.csv`, `uncertainty.csv` and `report.html`; with groups also
-    `groups.nc`, `groups.csv` and `comparisons.csv`, with surfaces of the same place as well, with pairs of
-    faces `pairs.csv`.
-
-    Parameters
-    ----------
-    folder : path
-        where they are written.
-    finished : sequence of dict
-        the finished surfaces, in the order of the tables; one at least.
-    title : str
-        of the page.
-    settings, settings_of_statistics : dict
-        of the run (of each case, where there are cases), whole and as far as the statistics depend on them.
-    groups : mapping
-        name -> (name of a solved surface -> its part, whether these are placements of a pair of faces), as of
-        `Plan.groups`; empty where there are none.
-    same_places : sequence of (str, str)
-        names of every two surfaces that are the same place, the earlier one first.
-    changed : mapping, optional
-        case ("" where there are none) -> its settings that differ from their defaults, in words.
-    failures : sequence of dict
-        surfaces (and cases) without results, with the reason; table, page and dataset name them.
-    seen_from : path or None
-        the folder to which the files will be moved, for the links of the page; None where they stay.
+    `groups` are those of `Plan.groups`, `same_places` names of every two surfaces of the same area, the
+    earlier one first, `changed` the settings in words by case, `failures` surfaces without results, and
+    `seen_from` the folder to which the files will be moved, for the links.
     """
     folder = Path(folder)
     statistics = collect_statistics(finished)
@@ -133,8 +111,7 @@ def group_answers(
 ) -> tuple[list[NamedGroup], list[str]]:
     """Return the answer of each group under each case, and a sentence for each that has none.
 
-    `solved` has the statistics of each map by case ("" without cases) and name, `groups` are as of
-    `write_results`.
+    `solved` has the statistics of each map by case ("" without cases) and name.
     """
     answers, omitted = [], []
     for name, (components, placements) in groups.items():
@@ -162,9 +139,8 @@ def comparisons(
 ) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
     """Return the comparisons of every two groups under a case, and of the cases (`case_pairs`) of a group.
 
-    Groups of the same places (as of `write_results`) are compared place by place. With them comes
-    a sentence for each that cannot be made. The placements of a pair are compared under two cases alone: of
-    other faces they say nothing.
+    Groups of the same areas are compared map by map, placements under two cases alone; with them comes a
+    sentence for each that cannot be made.
     """
     result: dict[tuple[str, str], xr.Dataset] = {}
     omitted: list[str] = []

@@ -42,9 +42,7 @@ class Cell(NamedTuple):
 
 
 def shown_loads(areas: np.ndarray) -> list[int]:
-    """Return the indices of the loads that are shown of a surface, loads rising: two or three.
-
-    All of up to three; of more those with the relative contact areas nearest to `AREAS`, by ratio.
+    """Return the indices of the two or three loads of a surface that are shown, loads rising.
 
     Examples
     --------
@@ -55,6 +53,7 @@ def shown_loads(areas: np.ndarray) -> list[int]:
     """
     if areas.size <= 3:
         return list(range(areas.size))
+    # those with the areas nearest to `AREAS`, by ratio
     logarithm = np.log(np.maximum(areas, 1e-300))
     result = {int(np.abs(logarithm - np.log(area)).argmin()) for area in AREAS}
     if len(result) == 1:
@@ -78,15 +77,8 @@ def usable_loads(numbers: xr.Dataset) -> list[int]:
 def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[int]:
     """Return for each of many surfaces the index of the load at which they are compared, loads rising.
 
-    Where all have as many loads, the same one for all: that with the median nearest to the contact `area`, by
-    ratio; else for each surface its own nearest.
-
-    Examples
-    --------
-    >>> areas = [0.01, 0.04, 0.3], [0.02, 0.09, 0.5]
-    >>> surfaces = [xr.Dataset({"relative_contact_area": ("load", list(one))}) for one in areas]
-    >>> loads_to_compare(surfaces), loads_to_compare([surfaces[0], surfaces[1].isel(load=[1, 2])])
-    ([1, 1], [1, 0])
+    It is that of the median area nearest to `area`, by ratio; with other numbers of loads each surface has
+    its own.
     """
     areas = [result["relative_contact_area"].values for result in results]
     if len({result.size for result in areas}) == 1:
@@ -98,17 +90,7 @@ def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[i
 def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
     """Return for each surface the units in the table by name of the variable.
 
-    Lengths have the same for all surfaces unless the largest rms height is more than `_COMMON_UNIT_RATIO`
-    times the smallest, else that of the surface, as pressures have that of the material.
-
-    Examples
-    --------
-    >>> units, *_ = glance_units([xr.Dataset({"rms_height": rms}) for rms in (1.1e-8, 1e-6)])
-    >>> units["mean_gap"] == units["critical_constriction_x"] == (1e6, "µm")
-    True
-    >>> units, *_ = glance_units([xr.Dataset({"rms_height": rms}) for rms in (4e-9, 24e-6)])
-    >>> units["mean_gap"].shown
-    'nm'
+    Lengths have that of all unless the rms heights differ more than `_COMMON_UNIT_RATIO` times.
     """
     rms = [value for result in results if (value := float(result.get("rms_height", 0.0))) > 0]
     common_units = middle_of(results) if not rms or max(rms) <= _COMMON_UNIT_RATIO * min(rms) else None
@@ -124,11 +106,9 @@ def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
 def glance_rows(
     numbers: xr.Dataset, units: Mapping[str, Unit] | None = None, indices: Sequence[int] | None = None
 ) -> list[list[Cell]]:
-    """Return for two or three loads of a surface the cells below `HEADINGS`.
+    """Return for two or three loads of a surface, loads rising, the cells below `HEADINGS`.
 
-    `numbers` has the loads rising; an absent or NaN number counts as not asked for. `units` are those of
-    `glance_units` for all surfaces of the table, else those of this one; `indices` the indices of the loads,
-    else those of `shown_loads`.
+    An absent or NaN number counts as not asked for; `units` and `indices` default to those of this surface.
     """
     units = glance_units([numbers])[0] if units is None else units
     indices = shown_loads(numbers["relative_contact_area"].values) if indices is None else indices
@@ -163,13 +143,7 @@ def _judged(cells: Sequence[Cell], numbers: Numbers, index: int) -> list[Cell]:
 
 
 def outcome_of(numbers: Numbers, index: int, answer: str = "") -> str:
-    """Return the verdict on a load, or on an answer at it, a key of `VERDICTS`; empty for *use* or unknown.
-
-    Examples
-    --------
-    >>> outcome_of(xr.Dataset({"mean_gap_verdict": ("load", [0, 1])}), 1, "mean_gap")
-    'review'
-    """
+    """Return the verdict on a load, or an answer at it, a key of `VERDICTS`; empty for *use* or unknown."""
     name = f"{answer}_verdict" if answer else "verdict"
     code = float(numbers[name][index]) if name in numbers else 0.0
     return list(VERDICTS)[int(code)] if code > 0 else ""

@@ -84,8 +84,7 @@ def comparison_rows(
 ) -> list[Row]:
     """Return for each two groups `first`, `second`, the `loads` in words, and `rows` of quantities.
 
-    A row has the `quantity`, `cells` of the ratio at each load with its interval, and the `outcomes` at them.
-    `of_maps` says whether they are two maps, whose statistics are in `maps`, by name.
+    A row has `cells` of the ratio at each load with its interval, and `outcomes`; `of_maps` tells two maps.
     """
     of_groups = {group.label: group.answer for group in groups}
     answers = {**(maps or {}), **of_groups}

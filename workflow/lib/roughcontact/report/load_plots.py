@@ -32,15 +32,9 @@ _RELATIVE = "relative pressure p′ = p̄ / (E* g)"
 def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Chart:
     """Draw the contact area against the load, corrected and counted, with the theories as lines.
 
-    The relative pressure has to be finite at every load; `window` (y, x; m) is the solved map, for its
-    summits, or None where it is not at hand.
-
-    References
-    ----------
-    .. [1] Persson (2001), J. Chem. Phys. 115, 3840.
-    .. [2] Xu, Li, Chen and Zhou (2024), Int. J. Solids Struct., 112684.
-    .. [3] Bush, Gibson and Thomas (1975), Wear 35, 87.
-    .. [4] Greenwood and Williamson (1966), Proc. R. Soc. A 295, 300.
+    Persson (2001), J. Chem. Phys. 115, 3840; Xu, Li, Chen and Zhou (2024), Int. J. Solids Struct., 112684;
+    Bush, Gibson and Thomas (1975), Wear 35, 87; Greenwood and Williamson (1966), Proc. R. Soc. A 295, 300,
+    from the summits of `window`.
     """
     unit = float(statistics["contact_modulus"] * statistics["rms_gradient"])
     factor, unit_label = unit_of(statistics, "Pa")
@@ -78,17 +72,9 @@ def compare_areas(
 ) -> str:
     """Draw the contact area against the load of several surfaces or cases.
 
-    `series` has a (label, loads, relative contact areas) for each surface under each case, `ends` the (lower,
-    upper) of each area, or nothing, `styles` the places of (surface, case) of each, by default all of one
-    case: surfaces are colours, cases are line styles, and the legend has both parts of the labels, "surface ·
-    case". Loads are mean pressures (Pa), shown in the unit
-    `pressure`, or without it relative pressures: then the theories that hold for all surfaces are drawn, too.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> compare_areas([("one", np.array([0.01, 0.1]), np.array([0.02, 0.2]))]).partition(",")[0]
-    'data:image/svg+xml'
+    `series` has (label, loads, relative areas), `ends` (lower, upper) of each area, `kinds` the indices of
+    (surface, case): colours and line styles. Loads are mean pressures (Pa) in the unit `pressure`, or
+    relative ones, with theories.
     """
     loads = np.concatenate([load for _, load, _ in series])
     areas = np.concatenate([*(area for _, _, area in series), *(low for low, _ in ends)])
@@ -178,19 +164,7 @@ def sample_of(surface: int, case: int) -> dict[str, str]:
 
 
 def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]]) -> dict[str, str]:
-    """Draw the contact area against the load of many surfaces, one chart for each case.
-
-    Each surface is a faint line, their median a strong one; the axes are the same for all cases. `groups`
-    maps the name of a case ("" in a run without cases) to the (relative pressures, relative contact areas) of
-    its surfaces; the result maps it to the image.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> one = np.array([0.01, 0.1]), np.array([0.02, 0.2])
-    >>> spread_of_areas({"": [one] * 3})[""].partition(",")[0]
-    'data:image/svg+xml'
-    """
+    """Draw the contact area against the load of many surfaces, one chart for each case, with their median."""
     loads = np.concatenate([load for group in groups.values() for load, _ in group])
     areas = np.concatenate([area for group in groups.values() for _, area in group])
     images = {}
@@ -274,31 +248,14 @@ def _ends(statistics: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def gap_against_load(statistics: xr.Dataset) -> Chart:
-    """Draw the mean gap with its interval against the load, both logarithmic, with the rms height.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> numbers = xr.Dataset({"mean_pressure": ("load", [1e6, 2e6]), "mean_gap": ("load", [2e-7, 1e-7])})
-    >>> gap_against_load(numbers.assign(rms_height=3e-7)).y.label
-    'mean gap ū (µm)'
-    """
+    """Draw the mean gap with its interval against the load, both logarithmic, with the rms height."""
     lines = [("mean_gap", "mean gap", COLOURS[2], "o")]
     limit = float(statistics["rms_height"]), "rms height"
     return _against_load(statistics, lines, label="mean gap ū", unit=unit_of(statistics, "m"), limit=limit)
 
 
 def pressure_against_load(statistics: xr.Dataset) -> Chart:
-    """Draw mean and largest pressure of the contact with their intervals against the load, logarithmic.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> names = ("mean_pressure", "mean_contact_pressure", "max_pressure")
-    >>> numbers = xr.Dataset({name: ("load", [10.0**power, 2e6]) for power, name in enumerate(names)})
-    >>> pressure_against_load(numbers).y.label
-    'pressure in contact (MPa)'
-    """
+    """Draw mean and largest pressure of the contact with their intervals against the load, logarithmic."""
     hardness = float(statistics.get("hardness", np.nan))
     if "max_pressure_upper" in statistics:  # what is limited to the hardness has no interval beyond it
         statistics = statistics.assign(max_pressure_upper=np.fmin(statistics["max_pressure_upper"], hardness))

@@ -44,15 +44,8 @@ def height_map(
 ) -> Chart:
     """Draw a height map (y, x; m), points that were not measured in pink; profiles are drawn as lines.
 
-    `rectangle` (m from the map's first corner) is the outline of the window, `unit` that of the heights,
-    `along` that of the lengths along the surface, by default that of this map alone.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from roughcontact.maps import height_map as labelled
-    >>> height_map(labelled(np.array([[0.0, 1e-6, 0.0]]), 1e-6)).y.label
-    'height (µm)'
+    `rectangle` (m from the first corner) is the outline of the window, `unit` that of heights, `along` of
+    lengths.
     """
     behind = "window_reason" in height.attrs  # a surface behind the profiles, not these
     profiles = [height.values.ravel()] if 1 in height.shape else []
@@ -73,21 +66,11 @@ def height_map(
 
 
 def common_limits(loads: Iterable[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
-    """Return the highest pressure (Pa) and the widest gap (m) of the colour scales of several loads.
-
-    `loads` yields (pressure, gap) of each; one at a time is in memory. At no load more than one in 200 of the
-    points in contact carries more than the highest pressure, so that a few peaks do not take all the colours.
-
-    Examples
-    --------
-    >>> first = np.array([[0.0, 2e6]]), np.array([[1e-6, 0.0]])
-    >>> second = np.array([[0.0, 5e6]]), np.array([[5e-7, 0.0]])
-    >>> common_limits([first, second])
-    (5000000.0, 1e-06)
-    """
+    """Return the highest pressure (Pa) and the widest gap (m) of the colour scales of several loads."""
     highest, widest = [], []
     for pressure, gap in loads:
         if (pressure > 0).any():
+            # a few peaks do not take all the colours
             highest.append(float(np.percentile(pressure[pressure > 0], 99.5)))
         widest.append(float(gap[pressure == 0].max(initial=0.0)))
         del pressure, gap  # before the next ones are made
@@ -104,17 +87,7 @@ def pressure_map(
 ) -> Chart:
     """Draw the contact pressure (Pa) over the window, no contact in grey; a profile is drawn as a line.
 
-    `height` gives the coordinates; `ellipse` (semi-axes along x and y, m), about the middle, is outlined;
-    `highest` (Pa) is the pressure of the last colour, by default that of `common_limits` for this
-    load alone.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from roughcontact.maps import height_map as labelled
-    >>> pressure = np.array([[0.0, 2e6, 0.0]])
-    >>> pressure_map(labelled(np.array([[0.0, 1e-6, 0.0]]), 1e-6), pressure).y.label
-    'pressure (MPa)'
+    `ellipse` (semi-axes along x and y, m) is outlined; `highest` (Pa) is the pressure of the last colour.
     """
     if 1 in pressure.shape:
         return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit=unit)
@@ -137,11 +110,7 @@ def gap_map(
     widest: float | None = None,
     unit: Unit = _MICROMETRES,
 ) -> Chart:
-    """Draw the gap (m) over the window, contact in white; a profile shows both faces as lines.
-
-    The surfaces touch where `pressure` is positive; `widest` (m) is the gap of the last colour, by default
-    the widest of this load; `unit` is that of gap and heights.
-    """
+    """Draw the gap (m) over the window, contact in white; a profile shows both faces as lines."""
     if 1 in gap.shape:
         faces = [
             (height.values.ravel(), "rough surface", COLOURS[0]),
@@ -149,6 +118,7 @@ def gap_map(
         ]
         return _profile(height, faces, label="height", unit=unit)
     # in full contact there is no gap for the scale
+    # the gap (m) of the last colour
     widest = widest or gap[pressure == 0].max(initial=0.0) or float(np.ptp(height.values))
     return _map(_GAP, height, np.where(pressure > 0, np.nan, gap), (0, widest), unit=unit)
 
@@ -164,28 +134,10 @@ def framed(
     bad_word: str = "",
     extend: tuple[bool, bool] = (False, False),
 ) -> Chart:
-    """Return values as a picture between axes, with a colour bar; pictures of one shape come out alike.
+    """Return values (ny, nx; first row at the bottom) as a picture between axes, with a colour bar.
 
-    Parameters
-    ----------
-    x, y : Axis
-        from end to end of the picture, in one unit.
-    values : array (ny, nx)
-        the first row lies at the bottom. NaN where bad.
-    bar : Axis
-        of the colours.
-    colours : {"viridis", "cividis", "magma"}
-    bad : str
-        colour of bad points.
-    bad_word : str
-        their meaning, shown with the values read from the picture; empty where there are none.
-    extend : (bool, bool)
-        whether there are values below, and above, those of the colours.
-
-    Returns
-    -------
-    Chart
-        more can be drawn on it.
+    `bad` is the colour of NaN, `bad_word` its meaning; `extend` says whether values lie below and above the
+    colours. Pictures of one shape come out alike.
     """
     aspect = abs(y.high - y.low) / abs(x.high - x.low)
     in_scale = 1 / _LONGEST_ASPECT <= aspect <= _LONGEST_ASPECT

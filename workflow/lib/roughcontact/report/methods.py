@@ -29,16 +29,7 @@ _MOST_LOADS = 3  # whose answers a paragraph has: the lowest, one between, the h
 
 
 def methods_paragraph(statistics: xr.Dataset) -> str:
-    """Return a paragraph of methods and answers of one surface.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        a statistics.nc of one surface, as `roughcontact.read_dataset` reads it, or what `evaluate` returns.
-
-    Returns
-    -------
-    str
+    """Return a paragraph of methods and answers of one surface, from its statistics.
 
     Examples
     --------

@@ -60,44 +60,12 @@ def write_report(
     failures: Sequence[Failure] = (),
     folder: str | Path | None = None,
 ) -> None:
-    """Write the page of a run: verdicts, comparison, and the part of every surface.
+    """Write the page of a run: verdicts, comparison, and the part of every surface (`write_panel`).
 
-    Up to `report.ONE_PAGE` results stand on one self-contained page. Of more there is an index, and beside it
-    the folder `pages` with a page for each surface; nothing is fetched from elsewhere either.
-
-    Parameters
-    ----------
-    path : path
-        where to write.
-    panels : sequence of paths
-        of `write_panel`, in the order of the page, each with its summary beside it.
-    residuals : sequence of paths
-        the surface after the load of each panel, or None.
-    statistics : Dataset
-        of `collect_statistics`.
-    summary : str
-        the text of `summary.csv`, which the page offers as a download.
-    title : str
-        of the page.
-    settings : dict
-        the settings of the run (of each case, where there are cases).
-    changed : mapping, optional
-        case ("" where there are none) -> its settings that differ from their defaults, in words.
-    groups : sequence of NamedGroup
-        the answers of groups of maps, and of pairs of faces, where there are any.
-    compared : mapping, optional
-        their comparisons, as of `compare_all`.
-    left_out : sequence of str
-        why groups have no answer.
-    failures : sequence of dict
-        surfaces (and cases) without results, with the reason.
-    folder : path or None
-        where the page will be moved to; None where it stays. Its links to files are those from there.
-
-    Raises
-    ------
-    InputFileError
-        for a file that is not readable, or a panel without its summary.
+    Up to `ONE_PAGE` results stand on one self-contained page; of more there is an index, and beside it the
+    folder `pages`. `residuals` are the surfaces after the load of each panel, `summary` is the text of
+    `summary.csv`, `changed` the settings in words by case, `left_out` why groups have no answer, and `folder`
+    where the page will be moved to, for its links.
     """
     indexed = len(panels) + len(failures) > ONE_PAGE
     folder = Path(path).parent if folder is None else Path(folder)
@@ -234,12 +202,9 @@ def _as_download(text: str) -> str:
 def _comparisons(
     series: Mapping[tuple[str, str | None], xr.Dataset], grouped: Mapping[str, str], *, many: bool
 ) -> list[tuple[str, str]]:
-    """Return (image, caption) of area against load of all surfaces: in pascals, and relative to E* g.
-
-    For `many` surfaces the latter alone; flat surfaces are left out; none for a single surface, whose panel
-    has the same.
-    """
+    """Return (image, caption) of area against load of all rough surfaces: in Pa, and relative to E* g."""
     rough = {key: data for key, data in series.items() if np.isfinite(data["relative_pressure"]).all()}
+    # the panel of a single surface has the same
     if len(rough) < 2:
         return []
     relative, pascals, areas = (

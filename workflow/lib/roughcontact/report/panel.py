@@ -43,27 +43,10 @@ def write_panel(
     counter_face: str | Path | None = None,
     linked: bool = True,
 ) -> None:
-    """Write one surface's part of the report: an HTML fragment with its images inside, and its summary.
+    """Write one surface's part of the report: an HTML fragment, and its summary (`.json`), from its files.
 
-    Parameters
-    ----------
-    path : path
-        of the fragment; its summary, for the table of all surfaces, has the ending `.json` instead.
-    surface, case : str
-        names; `case` is None in a run without cases.
-    height, levelled, window, contact, statistics : path
-        the result files of the surface. Where `contact` keeps no maps of pressure and gap the part says so.
-    settings : dict
-        the settings of the run.
-    counter_face : path or None
-        the other measured file of a pair of faces.
-    linked : bool
-        whether the part has links to these files.
-
-    Raises
-    ------
-    InputFileError
-        for a file that is not readable.
+    Where `contact` keeps no maps the part says so; `linked` puts links to the files, `counter_face` is the
+    other file of a pair.
     """
     measured, plane, solved = (_read_map(file) for file in (height, levelled, window))
     numbers = read_dataset(statistics)

@@ -22,12 +22,11 @@ _LONG_AGO = 315_532_800  # 1980-01-01, s
 def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Failure]:
     """Write the results of the finished surfaces, if any, and return a `Failure` for each of the others.
 
-    A result counts as finished where all its files exist, are not older than those they are made of, record
-    the settings of this run and the current checksum of the measured file, and where its jobs have logged
-    that they are done, and the checksums of all files from outside, since a job that fails may leave its
-    previous files. One of them is dated long ago, so that the next run makes all again; they are complete
-    before they are moved to `folder`. Nothing is written where all or none is finished.
+    Finished are those whose files exist, are not older than what they are made of, record the settings and
+    checksums of this run, and whose jobs have logged that they are done. Nothing is written where all or none
+    is.
     """
+    # complete before they are moved there; one is dated long ago, so that the next run makes all again
     folder = Path(folder)
     finished: list[Finished] = []
     failures: list[Failure] = []

@@ -24,15 +24,7 @@ class _Rows(Axis):
 
 
 def stack_of_layers(bodies: Sequence[Mapping[str, Any]], window: xr.DataArray) -> tuple[str, str]:
-    """Return the picture (data URI) of bodies as the settings have them, and the same in words.
-
-    Examples
-    --------
-    >>> window = xr.DataArray(np.zeros((8, 8)), coords={"y": np.arange(8) * 1e-6, "x": np.arange(8) * 1e-6})
-    >>> sheet = {"thickness": 2e-3, "youngs_modulus": 3e6, "poissons_ratio": 0.5}
-    >>> stack_of_layers([{"base": "rigid", "layers": [sheet]}], window)[1].split("; ")[1:]
-    ['layer 1: 2.00 mm of 3.00 MPa, ν 0.50', 'rigid base', 'body 2: rigid', 'pixel 1.00 µm', 'window 8.00 µm']
-    """
+    """Return the picture (data URI) of bodies as the settings have them, and the same in words."""
     rows: list[tuple[str, float, str]] = []  # text, thickness, colour
     for index, body in enumerate(bodies, start=1):
         layers = body.get("layers") or []

@@ -90,8 +90,8 @@ Table = dict[str, Any]
 def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[Table]:
     """Return the tables of numbers against load, each quantity in the same unit everywhere.
 
-    `flags` has the warnings of each load, which rise. Each table has a `title`, a `header` with a (title,
-    unit, meaning) for each column, the mean pressure first, and `rows` with their `cells` and `flags`.
+    Each has a `title`, a `header` of (title, unit, meaning), mean pressure first, and `rows` of `cells` and
+    `flags`.
     """
     tables = []
     for title, group in _GROUPS.items():
@@ -165,11 +165,7 @@ def as_the_area(numbers: Numbers, name: str, unit: Unit, index: int) -> str:
 
 
 def material_table(numbers: xr.Dataset, displayed: Sequence[int]) -> Table | None:
-    """Return the table of yield for the hardnesses of some classes of materials.
-
-    `shown` has the indices of the loads whose shares are given. The table has a `header` and `rows`, the
-    cells of each hardness; None where a hardness is stated, and for rubber-like bodies.
-    """
+    """Return the table of yield by hardness of classes, None with a hardness and for rubber-like bodies."""
     if "first_yield_pressure_by_ratio" not in numbers or rubber_like(numbers):
         return None
     modulus, loads = float(numbers["contact_modulus"]), numbers["mean_pressure"].values

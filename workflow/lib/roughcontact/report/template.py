@@ -13,15 +13,7 @@ _TEMPLATES = Path(__file__).with_name("templates")
 
 
 def template(name: str, *, folder: Path | None = None) -> jinja2.Template:
-    """Return one of the package's templates, HTML escaped; a missing variable is an error.
-
-    `folder` has the templates of other pages, which can include those of the report.
-
-    Examples
-    --------
-    >>> ":root" in template("report.css").render()
-    True
-    """
+    """Return one of the package's templates, HTML escaped; a missing variable is an error."""
     return _environment(folder).get_template(name)
 
 

@@ -28,11 +28,7 @@ _FEWEST = 8  # waves or points to each side of the middle that are shown at leas
 def spectrum(window: xr.DataArray) -> str:
     """Draw the radially averaged power spectrum of a window, with the band that it holds.
 
-    The window has the attributes of `periodic_window`.
-
-    References
-    ----------
-    .. [1] Jacobs, Junge and Pastewka (2017), Surf. Topogr.: Metrol. Prop. 5, 013001.
+    Jacobs, Junge and Pastewka (2017), Surf. Topogr.: Metrol. Prop. 5, 013001.
     """
     q, power = _thinned(*isotropic_spectrum(window))
     profile = 1 in window.shape
@@ -119,20 +115,7 @@ def directional_spectrum(window: xr.DataArray) -> str:
 
 
 def autocorrelation_map(window: xr.DataArray) -> str:
-    """Draw the autocorrelation of a window for shifts around zero, with the line where it falls to 0.2.
-
-    References
-    ----------
-    .. [1] ISO 25178-2 (2021), autocorrelation length Sal.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from roughcontact.maps import height_map
-    >>> wave = height_map(np.sin(np.arange(32) * np.pi / 8)[None, :] * 1e-6, 1e-6)
-    >>> autocorrelation_map(wave).partition(",")[0]
-    'data:image/svg+xml'
-    """
+    """Draw the autocorrelation of a window (ISO 25178-2, 2021), with the line where it falls to 0.2."""
     correlation, steps = autocorrelation(window), spacing(window)
     _, longest, _ = decay_lengths(correlation, steps)
     shifts = [(np.arange(n) - n // 2) * d for n, d in zip(correlation.shape, steps, strict=True)]
@@ -164,11 +147,7 @@ def _centred(label: str, positions: np.ndarray) -> Axis:
 
 
 def _contour(x: np.ndarray, y: np.ndarray, values: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the line where values reach a level, in pieces with NaN between them.
-
-    Every square of four points is cut in two triangles; in each, the values being linear, the line is
-    straight from side to side.
-    """
+    """Return the line where values reach a level, in pieces with NaN between, straight in each triangle."""
     above = values > level
     neighbours = above[:, 1:] != above[:, :-1]
     below = above[1:] != above[:-1]

@@ -1,7 +1,6 @@
 """The units of the report: one for each quantity, in tables, figures and sentences.
 
-They follow from the material, the roughness and the size of the window, or are fixed. The part of a surface
-has the units of that surface; a table of several surfaces has those of the one in the middle.
+They follow from material, roughness and window of a surface, of several of the one in the middle.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,11 +29,10 @@ _FIXED = {
 
 
 def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
-    """Return the unit in which numbers of a surface are shown, given their SI `unit`.
+    """Return the unit in which numbers of a surface are shown, given their SI `unit`, whatever the number.
 
-    It depends on the contact modulus, the rms height and the size of the window in `numbers`, never on the
-    number shown; MPa and µm without. `unit` is "m" for heights and gaps, "m along" for lengths along the
-    surface and into the depth, "%" for a share; else an SI unit.
+    `unit` is "m" for heights and gaps, "m along" for lengths along the surface and into the depth, "%" for a
+    share.
 
     Examples
     --------
@@ -76,8 +74,6 @@ def interval_at(numbers: Numbers, name: str, index: int) -> tuple[float, float, 
 
 def length_unit(longest: float) -> Unit:
     """Return the unit of all lengths along a surface whose window has this longer side (m; 0: unknown).
-
-    µm; nm for windows below 1 µm, mm from 10 mm on, m from 10 m on.
 
     Examples
     --------

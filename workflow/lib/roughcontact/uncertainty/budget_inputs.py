@@ -14,19 +14,8 @@ from roughcontact.uncertainty.solver import solver_uncertainty
 def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> xr.Dataset:
     """Return what the error budget takes from a solution with its fields, along `load`.
 
-    Headline quantities and answers, `{name}_uncertainty` of the solver, `index_of_the_peak` (of the point of
-    the largest pressure, counted row by row), `loading_stiffness`, and `{name}_half_way`, the constrictions
-    (m) of gap paths half as long as the map (`roughcontact.sealing.percolation.half_way_levels`).
-    `statistics` are those of the same loads, computed here where they are missing.
-
-    Examples
-    --------
-    >>> from roughcontact.contact.solve import solve_contact
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> height = rough_reference_surface(64)
-    >>> contact = solve_contact(height, contact_modulus=1.0, mean_pressure=[0.1])
-    >>> budget_inputs(contact)["relative_contact_area"].round(2).values
-    array([0.34])
+    Headline quantities and answers, `{name}_uncertainty` of the solver, `index_of_the_peak` (row by row),
+    `loading_stiffness`, and `{name}_half_way`, the constrictions (m) of gap paths half as long as the map.
     """
     if statistics is None:
         statistics = contact_statistics(contact, flow="never", stress="never")

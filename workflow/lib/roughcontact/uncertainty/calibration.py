@@ -1,22 +1,12 @@
 """Arms of the intervals, by quantiles of the errors of a bank of measured and synthetic surfaces.
 
-Each map of the bank was cut into parts; every part was evaluated as if it were the measurement, and its error
-e = t(truth) - t(part), on the scale of the quantity, taken against the mean of the other parts (`surface`),
-each of the others (`next`), the whole map (`longer`), or the part with pixels half as large (`octave`). The
-expected size of the error is
-
-    s = exp(b0 + sum b_i f_i)
-
-with those features f of `roughcontact.uncertainty.subwindows` that lower the score of the quantity; the arms
-are quantiles of e/s, each file with the same weight (split conformal prediction). They hold for a map that
-could be one of the bank's.
-
-`calibration.json` is written by `benchmarks/calibrate.py`; the bank is `benchmarks/results/bank`.
-
-References
-----------
-Vovk, Gammerman and Shafer (2005), Algorithmic Learning in a Random World; Lei, G'Sell, Rinaldo, Tibshirani
-and Wasserman (2018), J. Am. Stat. Assoc. 113, 1094, for errors scaled by their expected size.
+Every part of each map was evaluated as the measurement; its error e = t(truth) - t(part) on the scale of the
+quantity is that against the mean of the other parts (`surface`), each of them (`next`), the whole map
+(`longer`), or pixels half as large (`octave`). The arms are quantiles of e/s, s = exp(b0 + sum b_i f_i) with
+features f of `subwindows`, each file with the same weight: split conformal prediction (Vovk, Gammerman and
+Shafer 2005, Algorithmic Learning in a Random World; Lei, G'Sell, Rinaldo, Tibshirani and Wasserman 2018, J.
+Am. Stat. Assoc. 113, 1094, for scaled errors). They hold for a map that could be one of the bank's.
+`calibration.json` is written by `benchmarks/calibrate.py`.
 """
 
 import json
@@ -67,10 +57,9 @@ def arms(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how far the truth lies below and above a result (load), on its scale; negative if it is apart.
 
-    `area` (load) tells the loads of the bank from one another. A share of the trend, of the mean of the
-    subwindows less the result, moves both arms: a largest pressure far above those of the subwindows is an
-    outlier, and the surface shows less. Arms of a surface `extent` times as long as the map are those of the
-    bank's extent, and of the surface in the band of the map at 1, linear in ln(extent).
+    `area` (load) tells the loads of the bank apart. A share of the trend (mean of the subwindows less the
+    result) moves both; arms of a surface `extent` times as long as the map are interpolated in ln(extent) to
+    the bank's extent.
     """
     if measurand == "longer":
         share = math.log(extent) / math.log(table()["extent"])

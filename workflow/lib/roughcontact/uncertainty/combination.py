@@ -1,8 +1,8 @@
 """Combination of uncertainty sources into intervals, and the table of their components.
 
-What one source contributes to the interval of a quantity, on its scale, is a component: an array (4, load) of
-half-widths below and above, which add as squares and are infinite where nothing bounds them, and of shifts of
-the lower and the upper end, of known direction and unknown extent (noise, lens, tip), which add.
+A component (4, load), on the scale of a quantity, holds half-widths below and above, which add as squares and
+are infinite where nothing bounds them, and shifts of both ends, of known direction and unknown extent, which
+add.
 """
 
 from collections.abc import Iterable, Mapping
@@ -37,15 +37,7 @@ _TABLE_VARIABLES = {"mean_pressure", *(f"{name}_{ending}" for name in _NAMES for
 
 
 def half_widths(below: np.ndarray, above: np.ndarray) -> Component:
-    """Return a component from half-widths; a negative one, of a truth that lies apart, moves both ends.
-
-    Examples
-    --------
-    The truth lies 1 to 4 above the result.
-
-    >>> half_widths(np.array([-1.0]), np.array([4.0])).ravel()
-    array([ 0.,  3., -1.,  1.])
-    """
+    """Return a component from half-widths; a negative one, of a truth that lies apart, moves both ends."""
     moved = np.where(above < 0, above, np.where(below < 0, -below, 0.0))
     return np.stack([below + moved, above - moved, -moved, moved])
 
@@ -57,14 +49,7 @@ def one_sided(shift: np.ndarray) -> Component:
 
 
 def added_up(components: Iterable[Component]) -> Component:
-    """Return the sum of independent components: half-widths in quadrature, shifts added.
-
-    Examples
-    --------
-    >>> two = (half_widths(np.array([width]), np.array([0.0])) for width in (3.0, 4.0))
-    >>> float(added_up(two)[0, 0])
-    5.0
-    """
+    """Return the sum of independent components: half-widths in quadrature, shifts added."""
     stack = np.stack(list(components))
     return np.concatenate([np.sqrt(np.sum(stack[:, :2] ** 2, axis=0)), np.sum(stack[:, 2:], axis=0)])
 
@@ -94,14 +79,7 @@ def ends_of(name: str, middle: np.ndarray, total: Component) -> Ends:
 
 
 def monotonic(name: str, ends: Ends, load: np.ndarray) -> Ends:
-    """Return ends that rise or fall with the load as the quantity does: one load bounds the others.
-
-    Examples
-    --------
-    >>> lower, upper = monotonic("mean_gap", (np.ones(2), np.array([3.0, 9.0])), np.array([1.0, 2.0]))
-    >>> upper.tolist()
-    [3.0, 3.0]
-    """
+    """Return ends that rise or fall with the load as the quantity does: one load bounds the others."""
     if name not in (*_RISING, *_FALLING):
         return ends
     order = np.argsort(load if name in _RISING else -load, kind="stable")
@@ -112,13 +90,13 @@ def monotonic(name: str, ends: Ends, load: np.ndarray) -> Ends:
 
 
 def limited(name: str, ends: Ends, *, value: np.ndarray, load: np.ndarray, hardness: float | None) -> Ends:
-    """Return ends within physical limits; NaN where an upper end is unbounded, and both where none is known.
+    """Return ends within physical limits; NaN where an upper end is unbounded, both where none is known.
 
-    The area lies between 0 and 1, the pressure in contact is at least the load, and no pressure exceeds the
-    hardness. A result at a physical limit, up to rounding, stays inside its own interval.
+    A result at a physical limit, up to rounding, stays inside its own interval.
     """
     is_pressure = name in (PRESSURE, PEAK)
     lower_limit = load if is_pressure else np.zeros_like(load)
+    # no area above 1, no pressure above the hardness, none in contact below the load
     limit = 1.0 if name == AREA else np.inf if hardness is None or not is_pressure else hardness
     lower = np.fmin(np.fmax(ends[0], lower_limit), value)
     upper = np.fmax(np.fmin(ends[1], limit), value)
@@ -165,36 +143,12 @@ def is_of_budget(name: str) -> bool:
 
 
 def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
-    """Return the components of every interval, one row for each quantity, load and source.
+    """Return the components of every interval of an `error_budget`: a row by quantity, load and source.
 
-    Parameters
-    ----------
-    budget : Dataset
-        from `error_budget`, or statistics that contain it.
-
-    Returns
-    -------
-    DataFrame
-        columns `quantity`, `mean_pressure_Pa`, `source`, `evaluation_type` (A: statistical, B: other),
-        `value`, `correction` (what was added to the result as solved, of the source `discretisation`),
-        `standard_uncertainty_lower`, `standard_uncertainty_upper`, `coverage_factor` (1.96: the half-widths
-        are quantiles of errors, or bounds, of 95 %), `one_sided_lower`, `one_sided_upper`, `lower`, `upper`.
-        Of the source `combined` the standard uncertainties are the root of the sum of squares, and the ends
-        those of the interval. A negative one-sided number moves its end towards the value.
-
-    References
-    ----------
-    JCGM 100:2008, Guide to the expression of uncertainty in measurement, 5.1.2.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> from roughcontact.uncertainty.budget import error_budget
-    >>> height = rough_reference_surface(64)
-    >>> settings = {"window": {}, "contact": {"contact_modulus": 1.0, "mean_pressure": [0.1]}}
-    >>> table = uncertainty_table(error_budget(height, height, settings, sources=["solver"]))
-    >>> table["source"].unique().tolist()
-    ['solver', 'combined']
+    `evaluation_type` is A (statistical) or B, `correction` what `discretisation` added to the result; of
+    `combined` the standard uncertainties are the root of the sum of squares (JCGM 100:2008, 5.1.2).
+    Half-widths are quantiles of errors, or bounds, of 95 % (`coverage_factor` 1.96); a negative one-sided
+    number moves its end towards the value.
     """
     plain = {str(name): variable.values for name, variable in budget.variables.items()}
     tables = [_rows(plain, name) for name in _NAMES if f"{name}_uncertainty" in plain]

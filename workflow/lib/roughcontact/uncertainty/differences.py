@@ -1,13 +1,7 @@
-"""Differences between groups of maps, and between two results that share their map, place or faces.
+"""Differences between groups of maps, and between two results that share their map, area or faces.
 
-Both are evaluated on the scales of `groups`, as ratios of the second to the first. What two results share
-cancels: of errors with the half-widths u1 and u2 and the correlation r the difference keeps ([1]_, 5.2.2)
-
-    u² = (u2 - r u1)² + (1 - r²) u1²
-
-References
-----------
-.. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement.
+They are ratios of the second to the first, on the scales of `groups`. Of errors with the half-widths u1 and
+u2 and the correlation r, what is shared cancels: u² = (u2 - r u1)² + (1 - r²) u1² (JCGM 100:2008, 5.2.2).
 """
 
 import math
@@ -113,9 +107,8 @@ def compare_all(
 ) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
     """Return the comparisons of every two groups by their names, and a sentence for each that is left out.
 
-    The p-values are adjusted for all loads and pairs together. `cases` are pairs of names of the same maps
-    under two cases, compared instead of every two groups; `same_places` are names of every two maps of the
-    same place: two groups of the same places are compared map by map.
+    The p-values are adjusted for all loads and pairs together. `cases` are pairs of the same maps under two
+    cases, compared instead; groups of the areas in `same_places` are compared map by map.
     """
     results, skipped = {}, []
     repeated_pairs = {*map(tuple, same_places), *(tuple(pair)[::-1] for pair in same_places)}
@@ -152,10 +145,10 @@ def case_pairs(names: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def shared_loads(datasets: Sequence[xr.Dataset]) -> list[np.ndarray]:
-    """Return the places of the loads that all datasets share, for each of them, in the order of the first.
+    """Return the indices of the loads that all datasets share, for each of them, in the order of the first.
 
-    Loads are the same by mean pressure, or by pressure relative to E* g (to E*, where g is not known), by
-    whichever more of them are.
+    Loads are the same by mean pressure, or relative to E* g (E*, where g is not known), by whichever more of
+    them are.
 
     Examples
     --------
@@ -184,21 +177,11 @@ def shared_loads(datasets: Sequence[xr.Dataset]) -> list[np.ndarray]:
 
 
 def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
-    """Return the ratios of the results of one map under two cases, without what both share.
+    """Return the ratios of two results of one map, area or pair of faces, without what both share.
 
-    The two may also be maps of the same place, measured again, or placements of the same two faces. Loads are
-    compared in order, first with first. The errors of both are taken as correlated as the results of the same
-    parts of the window (`window`) are; those of the solver are independent, those of the material where the
-    moduli differ; all others are the same.
-
-    `ratio`, `ratio_lower` and `ratio_upper` (quantity, load) are those of the second to the first; NaN where
-    a number is not positive, has no uncertainty, or nothing bounds the difference.
-
-    Examples
-    --------
-    >>> gap = xr.Dataset({"mean_gap": ("load", [2e-6]), "mean_pressure": ("load", [1e6])})
-    >>> case_differences(gap, gap * 2)["ratio"].item()
-    2.0
+    `ratio`, `ratio_lower`, `ratio_upper` (quantity, load) are those of the second to the first, loads in
+    order; NaN without a positive number, uncertainty or bound. Errors are as correlated as the results of the
+    same parts of the window, those of the solver independent, those of the material where the moduli differ.
     """
     return _of_two(first, second).table
 
@@ -206,21 +189,11 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
 def compare_maps(
     pairs: Mapping[tuple[str, str], tuple[xr.Dataset, xr.Dataset]], *, relevant: float = RELEVANT
 ) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
-    """Return the comparisons of maps of the same place, or of placements of the same faces, by their names.
+    """Return the comparisons of maps of the same area, or placements of the same faces, by their names.
 
-    Each is `case_differences` at the mean pressures that both have, or reach by interpolation, with `p_value`
-    (that the ratio is 1, of a normal error of this interval, adjusted for all loads and pairs) and `outcome`,
-    as of `compare_groups`. With them comes a sentence for each pair that cannot be compared.
-
-    Examples
-    --------
-    >>> def gap(value):
-    ...     sides = {"mean_gap": 1.0, "mean_gap_lower": 0.98, "mean_gap_upper": 1.02}
-    ...     numbers = {name: ("load", [value * by]) for name, by in sides.items()}
-    ...     return xr.Dataset({"mean_pressure": ("load", [1e6]), **numbers})
-    >>> found, _ = compare_maps({("a", "b"): (gap(1.0), gap(1.5))})
-    >>> found["a", "b"]["outcome"].item()
-    'differ'
+    Each is `case_differences` at common mean pressures, with `p_value` (that the ratio is 1, adjusted for all
+    loads and pairs) and `outcome` of `compare_groups`; a sentence comes with each pair that cannot be
+    compared.
     """
     results, skipped = {}, []
     for pair, maps in pairs.items():

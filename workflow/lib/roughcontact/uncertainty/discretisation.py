@@ -1,22 +1,11 @@
 """Discretisation: what finer pixels of the same waves change, taken off by extrapolation to no pixels at all.
 
-The surface is taken to be the Fourier interpolant of the map (`refined`), solved again with pixels half as
-large. For an error of order 2 in the pixel size the limit is (Richardson extrapolation)
-
-    t(0) = t(h) + 4/3 (t(h/2) - t(h)),
-
-t being a quantity on its scale. Of 39 windows of measured and synthetic surfaces, solved with pixels a
-quarter as large, the median error at p/(E* g) = 0.02 to 0.4 falls from 1.6 to 0.7 % (area), 8 to 2.5 %
-(largest pressure), 0.13 to 0.05 % (mean gap); the mean pressure over whole pixels, 11 % too low, becomes the
-load over the corrected area. What remains uncertain is 1.25 times the change, twice the change where it is
-not taken off, no smaller than a floor with which 95 % of the windows of the bank hold (`calibration`), and
-for the area than the chance with which the edge of the contact lies in its pixels.
-
-A large window is represented by a part of it around the highest pressure.
-
-References
-----------
-Richardson (1911), Phil. Trans. R. Soc. A 210, 307; Roache (1994), J. Fluids Eng. 116, 405.
+A part of the window around the highest pressure, as its Fourier interpolant, is solved with pixels half as
+large; t(0) = t(h) + 4/3 (t(h/2) - t(h)) on the scale of a quantity (Richardson 1911, Phil. Trans. R. Soc. A
+210, 307; Roache 1994, J. Fluids Eng. 116, 405). On 39 windows at p/(E* g) = 0.02 to 0.4 the median error
+falls from 1.6 to 0.7 % (area), 8 to 2.5 % (largest pressure), 0.13 to 0.05 % (mean gap). What remains is 1.25
+times the change, twice where it is not taken off, no smaller than the floor of 95 % of the bank, and for the
+area the chance of the edges in their pixels.
 """
 
 import math
@@ -57,9 +46,8 @@ def discretisation_error(
 ) -> dict[str, tuple[np.ndarray, Component]]:
     """Return for each quantity the correction (load) to no pixels, and the component of what stays uncertain.
 
-    Both are on the scale of the quantity; `pixel_share` (load) is the share of the pixels in contact, from
-    which the area was corrected, `peak_index` the point of the highest pressure of the periodic window,
-    counted row by row. Those not in `CORRECTED` have none: the change is in their half-width.
+    Both are on its scale; those not in `CORRECTED` have the change in their half-width. `pixel_share` (load)
+    is the share of pixels in contact, `peak_index` the point of the highest pressure, row by row.
     """
     load, names, free = loads_of(contact), list(values), contact.get("boundary") == "free"
     region = window if free else _region_around(window, peak_index)
@@ -87,12 +75,9 @@ def discretisation_error(
 
 
 def _edge_noise(area: np.ndarray, pixel_share: np.ndarray, points: int) -> np.ndarray:
-    """Return what chance does to the area, on its scale: the edge of the contact lies anywhere in its pixels.
-
-    Of M switches between contact and non-contact among N points, which the correction by the perimeter tells,
-    0.5 sqrt(M)/N of the area is random.
-    """
+    """Return what chance does to the area, on its scale: the edge lies anywhere in its pixels."""
     switches = np.maximum(pixel_share - area, 0.0) / PERIMETER_CORRECTION  # M/N
+    # of M switches among N points, 0.5 sqrt(M)/N of the area is random
     return to_scale(AREA, area + _NOISE_PER_SWITCH * np.sqrt(switches / points)) - to_scale(AREA, area)
 
 

@@ -21,8 +21,8 @@ _FEWEST_LOADS = 4
 def elastic_loads(window: xr.DataArray, loads: Sequence[float], contact: Mapping[str, Any]) -> list[float]:
     """Return those planned loads (Pa) whose mean pressure in contact is below 0.1 E*.
 
-    `contact` has the arguments of `solve_contact`. Fewer than four are spread over the range between which
-    the pressure stays below; all come back where none does, or with a hardness, or of rubber.
+    Fewer than four are spread over the range below; all come back where none does, with a hardness, or of
+    rubber.
     """
     modulus = float(contact["contact_modulus"])
     gradient = nondimensionalise(window).gradient

@@ -104,13 +104,7 @@ def solve_again(
 
 
 def few_loads(load: np.ndarray, count: int = LOADS) -> np.ndarray:
-    """Return the indices of at most `count` loads: both ends, and those nearest to even steps of ln p.
-
-    Examples
-    --------
-    >>> few_loads(np.array([1.0, 2.0, 4.0, 8.0, 64.0]), 3)
-    array([0, 3, 4])
-    """
+    """Return the indices of at most `count` loads: both ends, and those nearest to even steps of ln p."""
     if load.size <= count:
         return np.arange(load.size)
     logarithms = np.log(load)

@@ -1,9 +1,8 @@
 """The error budget of a body of finite size: that of its roughness, whose changes are solved on its form.
 
-Sources: solver, pixel size (splines through the roughness), what is stated of instrument and material, and
-other positions of the roughness under the form, so far that its borders stay outside the contact. Periodic
-sampling has no meaning here. If the results of n positions have the standard deviation s on the scale of a
-quantity, a further one lies within t s √(1 + 1/n) of their mean, t being Student's quantile of 95 %.
+Instead of periodic sampling there are other positions of the roughness under the form: if the results of n
+have the standard deviation s on the scale of a quantity, a further one lies within t s √(1 + 1/n) of their
+mean (Student's 95 %).
 """
 
 from collections.abc import Mapping, Sequence

@@ -29,12 +29,9 @@ class NamedGroup(NamedTuple):
 
 
 def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
-    """Return the answers of several groups in one dataset.
+    """Return the answers of several groups in one dataset ([case,] group, load, map, source, component).
 
-    Its dims are (group, load, map, source, component), or (case, group, ...) where there are cases; groups of
-    fewer maps or loads are padded with NaN. Coordinates are `group` (`group_name` is the same), `case`,
-    `mean_pressure` (group, load), `map_name` and `part` (group, map). The attribute `remarks` is JSON: by
-    case ("" where there are none) and group.
+    Groups of fewer maps or loads are padded with NaN; `remarks` is JSON, by case ("" for none) and group.
 
     Examples
     --------
@@ -77,20 +74,9 @@ def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
 
 
 def groups_table(groups: Sequence[NamedGroup]) -> pd.DataFrame:
-    """Return one row for each group (, case) and load, in SI units.
+    """Return one row for each group (, case) and load, in SI units, with `{quantity}` and its ends.
 
-    Its columns are `case` where there are cases, `group`, `maps`, `parts` (numbers of them),
-    `mean_pressure_Pa`, and of each quantity `{quantity}`, `{quantity}_lower`, `{quantity}_upper`, as well for
-    the next map (`{quantity}_next_lower` ...) and the next part (`{quantity}_next_part_lower` ...).
-
-    Examples
-    --------
-    >>> from roughcontact.uncertainty.groups import group_statistics
-    >>> one = xr.Dataset({"mean_gap": ("load", [2e-6]), "mean_pressure": ("load", [1e6])})
-    >>> other = one.assign(mean_gap=2 * one["mean_gap"])
-    >>> table = groups_table([NamedGroup("ground", None, group_statistics([one, other]))])
-    >>> table.columns[:6].tolist()
-    ['group', 'maps', 'parts', 'mean_pressure_Pa', 'mean_gap', 'mean_gap_lower']
+    They also stand for the next map (`..._next_lower`) and the next part (`..._next_part_lower`).
     """
     rows = []
     for name, case, answer, _ in groups:
@@ -109,13 +95,7 @@ def groups_table(groups: Sequence[NamedGroup]) -> pd.DataFrame:
 
 
 def comparisons_table(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> pd.DataFrame:
-    """Return one row for each comparison (by the names of both, as of `compare_all`), quantity and load.
-
-    Examples
-    --------
-    >>> comparisons_table({}).columns.tolist()[:4]
-    ['first', 'second', 'quantity', 'mean_pressure_Pa']
-    """
+    """Return one row for each comparison (by the names of both, as of `compare_all`), quantity and load."""
     rows = [
         {"first": first, "second": second, "quantity": quantity, "mean_pressure_Pa": load}
         | {key: comparison[key].values[row, column] for key in _COMPARED}

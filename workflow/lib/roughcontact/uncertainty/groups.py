@@ -1,22 +1,10 @@
 """One answer of several maps: of the maps of a part, the parts of a batch, the placements of two faces.
 
-Each quantity is evaluated on the scale on which it scatters symmetrically: ln erfinv(A) for the area (see
-`window_sampling`), the height itself for the narrowest places, which may be closed, the logarithm for all
-others. On that scale
-
-    U² = (t s)² + U_shared²
-
-s is the standard uncertainty of the mean of the maps, with Student's t (`random_effects`); U_shared is what
-all maps share: discretisation, instrument, material and waves that the instrument hides, each averaged over
-the maps and added once ([1]_, 5.2). The window part of the maps is left out, since the scatter holds it, and
-so is the solver's. For the next map the variance of a single one is added.
-
-The group is what the maps are samples of: places of the size of a map. Waves longer than a map are not part
-of it.
-
-References
-----------
-.. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement.
+On the scale of a quantity U² = (t s)² + U_shared², with the standard uncertainty s of the mean of the maps
+and Student's t (`random_effects`); U_shared, of discretisation, instrument, material and hidden waves, is
+averaged over the maps and added once (JCGM 100:2008, 5.2). Window and solver are left out: the scatter holds
+them. For the next map the variance of a single one is added. The group is what the maps are samples of,
+without waves longer than a map.
 """
 
 import hashlib
@@ -61,17 +49,10 @@ _LIMITED = {f"{name}_{end}" for name in (PRESSURE, PEAK) for end in (*_ENDS, *_F
 
 
 class Scaled(NamedTuple):
-    """A quantity of several maps on its scale.
+    """A quantity of several maps on its scale."""
 
-    Attributes
-    ----------
-    values : array (map, load)
-    shared : array (map, load, source, component)
-        half-widths down and up, and one-sided shifts down and up, by the sources of `SOURCES`; infinite where
-        nothing bounds them.
-    """
-
-    values: np.ndarray
+    values: np.ndarray  # (map, load)
+    # (map, load, source, component): half-widths and one-sided shifts, down and up, by `SOURCES`
     shared: np.ndarray
 
 
@@ -327,8 +308,7 @@ def _ends(
 def scaled_components(name: str, dataset: xr.Dataset) -> np.ndarray:
     """Return the components (load, source, component) of a quantity of a map on its scale; 0 where unknown.
 
-    These are half-widths down and up, shifts down and up, a known bias among the latter; infinite where
-    unbounded.
+    They are half-widths, infinite where unbounded, and shifts, a known bias among them, down and up.
     """
     values = dataset[name].values.astype(float)
     components = np.zeros((values.size, len(SOURCES), 4))
@@ -358,13 +338,7 @@ def scaled_at(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> S
 def at_loads(map_loads: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return numbers (load, ...), known at a map's own rising loads, at others within their range.
 
-    Where the loads are not its own the numbers are interpolated (monotone cubic in the logarithm of the
-    load); they are NaN, or infinite, where a neighbour is.
-
-    Examples
-    --------
-    >>> at_loads(np.array([1.0, 100.0]), np.array([1.0, 10.0]), np.array([2.0, 4.0]))
-    array([2., 3.])
+    Else they are interpolated (monotone cubic in the logarithm); NaN or infinite, where a neighbour is.
     """
     nearest = np.abs(map_loads[None, :] - loads[:, None]).argmin(axis=1)
     if np.allclose(map_loads[nearest], loads, rtol=SAME_LOAD, atol=0.0):

@@ -1,7 +1,6 @@
-"""The quantities of the error budget, computed from pressure and gap on their own.
+"""The quantities of the error budget: contact area, mean gap, largest pressure, mean pressure in contact.
 
-Four are the headline: contact area, mean gap, largest pressure, mean pressure in contact. Three are answers
-of engineering: contact conductance, and the narrowest places of the gap along both axes.
+Besides the answers: contact conductance, and the narrowest places of the gap along both axes.
 """
 
 from collections.abc import Iterator, Sequence
@@ -32,8 +31,8 @@ def quantities_of(
 ) -> dict[str, float]:
     """Return quantities of one load from pressure (Pa) and gap (m), as `contact_statistics` defines them.
 
-    `steps` are the pitches (dy, dx; m). The conductance is NaN in full contact, where it is infinite, and of
-    layered bodies, for which it is another problem than their stiffness.
+    `steps` are (dy, dx; m). The conductance is NaN in full contact, where it is infinite, and of layered
+    bodies.
 
     Examples
     --------

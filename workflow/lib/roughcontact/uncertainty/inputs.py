@@ -1,20 +1,14 @@
 """Uncertainty and sensitivity of the results to load, contact modulus and the scales of the map.
 
-A stated uncertainty U of an input is propagated by solving the contact at both ends, with the input 1 - U and
-1 + U times as large (JCGM 100:2008, 5.1.3, note 2): the changes of a result are its half-widths.
-
-The sensitivity d ln Q/d ln(input) of a stated input is the slope between these ends. Of another it is NaN,
-unless it follows without a further solution:
-
-* dū/dp̄ = -1/K of the gap, with the stiffness K of further loading;
-* while no point yields, heights a, lengths b, moduli c and loads d times as large give the solution at the
-  load p d b/(c a):
+The contact is solved with a stated input 1 - U and 1 + U times as large (JCGM 100:2008, 5.1.3, note 2): the
+changes are half-widths, the slope between them the sensitivity d ln Q/d ln(input). Of another input it
+follows, if at all, from dū/dp̄ = -1/K of the gap, or while no point yields from the solution for heights a,
+lengths b, moduli c and loads d times as large, that at the load p d b/(c a):
 
       A(p) = A0,   u = a u0,   pressures = (c a/b) p0,   K/E* = kappa0/b,   gap height = a c0
 
-  (Persson 2001, J. Chem. Phys. 115, 3840, for the area; exact for an elastic half-space; of layers for all
-  but the lengths, beside which their thickness stays). A sensitivity is then the power of the input in the
-  result plus its power in the load times d ln Q/d ln p, so that one input leads to the others.
+(Persson 2001, J. Chem. Phys. 115, 3840, for the area; exact for an elastic half-space; of layers for all but
+lengths).
 """
 
 import json
@@ -49,25 +43,12 @@ def input_uncertainty(
     solved: xr.Dataset,
     stated: Mapping[str, float | None],
 ) -> xr.Dataset:
-    """Return what load, modulus and scales do to each result: half-widths where stated, and sensitivities.
+    """Return what load, modulus and scales do to each result (load, input): half-widths and sensitivities.
 
-    `solved` are the quantities of the periodic window along `load`, with `mean_pressure`, and
-    `loading_stiffness` (Pa/m) if known; `stated` are relative expanded uncertainties (95 %) of inputs. Each
-    costs two solutions. With dims (load, input) the result has `{quantity}_down` and `{quantity}_up`,
-    half-widths in the unit of the quantity, NaN for an input that is not stated, infinite where an end could
-    not be solved; `{quantity}_sensitivity`, d ln Q/d ln(input), NaN where it is not known. With bodies
-    `contact_modulus` stands for all their moduli. Raises SettingsError for an uncertainty outside 0 to 1.
-
-    Examples
-    --------
-    >>> from roughcontact.contact.solve import solve_contact
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> from roughcontact.uncertainty.headline import headline
-    >>> window, problem = rough_reference_surface(64), {"contact_modulus": 1.0, "mean_pressure": [0.1]}
-    >>> solved = solve_contact(window, **problem, reduce=headline)
-    >>> inputs = input_uncertainty(window, contact=problem, solved=solved, stated={"contact_modulus": 0.1})
-    >>> inputs["relative_contact_area_sensitivity"].sel(input="contact_modulus").round(1).item()
-    -0.8
+    `stated` are relative expanded uncertainties (95 %), `solved` the quantities along `load`.
+    `{quantity}_down`, `_up` are half-widths in its unit, NaN if not stated, infinite if an end could not be
+    solved; `{quantity}_sensitivity` is d ln Q/d ln(input), NaN if not known. `contact_modulus` stands for all
+    moduli of bodies.
     """
     values = {name: solved[name].values for name in quantities_in(solved)}
     elastic = values[PEAK] < (1 - NEAR_HARDNESS) * (contact.get("hardness") or math.inf)

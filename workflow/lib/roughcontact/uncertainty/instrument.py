@@ -1,25 +1,15 @@
-"""Uncertainty of the instrument: amplification, noise, lens or lateral resolution, tip.
+"""Uncertainty of the instrument: noise, lens or lateral resolution, tip, rounding (amplification: `inputs`).
 
-The result is that of the map as measured; the interval reaches to where the truth may be.
+* Noise adds to the gradient: g^2 = g_true^2 + g_noise^2. The window is solved with the same noise added; the
+  exponent d ln Q/d ln g leads back to g_true (simulation and extrapolation, Cook and Stefanski 1994). On 43
+  maps with noise of 1 to 10 % of Sq the truth lay at 1.2 times this shift in the median, at twice in the
+  outer tenth: it is doubled. A spectrum that is flat at its end may be noise, or folded waves: the shift is
+  added as a bound.
+* A lens, a tip and rounding to a `coarse_step` are undone (`window.transfer`: `restored`, `eroded`,
+  `unrounded`), and the window is solved once more.
 
-* Amplification (calibration of the scales) is propagated with load and modulus (`inputs`).
-* Noise adds to the gradient: g^2 = g_true^2 + g_noise^2, so that the area comes out too small and pressure
-  and gap too large. The window is solved once more with the same noise added; the exponent d ln Q/d ln g that
-  follows from it takes the result back from g to g_true (simulation and extrapolation, Cook and Stefanski
-  1994). On 43 measured and made maps with noise of 1 to 10 % of Sq the truth lay at 1.2 times this shift in
-  the median, at twice the shift in the outer tenth: the shift is doubled. Where no noise is stated and the
-  spectrum is flat at its end, its floor may be noise, or waves that the pixels fold back: the shift by such
-  noise is added as a bound.
-* A lens, or a stated resolution, attenuates short waves. The window is solved once more with the transfer
-  undone (`window.transfer.restored`).
-* A tip rounds peaks. The window is solved once more as the eroded map (`window.transfer.eroded`), which
-  undoes it where the tip touched.
-* Heights that were rounded to a `coarse_step` lie within half of it of the true ones. The window is
-  solved once more as the smoothest such map (`window.transfer.unrounded`).
-
-The last four are one-sided: each shifts the end of the interval on its side (JCGM 100:2008, F.2.4.5). A map
-that was corrected for noise and lens (`window.transfer.corrected`) has a two-sided component instead: the
-window as measured is solved once more, and a share of the change is the uncertainty of the correction.
+Each shifts one end of the interval (JCGM 100:2008, F.2.4.5). A map corrected for noise and lens has a
+two-sided component, a share of the change by the correction.
 """
 
 import math
@@ -51,12 +41,10 @@ def instrument_components(
     as_measured: xr.DataArray | None = None,
     true_shapes: Mapping[str, xr.DataArray],
 ) -> tuple[list[Components], dict[str, np.ndarray]]:
-    """Return what is known of the instrument contributes to the interval of each result, on its scale.
+    """Return the components of each cause, on the scales, and of a corrected map the results without it.
 
-    `values` are the results of the periodic window, `as_measured` the window before it was corrected, if it
-    was, and `true_shapes` its `undone`. There are components for each cause; none where nothing is stated, no
-    noise suspected (`suspected_noise`) and the heights have no `coarse_step`. Besides, of a corrected map,
-    the results without the correction. Raises SettingsError as `check_instrument`.
+    `as_measured` is the window before a correction, `true_shapes` its `undone`. None is there where nothing
+    is stated, no noise suspected (`suspected_noise`) and no `coarse_step`.
     """
     check_instrument(window if as_measured is None else as_measured, instrument)
     noise = instrument.get("noise") or 0.0
@@ -98,13 +86,10 @@ def _of_correction(
     uncorrected: Values,
     instrument: Mapping[str, Any],
 ) -> Components:
-    """Return the two-sided uncertainty of a correction, from the results before it.
-
-    Noise and transfer may cancel: where both are known, what each changes is told apart by a further solution
-    of the window without the noise alone.
-    """
+    """Return the two-sided uncertainty of a correction, from the results before it."""
     noise = instrument.get("noise") or 0.0
     causes = [_changes(values, uncorrected)]
+    # both may cancel: a further solution without the noise alone tells them apart
     if noise and (instrument.get("numerical_aperture") or instrument.get("resolution")):
         without_noise = restored(as_measured, {}, noise=noise, equalise=True)
         by_lens = _changes(values, solve_again(without_noise, contact, values))

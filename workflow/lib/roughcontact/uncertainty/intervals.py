@@ -42,8 +42,8 @@ def window_components(
 ) -> Windows:
     """Return by how much the truth of each measurand may differ from this map, on the scales.
 
-    `middle` are the corrected results on their scales, `gap` the mean gap (load; m), `extent` the length of
-    the longer surface over that of the map, `open_ended` whether grooves lead out of the map (load).
+    `middle` are corrected results, `gap` the mean gap (load; m), `extent` the length of the longer surface
+    over that of the map, `open_ended` whether grooves lead out of the map (load).
     """
     windows: dict[calibration.Measurand, dict[str, Component]] = {}
     for measurand in MEASURANDS:
@@ -78,9 +78,8 @@ def interval_columns(
 ) -> dict[str, tuple]:
     """Return the ends of all intervals of the quantities, and what they are made of.
 
-    `as_solved` are the results (load), `middle` the corrected ones on their scales; the pressure in contact
-    is the load over the corrected area. Measurands that are not in `windows`, and shorter waves where
-    `octave` is None, have no interval; `measurand` is that of `_lower`, `_upper` and the half-widths.
+    `as_solved` are results (load), `middle` corrected ones on their scales. Measurands not in `windows`, and
+    shorter waves without `octave`, have no interval; `measurand` is that of `_lower` and `_upper`.
     """
     shorter = {name: centre + octave[name][0] for name, centre in middle.items()} if octave else middle
     beyond = _with_pressure({name: pair[1] for name, pair in (octave or {}).items()}, shorter[AREA])

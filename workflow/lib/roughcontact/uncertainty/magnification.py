@@ -1,13 +1,8 @@
-"""Magnification curve: the results as a function of the shortest wave that is kept.
+"""Magnification curve: the results as a function of the shortest wave that is kept (Persson 2001).
 
-A measured surface has no contact area as such, only one for the waves down to some length (Persson 2001): the
-shorter the waves that a map resolves, the smaller is the area and the larger the pressure. The window is
-solved again without its shortest octave of waves, without two octaves, and so on, on grids of three points
-per shortest wave; all these solutions together cost about as much as that of the window.
-
-Waves are cut off by a circle in the plane of wavenumbers, in all directions at the same length. The first
-circle holds as many waves as the grid with pixels twice as large, so that it is an octave below those of the
-window; the few waves in the corners of a rectangle are shorter than two pixels.
+The window is solved again without its shortest octave of waves, without two, and so on, on three points per
+shortest wave; together this costs about as much as the window. Waves are cut off by a circle in the plane of
+wavenumbers; the first holds as many as the grid with pixels twice as large.
 """
 
 import math
@@ -30,19 +25,7 @@ _MIN_WAVES_PER_SIDE = 8  # of the shortest, in the last entry
 
 
 def without_shortest_waves(window: xr.DataArray, cutoff: float) -> xr.DataArray:
-    """Return a periodic map (m) without waves shorter than `cutoff` (m), on three points per such wave.
-
-    The spectrum is cut off; neither aliasing nor attenuation changes the waves that stay. An axis of one
-    point keeps it; no grid becomes finer.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> x = 2 * np.pi * np.arange(32) / 32
-    >>> coarse = without_shortest_waves(height_map((np.cos(x) + np.cos(14 * x))[None, :], 1.0), 12.0)
-    >>> coarse.shape, bool(np.allclose(coarse, np.cos(x[None, ::4])))
-    ((1, 8), True)
-    """
+    """Return a periodic map (m) without waves shorter than `cutoff` (m), on three points per such wave."""
     spectrum = np.where(_passes(window, cutoff), np.fft.rfft2(window.values), 0.0)
     sides = side_lengths(window)
     points = [
@@ -50,6 +33,7 @@ def without_shortest_waves(window: xr.DataArray, cutoff: float) -> xr.DataArray:
         for n, side in zip(window.shape, sides, strict=True)
     ]
     ky, kx = (n // 2 for n in points)
+    # the spectrum is cut off: neither aliasing nor attenuation changes the waves that stay
     rows = np.r_[0 : points[0] - ky, window.shape[0] - ky : window.shape[0]]
     values = np.fft.irfft2(spectrum[rows, : kx + 1], s=points) * (math.prod(points) / window.size)
     steps = [side / n for side, n in zip(sides, points, strict=True)]
@@ -75,10 +59,8 @@ def magnification_curve(
 ) -> xr.Dataset:
     """Return the results of a periodic window without its shortest waves, octave by octave.
 
-    `solved` are those of the window itself along `load`: `{quantity}_at_cutoff` (load, cutoff) begins with
-    them, and is alone in a window too small to be coarsened. Coordinates are `cutoff_wavelength` (cutoff; m),
-    the shortest wave that is kept, and `gradient_at_cutoff` (cutoff), the rms gradient. The pressure in
-    contact is the load over the corrected area, which hardly depends on the grid, and at most the hardness.
+    `{quantity}_at_cutoff` (load, cutoff) begins with those `solved`; `cutoff_wavelength` (cutoff; m) is the
+    shortest wave kept, `gradient_at_cutoff` (cutoff) the rms gradient.
     """
     maps, q = [window], wavenumbers(window.shape, spacing(window))
     levels = [{name: solved[name].values for name in quantities_in(solved)}]

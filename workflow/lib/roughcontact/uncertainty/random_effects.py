@@ -1,17 +1,10 @@
-"""Means, intervals and tests of numbers that scatter between parts and between the maps of a part.
+"""Means, intervals and tests of numbers (map, load) that scatter between parts and between their maps.
 
-All functions take arrays (map, load) on a scale on which the scatter is symmetric, and treat each load by
-itself. The model is y_ij = mean + part_i + map_ij, both terms random. The mean is estimated by the mean of
-the means of the parts, whose scatter holds both terms; for parts with equally many maps this is exact, for
-others the approximation of Thomas and Hultquist [1]_, in which the harmonic mean of the numbers of maps
-stands for their number [2]_, [3]_.
-
-References
-----------
-.. [1] Thomas and Hultquist (1978), Interval estimation for the unbalanced case of the one-way random effects
-   model, Ann. Statist. 6, 582-587.
-.. [2] Burdick and Graybill (1992), Confidence Intervals on Variance Components, Dekker, chapter 4.
-.. [3] Searle, Casella and McCulloch (1992), Variance Components, Wiley, chapter 3; JCGM 100:2008, H.5.
+The model is y_ij = mean + part_i + map_ij, each load by itself, on a scale of symmetric scatter, the mean
+that of the means of the parts: exact for equally many maps, else the approximation of Thomas and Hultquist
+(1978, Ann. Statist. 6, 582) by the harmonic mean of their numbers (Burdick and Graybill 1992, Confidence
+Intervals on Variance Components, chapter 4; Searle, Casella and McCulloch 1992, Variance Components, chapter
+3; JCGM 100:2008, H.5).
 """
 
 from bisect import bisect_left
@@ -30,52 +23,22 @@ _MOST_MAPS = 1000  # that are asked for
 
 
 class Effects(NamedTuple):
-    """Mean and scatter of numbers (load,), on their scale.
+    """Mean and scatter of numbers (load,), on their scale."""
 
-    Attributes
-    ----------
-    units : int
-        parts, or maps where all are of one part or each is of its own: what scatters independently.
-    mean : array
-        of the means of the parts.
-    deviations : array (unit, load)
-        of the parts (maps) from it.
-    error, freedom : array
-        standard uncertainty of the mean, and its degrees of freedom.
-    next_map, next_map_freedom : array
-        standard deviation of the next map of another part about `mean`, and its degrees of freedom.
-    next_part : array
-        standard deviation of the mean of the next part, of as many maps, about `mean`; NaN without parts of
-        several maps. Its degrees of freedom are `freedom`.
-    between, within : array
-        standard deviation between parts and between the maps of a part; NaN where it is not known.
-    """
-
-    units: int
-    mean: np.ndarray
-    deviations: np.ndarray
-    error: np.ndarray
-    freedom: np.ndarray
-    next_map: np.ndarray
+    units: int  # what scatters independently: parts, or maps without parts of several
+    mean: np.ndarray  # of the means of the parts
+    deviations: np.ndarray  # (unit, load), from it
+    error: np.ndarray  # standard uncertainty of the mean
+    freedom: np.ndarray  # its degrees of freedom
+    next_map: np.ndarray  # standard deviation about `mean` of the next map of another part
     next_map_freedom: np.ndarray
-    next_part: np.ndarray
-    between: np.ndarray
-    within: np.ndarray
+    next_part: np.ndarray  # of the mean of the next part, of as many maps; or NaN
+    between: np.ndarray  # standard deviation between parts; NaN where unknown
+    within: np.ndarray  # between the maps of a part; NaN where unknown
 
 
 def random_effects(values: np.ndarray, part_names: Sequence[str]) -> Effects:
-    """Return mean and scatter of the numbers of maps (map, load), each of a part.
-
-    Examples
-    --------
-    Two maps of each of three parts, by hand: the means 1, 3 and 5 scatter by 2, the maps within by 1.
-
-    >>> found = random_effects(np.array([[0.3], [1.7], [2.3], [3.7], [4.3], [5.7]]), list("aabbcc"))
-    >>> found.units, found.mean.item(), round(found.error.item(), 3), found.freedom.item()
-    (3, 3.0, 1.155, 2.0)
-    >>> round(found.within.item(), 2), round(found.between.item(), 2)
-    (0.99, 1.87)
-    """
+    """Return mean and scatter of the numbers of maps (map, load), each of a part."""
     names, index, counts = np.unique(np.asarray(part_names, str), return_inverse=True, return_counts=True)
     if names.size in (1, len(values)):  # nothing to tell parts from maps by
         index, counts = np.arange(len(values)), np.ones(len(values), int)
@@ -116,13 +79,7 @@ def random_effects(values: np.ndarray, part_names: Sequence[str]) -> Effects:
 
 
 def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
-    """Return Student's factor of a two-sided interval; NaN without degrees of freedom.
-
-    Examples
-    --------
-    >>> student(np.array([0.0, 2.0, 9.0])).round(2)
-    array([ nan, 4.3 , 2.26])
-    """
+    """Return Student's factor of a two-sided interval; NaN without degrees of freedom."""
     deviation = np.asarray(freedom, float) > 0
     return np.where(
         deviation, scipy.special.stdtrit(np.where(deviation, freedom, 1.0), (1 + coverage) / 2), np.nan
@@ -130,9 +87,9 @@ def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
 
 
 def welch(first: Effects, second: Effects) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the difference of two means, second less first, its standard uncertainty, degrees of freedom.
+    """Return the difference of two means, its standard uncertainty, and degrees of freedom (Welch 1947).
 
-    The two may scatter differently (Welch 1947, Biometrika 34, 28).
+    It is second less first; the two may scatter differently (Biometrika 34, 28).
 
     Examples
     --------
@@ -149,13 +106,7 @@ def welch(first: Effects, second: Effects) -> tuple[np.ndarray, np.ndarray, np.n
 
 
 def p_value(difference: np.ndarray, error: np.ndarray, freedom: np.ndarray) -> np.ndarray:
-    """Return the two-sided p-value of no difference, by Student's distribution; NaN where unknown.
-
-    Examples
-    --------
-    >>> p_value(np.array([2.776]), np.array([1.0]), np.array([4.0])).round(3)
-    array([0.05])
-    """
+    """Return the two-sided p-value of no difference, by Student's distribution; NaN where unknown."""
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = np.where(error > 0, np.abs(difference) / error, np.where(difference == 0, 0.0, np.inf))
     bound = 2 * scipy.special.stdtr(np.maximum(freedom, 1e-9), -ratio)
@@ -163,9 +114,9 @@ def p_value(difference: np.ndarray, error: np.ndarray, freedom: np.ndarray) -> n
 
 
 def correlation_at_least(residuals: np.ndarray, freedom: float) -> np.ndarray:
-    """Return the lower 95 % limits (load, load) of the correlations of loads, not below 0, by Fisher's z.
+    """Return the lower 95 % limits (load, load), not below 0, of the correlations of loads, by Fisher's z.
 
-    `residuals` (map, load) are the deviations of maps, or parts, from their means, of so many degrees of
+    `residuals` (map, load) are deviations of maps, or parts, from their means, of so many degrees of
     `freedom`.
 
     Examples
@@ -189,15 +140,10 @@ def correlation_at_least(residuals: np.ndarray, freedom: float) -> np.ndarray:
 
 
 def over_loads(p_values: np.ndarray, correlation: np.ndarray) -> np.ndarray:
-    """Return p-values (load,) adjusted for all loads of a pair of groups, whose tests go together.
+    """Return p-values (load,) adjusted for all loads of a pair of groups; those that are NaN do not count.
 
-    Step-down: the smallest counts for as many independent tests as all loads make, the next for as many as
-    the others make, and so on: (Σ √λ)² / Σ λ of the eigenvalues λ of their correlation (load, load) [1]_.
-    Those that are NaN do not count.
-
-    References
-    ----------
-    .. [1] Galwey (2009), A new measure of the effective number of tests, Genet. Epidemiol. 33, 559-568.
+    Step-down: the smallest counts for (Σ √λ)² / Σ λ independent tests, λ the eigenvalues of the correlation
+    (load, load) of all loads (Galwey 2009, Genet. Epidemiol. 33, 559), the next for those of the others.
 
     Examples
     --------
@@ -221,12 +167,7 @@ def over_loads(p_values: np.ndarray, correlation: np.ndarray) -> np.ndarray:
 def holm(p_values: Sequence[np.ndarray]) -> list[np.ndarray]:
     """Return p-values adjusted for all families that are tested together; those that are NaN do not count.
 
-    Holm's procedure [1]_ where each family is a single number. Of a family with more of them, adjusted for
-    one another, any may be true while another is not: it stays among those that count up to its largest.
-
-    References
-    ----------
-    .. [1] Holm (1979), A simple sequentially rejective multiple test procedure, Scand. J. Statist. 6, 65.
+    Holm (1979), Scand. J. Statist. 6, 65, where each family is a single number.
 
     Examples
     --------
@@ -234,6 +175,7 @@ def holm(p_values: Sequence[np.ndarray]) -> list[np.ndarray]:
     [0.03, 0.06, nan, 0.06]
     """
     largest = np.array([np.nanmax(value, initial=-1.0) for value in p_values])
+    # of a family of several numbers any may be true while another is not: it counts up to its largest
     adjusted = []
     for index, p_value_of_family in enumerate(p_values):
         larger = np.sort(np.delete(largest, index))[::-1]
@@ -247,11 +189,8 @@ def holm(p_values: Sequence[np.ndarray]) -> list[np.ndarray]:
 def maps_needed(spread: float, difference: float, *, paired: bool = False) -> int:
     """Return how many maps of each of two groups, 2 to 1000, show a difference with a probability of `POWER`.
 
-    `spread` is the standard deviation between maps; of the differences map by map where these are `paired`.
-
-    References
-    ----------
-    .. [1] Cohen (1988), Statistical Power Analysis for the Behavioral Sciences, chapter 2.
+    `spread` is the standard deviation between maps, or of `paired` differences (Cohen 1988, Statistical Power
+    Analysis for the Behavioral Sciences, chapter 2).
 
     Examples
     --------
@@ -271,14 +210,9 @@ def maps_needed(spread: float, difference: float, *, paired: bool = False) -> in
 
 
 def grubbs_outliers(values: np.ndarray) -> np.ndarray:
-    """Return which numbers (map, load) stand off the others of their load, by Grubbs's test at 1 %.
+    """Return which numbers (map, load) stand off, at most one of each load, by Grubbs's test at 1 %.
 
-    One number of each load at the most; none of fewer than four, of which the test says nothing.
-
-    References
-    ----------
-    .. [1] Grubbs (1969), Procedures for detecting outlying observations in samples, Technometrics 11, 1.
-    .. [2] ISO 5725-2:1994, 7.3.4: an outlier beyond the critical value of 1 %.
+    None of fewer than four. Grubbs (1969), Technometrics 11, 1; ISO 5725-2:1994, 7.3.4.
 
     Examples
     --------

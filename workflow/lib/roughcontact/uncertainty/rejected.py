@@ -17,21 +17,8 @@ def rejected_load_share(
 ) -> np.ndarray:
     """Return the share (load) of the load that the rejected points would carry if they were kept.
 
-    The map is made periodic and solved again with these points restored. Points that the periodisation blends
-    with a rejected one count as rejected. 0 where nothing was rejected; NaN where a load misses the
-    tolerance, or where the heights of the rejected points are unknown.
-
-    Examples
-    --------
-    A single point far above all others carries nearly the whole load.
-
-    >>> from roughcontact.levelling.level import level
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> height = rough_reference_surface(64)
-    >>> height[20, 30] += 10.0
-    >>> problem = {"contact_modulus": 1.0, "mean_pressure": [1e-3]}
-    >>> rejected_load_share(level(height), window={}, contact=problem).round(2)
-    array([1.])
+    The map with them is made periodic and solved again; points blended with one count. NaN where a load
+    misses the tolerance or rejected heights are unknown, 0 without rejected points.
     """
     loads = loads_of(contact)
     if "rejected_height" not in levelled.coords and levelled.attrs.get("outliers_rejected", 0):

@@ -70,9 +70,8 @@ def deficiency(levelled: xr.DataArray, scatter: Scatter) -> str:
 def constrictions_in_grooves(window: xr.DataArray) -> list[str]:
     """Return the critical constrictions that lie in grooves, or valleys, leading out of a periodic map.
 
-    The criterion is the area that is open at the level where paths half as long as the map first percolate:
-    random heights percolate when about half of the area is open (Dapp, Lücke, Persson and Müser 2012, Phys.
-    Rev. Lett. 108, 244301), a groove with much less. A profile has no paths.
+    Random heights percolate when about half of the area is open (Dapp, Lücke, Persson and Müser 2012, Phys.
+    Rev. Lett. 108, 244301), grooves with much less, here by paths half as long as the map.
 
     Examples
     --------

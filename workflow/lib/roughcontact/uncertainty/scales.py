@@ -1,12 +1,8 @@
 """The scale of each quantity: the one on which it scatters alike at all loads and on all surfaces.
 
-The area is taken as ln erfinv(A), by Persson's law A = erf(sqrt(2) p/(E* g)) the logarithm of load over
-gradient; it is the logarithm of the area where that is small, and never leads beyond full contact. The
-narrowest places of the gap may be closed: they are taken as they are. All others are logarithms.
-
-References
-----------
-Persson (2001), J. Chem. Phys. 115, 3840.
+That of the area is ln erfinv(A), by Persson's law A = erf(sqrt(2) p/(E* g)) (2001, J. Chem. Phys. 115, 3840)
+the logarithm of the load, which never leads beyond full contact; narrowest places may be closed and are taken
+as they are, all others as logarithms.
 """
 
 import numpy as np
@@ -37,13 +33,7 @@ def inverse_erf_area(area: np.ndarray) -> np.ndarray:
 
 
 def to_scale(name: str, values: np.ndarray) -> np.ndarray:
-    """Return a quantity on its scale; NaN where it is not positive and has a logarithm.
-
-    Examples
-    --------
-    >>> to_scale("mean_gap", np.array([1.0, 0.0])), to_scale("critical_constriction_x", np.array([0.0]))
-    (array([ 0., nan]), array([0.]))
-    """
+    """Return a quantity on its scale; NaN where it is not positive and has a logarithm."""
     if name in CONSTRICTIONS:
         return np.asarray(values, float)
     positive = inverse_erf_area(values) if name == AREA else np.asarray(values, float)
@@ -51,13 +41,7 @@ def to_scale(name: str, values: np.ndarray) -> np.ndarray:
 
 
 def from_scale(name: str, values: np.ndarray) -> np.ndarray:
-    """Return a quantity from its scale; a narrowest place is closed below zero.
-
-    Examples
-    --------
-    >>> from_scale("relative_contact_area", to_scale("relative_contact_area", np.array([0.2]))).round(6)
-    array([0.2])
-    """
+    """Return a quantity from its scale; a narrowest place is closed below zero."""
     if name in CONSTRICTIONS:
         return np.maximum(values, 0.0)
     with np.errstate(over="ignore"):
@@ -69,12 +53,6 @@ def from_scale(name: str, values: np.ndarray) -> np.ndarray:
 
 
 def at_all_loads(values: np.ndarray, solved: np.ndarray, load: np.ndarray) -> np.ndarray:
-    """Return numbers at all loads from those at the indices `solved`, linear in ln p; NaN beside a NaN.
-
-    Examples
-    --------
-    >>> at_all_loads(np.array([0.1, 0.3]), np.array([0, 2]), np.array([1.0, 2.0, 4.0]))
-    array([0.1, 0.2, 0.3])
-    """
+    """Return numbers at all loads from those at the indices `solved`, linear in ln p; NaN beside a NaN."""
     rank = np.argsort(load[solved])
     return np.interp(np.log(load), np.log(load[solved][rank]), np.asarray(values, float)[rank])

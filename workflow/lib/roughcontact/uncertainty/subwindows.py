@@ -1,15 +1,10 @@
 """Scatter of the results within a map: its subwindows, each solved as if it had been measured alone.
 
-What other places of the surface would show is told by the scatter s of the subwindows (3 x 3), and by how it
-falls with their size. On a stationary surface subwindows that are longer than its longest wave are
-independent samples: the variance of a mean over n of them is 1/n, and the map, n times as large, scatters
-s/sqrt(n). On most measured surfaces places differ on every length: waviness, wear, a scratch. The rms
-gradient and the rms height of 4, 9, 16 and 36 subwindows need no solution; their variances are fitted by
-
-    var(n) = a + b n,   a, b >= 0
-
-and var(1) is what is expected of maps of this size. Both, the scatter of the solved subwindows, their trend
-and the texture aspect ratio Str, which tells a lay, are the features of the calibrated arms (`calibration`).
+On a stationary surface the map, n times as large, scatters s/sqrt(n), s the scatter of n subwindows longer
+than its longest wave; most surfaces differ on every length. The variances of rms gradient and height of 4, 9,
+16 and 36 subwindows are fitted by var(n) = a + b n, a, b >= 0, var(1) being that of maps of this size. These,
+the scatter of the solved subwindows (3 x 3), their trend and Str are the features of the calibrated arms
+(`calibration`).
 """
 
 import math
@@ -47,38 +42,19 @@ Slices = dict[str, slice]  # rows ("y") and columns ("x") of a map
 
 
 class Scatter(NamedTuple):
-    """What the subwindows of a map show.
+    """What the subwindows of a map, or other members, show of each quantity."""
 
-    Attributes
-    ----------
-    members : dict
-        quantity -> results (member, load) of the subwindows, NaN at loads that were not solved.
-    features : dict
-        quantity -> the features (load) of its calibrated arms; empty where the map is too small.
-    slices : list
-        rows and columns of each subwindow in the map.
-    incomplete : bool
-        whether the solution of a subwindow missed its tolerance.
-    lay : float
-        texture aspect ratio Str of the window, 0.5 where it has none.
-    arms, shift : dict
-        of surfaces behind profiles, which have no calibrated features: quantity -> how far the truth may lie
-        below and above, and mean of the members less the result (load), on the scale; of places in mean gaps.
-    reason : str
-        what the members are, if they are no subwindows.
-    of_positions : bool
-        whether they are other positions, which say nothing of this one.
-    """
-
-    members: dict[str, np.ndarray]
-    features: dict[str, Features]
-    slices: list[Slices]
-    incomplete: bool = False
-    lay: float = 0.5
+    members: dict[str, np.ndarray]  # results (member, load), NaN at loads not solved
+    features: dict[str, Features]  # (load) of calibrated arms; empty where the map is too small
+    slices: list[Slices]  # rows and columns of each subwindow in the map
+    incomplete: bool = False  # a solution missed its tolerance
+    lay: float = 0.5  # texture aspect ratio Str of the window
+    # of surfaces behind profiles: how far the truth lies below and above, and mean of the members less the
+    # result (load), on the scale; of places in mean gaps
     arms: Mapping[str, tuple[np.ndarray, np.ndarray]] = MappingProxyType({})
     shift: Values = MappingProxyType({})
-    reason: str = ""
-    of_positions: bool = False
+    reason: str = ""  # what the members are, if no subwindows
+    of_positions: bool = False  # other positions, which say nothing of this one
 
 
 def scatter_of_subwindows(
@@ -90,11 +66,10 @@ def scatter_of_subwindows(
     values: Values,
     number: int = 9,
 ) -> Scatter:
-    """Return the scatter of the results of a map's subwindows.
+    """Return the scatter of the results of at most `number` (4 or more) subwindows of a map.
 
     `contact` and `arguments` are those of `solve_contact` and `periodic_window` that led to the `values` of
-    the window; at most `number` subwindows are solved, 9 being 3 x 3 of a map and 9 of a profile. Raises
-    SettingsError where `number` is below 4.
+    the window.
     """
     if number != int(number) or number < 4:
         raise SettingsError(f"windows = {number!r}: give a whole number of 4 or more")

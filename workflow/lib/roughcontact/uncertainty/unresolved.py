@@ -1,15 +1,10 @@
 """Waves that a map does not show: those that its instrument hides, and the octave beyond its pixels.
 
-Most surfaces are rough below the pixel of their map, and results belong to a band of waves. Two things are
-told apart.
-
-* *Hidden waves*, longer than two pixels, that a stated lens or tip does not resolve: they are of the band,
-  and shift the ends of its interval. The trend of the octaves that the instrument does resolve is continued
-  to the pixels, over two octaves at most; where it hides more, nothing bounds the area below and the
-  pressures above.
-* *The next octave*, shorter than two pixels, is beyond the band, and an answer of its own. Each result
-  changes by a share of what its last octave changed (`calibration`), or as much as the spectrum of a finer
-  map of the same finish says.
+* *Hidden waves*, longer than two pixels, that a stated lens or tip does not resolve, shift the ends of the
+  interval. The trend of the resolved octaves is continued to the pixels, over two octaves at most; beyond,
+  nothing bounds it.
+* *The next octave*, shorter than two pixels, is an answer of its own: a share of what the last octave changed
+  (`calibration`), or as much as the spectrum of a finer map of the same finish says.
 """
 
 import math
@@ -122,24 +117,14 @@ def _changes(curve: xr.Dataset, index: int) -> dict[str, np.ndarray]:
 
 
 def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> tuple[float, float]:
-    """Return the growth of ln g by the waves that a finer map or profile shows, and its upper limit (95 %).
+    """Return the growth of ln g by the waves of a finer map or profile, and its upper limit (95 %).
 
-    Slopes along the lines of both are compared: up to the wavenumber q0 those of the periodic window count,
-    beyond it those of the finer one, which is levelled and whose lines are tapered by a Hann window. q0 is a
-    quarter of the highest wavenumber of the window, where its pixels do not yet attenuate, or the fourth wave
-    of the finer line if that is shorter. The limit of a profile is by the scatter between its pieces.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> from roughcontact.uncertainty.magnification import without_shortest_waves
-    >>> finer = rough_reference_surface(128)
-    >>> coarse = without_shortest_waves(finer, 1 / 16)
-    >>> growth, limit = growth_by_finer_spectrum(coarse, finer)
-    >>> 0.0 < growth == limit < 1.0
-    True
+    Slopes along lines up to q0 are those of the periodic window, beyond it those of the levelled finer one
+    under a Hann window. The limit of a profile is by the scatter between its pieces.
     """
     coarse, fine = _line_spectra(window, periodic=True), _line_spectra(finer, periodic=False)
+    # a quarter of the highest wavenumber, where pixels do not yet attenuate, or the fourth wave of the finer
+    # line if that is shorter
     limit = max([min(q[-1] for q, _ in coarse) / 4, *(4 * q[1] for q, _ in fine)])
     total, longer = (
         sum(float(np.sum(square[q <= bound])) for q, square in coarse) / len(coarse)
