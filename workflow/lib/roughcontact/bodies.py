@@ -30,7 +30,13 @@ def check_bodies(bodies: Sequence[str | Mapping[str, Any]], *, where: str = "bod
 
 
 def have_layers(bodies: Sequence[Mapping[str, Any]] | None) -> bool:
-    """Return whether one of the bodies of the settings, if there are any, has layers."""
+    """Return whether one of the bodies of the settings, if there are any, has layers.
+
+    Examples
+    --------
+    >>> have_layers(None), have_layers([{"layers": [{"thickness": 1e-6}]}, {}])
+    (False, True)
+    """
     return any(body.get("layers") for body in bodies or ())
 
 

@@ -349,6 +349,13 @@ def comparison(rows: Sequence[Mapping[str, Any]], *, share: float | None = None)
     """Return the numbers that differ between two runs, a line each, and their count.
 
     `rows` are those of `compare_statistics`, `share` is the allowed change if that is not the ±.
+
+    Examples
+    --------
+    >>> gap = {"surface": "ground", "mean_pressure": 1e6, "quantity": "mean_gap", "unit": "m"}
+    >>> print(comparison([gap | {"before": 2e-7, "after": 3e-7, "allowed": 5e-8, "differs": True}]))
+    ground at 1.00 MPa  mean_gap  200 nm → 300 nm  +50 %, 50.0 nm allowed
+    1 of 1 numbers differs by more than its ±
     """
     cells = [_difference(row) for row in rows if row["differs"]]
     lines = _columns(cells)

@@ -78,7 +78,15 @@ def name_mistake(name: str) -> str:
 
 
 def nearest(word: object, valid: Collection[str]) -> str:
-    """Return the end of a sentence that names the valid word nearest to a wrong one, or all of them."""
+    """Return the end of a sentence that names the valid word nearest to a wrong one, or all of them.
+
+    Examples
+    --------
+    >>> nearest("paht", ["surface", "path"])
+    'did you mean path?'
+    >>> nearest("colour", ["surface", "path"])
+    'valid are surface, path'
+    """
     close = get_close_matches(str(word).lower(), valid, n=1, cutoff=0.6)
     return f"did you mean {close[0]}?" if close else f"valid are {', '.join(valid)}"
 

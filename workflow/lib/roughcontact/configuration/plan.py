@@ -302,7 +302,13 @@ class Plan:
 
 
 def split(result: str) -> tuple[str, str]:
-    """Return the case, empty where there are none, and the surface of a result."""
+    """Return the case, empty where there are none, and the surface of a result.
+
+    Examples
+    --------
+    >>> split("soft/ground"), split("ground")
+    (('soft', 'ground'), ('', 'ground'))
+    """
     case, _, surface = result.rpartition("/")
     return case, surface
 

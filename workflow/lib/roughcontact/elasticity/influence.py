@@ -27,7 +27,14 @@ _SMALL = 1e-9  # change of the factor of an alias by layers below which it is le
 
 
 def sampled(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
-    """Return 2/|q| at wave vectors (ny, 1) and (1, nx//2 + 1), infinite at 0: Johnson (1985), chapter 13."""
+    """Return 2/|q| at wave vectors (ny, 1) and (1, nx//2 + 1), infinite at 0: Johnson (1985), chapter 13.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> sampled(np.array([[0.0], [3.0]]), np.array([[4.0]]), (1.0, 1.0)).ravel().tolist()
+    [0.5, 0.4]
+    """
     symbol = store.empty((qy.size, qx.size), np.result_type(qy, qx))
     kernels_for(symbol).inverse_root(qy[:, 0] ** 2, qx[0] ** 2, symbol)
     return symbol

@@ -32,7 +32,15 @@ def with_rejected(levelled: xr.DataArray, mask: np.ndarray | None = None) -> xr.
 
 
 def rejected_points(levelled: xr.DataArray) -> np.ndarray:
-    """Return the mask (ny, nx) of rejected points that can be restored."""
+    """Return the mask (ny, nx) of rejected points that can be restored.
+
+    Examples
+    --------
+    >>> from roughcontact.levelling.level import level
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> bool(rejected_points(level(rough_reference_surface(64))).any())
+    False
+    """
     if "rejected_height" not in levelled.coords:
         return np.zeros(levelled.shape, dtype=bool)
     rejected = ~np.isnan(_heights(levelled))

@@ -143,7 +143,13 @@ def _judged(cells: Sequence[Cell], numbers: Numbers, index: int) -> list[Cell]:
 
 
 def outcome_of(numbers: Numbers, index: int, answer: str = "") -> str:
-    """Return the verdict on a load, or an answer at it, a key of `VERDICTS`; empty for *use* or unknown."""
+    """Return the verdict on a load, or an answer at it, a key of `VERDICTS`; empty for *use* or unknown.
+
+    Examples
+    --------
+    >>> outcome_of(xr.Dataset({"mean_gap_verdict": ("load", [0, 1])}), 1, "mean_gap")
+    'review'
+    """
     name = f"{answer}_verdict" if answer else "verdict"
     code = float(numbers[name][index]) if name in numbers else 0.0
     return list(VERDICTS)[int(code)] if code > 0 else ""

@@ -31,7 +31,13 @@ def relative_half_width(
 
 
 def precision(value: float, lower: float, upper: float) -> tuple[str, float]:
-    """Return the class of precision of a number with an interval, and its percents, factor or bound."""
+    """Return the class of precision of a number with an interval, and its percents, factor or bound.
+
+    Examples
+    --------
+    >>> [precision(1.0, *ends) for ends in ((0.98, 1.01), (0.83, 1.1), (0.5, 1.2), (0.2, 3.0), (0.0, 1.5))]
+    [('percent', 10.0), ('percent', 20.0), ('factor', 2.0), ('magnitude', 10.0), ('at most', 1.5)]
+    """
     if lower == value == upper:
         return "exactly", 0.0
     if value > 0 and not math.isnan(lower + upper):

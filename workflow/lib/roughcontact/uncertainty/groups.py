@@ -339,6 +339,11 @@ def at_loads(map_loads: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np
     """Return numbers (load, ...), known at a map's own rising loads, at others within their range.
 
     Else they are interpolated (monotone cubic in the logarithm); NaN or infinite, where a neighbour is.
+
+    Examples
+    --------
+    >>> at_loads(np.array([1.0, 100.0]), np.array([1.0, 10.0]), np.array([2.0, 4.0]))
+    array([2., 3.])
     """
     nearest = np.abs(map_loads[None, :] - loads[:, None]).argmin(axis=1)
     if np.allclose(map_loads[nearest], loads, rtol=SAME_LOAD, atol=0.0):

@@ -79,7 +79,13 @@ def random_effects(values: np.ndarray, part_names: Sequence[str]) -> Effects:
 
 
 def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
-    """Return Student's factor of a two-sided interval; NaN without degrees of freedom."""
+    """Return Student's factor of a two-sided interval; NaN without degrees of freedom.
+
+    Examples
+    --------
+    >>> student(np.array([0.0, 2.0, 9.0])).round(2)
+    array([ nan, 4.3 , 2.26])
+    """
     deviation = np.asarray(freedom, float) > 0
     return np.where(
         deviation, scipy.special.stdtrit(np.where(deviation, freedom, 1.0), (1 + coverage) / 2), np.nan
@@ -106,7 +112,13 @@ def welch(first: Effects, second: Effects) -> tuple[np.ndarray, np.ndarray, np.n
 
 
 def p_value(difference: np.ndarray, error: np.ndarray, freedom: np.ndarray) -> np.ndarray:
-    """Return the two-sided p-value of no difference, by Student's distribution; NaN where unknown."""
+    """Return the two-sided p-value of no difference, by Student's distribution; NaN where unknown.
+
+    Examples
+    --------
+    >>> p_value(np.array([2.776]), np.array([1.0]), np.array([4.0])).round(3)
+    array([0.05])
+    """
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = np.where(error > 0, np.abs(difference) / error, np.where(difference == 0, 0.0, np.inf))
     bound = 2 * scipy.special.stdtr(np.maximum(freedom, 1e-9), -ratio)

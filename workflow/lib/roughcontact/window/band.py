@@ -126,7 +126,13 @@ def _check_limits(shortest: float | None, longest: float | None) -> None:
 
 
 def numerical_aperture(instrument: Mapping) -> float | None:
-    """Return the numerical aperture from the file's metadata, an entry of its own or a comment `NA: 0.60`."""
+    """Return the numerical aperture from the file's metadata, an entry of its own or a comment `NA: 0.60`.
+
+    Examples
+    --------
+    >>> numerical_aperture({"numerical_aperture": 0.3}), numerical_aperture({"comment": "20x, NA: 0.60"})
+    (0.3, 0.6)
+    """
     if "numerical_aperture" in instrument:
         return float(instrument["numerical_aperture"])
     match = re.search(r"\bNA\s*[:=]?\s*(0?\.\d+|1\.[0-5]\d*)", str(instrument.get("comment", "")))

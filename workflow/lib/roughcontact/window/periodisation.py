@@ -179,6 +179,12 @@ def taper(values: np.ndarray, width: float) -> np.ndarray:
     """Return the map faded to its mean over a share `width` of each axis by a Tukey window (Harris 1978).
 
     Proc. IEEE 66, 51; the share is that of both ends together.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> print(np.round(taper(np.array([[1.0, -1.0] * 4]), 0.5), 3))
+    [[ 0.146 -0.854  1.    -1.     1.    -1.     0.854 -0.146]]
     """
     mean = values.mean()
     result = values - mean

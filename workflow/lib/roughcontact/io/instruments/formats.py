@@ -203,5 +203,13 @@ FORMATS = (
 
 
 def marked(head: bytes) -> list[Format]:
-    """Return the formats whose mark a file has, in the order in which they are tried."""
+    """Return the formats whose mark a file has, in the order in which they are tried.
+
+    Examples
+    --------
+    >>> [each.name for each in marked(b"II*" + bytes(100))]
+    ['ps', 'jpk', 'lext']
+    >>> marked(b"KPK0 is how this text begins")
+    []
+    """
     return [format_ for format_ in FORMATS if format_.marks and format_.has_mark(head)]

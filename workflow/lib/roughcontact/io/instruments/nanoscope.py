@@ -15,7 +15,13 @@ _HEADER = 2**20  # bytes in which it ends
 
 
 def sections(header: bytes) -> list[dict[str, str]]:
-    r"""Return the sections of a header, each with its entries by lower-case names, and its ``name``."""
+    r"""Return the sections of a header, each with its entries by lower-case names, and its ``name``.
+
+    Examples
+    --------
+    >>> sections(b"\\*Ciao scan list\r\n\\Samps/line: 512\r\n\\*File list end")
+    [{'name': 'ciao scan list', 'samps/line': '512'}]
+    """
     text = header.partition(END)[0].decode("latin-1")
     return [
         {"name": body.partition("\n")[0].strip().lower()}

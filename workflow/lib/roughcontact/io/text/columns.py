@@ -101,6 +101,13 @@ def layout(columns: Sequence[Column]) -> Layout | None:
 
     Without names of positions, a few columns of heights are profiles, two or three others positions and
     heights.
+
+    Examples
+    --------
+    >>> layout([Column("index", None, "index"), Column("Weg", "mm", "x"), Column("Profil 1", "nm", "z")])
+    Layout(positions=[[1]], heights=[2])
+    >>> layout([Column(name, "nm", name[0]) for name in ("x", "z1", "z2")])
+    Layout(positions=[[0], [0]], heights=[1, 2])
     """
     data = [index for index, column in enumerate(columns) if column.role not in ("index", "valid")]
     x, y = ([index for index in data if columns[index].role == axis] for axis in "xy")

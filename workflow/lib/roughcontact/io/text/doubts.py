@@ -41,6 +41,13 @@ def thousands(
 
     A number below one, with four digits in a row or other decimals, also in a length of the header, shows a
     decimal sign.
+
+    Examples
+    --------
+    >>> thousands([], ["1.250 2.500"] * 5, None, False, Path("map.txt"))[0][:60]
+    "every number has three digits behind its '.', as in '1.250':"
+    >>> thousands([], ["0.250 2.500"] * 5, None, False, Path("map.txt"))
+    []
     """
     if decimal_comma:
         _refuse_both_marks(body, path)

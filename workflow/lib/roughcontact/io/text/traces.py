@@ -12,7 +12,13 @@ _SHORTEST = 0.5  # of a trace, over the longest
 
 
 def runs(x: np.ndarray) -> list[slice]:
-    """Return the pieces of a list in which the positions (n,) rise, or fall, from point to point."""
+    """Return the pieces of a list in which the positions (n,) rise, or fall, from point to point.
+
+    Examples
+    --------
+    >>> runs(np.array([0.0, 1.0, 2.0, 0.0, 1.0, 2.0, 1.0, 0.0]))
+    [slice(0, 3, None), slice(3, 6, None), slice(6, 8, None)]
+    """
     signs = np.sign(np.diff(x))
     run_slices, start = [], 0
     while start < x.size:
