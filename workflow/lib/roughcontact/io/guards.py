@@ -127,7 +127,7 @@ def check_memory(required: float, data_name: str, where: str | Path) -> None:
 
 
 def memory_bytes() -> float | None:
-    """Return the memory (bytes) that this process may use, of computer and container; None where unknown."""
+    """Return the memory (bytes) that this process may use, by computer and container; None where unknown."""
     limits: list[float] = []
     with suppress(AttributeError, ValueError, OSError):
         limits.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))

@@ -1,6 +1,7 @@
 """Instrument, lens, date and serial number of a file, with the same keys (`LABELS`) for all formats.
 
-A key exists only where the file states its value. Names of persons are left out.
+A key exists only where the file states its value, `acquisition_time` in ISO 8601 where known. Names of
+persons are left out.
 """
 
 import datetime

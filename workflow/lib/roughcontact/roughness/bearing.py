@@ -19,8 +19,9 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
 
     The curve c(mr), the height exceeded by a share mr of the points, is linear between their heights. `Sk`,
     `Spk`, `Svk`, `Spkx`, `Svkx` (4.5.4), `Vmp`, `Vmc`, `Vvc`, `Vvv` (volumes per area, 4.5.6 and 4.5.7),
-    `Sdc` (4.5.3) and the areas of the triangles `Sak1`, `Sak2` are in m, the material ratios `Smr1`, `Smr2`
-    from 0 to 1, NaN where all heights are equal; the core is that of ISO 13565-2:1996.
+    `Sdc` (4.5.3; `Sxp` in the edition of 2012) and the areas of the triangles `Sak1`, `Sak2` are in m, the
+    material ratios `Smr1`, `Smr2` (`Smrk1`, `Smrk2` in that of 2021) from 0 to 1, NaN where all heights are
+    equal; the core is that of ISO 13565-2:1996.
     """
     curve = np.negative(heights)
     curve.sort()

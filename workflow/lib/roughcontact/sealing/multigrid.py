@@ -97,10 +97,10 @@ def multigrid(root: sp.csr_array, coordinates: np.ndarray) -> tuple[sp.csr_array
 def minimised(
     matrix: sp.csr_array, forces: np.ndarray, precondition: Cycle
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Yield ever better x (n, columns) of matrix x = forces, by preconditioned conjugate gradients.
+    """Yield ever better x (n, columns), changed in place, of matrix x = forces, by conjugate gradients.
 
-    With it comes the decrease (columns) of the energy x A x - 2 b x; inf where rounding makes a step
-    impossible.
+    They are preconditioned; with x comes the decrease (columns) of the energy x A x - 2 b x, inf where
+    rounding makes a step impossible.
     """
     solution, residual = np.zeros_like(forces), forces.copy()
     solved = _SOLVED * np.abs(forces).max(axis=0, initial=0.0)
