@@ -92,6 +92,21 @@ def test_the_periodogram_of_white_profiles_is_their_variance():
     assert kernel.argmax() == 80
 
 
+def test_a_surface_keeps_the_spectra_of_its_profiles_and_of_the_fit():
+    """Against the periodogram of SciPy, whose density is of one side, at the waves that stand alone."""
+    profiles = rows(rough())
+    drawn = rc.surface_from_profiles(profiles, spacing=0.5)
+    spectra = {key: np.array(values) for key, values in json.loads(drawn.attrs["profile_spectra"]).items()}
+    pieces, pitch = profile_pieces(stacked(profiles))
+    taper = np.sin(np.pi * (np.arange(SIDE) + 0.5) / SIDE) ** 2
+    frequency, density = scipy.signal.periodogram(pieces, 1 / pitch, window=taper, detrend=False)
+    alone = slice(1, 6)
+    np.testing.assert_allclose(spectra["wavenumber"][:5], 2 * np.pi * frequency[alone], rtol=1e-12)
+    np.testing.assert_allclose(spectra["profiles"][:5], density.mean(axis=0)[alone] / 2, rtol=1e-9)
+    powers = [scipy.integrate.trapezoid(spectra[key], spectra["wavenumber"]) for key in ("profiles", "fit")]
+    assert powers[1] == pytest.approx(powers[0], rel=0.1)  # the scatter of single waves is not fitted
+
+
 def test_normal_heights_stay_normal_and_skewed_ones_stay_skewed():
     rng, scores = np.random.default_rng(0), finish._SCORES
     normal = finish._heights(rng.standard_normal(500), 500.0)

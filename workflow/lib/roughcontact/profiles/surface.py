@@ -65,7 +65,8 @@ def surface_from_profiles(
     -------
     DataArray (y, x), m
         with the attributes of the first profile, `lay`, `profiles` (their number), `correlation_length` (m),
-        and `profile_warnings` (JSON, sentences).
+        `profile_warnings` (JSON, sentences), and `profile_spectra` (JSON): at each `wavenumber` (rad/m) the
+        mean periodogram of the `profiles` and that of their `fit` (m3).
 
     Raises
     ------
@@ -98,6 +99,11 @@ def surface_from_profiles(
         raise SettingsError(f"points = {points!r}, spacing = {spacing!r}: give positive numbers")
     fit = ProfileFit(segments, max(1, form_order(stack)))
     finish = finish_of(segments, fit)
+    spectra = {  # the last two measured values are mean squares
+        "wavenumber": 2 * np.pi * fit.band / pitch,
+        "profiles": fit.measured[:-2] * pitch,
+        "fit": finish.spectrum.fitted[:-2] * pitch,
+    }
     heights = draw(finish, int(side), ratio, np.random.default_rng(seed))
     drawn = height_map(heights, pitch * ratio)
     facts = {
@@ -105,6 +111,7 @@ def surface_from_profiles(
         "profiles": stack.shape[0],
         "correlation_length": correlation_length(segments) * pitch,
         "profile_warnings": json.dumps(_warnings(segments, pitch, finish, side * ratio), ensure_ascii=False),
+        "profile_spectra": json.dumps({key: values.tolist() for key, values in spectra.items()}),
         "missing_points": 0,
         "missing_share": 0.0,
     }

@@ -97,7 +97,7 @@ def write_panel(
         fields=fields,
         drawn=displayed,
         loads=json.dumps(_each_load(numbers, displayed if fields else []), ensure_ascii=False),
-        waves=_waves(levelled, solved, numbers) if rough else [],
+        waves=_waves(solved, numbers) if rough else [],
         charts=_charts(numbers, solved, displayed) if rough else [],
         budget=shown_budget(numbers, displayed, extent=settings["uncertainty"]["extent"]),
         tables=tables.number_tables(numbers, checks.load_flags(numbers, solved.size)),
@@ -226,15 +226,13 @@ def _each_load(numbers: xr.Dataset, drawn: Sequence[int]) -> list[tuple[str, str
     return result
 
 
-def _waves(levelled: str | Path, window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, str]]:
+def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, str]]:
     """Return (title, image, caption) of the waves of a window that is not flat."""
     profile = 1 in window.shape
     pictures = [("Power spectrum", texture_plots.spectrum(window), facts.spectrum_caption(window, numbers))]
     if window.attrs.get("lay") == ISOTROPIC:
         caption = "Of the profiles, and of such profiles of the surface that was fitted to them."
-        pictures.insert(
-            0, ("Spectrum of the profiles", texture_plots.fitted_spectrum(_read_map(levelled)), caption)
-        )
+        pictures.insert(0, ("Spectrum of the profiles", texture_plots.fitted_spectrum(window), caption))
     if not profile:
         directions = texture_plots.directional_spectrum(window)
         pictures.append(("Waves by direction", directions, facts.lay_caption(numbers)))

@@ -3,13 +3,12 @@
 Each is a data URI, drawn from a periodic window (y, x; m) that is not flat.
 """
 
+import json
+
 import numpy as np
 import xarray as xr
 
-from roughcontact.levelling.forms import form_order
 from roughcontact.maps import side_lengths, spacing
-from roughcontact.profiles.spectrum import ProfileFit
-from roughcontact.profiles.surface import profile_pieces
 from roughcontact.quantities import Unit
 from roughcontact.report.charts import COLOURS, DASHED, DOTTED, Axis, Chart, log_axis
 from roughcontact.report.map_plots import framed
@@ -45,17 +44,12 @@ def spectrum(window: xr.DataArray) -> str:
     return chart.source()
 
 
-def fitted_spectrum(levelled: xr.DataArray) -> str:
-    """Draw the mean periodogram of profiles (number, x; m), and that of the surface fitted to them."""
-    segments, pitch = profile_pieces(levelled)
-    fit = ProfileFit(segments, max(1, form_order(levelled)))
-    spectrum = fit.spectrum()
-    unit_q, length = _inverse_length(levelled)
-    q = 2 * np.pi * fit.band / pitch * unit_q
-    # the last two measured values are mean squares
-    measured, fitted = (
-        values[: q.size] * _HEIGHT.factor**2 * pitch / unit_q for values in (fit.measured, spectrum.fitted)
-    )
+def fitted_spectrum(window: xr.DataArray) -> str:
+    """Draw the mean periodogram of profiles, and that of the surface fitted to them (`profile_spectra`)."""
+    unit_q, length = _inverse_length(window)
+    spectra = {key: np.array(values) for key, values in json.loads(window.attrs["profile_spectra"]).items()}
+    q = spectra.pop("wavenumber") * unit_q
+    measured, fitted = (values * _HEIGHT.factor**2 / unit_q for values in spectra.values())
     limits = measured.min() / 3, measured.max() * 3
     chart = _spectrum_chart((q[0], q[-1]), length, limits, profile=True)
     chart.line(q, measured, colour=COLOURS[1], label="profiles")
