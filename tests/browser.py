@@ -10,6 +10,7 @@ import time
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome") or shutil.which("chrome")
 _KEYS = {"Tab": 9, "Enter": 13, "Space": 32, "ArrowDown": 40, "Home": 36, "End": 35}
+_LONGEST = 1150  # pixels of a picture
 _TEXTS = {"Enter": "\r", "Space": " "}
 
 
@@ -161,13 +162,17 @@ class Browser:
             mobile=False,
         )
 
-    def picture(self, path, *, selector=None):
-        """Write a picture of an element, or of the whole page."""
-        where = f"document.querySelector({json.dumps(selector)})" if selector else "document.documentElement"
+    def picture(self, path, *, selector="html"):
+        """Write a picture of an element, or of its begin; frames that are out of view stay empty."""
+        element = f"document.querySelector({json.dumps(selector)})"
+        self.resize(self.evaluate("innerWidth"), 2 * _LONGEST)
+        self.evaluate(f"{element}.scrollIntoView()")
+        time.sleep(1)  # for what is drawn when it comes into view
         box = self.evaluate(
-            f"(() => {{ const b = {where}.getBoundingClientRect(); return [b.x + scrollX, b.y + scrollY, "
-            "b.width, b.height] })()"
+            f"(() => {{ const b = {element}.getBoundingClientRect(); "
+            "return [b.x + scrollX, b.y + scrollY, b.width, b.height] })()"
         )
         clip = dict(zip(("x", "y", "width", "height"), box, strict=True)) | {"scale": 1}
-        data = self.send("Page.captureScreenshot", clip=clip, captureBeyondViewport=True)["data"]
+        clip["height"] = min(clip["height"], _LONGEST)
+        data = self.send("Page.captureScreenshot", clip=clip)["data"]
         path.write_bytes(base64.b64decode(data))

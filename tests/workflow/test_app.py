@@ -83,12 +83,17 @@ def click(browser, selector):
     browser.evaluate(f"document.querySelector({json.dumps(selector)}).click()")
 
 
-def picture(browser, name, selector=None):
+def picture(browser, name, selector="html"):
     """Keep a picture where the variable ROUGHCONTACT_PICTURES names a folder: those of the page on it."""
     if folder := os.environ.get("ROUGHCONTACT_PICTURES"):
         from pathlib import Path
 
-        browser.picture(Path(folder, f"{name}.png"), selector=selector)
+        from PIL import Image
+
+        path = Path(folder, f"{name}.png")
+        browser.picture(path, selector=selector)
+        with Image.open(path) as drawn:
+            drawn.quantize(64).save(path, optimize=True)
 
 
 class TestFiveSteps:
@@ -103,6 +108,7 @@ class TestFiveSteps:
             browser.choose_files("#choose", *files)
             browser.wait("document.querySelectorAll('.row').length === 3")
             browser.wait("document.querySelectorAll('.row pre').length === 3")
+            assert browser.text("#added").startswith("3 added")
             assert sorted(path.name for path in (study / "measured").iterdir()) == sorted(
                 p.name for p in files
             )
@@ -270,6 +276,15 @@ class TestWhoIsRefused:
             for path in ("results/../measured/one.txt", "results/%2e%2e/measured/one.txt"):
                 assert get(f"{address}{path}")[0] in (403, 404)
 
+    def test_folders_and_ports_that_cannot_be_used(self, tmp_path):
+        (tmp_path / "a file").write_text("")
+        for words in (["a file"], ["study", "--port", "99999"]):
+            command = [*PROGRAM, "app", *words, "--no-browser"]
+            ended = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+            assert ended.returncode == 2
+            assert ended.stderr.startswith(f"roughcontact: {words[0]}: its page cannot be served (")
+            assert "and a free --port" in ended.stderr
+
     def test_a_second_program_on_the_same_folder(self, tmp_path):
         with served(tmp_path / "study"):
             command = [*PROGRAM, "app", str(tmp_path / "study"), "--no-browser"]
@@ -362,6 +377,47 @@ class TestPages:
             assert browser.evaluate("document.title").endswith("no answer")
             browser.evaluate("document.querySelector('a').click()")  # its links lead to files
             browser.wait("document.body.textContent.includes('the first')")
+
+    def test_what_is_typed_stays_when_mistakes_come_and_go(self, tmp_path):
+        with served(tmp_path / "study") as address, Browser(tmp_path / "profile") as browser:
+            browser.open(address)
+            browser.wait("document.querySelector('#preview pre')")
+            fill(browser, "contact.bodies.0.material", "steel")
+            wanted = "document.querySelector(\"[data-of='contact.bodies']\").textContent"
+            browser.wait(f"{wanted}.includes('needs exactly two bodies')")
+            field = "document.getElementById('contact.bodies.1.material')"
+            browser.evaluate(f"{field}.focus()")
+            for letter in "PEEK":
+                browser.type(letter)
+                browser.evaluate("new Promise(kept => setTimeout(kept, 250))")  # a check between
+            browser.wait(f"!{wanted}")
+            assert browser.evaluate(f"[{field}.value, document.activeElement === {field}]") == ["PEEK", True]
+
+    def test_odd_names_of_files(self, tmp_path):
+        """Marks of HTML, of shells and of addresses are no more than letters of a name."""
+        files = []
+        for name in (
+            "a 'quote\".npy",
+            "<script>alert(1)<!--.npy",
+            "Grüße.npy",
+            "a&b=c#d%20?.npy",
+            "-dash.npy",
+        ):
+            files.append(tmp_path / name)
+            np.save(files[-1], np.zeros((8, 8)))
+        study = tmp_path / "a 'study' <b>"
+        with served(study) as address, Browser(tmp_path / "profile") as browser:
+            browser.open(address)
+            browser.choose_files("#choose", *files)
+            browser.wait("document.querySelectorAll('.row pre').length === 5")
+            paths = browser.evaluate(
+                "[...document.querySelectorAll('[name$=path]')].map(field => field.value)"
+            )
+            assert sorted(filter(None, paths)) == sorted(f"measured/{path.name}" for path in files)
+            assert browser.evaluate("document.scripts.length") == 1
+            assert browser.text("#problem") == ""
+            assert browser.problems == []
+        assert sorted(path.name for path in (study / "measured").iterdir()) == sorted(p.name for p in files)
 
     def test_keys_alone_and_narrow_screens(self, tmp_path):
         """From a folder with maps to the written study by Tab, Enter, Space and letters, 400 pixels wide."""

@@ -1,5 +1,6 @@
 """What each button of the page does, and the page after it."""
 
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -49,7 +50,8 @@ class Page:
         if action == "state":
             return self.html(("run",) if self.run.running() else ("run", "look"), ours=ours)
         if action == "add":
-            rows, self.said["add"] = measurements.add([ours["path"]], rows)
+            paths = form.getlist("page.dropped") or [ours["path"]]
+            rows, self.said["add"] = measurements.add(paths, rows)
         elif action == "set":
             cell = {ours["column"]: ours["cell"]}
             rows = [row | cell if number in chosen else row for number, row in enumerate(rows)]
@@ -79,4 +81,5 @@ class Page:
         """Return sections of the page."""
         shown: dict[str, Any] = {"files": {}, "mistakes": {}, "bodies": [], "ours": {}, "chosen": ()}
         shown |= {"name": "", "problem": "", "sections": sections, "folder": Path.cwd()}
+        shown["in_terminal"] = shlex.join(["cd", str(Path.cwd())])
         return _TEMPLATE.render(_SHARED | vars(self) | shown | {"run": self.run.state()} | context)

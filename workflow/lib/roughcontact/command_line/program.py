@@ -392,7 +392,13 @@ def _app(options: argparse.Namespace) -> int:
         raise SettingsError(f"{missing[0]} is not installed: pip install 'roughcontact[workflow,app]'")
     # by name: the page uses these commands, and lies above them
     page = import_module("roughcontact.app.server")
-    return page.serve(options.folder, port=options.port, browser=not options.no_browser)
+    try:
+        return page.serve(options.folder, port=options.port, browser=not options.no_browser)
+    except (OSError, OverflowError) as error:
+        raise SettingsError(
+            f"{options.folder}: its page cannot be served ({error}); name a folder that you may write in, "
+            "and a free --port"
+        ) from error
 
 
 def _compare(options: argparse.Namespace) -> int:

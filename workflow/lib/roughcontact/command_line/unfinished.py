@@ -14,6 +14,7 @@ from typing import Any
 from roughcontact.configuration.plan import Plan
 from roughcontact.configuration.study import read_study
 from roughcontact.errors import RoughContactError
+from snakemake_logger_plugin_roughcontact.screen import BAR, ERASE
 
 
 def start_partial_report(config: Mapping[str, Any], folders: Sequence[str | Path], root: Path) -> None:
@@ -61,7 +62,8 @@ def main() -> int:
             "A row of the table of surfaces that starts with # is ignored: run again without these rows for",
             "the report of the others; finished jobs are not repeated.",
         ]
-    print(*lines, sep="\n", file=sys.stderr)
+    bar = ERASE if sys.stderr.isatty() or BAR in os.environ else ""  # which stands where they begin
+    print(bar + "\n".join(lines), file=sys.stderr)
     return 0
 
 

@@ -32,20 +32,20 @@ async function put(response) {
   if (next) ask(next.dataset.ask);
 }
 
-async function send(action, button) {
-  const body = new URLSearchParams([...document.forms].flatMap(form => [...new FormData(form)]));
-  if (button?.name) body.append(button.name, button.value);
+async function send(action, more = []) {
+  const body = new URLSearchParams([...document.forms].flatMap(form => [...new FormData(form)]).concat(more));
   await put(await fetch(`${action}?page=${page}`, { method: "POST", body }));
 }
 
 async function upload(files) {
-  let refused;
+  const paths = [], refused = [];
   for (const file of files) {
     const response = await fetch(`drop?page=${page}&name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
-    if (response.ok) await send("add", { name: "page.path", value: await response.text() });
-    else refused = response;
+    if (response.ok) paths.push(["page.dropped", await response.text()]);
+    else refused.push(response);
   }
-  if (refused) await put(refused);
+  await send("add", paths);
+  if (refused.length) await put(refused[0]);
 }
 
 function tell() {
@@ -60,7 +60,8 @@ function ask(action, detail) {
 
 document.addEventListener("submit", event => {
   event.preventDefault();
-  ask(event.submitter.getAttribute("formaction"), event.submitter);
+  const { name, value } = event.submitter;
+  ask(event.submitter.getAttribute("formaction"), name ? [[name, value]] : []);
 });
 document.addEventListener("input", event => {
   clearTimeout(typing);
