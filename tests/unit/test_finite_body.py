@@ -14,6 +14,13 @@ from roughcontact.window.finite_body import finite_body
 
 FREE = {"contact_modulus": 115e9, "boundary": "free", "force": "5 N"}
 
+_FILM = {"thickness": 2e-6, "youngs_modulus": 4e11, "poissons_ratio": 0.2}
+LAYERED = {
+    "bodies": [{"youngs_modulus": 2e11, "poissons_ratio": 0.3, "layers": [_FILM]}] * 2,
+    "boundary": "free",
+    "force": "5 N",
+}
+
 
 def ground(rms_height, shape=(160, 200)):
     return rc.self_affine_surface(
@@ -73,8 +80,29 @@ def test_stresses_in_layers_of_a_body_are_refused():
     film = {"thickness": 1e-6, "youngs_modulus": 4e11, "poissons_ratio": 0.2, "yield_stress": 5e9}
     layered = {"youngs_modulus": 210e9, "poissons_ratio": 0.3, "layers": [film]}
     contact = rc.solve_contact(finite_body(ground(1e-8, (64, 64)), radius=[5e-3]), **FREE | {"force": 0.2})
+    assert "max_von_mises_stress" not in rc.contact_statistics(contact, bodies=[layered, layered])
     with pytest.raises(rc.SettingsError, match=r"stresses in layers .* finite size"):
-        rc.contact_statistics(contact, bodies=[layered, layered])
+        rc.contact_statistics(contact, bodies=[layered, layered], stress="always")
+
+
+def test_coated_ball_in_a_study():
+    """A stiff coating narrows the contact; what is of half-spaces has no value."""
+    steel = {"youngs_modulus": 210e9, "poissons_ratio": 0.3}
+    coated = steel | {"layers": [{"thickness": 20e-6, "youngs_modulus": 400e9, "poissons_ratio": 0.2}]}
+    answers = [
+        rc.evaluate(
+            ground(5e-8, (96, 96)),
+            contact={"bodies": [body, steel], "boundary": "free", "force": "2 N"},
+            form={"radius": "5 mm"},
+        )
+        for body in (steel, coated)
+    ]
+    assert answers[1]["contact_radius"] < 0.97 * answers[0]["contact_radius"]
+    assert answers[1]["max_pressure"] > answers[0]["max_pressure"]
+    assert answers[1]["contact_stiffness"] > 0
+    assert answers[1]["relative_contact_area_lower"] < answers[1]["relative_contact_area"]
+    assert "hertz_radius" not in answers[1]
+    assert answers[1][["loaded_radius", "conductance_per_conductivity"]].to_array().isnull().all()
 
 
 def test_roughness_lowers_the_area_and_raises_the_pressure():
@@ -219,12 +247,15 @@ def test_map_smaller_than_the_contact_is_refused_with_a_size():
         ({"contact": FREE | {"area": "1 cm2"}}, r"contact.area: is of periodic maps"),
         ({"contact": FREE | {"target_area": 0.1}}, r"contact.target_area: is of periodic maps"),
         ({"contact": FREE | {"zero_frequency": "lattice"}}, r"contact.zero_frequency: the approach"),
+        ({"contact": LAYERED | {"influence": "elements"}}, r"contact.influence: layers"),
+        ({"contact": LAYERED, "statistics": {"stress": "always"}}, r"statistics.stress .* layers"),
         ({"form": {"radius": "5 mm"}}, r"form.radius .* contact.boundary = free"),
         ({"contact": FREE, "form": {"radius": [1, 2, 3]}}, r"form.radius"),
     ],
 )
 def test_settings_that_do_not_fit(settings, message):
-    contact = {"contact_modulus": 115e9} | settings.get("contact", {})
+    stated = settings.get("contact", {})
+    contact = stated if "bodies" in stated else {"contact_modulus": 115e9} | stated
     with pytest.raises(rc.SettingsError, match=message):
         resolve(settings | {"contact": contact})
 

@@ -1,14 +1,17 @@
 """Bodies of finite size on the half-space, against Hertz, Sneddon, Love, and solutions of their own."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from free_bodies import rough_body
 from scipy.integrate import dblquad, quad
-from scipy.special import j0
+from scipy.special import j0, jv
 
 import roughcontact as rc
 from roughcontact.elasticity.free_space import FADE, TruncatedKernel, even_transform, love
 from roughcontact.elasticity.halfspace import HalfSpace
+from roughcontact.elasticity.layers import layered_pair
 from roughcontact.fourier import wavevectors
 from roughcontact.maps import height_map
 from roughcontact.references.closed_forms import hertz, hertz_ellipse
@@ -189,6 +192,90 @@ def test_hardness_limits_the_pressure():
     assert contact["contact"].sum() > elastic["contact"].sum()
     with pytest.raises(rc.SettingsError, match=r"force .* hardness"):
         rc.solve_contact(ball, force=2 * limit, hardness=limit, **STEEL)
+
+
+BASE = {"youngs_modulus": 2.0, "poissons_ratio": 0.3}
+FILM = {"youngs_modulus": 8.0, "poissons_ratio": 0.25, "thickness": 0.05}
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        BASE | {"layers": [FILM]},
+        BASE | {"layers": [FILM | {"thickness": 0.6}]},
+        BASE | {"layers": [FILM | {"youngs_modulus": 0.2, "thickness": 0.02}]},
+        BASE | {"layers": [FILM | {"youngs_modulus": 200.0, "thickness": 2.0}]},
+        BASE | {"layers": [FILM, FILM | {"youngs_modulus": 1.0, "thickness": 0.1}]},
+        {"base": "rigid", "layers": [FILM | {"poissons_ratio": 0.45, "thickness": 0.1}]},
+    ],
+)
+def test_layers_displace_as_the_integral_of_their_compliance(body):
+    """Below p = (1 - r^2/a^2)^2, of transform 16 pi a^2 J3(qa)/(qa)^3, by Hankel integrals."""
+    pair, cell, step, a = layered_pair([body]), (320, 320), 1 / 128, 0.4
+    x = (np.arange(128) - 63.5) * step
+    r = np.hypot(x[:, None], x)
+    pressure = np.zeros(cell)
+    pressure[:128, :128] = np.maximum(1 - (r / a) ** 2, 0) ** 2
+    kernel = TruncatedKernel("sampled", 1.15, pair)
+    symbol = kernel(*wavevectors(cell, (step, step)), (step, step))
+    symbol[0, 0] = kernel.mean_displacement(cell, (step, step))
+    assert symbol.min() > 0
+    displacement = np.fft.irfft2(symbol * np.fft.rfft2(pressure), cell)
+    edges = np.linspace(1e-12, 1200, 241)
+    for column in (64, 90, 127):
+        exact = 0.0
+        for ends in pairwise(edges):
+            exact += quad(
+                lambda q, at=r[64, column]: (
+                    16 * a**2 * pair.factor(np.array([q]))[0] * jv(3, q * a) / (q * a) ** 3 * j0(q * at)
+                ),
+                *ends,
+                limit=200,
+            )[0]
+        assert displacement[64, column] == pytest.approx(exact, abs=2e-7 * displacement[64, 64])
+
+
+def test_layers_of_the_material_of_their_base_and_far_thicker_than_the_contact_change_nothing():
+    force, ball = 4 * 0.2**3 / 30, paraboloid(10.0, 10.0, 128)
+    half_space = rc.solve_contact(ball, boundary="free", bodies=[BASE], force=force)
+    film = BASE | {"layers": [FILM | {"youngs_modulus": 2.0002, "poissons_ratio": 0.3}]}
+    contact = rc.solve_contact(ball, boundary="free", bodies=[film], force=force)
+    assert contact["approach"].item() == pytest.approx(half_space["approach"].item(), rel=1e-4)
+    thick = {"youngs_modulus": 1.0, "poissons_ratio": 0.3, "layers": [BASE | {"thickness": 60.0}]}
+    contact = rc.solve_contact(ball, boundary="free", bodies=[thick], force=force)
+    np.testing.assert_allclose(contact["pressure"].values, half_space["pressure"].values, atol=1e-4)
+
+
+@pytest.mark.parametrize("body", [BASE | {"layers": [FILM]}, {"base": "rigid", "layers": [FILM]}])
+@pytest.mark.parametrize("hardness", [None, 0.1])
+def test_bound_is_above_the_error_with_layers(body, hardness):
+    rough, force = rough_body_map(3, 96)
+    known = {"boundary": "free", "bodies": [body], "force": force, "hardness": hardness}
+    exact = rc.solve_contact(rough, tolerance=1e-9, **known)["pressure"].values[0]
+    layers = layered_pair([body])
+    periodic = HalfSpace((96, 96), (1.0, 1.0), layers=layers)
+    norm = np.sqrt((exact * periodic.displacement(exact)).mean())
+    cell = (400, 400)  # where the images do not reach
+    kernel = TruncatedKernel("sampled", 1.5, layers)
+    symbol = kernel(*wavevectors(cell, (1 / 96, 1 / 96)), (1 / 96, 1 / 96))
+    symbol[0, 0] = kernel.mean_displacement(cell, (1 / 96, 1 / 96))
+    for tolerance in (0.1, 1e-2, 1e-4):
+        contact = rc.solve_contact(rough, tolerance=tolerance, **known)
+        error = contact["pressure"].values[0] - exact
+        displacement = np.fft.irfft2(symbol * np.fft.rfft2(error, cell), cell)[:96, :96]
+        size = np.sqrt((displacement * error).mean())
+        assert size / norm <= contact["error_bound"].item() <= tolerance
+
+
+def test_layers_with_pixels_of_constant_pressure_are_refused():
+    with pytest.raises(rc.SettingsError, match=r"influence, .*layers of a finite body"):
+        rc.solve_contact(
+            paraboloid(10.0, 10.0, 32),
+            boundary="free",
+            bodies=[BASE | {"layers": [FILM]}],
+            force=1e-3,
+            influence="elements",
+        )
 
 
 def test_forces_keep_their_order():

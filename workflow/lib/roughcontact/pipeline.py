@@ -121,6 +121,8 @@ def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, thread
     ([100000.0], 0.0001)
     """
     chosen = {key: contact[key] for key in ("contact_modulus", *SOLVER_SETTINGS)}
+    if have_layers(contact["bodies"]):
+        chosen["bodies"] = contact["bodies"]
     if contact.get("boundary") == "free":
         return chosen | {"boundary": "free", "force": contact["force"], "threads": threads}
     try:
@@ -128,8 +130,6 @@ def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, thread
     except HeightMapError as error:
         file = window.attrs.get("source_file")
         raise HeightMapError(f"{f'{file}: ' if file else ''}{error} (section contact)") from error
-    if have_layers(contact["bodies"]):
-        chosen["bodies"] = contact["bodies"]
     if _states_none(contact, *_LOADS, *TARGETS):
         loads = elastic_loads(window, loads, chosen | {"threads": threads})
     return chosen | {"mean_pressure": loads, "threads": threads}

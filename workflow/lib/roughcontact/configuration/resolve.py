@@ -210,7 +210,12 @@ def _mistakes_in_finite_bodies(settings: Mapping[str, Any]) -> list[str]:
         return [f"form.{key} = {form[key]!r}: is of contact.boundary = free; set that, too" for key in stated]
     mistakes = []
     if have_layers(contact["bodies"]):
-        mistakes.append("contact.bodies: layers are solved for periodic maps only, not for boundary: free")
+        if contact["influence"] != "sampled":
+            mistakes.append(
+                "contact.influence: layers of a finite body are solved with 'sampled'; leave it out"
+            )
+        if settings["statistics"]["stress"] == "always":
+            mistakes.append("statistics.stress = 'always': stresses in layers are those of periodic maps")
     if contact["zero_frequency"] != "zero":
         mistakes.append("contact.zero_frequency: the approach of a finite body is absolute; leave it out")
     return mistakes

@@ -5,6 +5,7 @@ exact (`roughcontact.elasticity.free_space`). A coarse solution gives the region
 shows that more of the map touches, it grows and is solved again.
 """
 
+import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -20,7 +21,8 @@ from roughcontact.contact.nested_iteration import first_guess, nested_heights
 from roughcontact.contact.problem import nondimensionalise, on_host
 from roughcontact.contact.state import State
 from roughcontact.elasticity.energy import elastic_energy
-from roughcontact.elasticity.free_space import FADE, TruncatedKernel, even_transform, love
+from roughcontact.elasticity.free_space import FADE, TruncatedKernel, change_by_layers, even_transform, love
+from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.errors import ConvergenceError, HeightMapError, SettingsError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 
@@ -68,6 +70,7 @@ def free_datasets(
     tolerance: float,
     hardness: float | None,
     influence: Influence,
+    layers: LayeredPair | None,
     give_up: bool,
     threads: int,
 ) -> Iterator[xr.Dataset]:
@@ -89,8 +92,10 @@ def free_datasets(
         modulus=modulus,
         hardness=np.inf if hardness is None else hardness,
         influence=influence,
+        layers=layers,
         threads=threads,
     )
+    recorded = {} if layers is None else {"bodies": json.dumps(layers.as_settings())}
     area = window.size * problem.spacing[0] * problem.spacing[1]
     for force in forces:
         solution = body.solve(force, tolerance=tolerance)
@@ -123,7 +128,7 @@ def free_datasets(
             | {"height": window.variable, "contact_modulus": modulus}
             | ({} if hardness is None else {"hardness": hardness}),
             coords=xr.Coordinates(coords, indexes=window.xindexes),
-            attrs={"tolerance": tolerance, "influence": influence, "boundary": "free"},
+            attrs={"tolerance": tolerance, "influence": influence, "boundary": "free"} | recorded,
         )
 
 
@@ -138,8 +143,13 @@ class FreeBody:
         modulus: float,
         hardness: float = np.inf,
         influence: Influence = "sampled",
+        layers: LayeredPair | None = None,
         threads: int = 1,
     ):
+        self.layers, self.softest = layers, modulus
+        if layers is not None:
+            q = np.geomspace(1e-3 / layers.thickest, 1e2 / layers.thinnest, 64)
+            self.softest = modulus / max(1.0, float(layers.factor(q).max()))
         self.heights, self.spacing, self.modulus = heights, spacing, modulus
         self.hardness, self.threads = hardness, threads
         self.influence: Influence = influence
@@ -187,6 +197,7 @@ class FreeBody:
             modulus=self.modulus,
             hardness=self.hardness,
             influence=self.influence,
+            layers=self.layers,
         )
         cell = Cell(coarse, coarse._region(np.ones((ny, nx), bool), 0), force)
         cell.solve(None, tolerance=COARSE_TOLERANCE)
@@ -213,7 +224,11 @@ class FreeBody:
     def _norm_ratio(self, energy: float, pressure: np.ndarray) -> float:
         """Return the norm of the pressure in its cell, of that energy (J), over that in the window."""
         of_window = elastic_energy(
-            pressure, self.spacing, contact_modulus=self.modulus, influence=self.influence
+            pressure,
+            self.spacing,
+            contact_modulus=self.modulus,
+            influence=self.influence,
+            layers=self.layers,
         )
         return float(np.sqrt(energy / (of_window * pressure.size * np.prod(self.spacing))))
 
@@ -227,7 +242,7 @@ class FreeBody:
         sizes = [2 * max(side.stop, n - side.start) for n, side in zip(pressure.shape, sides, strict=True)]
         shape = 2 * fft.next_fast_len(sizes[0] // 2), 2 * fft.next_fast_len(sizes[1] // 2)
         with fft.set_workers(self.threads):
-            spectrum = fft.rfft2(loaded, shape) * _free_symbol(shape, self.spacing)
+            spectrum = fft.rfft2(loaded, shape) * _free_symbol(shape, self.spacing, self.layers)
             displacement = fft.irfft2(spectrum, shape)
         gap = np.roll(displacement, [side.start for side in sides], (0, 1))[
             : pressure.shape[0], : pressure.shape[1]
@@ -305,13 +320,17 @@ class Cell:
             )
         inside = heights[region.mask]
         lowest, highest = float(inside.min()), float(inside.max())
-        low = lowest - DEPTH * (highest - lowest + force / (body.modulus * region.reach))
+        low = lowest - DEPTH * (highest - lowest + force / (body.softest * region.reach))
         self.heights = np.full(self.shape, low)
         self.heights[: heights.shape[0], : heights.shape[1]] = np.where(region.mask, heights, low)
         self.reference = highest
         # the unit of height g L and that of pressure E* g, with the dimensionless load 1
         self.gradient = self.mean_pressure / body.modulus
-        self.kernel = TruncatedKernel(body.influence, region.reach / self.unit_length)
+        self.kernel = TruncatedKernel(
+            body.influence,
+            region.reach / self.unit_length,
+            body.layers and body.layers.scaled(self.unit_length),
+        )
 
     def _grid(self, heights: np.ndarray, *, reference: float = 0.0, unit: float = 1.0) -> Grid:
         """Return the grid of heights, which count as (height - reference)/unit."""
@@ -357,6 +376,15 @@ class Cell:
 
 
 @lru_cache(maxsize=2)
-def _free_symbol(shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarray:
-    """Return the transform of Love's kernel on a grid, exact up to half of it."""
-    return even_transform(love((shape[0] // 2 + 1, shape[1] // 2 + 1), spacing), shape)
+def _free_symbol(
+    shape: tuple[int, int], spacing: tuple[float, float], layers: LayeredPair | None
+) -> np.ndarray:
+    """Return the transform of Love's kernel, and of what layers change of it, exact up to half of a grid."""
+    quarter = shape[0] // 2 + 1, shape[1] // 2 + 1
+    response = love(quarter, spacing)
+    if layers is not None:
+        distance = np.hypot(
+            *(i * d for i, d in zip(np.ogrid[: quarter[0], : quarter[1]], spacing, strict=True))
+        )
+        response += change_by_layers(layers, distance) * spacing[0] * spacing[1]
+    return even_transform(response, shape)

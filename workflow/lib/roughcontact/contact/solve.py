@@ -167,7 +167,7 @@ def solve_contact(
     check_choice("boundary", boundary, Boundary)
     free = boundary == "free"
     if free:
-        _check_free(mean_pressure, force, layers, zero_frequency, arrays)
+        _check_free(mean_pressure, force, layers, influence, zero_frequency, arrays)
         loads = check_loads("force", force, unit="N")
     elif force is not None:
         raise SettingsError(
@@ -199,6 +199,7 @@ def solve_contact(
             window,
             rising,
             modulus=modulus,
+            layers=layers,
             hardness=hardness,
             give_up=on_failure == "raise",
             threads=threads,
@@ -345,14 +346,21 @@ def _periodic_datasets(
 
 
 def _check_free(
-    mean_pressure: Any, force: Any, layers: LayeredPair | None, zero_frequency: ZeroFrequency, arrays: Any
+    mean_pressure: Any,
+    force: Any,
+    layers: LayeredPair | None,
+    influence: Influence,
+    zero_frequency: ZeroFrequency,
+    arrays: Any,
 ) -> None:
     """Raise SettingsError for what is not solved with, or lacks for, free boundaries."""
     reasons = {
         "mean_pressure": mean_pressure is not None
         and "a finite body has no mean pressure; give its force in N",
         "force": force is None and "missing: give the force on the finite body in N",
-        "bodies": layers is not None and "layers are solved for periodic maps only; leave them out",
+        "influence": layers is not None
+        and influence != "sampled"
+        and "layers of a finite body are solved with 'sampled'; leave it out",
         "zero_frequency": zero_frequency != "zero"
         and "the approach of a finite body is absolute; leave it out",
         "arrays": arrays is not None and "finite bodies are solved by NumPy; leave it out",

@@ -7,9 +7,11 @@ amplitudes that they have without the fade, those of long waves are Hankel trans
 
 import numpy as np
 
+from roughcontact.elasticity.free_space import graded_panels, smooth_fade
+
 TAPER = 1.25  # distance where the stresses vanish over the distance up to which they are exact
 _LONG = 200.0  # |q| reach: shorter waves do not notice the fade, which is wider
-_NODES, _EVEN_PANELS = 16, 20  # of Gauss and Legendre's quadrature; panels between 0 and the end
+_EVEN_PANELS = 20  # of the quadrature between 0 and the end
 
 
 def half_space_amplitudes(reduced: np.ndarray, ratio: float) -> np.ndarray:
@@ -28,16 +30,9 @@ class PointForce:
         self.long, self.shallow = q * reach < _LONG, finest
         self.q, self.index = np.unique(q[self.long], return_inverse=True)
         end = TAPER * reach
-        halved = end * 0.5 ** np.arange(np.ceil(np.log2(4 * end / finest)))
-        edges = np.union1d(np.linspace(0, end, _EVEN_PANELS + 1), halved)
-        points, weights = np.polynomial.legendre.leggauss(_NODES)
-        half = np.diff(edges)[:, None] / 2
-        self.r = (edges[:-1, None] + half * (1 + points)).ravel()
-        beyond = np.clip((self.r / reach - 1) / (TAPER - 1), 0, 1)
-        fade = 1 - beyond**3 * (10 - 15 * beyond + 6 * beyond**2)
-        self.bessel = [
-            jv(order, self.q[:, None] * self.r) * (half * weights).ravel() * fade for order in range(3)
-        ]
+        self.r, weights = graded_panels(end, end / _EVEN_PANELS, finest / 4)
+        weights *= smooth_fade(self.r / reach, TAPER)
+        self.bessel = [jv(order, self.q[:, None] * self.r) * weights for order in range(3)]
 
     def amplitudes(self, depth: float, ratio: float) -> np.ndarray:
         """Return the `half_space_amplitudes` (4, long waves) of faded stresses (Johnson 1985, eq. 3.19)."""

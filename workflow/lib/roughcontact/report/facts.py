@@ -73,9 +73,10 @@ def _finite_body(numbers: xr.Dataset) -> str:
     def text(name: str, unit: str) -> str:
         return quantity(float(numbers[name][load]), unit)
 
+    loaded = f", of the loaded circle {text('loaded_radius', 'm')}" if "bodies" not in numbers.attrs else ""
     contact = (
-        f"radius of the area in contact {text('contact_radius', 'm')}, of the loaded circle "
-        f"{text('loaded_radius', 'm')}, largest pressure {text('max_pressure', 'Pa')}"
+        f"radius of the area in contact {text('contact_radius', 'm')}{loaded}, "
+        f"largest pressure {text('max_pressure', 'Pa')}"
     )
     if "hertz_radius" in numbers:
         contact += (

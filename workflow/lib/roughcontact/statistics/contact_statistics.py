@@ -686,15 +686,15 @@ def _body_to_strain(stress: Extra, bodies: Bodies | None, free: bool) -> Mapping
     if stress == "always" and not deformable:
         raise SettingsError("stress = 'always' needs bodies, for their Poisson's ratios", keys=["stress"])
     limited = bool(body) and min(yield_stresses(body)) < np.inf
-    if stress == "never" or (stress == "auto" and not (deformable and limited)):
-        return None
-    if free and body.get("layers"):
+    layered = free and bool(body.get("layers"))
+    if stress == "always" and layered:
         raise SettingsError(
-            "stresses in layers are computed for periodic maps, not for a body of finite size: set stress to "
-            "'never', or state the bodies without layers",
+            "stress = 'always': stresses in layers are computed for periodic maps, not for a body of finite "
+            "size",
             keys=["stress"],
         )
-    return body
+    wanted = stress == "always" or (stress == "auto" and deformable and limited and not layered)
+    return body if wanted else None
 
 
 def _bins(edges: dict[str, np.ndarray]) -> dict[Hashable, tuple]:

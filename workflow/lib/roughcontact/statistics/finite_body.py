@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.dataset import influence_of
+from roughcontact.contact.dataset import influence_of, layers_of
 from roughcontact.contact.free_boundary import FreeBody
 from roughcontact.maps import roughness_of, spacing
 from roughcontact.references.closed_forms import hertz_ellipse
@@ -20,12 +20,13 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
 
     The stiffness by area is that of a flat punch on the points in contact (Barber 2003, Proc. R. Soc. A 459,
     53), the energy half the mean of pressure times displacement. `loaded_radius` is 3F/(4 E* u) with the
-    displacement u in the middle. Theories of endless surfaces are NaN.
+    displacement u in the middle. Theories of endless surfaces are NaN; with layers those of half-spaces and
+    the conductances, too.
     """
     from scipy.ndimage import map_coordinates  # imported late, as few maps are bodies
 
     height, modulus = contact["height"], float(contact["contact_modulus"])
-    steps = spacing(height)
+    steps, layers = spacing(height), layers_of(contact)
     map_area = height.size * steps[0] * steps[1]
     area = statistics["relative_contact_area"].values * map_area
     forces = contact["force"].values
@@ -34,7 +35,7 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
         pressure = contact["pressure"].isel(load=load).values
         approach = float(contact["approach"][load])
         punch = np.where(pressure > 0, 0.0, -max(height.shape) * max(steps))
-        body = FreeBody(punch, steps, modulus=modulus, influence=influence_of(contact))
+        body = FreeBody(punch, steps, modulus=modulus, influence=influence_of(contact), layers=layers)
         solution = body.solve(float(force), tolerance=_STIFFNESS_TOLERANCE)
         stiffness[load] = force / -solution.approach / map_area
         displacement = height.values - approach + contact["gap"].isel(load=load).values
@@ -48,6 +49,7 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
     undefined = (
         *THEORIES,
         "loading_stiffness",
+        *(name for name in columns_ if layers and ("conductance" in name or name.endswith("_resistance"))),
         *(f"{passage}_{axis}" for passage in _PASSAGE for axis in "xy"),
     )
     columns_ |= {
@@ -60,7 +62,9 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
         "contact_radius": np.sqrt(area / np.pi),
         "loaded_radius": loaded_radius,
     }
-    if "form_radius_x" in height.attrs:
+    if layers is not None:  # Hertz's theory is that of half-spaces
+        columns["loaded_radius"][:] = np.nan
+    elif "form_radius_x" in height.attrs:
         radii = float(height.attrs["form_radius_x"]), float(height.attrs["form_radius_y"])
         smooth = [hertz_ellipse(float(force), radii, modulus) for force in forces]
         columns["hertz_radius"] = np.array(
@@ -78,8 +82,8 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
 
 
 def hertz_axes(body: xr.DataArray, numbers: xr.Dataset, load: int) -> tuple[float, float] | None:
-    """Return the semi-axes (x, y; m) of the contact of the smooth body (Hertz); None without a form."""
-    if "form_radius_x" not in body.attrs:
+    """Return the semi-axes (x, y; m) of the contact of the smooth body (Hertz); None without one."""
+    if "form_radius_x" not in body.attrs or "bodies" in numbers.attrs:
         return None
     radii = body.attrs["form_radius_x"], body.attrs["form_radius_y"]
     smooth = hertz_ellipse(float(numbers["force"][load]), radii, float(numbers["contact_modulus"]))

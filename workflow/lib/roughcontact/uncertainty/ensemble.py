@@ -17,7 +17,7 @@ from roughcontact.uncertainty.scales import AREA, at_all_loads, from_scale, to_s
 from roughcontact.window.finite_body import finite_body
 
 Values = Mapping[str, np.ndarray]  # quantity -> array (load)
-_OF_BODIES = ("boundary", "contact_modulus", "hardness", "influence", "threads")
+_OF_BODIES = ("boundary", "contact_modulus", "bodies", "hardness", "influence", "threads")
 LOADS = 3  # at which a member is solved: both ends and the middle
 SCATTER_TOLERANCE = 1e-2  # of the pressure: 0.4 % of the area (rms), where subwindows differ by 5 % and more
 MARGIN = 0.25  # of a change that is computed, by which its truth may be larger
@@ -85,7 +85,7 @@ def _solve_body(
         with contextlib.suppress(HeightMapError, ConvergenceError):
             solution = solve_contact(body, force=load * contact["area"], tolerance=tolerance, **kwargs)
             fields = solution["pressure"].values[0], solution["gap"].values[0]
-            quantities = quantities_of(*fields, names, steps=steps)
+            quantities = quantities_of(*fields, names, steps=steps, layered=bool(contact.get("bodies")))
         for name in names:
             values[name].append(units.get(name, 1.0) * quantities[name])
     return {name: np.array(numbers) for name, numbers in values.items()}

@@ -103,7 +103,7 @@ def scatter_of_positions(
 def _shifts(roughness: xr.DataArray, contact: Mapping[str, Any], number: int) -> list[tuple[int, int]]:
     """Return shifts (rows, columns) of the roughness under the form, those along both axes first."""
     radius = contact["form"].get("radius")
-    if not radius or contact["form"].get("edges"):
+    if not radius or contact["form"].get("edges") or contact.get("bodies"):
         return []
     smooth = hertz_ellipse(float(max(contact["force"])), (radius[0], radius[-1]), contact["contact_modulus"])
     axes = (smooth["minor"], smooth["major"])[:: 1 if radius[0] >= radius[-1] else -1]  # along y and x
