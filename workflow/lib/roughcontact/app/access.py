@@ -39,13 +39,13 @@ async def guard(
 
 def is_admitted(request: Request, *, token: str, hosts: Collection[str]) -> bool:
     """Return whether a request names a host and the token, and comes from its own page or from none."""
-    headers, (_, stated, *path) = request.headers, request.url.path.split("/")
+    headers, (_, request_token, *path) = request.headers, request.url.path.split("/")
     host, site = headers.get("host", ""), headers.get("sec-fetch-site", "none")
-    own = host in hosts and headers.get("origin", f"http://{host}") == f"http://{host}"
+    same_origin = host in hosts and headers.get("origin", f"http://{host}") == f"http://{host}"
     # links of the report, which is an origin of its own, are followed
     of_report = path[:1] == ["results"] and headers.get("sec-fetch-mode") == "navigate"
     from_page = site in ("none", "same-origin") or of_report
-    return own and from_page and secrets.compare_digest(stated.encode(), token.encode())
+    return same_origin and from_page and secrets.compare_digest(request_token.encode(), token.encode())
 
 
 class Claim:

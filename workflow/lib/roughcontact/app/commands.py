@@ -61,6 +61,6 @@ def export(result: str, form: str, before: str) -> tuple[str, str]:
     if not {result, before} <= {*results()} or form not in EXPORTS:
         raise SettingsError(f"{result}, {before}, {form}: are no results of this study, or no form of them")
     names = {"folder": RESULTS / result, "before": RESULTS / before}
-    words = EXPORTS[form][1].format(**names, output=f"exports/{result.replace('/', '-')}").split()
-    process = run([*_PROGRAM, *words], capture_output=True, text=True, check=False)
-    return shlex.join(["roughcontact", *words]), (process.stdout + process.stderr).strip()
+    arguments = EXPORTS[form][1].format(**names, output=f"exports/{result.replace('/', '-')}").split()
+    process = run([*_PROGRAM, *arguments], capture_output=True, text=True, check=False)
+    return shlex.join(["roughcontact", *arguments]), (process.stdout + process.stderr).strip()

@@ -19,13 +19,13 @@ MEASURED = Path("measured")  # where dropped files go
 OPTIONS = {name.replace("-", "_"): name for name in FILE_OPTIONS}
 
 
-def inspected(rows: Sequence[Row], known: dict[str, dict], *, patience: float) -> list[tuple[Row, dict]]:
-    """Return rows with what their files say; those that are not `known` are read in the time (s) allowed."""
+def inspected(rows: Sequence[Row], cache: dict[str, dict], *, patience: float) -> list[tuple[Row, dict]]:
+    """Return rows with what their files say; those not in `cache` are read in the time (s) allowed."""
     end, keys = time.monotonic() + patience, list(map(_key, rows))
     for key, row in zip(keys, rows, strict=True):
-        if key not in known and time.monotonic() < end:
-            known[key] = inspect(row) | {"key": key}
-    return [(row, known.get(key, {})) for key, row in zip(keys, rows, strict=True)]
+        if key not in cache and time.monotonic() < end:
+            cache[key] = inspect(row) | {"key": key}
+    return [(row, cache.get(key, {})) for key, row in zip(keys, rows, strict=True)]
 
 
 def _key(row: Row) -> str:
@@ -45,19 +45,21 @@ def inspect(row: Row) -> dict[str, Any]:
 
     path = row.get("path", "")
     stated: dict[str, Any] = {column: row[column] for column in OPTIONS if row.get(column)}
-    options = [word for column, text in stated.items() for word in (f"--{OPTIONS[column]}", text)]
-    said = {"command": shlex.join(["roughcontact", "inspect", path, *options]), "picture": "", "channels": []}
+    options = [argument for column, text in stated.items() for argument in (f"--{OPTIONS[column]}", text)]
+    command = shlex.join(["roughcontact", "inspect", path, *options])
+    result: dict[str, Any] = {"command": command, "picture": "", "channels": []}
     try:
         content = inspect_file(path, **stated)
-        said["text"], problem = inspection(content, path), content["problem"] or ""
-        said["channels"] = [channel["name"] for channel in content["channels"] if channel["is_height"]]
+        result["text"], problem = inspection(content, path), content["problem"] or ""
+        result["channels"] = [channel["name"] for channel in content["channels"] if channel["is_height"]]
         if content["map"]:
-            said["picture"] = unquote(height_map(read_height_map(path, **stated)).source().partition(",")[2])
+            source = height_map(read_height_map(path, **stated)).source()
+            result["picture"] = unquote(source.partition(",")[2])
     except RoughContactError as error:
-        said["text"] = problem = str(error)
-    words = re.findall(r"\w+", problem.replace(path, ""))  # "give dx, dy, unit in the table of surfaces"
-    said["columns"] = [column for column in OPTIONS if column in words]
-    return said
+        result["text"] = problem = str(error)
+    names = re.findall(r"\w+", problem.replace(path, ""))  # "give dx, dy, unit in the table of surfaces"
+    result["columns"] = [column for column in OPTIONS if column in names]
+    return result
 
 
 def add(paths: Sequence[str], rows: Sequence[Row]) -> tuple[list[Row], str]:
@@ -72,13 +74,13 @@ def add(paths: Sequence[str], rows: Sequence[Row]) -> tuple[list[Row], str]:
     return [*rows, *new], f"{len(new)} added; left out, as no measurements: {', '.join(skipped) or 'none'}"
 
 
-async def keep(name: str, content: AsyncIterable[bytes]) -> str:
+async def save_upload(name: str, content: AsyncIterable[bytes]) -> str:
     """Write a file that was dropped, and return its path; a SettingsError where the name is taken."""
     MEASURED.mkdir(exist_ok=True)
     path = MEASURED / PurePosixPath(name.replace("\\", "/")).name
     if path.exists():
         raise SettingsError(f"{path} is there already: name its path instead, or rename the new file")
     with whole(path, size=0) as partial, partial.open("wb") as file:
-        async for piece in content:
-            file.write(piece)
+        async for chunk in content:
+            file.write(chunk)
     return str(path)

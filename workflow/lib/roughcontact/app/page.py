@@ -23,37 +23,37 @@ _PATIENCE = 0.5  # s of an answer in which files are read; further ones are read
 
 
 class Page:
-    """The page of a study: `said` are the last words of its buttons."""
+    """The page of a study: `messages` are what its buttons have done."""
 
     def __init__(self) -> None:
         self.run = commands.Run()
         self.inspections: dict[str, dict] = {}
-        self.said = dict.fromkeys(("add", "write", "command", "look"), "")
+        self.messages = dict.fromkeys(("add", "write", "command", "look"), "")
         self.revision = 0  # of the rows: their fields are made anew where not the user has changed them
 
     def first(self, name: str) -> str:
         """Return the page of the study folder, under a name; without one that of a study open elsewhere."""
-        shown: dict[str, Any] = {"name": name, "config": {}, "rows": []}
+        context: dict[str, Any] = {"name": name, "config": {}, "rows": []}
         try:
-            shown["config"], rows = study.read_folder()
-            shown["rows"] = [(row, {}) for row in rows]  # the script asks for the rest at once
+            context["config"], rows = study.read_folder()
+            context["rows"] = [(row, {}) for row in rows]  # the script asks for the rest at once
         except RoughContactError as error:
-            shown["problem"] = str(error)
-        return self.html(_SECTIONS if name else (), **shown)
+            context["problem"] = str(error)
+        return self.html(_SECTIONS if name else (), **context)
 
     def after(self, action: str, form: QueryParams) -> str:
         """Return the page after the action of a button."""
         texts = dict(form.items()) | ({form["page.more"]: ""} if action == "more" else {})
         config = fields.grouped(texts)
-        rows, ours = config.pop("rows", []), config.pop("page", {})
+        rows, controls = config.pop("rows", []), config.pop("page", {})
         chosen = {*map(int, form.getlist("page.selected"))}
         if action == "state":
-            return self.html(("run",) if self.run.running() else ("run", "look"), ours=ours)
+            return self.html(("run",) if self.run.running() else ("run", "look"), controls=controls)
         if action == "add":
-            paths = form.getlist("page.dropped") or [ours["path"]]
-            rows, self.said["add"] = measurements.add(paths, rows)
+            paths = form.getlist("page.dropped") or [controls["path"]]
+            rows, self.messages["add"] = measurements.add(paths, rows)
         elif action == "set":
-            cell = {ours["column"]: ours["cell"]}
+            cell = {controls["column"]: controls["cell"]}
             rows = [row | cell if number in chosen else row for number, row in enumerate(rows)]
         elif action == "remove":
             rows, chosen = [row for number, row in enumerate(rows) if number not in chosen], set()
@@ -62,24 +62,24 @@ class Page:
         elif action == "cancel":
             self.run.cancel()
         elif action == "export":
-            words = [ours.get(name, "") for name in ("result", "form", "before")]
-            self.said["command"], self.said["look"] = commands.export(*words)
+            choices = [controls.get(name, "") for name in ("result", "form", "before")]
+            self.messages["command"], self.messages["look"] = commands.export(*choices)
         checked = study.check({name: texts[name] for name in texts if name.split(".")[0] in config}, rows)
         if action in ("write", "start"):
             if checked["mistakes"]:
                 raise SettingsError("nothing is written: correct first what stands under 3 Write")
-            self.said["write"] = study.write(checked["files"])
+            self.messages["write"] = study.write(checked["files"])
         if action == "start":
             self.run.start()
         self.revision += action in ("set", "remove", "all")
-        shown = checked | {"config": config, "ours": ours, "chosen": chosen}
-        shown["rows"] = measurements.inspected(rows, self.inspections, patience=_PATIENCE)
+        context = checked | {"config": config, "controls": controls, "chosen": chosen}
+        context["rows"] = measurements.inspected(rows, self.inspections, patience=_PATIENCE)
         sections = _SECTIONS[1:] if action == "check" else _SECTIONS  # what has gone wrong stays
-        return self.html(sections, **shown)
+        return self.html(sections, **context)
 
-    def html(self, sections: Sequence[str], **context: Any) -> str:
+    def html(self, sections: Sequence[str], **variables: Any) -> str:
         """Return sections of the page."""
-        shown: dict[str, Any] = {"files": {}, "mistakes": {}, "bodies": [], "ours": {}, "chosen": ()}
-        shown |= {"name": "", "problem": "", "sections": sections, "folder": Path.cwd()}
-        shown["in_terminal"] = shlex.join(["cd", str(Path.cwd())])
-        return _TEMPLATE.render(_SHARED | vars(self) | shown | {"run": self.run.state()} | context)
+        defaults: dict[str, Any] = {"files": {}, "mistakes": {}, "bodies": [], "controls": {}, "chosen": ()}
+        defaults |= {"name": "", "problem": "", "sections": sections, "folder": Path.cwd()}
+        defaults["in_terminal"] = shlex.join(["cd", str(Path.cwd())])
+        return _TEMPLATE.render(_SHARED | vars(self) | defaults | {"run": self.run.state()} | variables)

@@ -19,7 +19,7 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from roughcontact.app.access import Claim, guard
-from roughcontact.app.measurements import keep
+from roughcontact.app.measurements import save_upload
 from roughcontact.app.page import FOLDER, Page
 from roughcontact.command_line.run_lock import lock_file
 from roughcontact.errors import RoughContactError, SettingsError
@@ -37,11 +37,11 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         return HTMLResponse(page.first(""), 409, {"Refresh": "2"})
 
     async def answer(request: Request) -> Response:
-        action = request.path_params["action"]
+        action, query = request.path_params["action"], request.query_params
         try:
-            claim.check(request.query_params.get("page", ""), closed=action == "leave")
+            claim.check(query.get("page", ""), closed=action == "leave")
             if action == "drop":
-                return PlainTextResponse(await keep(request.query_params.get("name", ""), request.stream()))
+                return PlainTextResponse(await save_upload(query.get("name", ""), request.stream()))
             form = QueryParams(await request.body())
             return HTMLResponse(await run_in_threadpool(page.after, action, form))
         except (RoughContactError, OSError) as error:

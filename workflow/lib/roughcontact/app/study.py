@@ -21,7 +21,7 @@ from roughcontact.results.storage import write_text
 CONFIG = Path("config/config.yaml")
 _TABLE = Settings.model_fields["surfaces"].default
 _HEAD = "# written by the page of roughcontact, see config/README.md\n"
-_KEPT = ".before-page"  # ends the name of a file that the page has not written and writes over
+_BACKUP = ".before-page"  # ends the name of a file that the page has not written and writes over
 _STYLE: dict[str, Any] = {"sort_keys": False, "allow_unicode": True, "width": 100, "default_flow_style": None}
 Row = dict[str, str]
 
@@ -96,16 +96,16 @@ def check(texts: Mapping[str, str], rows: Sequence[Row]) -> dict[str, Any]:
 
 def write(files: Mapping[Path, str]) -> str:
     """Write the files that differ, and return what was done; what others had noted in them is kept."""
-    said = f"written: {', '.join(map(str, files))}"
+    summary = f"written: {', '.join(map(str, files))}"
     for path, text in files.items():
         before = path.read_bytes() if path.is_file() else b""
         if before == text.encode():
             continue
         if before and (not before.startswith(_HEAD.encode()) or b"\n#" in before):
-            path.replace(spare := path.with_name(path.name + _KEPT))
-            said += f"; what was there is kept as {spare}"
+            path.replace(spare := path.with_name(path.name + _BACKUP))
+            summary += f"; what was there is kept as {spare}"
         write_text(text, path)
-    return said
+    return summary
 
 
 def _by_field(message: str) -> dict[str, list[str]]:

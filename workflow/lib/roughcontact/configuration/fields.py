@@ -46,11 +46,11 @@ def grouped(values: Mapping[str, Any]) -> dict[str, Any]:
     """
     groups: dict[str, Any] = {}
     for name, value in values.items():
-        *above, key = name.split(".")
+        *path, key = name.split(".")
         group = groups
-        for part in above:
-            below = group.setdefault(part, {})
-            group = below if isinstance(below, dict) else {}  # a value where a group belongs stays
+        for section in path:
+            subgroup = group.setdefault(section, {})
+            group = subgroup if isinstance(subgroup, dict) else {}  # a value where a group belongs stays
         group[key] = value
     return {key: _with_lists(group) for key, group in groups.items()}
 
@@ -59,10 +59,10 @@ def _with_lists(value: Any) -> Any:
     """Return groups whose keys are all positions as lists, an entry without a value as an empty group."""
     if not isinstance(value, dict):
         return value
-    full = {key: _with_lists(entry) for key, entry in value.items()}
-    if full and all(map(str.isdecimal, full)):
-        return [full.get(str(index), {}) for index in range(max(map(int, full)) + 1)]
-    return full
+    converted = {key: _with_lists(entry) for key, entry in value.items()}
+    if converted and all(map(str.isdecimal, converted)):
+        return [converted.get(str(index), {}) for index in range(max(map(int, converted)) + 1)]
+    return converted
 
 
 def base_of(field: FieldInfo) -> str:
