@@ -1,5 +1,9 @@
 """The table over the mean gap: shear flow factors against closed forms and published curves."""
 
+import re
+import shutil
+import subprocess
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -129,6 +133,78 @@ def test_the_table_of_cuts_holds_that_of_the_whole_surface():
             ends = table[f"{name}_lower"].fillna(0.0), table[f"{name}_upper"].fillna(np.inf)
             inside += ((ends[0] <= values) & (values <= ends[1])).values.tolist()
     assert np.mean(inside) >= 0.9
+
+
+BLOCKS = """\
+*NODE, NSET=ALL
+{nodes}
+*ELEMENT, TYPE=C3D8, ELSET=BLOCKS
+1, 1, 2, 3, 4, 5, 6, 7, 8
+2, 9, 10, 11, 12, 13, 14, 15, 16
+*MATERIAL, NAME=STEEL
+*ELASTIC
+210000., 0.
+*SOLID SECTION, ELSET=BLOCKS, MATERIAL=STEEL
+*SURFACE, NAME=LOWER
+1, S2
+*SURFACE, NAME=UPPER
+2, S1
+*SURFACE INTERACTION, NAME=ROUGH
+*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR
+{law}
+*CONTACT PAIR, INTERACTION=ROUGH, TYPE=NODE TO SURFACE
+UPPER, LOWER
+*NSET, NSET=BOTTOM
+1, 2, 3, 4
+*NSET, NSET=TOP
+13, 14, 15, 16
+*NSET, NSET=FACES
+5, 9
+*BOUNDARY
+ALL, 1, 2
+BOTTOM, 3, 3
+*STEP, INC=1000, NLGEOM
+*STATIC
+0.1, 1., 1e-6, 0.1
+*BOUNDARY
+TOP, 3, 3, {closing:.9g}
+*NODE PRINT, NSET=TOP, TOTALS=ONLY
+RF
+*NODE PRINT, NSET=FACES
+U
+*END STEP
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="needs CalculiX (Debian: calculix-ccx)")
+def test_finite_elements_return_the_contact_law(tmp_path):
+    """Two blocks in CalculiX that are pressed together; lengths in µm, forces in µN, pressures in MPa."""
+    window = rough_reference_surface(64) * 1e-6
+    law = rc.contact_table(window, contact_modulus="1 GPa", loads=12, tolerance=1e-3)
+    touch = (law["mean_gap"] + law["mean_pressure"] / law["contact_stiffness"]).values[0]
+    pressure = np.append(0, law["mean_pressure"]) * 1e-6
+    overclosure = np.append(0, touch - law["mean_gap"]) * 1e6
+    side, corners = 10.0, ((0, 0), (1, 0), (1, 1), (0, 1))
+    points = [(x * side, y * side, z * side) for z in (-1, 0, 0, 1) for x, y in corners]
+    text = BLOCKS.format(
+        nodes="\n".join(f"{number}, {x}, {y}, {z}" for number, (x, y, z) in enumerate(points, start=1)),
+        law="\n".join(f"{p:.9g}, {c:.9g}" for p, c in zip(pressure, overclosure, strict=True)),
+        closing=-overclosure[6],
+    )
+    (tmp_path / "blocks.inp").write_text(text)
+    subprocess.run(["ccx", "blocks"], cwd=tmp_path, check=True, capture_output=True)
+    printed = (tmp_path / "blocks.dat").read_text()
+    forces = -np.array([float(z) for z in re.findall(r"total force.*\n\n(?:\s+\S+){2}\s+(\S+)", printed)])
+    lower, upper = (
+        np.array([float(z) for z in re.findall(rf"\n\s+{node}(?:\s+\S+){{2}}\s+(\S+)", printed)])
+        for node in (5, 9)
+    )
+    assert len(forces) == len(lower) == len(upper) == 10
+    expected = np.interp(lower - upper, overclosure, pressure)
+    assert forces.max() > 0.9 * side**2 * pressure[6]
+    # digits of the printed displacements
+    np.testing.assert_allclose(forces / side**2, expected, rtol=1e-5)
 
 
 def test_statistics_without_flow_are_refused(statistics):
