@@ -764,6 +764,36 @@ def channel_flow_factors(depth: float) -> tuple[float, float]:
     return 1 + 1.5 * depth**2, (1 - depth**2) ** 2.5 / (1 + 0.5 * depth**2)
 
 
+def driven_share(depth: float) -> float:
+    """Return the share of the mean gap whose fluid moves with ridges g = 1 + depth cos x that slide across.
+
+    1 - <g^-2>/<g^-3>, by Reynolds' equation in one dimension; along the ridges all fluid is shared alike.
+
+    Examples
+    --------
+    >>> print(f"{driven_share(0.5):.4f}")
+    0.3333
+    """
+    return 1 - (1 - depth**2) / (1 + depth**2 / 2)
+
+
+def patir_cheng_flow_factor(gap: float, gamma: float) -> float:
+    """Return the pressure flow factor of Gaussian roughness at a gap over its rms height.
+
+    gamma is the ratio of the correlation lengths along and across the flow: 1/9, 1 or 9. The fit of Patir
+    and Cheng (1978), ASME J. Lubr. Technol. 100, 12, table 1, for gaps above 1 (0.5 for gamma 1 and 9).
+
+    Examples
+    --------
+    >>> print(f"{patir_cheng_flow_factor(3.0, 1.0):.3f}")
+    0.832
+    """
+    if gamma > 1:
+        return 1 + 0.870 * gap**-1.5
+    factor, rate = (0.90, 0.56) if gamma == 1 else (1.48, 0.42)
+    return 1 - factor * float(np.exp(-rate * gap))
+
+
 def isotropic_flow_factor(relative_roughness: float) -> float:
     """Return the flow factor of a gap whose roughness is low and has no direction: 1 - (3/2) (σ/ū)².
 

@@ -30,6 +30,7 @@ def add_lines(section: Section, *, finest_grid: int) -> None:
     _channels(section, points)
     _two_phases(section, points)
     _low_roughness(section, points)
+    _gaussian_roughness(section)
     _leaks(section, points)
     _random_heights(section, 2 * points)
     _closing(section)
@@ -45,6 +46,9 @@ def _channels(section: Section, points: int) -> None:
         computed = flow_columns((1 + depth * np.cos(row)) * np.ones((8, 1)), steps, tolerance=1e-9)
         section.compare("channel along", computed["flow_factor_yy"], along, 1e-8, depth=depth)
         section.compare("channel across", computed["flow_factor_xx"], across, 1e-8, depth=depth)
+        fine = 1 + depth * np.cos(2 * np.pi * np.arange(4 * _ROW) / (4 * _ROW))
+        share = flow_columns(fine[None], (1.0, 1.0), tolerance=1e-9)["shear_flow_x"]
+        section.compare("driven", share, closed_forms.driven_share(depth), 1e-5, depth=depth)
     along, across = closed_forms.channel_flow_factors(0.5)
     computed = flow_columns(1 + 0.5 * np.cos(x[:, None] + x[None, :]), steps, tolerance=1e-9)
     for axes, expected in (("xx", (along + across) / 2), ("xy", (across - along) / 2)):
@@ -61,6 +65,32 @@ def _two_phases(section: Section, points: int) -> None:
     x = 2 * np.pi * np.arange(points) / points
     crossed = 1 + (np.cos(x)[:, None] + np.cos(x)[None, :]) / 2
     section.compare("saddle", percolation_columns(crossed)["critical_constriction_x"], 1.0, 1e-12)
+
+
+def _gaussian_roughness(section: Section) -> None:
+    """Add the lines of Gaussian roughness with a linear correlation, as Patir and Cheng made theirs."""
+    lag = np.minimum(np.arange(_ROW), _ROW - np.arange(_ROW))
+    for gamma, along, across in ((1 / 9, 6, 54), (1.0, 16, 16), (9.0, 54, 6)):
+        correlation = np.maximum(1 - lag[:, None] / across, 0) * np.maximum(1 - lag / along, 0)
+        spectrum = np.sqrt(np.maximum(np.fft.fft2(correlation).real, 0))
+        for gap in (3.0, 6.0):
+            factors = []
+            for seed in range(_SEEDS // 2):
+                noise = np.random.default_rng(seed).standard_normal((_ROW, _ROW))
+                height = np.fft.ifft2(np.fft.fft2(noise) * spectrum).real
+                local = np.maximum(gap + (height - height.mean()) / height.std(), 0)
+                factor = flow_columns(local, (1.0, 1.0), tolerance=1e-5)["flow_factor_xx"]
+                factors.append(factor * (local.mean() / gap) ** 3)
+            expected = closed_forms.patir_cheng_flow_factor(gap, gamma)
+            section.compare(
+                "gaussian",
+                np.mean(factors),
+                expected,
+                0.03 if gamma >= 1 else 0.08,
+                gamma=f"{along}:{across}",
+                gap=gap,
+                maps=len(factors),
+            )
 
 
 def _low_roughness(section: Section, points: int) -> None:

@@ -8,6 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from scipy import sparse
+from scipy.sparse.linalg import spsolve
 
 import roughcontact as rc
 from roughcontact.command_line.program import main
@@ -24,6 +26,32 @@ def test_ridges_across_carry_what_the_closed_form_says(depth):
     assert found["shear_flow_x"] == pytest.approx(1 - (gap**-2.0).mean() / (gap**-3.0).mean(), abs=1e-6)
     along = flow_columns(np.broadcast_to(gap.T, (4096, 4)), (1.0, 1.0), tolerance=1e-12)
     assert along["shear_flow_x"] == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize("rough_face_slides", [True, False])
+def test_the_shear_factor_changes_its_sign_with_the_face_that_slides(rough_face_slides):
+    """Reynolds' equation by finite differences: the gap moves with the rough face and squeezes the fluid."""
+    points = 64
+    x = 2 * np.pi * (np.arange(points) + 0.5) / points
+    gap = 1 + 0.3 * np.cos(x) * np.cos(x[:, None]) + 0.2 * np.sin(2 * x + x[:, None])
+    faces = [(gap + np.roll(gap, -1, axis)) / 2 for axis in (0, 1)]
+    step, identity = sparse.eye(points, format="csr"), sparse.eye(points)
+    ahead = sparse.csr_matrix(np.roll(step.toarray(), 1, axis=1)) - step  # of the next point, less this one
+    differences = [sparse.kron(ahead, identity), sparse.kron(identity, ahead)]
+    matrix = sum(
+        d.T @ sparse.diags(face.ravel() ** 3 / 12) @ d for d, face in zip(differences, faces, strict=True)
+    )
+    # carried along x by the mean speed of the faces, half of one; where the rough one slides the gap moves on
+    carried = -differences[1].T @ faces[1].ravel() / 2 * (-1 if rough_face_slides else 1)
+    pinned = matrix.tolil()
+    pinned[0] = 0
+    pinned[0, 0] = 1
+    pressure = spsolve(pinned.tocsr(), np.append(0, -carried[1:]))
+    flux = faces[1].ravel() / 2 - faces[1].ravel() ** 3 / 12 * (differences[1] @ pressure)
+    factor = 2 * flux.mean() - gap.mean()  # sigma phi_s
+    computed = flow_columns(gap, (1 / points, 1 / points), tolerance=1e-9)["shear_flow_x"] * gap.mean()
+    assert computed > 0.05
+    assert factor == pytest.approx(computed if rough_face_slides else -computed, rel=0.02)
 
 
 def test_far_apart_it_is_three_halves_of_sigma_over_the_gap():

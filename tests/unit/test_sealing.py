@@ -172,6 +172,8 @@ def test_sinusoidal_channel_along_and_across(depth, steps):
 def test_closed_form_of_the_channels_by_quadrature(depth):
     cubes, inverse = (quad(lambda t, n=n: (1 + depth * np.cos(t)) ** n, 0, np.pi)[0] / np.pi for n in (3, -3))
     assert closed_forms.channel_flow_factors(depth) == pytest.approx((cubes, 1 / inverse), rel=1e-10)
+    squares = quad(lambda t: (1 + depth * np.cos(t)) ** -2, 0, np.pi)[0] / np.pi
+    assert closed_forms.driven_share(depth) == pytest.approx(1 - squares / inverse, rel=1e-10)
 
 
 def test_channels_at_an_angle_lead_the_flow_aside():
