@@ -1,7 +1,7 @@
 """A dimensionless solution as a labelled dataset in SI units."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -51,20 +51,30 @@ def as_dataset(
         "converged": np.int8(solution.error_bound <= attrs["tolerance"]),
         "load_error": abs(total / pressure.size / load - 1),
     }
-    maps = {
-        "pressure": pressure,
-        "gap": gap,
-        "contact": contact,
-    }
+    maps = {"pressure": pressure, "gap": gap, "contact": contact}
+    loaded = {"mean_pressure": load}
+    return of_one_load(window, maps, per_load, loaded, modulus=modulus, hardness=hardness, attrs=attrs)
+
+
+def of_one_load(
+    window: xr.DataArray,
+    maps: Mapping[str, np.ndarray],
+    numbers: Mapping[str, Any],
+    loaded: Mapping[str, float],
+    *,
+    modulus: float,
+    hardness: float | None,
+    attrs: Mapping[str, Any],
+) -> xr.Dataset:
+    """Return maps (y, x) and numbers of one load, whose coordinates are `loaded`, with `load` of size 1."""
+    of_load: dict[str, Any] = {name: ("load", [value]) for name, value in loaded.items()}
     return xr.Dataset(
         {name: (("load", "y", "x"), field[None]) for name, field in maps.items()}
-        | {name: ("load", [value]) for name, value in per_load.items()}
+        | {name: ("load", [value]) for name, value in numbers.items()}
         | {"height": window.variable, "contact_modulus": modulus}
         | ({} if hardness is None else {"hardness": hardness}),
         # with the indexes that are there
-        coords=xr.Coordinates(
-            {"mean_pressure": ("load", [load]), **window.coords.variables}, indexes=window.xindexes
-        ),
+        coords=xr.Coordinates(of_load | {**window.coords.variables}, indexes=window.xindexes),
         attrs=attrs,
     )
 

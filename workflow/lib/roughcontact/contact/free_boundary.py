@@ -7,21 +7,30 @@ shows that more of the map touches, it grows and is solved again.
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.choices import Influence
 from roughcontact.contact.certificate import rounding_floor
+from roughcontact.contact.dataset import of_one_load, unit_of_pressure
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import solve_on_grid
 from roughcontact.contact.nested_iteration import first_guess, nested_heights
 from roughcontact.contact.problem import nondimensionalise, on_host
 from roughcontact.contact.state import State
 from roughcontact.elasticity.energy import elastic_energy
-from roughcontact.elasticity.free_space import FADE, TruncatedKernel, change_by_layers, even_transform, love
+from roughcontact.elasticity.free_space import (
+    FADE,
+    TruncatedKernel,
+    change_by_layers,
+    distances,
+    even_transform,
+    love,
+)
 from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.errors import ConvergenceError, HeightMapError, SettingsError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
@@ -66,37 +75,27 @@ def free_datasets(
     window: xr.DataArray,
     forces: Sequence[float],
     *,
-    modulus: float,
     tolerance: float,
     hardness: float | None,
-    influence: Influence,
-    layers: LayeredPair | None,
     give_up: bool,
-    threads: int,
+    **material: Any,
 ) -> Iterator[xr.Dataset]:
     """Yield the dataset of each force (N), with `load` of size 1 and the variables of contact.nc.
 
-    `mean_pressure` is the force over the area of the map. Raises `ConvergenceError`: where `give_up` and a
-    force misses the tolerance.
+    `mean_pressure` is the force over the area of the map; `material`: further arguments of `FreeBody`. Raises
+    `ConvergenceError`: where `give_up` and a force misses the tolerance.
     """
     window = on_host(window)
-    problem = nondimensionalise(window, threads=threads)
+    problem = nondimensionalise(window, threads=material["threads"])
     if min(window.shape) < 4:
         raise HeightMapError(
             f"a finite body is a map, this one has {window.shape[0]} x {window.shape[1]} points: the "
             "approach of an endless ridge is infinite; solve a profile with boundary: periodic"
         )
-    body = FreeBody(
-        np.asarray(window.values, float),
-        problem.spacing,
-        modulus=modulus,
-        hardness=np.inf if hardness is None else hardness,
-        influence=influence,
-        layers=layers,
-        threads=threads,
-    )
-    recorded = {} if layers is None else {"bodies": json.dumps(layers.as_settings())}
-    area = window.size * problem.spacing[0] * problem.spacing[1]
+    limit = np.inf if hardness is None else hardness
+    body = FreeBody(np.asarray(window.values, float), problem.spacing, hardness=limit, **material)
+    attrs = {"tolerance": tolerance, "influence": body.influence, "boundary": "free"}
+    attrs |= {"bodies": json.dumps(body.layers.as_settings())} if body.layers else {}
     for force in forces:
         solution = body.solve(force, tolerance=tolerance)
         if give_up and solution.error_bound > tolerance:
@@ -105,54 +104,39 @@ def free_datasets(
                 f"tolerance {tolerance:g} (rounding allows {solution.floor:.1g}): raise the tolerance or set "
                 "on_failure: flag"
             )
-        pressure, mean = solution.pressure, force / area
-        yielded = 0.0 if hardness is None else float((pressure >= hardness).mean())
-        gap = np.where(pressure >= body.hardness, 0.0, solution.gap)
-        fields = {"pressure": pressure, "gap": gap, "contact": (pressure > 0).astype(np.int8)}
+        pressure, mean = solution.pressure, force / float(window.size * np.prod(problem.spacing))
+        yielded = pressure >= limit
+        gap = np.where(yielded, 0.0, solution.gap)
         numbers = {
-            "relative_pressure": np.inf if problem.flat else mean / (modulus * problem.gradient),
+            "relative_pressure": mean / unit_of_pressure(problem, body.modulus)
+            if not problem.flat
+            else np.inf,
             "approach": solution.approach,
             "iterations": solution.steps,
             "operator_applications": solution.applications,
             "error_bound": solution.error_bound,
             "rounding_floor": solution.floor,
-            "yielded_area": yielded,
+            "yielded_area": float(yielded.mean()),
             "max_penetration": max(0.0, -float(gap.min())),
             "converged": np.int8(solution.error_bound <= tolerance),
             "load_error": abs(float(pressure.mean()) / mean - 1),
         }
-        coords = {"mean_pressure": ("load", [mean]), "force": ("load", [force]), **window.coords.variables}
-        yield xr.Dataset(
-            {name: (("load", "y", "x"), field[None]) for name, field in fields.items()}
-            | {name: ("load", [value]) for name, value in numbers.items()}
-            | {"height": window.variable, "contact_modulus": modulus}
-            | ({} if hardness is None else {"hardness": hardness}),
-            coords=xr.Coordinates(coords, indexes=window.xindexes),
-            attrs={"tolerance": tolerance, "influence": influence, "boundary": "free"} | recorded,
-        )
+        maps = {"pressure": pressure, "gap": gap, "contact": (pressure > 0).astype(np.int8)}
+        loaded = {"mean_pressure": mean, "force": force}
+        yield of_one_load(window, maps, numbers, loaded, modulus=body.modulus, hardness=hardness, attrs=attrs)
 
 
+@dataclass(frozen=True)
 class FreeBody:
     """A map (ny, nx; m) with pixels `spacing` (dy, dx; m), pressed on a half-space of modulus E* (Pa)."""
 
-    def __init__(
-        self,
-        heights: np.ndarray,
-        spacing: tuple[float, float],
-        *,
-        modulus: float,
-        hardness: float = np.inf,
-        influence: Influence = "sampled",
-        layers: LayeredPair | None = None,
-        threads: int = 1,
-    ):
-        self.layers, self.softest = layers, modulus
-        if layers is not None:
-            q = np.geomspace(1e-3 / layers.thickest, 1e2 / layers.thinnest, 64)
-            self.softest = modulus / max(1.0, float(layers.factor(q).max()))
-        self.heights, self.spacing, self.modulus = heights, spacing, modulus
-        self.hardness, self.threads = hardness, threads
-        self.influence: Influence = influence
+    heights: np.ndarray
+    spacing: tuple[float, float]
+    modulus: float
+    hardness: float = np.inf  # Pa
+    influence: Influence = "sampled"
+    layers: LayeredPair | None = None
+    threads: int = 1
 
     def solve(self, force: float, *, tolerance: float) -> FreeSolution:
         """Return the contact under a force (N)."""
@@ -170,7 +154,9 @@ class FreeBody:
             gap = self._gap(cell, region, pressure)
             # what touches at the rim of the region may touch beyond it
             touching = (pressure > 0) | (gap < 0)
-            if self._is_inside(touching, region):
+            outside = touching.copy()
+            outside[region.rows, region.columns] &= ~region.mask
+            if not outside.any():
                 if bound <= tolerance or cell.is_stuck:
                     break
                 cell_tolerance *= SAFETY * tolerance / bound
@@ -191,14 +177,8 @@ class FreeBody:
         ny, nx = (-(-n // factor) for n in self.heights.shape)
         padding = [(0, ny * factor - self.heights.shape[0]), (0, nx * factor - self.heights.shape[1])]
         blocks = np.pad(self.heights, padding, mode="edge").reshape(ny, factor, nx, factor)
-        coarse = FreeBody(
-            blocks.mean(axis=(1, 3)),
-            (self.spacing[0] * factor, self.spacing[1] * factor),
-            modulus=self.modulus,
-            hardness=self.hardness,
-            influence=self.influence,
-            layers=self.layers,
-        )
+        wide = self.spacing[0] * factor, self.spacing[1] * factor
+        coarse = replace(self, heights=blocks.mean(axis=(1, 3)), spacing=wide, threads=1)
         cell = Cell(coarse, coarse._region(np.ones((ny, nx), bool), 0), force)
         cell.solve(None, tolerance=COARSE_TOLERANCE)
         touching = np.repeat(np.repeat(cell.pressure > 0, factor, axis=0), factor, axis=1)
@@ -207,11 +187,11 @@ class FreeBody:
 
     def _region(self, touching: np.ndarray, margin: int) -> Region:
         """Return the region around all points that touch, with a margin of at least so many points."""
-        lines = [np.flatnonzero(touching.any(axis=axis)) for axis in (1, 0)]
         ends = []
-        for line, n in zip(lines, touching.shape, strict=True):
-            widening = max(margin, int(MARGIN * (line[-1] - line[0]))) if margin else 0
-            ends.append((max(line[0] - widening, 0), min(line[-1] + widening + 1, n)))
+        for line, n in zip(np.nonzero(touching), touching.shape, strict=True):
+            first, last = int(line.min()), int(line.max())
+            widening = max(margin, int(MARGIN * (last - first))) if margin else 0
+            ends.append((max(first - widening, 0), min(last + widening + 1, n)))
         (top, bottom), (left, right) = ends
         y, x = (
             (np.arange(*pair) - 0.5 * (sum(pair) - 1)) * d for pair, d in zip(ends, self.spacing, strict=True)
@@ -223,53 +203,37 @@ class FreeBody:
 
     def _norm_ratio(self, energy: float, pressure: np.ndarray) -> float:
         """Return the norm of the pressure in its cell, of that energy (J), over that in the window."""
-        of_window = elastic_energy(
-            pressure,
-            self.spacing,
-            contact_modulus=self.modulus,
-            influence=self.influence,
-            layers=self.layers,
-        )
+        elastic: dict[str, Any] = {"influence": self.influence, "layers": self.layers}
+        of_window = elastic_energy(pressure, self.spacing, contact_modulus=self.modulus, **elastic)
         return float(np.sqrt(energy / (of_window * pressure.size * np.prod(self.spacing))))
 
     def _gap(self, cell: "Cell", region: Region, pressure: np.ndarray) -> np.ndarray:
         """Return the gap (ny, nx) in m: that of the solution in the region, that of Love's pixels beyond."""
         from scipy import fft  # imported late: solves of periodic maps need nothing of scipy
 
-        loaded = pressure[region.rows, region.columns]
-        sides = (region.rows, region.columns)
+        sides = region.rows, region.columns
         # each offset between a loaded point and one of the map has its own element of the transform
         sizes = [2 * max(side.stop, n - side.start) for n, side in zip(pressure.shape, sides, strict=True)]
         shape = 2 * fft.next_fast_len(sizes[0] // 2), 2 * fft.next_fast_len(sizes[1] // 2)
         with fft.set_workers(self.threads):
-            spectrum = fft.rfft2(loaded, shape) * _free_symbol(shape, self.spacing, self.layers)
+            spectrum = fft.rfft2(pressure[sides], shape) * _free_symbol(shape, self.spacing, self.layers)
             displacement = fft.irfft2(spectrum, shape)
-        gap = np.roll(displacement, [side.start for side in sides], (0, 1))[
-            : pressure.shape[0], : pressure.shape[1]
-        ]
-        gap = gap / self.modulus - self.heights + cell.approach
-        gap[region.rows, region.columns][region.mask] = cell.gap[region.mask]
+        displacement = np.roll(displacement, [side.start for side in sides], (0, 1))
+        map_sides = tuple(slice(n) for n in pressure.shape)
+        gap = displacement[map_sides] / self.modulus - self.heights + cell.approach
+        gap[sides][region.mask] = cell.gap[region.mask]
         return gap
-
-    @staticmethod
-    def _is_inside(touching: np.ndarray, region: Region) -> bool:
-        """Return whether all that touches lies in the region."""
-        inner = np.zeros(touching.shape, bool)
-        inner[region.rows, region.columns] = region.mask
-        return not bool((touching & ~inner).any())
 
     def _check_border(self, pressure: np.ndarray, force: float) -> None:
         """Raise HeightMapError where the contact reaches the border of the map."""
-        border = pressure.copy()
-        border[1:-1, 1:-1] = 0
-        if not border.any():
+        if not (pressure[[0, -1]].any() or pressure[:, [0, -1]].any()):
             return
         sides = [n * d for n, d in zip(pressure.shape, self.spacing, strict=True)]
-        radius = self.radius_of_curvature()
+        radius = self._radius_of_curvature()
         if radius is None:
             advice = "surround it by lower heights, at least a row or column, where the body ends there"
         else:
-            contact_radius = (3 * force * radius / (4 * self.modulus)) ** (1 / 3)
+            contact_radius = (3 * force * radius / (4 * self.softest)) ** (1 / 3)
             side = max(2.2 * contact_radius, 1.1 * min(sides))
             advice = (
                 f"a map of {side:.3g} m x {side:.3g} m would do (a ball of its mean radius of curvature, "
@@ -281,18 +245,23 @@ class FreeBody:
             f"{sides[0]:.3g} m, and what lies beyond is not known: {advice}"
         )
 
-    def radius_of_curvature(self) -> float | None:
+    def _radius_of_curvature(self) -> float | None:
         """Return the geometric mean radius (m) of the paraboloid that fits; None where it is not convex."""
-        y, x = (
-            (np.arange(n) - (n - 1) / 2) * d for n, d in zip(self.heights.shape, self.spacing, strict=True)
-        )
+        sides = [(n - 1) / 2 * d for n, d in zip(self.heights.shape, self.spacing, strict=True)]
         curvatures = []
-        for axis, line in enumerate((y, x)):
-            if line.size < 3:
-                return None
-            curvatures.append(-2 * np.polyfit(line, self.heights.mean(axis=1 - axis), 2)[0])
-        curved = min(curvatures) * max(y[-1], x[-1]) > 1e-9 and min(curvatures) > 0
+        for axis, side in enumerate(sides):
+            line = self.heights.mean(axis=1 - axis)
+            curvatures.append(-2 * np.polyfit(np.linspace(-side, side, line.size), line, 2)[0])
+        curved = min(curvatures) * max(sides) > 1e-9
         return float(1 / np.sqrt(curvatures[0] * curvatures[1])) if curved else None
+
+    @property
+    def softest(self) -> float:
+        """The modulus (Pa) by which the most compliant wave is displaced."""
+        if self.layers is None:
+            return self.modulus
+        q = np.geomspace(1e-3 / self.layers.thickest, 1e2 / self.layers.thinnest, 64)
+        return self.modulus / max(1.0, float(self.layers.factor(q).max()))
 
 
 class Cell:
@@ -383,8 +352,5 @@ def _free_symbol(
     quarter = shape[0] // 2 + 1, shape[1] // 2 + 1
     response = love(quarter, spacing)
     if layers is not None:
-        distance = np.hypot(
-            *(i * d for i, d in zip(np.ogrid[: quarter[0], : quarter[1]], spacing, strict=True))
-        )
-        response += change_by_layers(layers, distance) * spacing[0] * spacing[1]
+        response += change_by_layers(layers, distances(quarter, spacing)) * spacing[0] * spacing[1]
     return even_transform(response, shape)

@@ -132,11 +132,14 @@ def graded_panels(end: float, widest: float, finest: float) -> tuple[np.ndarray,
 def _transform_of_elements(shape: tuple[int, int], spacing: tuple[float, float], reach: float) -> np.ndarray:
     """Return the symbol (ny, nx // 2 + 1) of Love's kernel, faded beyond the reach, kept for one grid."""
     quarter = shape[0] // 2 + 1, shape[1] // 2 + 1
-    distance = np.hypot(
-        *(i * d / reach for i, d in zip(np.ogrid[: quarter[0], : quarter[1]], spacing, strict=True))
-    )
-    fade = np.clip((FADE - distance) / (FADE - 1), 0, 1)
+    fade = np.clip((FADE - distances(quarter, spacing) / reach) / (FADE - 1), 0, 1)
     return even_transform(love(quarter, spacing) * fade, shape)
+
+
+def distances(shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarray:
+    """Return the distances (ny, nx) of points from the first of them."""
+    rows, columns = np.ogrid[: shape[0], : shape[1]]
+    return np.hypot(rows * spacing[0], columns * spacing[1])
 
 
 def even_transform(quarter: np.ndarray, shape: tuple[int, int]) -> np.ndarray:

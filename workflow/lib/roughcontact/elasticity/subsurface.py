@@ -40,10 +40,9 @@ def subsurface_stress(
 
         reach = float(np.hypot(*np.multiply(pressure.shape, steps)))
         wide = [n + math.ceil(TAPER * reach / step) for n, step in zip(pressure.shape, steps, strict=True)]
-        pressure = np.pad(
-            pressure,
-            [(0, next_fast_len(m, real=True) - n) for n, m in zip(pressure.shape, wide, strict=True)],
-        )
+        padded = np.zeros([next_fast_len(n, real=True) for n in wide])
+        padded[inside[1:]] = pressure
+        pressure = padded
     shape, mean = pressure.shape, 0.0 if free else float(pressure.mean())
     plan = make_plan(pressure, DOUBLE)
     spectrum = plan.forward(np.subtract(pressure, mean, dtype=float)).copy()

@@ -25,60 +25,49 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
     """
     from scipy.ndimage import map_coordinates  # imported late, as few maps are bodies
 
-    height, modulus = contact["height"], float(contact["contact_modulus"])
-    steps, layers = spacing(height), layers_of(contact)
+    height, modulus, layers = contact["height"], float(contact["contact_modulus"]), layers_of(contact)
+    steps, forces = spacing(height), contact["force"].values
     map_area = height.size * steps[0] * steps[1]
-    area = statistics["relative_contact_area"].values * map_area
-    forces = contact["force"].values
-    stiffness, energy, loaded_radius = (np.empty_like(area) for _ in range(3))
-    for load, force in enumerate(forces):
+    radii = [
+        float(height.attrs[f"form_radius_{axis}"]) for axis in "xy" if f"form_radius_{axis}" in height.attrs
+    ]
+    if layers:  # Hertz's theory is that of half-spaces
+        radii = []
+    summits = summit_statistics(roughness_of(height)) if radii and radii[0] == radii[1] else None
+    rows = []
+    for load, force in enumerate(map(float, forces)):
         pressure = contact["pressure"].isel(load=load).values
         approach = float(contact["approach"][load])
         punch = np.where(pressure > 0, 0.0, -max(height.shape) * max(steps))
-        body = FreeBody(punch, steps, modulus=modulus, influence=influence_of(contact), layers=layers)
-        solution = body.solve(float(force), tolerance=_STIFFNESS_TOLERANCE)
-        stiffness[load] = force / -solution.approach / map_area
+        body = FreeBody(punch, steps, modulus, influence=influence_of(contact), layers=layers)
+        solution = body.solve(force, tolerance=_STIFFNESS_TOLERANCE)
         displacement = height.values - approach + contact["gap"].isel(load=load).values
         in_the_middle = map_coordinates(displacement, [[(n - 1) / 2] for n in height.shape], order=3)
-        loaded_radius[load] = 0.75 * force / (modulus * in_the_middle.item())
-        energy[load] = 0.5 * float((pressure * (height.values - approach)).mean())
-    scale = xr.Variable("load", stiffness / statistics["contact_stiffness"].values)
-    columns_ = {str(name): statistics[name].variable for name in statistics}
-    columns_ |= {name: values * scale for name, values in columns_.items() if "conductance" in name}
-    columns_ |= {name: values / scale for name, values in columns_.items() if name.endswith("_resistance")}
-    undefined = (
-        *THEORIES,
-        "loading_stiffness",
-        *(name for name in columns_ if layers and ("conductance" in name or name.endswith("_resistance"))),
-        *(f"{passage}_{axis}" for passage in _PASSAGE for axis in "xy"),
-    )
-    columns_ |= {
-        name: xr.full_like(columns_[name], np.nan, dtype=float) for name in undefined if name in columns_
-    }
-    columns = {
-        "contact_stiffness": stiffness,
-        "elastic_energy": energy,
-        "contact_area": area,
-        "contact_radius": np.sqrt(area / np.pi),
-        "loaded_radius": loaded_radius,
-    }
-    if layers is not None:  # Hertz's theory is that of half-spaces
-        columns["loaded_radius"][:] = np.nan
-    elif "form_radius_x" in height.attrs:
-        radii = float(height.attrs["form_radius_x"]), float(height.attrs["form_radius_y"])
-        smooth = [hertz_ellipse(float(force), radii, modulus) for force in forces]
-        columns["hertz_radius"] = np.array(
-            [(ellipse["major"] * ellipse["minor"]) ** 0.5 for ellipse in smooth]
-        )
-        columns["hertz_max_pressure"] = np.array([ellipse["max_pressure"] for ellipse in smooth])
-        columns["hertz_approach"] = np.array([ellipse["approach"] for ellipse in smooth])
-        if radii[0] == radii[1]:  # the theory is of a ball
-            summits = summit_statistics(roughness_of(height))
-            rough = [greenwood_tripp(float(f), radii[0], summits, contact_modulus=modulus) for f in forces]
-            for name in rough[0]:
-                columns[f"greenwood_tripp_{name}"] = np.array([numbers[name] for numbers in rough])
-    columns_ |= {name: xr.Variable("load", values) for name, values in columns.items()}
-    return statistics.assign(columns_).assign_coords(force=("load", forces))
+        area = float(statistics["relative_contact_area"][load]) * map_area
+        numbers = {
+            "contact_stiffness": force / -solution.approach / map_area,
+            "elastic_energy": 0.5 * float((pressure * (height.values - approach)).mean()),
+            "contact_area": area,
+            "contact_radius": np.sqrt(area / np.pi),
+            "loaded_radius": np.nan if layers else 0.75 * force / (modulus * in_the_middle.item()),
+        }
+        if radii:
+            smooth = hertz_ellipse(force, (radii[0], radii[1]), modulus)
+            numbers["hertz_radius"] = (smooth["major"] * smooth["minor"]) ** 0.5
+            numbers |= {f"hertz_{name}": smooth[name] for name in ("max_pressure", "approach")}
+        if summits:  # the theory is of a ball
+            rough = greenwood_tripp(force, radii[0], summits, contact_modulus=modulus)
+            numbers |= {f"greenwood_tripp_{name}": value for name, value in rough.items()}
+        rows.append(numbers)
+    columns = {name: xr.Variable("load", [row[name] for row in rows]) for name in rows[0]}
+    scale = columns["contact_stiffness"] / statistics["contact_stiffness"].variable
+    before = {str(name): statistics[name].variable for name in statistics}
+    transport = {name: values * scale for name, values in before.items() if "conductance" in name}
+    transport |= {name: values / scale for name, values in before.items() if name.endswith("_resistance")}
+    passages = [f"{passage}_{axis}" for passage in _PASSAGE for axis in "xy"]
+    undefined = {*before} & {*THEORIES, *passages, "loading_stiffness", *(transport if layers else ())}
+    nothing = {name: xr.full_like(before[name], np.nan, dtype=float) for name in undefined}
+    return statistics.assign(transport | nothing | columns).assign_coords(force=("load", forces))
 
 
 def hertz_axes(body: xr.DataArray, numbers: xr.Dataset, load: int) -> tuple[float, float] | None:

@@ -176,12 +176,10 @@ def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.D
 
 def _around(touching: np.ndarray) -> tuple[slice, slice]:
     """Return the rectangle (rows, columns) of the map around a contact, and a margin beside it."""
-    sides = []
-    for axis in (1, 0):
-        lines = np.flatnonzero(touching.any(axis=axis))
-        margin = 2 + (lines[-1] - lines[0]) // 8
-        sides.append(slice(max(int(lines[0] - margin), 0), int(lines[-1] + margin + 1)))
-    return sides[0], sides[1]
+    ends = [(int(line.min()), int(line.max())) for line in np.nonzero(touching)]
+    margins = [2 + (last - first) // 8 for first, last in ends]
+    rows, columns = (slice(max(a - m, 0), b + m + 1) for (a, b), m in zip(ends, margins, strict=True))
+    return rows, columns
 
 
 def _rank(body: Body) -> tuple[float, bool, float]:

@@ -74,24 +74,15 @@ def scatter_of_positions(
             members[name][index, solved] = member[name]
     arms = {}
     for name, result in values.items():
-        changes = (
-            to_scale(name, np.vstack([result[None], members[name]])[:, solved])
-            - to_scale(name, result)[solved]
-        )
+        results = np.vstack([result, members[name]])[:, solved]
+        changes = to_scale(name, results) - to_scale(name, result)[solved]
         mean, count = np.nanmean(changes, axis=0), np.sum(np.isfinite(changes), axis=0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            width = (
-                scipy.stats.t.ppf(0.975, count - 1)
-                * np.nanstd(changes, axis=0, ddof=1)
-                * np.sqrt(1 + 1 / count)
-            )
-        below, above = (
-            at_all_loads(
-                np.where(np.isnan(width), np.inf, np.maximum(width + sign * mean, 0.0)), solved, load
-            )
-            for sign in (-1, 1)
-        )
-        arms[name] = below, above
+            quantile = scipy.stats.t.ppf(0.975, count - 1) * np.sqrt(1 + 1 / count)
+            width = quantile * np.nanstd(changes, axis=0, ddof=1)
+        width[np.isnan(width)] = np.inf
+        below, above = np.maximum(width - mean, 0.0), np.maximum(width + mean, 0.0)
+        arms[name] = at_all_loads(below, solved, load), at_all_loads(above, solved, load)
     missed = bool(np.isnan(members[GAP][:, solved]).any())
     reason = (
         f"The ± is for this body at another position on the roughness: {len(shifts)} further positions on "
