@@ -53,6 +53,16 @@ def said(capsys, *arguments):
     return code, captured.out, captured.err
 
 
+@pytest.mark.parametrize(
+    ("words", "unload"), [(["true"], []), (["false"], None), (["1MPa"], [1e6]), (["1MPa", "2e6"], [1e6, 2e6])]
+)
+def test_a_list_of_settings_is_an_option_with_several_values(words, unload):
+    parser = argparse.ArgumentParser()
+    add_settings(parser)
+    options = parser.parse_args(["--body", "steel", "--body", "steel", "--unload", *words])
+    assert chosen_settings(options)["contact"]["unload"] == unload
+
+
 def test_inspect_says_in_words_what_is_in_a_file(capsys):
     code, out, err = said(capsys, "inspect", str(SAMPLES / "sandblasted.x3p"))
     assert (code, err) == (0, "")

@@ -21,7 +21,7 @@ from starlette.datastructures import QueryParams
 
 from data_samples.make_samples import sdf_bytes, x3p_bytes
 from roughcontact.app.page import Page
-from roughcontact.app.study import check
+from roughcontact.app.study import CONFIG, check
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import read_surfaces
 from roughcontact.references.synthetic import self_affine_surface
@@ -562,6 +562,13 @@ class TestForm:
         assert resolve(yaml.safe_load(written)) == resolve(config)
         Page().after("write", QueryParams(urllib.parse.urlencode(fields_of(Page().first("a page")))))
         assert (tmp_path / "config/config.yaml").read_text() == written
+
+    def test_what_is_typed_into_a_list(self):
+        bodies = {f"contact.bodies.{index}.material": "steel" for index in (0, 1)}
+        for text, unload in (("true", []), ("1 MPa", [1e6]), ("1 MPa, 2e6", [1e6, 2e6])):
+            files = check(bodies | {"contact.unload": text}, [])["files"]
+            config = yaml.safe_load(files[CONFIG])
+            assert resolve(config)[""]["contact"]["unload"] == unload
 
     def test_numbers_that_yaml_reads_otherwise_are_refused(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)

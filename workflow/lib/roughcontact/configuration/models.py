@@ -61,7 +61,9 @@ def _as_list(value: Any) -> Any:
 
 def _largest_load(value: Any) -> Any:
     """Return no load in particular for true, nothing for false, and a single load as a list of one."""
-    return _as_list(([] if value else None) if isinstance(value, bool) else value)
+    single = value[0] if isinstance(value, list) and len(value) == 1 else value
+    single = {"true": True, "false": False}.get(single, single) if isinstance(single, str) else single
+    return ([] if single else None) if isinstance(single, bool) else _as_list(value)
 
 
 Number = Annotated[float, BeforeValidator(_not_boolean)]
