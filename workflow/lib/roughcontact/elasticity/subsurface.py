@@ -34,14 +34,15 @@ def subsurface_stress(
     waves are those of `stress_amplitudes`; the function then takes the depth below the upper face of a
     material, and its index. `free`: without periodic images, on a half-space (`PointForce`).
     """
-    inside = (slice(None), *(slice(n) for n in pressure.shape))
+    size = pressure.shape
+    inside = slice(size[0]), slice(size[1])
     if free:
         from scipy.fft import next_fast_len  # imported late: periodic maps need nothing of scipy
 
         reach = float(np.hypot(*np.multiply(pressure.shape, steps)))
         wide = [n + math.ceil(TAPER * reach / step) for n, step in zip(pressure.shape, steps, strict=True)]
         padded = np.zeros([next_fast_len(n, real=True) for n in wide])
-        padded[inside[1:]] = pressure
+        padded[inside] = pressure
         pressure = padded
     shape, mean = pressure.shape, 0.0 if free else float(pressure.mean())
     plan = make_plan(pressure, DOUBLE)
@@ -88,11 +89,11 @@ def subsurface_stress(
         )
         lateral = ratio / (1 - ratio) * mean
         uniform = (-lateral, -lateral, -mean, 0, 0, 0)
-        stress = empty(pressure, DOUBLE, (6, *shape))
+        stress, field = empty(pressure, DOUBLE, (6, *size)), empty(pressure, DOUBLE)
         for index, component in enumerate(components):
-            plan.inverse(component() * spectrum, stress[index])
-            stress[index] += uniform[index]
-        return stress[inside]
+            plan.inverse(component() * spectrum, field)
+            np.add(field[inside], uniform[index], out=stress[index])
+        return stress
 
     return stress_at
 
