@@ -188,7 +188,7 @@ def test_several_files_are_solved_together(capsys, tmp_path):
 
 def test_an_interval_above_nothing_has_a_unit_that_suits_it():
     load = {"mean_gap": 0.0, "mean_gap_lower": 0.0, "mean_gap_upper": 2.2e-8}
-    assert _cell(load, "mean_gap", "m") == "0 +22 nm"
+    assert _cell(load, "mean_gap", "m") == "0 (0 to 22) nm"
     assert _cell(load | {"mean_gap_upper": 0.0}, "mean_gap", "m") == "0 m"
 
 

@@ -21,6 +21,7 @@ _SUFFIX: dict[str | None, str] = {
     "m": "_m",
     "Pa": "_Pa",
     "m-1": "_per_m",
+    "m3": "_m3",
     "N": "_N",
     "K": "_K",
     "Pa m-1": "_Pa_per_m",
