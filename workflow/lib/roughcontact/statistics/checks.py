@@ -288,8 +288,10 @@ def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> li
     The sentence is that of the check of all loads together; where that passes, that of the first load.
     """
     reasons_ = []
-    for position, same_check in enumerate(together):
-        loads = [load for load, checks in enumerate(by_load) if reasons([checks[position]])]
-        if doubts := reasons([same_check, *(by_load[load][position] for load in loads)]):
-            reasons_.append({"check": same_check.name, "loads": loads, "text": doubts[0].sentence})
+    for check in together:
+        # by name: a load may lack the check, as that of currents in full contact
+        of_loads = [[same for same in checks if same.name == check.name] for checks in by_load]
+        loads = [load for load, same in enumerate(of_loads) if reasons(same)]
+        if doubts := reasons([check, *(of_loads[load][0] for load in loads)]):
+            reasons_.append({"check": check.name, "loads": loads, "text": doubts[0].sentence})
     return reasons_

@@ -308,6 +308,7 @@ def _loads(concerned: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
     return f"At {chosen.size} of {pressures.size} loads, from {unit.text(float(chosen.min()))} on,"
 
 
+@np.errstate(invalid="ignore")  # full contact has no constriction
 def mean_free_path(statistics: xr.Dataset) -> list[Check]:
     """Check that the spots that conduct a current are larger than the mean free path of the electrons.
 
