@@ -98,6 +98,7 @@ def test_the_table_is_that_of_the_statistics(statistics, tmp_path, capsys):
     assert {"mean_gap_m", "mean_pressure_Pa", "contact_stiffness_Pa_m-1", "shear_flow_factor_x"} <= set(
         written
     )
+    assert written["rms_height_m"].values == pytest.approx(sigma)
     assert written["mean_gap_m"].values == pytest.approx(statistics["mean_gap"].values, rel=1e-6)
     assert main(["table", str(tmp_path / "result.nc")]) == 0
     assert capsys.readouterr().out.startswith("mean_gap_m,mean_pressure_Pa,")
@@ -140,6 +141,16 @@ def test_the_ends_at_a_gap_are_those_of_a_curve_moved_along_it():
     assert np.isnan(float(table["mean_pressure_upper"][-1]))
     assert float(table["pressure_flow_factor_x_lower"][-1]) == 0
     assert np.isnan(float(table["pressure_flow_factor_x_upper"][0]))
+
+
+def test_loads_end_below_the_hardness_of_named_materials():
+    window = rough_reference_surface(64) * 0.1
+    table = rc.contact_table(window, bodies=["steel", "steel"], loads=4)
+    assert float(table["mean_pressure"].max()) == pytest.approx(0.95 * 1.4e9, rel=1e-6)
+    stated = rc.contact_table(window, contact_modulus="100 GPa", mean_pressure=["10 MPa", "20 MPa"])
+    np.testing.assert_allclose(stated["mean_pressure"], [1e7, 2e7])
+    with pytest.raises(rc.SettingsError, match="loads = 0"):
+        rc.contact_table(window, contact_modulus="100 GPa", loads=0)
 
 
 def test_the_table_of_cuts_holds_that_of_the_whole_surface():

@@ -15,10 +15,13 @@ from roughcontact.errors import HeightMapWarning, SettingsError
 from roughcontact.io.read import read_height_map
 from roughcontact.pipeline import run_chain
 from roughcontact.profiles.surface import ISOTROPIC, stacked
+from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.si import labelled_in_si
 from roughcontact.variables import describe
 
-_TABLE_LOADS = 1e-3, 2.0  # E* times the rms gradient: from first contact to nearly closed
+_HEAVIEST = 2.0  # E* times the rms gradient: nearly closed
+_LIGHTEST = 5e-4  # of the heaviest load: first contact
+_BELOW_HARDNESS = 0.95
 _ENDS = ("_lower", "_upper")
 _TABLE = ("mean_pressure", "relative_contact_area", "contact_stiffness", "conductance_per_conductivity")
 
@@ -143,7 +146,8 @@ def contact_table(
     bodies : sequence of two, optional
         names of materials, or mappings as in the settings.
     loads : int
-        from a contact of about a thousandth of the area to one that is nearly closed.
+        from a contact of about a thousandth of the area to one that is nearly closed, or to 0.95 of the
+        hardness, where `contact` states none.
     threads : int
         of the solver.
     **contact
@@ -174,16 +178,21 @@ def contact_table(
     >>> table["relative_contact_area"].values.round(2), table["pressure_flow_factor_x"].values.round(2)
     (array([0.  , 0.04, 0.3 , 1.  ]), array([0.84, 0.78, 0.14, 0.  ]))
     """
-    stated = {"contact_modulus": contact_modulus, "bodies": bodies}
+    if loads < 1:
+        raise SettingsError(f"loads = {loads}: a table has one row or more", keys=["loads"])
+    window = labelled_in_si(check_labelled(window))
+    contact |= {"contact_modulus": contact_modulus, "bodies": bodies}
+    stated = {key: value for key, value in contact.items() if value is not None}
+    if not stated.keys() & {"mean_pressure", "relative_pressure", "force"}:
+        solver = resolve({"contact": stated})[""]["contact"]
+        scale = solver["contact_modulus"] * rms_gradient(window)
+        heaviest = min(_HEAVIEST, _BELOW_HARDNESS * (solver["hardness"] or np.inf) / scale)
+        stated["relative_pressure"] = (heaviest * np.geomspace(_LIGHTEST, 1, loads)).tolist()
     statistics = evaluate(
         window,
         level={"form": "none", "outlier_threshold": None},
         window={"method": "raw"},
-        contact={
-            **{key: value for key, value in stated.items() if value is not None},
-            "relative_pressure": np.geomspace(*_TABLE_LOADS, loads).tolist(),
-            **contact,
-        },
+        contact=stated,
         statistics={"flow": "always"},
         threads=threads,
     )

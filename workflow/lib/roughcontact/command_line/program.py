@@ -446,6 +446,7 @@ def _table(options: argparse.Namespace) -> int:
     units = {name: str(table[name].attrs["units"]).replace(" ", "_") for name in table.variables}
     headings = {name: name if unit == "1" else f"{name}_{unit}" for name, unit in units.items()}
     frame = table.to_dataframe().reset_index().rename(columns=headings)
+    frame["rms_height_m"] = table.attrs["rms_height"]  # of the shear flow
     if options.output is None:
         print(table_text(frame), end="")
     else:
