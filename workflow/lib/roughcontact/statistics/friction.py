@@ -11,15 +11,6 @@ from roughcontact.contact.partial_slip import APPROXIMATION, partial_slip
 from roughcontact.errors import SettingsError
 from roughcontact.quantities import number, percent
 
-_SLIP = (
-    "stick_share",
-    "tangential_error_bound",
-    "tangential_displacement",
-    "tangential_stiffness",
-    "dissipated_energy",
-)
-_WARMTH = "mean_flash_temperature", "max_flash_temperature"
-
 
 def friction_statistics(
     contact: xr.Dataset,
@@ -50,8 +41,7 @@ def friction_statistics(
             tangential_load=tangential_load,
             poissons_ratio=_equivalent_ratio(bodies),
         )
-        names = [name for name in _SLIP if name in slip]
-        columns = columns.merge(slip[names].drop_vars(("x", "y"), errors="ignore").expand_dims("load"))
+        columns = columns.merge(_without_maps(slip).expand_dims("load"))
         columns.attrs["slip_approximation"] = APPROXIMATION
     if speed is not None:
         if coefficient is None and shear_strength is None:
@@ -70,7 +60,7 @@ def friction_statistics(
             thermal_conductivity=conductivities,
             thermal_diffusivity=thermal_diffusivity,
         )
-        columns = columns.assign({name: ("load", warm[name].values) for name in _WARMTH})
+        columns = columns.merge(_without_maps(warm))
     return columns
 
 
@@ -104,6 +94,11 @@ def _equivalent_ratio(bodies: Sequence[Mapping[str, Any]] | None) -> float | Non
     tangential = sum((2 - ratio) * (1 + ratio) / modulus for modulus, ratio in materials) / 2
     compliance = tangential / normal
     return 2 * (compliance - 1) / (2 * compliance - 1)
+
+
+def _without_maps(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the numbers of a result, without its maps and the coordinates of the contact."""
+    return dataset.drop_dims(("y", "x")).reset_coords(drop=True)
 
 
 def _missing(key: str, needed: str) -> SettingsError:
