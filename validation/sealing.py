@@ -67,18 +67,22 @@ def _two_phases(section: Section, points: int) -> None:
     section.compare("saddle", percolation_columns(crossed)["critical_constriction_x"], 1.0, 1e-12)
 
 
+def gaussian_heights(along: int, across: int, *, points: int, seed: int) -> np.ndarray:
+    """Return normally distributed heights with an rms of 1, correlated linearly up to so many points."""
+    lag = np.minimum(np.arange(points), points - np.arange(points))
+    correlation = np.maximum(1 - lag[:, None] / across, 0) * np.maximum(1 - lag / along, 0)
+    noise = np.fft.fft2(np.random.default_rng(seed).standard_normal((points, points)))
+    height = np.fft.ifft2(noise * np.sqrt(np.maximum(np.fft.fft2(correlation).real, 0))).real
+    return (height - height.mean()) / height.std()
+
+
 def _gaussian_roughness(section: Section) -> None:
     """Add the lines of Gaussian roughness with a linear correlation, as Patir and Cheng made theirs."""
-    lag = np.minimum(np.arange(_ROW), _ROW - np.arange(_ROW))
     for gamma, along, across in ((1 / 9, 6, 54), (1.0, 16, 16), (9.0, 54, 6)):
-        correlation = np.maximum(1 - lag[:, None] / across, 0) * np.maximum(1 - lag / along, 0)
-        spectrum = np.sqrt(np.maximum(np.fft.fft2(correlation).real, 0))
         for gap in (3.0, 6.0):
             factors = []
             for seed in range(_SEEDS // 2):
-                noise = np.random.default_rng(seed).standard_normal((_ROW, _ROW))
-                height = np.fft.ifft2(np.fft.fft2(noise) * spectrum).real
-                local = np.maximum(gap + (height - height.mean()) / height.std(), 0)
+                local = np.maximum(gap + gaussian_heights(along, across, points=_ROW, seed=seed), 0)
                 factor = flow_columns(local, (1.0, 1.0), tolerance=1e-5)["flow_factor_xx"]
                 factors.append(factor * (local.mean() / gap) ** 3)
             expected = closed_forms.patir_cheng_flow_factor(gap, gamma)

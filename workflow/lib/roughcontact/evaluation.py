@@ -22,8 +22,7 @@ from roughcontact.variables import describe
 _HEAVIEST = 2.0  # E* times the rms gradient: nearly closed
 _LIGHTEST = 5e-4  # of the heaviest load: first contact
 _BELOW_HARDNESS = 0.95
-_ENDS = ("_lower", "_upper")
-_TABLE = ("mean_pressure", "relative_contact_area", "contact_stiffness", "conductance_per_conductivity")
+_ENDS = ("", "_lower", "_upper")
 
 
 def evaluate(
@@ -160,10 +159,10 @@ def contact_table(
         m-1), `conductance_per_conductivity` (m-1), `pressure_flow_factor_x`, `_y` and `shear_flow_factor_x`,
         `_y` [1]_ [2]_, with `{name}_lower` and `_upper`. Those of area and conductance are of the load of the
         row, those of the stiffness follow from the conductance, to which it is proportional [3]_. Pressure
-        and flow factors are those of a gap: their ends are the values that they have where the interval of
-        the mean gap ends; NaN beyond the loads solved. With plates at the mean gap h the flow along x is
-        -phi_p h^3/(12 eta) dp/dx + U/2 (h + sigma phi_s), U the speed of the rough face; sigma is the
-        attribute `rms_height`.
+        and flow factors are those of a gap: their ends enclose the values of all loads whose interval of the
+        mean gap holds that of the row. NaN: no ±, as of the pressure above that of the heaviest load. With
+        plates at the mean gap h the flow along x is -phi_p h^3/(12 eta) dp/dx + U/2 (h + sigma phi_s), U the
+        speed of the rough face; sigma is the attribute `rms_height`.
 
     References
     ----------
@@ -206,50 +205,45 @@ def over_mean_gap(statistics: xr.Dataset) -> xr.Dataset:
             "the statistics are to be of one surface with flow factors (statistics.flow: always)"
         )
     statistics = statistics.sortby("mean_gap", ascending=False)
-    sigma, gap = float(statistics["rms_height"]), statistics["mean_gap"].values
-    names = [f"{name}{end}" for name in _TABLE for end in ("", *_ENDS)]
-    columns = {name: statistics[name].values for name in names if name in statistics.variables}
+    gap, sigma = statistics["mean_gap"].values, float(statistics["rms_height"])
+    columns = {"mean_pressure": _at_stated_gaps(statistics, "mean_pressure", closed=np.nan, apart=0.0)}
+    for name in ("relative_contact_area", "contact_stiffness", "conductance_per_conductivity"):
+        columns[name] = _with_ends(statistics, name)
+    conductance, *ends = columns["conductance_per_conductivity"]
+    with np.errstate(invalid="ignore"):  # both are infinite in full contact
+        columns["contact_stiffness"][1:] = columns["contact_stiffness"][0] * (ends / conductance)
     for axis in "xy":
-        columns[f"pressure_flow_factor_{axis}"] = statistics[f"flow_factor_{axis}{axis}"].values
-        columns[f"shear_flow_factor_{axis}"] = statistics[f"shear_flow_{axis}"].values * gap / sigma
-    if "mean_gap_lower" in statistics.variables:
-        ends = [statistics[f"mean_gap{end}"].values for end in _ENDS]
-        columns |= _ends_at_stated_gaps(columns, gap, ends)
-    if "conductance_per_conductivity_lower" in columns:
-        stiffness, conductance = columns["contact_stiffness"], columns["conductance_per_conductivity"]
-        for end in _ENDS:
-            with np.errstate(invalid="ignore"):  # both are infinite in full contact
-                factor = columns[f"conductance_per_conductivity{end}"] / conductance
-            columns[f"contact_stiffness{end}"] = stiffness * factor
-    table = xr.Dataset({name: ("mean_gap", values) for name, values in columns.items()}, {"mean_gap": gap})
+        pressure_flow = _at_stated_gaps(statistics, f"flow_factor_{axis}{axis}", closed=0.0, apart=1.0)
+        shear_flow = _at_stated_gaps(statistics, f"shear_flow_{axis}", closed=1.0, apart=0.0)
+        columns[f"pressure_flow_factor_{axis}"] = pressure_flow
+        columns[f"shear_flow_factor_{axis}"] = shear_flow * gap / sigma
+    rows = {f"{name}{end}": row for name in columns for end, row in zip(_ENDS, columns[name], strict=True)}
+    table = xr.Dataset({name: ("mean_gap", row) for name, row in rows.items()}, {"mean_gap": gap})
     return describe(table.assign_attrs(rms_height=sigma))
 
 
-@np.errstate(divide="ignore", invalid="ignore", over="ignore")  # where the gap is closed
-def _ends_at_stated_gaps(
-    columns: Mapping[str, np.ndarray], gap: np.ndarray, ends: Sequence[np.ndarray]
-) -> dict[str, np.ndarray]:
-    """Return the ends of pressure and flow factors at stated gaps (m, falling), from those of the gap.
+def _with_ends(statistics: xr.Dataset, name: str) -> np.ndarray:
+    """Return a quantity and both ends of its interval (3, load), NaN where they are not known."""
+    unknown = np.full(statistics["load"].size, np.nan)
+    return np.array([statistics.get(f"{name}{end}", unknown) for end in _ENDS])
 
-    Where the gap of a load is really larger by a factor, the values at a gap are those that were computed for
-    one smaller by it. Beyond the least gap nothing flows, beyond the largest one nothing need touch; what is
-    not known there is NaN.
+
+@np.errstate(divide="ignore")  # where the gap is closed
+def _at_stated_gaps(statistics: xr.Dataset, name: str, *, closed: float, apart: float) -> np.ndarray:
+    """Return a quantity and its ends (3, load) at the gaps of the loads, which fall.
+
+    A stated gap may be that of any load whose interval of the gap holds it; beyond the loads that were
+    solved the quantity is that of a closed gap, or of faces far apart.
     """
-    position = np.log(gap)
-    closer, farther = (2 * position - np.log(end) for end in reversed(ends))
-
-    def at(name: str, shifted: np.ndarray) -> np.ndarray:
-        closed, open_ = (np.nan, 0.0) if name == "mean_pressure" else (0.0, np.nan)
-        return np.interp(shifted, position[::-1], columns[name][::-1], closed, open_)
-
-    intervals = {"mean_pressure": (at("mean_pressure", farther), at("mean_pressure", closer))}
-    for axis in "xy":
-        name, shear = f"pressure_flow_factor_{axis}", f"shear_flow_factor_{axis}"
-        intervals[name] = at(name, closer), at(name, farther)
-        # sigma phi_s over the gap is what a state has; the gap of the row is stated
-        moved = [at(shear, shifted) * gap / np.exp(shifted) for shifted in (closer, farther)]
-        three = np.array([columns[shear], *moved])
-        intervals[shear] = three.min(axis=0), three.max(axis=0)
-    return {
-        f"{name}{end}": pair[index] for name, pair in intervals.items() for index, end in enumerate(_ENDS)
-    }
+    values, (gap, lower, upper) = statistics[name].values, _with_ends(statistics, "mean_gap")
+    if not (lower > 0).any():
+        return np.array([values, *np.full((2, gap.size), np.nan)])
+    lower, upper = np.nan_to_num(lower, nan=0.0), np.nan_to_num(upper, nan=np.inf)
+    possible = np.where((lower <= gap[:, None]) & (gap[:, None] <= upper), values, values[:, None])
+    heavier, lighter = (
+        np.interp(np.log(gap), np.log(end[end > 0])[::-1], values[end > 0][::-1], closed, apart)
+        for end in (upper, lower)
+    )
+    least = np.fmin(possible.min(axis=1), heavier)
+    largest = np.fmax(possible.max(axis=1), lighter)
+    return np.array([values, np.minimum(least, lighter), np.maximum(largest, heavier)])
