@@ -24,14 +24,6 @@ async function put(response) {
   if (next) ask(next.dataset.ask);
 }
 
-async function put(response) {
-  const answer = new DOMParser().parseFromString(await response.text(), "text/html");
-  const next = answer.querySelector("[data-ask]"), focus = answer.querySelector("[autofocus]");
-  for (const now of answer.querySelectorAll("main > *")) merge(element(now.id), now);
-  if (focus) element(focus.id).focus();
-  if (next) ask(next.dataset.ask);
-}
-
 async function send(action, more = []) {
   const body = new URLSearchParams([...document.forms].flatMap(form => [...new FormData(form)]).concat(more));
   await put(await fetch(`${action}?page=${page}`, { method: "POST", body }));
