@@ -18,7 +18,7 @@ import yaml
 
 import roughcontact
 from roughcontact.command_line import program
-from roughcontact.configuration.fields import section_of, words_of
+from roughcontact.configuration.fields import choices_of, section_of
 from roughcontact.configuration.models import Settings
 from roughcontact.variables import VARIABLES
 from validation.lines import Evidence, Line
@@ -210,7 +210,7 @@ def _default(field) -> str:
 
 def _words(field) -> str:
     """Return the words that a setting may be, as the end of a sentence."""
-    words = words_of(field)
+    words = choices_of(field)
     return f"; one of {', '.join(f'`{word}`' for word in words)}" if words else ""
 
 

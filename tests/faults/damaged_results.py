@@ -44,7 +44,7 @@ def write_results(folder: Path, height: xr.DataArray) -> list[Path]:
     write_dataset(evaluate(height, contact=CONTACT, uncertainty={"sources": ["solver"]}), statistics)
     window = periodic_window(level(height))
     with written_load_by_load(contact, CONTACT["mean_pressure"], window) as file:
-        file.complete(solve_contact(window, **CONTACT, reduce=file.keep).assign(height=window))
+        file.complete(solve_contact(window, **CONTACT, reduce=file.write_maps).assign(height=window))
     return [statistics, contact]
 
 

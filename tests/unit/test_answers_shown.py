@@ -91,7 +91,7 @@ def test_where_a_gap_closes_and_whether_that_is_in_doubt():
     )
     both = numbers.assign({f"critical_constriction_{axis}": ("load", [2e-6, 0.0, 0.0]) for axis in "xy"})
     one = both.drop_vars([f"critical_constriction_x_{end}" for end in ("lower", "upper")])
-    assert _seals(one, units, 0).more == "narrowest place 2.00\N{NO-BREAK SPACE}µm (x and y)"
+    assert _seals(one, units, 0).details == "narrowest place 2.00\N{NO-BREAK SPACE}µm (x and y)"
     assert cells[1].text == "seals along y, leaks along x (in doubt)"
     assert cells[2] == Cell("seals", "gap closed along x and y")
     assert _closing(numbers) == "along x between 2.00 MPa and 5.00 MPa; along y between 1.00 MPa and 2.00 MPa"
@@ -115,7 +115,7 @@ def test_the_leak_rate_of_a_seal_stands_beside_the_answer():
     )
     cell = _seals(numbers, *glance_units([numbers]), 0)
     assert cell.text == "seals along y, leaks along x"
-    assert cell.more.replace("\N{NO-BREAK SPACE}", " ") == (
+    assert cell.details.replace("\N{NO-BREAK SPACE}", " ") == (
         "leak rate 3600 ml/(h m) (x); narrowest place 2.00 µm (x)"
     )
 

@@ -193,4 +193,4 @@ def test_what_has_no_interval_says_so_with_the_digits_of_the_area():
     assert titles[1:] == ["electrical conductance, no ±", "specific contact resistance, no ±"]
     assert table["rows"][0]["cells"][1:] == ["946000", "0.001057"]
     without = numbers.drop_vars([f"{area}_lower", f"{area}_upper"])  # nothing has a ± there
-    assert "no ±" not in _conducts(without, glance_units([numbers])[0], 0).more
+    assert "no ±" not in _conducts(without, glance_units([numbers])[0], 0).details

@@ -22,7 +22,7 @@ def results(tmp_path):
     folder = tmp_path / "results"
     height = xr.DataArray([[0.0, 1e-6]], dims=("y", "x"), name="height")
     height.attrs = {"source_file": "my ground.x3p", "source_sha256": SHA, "source_format": "X3P"}
-    made = provenance(SETTINGS, source_sha256=SHA, stage="height", of="ground")
+    made = provenance(SETTINGS, source_sha256=SHA, stage="height", subject="ground")
     write_dataset(height.to_dataset().assign_attrs(made), folder / "ground/height.nc")
     statistics = xr.Dataset({"mean_gap": ("load", [2e-7])})
     write_dataset(statistics.assign_attrs(provenance(SETTINGS, stage="statistics")), folder / "statistics.nc")
@@ -91,7 +91,7 @@ def test_a_second_crate_of_the_same_files_is_the_first_one(results):
 
 def test_results_of_two_commits_have_two_programs(results):
     pytest.importorskip("rocrate")
-    made = provenance(SETTINGS, stage="window", of="ground") | {"commit": "0" * 40}
+    made = provenance(SETTINGS, stage="window", subject="ground") | {"commit": "0" * 40}
     write_dataset(xr.Dataset({"mean_gap": ("load", [2e-7])}).assign_attrs(made), results / "ground/window.nc")
     programs = described(results)["#run"]["instrument"]
     assert len(programs) == 2

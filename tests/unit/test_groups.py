@@ -370,9 +370,9 @@ def test_groups_of_the_same_places_are_compared_place_by_place():
     }
     pairs = [("a", "a2"), ("b", "b2"), ("c2", "c")]  # in either direction
     known = stats.ttest_1samp(np.log(factors), 0.0).pvalue
-    found, _ = compare_all(groups, same_places=pairs)
+    found, _ = compare_all(groups, same_area_pairs=pairs)
     assert found["new", "worn"]["p_value"].item() == pytest.approx(known)
-    apart, _ = compare_all(groups, same_places=pairs[:2])
+    apart, _ = compare_all(groups, same_area_pairs=pairs[:2])
     assert apart["new", "worn"]["p_value"].item() > 10 * known
 
 

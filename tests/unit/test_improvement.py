@@ -11,7 +11,7 @@ import scipy
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.configuration.parts import cut, parts_of
+from roughcontact.configuration.tiles import cut, tiles_of
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.uncertainty import calibration
@@ -37,7 +37,7 @@ def promised_over_found(hurst, longest, seed):
     master = height_map(self_affine_surface(shape, 1e-6, **waves, seed=seed).values, 1e-6)
     contact = {"contact_modulus": 1e9, "mean_pressure": [1e7]}
     maps, scatters = [], []
-    for part in parts_of("3x3"):
+    for part in tiles_of("3x3"):
         height = cut(master, part)
         maps.append(rc.evaluate(height, contact=contact, uncertainty={"sources": ["window"]}))
         levelled = rc.level(height)

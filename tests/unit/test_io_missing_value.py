@@ -74,6 +74,6 @@ def test_the_marker_of_the_command_line_and_of_one_call(path, capsys):
 def test_the_marker_of_the_table(path, tmp_path):
     table = tmp_path / "surfaces.tsv"
     table.write_text("surface\tpath\tmissing_value\na\tmap.txt\t-25400 99\n", encoding="utf-8")
-    given = read_surfaces(table)["a"].given
+    given = read_surfaces(table)["a"].read_arguments
     assert given == {"missing_value": "-25400 99"}
     assert rc.read_height_map(path, **GIVEN, **given).attrs["missing_points"] == 7

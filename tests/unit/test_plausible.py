@@ -72,7 +72,7 @@ def test_a_modulus_in_gigapascal_is_asked_for(material):
 def test_a_youngs_modulus_in_megapascal_is_that_of_a_gel_with_the_wrong_poissons_ratio(material):
     stiffness, ratio, _ = REAL[material]
     doubt = materials.doubt_of_body(stiffness / 1e6, ratio)
-    assert doubt.meant == (pytest.approx(stiffness),)
+    assert doubt.candidates == (pytest.approx(stiffness),)
     assert "as soft as a gel" in doubt.question()
 
 

@@ -41,10 +41,10 @@ def test_a_group_has_its_interval_the_next_map_and_a_scatter_without_plus_minus(
         4.302653 * np.std(np.log([0.9, 1.0, 1.1]), ddof=1) / np.sqrt(3)
     )  # t of 95 % for two degrees of freedom
     middle = 2 * np.exp(np.mean(np.log([0.9, 1.0, 1.1])))
-    assert gap.more == f"−{middle * (1 - np.exp(-half)):.2f} +{middle * (np.exp(half) - 1):.2f}"
+    assert gap.details == f"−{middle * (1 - np.exp(-half)):.2f} +{middle * (np.exp(half) - 1):.2f}"
     assert cells["of the next map"].text.endswith(" %")
     assert " to " in cells["of the next map"].text
-    assert "±" not in cells["scatter s"].text + cells["scatter s"].more
+    assert "±" not in cells["scatter s"].text + cells["scatter s"].details
     assert cells["conductance"] == Cell("–")
 
 
@@ -60,7 +60,7 @@ def test_two_maps_are_a_range_and_parts_have_a_scatter_of_their_own():
         [named("two", (1.0, 1.2)), named("nested", (1.0, 1.1, 1.2, 1.3, 0.9, 0.8), parts=list("aabbcc"))]
     )
     gap = two["rows"][0][HEADINGS.index(HEADINGS[5])]
-    assert gap.more == "range 2.00 to 2.40 µm"
+    assert gap.details == "range 2.00 to 2.40 µm"
     assert two["rows"][0][2] == Cell("–")
     assert two["remarks"][0].startswith("Two maps: a range")
     assert nested["of"] == "6 maps of 3 parts"
@@ -82,7 +82,7 @@ def test_placements_and_differences_in_words():
         "1.00 MPa",
         ["differ"],
     )
-    low, high = (float(end) for end in row["cells"][0].more.split(" to "))
+    low, high = (float(end) for end in row["cells"][0].details.split(" to "))
     assert low < float(row["cells"][0].text) < high
 
 
@@ -93,8 +93,8 @@ def test_pressures_at_the_hardness_have_no_interval_and_no_difference():
     ]
     lapped, ground = group_rows(limited)
     peak = HEADINGS.index("largest pressure")
-    assert [cells[peak].more == "the hardness" for cells in ground["rows"]] == [True, True]
-    assert [cells[peak].more == "the hardness" for cells in lapped["rows"]] == [False, True]
+    assert [cells[peak].details == "the hardness" for cells in ground["rows"]] == [True, True]
+    assert [cells[peak].details == "the hardness" for cells in lapped["rows"]] == [False, True]
     (rows,) = comparison_rows(compare_all({one.label: one.answer for one in limited})[0], limited)
     assert rows["rows"][-1]["outcomes"][1] == "both the hardness"
     assert rows["rows"][-1]["cells"][1] == Cell("–")

@@ -115,7 +115,7 @@ def test_a_full_disk_is_named_and_what_was_there_stays(disk):
         pytest.raises(OutputFileError, match=r"contact.nc: .*disk is full"),
         written_load_by_load(small_disk / "contact.nc", [1.0], height) as file,
     ):
-        file.keep(maps.assign_coords(mean_pressure=("load", [1.0])))
+        file.write_maps(maps.assign_coords(mean_pressure=("load", [1.0])))
     with pytest.raises(OutputFileError, match=r"a.txt: .*disk is full"):
         write_text("a" * 100_000, small_disk / "a.txt")
     assert [path.name for path in small_disk.iterdir()] == ["gap.nc"]
@@ -189,8 +189,8 @@ def test_an_error_of_something_else_within_an_open_file_passes_as_it_is(tmp_path
 def test_a_file_says_what_it_is_and_what_computed_it():
     settings = [{"level": 1, "contact": 2}, {"contact": 2, "level": 1}]
     assert provenance(settings[0]) == provenance(settings[1])
-    first = provenance({}, stage="height", of="ground")
-    made = provenance({}, stage="window", of="ground", history=first["history"])
+    first = provenance({}, stage="height", subject="ground")
+    made = provenance({}, stage="window", subject="ground", history=first["history"])
     assert made["title"] == "Periodic window: ground"
     assert made["history"].splitlines() == [
         f"Heights as measured by {made['source']}",
@@ -243,7 +243,7 @@ def test_loads_come_in_any_order_and_may_be_alike(tmp_path):
     height = rough_reference_surface(96)
     path = tmp_path / "contact.nc"
     with written_load_by_load(path, problem["mean_pressure"], height) as file:
-        solved = solve_contact(height, **problem, reduce=file.keep)
+        solved = solve_contact(height, **problem, reduce=file.write_maps)
         assert not path.exists()
         file.complete(solved.assign(height=height))
     at_once = solve_contact(height, **problem)
@@ -266,7 +266,9 @@ def test_maps_are_read_as_they_were_whoever_reads_them(tmp_path, shape, dtype):
     with written_load_by_load(tmp_path / "contact.nc", [2.0, 1.0], height) as file:
         for load, sign in ((1.0, 1), (2.0, -1)):
             fields = {name: (("load", "y", "x"), sign * values[None]) for name, values in maps.items()}
-            file.keep(xr.Dataset(fields, coords={"mean_pressure": ("load", [load])} | dict(height.coords)))
+            file.write_maps(
+                xr.Dataset(fields, coords={"mean_pressure": ("load", [load])} | dict(height.coords))
+            )
         rest = xr.Dataset(coords={"mean_pressure": ("load", [2.0, 1.0])})
         file.complete(rest.assign(height=height))
     found = read_dataset(tmp_path / "contact.nc")
@@ -282,7 +284,7 @@ def test_what_repeats_takes_little_room(tmp_path):
     height = height_map(np.zeros((512, 1024)), 1e-6)
     maps = xr.Dataset({"pressure": (("load", "y", "x"), np.ones((1, 512, 1024)))}, coords=height.coords)
     with written_load_by_load(tmp_path / "contact.nc", [1.0], height) as file:
-        file.keep(maps.assign_coords(mean_pressure=("load", [1.0])))
+        file.write_maps(maps.assign_coords(mean_pressure=("load", [1.0])))
         file.complete(xr.Dataset(coords={"mean_pressure": ("load", [1.0])}))
     assert (tmp_path / "contact.nc").stat().st_size < 0.02 * maps["pressure"].nbytes
 
@@ -296,6 +298,6 @@ def test_a_solution_that_fails_half_way_leaves_no_file(tmp_path):
             mean_pressure=loads,
             tolerance=1e-7,
             precision="single",
-            reduce=file.keep,
+            reduce=file.write_maps,
         )
     assert list(tmp_path.iterdir()) == []

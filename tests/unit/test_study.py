@@ -19,7 +19,7 @@ def study(tmp_path, config, *rows):
 def test_settings_and_table_are_returned(tmp_path):
     cases, surfaces = study(tmp_path, GOOD, "ground\tground.txt\tum\tlinear")
     assert cases[""]["contact"]["contact_modulus"] == 1e9
-    assert surfaces["ground"].given == {"unit": "um", "resample": "linear"}
+    assert surfaces["ground"].read_arguments == {"unit": "um", "resample": "linear"}
 
 
 def test_the_mistakes_of_both_are_in_one_message(tmp_path):

@@ -14,15 +14,15 @@ from roughcontact.configuration.surfaces import (
     INSTRUMENT,
     PAIR,
     PAIR_FIRST_ROW,
-    PART,
-    PARTS,
     REPEAT,
     REQUIRED,
+    SPECIMEN,
+    TILES,
     find,
     measured,
     placements,
     read_surfaces,
-    same_places,
+    same_area_pairs,
 )
 from roughcontact.errors import SettingsError
 from roughcontact.io.inspection import inspect_file
@@ -60,10 +60,10 @@ def test_rows_comments_and_optional_columns(table, tmp_path):
     )
     surfaces = read_surfaces(path)
     assert list(surfaces) == ["ground-1", "turned"]
-    assert surfaces["ground-1"].given == {"dx": 1e-3, "unit": "mm"}
+    assert surfaces["ground-1"].read_arguments == {"dx": 1e-3, "unit": "mm"}
     assert surfaces["ground-1"].path == tmp_path / "a.txt"
     assert surfaces["ground-1"].origin == f"{path}, line 3"
-    assert surfaces["turned"].given == {"channel": "Height"}
+    assert surfaces["turned"].read_arguments == {"channel": "Height"}
     assert not surfaces["turned"].path.exists()
 
 
@@ -77,7 +77,7 @@ def test_a_row_with_a_counter_face_is_a_pair(table, tmp_path):
     files = measured(surfaces)
     assert list(files) == ["one", "seal-face", "seal-counter-face", "z"]
     assert files["seal-counter-face"].path == tmp_path / "b.txt"
-    assert files["seal-face"].given == files["seal-counter-face"].given == {"unit": "mm"}
+    assert files["seal-face"].read_arguments == files["seal-counter-face"].read_arguments == {"unit": "mm"}
     assert files["seal-face"].origin == f"{path}, line 3"
     found = placements(surfaces, 2)
     assert list(found) == ["seal-1", "seal-2"]
@@ -161,7 +161,7 @@ def test_a_missing_table_is_named(tmp_path):
 @pytest.mark.parametrize("verb", [read_height_map, inspect_file])
 def test_columns_and_options_are_the_arguments_of_reading(verb):
     arguments = [name for name in inspect.signature(verb).parameters if name not in ("path", "instrument")]
-    of_the_study = {*REQUIRED, GROUP, PART, PARTS, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT}
+    of_the_study = {*REQUIRED, GROUP, SPECIMEN, TILES, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT}
     assert set(COLUMNS) - of_the_study - {*INSTRUMENT} == set(arguments)
     assert [name.replace("-", "_") for name in FILE_OPTIONS] == arguments
 
@@ -171,7 +171,9 @@ def test_each_file_of_a_pair_has_its_own_first_row(table):
     files = measured(
         read_surfaces(table(header, "a\ta.npy\tum\ttop\tb.npy\t", "c\tc.npy\tum\t\td.npy\tbottom"))
     )
-    assert [files[name].given for name in ("a-face", "a-counter-face", "c-face", "c-counter-face")] == [
+    assert [
+        files[name].read_arguments for name in ("a-face", "a-counter-face", "c-face", "c-counter-face")
+    ] == [
         {"unit": "um", "first_row": "top"},
         {"unit": "um"},
         {"unit": "um"},
@@ -205,7 +207,7 @@ def test_names_that_snakemake_cannot_take_are_named(table, name, said):
 
 def test_cells_are_stripped_and_empty_ones_beyond_the_header_are_none(table):
     surface = read_surfaces(table(" surface\tpath \tunit", " a \t a.txt\t \t\t"))["a"]
-    assert (surface.name, surface.path.name, surface.given) == ("a", "a.txt", {})
+    assert (surface.name, surface.path.name, surface.read_arguments) == ("a", "a.txt", {})
     assert surface.counter_face is None
 
 
@@ -232,7 +234,7 @@ def test_pitches_are_positive_numbers(table, number):
 
 def test_pitches_may_carry_their_unit(table):
     path = table("surface\tpath\tdx\tdy\tunit", "a\ta.txt\t1.5 um\t2\tmm", "b\tb.txt\t3\t0.5 µm\t")
-    given = {name: surface.given for name, surface in read_surfaces(path).items()}
+    given = {name: surface.read_arguments for name, surface in read_surfaces(path).items()}
     assert given["a"] == {"unit": "mm", "dx": "1.5 um", "dy": 2.0}
     assert given["b"] == {"dx": 3.0, "dy": "0.5 µm"}
 
@@ -299,23 +301,23 @@ def test_an_unknown_column_hides_no_mistake_in_the_rows(table):
 def test_repeats_know_each_other(table):
     surfaces = read_surfaces(table("surface\tpath\trepeat_of\tnoise", "a\ta.npy\tb\t", "b\tb.npy\t\t2 nm"))
     of_b = {"name": "b", "path": "b.npy", "instrument": {"noise": pytest.approx(2e-9)}}
-    assert surfaces["a"].given["repeat"] == of_b
-    assert surfaces["b"].given["repeat"] == {"name": "a", "path": "a.npy"}
+    assert surfaces["a"].read_arguments["repeat"] == of_b
+    assert surfaces["b"].read_arguments["repeat"] == {"name": "a", "path": "a.npy"}
 
 
 def test_repeats_in_a_group_are_of_one_part(table):
     rows = ["a\ta.npy\tb\tground\t", "b\tb.npy\t\tground\t", "c\tc.npy\t\tground\t"]
     surfaces = read_surfaces(table("surface\tpath\trepeat_of\tgroup\tpart", *rows))
-    assert [each.part for each in surfaces.values()] == ["b", "b", ""]
+    assert [each.specimen for each in surfaces.values()] == ["b", "b", ""]
     rows[0] += "left"  # what is stated stays
     surfaces = read_surfaces(table("surface\tpath\trepeat_of\tgroup\tpart", *rows))
-    assert [each.part for each in surfaces.values()] == ["left", "", ""]
+    assert [each.specimen for each in surfaces.values()] == ["left", "", ""]
 
 
 def test_every_repeat_of_a_place_is_of_one_part(table):
     rows = ["a\ta.npy\t\tground", "b\tb.npy\ta\tground", "c\tc.npy\tb\tground", "d\td.npy\t\tground"]
     surfaces = read_surfaces(table("surface\tpath\trepeat_of\tgroup", *rows))
-    assert [row.part for row in surfaces.values()] == ["a", "a", "a", ""]
+    assert [row.specimen for row in surfaces.values()] == ["a", "a", "a", ""]
 
 
 @pytest.mark.parametrize("column", ["repeat_of", "before"])
@@ -329,9 +331,9 @@ def test_a_place_that_is_no_other_surface_is_refused(table, column, other):
 def test_a_place_before_pairs_surfaces_and_gives_no_noise(table):
     rows = "new\ta.npy\t\t", "worn\tb.npy\tnew\t", "again\tc.npy\t\tworn"
     surfaces = read_surfaces(table("surface\tpath\tbefore\trepeat_of", *rows))
-    assert same_places(surfaces) == [("new", "worn"), ("worn", "again")]
-    assert "repeat" not in surfaces["new"].given
-    assert surfaces["worn"].given["repeat"]["name"] == "again"
+    assert same_area_pairs(surfaces) == [("new", "worn"), ("worn", "again")]
+    assert "repeat" not in surfaces["new"].read_arguments
+    assert surfaces["worn"].read_arguments["repeat"]["name"] == "again"
 
 
 @pytest.mark.parametrize(

@@ -19,14 +19,14 @@ def test_the_table_says_or_more_where_there_is_no_bound_and_doubts_a_closed_gap(
     numbers = xr.Dataset({name: ("load", values) for name, values in found.items()})
     leaks, seals = (_seals(numbers, *glance_units([numbers]), place) for place in (0, 1))
     assert leaks.text == "seals along y, leaks along x"
-    assert leaks.more.replace("\N{NO-BREAK SPACE}", " ") == "narrowest place 1.00 (0.80 or more) µm (x)"
+    assert leaks.details.replace("\N{NO-BREAK SPACE}", " ") == "narrowest place 1.00 (0.80 or more) µm (x)"
     assert seals.text == "seals (in doubt)"
     doubted = "gap closed along x and y; narrowest place 0 or more µm (x)"
-    assert seals.more.replace("\N{NO-BREAK SPACE}", " ") == doubted
+    assert seals.details.replace("\N{NO-BREAK SPACE}", " ") == doubted
     rates = {"leak_rate_x": [1e-12, 0.0], "leak_rate_y": [0.0, 0.0]}
     rates |= {"leak_rate_x_lower": [0.0, 0.0], "leak_rate_x_upper": [9.2e-11, 9.2e-11]}
     numbers = numbers.assign({name: ("load", values) for name, values in rates.items()})
-    leaks, seals = (_seals(numbers, *glance_units([numbers]), place).more for place in (0, 1))
+    leaks, seals = (_seals(numbers, *glance_units([numbers]), place).details for place in (0, 1))
     assert leaks.startswith("leak rate 0.0036 (0 to 0.33)\N{NO-BREAK SPACE}ml/(h m) (x); narrowest")
     assert "; leak rate 0 (0 to 0.33)\N{NO-BREAK SPACE}ml/(h m) (x); narrowest" in seals
 

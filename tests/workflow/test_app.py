@@ -163,7 +163,7 @@ class TestFiveSteps:
             with contextlib.chdir(study):
                 rows = read_surfaces("config/surfaces.tsv")
             assert [row.group for row in rows.values()] == ["ground", "ground", ""]
-            assert rows["three"].given == {"unit": "um", "dx": "1 um", "dy": "1 um"}
+            assert rows["three"].read_arguments == {"unit": "um", "dx": "1 um", "dy": "1 um"}
             # 4: a run, cancelled after its first map and resumed
             click(browser, "#start")
             browser.wait("/: done/.test(document.querySelector('#screen').textContent)", seconds=120)

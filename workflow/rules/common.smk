@@ -7,7 +7,7 @@ from snakemake.logging import logger
 
 from roughcontact.command_line.rule_arguments import RuleArguments
 from roughcontact.command_line.unfinished import start_partial_report
-from roughcontact.configuration.places import check_places, left_over
+from roughcontact.configuration.places import check_places, stale_results
 from roughcontact.configuration.plan import Plan
 from roughcontact.configuration.study import read_study
 from roughcontact.configuration.surfaces import find
@@ -62,7 +62,7 @@ REPORT = {
     "results": PLAN.results,
     "unloaded": PLAN.unloaded,
     "pairs": bool(PLAN.placements),
-    "groups": bool(PLAN.groups or PLAN.same_places),
+    "groups": bool(PLAN.groups or PLAN.same_area_pairs),
 }
 
 if DEFAULTS and not os.path.isfile("config/config.yaml"):
@@ -71,9 +71,9 @@ if DEFAULTS and not os.path.isfile("config/config.yaml"):
         f"There is no config/config.yaml here: settings of {DEFAULT}, surfaces of {table} "
         f"({len(PLAN.measured)} maps)."
     )
-if left := left_over(PLAN.results):
+if stale := stale_results(PLAN.results):
     logger.info(
-        f"Not in the table: {', '.join(left[:5])}{' ...' if len(left) > 5 else ''}. They stay as an earlier run left "
+        f"Not in the table: {', '.join(stale[:5])}{' ...' if len(stale) > 5 else ''}. They stay as an earlier run left "
         "them; report.html, summary.csv and statistics.nc are of the table alone."
     )
 

@@ -31,7 +31,7 @@ from roughcontact.errors import (
     InputFileError,
     RoughContactError,
     SettingsError,
-    with_place,
+    with_path,
 )
 from roughcontact.io.checksums import checksum
 
@@ -126,7 +126,7 @@ def save(
         settings,
         source_sha256=source["source_sha256"],
         stage=Path(path).stem,
-        of=", ".join(reversed(result_of_job().split("/"))),
+        subject=", ".join(reversed(result_of_job().split("/"))),
         history=source.get("history", ""),
     )
     result = result.assign_attrs(origin)
@@ -144,7 +144,7 @@ def _report_error(kind: type[BaseException], error: BaseException, trace: Traceb
         return
     row = snakemake.params.get("row")
     if isinstance(error, HeightMapError | SettingsError) and row:
-        text = with_place(error, row["path"], row["origin"])
+        text = with_path(error, row["path"], row["origin"])
     elif isinstance(error, RoughContactError):
         text = str(error)
     elif isinstance(error, MemoryError):

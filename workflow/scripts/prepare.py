@@ -6,7 +6,7 @@ import math
 from _job import check_sources, save, say, snakemake
 from _window import write_window
 
-from roughcontact.configuration.parts import MapPart, cut
+from roughcontact.configuration.tiles import Tile, cut
 from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.repeats import noise_of_repeats
@@ -17,10 +17,10 @@ settings, row, output = snakemake.params.settings, snakemake.params.row, snakema
 arguments = dict(settings["height"]["surface"])
 name, repeat = arguments.pop("name"), dict(arguments.pop("repeat", {}))
 try:
-    part = arguments.pop("parts", None)
+    tile = arguments.pop("parts", None)
     height = read_height_map(row["path"], **arguments)
-    if part:
-        height = cut(height, MapPart(*part))
+    if tile:
+        height = cut(height, Tile(*tile))
     if repeat and "instrument_noise" not in height.attrs:
         name_of_repeat = repeat.pop("name")
         noise, remark = noise_of_repeats(height, read_height_map(**repeat))

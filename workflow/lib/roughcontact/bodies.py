@@ -81,8 +81,8 @@ def _material(values: Mapping[str, Any], where: str) -> dict[str, float]:
     """Return the elastic constants of a body or a layer."""
     for name in _MATERIAL:
         if values.get(name) is None:
-            way_out = "" if "layers[" in where else "; a rigid base of layers has base: rigid instead"
-            raise SettingsError(f"{where}.{name}: missing{way_out}", keys=[f"{where}.{name}"])
+            remedy = "" if "layers[" in where else "; a rigid base of layers has base: rigid instead"
+            raise SettingsError(f"{where}.{name}: missing{remedy}", keys=[f"{where}.{name}"])
     modulus = check_positive(f"{where}.youngs_modulus", values["youngs_modulus"], unit="Pa")
     try:
         ratio = float(values["poissons_ratio"])

@@ -58,12 +58,12 @@ class HeightMapWarning(UserWarning):
     """A map that is solved as asked, though no measured surface is like it: too few points, too steep."""
 
 
-def with_place(error: Exception, path: str, origin: str = "") -> str:
+def with_path(error: Exception, path: str, origin: str = "") -> str:
     """Return the message about a map with the path of its file, and the line of the table that names it.
 
     Examples
     --------
-    >>> with_place(HeightMapError("a.txt: all points are missing"), "maps/a.txt", "surfaces.tsv, line 2")
+    >>> with_path(HeightMapError("a.txt: all points are missing"), "maps/a.txt", "surfaces.tsv, line 2")
     'maps/a.txt: all points are missing (surfaces.tsv, line 2)'
     """
     text = str(error).removeprefix(f"{path}: ").removeprefix(f"{path.rpartition('/')[2]}: ")

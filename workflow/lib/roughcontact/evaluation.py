@@ -244,6 +244,6 @@ def _at_stated_gaps(statistics: xr.Dataset, name: str, *, closed: float, apart: 
         np.interp(np.log(gap), np.log(end[end > 0])[::-1], values[end > 0][::-1], closed, apart)
         for end in (upper, lower)
     )
-    least = np.fmin(possible.min(axis=1), heavier)
+    smallest = np.fmin(possible.min(axis=1), heavier)
     largest = np.fmax(possible.max(axis=1), lighter)
-    return np.array([values, np.minimum(least, lighter), np.maximum(largest, heavier)])
+    return np.array([values, np.minimum(smallest, lighter), np.maximum(largest, heavier)])

@@ -39,11 +39,11 @@ class Doubt(NamedTuple):
     """Reason why a value is implausible, and the values that may have been intended."""
 
     reason: str
-    meant: tuple[float, ...]
+    candidates: tuple[float, ...]
 
     def question(self) -> str:
         """Return the doubt as the second half of a sentence."""
-        likely = " or ".join(quantity(value, "Pa") for value in self.meant[:2])
+        likely = " or ".join(quantity(value, "Pa") for value in self.candidates[:2])
         return f"{self.reason}; did you mean {likely}?" if likely else f"{self.reason}."
 
 

@@ -85,7 +85,7 @@ def run_chain(
         result = solve_and_evaluate(window, settings, with_progress)
     else:
         with written_load_by_load(fields, pressures, window) as file:
-            result = solve_and_evaluate(window, settings, with_progress, store=file.keep)
+            result = solve_and_evaluate(window, settings, with_progress, store=file.write_maps)
             solution = result.solution.assign(height=window)
             file.complete(solution.assign_attrs(provenance(**origin, stage="contact")))
     progress(loads, loads, "error budget")
@@ -187,7 +187,7 @@ def solve_and_evaluate(
 ) -> Solved:
     """Solve a periodic window (y, x; m) load by load, and count each solution before the next one.
 
-    `solver` is from `solver_arguments`; `store` receives each solution with its fields (`LoadByLoad.keep`).
+    `solver` is from `solver_arguments`; `store` each solution with its fields (`LoadByLoad.write_maps`).
     """
     count, bounded = statistics_of_settings(window, settings), bool(settings["uncertainty"]["sources"])
     statistics: dict[float, xr.Dataset] = {}

@@ -17,10 +17,10 @@ _PREFIXED = ("m", "Pa", "J", "W", "S", "l")
 
 
 class Unit(NamedTuple):
-    """A unit in which numbers are shown: the factor for values in SI, and its name."""
+    """A unit in which numbers are shown: the factor for values in SI, and its symbol."""
 
     factor: float
-    shown: str
+    symbol: str
 
     def text(self, value: float) -> str:
         """Return a value (SI) with this unit, three significant digits.
@@ -38,7 +38,7 @@ class Unit(NamedTuple):
         >>> Unit(1e-6, "MPa").text(1.43e10)
         '14300 MPa'
         """
-        return f"{number(value * self.factor)} {self.shown}"
+        return f"{number(value * self.factor)} {self.symbol}"
 
     def interval(self, value: float, lower: float, upper: float) -> str:
         """Return a value (SI) with its interval in this unit, as `with_interval` writes it.
@@ -132,7 +132,7 @@ def pressure_unit(contact_modulus: float) -> Unit:
 
     Examples
     --------
-    >>> pressure_unit(115e9).shown, pressure_unit(2e6).shown, pressure_unit(1e3).shown
+    >>> pressure_unit(115e9).symbol, pressure_unit(2e6).symbol, pressure_unit(1e3).symbol
     ('MPa', 'kPa', 'Pa')
     """
     if contact_modulus < 1e5:
@@ -155,7 +155,7 @@ def height_unit(rms_height: float) -> Unit:
 
     Examples
     --------
-    >>> height_unit(3e-7).shown, height_unit(3e-8).shown, height_unit(0.04).shown
+    >>> height_unit(3e-7).symbol, height_unit(3e-8).symbol, height_unit(0.04).symbol
     ('µm', 'nm', 'mm')
     """
     if 0 < rms_height < 1e-7:
@@ -165,7 +165,7 @@ def height_unit(rms_height: float) -> Unit:
     return Unit(1e6, "µm")
 
 
-def number(value: float, *, digits: int = 3, places: int | None = None) -> str:
+def number(value: float, *, digits: int = 3, decimals: int | None = None) -> str:
     """Return a number with so many significant digits, in powers of ten only where it would be long.
 
     Parameters
@@ -173,7 +173,7 @@ def number(value: float, *, digits: int = 3, places: int | None = None) -> str:
     value : float
     digits : int
         significant digits; those before the decimal point are never rounded away.
-    places : int or None
+    decimals : int or None
         decimal places at most, where fewer digits remain.
 
     Returns
@@ -185,7 +185,7 @@ def number(value: float, *, digits: int = 3, places: int | None = None) -> str:
     --------
     >>> number(0.04567), number(12345.6), number(3.2e-7), number(1e-4, digits=1)
     ('0.0457', '12346', '3.20×10⁻⁷', '1×10⁻⁴')
-    >>> number(0.04567, places=2), number(45.67, places=2)
+    >>> number(0.04567, decimals=2), number(45.67, decimals=2)
     ('0.05', '45.7')
     """
     if math.isnan(value):
@@ -196,8 +196,8 @@ def number(value: float, *, digits: int = 3, places: int | None = None) -> str:
         return "0"
     mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
     power = int(exponent)
-    if places is not None and digits - 1 - power > places:
-        return _fixed(value, places)
+    if decimals is not None and digits - 1 - power > decimals:
+        return _fixed(value, decimals)
     if -3 <= power < 6:
         return f"{value:.{max(digits - 1 - power, 0)}f}".replace("-", "−")
     return f"{mantissa.replace('-', '−')}×10{str(power).translate(_SUPERSCRIPT)}"
@@ -324,7 +324,7 @@ def percent(share: float) -> str:
     return f"{number(100 * share)} %"
 
 
-def several(count: int, noun: str) -> str:
+def counted_noun(count: int, noun: str) -> str:
     """Return a number of things in words that agree with it.
 
     Parameters
@@ -339,7 +339,7 @@ def several(count: int, noun: str) -> str:
 
     Examples
     --------
-    >>> several(0, "point"), several(1, "point"), several(2, "point")
+    >>> counted_noun(0, "point"), counted_noun(1, "point"), counted_noun(2, "point")
     ('0 points', '1 point', '2 points')
     """
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

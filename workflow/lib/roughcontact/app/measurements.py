@@ -13,7 +13,7 @@ from roughcontact.app.study import Row
 from roughcontact.command_line.program import FILE_OPTIONS
 from roughcontact.configuration.surfaces import find
 from roughcontact.errors import RoughContactError, SettingsError
-from roughcontact.results.storage import whole
+from roughcontact.results.storage import atomic_write
 
 MEASURED = Path("measured")  # where dropped files go
 OPTIONS = {name.replace("-", "_"): name for name in FILE_OPTIONS}
@@ -80,7 +80,7 @@ async def save_upload(name: str, content: AsyncIterable[bytes]) -> str:
     path = MEASURED / PurePosixPath(name.replace("\\", "/")).name
     if path.exists():
         raise SettingsError(f"{path} is there already: name its path instead, or rename the new file")
-    with whole(path, size=0) as partial, partial.open("wb") as file:
+    with atomic_write(path, size=0) as partial, partial.open("wb") as file:
         async for chunk in content:
             file.write(chunk)
     return str(path)

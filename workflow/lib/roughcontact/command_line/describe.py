@@ -302,11 +302,11 @@ def _about(result: Mapping[str, Any]) -> list[str]:
         extent = uncertainty["extent"]
         longer = uncertainty["measurand"] == "longer"
         lines.append(_line("±", f"for {measurand_in_words(extent if longer else None)}"))
-        lines += _beyond(result["loads"], extent)
+        lines += _wider_intervals(result["loads"], extent)
     return lines if lines[1:] else []
 
 
-def _beyond(loads: Iterable[Mapping[str, Any]], extent: float) -> list[str]:
+def _wider_intervals(loads: Iterable[Mapping[str, Any]], extent: float) -> list[str]:
     """Return the intervals of the area for what lies beyond band or map: a line each, loads rising."""
     area, rising = "relative_contact_area", sorted(loads, key=lambda load: load["mean_pressure"])
     ends_of = {

@@ -16,7 +16,7 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import SettingsError
 
 # settings for the workflow alone, or with an option of their own here
-_LEFT_OUT = {"bodies", "keep_fields"}
+_WITHOUT_OPTION = {"bodies", "keep_fields"}
 _BODY = ("youngs_modulus", "poissons_ratio", "hardness")
 _LAYER = ("thickness", "youngs_modulus", "poissons_ratio")
 _LOADS = ("mean_pressure", "relative_pressure", "force")  # one or the other
@@ -87,15 +87,17 @@ def bodies_of(texts: Sequence[Sequence[str]]) -> list[str | dict[str, Any]]:
         raise SettingsError(f"--body is given {times}; give it twice, one for each body")
     bodies: list[str | dict[str, Any]] = []
     for text in texts:
-        values = [word for word in text if "=" not in word]
+        values = [argument for argument in text if "=" not in argument]
         if len(values) > 3 or (len(values) == 1 and values[0][:1].isdigit()):
             raise SettingsError(
                 f"--body {' '.join(text)}: has {len(values)} values; give the name of a material, or "
                 "Young's modulus, Poisson's ratio and, if known, hardness"
             )
-        plain = [word for word in text if not word.startswith("layer=")]
+        plain = [argument for argument in text if not argument.startswith("layer=")]
         body: dict[str, Any] = keyed("--body", plain, names=_BODY, by_name=("material",))
-        if layers := [word.removeprefix("layer=").split(",") for word in text if word.startswith("layer=")]:
+        if layers := [
+            argument.removeprefix("layer=").split(",") for argument in text if argument.startswith("layer=")
+        ]:
             names = {"names": _LAYER, "by_name": ("thickness", "material")}
             body["layers"] = [keyed("--body layer", layer, **names) for layer in layers]
         bodies.append(body["material"] if list(body) == ["material"] else body)
@@ -103,7 +105,7 @@ def bodies_of(texts: Sequence[Sequence[str]]) -> list[str | dict[str, Any]]:
 
 
 def keyed(
-    option: str, words: Sequence[str], *, names: Sequence[str] = (), by_name: Sequence[str] = ()
+    option: str, arguments: Sequence[str], *, names: Sequence[str] = (), by_name: Sequence[str] = ()
 ) -> dict[str, str]:
     """Return values by their keys, from KEY=VALUE, after those of `names` (or `by_name`) without a key.
 
@@ -112,14 +114,17 @@ def keyed(
     >>> keyed("--body", ["210GPa", "0.3", "yield_stress=400MPa"], names=("youngs_modulus", "poissons_ratio"))
     {'youngs_modulus': '210GPa', 'poissons_ratio': '0.3', 'yield_stress': '400MPa'}
     """
-    values = [word for word in words if "=" not in word]
+    values = [argument for argument in arguments if "=" not in argument]
     names = by_name if len(values) == len(by_name) else names
     pairs = [*zip(names, values, strict=False)]
-    pairs += [(key, value) for key, _, value in (word.partition("=") for word in words if "=" in word)]
+    pairs += [
+        (key, value)
+        for key, _, value in (argument.partition("=") for argument in arguments if "=" in argument)
+    ]
     result = dict(pairs)
     if len(values) > len(names) or len(result) < len(pairs) or not all(map(all, pairs)):
         keys = f"{', '.join(names)}, then " if names else ""
-        raise SettingsError(f"{option} {' '.join(words)}: give {keys}KEY=VALUE, each key once")
+        raise SettingsError(f"{option} {' '.join(arguments)}: give {keys}KEY=VALUE, each key once")
     return result
 
 
@@ -127,8 +132,10 @@ def chosen_settings(options: Namespace) -> dict:
     """Return the full settings of a single case, as `resolve` does, from options of `add_settings`."""
     names = [f"{section}.{key}" for section, key, _, _ in _options()]
     stated = {name: value for name in names if (value := getattr(options, name)) is not None}
-    words: dict[str, Any] = {"null": None, "['[]']": []}  # as in a configuration
-    config = {"contact": {}} | grouped({name: words.get(str(value), value) for name, value in stated.items()})
+    literals: dict[str, Any] = {"null": None, "['[]']": []}  # as in a configuration
+    config = {"contact": {}} | grouped(
+        {name: literals.get(str(value), value) for name, value in stated.items()}
+    )
     if config["contact"].get("contact_modulus") is None and not options.body:
         raise SettingsError(
             "no elasticity given; give --contact-modulus (E* in Pa, or as 115GPa), or --body (a name, or E "
@@ -161,6 +168,6 @@ def _options() -> Iterator[tuple[str, str, str, FieldInfo]]:
     """Yield (section, key, option, field) of every setting with an option."""
     for section, model in _SECTIONS.items():
         for key, field in model.model_fields.items():
-            if key not in _LEFT_OUT:
+            if key not in _WITHOUT_OPTION:
                 prefix = "" if section == "contact" else f"{section}-"
                 yield section, key, f"--{prefix}{key.replace('_', '-')}", field

@@ -275,7 +275,7 @@ def _add_json(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _given(options: argparse.Namespace) -> dict[str, Any]:
+def _read_arguments(options: argparse.Namespace) -> dict[str, Any]:
     """Return the keyword arguments of `read_height_map` that were given."""
     names = (name.replace("-", "_") for name in FILE_OPTIONS)
     return {name_: value for name_ in names if (value := getattr(options, name_)) is not None}
@@ -297,7 +297,7 @@ def _inspect(options: argparse.Namespace) -> int:
                 print(overview(within, file))
             continue
         try:
-            contents = inspect_file(file, **_given(options))
+            contents = inspect_file(file, **_read_arguments(options))
         except RoughContactError as error:
             code = _failed(error, 2)
             continue
@@ -314,7 +314,7 @@ def _contents(path: Path, options: argparse.Namespace) -> dict[str, Any]:
     from roughcontact.io.inspection import inspect_file
 
     try:
-        return inspect_file(path, **_given(options))
+        return inspect_file(path, **_read_arguments(options))
     except RoughContactError as error:
         return {"file": path.name, "format": None, "map": None, "problem": str(error), "warnings": []}
 
@@ -327,7 +327,11 @@ def _solve(options: argparse.Namespace) -> int:
 
     try:
         settings = chosen_settings(options)
-        kwargs = {"given": _given(options), "settings": settings, "threads": options.threads}
+        kwargs = {
+            "read_arguments": _read_arguments(options),
+            "settings": settings,
+            "threads": options.threads,
+        }
         together = len(options.files) > 1
         if options.output:
             saving.check_output(options.output, options.files)

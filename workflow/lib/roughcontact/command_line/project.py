@@ -78,9 +78,11 @@ def files_in(paths: Sequence[str]) -> tuple[list[str], list[str]]:
             skipped += map(str, unmeasured)
         else:
             files.append(path)
-    here = Path.cwd()
-    near = [file.relative_to(here) if file.is_relative_to(here) else file for file in files]
-    return list(dict.fromkeys(map(str, near))), skipped
+    working_folder = Path.cwd()
+    relative_paths = [
+        file.relative_to(working_folder) if file.is_relative_to(working_folder) else file for file in files
+    ]
+    return list(dict.fromkeys(map(str, relative_paths))), skipped
 
 
 def rows_of(

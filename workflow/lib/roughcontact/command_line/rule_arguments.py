@@ -133,7 +133,7 @@ class RuleArguments:
             return 0
         row = self.plan.row(split(result)[1])
         # of profiles without a lay a surface is solved
-        least_points = 2**18 if row.given.get("lay") == "none" else 0
+        least_points = 2**18 if row.read_arguments.get("lay") == "none" else 0
         return max(estimate_points(row.path), least_points)
 
     def _code(self, script: str) -> str:

@@ -191,10 +191,10 @@ def _draw(output: Path, statistics: "xr.Dataset", contact: "xr.Dataset", *, titl
     """Write a figure."""
     from roughcontact import plot
     from roughcontact.report.figures import new_figure
-    from roughcontact.results.storage import whole
+    from roughcontact.results.storage import atomic_write
 
     rough = float(statistics["rms_gradient"]) > 0  # a flat map has no curves
-    with new_figure(10.5, 8.5 if rough else 4.3) as figure, whole(output, size=2**20) as partial:
+    with new_figure(10.5, 8.5 if rough else 4.3) as figure, atomic_write(output, size=2**20) as partial:
         axes = list(figure.subplots(1 + rough, 2).flat)
         if rough:
             plot.area(statistics, axes.pop(0))

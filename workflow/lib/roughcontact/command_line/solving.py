@@ -11,7 +11,7 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.command_line import saving
-from roughcontact.errors import HeightMapError, RoughContactError, with_place
+from roughcontact.errors import HeightMapError, RoughContactError, with_path
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.pipeline import run_chain, sections_of
@@ -30,13 +30,17 @@ Progress = Callable[[int, int | None, str], None]
 
 
 def solve_files(
-    paths: Sequence[str | Path], given: Mapping[str, Any], settings: Mapping[str, Any], *, threads: int = 1
+    paths: Sequence[str | Path],
+    read_arguments: Mapping[str, Any],
+    settings: Mapping[str, Any],
+    *,
+    threads: int = 1,
 ) -> dict[str, Any]:
     """Solve several maps of a finish; return `maps` (`solve_file`) and the numbers of the `group` (SI).
 
     For maps that are no group `none` has the reason.
     """
-    solved = [_solved(path, given, settings, threads=threads) for path in paths]
+    solved = [_solved(path, read_arguments, settings, threads=threads) for path in paths]
     maps = [result for result, _ in solved]
     try:
         answer = group_statistics([statistics for _, statistics in solved], names=[*map(str, paths)])
@@ -61,7 +65,7 @@ def solve_files(
 
 def solve_file(
     path: str | Path,
-    given: Mapping[str, Any],
+    read_arguments: Mapping[str, Any],
     settings: Mapping[str, Any],
     *,
     threads: int = 1,
@@ -69,15 +73,15 @@ def solve_file(
 ) -> dict[str, Any]:
     """Read, level, window and solve one map; return the headline numbers as plain values in SI units.
 
-    `given` are arguments of `read_height_map`, `settings` one case of `resolve`; `output` is a file of one of
-    the kinds of `saving`.
+    `read_arguments` are those of `read_height_map`, `settings` one case of `resolve`; `output` is a file of
+    one of the kinds of `saving`.
     """
-    return _solved(path, given, settings, threads=threads, output=output)[0]
+    return _solved(path, read_arguments, settings, threads=threads, output=output)[0]
 
 
 def _solved(
     path: str | Path,
-    given: Mapping[str, Any],
+    read_arguments: Mapping[str, Any],
     settings: Mapping[str, Any],
     *,
     threads: int,
@@ -86,12 +90,12 @@ def _solved(
     """Return the result of `solve_file`, and the statistics that it is made of."""
     with _progress() as show, TemporaryDirectory() as folder:
         show(0, None, "reading")
-        height = read_height_map(path, **given)
+        height = read_height_map(path, **read_arguments)
         fields = Path(folder, "contact.nc") if output and saving.needs_maps(output) else None
         try:
             chain = run_chain(height, settings, threads=threads, progress=show, fields=fields)
         except HeightMapError as error:
-            raise HeightMapError(with_place(error, str(path))) from error
+            raise HeightMapError(with_path(error, str(path))) from error
         if output:
             show(0, None, "writing")
             saving.save(output, Path(folder), chain, source=path, height=height, settings=dict(settings))
@@ -167,7 +171,7 @@ def _plain_numbers(
 def _progress() -> Iterator[Progress]:
     """Yield a function (done, total, text) that moves a bar on standard error, if that is a terminal."""
     if not sys.stderr.isatty():
-        yield lambda done, total, text: None
+        yield lambda solved_loads, total, text: None
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
@@ -182,10 +186,10 @@ def _progress() -> Iterator[Progress]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=None, loads="")
 
-        def show(done: int, total: int | None, text: str) -> None:
-            loads = f"{done} of {total} loads" if total else ""
+        def show(solved_loads: int, total: int | None, text: str) -> None:
+            loads = f"{solved_loads} of {total} loads" if total else ""
             # one load has no parts to count: the bar then only shows activity
             number_of_loads = total if total and total > 1 else None
-            bar.update(task, completed=done, total=number_of_loads, description=text, loads=loads)
+            bar.update(task, completed=solved_loads, total=number_of_loads, description=text, loads=loads)
 
         yield show

@@ -12,22 +12,22 @@ from roughcontact.configuration.plausible import Range
 
 def section_of(field: FieldInfo) -> type[Section] | None:
     """Return the section that a setting holds, alone or in a list; None for a plain value."""
-    types = _parts(field.annotation)
+    types = _leaf_types(field.annotation)
     return next((type_ for type_ in types if isinstance(type_, type) and issubclass(type_, Section)), None)
 
 
-def words_of(field: FieldInfo) -> list[str]:
+def choices_of(field: FieldInfo) -> list[str]:
     """Return the words that a setting, or each entry of its list, may be; none where any value may stand.
 
     Examples
     --------
     >>> from roughcontact.configuration.models import Level
-    >>> words_of(Level.model_fields["fill"])
+    >>> choices_of(Level.model_fields["fill"])
     ['harmonic', 'none']
-    >>> words_of(Level.model_fields["order"])
+    >>> choices_of(Level.model_fields["order"])
     []
     """
-    types = _parts(field.annotation)
+    types = _leaf_types(field.annotation)
     return [choice for type_ in types if get_origin(type_) is Literal for choice in get_args(type_)]
 
 
@@ -117,8 +117,8 @@ def _rules(annotation: Any) -> Iterator[Any]:
         yield from _rules(argument)
 
 
-def _parts(annotation: Any) -> list[Any]:
+def _leaf_types(annotation: Any) -> list[Any]:
     """Return the types within an annotation, unions and lists taken apart."""
     if get_origin(annotation) in (Union, UnionType, list):
-        return [type_ for argument in get_args(annotation) for type_ in _parts(argument)]
+        return [type_ for argument in get_args(annotation) for type_ in _leaf_types(argument)]
     return [annotation]

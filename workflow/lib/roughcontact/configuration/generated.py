@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from roughcontact.configuration.fields import base_of, section_of, words_of
+from roughcontact.configuration.fields import base_of, choices_of, section_of
 from roughcontact.configuration.models import Contact, Section, Settings
 from roughcontact.quantities import quantity
 
@@ -78,7 +78,7 @@ def changed_settings(settings: Mapping[str, Any]) -> list[str]:
     ['contact.unload: 50.0 MPa, 200 MPa']
     """
     return [
-        f"{section}.{name}: {in_words(settings[section][name], field)}"
+        f"{section}.{name}: {value_text(settings[section][name], field)}"
         for section, of_section in Settings.model_fields.items()
         if section != "report" and (model := section_of(of_section))
         for name, field in model.model_fields.items()
@@ -111,7 +111,7 @@ def _yaml(model: type[Section], indent: str, values: Mapping[str, Any]) -> list[
             lines += _yaml(section, indent + "  ", values.get(name, {}))
             continue
         text = field.description or ""
-        if choices := words_of(field):
+        if choices := choices_of(field):
             text += f"; one of {', '.join(choices)}"
         example = field.examples[0] if field.examples else None
         value, comment = field.get_default(call_default_factory=True), ""
@@ -165,11 +165,11 @@ def flow(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def in_words(value: Any, field: FieldInfo) -> str:
+def value_text(value: Any, field: FieldInfo) -> str:
     """Return the value of a setting: a quantity with its unit, anything else as in YAML."""
     if isinstance(value, dict) and (section := section_of(field)):
         return ", ".join(
-            f"{key} {in_words(entry, section.model_fields[key])}" for key, entry in value.items()
+            f"{key} {value_text(entry, section.model_fields[key])}" for key, entry in value.items()
         )
     unit = base_of(field)
     if unit and isinstance(value, list) and all(isinstance(entry, float) for entry in value):

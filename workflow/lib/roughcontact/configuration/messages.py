@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic_core import ErrorDetails
 
-from roughcontact.configuration.fields import field_at, fields_at, words_of
+from roughcontact.configuration.fields import choices_of, field_at, fields_at
 from roughcontact.errors import SettingsError
 
 _NAME_RULE = "a name has letters, digits and hyphens only (it becomes a folder)"
@@ -77,8 +77,8 @@ def name_mistake(name: str) -> str:
     return ""
 
 
-def nearest(word: object, valid: Collection[str]) -> str:
-    """Return the end of a sentence that names the valid word nearest to a wrong one, or all of them.
+def nearest(misspelling: object, valid: Collection[str]) -> str:
+    """Return the end of a sentence that names the valid word nearest to a misspelling, or all of them.
 
     Examples
     --------
@@ -87,7 +87,7 @@ def nearest(word: object, valid: Collection[str]) -> str:
     >>> nearest("colour", ["surface", "path"])
     'valid are surface, path'
     """
-    close = get_close_matches(str(word).lower(), valid, n=1, cutoff=0.6)
+    close = get_close_matches(str(misspelling).lower(), valid, n=1, cutoff=0.6)
     return f"did you mean {close[0]}?" if close else f"valid are {', '.join(valid)}"
 
 
@@ -107,7 +107,7 @@ def named(case: str, overrides: Mapping[str, Any], location: Sequence[str | int]
     """Return an error with the name of its setting before the text; the first two are those of `mistake`."""
     setting = _dotted([part for part in location if not isinstance(part, int)][:2])
     key = _dotted(location)
-    if case and location[0] in overrides and _given(overrides, location):
+    if case and location[0] in overrides and _overridden(overrides, location):
         key = f"cases.{case}.{key}"
     return SettingsError(f"{key}{text}", keys=[setting])
 
@@ -134,7 +134,7 @@ def _rule(detail: ErrorDetails) -> str:
     error_type, location = detail["type"], detail["loc"]
     field = field_at(location)
     if error_type == "literal_error" and field:
-        return f"unknown choice, {nearest(detail['input'], words_of(field))}"
+        return f"unknown choice, {nearest(detail['input'], choices_of(field))}"
     if error_type in ("too_short", "too_long") and location[-1] == "bodies":
         return "needs exactly two bodies"
     if error_type in _RULES:
@@ -150,7 +150,7 @@ def _dotted(location: Sequence[str | int]) -> str:
     return text
 
 
-def _given(overrides: Any, location: Sequence[str | int]) -> bool:
+def _overridden(overrides: Any, location: Sequence[str | int]) -> bool:
     """Return whether the overrides of a case reach down to `location` (or to the group it is missing in)."""
     for key in location[:-1]:
         if not isinstance(overrides, dict):

@@ -96,7 +96,14 @@ Strength = Annotated[
 Pressure = Annotated[
     Positive,
     BeforeValidator(
-        Range("Pa", LEAST_LOAD, STIFFEST, "next to no load", "more than any contact bears", meant=(1e6, 1e3))
+        Range(
+            "Pa",
+            LEAST_LOAD,
+            STIFFEST,
+            "next to no load",
+            "more than any contact bears",
+            likely_factors=(1e6, 1e3),
+        )
     ),
     _SCHEMA,
 ]

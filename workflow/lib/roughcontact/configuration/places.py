@@ -34,7 +34,7 @@ def check_writable(folder: Path) -> None:
             )
 
 
-def left_over(results: Iterable[str]) -> list[str]:
+def stale_results(results: Iterable[str]) -> list[str]:
     """Return the folders with results in the working directory that are not among the `results` of this run.
 
     Examples
@@ -44,7 +44,7 @@ def left_over(results: Iterable[str]) -> list[str]:
     ...     for name in ("seat", "ring"):
     ...         Path("results", name).mkdir(parents=True)
     ...         Path("results", name, "panel.html").touch()
-    ...     left_over(["ring"])
+    ...     stale_results(["ring"])
     ['results/seat']
     """
     folders = {path.parent for depth in ("*", "*/*") for path in Path("results").glob(f"{depth}/panel.html")}

@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple
 
 from roughcontact.configuration.generated import changed_settings
 from roughcontact.configuration.stages import SECTIONS, owner, settings_of
-from roughcontact.configuration.surfaces import Placement, Surface, measured, placements, same_places
+from roughcontact.configuration.surfaces import Placement, Surface, measured, placements, same_area_pairs
 
 Rule = Literal["prepare", "prepare_face", "superpose", "contact", "statistics", "unload", "report"]
 
@@ -43,9 +43,9 @@ _SMALL = 4.0  # MB of a measured file, below which jobs run side by side, with o
 
 
 class Group(NamedTuple):
-    """Maps with one result together: surface -> its part, and whether these are placements of a pair."""
+    """Maps with one result together: surface -> its specimen, and whether these are placements of a pair."""
 
-    parts: dict[str, str]
+    specimens: dict[str, str]
     placements: bool
 
 
@@ -89,15 +89,15 @@ class Plan:
             if row.group:
                 group = groups.setdefault(row.group, Group({}, placements=False))
                 # placements of two faces are of one pair of parts
-                group.parts[surface] = row.part or (placement.pair if placement else surface)
+                group.specimens[surface] = row.specimen or (placement.pair if placement else surface)
         for surface, placement in self.placements.items():
-            groups.setdefault(placement.pair, Group({}, placements=True)).parts[surface] = surface
+            groups.setdefault(placement.pair, Group({}, placements=True)).specimens[surface] = surface
         return groups
 
     @cached_property
-    def same_places(self) -> list[tuple[str, str]]:
+    def same_area_pairs(self) -> list[tuple[str, str]]:
         """The names of every two surfaces that are the same specimen at two times, the earlier one first."""
-        return same_places(self.table)
+        return same_area_pairs(self.table)
 
     @cached_property
     def results(self) -> list[str]:
@@ -176,7 +176,7 @@ class Plan:
         case, surface = split(result)
         if rule in ("prepare", "prepare_face"):
             row = self.measured[surface]
-            repeat = row.given.get("repeat")
+            repeat = row.read_arguments.get("repeat")
             return [str(row.path), *([repeat["path"]] if repeat else [])]
         finer = self.cases[case]["instrument"]["finer_spectrum"]
         return (
@@ -194,7 +194,7 @@ class Plan:
         if surface in self.placements:
             row = {**vars(self.placements[surface]), "composite": self.common["composite"]}
         else:
-            row = self.measured[surface].given
+            row = self.measured[surface].read_arguments
         return {"surface": {"name": surface, **row}, **self._settings_of(case, stage)}
 
     @cache  # noqa: B019 - there is one plan
@@ -215,7 +215,7 @@ class Plan:
                 case: changed_settings(settings_of_case) for case, settings_of_case in settings.items()
             },
             "groups": {name: tuple(group) for name, group in self.groups.items()},
-            "same_places": self.same_places,
+            "same_places": self.same_area_pairs,
         }
 
     def threads(self, result: str) -> int:
@@ -243,7 +243,7 @@ class Plan:
         if rule in ("prepare", "prepare_face"):
             row = self.row(surface)
             return BASE_MEMORY + max(
-                reading_memory(row.path), (130 if "repeat" in row.given else 90) * millions
+                reading_memory(row.path), (130 if "repeat" in row.read_arguments else 90) * millions
             )
         # the error budget takes 200 bytes for each of the first million points, and no more for larger maps
         return BASE_MEMORY + (115 + self._bytes_of_statistics(case)) * millions + 200 * min(millions, 1)

@@ -14,15 +14,15 @@ from roughcontact.quantities import quantity
 from roughcontact.units import carries_unit, in_base_unit
 
 Location = tuple[str | int, ...]
-_WAY_OUT = "A bare number is in {unit}: write the unit behind it, even if the number is correct"
+_BARE_NUMBER_RULE = "A bare number is in {unit}: write the unit behind it, even if the number is correct"
 
 
 @dataclass(frozen=True)
 class Range:
     """The values of a quantity that are plausible as bare numbers; a validator of a field type.
 
-    A value below `least` or above `most` is in doubt, and is what `below` and `above` say; from `rigid` on it
-    stands for something else. `meant` are factors of a value that is too low, the likeliest first.
+    A value below `lowest` or above `highest` is in doubt, and is what `below` and `above` say; from `rigid`
+    on it stands for something else. `likely_factors` are those of a value too low, the likeliest first.
 
     Examples
     --------
@@ -37,28 +37,30 @@ class Range:
     """
 
     base: str
-    least: float
-    most: float
+    lowest: float
+    highest: float
     below: str = "less than is plausible"
     above: str = "more than is plausible"
     rigid: float = math.inf
-    meant: tuple[float, ...] = (1e9, 1e6, 1e3)
+    likely_factors: tuple[float, ...] = (1e9, 1e6, 1e3)
 
     def __call__(self, value: object) -> object:
         """Return a value in the base unit; raise a ValueError with a question for an implausible number."""
-        number = abs(bare_number(value)) if self.least < 0 else bare_number(value)
-        if self.most < number < self.rigid:
-            reason, limit = self.above, self.most
-        elif 0 < number < self.least:
-            reason, limit = self.below, self.least
+        number = abs(bare_number(value)) if self.lowest < 0 else bare_number(value)
+        if self.highest < number < self.rigid:
+            reason, limit = self.above, self.highest
+        elif 0 < number < self.lowest:
+            reason, limit = self.below, self.lowest
         else:
             return in_base_unit(value, self.base)
-        factors = self.meant if limit == self.least else (1e-3, 1e-6, 1e-9)
-        likely = [number * factor for factor in factors if max(self.least, 0) < number * factor <= self.most]
+        factors = self.likely_factors if limit == self.lowest else (1e-3, 1e-6, 1e-9)
+        likely = [
+            number * factor for factor in factors if max(self.lowest, 0) < number * factor <= self.highest
+        ]
         question = "; did you mean " + " or ".join(quantity(factor, self.base) for factor in likely[:2]) + "?"
         raise ValueError(
             f"{quantity(number, self.base)} is {reason} ({quantity(limit, self.base)})"
-            f"{question if likely else '.'} {_WAY_OUT.format(unit=self.base)}"
+            f"{question if likely else '.'} {_BARE_NUMBER_RULE.format(unit=self.base)}"
         )
 
 
@@ -93,18 +95,18 @@ def implausible_together(
     else:
         modulus = contact["contact_modulus"]
         doubts.append((("contact_modulus",), materials.doubt_of_gel(modulus, [*loads, hardness or 0.0])))
-    if not any(doubt and not carries_unit(_at(stated, ("contact", *where))) for where, doubt in doubts):
+    if not any(doubt and not carries_unit(_value_at(stated, ("contact", *where))) for where, doubt in doubts):
         if hardness is not None:
             doubts.append((("hardness",), materials.doubt_of_hardness(hardness, modulus)))
         for index, load in enumerate(loads):
             doubts.append((("mean_pressure", index), materials.doubt_of_load(load, modulus)))
     for where, doubt in doubts:
         location: Location = ("contact", *where)
-        if doubt and not carries_unit(written := _at(stated, location)):
-            yield location, f" = {written!r}: {doubt.question()} {_WAY_OUT.format(unit='Pa')}"
+        if doubt and not carries_unit(written := _value_at(stated, location)):
+            yield location, f" = {written!r}: {doubt.question()} {_BARE_NUMBER_RULE.format(unit='Pa')}"
 
 
-def _at(section: Any, location: Location) -> Any:
+def _value_at(section: Any, location: Location) -> Any:
     """Return the value at a location, None where there is none; one load may stand for a list of one."""
     for key in location:
         if isinstance(key, int):

@@ -97,17 +97,17 @@ def _mistakes_in(row: Surface) -> list[str]:
         if path is not None and path != Path() and find(path, ["."]) is None
     ]
     mistakes += [
-        f"{key}: {unknown_unit(row.given[key], 'm')}"
+        f"{key}: {unknown_unit(row.read_arguments[key], 'm')}"
         for key in ("unit", "height_unit")
-        if key in row.given and value_of(row.given[key], "m") is None
+        if key in row.read_arguments and value_of(row.read_arguments[key], "m") is None
     ]
     for check, key in ((marker_values, "missing_value"), (check_lay, "lay")):
         try:
-            if key in row.given:
-                check(row.given[key])
+            if key in row.read_arguments:
+                check(row.read_arguments[key])
         except SettingsError as error:
             mistakes.append(str(error))
-    choices_of_row = {**row.given, PAIR_FIRST_ROW: row.counter_face_first_row}
+    choices_of_row = {**row.read_arguments, PAIR_FIRST_ROW: row.counter_face_first_row}
     for key, choices in (
         ("resample", Resampling),
         ("checksum", Checksum),

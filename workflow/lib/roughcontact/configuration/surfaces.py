@@ -2,7 +2,7 @@
 
 A row that names a `counter_face` is a pair: its files are read as `{surface}-face` and
 `{surface}-counter-face`, its placements `{surface}-1`, `{surface}-2` ... are solved. A row with `parts` (2x2)
-is a map that is cut: its parts `{surface}-1-1`, `{surface}-2-1` ... (along x, along y) are surfaces of their
+is a map that is cut: its tiles `{surface}-1-1`, `{surface}-2-1` ... (along x, along y) are surfaces of their
 own, in its group.
 """
 
@@ -20,7 +20,7 @@ from pydantic import ValidationError
 
 from roughcontact.configuration.messages import name_mistake, nearest, reason
 from roughcontact.configuration.models import Instrument
-from roughcontact.configuration.parts import parts_of
+from roughcontact.configuration.tiles import tiles_of
 from roughcontact.errors import SettingsError
 from roughcontact.units import carries_unit, in_base_unit
 
@@ -34,8 +34,20 @@ INSTRUMENT = tuple(
 )  # prevail over the settings
 REPEAT = "repeat_of"  # the same place measured with nothing done in between: the noise of both follows
 BEFORE = "before"  # the same place before something was done to it: their difference is the result
-GROUP, PART, PARTS = "group", "part", "parts"
-COLUMNS = (*REQUIRED, GROUP, PART, PARTS, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT, *TEXTS, *NUMBERS, *INSTRUMENT)
+GROUP, SPECIMEN, TILES = "group", "part", "parts"
+COLUMNS = (
+    *REQUIRED,
+    GROUP,
+    SPECIMEN,
+    TILES,
+    PAIR,
+    PAIR_FIRST_ROW,
+    BEFORE,
+    REPEAT,
+    *TEXTS,
+    *NUMBERS,
+    *INSTRUMENT,
+)
 
 
 @dataclass(frozen=True)
@@ -45,11 +57,11 @@ class Surface:
     name: str  # of the surface and of its folder of results
     path: Path  # the measured file; as in the table where there is no such file
     origin: str  # table and line, for messages
-    given: dict[str, Any]  # keyword arguments of `read_height_map`
+    read_arguments: dict[str, Any]  # keyword arguments of `read_height_map`
     counter_face: Path | None = None  # the other file of a pair
     counter_face_first_row: str = ""  # empty: as in the file
     group: str = ""  # the finish
-    part: str = ""  # empty where it is of a part of its own
+    specimen: str = ""  # empty where it is of a specimen of its own
     repeat_of: str = ""  # surface of the same area, measured with nothing done in between
     before: str = ""  # surface of the same area before something was done to it
 
@@ -102,11 +114,11 @@ def read_surfaces(
         if any(cells[len(header) :]):
             mistakes.append(f"line {line}: {len(cells)} cells, the header has {len(header)}")
         mistakes += _mistakes_in_row(row, line, before)
-        given: dict[str, Any] = {key: row[key] for key in TEXTS if row.get(key)}
+        read_arguments: dict[str, Any] = {key: row[key] for key in TEXTS if row.get(key)}
         stated, wrong = _instrument(row, line)
         mistakes += wrong
-        given |= {"instrument": stated} if stated else {}
-        given |= {
+        read_arguments |= {"instrument": stated} if stated else {}
+        read_arguments |= {
             key: row[key] if carries_unit(row[key]) else _number(row[key]) for key in NUMBERS if row.get(key)
         }
         path, counter_face = (
@@ -117,22 +129,22 @@ def read_surfaces(
             name,
             path or Path(),
             f"{table}, line {line}",
-            given,
+            read_arguments,
             counter_face,
             row.get(PAIR_FIRST_ROW, ""),
             row.get(GROUP, ""),
-            row.get(PART, ""),
+            row.get(SPECIMEN, ""),
             row.get(REPEAT, ""),
             row.get(BEFORE, ""),
         )
         before[name.lower()] = surfaces[name]
-        if row.get(PARTS):
-            cuts[name] = row[PARTS]
+        if row.get(TILES):
+            cuts[name] = row[TILES]
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
-    mistakes += _mistakes_in_places(surfaces)
-    mistakes += _mistakes_in_parts(surfaces, cuts)
+    mistakes += _mistakes_in_areas(surfaces)
+    mistakes += _mistakes_in_tiles(surfaces, cuts)
     if not mistakes:
-        surfaces = _with_parts(surfaces, cuts)
+        surfaces = _with_tiles(surfaces, cuts)
     mistakes += _mistakes_in_groups(surfaces)
     if placements_each:
         mistakes += _names_of_faces(surfaces, placements(surfaces, placements_each))
@@ -150,13 +162,13 @@ def measured(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
         if row.counter_face is None:
             files[name] = row
             continue
-        common = {key: value for key, value in row.given.items() if key != "first_row"}
+        common = {key: value for key, value in row.read_arguments.items() if key != "first_row"}
         first_row = {"first_row": row.counter_face_first_row} if row.counter_face_first_row else {}
-        for side, path, given in (
-            ("face", row.path, row.given),
+        for side, path, read_arguments in (
+            ("face", row.path, row.read_arguments),
             ("counter-face", row.counter_face, common | first_row),
         ):
-            files[f"{name}-{side}"] = Surface(f"{name}-{side}", path, row.origin, given)
+            files[f"{name}-{side}"] = Surface(f"{name}-{side}", path, row.origin, read_arguments)
     return files
 
 
@@ -286,8 +298,10 @@ def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> list[str]:
         origin = _line(row)
         if row.group:
             groups.setdefault(row.group, []).append(row)
-        elif row.part:
-            mistakes.append(f"{origin}, {PART} = {row.part}: is in no group; name its {GROUP} as well")
+        elif row.specimen:
+            mistakes.append(
+                f"{origin}, {SPECIMEN} = {row.specimen}: is in no group; name its {GROUP} as well"
+            )
     for name, rows in groups.items():
         origin = f"{_line(rows[0])}, {GROUP} = {name}"
         if wrong := name_mistake(name):
@@ -296,7 +310,7 @@ def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> list[str]:
             mistakes.append(f"{origin}: a surface has this name as well; rename one")
         read: dict[str, Surface] = {}
         for row in rows:
-            first = read.setdefault(f"{row.path} {row.counter_face} {row.given}", row)
+            first = read.setdefault(f"{row.path} {row.counter_face} {row.read_arguments}", row)
             if first is not row:
                 mistakes.append(
                     f"{origin}: {first.name} and {row.name} are the same file, {row.path}; leave one out"
@@ -309,47 +323,47 @@ def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> list[str]:
     return mistakes
 
 
-def _mistakes_in_parts(surfaces: Mapping[str, Surface], cuts: Mapping[str, str]) -> list[str]:
+def _mistakes_in_tiles(surfaces: Mapping[str, Surface], cuts: Mapping[str, str]) -> list[str]:
     """Return what is wrong with the maps that are cut, a sentence each; `cuts` has their cells `parts`."""
     mistakes = []
-    in_place = {name for pair in same_places(surfaces) for name in pair}
+    of_same_area = {name for pair in same_area_pairs(surfaces) for name in pair}
     small = {name.lower(): name for name in surfaces}
     for name, text in cuts.items():
         row = surfaces[name]
-        origin = f"{_line(row)}, {PARTS} = {text}"
+        origin = f"{_line(row)}, {TILES} = {text}"
         if row.counter_face is not None:
             mistakes.append(
                 f"{origin}: {name} is a pair of faces ({PAIR}), which has several placements instead "
                 "(composite.shifts); leave one of the two cells empty"
             )
-        elif name in in_place:
+        elif name in of_same_area:
             mistakes.append(
                 f"{origin}: {name} is the same place as another surface ({REPEAT}, {BEFORE}), which its "
                 "parts are not; compare the whole maps, or leave that cell empty"
             )
-        elif row.given.get("lay") == "none":
+        elif row.read_arguments.get("lay") == "none":
             mistakes.append(
                 f"{origin}: profiles with lay = none are solved together; leave the cell empty, or name some "
                 "of them in a row of its own"
             )
         try:
-            parts = [f"{name}-{part.column}-{part.row}" for part in parts_of(text)]
+            names_of_tiles = [f"{name}-{tile.column}-{tile.row}" for tile in tiles_of(text)]
         except SettingsError as error:
             mistakes.append(f"{_line(row)}, {error}")
             continue
         mistakes += [
-            f"{_line(surfaces[other])}, surface = {other}: {name} needs this name for one of its parts "
-            f"({PARTS} = {text}); rename one"
-            for other in (small.get(part.lower()) for part in parts)
-            if other is not None
+            f"{_line(surfaces[namesake])}, surface = {namesake}: {name} needs this name for one of its parts "
+            f"({TILES} = {text}); rename one"
+            for namesake in (small.get(tile.lower()) for tile in names_of_tiles)
+            if namesake is not None
         ]
     return mistakes
 
 
-def _with_parts(surfaces: Mapping[str, Surface], cuts: Mapping[str, str]) -> dict[str, Surface]:
-    """Return the rows, with its parts in place of each map that is cut.
+def _with_tiles(surfaces: Mapping[str, Surface], cuts: Mapping[str, str]) -> dict[str, Surface]:
+    """Return the rows, with its tiles in place of each map that is cut.
 
-    Where its group has other maps as well, the parts of a map are of one workpiece, as they lie side by side.
+    Where its group has other maps as well, the tiles of a map are of one specimen, as they lie side by side.
     """
     sizes = Counter(row.group for row in surfaces.values())
     rows: dict[str, Surface] = {}
@@ -357,19 +371,19 @@ def _with_parts(surfaces: Mapping[str, Surface], cuts: Mapping[str, str]) -> dic
         if name not in cuts:
             rows[name] = row
             continue
-        workpiece = row.part or (name if row.group and sizes[row.group] > 1 else "")
-        for part in parts_of(cuts[name]):
-            rows[f"{name}-{part.column}-{part.row}"] = replace(
+        specimen = row.specimen or (name if row.group and sizes[row.group] > 1 else "")
+        for tile in tiles_of(cuts[name]):
+            rows[f"{name}-{tile.column}-{tile.row}"] = replace(
                 row,
-                name=f"{name}-{part.column}-{part.row}",
-                given=row.given | {PARTS: [*astuple(part)]},
+                name=f"{name}-{tile.column}-{tile.row}",
+                read_arguments=row.read_arguments | {TILES: [*astuple(tile)]},
                 group=row.group or name,
-                part=workpiece,
+                specimen=specimen,
             )
     return rows
 
 
-def same_places(surfaces: Mapping[str, Surface]) -> list[tuple[str, str]]:
+def same_area_pairs(surfaces: Mapping[str, Surface]) -> list[tuple[str, str]]:
     """Return the names of every two surfaces that are the same place, the earlier one first."""
     return [
         (earlier, name)
@@ -379,7 +393,7 @@ def same_places(surfaces: Mapping[str, Surface]) -> list[tuple[str, str]]:
     ]
 
 
-def _mistakes_in_places(surfaces: Mapping[str, Surface]) -> list[str]:
+def _mistakes_in_areas(surfaces: Mapping[str, Surface]) -> list[str]:
     """Return what is wrong with the names of the surfaces that are the same place."""
     single = {name for name, row in surfaces.items() if row.counter_face is None}
     mistakes = [
@@ -402,7 +416,10 @@ def _mistakes_in_places(surfaces: Mapping[str, Surface]) -> list[str]:
         begin = f"{_line(row)}, {BEFORE} = {row.before}: {name} and {row.before} are"
         if row.before and _first_repeated(surfaces, name) == _first_repeated(surfaces, row.before):
             mistakes.append(f"{begin} repeats as well ({REPEAT}), with nothing done in between; choose one")
-        elif row.before and (row.path, row.given) == (surfaces[row.before].path, surfaces[row.before].given):
+        elif row.before and (row.path, row.read_arguments) == (
+            surfaces[row.before].path,
+            surfaces[row.before].read_arguments,
+        ):
             mistakes.append(f"{begin} the same file, {row.path}; name the file of each")
         elif row.before and row.group and row.group == surfaces[row.before].group:
             mistakes.append(f"{begin} both in group {row.group}; give before and after a group of their own")
@@ -430,11 +447,13 @@ def _with_repeats(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
     pairs = [(name, row.repeat_of) for name, row in surfaces.items() if row.repeat_of]
     for name, partner in [*pairs, *(pair[::-1] for pair in pairs)]:
         row, repeated = surfaces[name], surfaces[partner]
-        repeat = {"name": partner, "path": str(repeated.path), **repeated.given}
-        workpiece = row.part
-        if row.group == repeated.group and row.group and not (row.part or repeated.part):
-            workpiece = _first_repeated(surfaces, name)
-        linked[name] = replace(linked[name], given={"repeat": repeat, **linked[name].given}, part=workpiece)
+        repeat = {"name": partner, "path": str(repeated.path), **repeated.read_arguments}
+        specimen = row.specimen
+        if row.group == repeated.group and row.group and not (row.specimen or repeated.specimen):
+            specimen = _first_repeated(surfaces, name)
+        linked[name] = replace(
+            linked[name], read_arguments={"repeat": repeat, **linked[name].read_arguments}, specimen=specimen
+        )
     return linked
 
 

@@ -177,8 +177,8 @@ class FreeBody:
         ny, nx = (-(-n // factor) for n in self.heights.shape)
         padding = [(0, ny * factor - self.heights.shape[0]), (0, nx * factor - self.heights.shape[1])]
         blocks = np.pad(self.heights, padding, mode="edge").reshape(ny, factor, nx, factor)
-        wide = self.spacing[0] * factor, self.spacing[1] * factor
-        coarse = replace(self, heights=blocks.mean(axis=(1, 3)), spacing=wide, threads=1)
+        coarse_spacing = self.spacing[0] * factor, self.spacing[1] * factor
+        coarse = replace(self, heights=blocks.mean(axis=(1, 3)), spacing=coarse_spacing, threads=1)
         cell = Cell(coarse, coarse._region(np.ones((ny, nx), bool), 0), force)
         cell.solve(None, tolerance=COARSE_TOLERANCE)
         touching = np.repeat(np.repeat(cell.pressure > 0, factor, axis=0), factor, axis=1)

@@ -141,7 +141,7 @@ class Grid:
         """
         workspace = self._workspace_in(precision)
         interpolation, values, field = workspace.interpolation, workspace.values, workspace.field
-        cells = interpolation.factors, interpolation.share, interpolation.means
+        cells = interpolation.factors, interpolation.share, interpolation.cell_means
         self.kernels.masked_residual(state.pressure, state.separation, state.offset, self.cap, values, *cells)
         if interpolation.bends:
             self._foresee_violations(state, workspace)
@@ -315,7 +315,7 @@ class Grid:
         `known`: their shares and means are in the interpolation already.
         """
         workspace.interpolation.set_active(workspace.values, share_known=share_known)
-        workspace.interpolation.prolong(workspace.values, workspace.field, means_known=share_known)
+        workspace.interpolation.prolong(workspace.values, workspace.field, cell_means_known=share_known)
 
     def _foresee_violations(self, state: State, workspace: "Workspace") -> None:
         """Put the points of a bound into the active set that a correction makes violate it."""

@@ -42,7 +42,7 @@ class CoarseGrid:
     weights: Weights
     empty: Array  # share of a cell that counts as gap
     gain: Array  # weight of a cell over the mean weight of its parts
-    means: Array
+    cell_means: Array
     work: Array
     line_gain: Array | None  # mean over the contact of a line over that of the line
     spares: Sequence[Array] = ()
@@ -73,7 +73,7 @@ class Interpolation:
         stores = [empty(like, precision, (ends[-1],)) for _ in range(4)]
         self.grids = []
         for coarser, (start, end) in zip(plan, pairwise(ends), strict=True):
-            gaps, gain, means, work = (xp.reshape(store[start:end], coarser.shape) for store in stores)
+            gaps, gain, cell_means, work = (xp.reshape(store[start:end], coarser.shape) for store in stores)
             self.grids.append(
                 CoarseGrid(
                     factors=coarser.factors,
@@ -81,7 +81,7 @@ class Interpolation:
                     weights=stencil(coarser.pitches, coarser.shape),
                     empty=gaps,
                     gain=gain,
-                    means=means,
+                    cell_means=cell_means,
                     work=work,
                     line_gain=empty(like, precision, coarser.shape) if coarser.collapses_lines else None,
                 )
@@ -94,8 +94,8 @@ class Interpolation:
         self._spares = [empty(like, precision) for _ in range(2)] if bending[0] else []
         # of the cells of the finest coarser grid; the whole grid is one where there is none
         self.factors: Factors = plan[0].factors if plan else like.shape
-        self.share, self.means = (
-            (self.grids[0].work, self.grids[0].means)
+        self.share, self.cell_means = (
+            (self.grids[0].work, self.grids[0].cell_means)
             if plan
             else (empty(like, precision, (1, 1)), empty(like, precision, (1, 1)))
         )
@@ -157,21 +157,21 @@ class Interpolation:
                 grid.line_gain[...] = weight / share
             finer = weight
 
-    def prolong(self, values: Array, out: Array, *, means_known: bool = False) -> None:
+    def prolong(self, values: Array, out: Array, *, cell_means_known: bool = False) -> None:
         """Write P `values` to `out`; both of shape (ny, nx), the values zero outside C.
 
-        `means_known`: a kernel has written the means of the values over the cells of the finest coarser grid
-        to `means`.
+        `cell_means_known`: a kernel has written the means of the values over the cells of the finest coarser
+        grid to `cell_means`.
         """
         kernels = self.kernels
         if not self.grids:
             gaps = self._gaps()
             kernels.fill(values, gaps, self._sweep(values, gaps, self.weights), self.weights, out)
             return
-        if not means_known:
-            kernels.block_mean(values, self.factors, self.means)
+        if not cell_means_known:
+            kernels.block_mean(values, self.factors, self.cell_means)
         if self._small is None or self._small.first:  # else they are weighed with the others
-            self.means *= self.grids[0].gain
+            self.cell_means *= self.grids[0].gain
         kernels.fill_from(values, self.active, self._prolonged(0), self.factors, self.weights, out)
         if self._spares:
             out[...] = self._smooth(values, self._gaps(), out, self.weights, SWEEPS, self._spares)
@@ -197,35 +197,35 @@ class Interpolation:
         return self.kernels.redistribute(pressure, scratch, restricted, self.factors, self.active, cap)
 
     def _prolonged(self, number: int) -> Array:
-        """Return the values of a grid, given its `means`, for the empty cells of the next finer grid."""
+        """Return the values of a grid, given its `cell_means`, for the empty cells of the next finer grid."""
         kernels, grid = self.kernels, self.grids[number]
         if self._small is not None and number == self._small.first:
             self._small.prolong(self.sweeps, *self._sweep_work)
-            return grid.means
+            return grid.cell_means
         if grid.line_gain is not None:
-            grid.means *= grid.line_gain
+            grid.cell_means *= grid.line_gain
         if number + 1 == len(self.grids):
-            mixed = self._sweep(grid.means, grid.empty, grid.weights)
+            mixed = self._sweep(grid.cell_means, grid.empty, grid.weights)
         else:
             coarser, mixed = self.grids[number + 1], grid.work
-            kernels.block_mean(grid.means, coarser.factors, coarser.means)
-            coarser.means *= coarser.gain
-            kernels.mix(grid.means, grid.empty, self._prolonged(number + 1), coarser.factors, mixed)
+            kernels.block_mean(grid.cell_means, coarser.factors, coarser.cell_means)
+            coarser.cell_means *= coarser.gain
+            kernels.mix(grid.cell_means, grid.empty, self._prolonged(number + 1), coarser.factors, mixed)
             if grid.spares:
-                mixed = self._smooth(grid.means, grid.empty, mixed, grid.weights, SWEEPS, grid.spares)
+                mixed = self._smooth(grid.cell_means, grid.empty, mixed, grid.weights, SWEEPS, grid.spares)
         if grid.line_gain is not None:
             return mixed
-        kernels.neighbours(mixed, grid.weights, grid.means)
-        return grid.means
+        kernels.neighbours(mixed, grid.weights, grid.cell_means)
+        return grid.cell_means
 
-    def _sweep(self, means: Array, gaps: Array, weights: Weights) -> Array:
+    def _sweep(self, cell_means: Array, gaps: Array, weights: Weights) -> Array:
         """Return the mixed field of the coarsest grid, whose neighbours' means are the next step."""
-        mixed = means + gaps * _mean_over_contact(means, gaps)
-        return self._smooth(means, gaps, mixed, weights, self.sweeps - 1, self._sweep_work)
+        mixed = cell_means + gaps * _mean_over_contact(cell_means, gaps)
+        return self._smooth(cell_means, gaps, mixed, weights, self.sweeps - 1, self._sweep_work)
 
     def _smooth(
         self,
-        means: Array,
+        cell_means: Array,
         gaps: Array,
         mixed: Array,
         weights: Weights,
@@ -234,7 +234,7 @@ class Interpolation:
     ) -> Array:
         """Return the `mixed` field of a grid after sweeps, in one of its `spares`."""
         for sweep in range(sweeps):
-            self.kernels.fill(means, gaps, mixed, weights, spares[sweep % 2])
+            self.kernels.fill(cell_means, gaps, mixed, weights, spares[sweep % 2])
             mixed = spares[sweep % 2]
         return mixed
 
@@ -264,19 +264,19 @@ class Interpolation:
         passed = field
         if self._spares:
             passed = self._smooth_back(field, self._gaps(), self.weights, SWEEPS, self._spares)
-        kernels.empty_from(passed, self.active, self.weights, scratch, self.factors, self.means)
+        kernels.empty_from(passed, self.active, self.weights, scratch, self.factors, self.cell_means)
         return self._restricted(0)
 
     def _restricted(self, number: int) -> Array:
-        """Return the transpose of `_prolonged`: from the `means` of a grid to the load that they receive."""
+        """Return the transpose of `_prolonged`: from the `cell_means` of a grid to the load they receive."""
         kernels, grid = self.kernels, self.grids[number]
         if self._small is not None and number == self._small.first:
             self._small.restrict(self.sweeps, *self._sweep_work)
             return grid.work
         if grid.line_gain is not None:
-            grid.work[...] = grid.means
+            grid.work[...] = grid.cell_means
         else:
-            kernels.neighbours(grid.means, grid.weights, grid.work)
+            kernels.neighbours(grid.cell_means, grid.weights, grid.work)
         if number + 1 == len(self.grids):
             self._sweep_back(grid.work, grid.empty, grid.weights)
             grid.work *= grid.gain
@@ -284,7 +284,7 @@ class Interpolation:
             coarser, passed = self.grids[number + 1], grid.work
             if grid.spares:
                 passed = self._smooth_back(grid.work, grid.empty, grid.weights, SWEEPS, grid.spares)
-            kernels.gather(passed, grid.empty, coarser.factors, coarser.means)
+            kernels.gather(passed, grid.empty, coarser.factors, coarser.cell_means)
             kernels.spread(grid.work, grid.gain, self._restricted(number + 1), coarser.factors)
         if grid.line_gain is not None:
             grid.work *= grid.line_gain

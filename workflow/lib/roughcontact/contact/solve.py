@@ -383,14 +383,14 @@ def _reduced(load_dataset: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset
 def _missed(load: float, solution: Solution, *, tolerance: float, precision: Precision) -> str:
     """Return the error message for a load that misses the tolerance."""
     precision_hint = ", take precision: double" if precision == "single" else ""
-    ways_out = f"raise the tolerance{precision_hint} or set on_failure: flag"
+    remedies = f"raise the tolerance{precision_hint} or set on_failure: flag"
     if solution.floor > tolerance:
         return (
             f"mean pressure {load:g} Pa: rounding in {precision} precision allows no error bound below "
-            f"{solution.floor:.2g} here, the tolerance is {tolerance:g}: {ways_out}"
+            f"{solution.floor:.2g} here, the tolerance is {tolerance:g}: {remedies}"
         )
     return (
         f"mean pressure {load:g} Pa: the error bound stopped at {solution.error_bound:.2g} after "
         f"{solution.steps} iterations, above the tolerance {tolerance:g}; rounding in {precision} "
-        f"precision allows {solution.floor:.1g} here: {ways_out}"
+        f"precision allows {solution.floor:.1g} here: {remedies}"
     )

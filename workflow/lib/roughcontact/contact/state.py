@@ -131,11 +131,11 @@ def project_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.in
         shift = newton if by_newton and low < newton < high else middle
 
 
-def norm(left: Array, right: Array) -> float:
+def norm(first: Array, second: Array) -> float:
     """Return the root of the mean of left x right, a quadratic form that rounding may turn negative."""
-    return float(np.sqrt(max(mean_product(left, right), 0.0)))
+    return float(np.sqrt(max(mean_product(first, second), 0.0)))
 
 
-def mean_product(left: Array, right: Array) -> float:
+def mean_product(first: Array, second: Array) -> float:
     """Return the mean over the grid of left x right, summed in double precision."""
-    return kernels_for(left).product(left, right) / count_of(left)
+    return kernels_for(first).product(first, second) / count_of(first)

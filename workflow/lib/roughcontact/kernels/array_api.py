@@ -131,13 +131,13 @@ def masked_residual(
     values: Array,
     factors: Factors,
     share: Array,
-    means: Array,
+    cell_means: Array,
 ) -> None:
     """Write the gap on the active set to `values`, zero elsewhere.
 
     See `active_set`. A gap of zero on the active set is replaced by `CLOSED`, so that the values are zero at
     inactive points only. The share of active points over blocks of `factors` cells goes to `share`, the mean
-    of the values to `means`.
+    of the values to `cell_means`.
     """
     xp = namespace(pressure)
     gap = separation - offset
@@ -145,7 +145,7 @@ def masked_residual(
     values[...] = xp.astype(xp.where(active, gap, xp.zeros_like(gap)), values.dtype)
     values[...] = xp.where(active & (values == 0), xp.full_like(values, CLOSED), values)
     block_mean(xp.astype(values != 0, share.dtype), factors, share)
-    block_mean(values, factors, means)
+    block_mean(values, factors, cell_means)
 
 
 def predict_active(
@@ -157,7 +157,7 @@ def predict_active(
     values: Array,
     factors: Factors,
     share: Array,
-    means: Array,
+    cell_means: Array,
 ) -> None:
     """Set `values` to zero where points are predicted to lose contact; the rest as in `masked_residual`.
 
@@ -173,7 +173,7 @@ def predict_active(
     active = (values != 0) & ((predicted > 0) | (pressure >= cap))
     values[...] = xp.where(active, values, xp.zeros_like(values))
     block_mean(xp.astype(values != 0, share.dtype), factors, share)
-    block_mean(values, factors, means)
+    block_mean(values, factors, cell_means)
 
 
 def advance(
@@ -247,9 +247,9 @@ def rescale(field: Array, factor: float, cap: float) -> float:
     return _sum(xp, field)
 
 
-def product(left: Array, right: Array) -> float:
-    """Return the sum of `left` x `right` over the grid."""
-    return _sum(namespace(left), left * right)
+def product(first: Array, second: Array) -> float:
+    """Return the sum of `first` x `second` over the grid."""
+    return _sum(namespace(first), first * second)
 
 
 def project_residual(pressure: Array, separation: Array, offset: float, cap: float, values: Array) -> float:

@@ -146,12 +146,12 @@ class Compiled:
         arrays = separation, heights, start, before, pressure
         return tuple(self._run("measure", rows, 0, arrays, reference, 1 / unit, offset, cap, nx)[:6])
 
-    def masked_residual(self, pressure, separation, offset, cap, values, factors, share, means):
-        (ny, nx), arrays = pressure.shape, (pressure, separation, values, share, means)
+    def masked_residual(self, pressure, separation, offset, cap, values, factors, share, cell_means):
+        (ny, nx), arrays = pressure.shape, (pressure, separation, values, share, cell_means)
         self._run("masked_residual", len(share), nx, arrays, offset, cap, ny, nx, *factors)
 
-    def predict_active(self, pressure, residual, weights, stiffness, cap, values, factors, share, means):
-        (ny, nx), arrays = pressure.shape, (pressure, residual, values, share, means)
+    def predict_active(self, pressure, residual, weights, stiffness, cap, values, factors, share, cell_means):
+        (ny, nx), arrays = pressure.shape, (pressure, residual, values, share, cell_means)
         numbers = *weights, stiffness, cap, ny, nx, *factors
         self._run("predict_active", len(share), 3 * nx + 2, arrays, *numbers)
 
@@ -171,9 +171,9 @@ class Compiled:
         rows, nx = field.shape
         return self._run("rescale", rows, 0, (field,), factor, cap, nx)[0]
 
-    def product(self, left, right):
-        rows, nx = left.shape
-        return self._run("product", rows, 0, (left, right), nx)[0]
+    def product(self, first, second):
+        rows, nx = first.shape
+        return self._run("product", rows, 0, (first, second), nx)[0]
 
     def project_residual(self, pressure, separation, offset, cap, values):
         rows, nx = values.shape

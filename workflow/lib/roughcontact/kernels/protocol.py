@@ -66,7 +66,7 @@ class Kernels(Protocol):
         values: Array,
         factors: Factors,
         share: Array,
-        means: Array,
+        cell_means: Array,
     ) -> None: ...
     def project_residual(
         self, pressure: Array, separation: Array, offset: float, cap: float, values: Array
@@ -81,7 +81,7 @@ class Kernels(Protocol):
         values: Array,
         factors: Factors,
         share: Array,
-        means: Array,
+        cell_means: Array,
     ) -> None: ...
     def advance(
         self,
@@ -104,7 +104,7 @@ class Kernels(Protocol):
         self, field: Array, cap: float, removed_load: Array, free: Array, factors: Factors, share: Array
     ) -> None: ...
     def rescale(self, field: Array, factor: float, cap: float) -> float: ...
-    def product(self, left: Array, right: Array) -> float: ...
+    def product(self, first: Array, second: Array) -> float: ...
 
     # prolongation and restriction on a hierarchy of grids
     def block_mean(self, field: Array, factors: Factors, out: Array) -> None: ...

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from roughcontact.quantities import several
+from roughcontact.quantities import counted_noun
 
 
 def removed_and_filled(levelled: Mapping[str, Any]) -> str:
@@ -17,26 +17,25 @@ def removed_and_filled(levelled: Mapping[str, Any]) -> str:
     """
     filled, rejected = levelled.get("filled_points", 0), levelled.get("outliers_rejected", 0)
     hole = f" (largest hole {levelled['largest_hole']})" if filled else ""
-    named = kinds_in_words(levelled)
-    rejections = f"{several(rejected, 'outlier')} rejected" + (f" ({named})" if named else "")
+    named = rejected_by_kind(levelled)
+    rejections = f"{counted_noun(rejected, 'outlier')} rejected" + (f" ({named})" if named else "")
     aligned = levelled.get("line_alignment", "none")
     rows = f", rows aligned ({aligned})" if aligned != "none" else ""
-    return f"{several(filled, 'point')} filled in{hole}, {rejections}{rows}"
+    return f"{counted_noun(filled, 'point')} filled in{hole}, {rejections}{rows}"
 
 
-def kinds_in_words(levelled: Mapping[str, Any]) -> str:
+def rejected_by_kind(levelled: Mapping[str, Any]) -> str:
     """Return as text how many points of each kind were rejected, empty for none, from a map's attributes.
 
     Examples
     --------
-    >>> kinds_in_words({"outlier_kinds": '{"spike": 29, "dead_line": 128}'})
+    >>> rejected_by_kind({"outlier_kinds": '{"spike": 29, "dead_line": 128}'})
     '29 in spikes, 128 in dead lines'
     """
     outlier_kinds = json.loads(levelled.get("outlier_kinds", "{}"))
-    counted = ((count, outlier_kind.replace("_", " ")) for outlier_kind, count in outlier_kinds.items())
+    counts = ((count, outlier_kind.replace("_", " ")) for outlier_kind, count in outlier_kinds.items())
     return ", ".join(
-        f"1 {outlier_kind}" if count == 1 else f"{count} in {outlier_kind}s"
-        for count, outlier_kind in counted
+        f"1 {outlier_kind}" if count == 1 else f"{count} in {outlier_kind}s" for count, outlier_kind in counts
     )
 
 

@@ -59,7 +59,7 @@ def noise_of_repeats(first: xr.DataArray, second: xr.DataArray) -> tuple[float, 
     rms, gathered = float(np.sqrt(np.nanmean(residual**2))), _gathered(residual)
     axes = "yx"[-shift.size :]  # a profile is a row
     pixels = ", ".join(
-        f"{number(pixels_along, places=2)} along {axis}"
+        f"{number(pixels_along, decimals=2)} along {axis}"
         for pixels_along, axis in zip(shift, axes, strict=True)
     )
     # where it would have made the noise too large

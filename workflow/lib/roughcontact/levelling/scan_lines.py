@@ -59,9 +59,9 @@ def find_scars(values: np.ndarray, *, threshold: float) -> np.ndarray:
             if count > 1:
                 lowest = np.minimum(lowest[:-1], heights[count - 1 :])
             around = np.maximum(heights[: ny - count - 1], heights[count + 1 :])
-            out = lowest[1:-1] - around  # rows j+1 ... j+count against rows j and j+count+1
-            for row, begin, end in _long_runs(out > threshold / 2 * scale):
-                if np.median(out[row, begin:end]) > threshold * scale:
+            excess = lowest[1:-1] - around  # rows j+1 ... j+count against rows j and j+count+1
+            for row, begin, end in _long_runs(excess > threshold / 2 * scale):
+                if np.median(excess[row, begin:end]) > threshold * scale:
                     scars[row + 1 : row + 1 + count, begin:end] = True
     return scars
 

@@ -21,7 +21,7 @@ from roughcontact.maps import height_map, spacing
 from roughcontact.profiles.finish import draw, finish_of, resampled
 from roughcontact.profiles.spectrum import ProfileFit
 from roughcontact.profiles.surface import profile_pieces, surface_from_profiles
-from roughcontact.quantities import several
+from roughcontact.quantities import counted_noun
 from roughcontact.uncertainty.calibration import entry
 from roughcontact.uncertainty.discretisation import CORRECTED
 from roughcontact.uncertainty.ensemble import (
@@ -77,7 +77,7 @@ def scatter_of_surfaces(
             arms[name], shift[name] = (width, width), mean
         else:
             arms[name] = np.maximum(width - mean, 0.0), np.maximum(width + mean, 0.0)
-    measured = several(len(profiles), "profile")
+    measured = counted_noun(len(profiles), "profile")
     reason = (
         f"The ± is for surfaces with this spectrum: {number} surfaces that {measured} might have shown "
         "were drawn and solved; what spectrum, heights and slopes do not hold is that of "

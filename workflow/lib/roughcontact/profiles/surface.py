@@ -14,7 +14,7 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map, spacing
 from roughcontact.profiles.finish import Finish, correlation_length, draw, finish_of
 from roughcontact.profiles.spectrum import ProfileFit
-from roughcontact.quantities import number, percent, quantity, several
+from roughcontact.quantities import counted_noun, number, percent, quantity
 from roughcontact.si import labelled_in_si
 from roughcontact.window.finite_body import solved_map
 from roughcontact.window.sides import friendly_sides
@@ -163,7 +163,7 @@ def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, An
 
 def surfaces_behind(drawn: xr.DataArray | xr.Dataset) -> str:
     """Return in words the surfaces of which a drawn one, or its statistics, is an example."""
-    number_of_profiles = several(drawn.attrs["profiles"], "profile")
+    number_of_profiles = counted_noun(drawn.attrs["profiles"], "profile")
     return f"the surfaces with the spectrum, heights and slopes of {number_of_profiles}"
 
 

@@ -166,7 +166,7 @@ def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
                 "–" if combined else str(row["evaluation_type"]),
                 _correction(float(row["correction"]), float(row["value"]), unit),
                 _both_sides(row, "standard_uncertainty", unit),
-                f"{unit.interval(np.nan, row['lower'], row['upper'])} {unit.shown}"
+                f"{unit.interval(np.nan, row['lower'], row['upper'])} {unit.symbol}"
                 if combined
                 else _both_sides(row, "one_sided", unit),
             ]
@@ -180,7 +180,7 @@ def _correction(change: float, value: float, unit: Unit) -> str:
     """Return what was added to a result as solved; a dash for nothing, but for rounding."""
     if not abs(change) > _ROUNDING * value:
         return "–"
-    return f"{'+' if change > 0 else '−'}{number(abs(change) * unit.factor, digits=2)} {unit.shown}"
+    return f"{'+' if change > 0 else '−'}{number(abs(change) * unit.factor, digits=2)} {unit.symbol}"
 
 
 def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str, Any] | None]:
@@ -198,7 +198,7 @@ def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str,
         )
         for index, load in enumerate(loads):
             pairs = zip(lower[:, index], upper[:, index], strict=True)
-            texts = [f"{unit.interval(np.nan, *pair)} {unit.shown}" for pair in pairs]
+            texts = [f"{unit.interval(np.nan, *pair)} {unit.symbol}" for pair in pairs]
             rows.append([f"{TITLES[name]} at {load}", unit.text(float(solved[index])), *texts])
     header = ["result", "as solved", *text.values()]
     lines = [
@@ -213,7 +213,7 @@ def _both_sides(row: Any, name: str, unit: Unit) -> str:
     """Return an uncertainty below and above a result, two digits; a dash where both vanish."""
     sides = [float(row[f"{name}_{side}"]) * unit.factor for side in ("lower", "upper")]
     texts = [number(side, digits=2) if np.isfinite(side) else "no bound" for side in sides]
-    return f"{' / '.join(texts)} {unit.shown}" if any(sides) else "–"
+    return f"{' / '.join(texts)} {unit.symbol}" if any(sides) else "–"
 
 
 def _note_on_convergence(numbers: xr.Dataset) -> str:
@@ -268,7 +268,7 @@ def against_cutoff(numbers: xr.Dataset, name: str) -> Chart | None:
         return None
     chart = Chart(
         log_axis(f"shortest wave kept ({unit})", wavelengths * factor, room=1.3),
-        log_axis(f"{text} ({selected.shown})", displayed),
+        log_axis(f"{text} ({selected.symbol})", displayed),
         title=text,
         size=(330.0, 290.0),
     )

@@ -50,7 +50,7 @@ def case_table(cases: Mapping[str, xr.Dataset], *, equal_loads: bool = False) ->
     >>> case_table({"soft": one, "hard": one * 2})["apart"][:55]
     'The cases have no load in common (soft: 1.00 MPa; hard:'
     """
-    return _table([cases], equal_loads=equal_loads, many=False) if len(cases) > 1 else None
+    return _table([cases], equal_loads=equal_loads, as_medians=False) if len(cases) > 1 else None
 
 
 def case_medians(
@@ -63,11 +63,11 @@ def case_medians(
     """
     names = list(dict.fromkeys(name for surface in surfaces for name in surface))
     complete = [{name: result[name] for name in names} for result in surfaces if len(result) == len(names)]
-    return _table(complete, equal_loads=equal_loads, many=True) if len(names) > 1 and complete else None
+    return _table(complete, equal_loads=equal_loads, as_medians=True) if len(names) > 1 and complete else None
 
 
-def _table(surfaces: Sequence[Cases], *, equal_loads: bool, many: bool) -> dict[str, Any]:
-    """Return the table of the cases of one surface, or of the medians of `many`."""
+def _table(surfaces: Sequence[Cases], *, equal_loads: bool, as_medians: bool) -> dict[str, Any]:
+    """Return the table of the cases of one surface, or the medians of many."""
     result = [_shared(surface, equal_loads=equal_loads) for surface in surfaces]
     first = next((dataset for dataset in result if dataset.rows), result[0])
     # those that share the same loads
@@ -81,7 +81,8 @@ def _table(surfaces: Sequence[Cases], *, equal_loads: bool, many: bool) -> dict[
         for row in first.rows:
             below_text = {case: [(cases[case], index) for cases in compared] for case, index in row.items()}
             cells = [
-                _value(below_text[case], name, unit, many=many) if case in row else "–" for case in names
+                _value(below_text[case], name, unit, as_medians=as_medians) if case in row else "–"
+                for case in names
             ]
             for dataset, two in pairs:
                 start = row.get(dataset, -1), row.get(two, -1)
@@ -90,7 +91,7 @@ def _table(surfaces: Sequence[Cases], *, equal_loads: bool, many: bool) -> dict[
                     continue
                 index = first.indices[dataset, two].index(start)
                 ends = [_ends(result[source].changes[dataset, two], name, index) for source in retained]
-                cells.append(_change(below_text[dataset], below_text[two], name, ends, many=many))
+                cells.append(_change(below_text[dataset], below_text[two], name, ends, as_medians=as_medians))
             rows.append([_load(compared, row), *cells])
         groups.append({"title": TITLES[name], "rows": rows})
     apart = [pair for pair, indices in first.indices.items() if not indices]
@@ -108,11 +109,11 @@ def _shared(cases: Cases, *, equal_loads: bool) -> _Shared:
     rows: list[Row] = []
     shared, changes = {}, {}
     for pair in case_pairs(list(cases)):
-        result, two = both = [cases[name] for name in pair]
+        result, two = pair_data = [cases[name] for name in pair]
         in_order = equal_loads and result.sizes["load"] == two.sizes["load"]
-        indices = [np.arange(result.sizes["load"])] * 2 if in_order else shared_loads(both)
+        indices = [np.arange(result.sizes["load"])] * 2 if in_order else shared_loads(pair_data)
         changes[pair] = case_differences(
-            *(data.isel(load=selected) for data, selected in zip(both, indices, strict=True))
+            *(data.isel(load=selected) for data, selected in zip(pair_data, indices, strict=True))
         )
         shared[pair] = [(int(selected), int(second)) for selected, second in zip(*indices, strict=True)]
         for start in shared[pair]:
@@ -145,28 +146,28 @@ def _apart(cases: Cases, pairs: Sequence[tuple[str, str]], *, alone: bool) -> st
 def _load(surfaces: Sequence[Cases], row: Row) -> str:
     """Return the load that all surfaces share under the cases of a row, else the median pressure of each."""
 
-    def of_all(name: str) -> np.ndarray:
+    def values_of(name: str) -> np.ndarray:
         return np.array(
             [[float(cases[case][name].values[start]) for cases in surfaces] for case, start in row.items()]
         )
 
-    pressures, show = of_all("mean_pressure"), unit_of(surfaces[0][next(iter(row))], "Pa").text
+    pressures, show = values_of("mean_pressure"), unit_of(surfaces[0][next(iter(row))], "Pa").text
     if np.allclose(pressures, pressures[0, 0], rtol=1e-6):
         return show(float(pressures[0, 0]))
     if all("relative_pressure" in cases[case] for cases in surfaces for case in row):
-        relative = of_all("relative_pressure")
+        relative = values_of("relative_pressure")
         if np.allclose(relative, relative[0, 0], rtol=1e-6):
             return f"{number(float(relative[0, 0]))} E* g"
     return " / ".join(show(float(median)) for median in np.median(pressures, axis=1))
 
 
-def _value(loads: Sequence[Load], name: str, unit: Unit, *, many: bool) -> str:
-    """Return a number of a surface at a load, with its interval; of `many` their median."""
+def _value(loads: Sequence[Load], name: str, unit: Unit, *, as_medians: bool) -> str:
+    """Return a number of a surface at a load, with its interval; or the median."""
     values = np.array([float(data[name].values[start]) for data, start in loads])
-    if many:
+    if as_medians:
         return _quantiles(values, unit)
     data, start = loads[0]
-    return _in_brackets(unit.interval(*interval_at(data, name, start)), unit.shown)
+    return _in_brackets(unit.interval(*interval_at(data, name, start)), unit.symbol)
 
 
 def _change(
@@ -175,7 +176,7 @@ def _change(
     name: str,
     ends: Sequence[tuple[float, float]],
     *,
-    many: bool,
+    as_medians: bool,
 ) -> str:
     """Return the difference of a surface under two cases in percent with its interval, or the median."""
     first, second = (
@@ -185,11 +186,11 @@ def _change(
         change, low, high = (100 * (ratio - 1) for ratio in (second / first, *np.transpose(ends)))
     change, low, high = (np.where(np.abs(entry) < _DUST, 0.0, entry) for entry in (change, low, high))
     # with of how many surfaces the difference is larger than its interval
-    if many:
+    if as_medians:
         available = np.isfinite(low) & np.isfinite(high)
         clear = available & ((low > 0) | (high < 0))
         excess = f"; beyond ± {clear.sum()} of {available.sum()}" if available.any() else ""
-        return _quantiles(change, _PERCENT, places=2) + excess
+        return _quantiles(change, _PERCENT, decimals=2) + excess
     if not first[0] > 0:
         return "–"
     if change[0] > _MANIFOLD:
@@ -212,12 +213,12 @@ def _ends(result: xr.Dataset, name: str, load: int) -> tuple[float, float]:
     return low, high
 
 
-def _quantiles(values: np.ndarray, unit: Unit, *, places: int | None = None) -> str:
-    """Return the median of some numbers, and the range of most of them, `places` as of `number`."""
+def _quantiles(values: np.ndarray, unit: Unit, *, decimals: int | None = None) -> str:
+    """Return the median of some numbers, and the range of most of them, `decimals` as of `number`."""
     available = values[np.isfinite(values)] * unit.factor
     if not available.size:
         return "–"
     low, middle, high = (
-        number(float(end), places=places) for end in np.quantile(available, [_SPREAD[0], 0.5, _SPREAD[1]])
+        number(float(end), decimals=decimals) for end in np.quantile(available, [_SPREAD[0], 0.5, _SPREAD[1]])
     )
-    return f"{middle} {unit.shown} ({low} to {high})"
+    return f"{middle} {unit.symbol} ({low} to {high})"

@@ -57,12 +57,12 @@ class Axis:
     high: float
     log: bool = False
 
-    def place(self, values: float | np.ndarray) -> np.ndarray:
+    def position(self, values: float | np.ndarray) -> np.ndarray:
         """Return the positions of values, 0 at the lower end and 1 at the upper one, NaN beyond a logarithm.
 
         Examples
         --------
-        >>> float(Axis("load", 1.0, 100.0, log=True).place(10.0))
+        >>> float(Axis("load", 1.0, 100.0, log=True).position(10.0))
         0.5
         """
         values = np.asarray(values, dtype=float)
@@ -72,8 +72,8 @@ class Axis:
         low, high = math.log10(self.low), math.log10(self.high)
         return (logarithm - low) / (high - low)
 
-    def ticks(self, most: int = 6) -> tuple[list[float], list[float]]:
-        """Return the values written at the axis, about `most`, and those of the smaller marks between.
+    def ticks(self, max_count: int = 6) -> tuple[list[float], list[float]]:
+        """Return the values written at the axis, about `max_count`, and those of the smaller marks between.
 
         Examples
         --------
@@ -86,8 +86,8 @@ class Axis:
         """
         low, high = sorted((self.low, self.high))
         if self.log:
-            return _decades(low, high, most)
-        raw = (high - low) / most
+            return _decades(low, high, max_count)
+        raw = (high - low) / max_count
         power = 10.0 ** math.floor(math.log10(raw))
         step = next(s * power for s in (1, 2, 2.5, 5, 10) if s * power >= raw * (1 - 1e-9))
         first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
@@ -111,7 +111,7 @@ def log_axis(label: str, values: np.ndarray, *, room: float = 1.5) -> Axis:
     return Axis(label, float(low) / room, float(high) * room, log=True)
 
 
-def _decades(low: float, high: float, most: int) -> tuple[list[float], list[float]]:
+def _decades(low: float, high: float, max_count: int) -> tuple[list[float], list[float]]:
     """Return the ticks of a logarithmic axis: powers of ten, where there are few also 2 and 5 times these."""
     first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
     inside = [
@@ -121,10 +121,10 @@ def _decades(low: float, high: float, most: int) -> tuple[list[float], list[floa
         if low * (1 - 1e-9) <= (value := float(f"{digit}e{power}")) <= high * (1 + 1e-9)
     ]
     powers = [power for power, digit, _ in inside if digit == 1]
-    entries = -(-len(powers) // most) if powers else 1
+    entries = -(-len(powers) // max_count) if powers else 1
     digits = (1,) if len(powers) > 2 else (1, 2, 5)
     written = [value for power, digit, value in inside if digit in digits and power % entries == 0]
-    interior = [value for *_, value in inside if value not in written] if last - first < most else []
+    interior = [value for *_, value in inside if value not in written] if last - first < max_count else []
     return written, interior
 
 
@@ -278,7 +278,7 @@ class Chart:
 
     def band(self, low: float, high: float, *, label: str = "") -> None:
         """Shade the range between two values of x."""
-        left, right = np.clip(self.x.place(np.array([low, high])), 0, 1) * self.area[2]
+        left, right = np.clip(self.x.position(np.array([low, high])), 0, 1) * self.area[2]
         self._drawn.insert(
             0, f'<path d="M{left:.1f} 0H{right:.1f}V{self.area[3]:.1f}H{left:.1f}z" fill="#e4e4e4"/>'
         )
@@ -368,7 +368,7 @@ class Chart:
     def _pixels(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return where points lie within the area, from its upper left corner."""
         width, height = self.area[2:]
-        return self.x.place(np.asarray(x)) * width, (1 - self.y.place(np.asarray(y))) * height
+        return self.x.position(np.asarray(x)) * width, (1 - self.y.position(np.asarray(y))) * height
 
     def _path(self, x: np.ndarray, y: np.ndarray) -> str:
         """Return the outline through points, interrupted where a value is missing."""
@@ -447,15 +447,15 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float 
     output = 1 if side in ("bottom", "right") else -1
     written, interior = axis.ticks(6 if (width if flat else height) > 150 else 4)
 
-    def place(value: float) -> float:
-        share = float(axis.place(value))
+    def position(value: float) -> float:
+        share = float(axis.position(value))
         return left + share * width if flat else top + (1 - share) * height
 
     def stub(value: float, length: float) -> str:
         return (
-            f"M{place(value):.1f} {edge:.1f}v{length:g}"
+            f"M{position(value):.1f} {edge:.1f}v{length:g}"
             if flat
-            else f"M{edge:.1f} {place(value):.1f}h{length:g}"
+            else f"M{edge:.1f} {position(value):.1f}h{length:g}"
         )
 
     components = []
@@ -470,13 +470,13 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float 
     if flat:
         lower = 18.0 if side == "bottom" else -9.0
         components += [
-            _text(place(v), edge + lower, t, anchor="middle") for v, t in zip(written, texts, strict=True)
+            _text(position(v), edge + lower, t, anchor="middle") for v, t in zip(written, texts, strict=True)
         ]
         label = edge + (37 if side == "bottom" else -27)
         return [*components, _text(left + width / 2, label, axis.label, anchor="middle")]
     anchor, across = ("end", -8.0) if side == "left" else ("start", 8.0)
     components += [
-        _text(edge + across, place(v) + 4, t, anchor=anchor) for v, t in zip(written, texts, strict=True)
+        _text(edge + across, position(v) + 4, t, anchor=anchor) for v, t in zip(written, texts, strict=True)
     ]
     longest = max(map(len, texts), default=1) * _LETTER_WIDTH * _SIZE
     label = edge - 18 - longest if side == "left" else edge + 22 + longest

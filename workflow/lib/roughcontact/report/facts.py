@@ -13,7 +13,7 @@ from roughcontact.io.metadata import labelled, stored_instrument
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.profiles.surface import ISOTROPIC, surfaces_behind
-from roughcontact.quantities import number, percent, quantity, several
+from roughcontact.quantities import counted_noun, number, percent, quantity
 from roughcontact.report.tables import material_name
 from roughcontact.report.units import unit_of
 from roughcontact.roughness.profile_parameters import profile_parameters
@@ -138,7 +138,7 @@ def measured_caption(measured: xr.DataArray) -> str:
     if not missing:
         return "Every point was measured."
     profile = 1 in measured.shape or "lay" in measured.attrs
-    return f"{several(missing, 'point')} not measured{'' if profile else ' (pink)'}."
+    return f"{counted_noun(missing, 'point')} not measured{'' if profile else ' (pink)'}."
 
 
 def levelled_caption(levelled: xr.DataArray) -> str:

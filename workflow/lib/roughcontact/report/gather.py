@@ -41,16 +41,16 @@ def write_results(
     settings: dict[str, Any],
     settings_of_statistics: dict[str, Any],
     groups: Mapping[str, tuple[Mapping[str, str], bool]],
-    same_places: Sequence[Sequence[str]] = (),
+    same_area_pairs: Sequence[Sequence[str]] = (),
     changed: Mapping[str, Sequence[str]] | None = None,
     failures: Sequence[Failure] = (),
-    seen_from: str | Path | None = None,
+    link_folder: str | Path | None = None,
 ) -> list[str]:
     """Write the datasets, tables and page of all surfaces of a run; return why groups were left out.
 
-    `groups` are those of `Plan.groups`, `same_places` names of every two surfaces of the same area, the
+    `groups` are those of `Plan.groups`, `same_area_pairs` names of every two surfaces of the same area, the
     earlier one first, `changed` the settings in words by case, `failures` surfaces without results, and
-    `seen_from` the folder to which the files will be moved, for the links.
+    `link_folder` the folder to which the files will be moved, for the links.
     """
     folder = Path(folder)
     statistics = collect_statistics(finished)
@@ -63,26 +63,26 @@ def write_results(
     text = table_text(with_failures(summary, failures))
     write_text(text, folder / "summary.csv")
     write_table(budget_table(statistics), folder / "uncertainty.csv")
-    members = {
+    pair_of_placement = {
         placement: name
         for name, (components, placements) in groups.items()
         if placements
         for placement in components
         if placement in set(summary["surface"])
     }
-    if members:
-        write_table(pairs_table(summary, members), folder / "pairs.csv")
-    requested = {name for pair in same_places for name in pair}.union(
+    if pair_of_placement:
+        write_table(pairs_table(summary, pair_of_placement), folder / "pairs.csv")
+    requested = {name for pair in same_area_pairs for name in pair}.union(
         *(components for components, _ in groups.values())
     )
     solved = _by_map(statistics, requested)
     answers, omitted = group_answers(solved, groups)
-    compared, not_compared = comparisons(answers, same_places)
+    compared, not_compared = comparisons(answers, same_area_pairs)
     omitted += not_compared
-    of_maps, not_shared = compare_maps(_shared_maps(solved, groups, same_places))
+    of_maps, not_shared = compare_maps(_shared_maps(solved, groups, same_area_pairs))
     compared |= of_maps
     omitted += not_shared
-    if groups or same_places:
+    if groups or same_area_pairs:
         attrs["left_out"] = json.dumps(omitted, ensure_ascii=False)
         attrs = {key: text for key, text in attrs.items() if key != "comment"} | {"title": "Groups of maps"}
         write_dataset(joined_groups(answers).assign_attrs(attrs), folder / "groups.nc")
@@ -99,9 +99,9 @@ def write_results(
         changed=changed,
         groups=answers,
         compared=compared,
-        left_out=omitted,
+        omissions=omitted,
         failures=failures,
-        folder=seen_from,
+        folder=link_folder,
     )
     return omitted
 
@@ -135,7 +135,7 @@ def group_answers(
 
 
 def comparisons(
-    answers: Sequence[NamedGroup], same_places: Sequence[Sequence[str]] = ()
+    answers: Sequence[NamedGroup], same_area_pairs: Sequence[Sequence[str]] = ()
 ) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
     """Return the comparisons of every two groups under a case, and of the cases (`case_pairs`) of a group.
 
@@ -150,7 +150,7 @@ def comparisons(
             for dataset in answers
             if dataset.case == case and not dataset.placements
         }
-        compared, reasons = compare_all(selected, same_places=same_places)
+        compared, reasons = compare_all(selected, same_area_pairs=same_area_pairs)
         result, omitted = result | compared, omitted + reasons
     for name in dict.fromkeys(dataset.name for dataset in answers):
         selected = {dataset.label: dataset.answer for dataset in answers if dataset.name == name}
@@ -163,10 +163,10 @@ def comparisons(
 def _shared_maps(
     solved: Mapping[tuple[str, str], xr.Dataset],
     groups: Mapping[str, tuple[Mapping[str, str], bool]],
-    same_places: Sequence[Sequence[str]],
+    same_area_pairs: Sequence[Sequence[str]],
 ) -> dict[tuple[str, str], tuple[xr.Dataset, xr.Dataset]]:
     """Return the statistics of every two maps of a place, of the first placement and of each other."""
-    pairs = [(earlier, later) for earlier, later in same_places]
+    pairs = [(earlier, later) for earlier, later in same_area_pairs]
     for first, *remaining in (list(components) for components, placements in groups.values() if placements):
         pairs += [(first, second) for second in remaining]
     shared = {}

@@ -36,7 +36,7 @@ class Cell(NamedTuple):
     """One cell of the table: the answer, details, how well it is known, its verdict unless that is *use*."""
 
     text: str
-    more: str = ""
+    details: str = ""
     outcome: str = ""
     precision: str = ""
 
@@ -202,7 +202,7 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
 def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> str:
     """Return a number of a load with its interval before its unit, joined by a no-break space."""
     text = units[name].interval(*interval_at(numbers, name, index))
-    return f"{text}\N{NO-BREAK SPACE}{units[name].shown}"
+    return f"{text}\N{NO-BREAK SPACE}{units[name].symbol}"
 
 
 def _yields(load: Mapping[str, Any]) -> Cell:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import Unit, percent, several, with_interval
+from roughcontact.quantities import Unit, counted_noun, percent, with_interval
 from roughcontact.report.glance import HEADINGS as OF_MAPS
 from roughcontact.report.glance import (
     Cell,
@@ -123,9 +123,11 @@ def _composition(group: NamedGroup) -> str:
     """Return what a group is made of, in words."""
     maps = group.answer.sizes["map"]
     if group.placements:
-        return several(maps, "placement") + " of two faces"
+        return counted_noun(maps, "placement") + " of two faces"
     components = len(set(group.answer["part"].values))
-    return several(maps, "map") + (f" of {several(components, 'part')}" if components < maps else "")
+    return counted_noun(maps, "map") + (
+        f" of {counted_noun(components, 'part')}" if components < maps else ""
+    )
 
 
 def _verdicts(group: NamedGroup, verdicts: Mapping[tuple[str, str | None], str]) -> str:

@@ -80,7 +80,7 @@ def compare_areas(
     areas = np.concatenate([*(area for _, _, area in series), *(low for low, _ in ends)])
     drawn = np.concatenate([area for _, _, area in series])
     factor = pressure.factor if pressure else 1.0
-    label = f"mean pressure p̄ ({pressure.shown})" if pressure else _RELATIVE
+    label = f"mean pressure p̄ ({pressure.symbol})" if pressure else _RELATIVE
     chart = _area_chart(loads * factor, _clipped_ends(areas, drawn), size=(560.0, 430.0), label=label)
     if pressure is None:
         _theory_lines(chart, loads)
@@ -144,7 +144,7 @@ def _groups_chart(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> C
     loads = np.concatenate([answer["mean_pressure"].values for _, answer in groups])
     keys = f"{_AREA}_of_maps", f"{_AREA}_lower"
     areas = np.concatenate([np.ravel(answer[key].values) for _, answer in groups for key in keys])
-    label = f"mean pressure p̄ ({pressure.shown})"
+    label = f"mean pressure p̄ ({pressure.symbol})"
     return _area_chart(loads * pressure.factor, areas, size=(560.0, 430.0), label=label)
 
 
@@ -282,7 +282,7 @@ def _against_load(
     at_limit, limit_label = limit[0] * unit.factor, limit[1]
     drawn = np.concatenate([*(values for result in results for values in result), [at_limit]])
     drawn[drawn < 1e-5 * np.nanmax(drawn)] = np.nan
-    y = log_axis(f"{label} ({unit.shown})", drawn, room=1.6)
+    y = log_axis(f"{label} ({unit.symbol})", drawn, room=1.6)
     chart = Chart(_pascal_axis(statistics), y, top=_relative_axis(statistics))
     if np.isfinite(at_limit):
         chart.across(y=at_limit, dash=DASHED, label=limit_label)

@@ -47,13 +47,15 @@ def height_map(
     `rectangle` (m from the first corner) is the outline of the window, `unit` that of heights, `along` of
     lengths.
     """
-    behind = "window_reason" in height.attrs  # a surface behind the profiles, not these
+    is_simulated = "window_reason" in height.attrs  # a surface behind the profiles, not these
     profiles = [height.values.ravel()] if 1 in height.shape else []
-    if height.attrs.get("lay") == ISOTROPIC and not behind:
+    if height.attrs.get("lay") == ISOTROPIC and not is_simulated:
         profiles = [*height.values]
     if profiles:
-        shown = zip(profiles, COLOURS, strict=False)  # no more than there are colours
-        lines = [(row, f"profile {index}", colour) for index, (row, colour) in enumerate(shown, 1)]
+        coloured_profiles = zip(profiles, COLOURS, strict=False)  # no more than there are colours
+        lines = [
+            (row, f"profile {index}", colour) for index, (row, colour) in enumerate(coloured_profiles, 1)
+        ]
         return _profile(height, lines, label="height", unit=unit, along=along)
     outline = None
     if rectangle is not None:
@@ -181,7 +183,7 @@ def _map(
         Axis(f"x ({of_lengths})", 0.0, lx),
         Axis(f"y ({of_lengths})", 0.0, ly),
         values * unit.factor,
-        bar=Axis(f"{field.label} ({unit.shown})", low, high if high > low else low + 1e-6 * unit.factor),
+        bar=Axis(f"{field.label} ({unit.symbol})", low, high if high > low else low + 1e-6 * unit.factor),
         extend=extend,
         colours=field.colours,
         bad=field.bad,
@@ -211,7 +213,7 @@ def _profile(
     room = (high - low) * 0.06 or 1e-6 * unit.factor
     chart = Chart(
         Axis(f"{axis} ({of_lengths})", 0.0, float(position[-1]) * factor),
-        Axis(f"{label} ({unit.shown})", low - room, high + room),
+        Axis(f"{label} ({unit.symbol})", low - room, high + room),
         size=(450.0, 290.0),
     )
     for values, name, colour in lines:

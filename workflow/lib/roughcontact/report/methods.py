@@ -79,10 +79,10 @@ def _window(statistics: xr.Dataset, window: Mapping[str, Any], *, free: bool) ->
     size = " × ".join(quantity(length, "m") for length in lengths if math.isfinite(length))
     noun = "window" if all(map(math.isfinite, lengths)) else "profile"
     created = statistics.attrs.get("periodisation", window["method"])
-    made = "was periodic as measured" if created == "none" else f"was made periodic ({created})"
+    periodisation = "was periodic as measured" if created == "none" else f"was made periodic ({created})"
     if statistics.attrs.get("lay") == ISOTROPIC:
-        made = f"was drawn at random from {surfaces_behind(statistics)}"
-    steps = [f"A {noun} of {size} {'is the roughness of a body of finite size' if free else made}"]
+        periodisation = f"was drawn at random from {surfaces_behind(statistics)}"
+    steps = [f"A {noun} of {size} {'is the roughness of a body of finite size' if free else periodisation}"]
     steps += [
         f"waves {side} than {quantity(window[key], 'm')} were removed"
         for side, key in (("shorter", "shortest_wavelength"), ("longer", "longest_wavelength"))

@@ -56,7 +56,7 @@ def write_report(
     changed: Mapping[str, Sequence[str]] | None = None,
     groups: Sequence[NamedGroup] = (),
     compared: Mapping[tuple[str, str], xr.Dataset] | None = None,
-    left_out: Sequence[str] = (),
+    omissions: Sequence[str] = (),
     failures: Sequence[Failure] = (),
     folder: str | Path | None = None,
 ) -> None:
@@ -64,7 +64,7 @@ def write_report(
 
     Up to `ONE_PAGE` results stand on one self-contained page; of more there is an index, and beside it the
     folder `pages`. `residuals` are the surfaces after the load of each panel, `summary` is the text of
-    `summary.csv`, `changed` the settings in words by case, `left_out` why groups have no answer, and `folder`
+    `summary.csv`, `changed` the settings in words by case, `omissions` why groups have no answer, `folder`
     where the page will be moved to, for its links.
     """
     indexed = len(panels) + len(failures) > ONE_PAGE
@@ -145,7 +145,7 @@ def write_report(
         ),
         group_headings=GROUP_HEADINGS,
         group_pictures=group_pictures(groups) if groups else [],
-        left_out=left_out,
+        left_out=omissions,
         compared=comparison_rows(compared or {}, groups, available),
         folded=bool(grouped) and by_surface.keys() <= grouped.keys(),
         **head,
@@ -305,7 +305,7 @@ def _compared(data: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[d
         Cell(units["mean_gap"].text(rms := float(data["rms_height"])))._asdict() | {"key": _sorted(rms)},
         Cell(number(slope := float(data["rms_gradient"])))._asdict() | {"key": _sorted(slope)},
         *(
-            cell._replace(more="" if key is None else cell.more)._asdict() | {"key": key}
+            cell._replace(details="" if key is None else cell.details)._asdict() | {"key": key}
             for cell, key in zip(answers[: len(keys)], keys, strict=True)
         ),
     ]

@@ -211,7 +211,7 @@ def _each_load(numbers: xr.Dataset, drawn: Sequence[int]) -> list[tuple[str, str
     result = []
     for index, (_, *cells) in enumerate(glance_rows(numbers, indices=range(loads.size))):
         text = [
-            f"{title} {cell.text}{' ' if cell.more[:1] in '±−+' else ', '}{cell.more}".rstrip(", ")
+            f"{title} {cell.text}{' ' if cell.details[:1] in '±−+' else ', '}{cell.details}".rstrip(", ")
             + (f", {cell.precision}" if cell.precision else "")
             + (f" ({checks.VERDICTS[cell.outcome]})" if cell.outcome else "")
             for title, cell in zip(HEADINGS[1:], cells, strict=True)

@@ -54,7 +54,7 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
         finished=finished,
         **plan.report_arguments(),
         failures=failures,
-        seen_from=folder,
+        link_folder=folder,
     )
     shutil.rmtree(folder / "pages", ignore_errors=True)
     for path in staging.iterdir():

@@ -19,7 +19,7 @@ _LONGEST = 58  # characters that a row has room for
 class _Rows(Axis):
     """An axis of rows, without values."""
 
-    def ticks(self, most: int = 6) -> tuple[list[float], list[float]]:
+    def ticks(self, max_count: int = 6) -> tuple[list[float], list[float]]:
         return [], []
 
 
@@ -44,7 +44,7 @@ def stack_of_layers(bodies: Sequence[Mapping[str, Any]], window: xr.DataArray) -
     marks = {"pixel": math.prod(steps) ** (1 / len(steps)), "window": max(side_lengths(window))}
     available = [*marks.values(), *(thickness for _, thickness, _ in rows if 0 < thickness < math.inf)]
     unit = length_unit(marks["window"])
-    x = log_axis(f"thickness ({unit.shown}), logarithmic", np.array(available) * unit.factor, room=3)
+    x = log_axis(f"thickness ({unit.symbol}), logarithmic", np.array(available) * unit.factor, room=3)
     chart = Chart(
         x,
         _Rows("", len(rows), 0.0),
@@ -67,5 +67,7 @@ def stack_of_layers(bodies: Sequence[Mapping[str, Any]], window: xr.DataArray) -
     return chart.source(), "; ".join(sentence)
 
 
-def _material(of: Mapping[str, Any]) -> str:
-    return f"{quantity(of['youngs_modulus'], 'Pa')}, ν {number(of['poissons_ratio'], digits=2)}"
+def _material(properties: Mapping[str, Any]) -> str:
+    return (
+        f"{quantity(properties['youngs_modulus'], 'Pa')}, ν {number(properties['poissons_ratio'], digits=2)}"
+    )

@@ -145,7 +145,7 @@ def _column(
     values = numbers[name].values.astype(float)
     values = values[:, index[0]] if index else values
     selected = unit_of(numbers, unit)
-    head = title, selected.shown, VARIABLES[name][1]
+    head = title, selected.symbol, VARIABLES[name][1]
     if f"{name}_lower" in numbers:
         ends = (numbers[f"{name}_{end}"].values for end in ("lower", "upper"))
         return head, [selected.interval(*entry) for entry in zip(values, *ends, strict=True)]

@@ -62,7 +62,7 @@ def _spectrum_chart(
 ) -> Chart:
     """Return the axes of a spectrum: wavenumbers and wavelengths in a unit of length, powers."""
     x = log_axis(f"wavenumber q (rad/{length})", np.array(wavenumbers), room=1.3)
-    y = Axis(f"C(q) ({_HEIGHT.shown}² {length}{'' if profile else '²'})", *powers, log=True)
+    y = Axis(f"C(q) ({_HEIGHT.symbol}² {length}{'' if profile else '²'})", *powers, log=True)
     top = Axis(f"wavelength ({length})", 2 * np.pi / x.low, 2 * np.pi / x.high, log=True)
     return Chart(x, y, top=top)
 
@@ -104,7 +104,7 @@ def directional_spectrum(window: xr.DataArray) -> str:
     displayed = np.log10(np.maximum(power[np.ix_(rows, columns)] * _HEIGHT.factor**2 * unit_q**-2, 1e-300))
     x = _centred(f"q along x (rad/{length})", qx[columns] * unit_q)
     y = _centred(f"q along y (rad/{length})", qy[rows] * unit_q)
-    bar = Axis(f"log₁₀ C ({_HEIGHT.shown}² {length}²)", displayed.max() - _DECADES, displayed.max())
+    bar = Axis(f"log₁₀ C ({_HEIGHT.symbol}² {length}²)", displayed.max() - _DECADES, displayed.max())
     return framed(x, y, displayed, bar=bar, colours="magma").source()
 
 

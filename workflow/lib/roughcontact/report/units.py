@@ -37,7 +37,7 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
     Examples
     --------
     >>> polished = xr.Dataset({"contact_modulus": 115e9, "rms_height": 2e-9})
-    >>> [unit_of(polished, unit).shown for unit in ("Pa", "m", "Pa m-1")]
+    >>> [unit_of(polished, unit).symbol for unit in ("Pa", "m", "Pa m-1")]
     ['MPa', 'nm', 'MPa/µm']
     """
     if unit in _FIXED:
@@ -48,7 +48,7 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
     if unit == "Pa":
         return pressure
     if unit == "Pa m-1":
-        return Unit(pressure.factor * 1e-6, f"{pressure.shown}/µm")
+        return Unit(pressure.factor * 1e-6, f"{pressure.symbol}/µm")
     if unit == "m along":
         # a profile has a length alone
         return length_unit(np.nanmax([float(plain.get(f"window_length_{axis}", 0.0)) for axis in "xy"]))
@@ -77,7 +77,7 @@ def length_unit(longest: float) -> Unit:
 
     Examples
     --------
-    >>> [length_unit(longest).shown for longest in (5e-7, 9e-5, 4e-3, 12.5e-3, 20.0)]
+    >>> [length_unit(longest).symbol for longest in (5e-7, 9e-5, 4e-3, 12.5e-3, 20.0)]
     ['nm', 'µm', 'µm', 'mm', 'm']
     """
     if 0 < longest < 1e-6:

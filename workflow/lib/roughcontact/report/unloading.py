@@ -28,18 +28,22 @@ _LABELS = {  # of results, each with its SI unit
 def unloading_of(name: str, loaded: xr.Dataset, residual: str | Path, folder: Path) -> dict[str, Any]:
     """Return charts by label, a sentence for each peak of the load, and the link from `folder`."""
     link = Path(os.path.relpath(residual, folder)).as_posix()
-    left = read_dataset(residual)
-    peaks = [left.isel(peak=index) for index in range(left.sizes["peak"])] if "peak" in left.dims else [left]
-    ways = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
-    charts = {label: _both_ways(loaded, ways, result) for result, (label, _) in _LABELS.items()}
+    recorded = read_dataset(residual)
+    if "peak" not in recorded.dims:
+        recorded = recorded.expand_dims("peak")
+    peaks = [recorded.isel(peak=index) for index in range(recorded.sizes["peak"])]
+    unloadings = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
+    charts = {
+        label: _loading_and_unloading(loaded, unloadings, result) for result, (label, _) in _LABELS.items()
+    }
     images = {label: chart.source() for label, chart in charts.items() if chart}
-    sentences = [_sentence(loaded, way) for way in ways]
+    sentences = [_sentence(loaded, unloading) for unloading in unloadings]
     return {"name": name, "images": images, "sentences": sentences, "link": link}
 
 
-def _both_ways(loaded: xr.Dataset, ways: Sequence[xr.Dataset], result: str) -> Chart | None:
+def _loading_and_unloading(loaded: xr.Dataset, unloadings: Sequence[xr.Dataset], result: str) -> Chart | None:
     """Draw one result on loading and on unloading against the load, both logarithmic, if all have it."""
-    curves = [loaded.sortby("mean_pressure"), *ways]
+    curves = [loaded.sortby("mean_pressure"), *unloadings]
     if not all(result in curve for curve in curves):
         return None
     (pascals, pressure), (factor, unit) = (unit_of(loaded, si) for si in ("Pa", _LABELS[result][1]))
@@ -52,25 +56,29 @@ def _both_ways(loaded: xr.Dataset, ways: Sequence[xr.Dataset], result: str) -> C
         log_axis(f"{_LABELS[result][0]} ({unit})", values, room=1.6),
     )
     for index, curve in enumerate(curves):
-        way = f"unloading from {quantity(float(curve['peak_pressure']), 'Pa')}" if index else "loading"
+        unloading = f"unloading from {quantity(float(curve['peak_pressure']), 'Pa')}" if index else "loading"
         x, y = curve["mean_pressure"].values * pascals, curve[result].values * factor
-        chart.line(x, y, colour=COLOURS[index % len(COLOURS)], dash=DASHED if index else "", label=way)
+        chart.line(x, y, colour=COLOURS[index % len(COLOURS)], dash=DASHED if index else "", label=unloading)
     return chart
 
 
-def _sentence(loaded: xr.Dataset, way: xr.Dataset) -> str:
+def _sentence(loaded: xr.Dataset, unloading: xr.Dataset) -> str:
     """Return what was lowered by how much, and the area of both ways at the lowest load."""
-    mean, largest = (quantity(float(way[f"{which}_plastic_depth"]), "m") for which in ("mean", "max"))
-    volume = number(float(way["plastic_volume"]) * 1e18)
-    heights = [quantity(float(way[f"rms_height{time}"]), "m") for time in ("_before_load", "")]
-    gradients = [number(float(way[f"rms_gradient{time}"])) for time in ("_before_load", "")]
-    back = way.isel(load=int(np.argmin(way["mean_pressure"].values)))
+    mean, largest = (
+        quantity(float(unloading[f"{measure}_plastic_depth"]), "m") for measure in ("mean", "max")
+    )
+    volume = number(float(unloading["plastic_volume"]) * 1e18)
+    heights = [quantity(float(unloading[f"rms_height{time}"]), "m") for time in ("_before_load", "")]
+    gradients = [number(float(unloading[f"rms_gradient{time}"])) for time in ("_before_load", "")]
+    lightest = unloading.isel(load=int(np.argmin(unloading["mean_pressure"].values)))
     loads, areas = (loaded.sortby("mean_pressure")[name].values for name in ("mean_pressure", _AREA))
-    before = float(np.interp(float(back["mean_pressure"]), loads, areas))
-    peak, load = (quantity(float(value), "Pa") for value in (way["peak_pressure"], back["mean_pressure"]))
+    before = float(np.interp(float(lightest["mean_pressure"]), loads, areas))
+    peak, load = (
+        quantity(float(value), "Pa") for value in (unloading["peak_pressure"], lightest["mean_pressure"])
+    )
     return (
         f"After {peak}: flow has lowered the heights by {mean} in the mean and {largest} at most "
         f"({volume} µm³), the rms height from {heights[0]} to {heights[1]}, the rms gradient from "
         f"{gradients[0]} to {gradients[1]}. At {load} {percent(before)} of the area touch on loading, "
-        f"{percent(float(back[_AREA]))} on unloading."
+        f"{percent(float(lightest[_AREA]))} on unloading."
     )

@@ -41,7 +41,7 @@ _COORDINATES = (
     "mean_pressure",
     "profile_depth",
     "interface_depth",
-    *(f"{bins}_{of}" for bins in _BINS for of in ("centre", "bounds")),
+    *(f"{bins}_{value}" for bins in _BINS for value in ("centre", "bounds")),
 )
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
 # dimensions
@@ -109,11 +109,11 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         if name in sizes and name != "depth":
             continue
         values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in names_of_dim)), np.nan)
-        for place, arrays in datasets.items():
+        for position, arrays in datasets.items():
             if name in arrays:
-                part = arrays[name].values
-                corner: tuple[int | slice, ...] = (*place, *(slice(size) for size in part.shape))
-                values[corner] = part
+                block = arrays[name].values
+                corner: tuple[int | slice, ...] = (*position, *(slice(size) for size in block.shape))
+                values[corner] = block
         columns["profile_depth" if name == "depth" else name] = (("case", "surface", *names_of_dim), values)
     collected = xr.Dataset(columns, coords=_labels("surface", surfaces))
     collected = collected.set_coords([name for name in _COORDINATES if name in columns])

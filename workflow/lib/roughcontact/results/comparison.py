@@ -114,11 +114,11 @@ def _surfaces(statistics: xr.Dataset) -> Surfaces:
 
 def _pairs(before: list[xr.Dataset], after: list[xr.Dataset]) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
     """Yield the loads of both that belong together; one without a partner comes with an empty dataset."""
-    left = list(after)
+    unmatched = list(after)
     for old in before:
-        index = next((index for index, new in enumerate(left) if _same_load(old, new)), None)
-        yield old, xr.Dataset() if index is None else left.pop(index)
-    for new in left:
+        index = next((index for index, new in enumerate(unmatched) if _same_load(old, new)), None)
+        yield old, xr.Dataset() if index is None else unmatched.pop(index)
+    for new in unmatched:
         yield xr.Dataset(), new
 
 

@@ -93,7 +93,7 @@ def write_crate(
                     settings = dataset.attrs["settings"]
         results.append(crate.add_file(dest_path=name, properties=about))
     if configuration is not None:
-        copy_inputs(folder, Path(configuration), known=set(measured))
+        copy_inputs(folder, Path(configuration), read_checksums=set(measured))
         copies = sorted(path for path in (folder / INPUTS).rglob("*") if path.is_file())
         inputs = [
             crate.add_file(dest_path=path.relative_to(folder).as_posix(), properties=_about(path))

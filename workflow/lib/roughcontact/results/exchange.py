@@ -14,7 +14,7 @@ import xarray as xr
 
 from roughcontact.errors import SettingsError
 from roughcontact.maps import spacing
-from roughcontact.results.storage import whole
+from roughcontact.results.storage import atomic_write
 
 _UNITS = {"height": "m", "pressure": "Pa", "gap": "m", "contact": "1"}
 _LARGEST_TIFF = 2**32 - 2**20  # bytes, whose places have 32 bits
@@ -73,7 +73,7 @@ def write_vti(contact: xr.Dataset, path: str | Path) -> None:
         "</PointData></Piece>\n</ImageData>\n"
         '<AppendedData encoding="raw">\n_'
     )
-    with whole(path, size=len(names) * room) as partial, partial.open("wb") as file:
+    with atomic_write(path, size=len(names) * room) as partial, partial.open("wb") as file:
         file.write(head.encode())
         for name, load in _maps(contact):
             file.write(np.uint64(8 * height.size).astype("<u8").tobytes())
@@ -121,7 +121,7 @@ def write_tiff(contact: xr.Dataset, path: str | Path) -> None:
     size = 4 * contact["height"].size * (1 + 3 * contact.sizes["load"])
     if size > _LARGEST_TIFF:
         raise SettingsError(f"{path}: the maps take {size / 1e9:.3g} GB, a TIFF holds 4 GB: choose .vti")
-    with whole(path, size=size) as partial, AppendingTiffWriter(str(partial), new=True) as file:
+    with atomic_write(path, size=size) as partial, AppendingTiffWriter(str(partial), new=True) as file:
         for name, load in _maps(contact):
             text = f"{name} ({_UNITS[name]})"
             if load is not None:
@@ -175,7 +175,7 @@ def write_gsf(values: xr.DataArray, path: str | Path) -> None:
     encoded += bytes(
         4 - len(encoded) % 4
     )  # one to four zeros, so that the numbers begin at a multiple of four
-    with whole(path, size=len(encoded) + 4 * values.size) as partial:
+    with atomic_write(path, size=len(encoded) + 4 * values.size) as partial:
         partial.write_bytes(encoded + values.values[::-1].astype("<f4").tobytes())
 
 
@@ -202,7 +202,7 @@ def write_workbook(sheets: Mapping[str, pd.DataFrame], path: str | Path) -> None
         for name, frame in sheets.items():
             if len(frame):
                 frame.to_excel(book, sheet_name=name, index=False, freeze_panes=(1, 0))
-    with whole(path, size=content.tell()) as partial:
+    with atomic_write(path, size=content.tell()) as partial:
         partial.write_bytes(content.getvalue())
 
 

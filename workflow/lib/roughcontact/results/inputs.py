@@ -15,10 +15,10 @@ from roughcontact.results.storage import write_text
 FOLDER = "run_inputs"  # no surface has this name: `_` is not admitted
 
 
-def copy_inputs(results: Path, configuration: Path, known: set[str]) -> Path:
+def copy_inputs(results: Path, configuration: Path, read_checksums: set[str]) -> Path:
     """Copy settings, table and measured files of a run into its results; return the path of the settings.
 
-    Measured files must have one of the checksums (SHA-256) of `known`: those that the run has read.
+    Measured files must have one of the checksums (SHA-256) of `read_checksums`: those that the run has read.
     """
     import yaml  # comes with Snakemake
 
@@ -27,9 +27,9 @@ def copy_inputs(results: Path, configuration: Path, known: set[str]) -> Path:
     check_yaml(configuration)
     config = yaml.safe_load(configuration.read_text(encoding="utf-8"))
     # paths are looked up beside the results, then beside the file that names them
-    beside = [results.resolve().parent, configuration.resolve().parent]
+    search_path = [results.resolve().parent, configuration.resolve().parent]
     named = config.get("surfaces", Settings.model_fields["surfaces"].default)
-    table = find(named, beside)
+    table = find(named, search_path)
     if table is None:
         raise SettingsError(f"surfaces = {named}: no such file beside {results} or {configuration}")
     header, rows = read_table(table)
@@ -44,7 +44,7 @@ def copy_inputs(results: Path, configuration: Path, known: set[str]) -> Path:
                 f"{path}: no such file beside {results} or {table}; put it back where it was"
             )
         checksum = sha256(file)
-        if recorded and checksum not in known:
+        if recorded and checksum not in read_checksums:
             raise InputFileError(f"{file}: is not the file that the run has read; repeat the run first")
         copy = target / "measured" / checksum[:12] / file.name
         copy.parent.mkdir(parents=True, exist_ok=True)
@@ -55,13 +55,13 @@ def copy_inputs(results: Path, configuration: Path, known: set[str]) -> Path:
     for _, cells in rows:
         for number in columns:
             if number < len(cells) and cells[number]:
-                cells[number] = copied(cells[number], [beside[0], table.parent])
+                cells[number] = copied(cells[number], [search_path[0], table.parent])
     lines = ["\t".join(cells) for cells in (header, *(cells for _, cells in rows))]
     tables = target / "surfaces.tsv"
     write_text("\n".join(lines) + "\n", tables)
     renamed = tables.rename(tables.with_name(f"surfaces-{sha256(tables)[:12]}.tsv"))
     for section in (config, *(config.get("cases") or {}).values()):
-        _replace_spectrum(section, lambda path: copied(path, beside, recorded=False))
+        _replace_spectrum(section, lambda path: copied(path, search_path, recorded=False))
     write_text(
         json.dumps(config | {"surfaces": renamed.name}, indent=2, default=str) + "\n", target / "config.yaml"
     )

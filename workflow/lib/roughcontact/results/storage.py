@@ -76,7 +76,12 @@ _TITLES = {
 
 
 def provenance(
-    settings: dict[str, Any], *, source_sha256: str = "", stage: str = "", of: str = "", history: str = ""
+    settings: dict[str, Any],
+    *,
+    source_sha256: str = "",
+    stage: str = "",
+    subject: str = "",
+    history: str = "",
 ) -> dict[str, str]:
     """Return the attributes that record the origin of a file: settings, versions, checksum of the input."""
     program = f"roughcontact {__version__}"
@@ -85,7 +90,7 @@ def provenance(
     # no wall clock and no host name, so that two equal runs write equal files
     attributes = {
         "Conventions": "CF-1.11",
-        "title": f"{title}: {of}" if of else title,
+        "title": f"{title}: {subject}" if subject else title,
         "history": "\n".join(filter(None, [history, f"{title} by {program}"])),
         "source": program,
         "settings": json.dumps(settings, sort_keys=True),
@@ -155,7 +160,7 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     if isinstance(dataset, xr.DataArray):
         dataset = dataset.to_dataset(name=dataset.name or "height", promote_attrs=True)
     dataset = describe(dataset)
-    with whole(path, size=dataset.nbytes) as partial:
+    with atomic_write(path, size=dataset.nbytes) as partial:
         _write(dataset, partial)
 
 
@@ -194,7 +199,7 @@ class LoadByLoad:
         self._open = list(enumerate(map(float, loads)))  # places of loads whose maps are not there yet
         self._file: netCDF4.Dataset | None = None
 
-    def keep(self, solution: xr.Dataset) -> xr.Dataset:
+    def write_maps(self, solution: xr.Dataset) -> xr.Dataset:
         """Write the maps of a load, and return an empty dataset: no map is kept in memory.
 
         To be given to `solve_contact` as `reduce`.
@@ -247,7 +252,7 @@ def written_load_by_load(
     path: str | Path, loads: Sequence[float], window: xr.DataArray
 ) -> Iterator[LoadByLoad]:
     """Open a file for the maps of loads (Pa) on a window (y, x; m), which appears at the end."""
-    with whole(path, size=len(loads) * window.size * _BYTES_OF_MAPS) as partial:
+    with atomic_write(path, size=len(loads) * window.size * _BYTES_OF_MAPS) as partial:
         file = LoadByLoad(partial, loads)
         try:
             yield file
@@ -381,12 +386,12 @@ def read_table(path: str | Path) -> pd.DataFrame:
 def write_text(text: str, path: str | Path) -> None:
     """Write a text as UTF-8, whole or not at all; the folder is made where it is missing."""
     content = text.encode()
-    with whole(path, size=len(content)) as partial:
+    with atomic_write(path, size=len(content)) as partial:
         partial.write_bytes(content)
 
 
 @contextmanager
-def whole(path: str | Path, *, size: int) -> Iterator[Path]:
+def atomic_write(path: str | Path, *, size: int) -> Iterator[Path]:
     """Yield a temporary name beside `path` that takes its place at the end: no half file is ever seen.
 
     `size` is an upper estimate of the bytes: where fewer are free, that is given as the reason of a failure.
@@ -414,8 +419,8 @@ def _why_not_written(folder: Path, error: Exception, size: int) -> str | None:
     free, may_write = shutil.disk_usage(existing).free, os.access(existing, os.W_OK)
     # of a full disk netCDF says as well that it has no permission
     if code in (errno.ENOSPC, errno.EDQUOT) or (may_write and free < size):
-        left = f"the disk is full ({free / 1e6:.3g} MB free)"
-        return f"{left}: make room and run again, what is done is not done again"
+        shortage = f"the disk is full ({free / 1e6:.3g} MB free)"
+        return f"{shortage}: make room and run again, what is done is not done again"
     if code == errno.EFBIG or "NetCDF: HDF error" in str(error):
         return "a limit of the size of files (`ulimit -f`) or a quota is reached: raise it and run again"
     if code in (errno.EROFS, errno.EACCES, errno.EPERM) or not may_write:

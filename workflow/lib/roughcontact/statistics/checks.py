@@ -205,21 +205,21 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
     for index in range(statistics.sizes["load"]):
         load = values_at_load(statistics, index)
         share = float(load["relative_contact_area_pixels"])
-        words = []
+        warnings = []
         if not load["converged"]:
-            words.append("not converged")
+            warnings.append("not converged")
         if share * points < CONTACT_POINTS:
-            words.append("few contact points")
+            warnings.append("few contact points")
         if share == 1:
-            words.append("full contact")
+            warnings.append("full contact")
         if overcount(load) > OVERCOUNT:
-            words.append("coarse patches")
+            warnings.append("coarse patches")
         if load["contact_on_filled_points"] > FILLED_IN_CONTACT[0]:
-            words.append("contact on filled points")
+            warnings.append("contact on filled points")
         if load.get("rejected_load_share", 0.0) > REJECTED_LOAD:
-            words.append("rejected points carry load")
-        words += contact_checks.yield_flags(load)
-        flags.append(words)
+            warnings.append("rejected points carry load")
+        warnings += contact_checks.yield_flags(load)
+        flags.append(warnings)
     return flags
 
 
@@ -290,8 +290,10 @@ def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> li
     reasons_ = []
     for check in together:
         # by name: a load may lack the check, as that of currents in full contact
-        of_loads = [[same for same in checks if same.name == check.name] for checks in by_load]
-        loads = [load for load, same in enumerate(of_loads) if reasons(same)]
+        of_loads = [
+            [counterpart for counterpart in checks if counterpart.name == check.name] for checks in by_load
+        ]
+        loads = [load for load, counterpart in enumerate(of_loads) if reasons(counterpart)]
         if doubts := reasons([check, *(of_loads[load][0] for load in loads)]):
             reasons_.append({"check": check.name, "loads": loads, "text": doubts[0].sentence})
     return reasons_

@@ -77,16 +77,18 @@ def resistances_and_joint(
     `relative_contact_area`, and the conductances of bodies with layers.
     """
     layered = {name: columns[name] for name in _TRANSPORTS.values() if name in columns}
-    found = layered | conductances
+    results = layered | conductances
     with np.errstate(divide="ignore"):
-        found |= {
-            f"{kind}_resistance": 1 / found[name] for kind, name in _TRANSPORTS.items() if name in found
+        results |= {
+            f"{transport}_resistance": 1 / results[name]
+            for transport, name in _TRANSPORTS.items()
+            if name in results
         }
-        if joint and "thermal_resistance" in found:
+        if joint and "thermal_resistance" in results:
             film = (joint.get("film_thickness") or 0.0) / (joint.get("film_conductivity") or 1.0)
-            resistance = found["thermal_resistance"] + film / columns["relative_contact_area"]
-            found["joint_conductance"] = 1 / resistance + columns["gas_conductance"]
-    return found
+            resistance = results["thermal_resistance"] + film / columns["relative_contact_area"]
+            results["joint_conductance"] = 1 / resistance + columns["gas_conductance"]
+    return results
 
 
 def conductors(bodies: Bodies | None) -> dict[str, ConductingPair]:

@@ -693,8 +693,8 @@ def _body_to_strain(stress: Extra, bodies: Bodies | None, free: bool) -> Mapping
             "size",
             keys=["stress"],
         )
-    wanted = stress == "always" or (stress == "auto" and deformable and limited and not layered)
-    return body if wanted else None
+    required = stress == "always" or (stress == "auto" and deformable and limited and not layered)
+    return body if required else None
 
 
 def _bins(edges: dict[str, np.ndarray]) -> dict[Hashable, tuple]:

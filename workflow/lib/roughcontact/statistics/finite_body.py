@@ -66,8 +66,8 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
     transport |= {name: values / scale for name, values in before.items() if name.endswith("_resistance")}
     passages = [f"{passage}_{axis}" for passage in _PASSAGE for axis in "xy"]
     undefined = {*before} & {*THEORIES, *passages, "loading_stiffness", *(transport if layers else ())}
-    nothing = {name: xr.full_like(before[name], np.nan, dtype=float) for name in undefined}
-    return statistics.assign(transport | nothing | columns).assign_coords(force=("load", forces))
+    blank = {name: xr.full_like(before[name], np.nan, dtype=float) for name in undefined}
+    return statistics.assign(transport | blank | columns).assign_coords(force=("load", forces))
 
 
 def hertz_axes(body: xr.DataArray, numbers: xr.Dataset, load: int) -> tuple[float, float] | None:

@@ -101,6 +101,6 @@ def _without_maps(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.drop_dims(("y", "x")).reset_coords(drop=True)
 
 
-def _missing(key: str, needed: str) -> SettingsError:
+def _missing(key: str, required: str) -> SettingsError:
     """Return the error of a key of the section that needs another one."""
-    return SettingsError(f"friction.{key}: needs the {needed}", keys=[f"statistics.friction.{key}"])
+    return SettingsError(f"friction.{key}: needs the {required}", keys=[f"statistics.friction.{key}"])

@@ -70,9 +70,9 @@ def smoothed(window: Attributes) -> Check:
         return Check(CheckName.SMOOTHED, NOT_MADE, "Not made: too few waves to judge the spectrum by.")
     looked_for = (_shape_of_spectrum(window), _blunt_peaks(window), _repeated_heights(window))
     traces = [trace for trace in looked_for if trace]
-    if smoothing_traces := [trace for trace in traces if trace.ways_out]:
-        ways_out = ", or ".join(
-            dict.fromkeys(remedy for trace in smoothing_traces for remedy in trace.ways_out)
+    if smoothing_traces := [trace for trace in traces if trace.remedies]:
+        remedies = ", or ".join(
+            dict.fromkeys(remedy for trace in smoothing_traces for remedy in trace.remedies)
         )
         first, *further = [f"{trace.sentence}." for trace in smoothing_traces]
         return Check(
@@ -80,7 +80,7 @@ def smoothed(window: Attributes) -> Check:
             REVIEW,
             first,
             explanation=" ".join([*further, f"{_SMOOTHED_MEANS}."]),
-            advice=f"{ways_out[0].upper()}{ways_out[1:]}.",
+            advice=f"{remedies[0].upper()}{remedies[1:]}.",
         )
     if traces:
         return Check(CheckName.SMOOTHED, PASSED, ". ".join(trace.sentence for trace in traces) + ".")
@@ -92,7 +92,7 @@ class _Trace(NamedTuple):
     """What an instrument left in a map, and what the user can do; nothing where it is stated."""
 
     sentence: str
-    ways_out: tuple[str, ...] = ()
+    remedies: tuple[str, ...] = ()
 
 
 def _shape_of_spectrum(window: Attributes) -> _Trace | None:

@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.checking import STEEPEST
-from roughcontact.levelling.record import kinds_in_words
-from roughcontact.quantities import number, percent, quantity, several
+from roughcontact.levelling.record import rejected_by_kind
+from roughcontact.quantities import counted_noun, number, percent, quantity
 from roughcontact.statistics.outcome import FAILED, NOT_MADE, NOTE, PASSED, REVIEW, Check, CheckName
 
 FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points not measured: review, fail
@@ -76,9 +76,9 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
     rejected = levelled.get("outliers_rejected", 0)
     if not rejected:
         return Check(CheckName.OUTLIERS, PASSED, "No point was rejected.")
-    named = kinds_in_words(levelled)
+    named = rejected_by_kind(levelled)
     they, was, noun = ("it", "was", "an outlier") if rejected == 1 else ("they", "were", "outliers")
-    text = f"{several(rejected, 'point')} {was} rejected as {noun}" + (f" ({named})" if named else "")
+    text = f"{counted_noun(rejected, 'point')} {was} rejected as {noun}" + (f" ({named})" if named else "")
     shares = statistics["rejected_load_share"].values if "rejected_load_share" in statistics else np.nan
     if np.isnan(shares).all():
         unknown = f"The load that {they} would carry if {they} were kept is not known."
@@ -148,11 +148,11 @@ def form(levelled: Attributes, window: Attributes) -> Check:
     if share <= FORM:
         return Check(CheckName.FORM, PASSED, f"{text}.")
     if levelled.get("form") in ("polynomial", "sphere", "cylinder"):
-        way_out = "Compare another window.method: it came with the periodic window."
+        remedy = "Compare another window.method: it came with the periodic window."
     else:
-        way_out = "Remove it with level.form: polynomial, unless it belongs to the contact."
+        remedy = "Remove it with level.form: polynomial, unless it belongs to the contact."
     finding = f"{text}: form, not roughness, decides where the surfaces touch."
-    return Check(CheckName.FORM, REVIEW, finding, advice=way_out)
+    return Check(CheckName.FORM, REVIEW, finding, advice=remedy)
 
 
 def periodicity(window: Attributes) -> Check:

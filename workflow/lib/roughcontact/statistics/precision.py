@@ -10,7 +10,7 @@ from roughcontact.variables import ANSWERS, Numbers
 
 PERCENT, FACTOR, MAGNITUDE = 30, 3.0, 10.0  # widest: half-width in percent of the value, end over value
 # percents are rounded up: unrounded 90 % of such answers of measured maps hold, rounded 93 %
-_STEP, _LEAST = 5, 10
+_STEP, _SMALLEST_PERCENTS = 5, 10
 _CONDUCTANCE = "conductance_per_conductivity"
 _HARDNESS_ROUNDING = 1e-9
 
@@ -42,7 +42,7 @@ def precision(value: float, lower: float, upper: float) -> tuple[str, float]:
         return "exactly", 0.0
     if value > 0 and not math.isnan(lower + upper):
         half_width, factor = max(value - lower, upper - value) / value, math.inf
-        percents = max(_LEAST, _STEP * math.ceil(100 * half_width / _STEP - 1e-9))
+        percents = max(_SMALLEST_PERCENTS, _STEP * math.ceil(100 * half_width / _STEP - 1e-9))
         if percents <= PERCENT:
             return "percent", float(percents)
         if lower > 0:
@@ -64,7 +64,7 @@ def precision_in_words(value: float, lower: float, upper: float, unit: Unit) -> 
     if precision_class == "factor":
         return f"to a factor {number(limit, digits=2)}"
     if precision_class in ("at most", "at least"):
-        trivial = unit.shown == "%" and limit * unit.factor >= 99.95  # all of the area
+        trivial = unit.symbol == "%" and limit * unit.factor >= 99.95  # all of the area
         return "not by this map" if trivial else f"not by this map: {precision_class} {unit.text(limit)}"
     return {"exactly": "exactly", "magnitude": "order of magnitude"}.get(precision_class, "not by this map")
 

@@ -299,9 +299,9 @@ def _middles(depths: np.ndarray, _: np.ndarray) -> Sequence[float]:
 
 def _vertex(depths: np.ndarray, stress: np.ndarray) -> Sequence[float]:
     """Return the depth at which the parabola through three stresses is largest."""
-    (above, below), (left, right) = np.diff(depths), np.diff(stress)
-    left, right = below * left, above * right
-    return [float(depths[1] + (above * right + below * left) / (left - right) / 2)]
+    (above, below), (rise_above, rise_below) = np.diff(depths), np.diff(stress)
+    rise_above, rise_below = below * rise_above, above * rise_below
+    return [float(depths[1] + (above * rise_below + below * rise_above) / (rise_above - rise_below) / 2)]
 
 
 def _volume_above(limit: float, maps: Sequence[np.ndarray], depths: np.ndarray, last: int) -> float:

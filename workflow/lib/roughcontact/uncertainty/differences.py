@@ -103,15 +103,15 @@ def compare_all(
     *,
     relevant: float = RELEVANT,
     cases: Sequence[tuple[str, str]] = (),
-    same_places: Sequence[Sequence[str]] = (),
+    same_area_pairs: Sequence[Sequence[str]] = (),
 ) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
     """Return the comparisons of every two groups by their names, and a sentence for each that is left out.
 
     The p-values are adjusted for all loads and pairs together. `cases` are pairs of the same maps under two
-    cases, compared instead; groups of the areas in `same_places` are compared map by map.
+    cases, compared instead; groups of the areas in `same_area_pairs` are compared map by map.
     """
     results, skipped = {}, []
-    repeated_pairs = {*map(tuple, same_places), *(tuple(pair)[::-1] for pair in same_places)}
+    repeated_pairs = {*map(tuple, same_area_pairs), *(tuple(pair)[::-1] for pair in same_area_pairs)}
     for pair in cases or combinations(groups, 2):
         first_group, second_group = (groups[name].assign_attrs(group=name) for name in pair)
         earlier = [

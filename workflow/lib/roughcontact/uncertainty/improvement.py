@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from roughcontact.quantities import number, percent, quantity, several
+from roughcontact.quantities import counted_noun, number, percent, quantity
 from roughcontact.statistics.outcome import CheckName
 from roughcontact.statistics.precision import relative_half_width
 from roughcontact.uncertainty.combination import SOURCES
@@ -121,7 +121,7 @@ def _more_places(scatter: float, half_width: float, shared: float, widths: dict[
         return f"measure {field}" if field else "measure more places"
     promised = half_width_of_mean(scatter, maps, shared)
     text = f" (their mean: to about ± {percent(promised)})" if promised < 1 else ""
-    action = f"measure {several(maps - 1, 'more place')} of this size{text}"
+    action = f"measure {counted_noun(maps - 1, 'more place')} of this size{text}"
     return f"{action}, or {field}" if field else action
 
 

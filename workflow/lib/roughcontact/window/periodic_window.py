@@ -140,7 +140,7 @@ def periodic_window(
 
 
 def subwindow(
-    part: xr.DataArray,
+    cut: xr.DataArray,
     *,
     method: WindowMethod = "smooth-cross-fade",
     width: float = 0.1,
@@ -155,9 +155,9 @@ def subwindow(
     The options are those of `periodic_window`, of which placement and least share do not count.
     """
     fade = width if method in _BLENDING_METHODS else 0.0
-    start, sides, band, _ = _largest_window(part, part.values, fade, 0.0)
-    _, _, blended = _cut_out(part, start, sides, band, method=method, width=width)
-    blended = blended.assign_attrs(part.attrs)
+    start, sides, band, _ = _largest_window(cut, cut.values, fade, 0.0)
+    _, _, blended = _cut_out(cut, start, sides, band, method=method, width=width)
+    blended = blended.assign_attrs(cut.attrs)
     if correct_for:
         blended = corrected(blended, correct_for)
     if shortest_wavelength or longest_wavelength or reliable_band:

@@ -51,7 +51,7 @@ from roughcontact.io.text.table import (
 )
 from roughcontact.io.text.traces import are_traces, question, runs, turn
 from roughcontact.io.units import is_length, metres, same_length
-from roughcontact.quantities import several
+from roughcontact.quantities import counted_noun
 
 _MEMORY_PER_BYTE = 12  # bytes of memory per byte of text: lines, their cells, numbers
 _SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # header entries on the size of a map
@@ -120,7 +120,7 @@ def _parsed(
     stated = statements(rows.heading, first=rows.first, sign=sign)
     refuse_lost_row(rows.heading, table.values.shape[1], delimiter, decimal_comma, path, rows.first)
     doubts = [
-        f"{marker!r} occurs in {several(count, 'cell')} of the table and is taken as missing: "
+        f"{marker!r} occurs in {counted_noun(count, 'cell')} of the table and is taken as missing: "
         "write NaN if the point is missing, or correct it"
         for marker, count in table.spoken.items()
     ]
@@ -177,7 +177,7 @@ def _together(texts: list[_Text], files: list[MeasuredFile], path: Path) -> Meas
             for text in texts[1:4]
             if text.rows.start < text.rows.lines[0]
         )
-        file.question = f"{several(len(texts), 'table')} below one another ({headings})"
+        file.question = f"{counted_noun(len(texts), 'table')} below one another ({headings})"
     return file
 
 
@@ -262,7 +262,7 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
         channel.doubt = f"{axes.note}: {wrong}; {_SCALE_ADVICE}"
     elif not axes.rows and nx < _MANY_PROFILES and not {"length_y", "dy", "step", "ny"} & {*first_values}:
         channel.doubt = (
-            f"the first of {nx} columns holds positions: of {several(nx - 1, 'profile')}, then name the "
+            f"the first of {nx} columns holds positions: of {counted_noun(nx - 1, 'profile')}, then name the "
             "columns in a line above them (x, z1, ...), or of the rows of a map, then give dx, dy and unit"
         )
     if channel.doubt:
@@ -336,7 +336,7 @@ def _lists(
     question_text = file.question
     if len(likely) > 1:
         names = ", ".join(repr(columns[height].name) for height in heights)
-        question_text = f"{several(len(heights), 'column')} that may be heights: {names}"
+        question_text = f"{counted_noun(len(heights), 'column')} that may be heights: {names}"
     return replace(
         file,
         channels=[channel for listed_file in ordered for channel in listed_file.channels],

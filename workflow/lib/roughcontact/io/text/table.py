@@ -16,7 +16,7 @@ from roughcontact.io.guards import brief, check_points
 from roughcontact.io.text.columns import is_heading
 from roughcontact.io.text.header import statements
 from roughcontact.io.text.missing import is_missing, is_spoken, joined
-from roughcontact.quantities import several
+from roughcontact.quantities import counted_noun
 
 COMMENT_SIGNS = "#%;!\\*/"  # at the beginning of a line
 _FORTRAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)")  # double precision, 1.5D-03
@@ -310,7 +310,7 @@ def _refuse_unequal_rows(counts: array, lines: list[int], path: Path) -> None:
         width = widths.most_common(1)[0][0]
         bad = next(index for index, count in enumerate(counts) if count != width)
         cut = "; the last line is incomplete: the file was cut off" if bad == len(counts) - 1 else ""
-        number_count = several(counts[bad], "number")
+        number_count = counted_noun(counts[bad], "number")
         raise _UnequalRowsError(
             f"{path}: row {bad + 1} has {number_count} where the others have {width} (line {lines[bad]}){cut}"
         )

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from roughcontact.quantities import several
+from roughcontact.quantities import counted_noun
 
 _FEW_POINTS = 4  # points; fewer are no trace
 _SAME_STEPS = 1.5  # steps within which traces begin, or end, at one place
@@ -51,6 +51,6 @@ def turn(x: np.ndarray, traces: Sequence[slice], lines: Sequence[int]) -> str:
 def question(x: np.ndarray, traces: Sequence[slice], lines: Sequence[int]) -> str:
     """Return the question for a list of several traces."""
     return (
-        f"{turn(x, traces, lines)}: {several(len(traces), 'profile')} below one another, 'profile 1' to "
+        f"{turn(x, traces, lines)}: {counted_noun(len(traces), 'profile')} below one another, 'profile 1' to "
         f"'profile {len(traces)}'"
     )
