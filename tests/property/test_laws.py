@@ -111,6 +111,8 @@ NO_NUMBER |= {"group", "group_name", "map", "map_name", "part", "maps", "stands_
 NO_NUMBER |= {
     "force",
     "contact_area",
+    "local_contact_area",
+    "local_mean_gap",
     "contact_radius",
     "hertz_approach",
     "hertz_max_pressure",

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.stages import settings_of
 from roughcontact.maps import height_map, roughness_of, spacing
 from roughcontact.references.closed_forms import hertz, hertz_ellipse
+from roughcontact.references.synthetic import westergaard_surface
 from roughcontact.report.map_plots import pressure_map
 from roughcontact.statistics.finite_body import hertz_axes
 from roughcontact.window.finite_body import finite_body
@@ -239,9 +241,59 @@ def test_map_smaller_than_the_contact_is_refused_with_a_size():
         rc.evaluate(ground(1e-9, (40, 40)), contact=FREE | {"force": "200 N"}, form={"radius": "5 mm"})
 
 
+LOCAL = {"radius": "50 mm", "local_scale": True}
+WITHOUT_BUDGET = {"level": {"form": "mean", "outlier_threshold": None}, "uncertainty": {"sources": []}}
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.9])
+def test_local_scale_of_a_wave_is_the_integral_of_its_closed_form(ratio):
+    """Westergaard (1939): A/A0 = (2/pi) arcsin sqrt(p/p*), over the pressures of Hertz's ellipse."""
+    radii, forces = (0.05, 0.08), np.array([50.0, 6.0])
+    smooth = [hertz_ellipse(force, radii, 115e9) for force in forces]
+    amplitude = smooth[0]["max_pressure"] / ratio * 100e-6 / np.pi / 115e9
+    wave = westergaard_surface((4, 1024), 100e-6 / 1024, amplitude=amplitude, wavelength=100e-6)
+    answer = rc.evaluate(
+        wave,
+        window={"method": "raw"},
+        contact={"contact_modulus": 115e9, "force": forces.tolist()},
+        form={"radius": list(radii), "local_scale": True},
+        **WITHOUT_BUDGET,
+    )
+    np.testing.assert_allclose(answer["force"], forces)
+    np.testing.assert_allclose(answer["hertz_approach"], [body["approach"] for body in smooth])
+    for load, body in enumerate(smooth):
+        a, b, middle = body["major"], body["minor"], body["max_pressure"] / smooth[0]["max_pressure"]
+        share = quad(lambda s, p=ratio * middle: 4 / np.pi * s * np.arcsin(np.sqrt(s * p)), 0, 1)[0]
+        assert answer["local_contact_area"][load] == pytest.approx(np.pi * a * b * share, rel=2e-3)
+        assert answer["hertz_radius"][load] == pytest.approx(np.sqrt(a * b))
+    assert answer["local_mean_gap"][0] > answer["mean_gap"][0]  # lowest in the middle
+    assert np.all(answer["local_mean_gap"] < amplitude)
+    assert "Roughness has to be small against the form" in answer.attrs["reasons"]
+
+
+def test_local_scale_of_a_smooth_map_is_the_contact_of_hertz():
+    flat = height_map(1e-12 * np.indices((32, 32)).sum(axis=0) % 2e-12, 1e-6)
+    answer = rc.evaluate(flat, contact={"contact_modulus": 115e9, "force": 50}, form=LOCAL, **WITHOUT_BUDGET)
+    exact = np.pi * hertz(50.0, 0.05, 115e9)["contact_radius"] ** 2
+    assert answer["local_contact_area"].item() == pytest.approx(exact, rel=1e-9)
+    assert answer["local_mean_gap"].item() < 1e-15
+    wider = rc.evaluate(
+        ground(1e-8), contact={"contact_modulus": 115e9, "force": 5}, form=LOCAL, **WITHOUT_BUDGET
+    )
+    assert "larger than the contact, with boundary: free" in wider.attrs["reasons"]
+
+
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
+        ({"form": LOCAL}, r"contact.force: missing, though form.local_scale"),
+        ({"form": {"local_scale": True}, "contact": {"force": 5}}, r"form.radius: missing, though"),
+        ({"form": LOCAL, "contact": FREE}, r"contact.boundary: does not go with form.local_scale"),
+        ({"form": LOCAL, "contact": {"force": 5, "area": 1e-4}}, r"contact.area: does not go with"),
+        (
+            {"form": LOCAL, "contact": {"bodies": LAYERED["bodies"], "force": 5}},
+            r"layers: does not go with form.local_scale",
+        ),
         ({"contact": {"boundary": "free"}}, r"contact.force: missing"),
         ({"contact": FREE | {"mean_pressure": "1 MPa"}}, r"contact: mean_pressure .* and force"),
         ({"contact": FREE | {"area": "1 cm2"}}, r"contact.area: is of periodic maps"),

@@ -92,7 +92,7 @@ def test_a_file_and_its_map_give_the_same(tmp_path, rough):
 def test_fields_are_handed_on_and_not_kept(rough):
     (settings,) = resolve({"contact": {"contact_modulus": 1e9, "mean_pressure": [4e6, 1e6]}}).values()
     window = rc.periodic_window(rc.level(rough))
-    solver = pipeline.solver_arguments(window, settings["contact"])
+    solver = pipeline.solver_arguments(window, settings)
     kept: list[xr.Dataset] = []
     solution, *_ = pipeline.solve_and_evaluate(
         window, settings, solver, store=lambda piece: kept.append(piece.copy(deep=True))
@@ -122,7 +122,7 @@ def test_a_flat_map_under_a_relative_load_names_its_file():
         np.ones((8, 8)), dims=("y", "x"), coords={"y": np.arange(8) * 1e-6, "x": np.arange(8) * 1e-6}
     ).assign_attrs(source_file="flat.npy")
     with pytest.raises(rc.HeightMapError, match=r"^flat.npy: .*\(section contact\)"):
-        pipeline.solver_arguments(flat, settings["contact"])
+        pipeline.solver_arguments(flat, settings)
 
 
 @pytest.mark.parametrize(

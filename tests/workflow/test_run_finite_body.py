@@ -6,13 +6,18 @@ import xarray as xr
 from small_project import SETTINGS, TABLE, Project, write_maps
 
 import roughcontact as rc
+from roughcontact.references.closed_forms import hertz
 from roughcontact.results.storage import read_dataset
 
 FREE = {"contact_modulus": "1 GPa", "boundary": "free", "force": ["1 mN", "2 mN"]}
 SETTINGS_OF_BODIES = {
     **{key: value for key, value in SETTINGS.items() if key != "contact"},
     "contact": FREE,
-    "cases": {"ball": {"form": {"radius": "1 mm"}}, "punch": {"form": {"edges": True}}},
+    "cases": {
+        "ball": {"form": {"radius": "1 mm"}},
+        "punch": {"form": {"edges": True}},
+        "local": {"contact": {"boundary": "periodic"}, "form": {"radius": "1 mm", "local_scale": True}},
+    },
 }
 
 
@@ -33,6 +38,11 @@ def test_bodies_of_finite_size_go_from_the_settings_to_the_report(tmp_path, chec
         np.testing.assert_allclose(statistics["force"], [1e-3, 2e-3])
         assert ("hertz_radius" in statistics) == (case == "ball")
         assert (np.diff(statistics["contact_area"]) > 0).all()
+    local = read_dataset(project.path("results/local/ground/statistics.nc")).load()
+    np.testing.assert_allclose(local["force"], [1e-3, 2e-3])
+    exact = [hertz(force, 1e-3, 1e9)["max_pressure"] for force in (1e-3, 2e-3)]
+    np.testing.assert_allclose(local["mean_pressure"], exact)
+    assert (local["local_contact_area"] < np.pi * local["hertz_radius"] ** 2).all()
     page = project.path("results/report.html").read_text()
     assert "Body of finite size" in page
     assert "on a body of finite size" in page

@@ -12,7 +12,7 @@ from roughcontact.results.storage import opened_dataset, read_dataset, written_l
 paths, output, recorded = snakemake.input, snakemake.output, snakemake.params.settings
 settings, threads = recorded["statistics"], snakemake.threads
 window = read_dataset(paths.window)["height"]
-solver = pipeline.solver_arguments(window, settings["contact"], threads=threads)
+solver = pipeline.solver_arguments(window, settings, threads=threads)
 
 statistics = for_budget = None
 solution = paths.get("contact") or output.contact

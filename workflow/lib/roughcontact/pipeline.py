@@ -3,7 +3,7 @@
 Workflow, `roughcontact solve` and `roughcontact.evaluate` all use it, so that they give the same numbers.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,6 +22,7 @@ from roughcontact.statistics.checks import with_verdicts
 from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statistics_function, with_uncertainty
 from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.instrument_checks import instrument_kind
+from roughcontact.statistics.local_scale import hertz_pressures, with_whole_contact
 from roughcontact.statistics.precision import with_precision
 from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import TARGETS, wanted_loads
@@ -71,7 +72,7 @@ def run_chain(
     levelled = levelled_heights(height, settings["level"])
     progress(0, None, "periodic window")
     window = solved_window(levelled, settings)
-    solver = solver_arguments(window, settings["contact"], threads=threads)
+    solver = solver_arguments(window, settings, threads=threads)
     pressures = mean_pressures(window, solver)
     loads = len(pressures)
     progress(0, loads, "solving")
@@ -96,7 +97,14 @@ def run_chain(
 
 def sections_of(settings: Settings) -> tuple[str, ...]:
     """Return the sections that the numbers depend on; `form` is one of bodies of finite size."""
-    return (*SECTIONS, "form") if settings["contact"].get("boundary") == "free" else SECTIONS
+    of_form = settings["contact"].get("boundary") == "free" or _radius_of_form(settings)
+    return (*SECTIONS, "form") if of_form else SECTIONS
+
+
+def _radius_of_form(settings: Settings) -> Sequence[float]:
+    """Return one radius or two (m) of a form wider than its map, none of other maps."""
+    form = settings.get("form", {})
+    return form["radius"] if form.get("local_scale") else ()
 
 
 def mean_pressures(window: xr.DataArray, solver: Mapping[str, Any]) -> list[float]:
@@ -107,24 +115,27 @@ def mean_pressures(window: xr.DataArray, solver: Mapping[str, Any]) -> list[floa
     return [force / (window.size * dy * dx) for force in solver["force"]]
 
 
-def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> dict[str, Any]:
-    """Return the keyword arguments of `solve_contact` from the section `contact`, for the solved window.
+def solver_arguments(window: xr.DataArray, settings: Settings, *, threads: int = 1) -> dict[str, Any]:
+    """Return the keyword arguments of `solve_contact` by the sections `contact` and `form`, for a window.
 
     Examples
     --------
     >>> from roughcontact.configuration.resolve import resolve
     >>> from roughcontact.references.synthetic import westergaard_surface
     >>> wave = westergaard_surface((1, 64), 1e-6, amplitude=1e-7, wavelength=64e-6)
-    >>> contact = resolve({"contact": {"contact_modulus": 1e9, "mean_pressure": 1e5}})[""]["contact"]
-    >>> found = solver_arguments(wave, contact)
+    >>> settings = resolve({"contact": {"contact_modulus": 1e9, "mean_pressure": 1e5}})[""]
+    >>> found = solver_arguments(wave, settings)
     >>> found["mean_pressure"], found["tolerance"]
     ([100000.0], 0.0001)
     """
+    contact = settings["contact"]
     chosen = {key: contact[key] for key in ("contact_modulus", *SOLVER_SETTINGS)}
     if have_layers(contact["bodies"]):
         chosen["bodies"] = contact["bodies"]
     if contact.get("boundary") == "free":
         return chosen | {"boundary": "free", "force": contact["force"], "threads": threads}
+    if radius := _radius_of_form(settings):
+        return chosen | {"mean_pressure": hertz_pressures(contact, radius), "threads": threads}
     try:
         loads = wanted_loads(window, contact, threads=threads)
     except HeightMapError as error:
@@ -232,10 +243,12 @@ def complete_statistics(
     """
     yielding = with_first_yield(statistics, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
+    if radius := _radius_of_form(settings):
+        complete = with_whole_contact(complete, window, settings["contact"], radius, threads=threads)
     if "contact_area" in complete:  # of the corrected area, too
         ratio = complete["relative_contact_area"] / yielding["relative_contact_area"]
-        area, radius = complete["contact_area"] * ratio, complete["contact_radius"] * ratio**0.5
-        complete = complete.assign(contact_area=area, contact_radius=radius)
+        corrected = {"contact_area": ratio, "contact_radius": ratio**0.5}
+        complete = complete.assign({name: complete[name] * factor for name, factor in corrected.items()})
     stated = stated_instrument(window, settings.get("instrument"))
     properties: dict[str, Any] = {
         f"instrument_{key}": value for key, value in stated.items() if isinstance(value, float)

@@ -37,6 +37,8 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     # the solution, per load
     "mean_pressure": ("Pa", "nominal (applied, mean) pressure over the whole window"),
     "force": ("N", "force on a body of finite size"),
+    "local_contact_area": ("m2", "contact area of all places of Hertz's contact, each as the map there"),
+    "local_mean_gap": ("m", "mean gap within Hertz's contact, each place as the map there"),
     "contact_area": ("m2", "area of the contact of a body of finite size, corrected by the perimeter rule"),
     "contact_radius": ("m", "radius of the circle of that area"),
     "loaded_radius": ("m", "3F/(4 E* u), u the displacement in the middle: Hertz's radius of a smooth body"),

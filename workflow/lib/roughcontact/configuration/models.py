@@ -239,6 +239,11 @@ class Form(Section):
         default=False,
         description="whether the body ends where the map does, with sharp edges: a flat punch, a chip, a pin",
     )
+    local_scale: bool = Field(
+        default=False,
+        description="for a map smaller than the contact (boundary: periodic): each place under the nominal "
+        "pressure of the smooth body (Hertz), given its radius and force; roughness small against the form",
+    )
 
 
 class Window(Section):
@@ -428,7 +433,8 @@ class Contact(Section):
     )
     force: Forces | None = Field(
         default=None,
-        description="N, one number or a list: on a body of finite size; with area instead of mean_pressure",
+        description="N, one number or a list: on a body of finite size; with area, or form.local_scale, "
+        "instead of mean_pressure",
         examples=["50 N"],
     )
     area: Area | None = Field(

@@ -51,7 +51,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     """Return the settings of one case, and the mistakes in them."""
     merged = _merge(base, overrides)
     where = f"cases.{name}.contact" if "contact" in overrides else "contact"
-    mistakes = [SettingsError(text) for text in _mistakes_in_alternatives(merged["contact"], where)]
+    mistakes = [SettingsError(text) for text in _mistakes_in_alternatives(merged, where)]
     stated = merged["contact"].get("bodies") if isinstance(merged["contact"], dict) else None
     try:
         if isinstance(stated, list):
@@ -159,8 +159,9 @@ def _mistakes_in_cases(cases: Any) -> list[str]:
     return mistakes
 
 
-def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
-    """Return the mistakes in settings that exclude one another."""
+def _mistakes_in_alternatives(settings: Mapping[str, Any], where: str) -> list[str]:
+    """Return the mistakes in settings of the contact that exclude one another."""
+    contact, form = settings["contact"], settings.get("form")
     if not isinstance(contact, dict):
         return []
     elasticity, loads = ([key for key in keys if contact.get(key) is not None] for keys in _ALTERNATIVES)
@@ -186,6 +187,8 @@ def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
             mistakes.append(
                 f"{where}.force: missing, though boundary is free; give the force on the body in N"
             )
+    elif isinstance(form, dict) and form.get("local_scale"):
+        pass  # the pressures follow from form and force
     elif (contact.get("force") is None) != (contact.get("area") is None):
         missing, present = ("area", "force") if contact.get("area") is None else ("force", "area")
         mistakes.append(
@@ -205,6 +208,18 @@ def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
 def _mistakes_in_finite_bodies(settings: Mapping[str, Any]) -> list[str]:
     """Return what is asked of a body of finite size, or of its form, although it is not solved."""
     form, contact = settings["form"], settings["contact"]
+    if form["local_scale"]:
+        missing = {"form.radius": form["radius"], "contact.force": contact["force"]}
+        unfit = {
+            "form.edges": form["edges"],
+            "contact.boundary": contact["boundary"] == "free",
+            "contact.bodies with layers": have_layers(contact["bodies"]),
+            **{f"contact.{key}": contact[key] for key in ("area", "target_area", "target_gap", "target")},
+        }
+        return [
+            *(f"{key}: missing, though form.local_scale is true" for key in missing if not missing[key]),
+            *(f"{key}: does not go with form.local_scale; leave it out" for key in unfit if unfit[key]),
+        ]
     if contact["boundary"] != "free":
         stated = [key for key in form if form[key]]
         return [f"form.{key} = {form[key]!r}: is of contact.boundary = free; set that, too" for key in stated]

@@ -28,6 +28,8 @@ def settings_of(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
     selected = {section: settings[section] for section in sections}
     if "window" in sections and settings["contact"]["boundary"] == "free":
         selected |= {"form": settings["form"], "contact": selected.get("contact", {"boundary": "free"})}
+    if "contact" in sections and settings["form"]["local_scale"]:
+        selected["form"] = settings["form"]
     omitted = {"unload"} if stage != "residual" else set()
     if stage == "uncertainty":  # the same with and without fields
         omitted.add("keep_fields")

@@ -238,7 +238,8 @@ class FreeBody:
             advice = (
                 f"a map of {side:.3g} m x {side:.3g} m would do (a ball of its mean radius of curvature, "
                 f"{radius:.3g} m, touches over {2 * contact_radius:.3g} m); or lower the force; where the "
-                "body itself ends there, surround it by lower heights"
+                "body itself ends there, surround it by lower heights; where roughness is small against its "
+                "form, form.local_scale with boundary: periodic"
             )
         raise HeightMapError(
             f"under {force:g} N the contact reaches the border of the map, {sides[1]:.3g} m x "

@@ -132,7 +132,7 @@ def _loads(contact: Mapping[str, Any]) -> str:
 
 def _stated_loads(contact: Mapping[str, Any]) -> Iterator[str]:
     """Yield each kind of loads that is given."""
-    if contact.get("boundary") == "free":
+    if contact.get("force") and not contact.get("area"):
         forces = ", ".join(quantity(force, "N") for force in contact["force"])
         yield f"force {forces} on a body of finite size"
     for key, text, show in (

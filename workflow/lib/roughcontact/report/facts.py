@@ -253,7 +253,7 @@ def _first_yield(numbers: xr.Dataset) -> str:
     load = float(numbers[name])
     if np.isnan(load):
         return "not between the loads solved"
-    if "force" in numbers:  # in proportion to the mean pressure over the map
+    if "contact_radius" in numbers:  # in proportion to the mean pressure over the map
         return f"at {quantity(load * float((numbers['force'] / numbers['mean_pressure'])[0]), 'N')}"
     text = f"at {unit_of(numbers, 'Pa').text(load)} mean pressure"
     if "material_first_yield_pressure" not in numbers:

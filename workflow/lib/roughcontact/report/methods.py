@@ -117,7 +117,7 @@ def _answers(statistics: xr.Dataset, uncertainty: Mapping[str, Any]) -> list[str
     """Return the answers at a few loads, and what their intervals are for."""
     rising = statistics["mean_pressure"].argsort().values.tolist()
     sparse = [rising[0], rising[len(rising) // 2], rising[-1]] if len(rising) > _MOST_LOADS else rising
-    sentences, free = [], "force" in statistics.variables
+    sentences, free = [], "contact_radius" in statistics
     for index in sparse:
         answers = []
         for name, (text, unit) in _ANSWERS.items():

@@ -139,6 +139,7 @@ def surface_checks(
         contact_checks.resolution(statistics),
         *contact_checks.layers(statistics, points),
         *contact_checks.mean_free_path(statistics),
+        *contact_checks.local_scale(statistics),
         instrument_checks.smoothed(window),
         instrument_checks.noise(statistics, window),
         instrument_checks.quantisation(window),

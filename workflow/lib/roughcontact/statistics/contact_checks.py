@@ -12,11 +12,12 @@ from roughcontact import materials
 from roughcontact.contact.dataset import layers_of
 from roughcontact.quantities import number, percent, pressure_unit, quantity
 from roughcontact.statistics.conductance import over_holms_resistance
-from roughcontact.statistics.outcome import FAILED, NOT_MADE, PASSED, REVIEW, Check, CheckName
+from roughcontact.statistics.outcome import FAILED, NOT_MADE, NOTE, PASSED, REVIEW, Check, CheckName
 from roughcontact.variables import Numbers
 
 CONTACT_POINTS = 100  # fewer contact points are too few for statistics
 LAYER_PIXELS = 4  # thickness from which the contact of a pixel is that of a half-space
+_ROUGHNESS_OF_FORM = 0.05  # rms height over Hertz's approach
 _BALLISTIC = 0.1  # of the resistance, added by the mean free path: less hides in most intervals
 # Ohm m2, resistivity times mean free path of the electrons: 3e-16 to 9e-16 in metals of contacts (Gall 2016,
 # J. Appl. Phys. 119, 085101)
@@ -335,6 +336,34 @@ def mean_free_path(statistics: xr.Dataset) -> list[Check]:
     if increase < _BALLISTIC:
         return [Check(CheckName.MEAN_FREE_PATH, PASSED, f"{text}.")]
     return [Check(CheckName.MEAN_FREE_PATH, REVIEW, f"{text} and is not in the ±.", advice="Add it.")]
+
+
+def local_scale(statistics: xr.Dataset) -> list[Check]:
+    """Say what the numbers of a form wider than its map are, and check that the form is smooth enough.
+
+    The nominal pressure is Hertz's where the rms height is below 0.05 of his approach (Johnson 1985, section
+    13.5). None of other maps.
+    """
+    if "local_contact_area" not in statistics:
+        return []
+    heaviest = statistics.isel(load=int(statistics["force"].values.argmax()))
+    ratio = float(statistics["rms_height"] / statistics["hertz_approach"].min())
+    longest = float(np.nanmax([statistics[f"window_length_{axis}"] for axis in "xy"]))
+    share = float(heaviest["local_contact_area"] / (np.pi * heaviest["hertz_radius"] ** 2))
+    force, radius, gap = (
+        quantity(float(heaviest[name]), unit)
+        for name, unit in (("force", "N"), ("hertz_radius", "m"), ("local_mean_gap", "m"))
+    )
+    text = (
+        f"Each place of the smooth contact (Hertz; radius {radius} at {force}) has the contact of this map "
+        f"under the nominal pressure there: in all {percent(share)} of its area, and a mean gap of {gap}. "
+        f"Roughness has to be small against the form: its rms height is {percent(ratio)} of the least "
+        "approach."
+    )
+    if ratio <= _ROUGHNESS_OF_FORM and longest < 2 * float(statistics["hertz_radius"].min()):
+        return [Check(CheckName.LOCAL_SCALE, NOTE, text)]
+    advice = "Solve a map that is larger than the contact, with boundary: free."
+    return [Check(CheckName.LOCAL_SCALE, REVIEW, text, advice=advice)]
 
 
 def load_range(statistics: xr.Dataset) -> Check:

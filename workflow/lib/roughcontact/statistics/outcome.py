@@ -45,6 +45,7 @@ class CheckName(StrEnum):
     BAND = "Band"
     WINDOW = "Window"
     LAYERS = "Layers"
+    LOCAL_SCALE = "Local scale"
     MEAN_FREE_PATH = "Mean free path"
     PLASTICITY = "Plasticity"
     LOAD_RANGE = "Load range"

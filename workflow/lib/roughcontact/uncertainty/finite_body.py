@@ -36,7 +36,8 @@ def finite_body_budget(
     """Return the `error_budget` of a body (y, x; m) from its `budget_inputs`; `settings` include `form`."""
     roughness, steps = roughness_of(window), spacing(window)
     contact = {**settings["contact"], "mean_pressure": solved["mean_pressure"].values}
-    contact |= {"form": settings["form"], "area": window.size * steps[0] * steps[1], "pitch": steps[1]}
+    form = {key: settings["form"][key] for key in ("radius", "edges")}
+    contact |= {"form": form, "area": window.size * steps[0] * steps[1], "pitch": steps[1]}
     contact["shifts"] = _shifts(roughness, contact, windows - 1)
     positions = len(contact["shifts"]) >= _FEWEST
     meaningless = {"unresolved", *(() if positions else ("window",))}

@@ -25,7 +25,8 @@ def solved_map(levelled: xr.DataArray, settings: Mapping[str, Any]) -> xr.DataAr
             f"window.{chosen}: waves are removed from periodic maps; use level.s_filter or .l_filter"
         )
     arguments = {key: settings["window"][key] for key in ("min_share",) if key in settings["window"]}
-    return finite_body(periodic_window(levelled, method="raw", **arguments), **settings.get("form", {}))
+    form = {key: settings["form"][key] for key in ("radius", "edges")}
+    return finite_body(periodic_window(levelled, method="raw", **arguments), **form)
 
 
 def finite_body(
