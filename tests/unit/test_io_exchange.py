@@ -130,6 +130,7 @@ def test_sdf(tmp_path, file_format, revision):
     assert json.loads(height.attrs["instrument"])["vendor"] == "maker"
     data = path.read_bytes()
     refuses("not readable as SDF", saved(tmp_path, data[: int(0.6 * len(data))]))
+    refuses("a second SDF follows the first one", saved(tmp_path, data + data))
 
 
 def test_npy_needs_units(tmp_path):
@@ -151,6 +152,7 @@ def test_npy_needs_units(tmp_path):
         (np.ones((3, 3), bool), "values of type bool"),
         (np.ones((2, 3, 3)), r"an array of shape \(2, 3, 3\)"),
         (np.ones((0, 3)), r"an array of shape \(0, 3\)"),
+        (np.column_stack([*map(np.ravel, np.indices((3, 4))), np.ones(12)]), "12 points x, y, z; save"),
     ],
 )
 def test_npy_of_other_things(tmp_path, array, words):
@@ -271,6 +273,17 @@ def test_foreign_netcdf_without_units(tmp_path):
     refuses("values in K", path)
     foreign(x=[1, 2, 3.4, 4]).to_netcdf(path)
     refuses("positions along x are not evenly spaced", path)
+
+
+@pytest.mark.parametrize("dims", [("point",), ("row", "line")])
+def test_netcdf_with_positions_that_are_no_coordinates(tmp_path, dims):
+    shape = (-1, 4)[: len(dims)]
+    variables = zip("yxz", (*np.indices((3, 4)), np.ones((3, 4))), strict=True)
+    dataset = xr.Dataset({name: (dims, values.reshape(shape)) for name, values in variables})
+    dataset.to_netcdf(tmp_path / "map.nc")
+    refuses(
+        "the positions x and y of 'z' are variables over its axes", tmp_path / "map.nc", dx=1, dy=1, unit="um"
+    )
 
 
 @pytest.mark.parametrize("netcdf", ["NETCDF4", "NETCDF3_64BIT", "NETCDF3_CLASSIC"])

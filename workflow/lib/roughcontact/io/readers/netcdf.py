@@ -157,6 +157,13 @@ def _variable(
     if variable.dtype.kind not in "iuf":
         refused = f"{path}: variable {name!r} holds {no_height}, not real numbers"
         return Channel(label, (ny, nx), unreadable(refused), **attributes)
+    beside = [axis for axis in "xy" if axis in dataset and dataset[axis].dims == variable.dims != (axis,)]
+    if beside and name not in beside:
+        refused = (
+            f"the positions {' and '.join(beside)} of {name!r} are variables over its axes; make them "
+            "coordinates of a grid, or save the points as text x, y, z"
+        )
+        return Channel(label, (ny, nx), unreadable(refused), doubt=refused, **attributes)
     positive_down = str(variable.attrs.get("positive", "")).lower() == "down"  # the CF convention for depths
     if positive_down:
         attributes["notes"] = [f"the file counts {name!r} positive downwards: its sign was changed"]

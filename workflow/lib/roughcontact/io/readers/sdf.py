@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_memory, check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
@@ -38,6 +39,10 @@ def read(path: Path) -> MeasuredFile:
     with refusing(f"{path}: not readable as SDF"):
         file = sdfio.read(io.BytesIO(_SOFTGAUGE.sub(rb"\1BCR-1.0", path.read_bytes(), count=1)))
     header = file.header
+    if not header.z_scale or not np.isfinite(header.z_scale):
+        raise InputFileError(
+            f"{path}: Zscale = {header.z_scale}, the height of a count: correct it in the file"
+        )
     check_points(file.data.shape, path)
     instrument = instrument_metadata(
         {
@@ -56,7 +61,9 @@ def read(path: Path) -> MeasuredFile:
         lateral_unit="m",
     )
     # behind the heights of a binary file lies text or nothing
-    trailer = file.trailer if isinstance(file.trailer, bytes) else b""
+    trailer = file.trailer if isinstance(file.trailer, bytes) else str(file.trailer or "").encode()
+    if any(mark in trailer for mark in _MARKS):
+        raise InputFileError(f"{path}: a second SDF follows the first one; save each in a file of its own")
     required_size = size - len(trailer) if trailer.translate(None, _TEXT) else size
     stale, notes = compare_size(path, required_size)
     return MeasuredFile("SDF (ISO 25178-71)", [channel], "bottom", instrument, notes, stale)
