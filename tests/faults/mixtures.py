@@ -277,7 +277,9 @@ def headers(write: Writer) -> Mixture:
         "mm": f"dx = {write.number(DX / 1e3)} mm",
         "nx": f"nx: {nx}",
         "ny": f"ny: {ny}",
-        "both": f"Pixel size: {write.number(DX)} µm x {write.number(DY)} µm",
+        "both": write.number(DX).join(["Pixel size: ", choose.choice([" µm x ", " by ", " µm / ", "; "])])
+        + f"{write.number(DY)} µm",
+        "range": f"X range: 0 - {write.number(nx * DX)} µm",
         "field": f"Scan size: {write.number(nx * DX)} x {write.number(ny * DY)} µm",
         "pairs": f"dx={write.number(DX / 1e3)} mm, dy={write.number(DY / 1e3)} mm",
         "optical": f"Resolution: {write.number(0.35)} µm",
@@ -288,7 +290,7 @@ def headers(write: Writer) -> Mixture:
         [["width", "height"], ["dx", "dy"], ["both"], ["field"], ["pairs"], ["width", "height", "dx"]]
     )
     good += choose.sample(
-        ["width", "height", "dx", "mm", "nx", "ny", "both", "field", "optical", "motor", "pixels"], 3
+        ["width", "height", "dx", "mm", "nx", "ny", "both", "field", "optical", "motor", "pixels", "range"], 3
     )
     wrong = {
         "width twice": f"Width: {write.number(nx * DX * choose.choice([2, 0.5, 1.1, 1e3]))} µm",

@@ -215,7 +215,10 @@ def test_cut_matrices_are_refused(tmp_path):
 
 def test_ragged_rows_and_words_name_the_line(tmp_path):
     refuses("row 2 has 3 numbers where the others have 4", saved(tmp_path, "1 2 3 4\n1 2 3\n1 2 3 4\n"))
-    refuses("line 3 is no row of numbers", saved(tmp_path, "1 2 3 4\n1 2 3 4\n1 2 x 4\n1 2 3 4\n"))
+    refuses(
+        r"line 3 is no row of numbers \(x\); write NaN",
+        saved(tmp_path, "1 2 3 4\n1 2 3 4\n1 2 x 4\n1 2 3 4\n"),
+    )
 
 
 def test_ambiguous_comma_is_refused(tmp_path):

@@ -133,6 +133,20 @@ DIALECTS = {
         ),
         ONE_TABLE,
     ),
+    "thousands with points, decimal commas": (
+        text_of(
+            [[f"{value:,.2f}".translate(str.maketrans(",.", ".,")) for value in row] for row in COUNTS], ";"
+        ),
+        r"line 1 is no row of numbers \(\d+\.\d+,00\); write the numbers without separators of thousands",
+    ),
+    "decimal commas between commas": (
+        text_of(rows_of(ROUGH / 1e3, "{:.5f}"), ".").replace(".", ","),
+        "the comma in .* may be a decimal sign or a separator",
+    ),
+    "a phrase between commas": (
+        text_of(rows_of(ROUGH), ",") + "1.5,Not valid" + ",0.5" * 14 + "\n" + text_of(rows_of(ROUGH), ","),
+        r"line 13 is no row of numbers \(Not valid\); write NaN for a missing point",
+    ),
     "three decimals, some below one": (text_of(rows_of(ROUGH, "{:.3f}")), ROUGH),
     "three decimals, commas, some below one": (text_of(rows_of(ROUGH, "{:.3f}")).replace(".", ","), ROUGH),
     # numbers of rows and columns

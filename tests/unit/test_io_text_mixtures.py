@@ -146,6 +146,7 @@ def test_a_falling_profile_is_turned(read):
     [
         ("Posición [mm];Altura [nm]", (X / 1e3, ONE[0])),
         ("Nr;Messweg [µm];Höhe [nm]", (np.arange(10), X, ONE[0])),
+        ("y [µm];z [nm]", (X, ONE[0])),
         ("Counter;Altitude (nm);Encoder (µm)", (np.arange(10) + 37, ONE[0], X)),
         ("位置 [µm];高さ [nm]", (X, ONE[0])),
         (";x (µm);z (nm)", (np.arange(10), X, ONE[0])),
@@ -175,6 +176,15 @@ def test_columns_without_positions_are_profiles(read):
     text = "Profil 1 [nm];Profil 2 [nm];Profil 3 [nm]\n" + table(ONE[0], TWO[0], ONE[1], separator=";")
     read(text, refused="3 columns that may be heights", **GIVEN)
     assert_heights(read(text, channel="Profil 2", dx=0.5, unit="um"), TWO[:1])
+
+
+@pytest.mark.parametrize(
+    "lines", ["Spacing: 0.5 µm", "Width: 5 µm", "dx: 0.5 µm\nPoints: 10", "nx: 10\ndx: 0.5 µm"]
+)
+def test_a_column_below_a_step_is_a_profile(read, lines):
+    assert_heights(read(f"{lines}\nZ unit: nm\n{table(ONE[0])}"), ONE[:1])
+    sizes = "nx: 10\nny: 8\ndx: 0.5 µm\n" + table(ONE.ravel())
+    read(sizes, refused="a column of 80 numbers, where the header states a size along y", **GIVEN)
 
 
 def test_unknown_names_are_no_map(read):
@@ -220,6 +230,8 @@ def test_a_first_row_of_an_unknown_word_is_not_dropped(read, word):
         (["Width: 10", "Height: 8", "Unit: µm"], "line 1 says 'Width: 10', and there are 10 columns"),
         (["Scan size: 20 µm", "Width: 5 µm", "Height: 2 µm"], "line 1 says .*, line 2 says"),
         (["Resolution: 0.35 µm"], "give dx, dy, unit"),
+        (["X range: 0 .. 5 µm", "Y range: 0 - 2 µm"], "give dx, dy, unit"),
+        (["Width: 5 x 2 µm"], "give dx, dy, unit"),
         (["Step: 0.5 µm"], "give dx, dy, unit"),
     ],
 )
@@ -235,6 +247,8 @@ def test_statements_that_do_not_agree_are_asked_about(read, lines, words):
         (["Z unit: nm", "Value units: µm"], "line 1 says .*, line 2 says .*correct one"),
         (["Z unit: µm", "Height (nm)"], "line 1 says 'Z unit: µm', and a heading of the heights 'nm'"),
         (["nx: 10", "Columns: 11"], "line 1 says .*, line 2 says"),
+        (["X unit: mm", "Y unit: µm"], "line 1 says .*, line 2 says"),
+        (["Z scale: 0.001", "Z unit: nm"], "line 1 says 'Z scale: 0.001': name a factor"),
         (["Width: 12 px", "Height: 8 px"], "the header says 12 columns, the file has 10"),
         (["Image size: 10 x 9 pixels"], "the header says 9 rows, the file has 8"),
     ],
@@ -254,6 +268,10 @@ def test_other_statements_that_do_not_agree_are_refused(read, lines, words):
         ["Pixel size (µm): 0.5 x 0.25", "Resolution: 0.35 µm"],
         ["Scan size: 5x2 µm", "Resolution: 10 x 8"],
         ["Image size, 5 µm × 2 µm"],
+        ["Pixel size: 0.5 by 0.25 µm", "Field of view: 5; 2 µm"],
+        ["Pixel size: 0.5, 0.25 µm", "Z scale: 1"],
+        ["Pixel size: 0.5 µm / 0.25 µm", "Z scale: 300 nm"],
+        ["Pixel size X: 0.5 µm", "Pixel size Y: 0.25 µm", "X range: 0 .. 5 µm"],
         ["幅： 5 µm", "高さ： 2 µm"],
         ["X Amplitude: 5000nm", "Y Amplitude: 2000nm", "Lens resolution: 0.35 µm"],
     ],
@@ -290,7 +308,18 @@ def test_positions_in_row_and_column_with_a_corner(read, corner, down, left):
 def test_positions_without_a_corner(read):
     text = " ".join(f"{x:g}" for x in X) + "\n" + table(Y, ONE, separator=" ")
     assert_heights(read(text, **NM), ONE)
-    read(text.replace("1.5", "1.9", 1), refused="line 1 has 10 numbers where the others have 11", **NM)
+    read(text.replace("1.5", "9", 1), refused="line 1 has 10 numbers where the others have 11", **NM)
+    uneven = "the first row of the table, from line 1 on, holds positions that are not even"
+    read(text.replace("1.5", "1.9", 1), refused=uneven, **NM)
+    read("\t" + table(np.r_[9, Y**2], np.vstack([X, ONE]))[2:], refused=uneven.replace("row", "column"), **NM)
+
+
+def test_positions_and_steps_of_the_user_that_differ_are_said(read):
+    text = "\t" + table(np.r_[9, Y / 1e3], np.vstack([X / 1e3, ONE]))[2:]
+    assert "dx = 5e-07 m as given by the user, where the file says 5e-10 m" in notes(read(text, **GIVEN))
+    counted = table(np.tile(np.arange(10), 8), np.repeat(np.arange(8), 10), ONE.ravel())
+    assert "count from 0 on: if they number the points, give dx and dy" in notes(read(counted, **NM))
+    assert_heights(read(counted, **GIVEN), ONE)
 
 
 def test_positions_in_the_first_row_or_column_alone(read):

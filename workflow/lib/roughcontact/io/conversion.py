@@ -136,7 +136,7 @@ def _checked(heights: np.ndarray, path: Path) -> np.ndarray:
     if largest > _LARGEST_HEIGHT:
         raise HeightMapError(
             f"{path}: heights up to {largest:.3g} m are no measurement: the height unit is wrong, the "
-            "number marks missing points (write NaN in its place), or the file is damaged (for instance a "
+            "number marks missing points (give it as missing_value), or the file is damaged (for instance a "
             "binary file whose line ends were converted)"
         )
     return heights

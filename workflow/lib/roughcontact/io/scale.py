@@ -97,8 +97,9 @@ def _step(
     step, stated = _given_step(name, request, path), getattr(channel, name)
     if step is None:
         return None if stated is None or factor is None else stated * factor
-    if stated is not None and is_length(channel.lateral_unit):
-        in_file = stated * metres(channel.lateral_unit)
+    stated_unit = channel.lateral_unit or request.unit
+    if stated is not None and is_length(stated_unit):
+        in_file = stated * metres(stated_unit)
         if abs(in_file / step - 1) > 1e-3:
             notes.append(f"{name} = {step:.6g} m as given by the user, where the file says {in_file:.6g} m")
     return step

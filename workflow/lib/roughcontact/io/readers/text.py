@@ -25,7 +25,7 @@ from roughcontact.io.guards import check_memory
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.markers import remove_marker_values
 from roughcontact.io.metadata import instrument_metadata
-from roughcontact.io.text.axes import axes_of, begins_anew
+from roughcontact.io.text.axes import axes_of, begins_anew, uneven
 from roughcontact.io.text.columns import Column, headed, layout, of_a_map, unit_of_heights
 from roughcontact.io.text.doubts import refuse_lost_row, thousands
 from roughcontact.io.text.header import (
@@ -37,7 +37,7 @@ from roughcontact.io.text.header import (
     statements,
 )
 from roughcontact.io.text.lines import lines_of, looks_like_text
-from roughcontact.io.text.point_grid import points_on_grid
+from roughcontact.io.text.point_grid import form_a_grid, points_on_grid
 from roughcontact.io.text.table import (
     Rows,
     Table,
@@ -55,6 +55,7 @@ from roughcontact.quantities import counted_noun
 
 _MEMORY_PER_BYTE = 12  # bytes of memory per byte of text: lines, their cells, numbers
 _SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # header entries on the size of a map
+_LISTED = 8  # names in a message
 _MANY_PROFILES = 10  # columns; fewer beside a first one of positions may be profiles
 _MAX_NARROW_ROWS = 1000  # rows of two or three columns that may be a map
 _DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that may be positive downwards
@@ -125,7 +126,7 @@ def _parsed(
         for marker, count in table.spoken.items()
     ]
     if wrong := disagreeing(stated):
-        raise InputFileError(f"{path}: {wrong}; correct one of them")
+        raise InputFileError(f"{path}: {wrong}")
     first_values = first_of(stated)
     remove_marker_values(table.values, first_values.get("missing", []))
     doubts += thousands(rows.heading, rows.texts, delimiter, decimal_comma, path)
@@ -204,16 +205,17 @@ def _file(text: _Text) -> MeasuredFile:
     column_layout = None
     if columns is not None and any(column.name for column in columns):
         if not (column_layout := layout(columns)) and not of_a_map(columns):
-            names = ", ".join(repr(f"{name} ({unit})" if unit else name) for name, unit, _ in columns)
+            names = [repr(f"{name} ({unit})" if unit else name) for name, unit, _ in columns if name]
+            listing = ", ".join(names[:_LISTED]) + (", ..." if len(names) > _LISTED else "")
             raise text.refuse(
-                f"nothing says which of the {count} columns {names} are positions and heights; name them x, "
-                "y and z, in the line above the table"
+                f"nothing says which of the {count} columns {listing} are positions and heights; name them "
+                "x, y and z, in the line above the table, or delete that line above the heights of a map"
             )
     elif columns is not None and count in (2, 3):
         column_layout = layout(columns)
     if column_layout and not text.table.empty_corner:
         return _lists(text, columns or [], column_layout.positions, column_layout.heights)
-    if count == 1 and rows > 1 and not _SIZES & set(first_values):
+    if count == 1 and rows > 1 and first_values.get("nx") != 1:
         return _one_column(values, columns[0] if columns else None, text)
     if (
         count in (2, 3)
@@ -245,6 +247,11 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
             "one of them in the file, or write NaN where a column is missing"
         )
     axes = axes_of(values, corner=text.table.empty_corner and not text.table.empty_left)
+    if axes is None and (line := uneven(values)):
+        raise text.refuse(
+            f"the first {line} of the table, from line {text.rows.lines[0]} on, holds positions that are not "
+            "even: delete it if it holds none, or write the points as a list x, y, z"
+        )
     if axes is None or (first_values.get("ny"), first_values.get("nx")) == (ny, nx):
         if text.table.short:
             raise text.refuse(f"line {text.rows.lines[0]} has {nx - 1} numbers where the others have {nx}")
@@ -266,7 +273,7 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
             "columns in a line above them (x, z1, ...), or of the rows of a map, then give dx, dy and unit"
         )
     if channel.doubt:
-        channel.otherwise = replace(channel, doubt="", dx=None, dy=None)
+        channel.otherwise = replace(channel, doubt="")
     return file
 
 
@@ -363,8 +370,7 @@ def _is_stated_matrix(values: np.ndarray, first_values: dict[str, Any]) -> bool:
         except UnevenPositionsError:
             return True
         return False
-    lines = [np.unique(values[:, index]).size for index in (0, 1)]
-    return min(lines) < 3 or lines[0] * lines[1] != rows
+    return not form_a_grid(values[:, 0], values[:, 1])
 
 
 def _refuse_cut_table(text: _Text) -> None:
@@ -386,14 +392,20 @@ def _refuse_cut_table(text: _Text) -> None:
 
 def _one_column(values: np.ndarray, column: Column | None, text: _Text) -> MeasuredFile:
     """Return one height per line: a profile, or a map of one column if the user gives both steps."""
+    first_values = text.first_values
     if text.rows.broken:
         raise text.refuse(_second_table(text.rows.broken) + ", or write NaN where a height is missing")
-    first_values = text.first_values
+    if {"length_y", "dy", "ny"} & {*first_values}:
+        raise text.refuse(
+            f"a column of {len(values)} numbers, where the header states a size along y: write each row of "
+            "the map into one line"
+        )
     unit = first_values.get("height_unit", column.unit if column else first_values.get("unit"))
-    channel = _channel(values.T, first_values, unit, lateral_unit=first_values.get("lateral_unit"))
+    file = _matrix(values.T, text._replace(first_values=first_values | {"height_unit": unit}))
+    (channel,) = file.channels
     if column is None or not column.name:
-        channel.otherwise = _matrix(values, text).channels[0]
-    return MeasuredFile("text matrix", [channel], first_row="top")
+        channel.otherwise = _channel(values, first_values, lateral_unit=channel.lateral_unit)
+    return file
 
 
 def _matrix(table: np.ndarray, text: _Text, positions: dict[str, float] | None = None) -> MeasuredFile:
@@ -505,6 +517,10 @@ def _points(
         stated_steps = {"d" + axis: step for axis, step in steps.items() if step}
         wrong = _against(text, stated_steps, lateral_unit, heights.shape)
         notes = [f"{wrong}; the positions are used"] if wrong else []
+        if full_table is not None and set(steps.values()) == {1} and {first_x, first_y} <= {0, 1}:
+            notes.append(
+                f"the positions count from {first_x:g} on: if they number the points, give dx and dy"
+            )
         channel = Channel(
             shape=heights.shape,
             read=lambda: heights,

@@ -83,6 +83,25 @@ def axes_of(values: np.ndarray, *, corner: bool = False) -> Axes | None:
     return Axes(heights, steps, "; ".join(notes), turned, rows, columns)
 
 
+def uneven(values: np.ndarray) -> str:
+    """Return which of the first row and column holds uneven positions, beside even ones; or nothing.
+
+    Examples
+    --------
+    >>> heights = np.random.default_rng(1).normal(size=(6, 5))
+    >>> uneven(np.column_stack([np.arange(7), np.vstack([np.arange(5) ** 2, heights])]))
+    'row'
+    """
+    if min(values.shape) < _FEW_POSITIONS:
+        return ""
+    for name, table in (("row", values), ("column", values.T)):
+        even = _progression(table[1:, 0], table[1:, 1:].T) is not None
+        rises = [abs(np.sign(np.diff(line)).sum()) == line.size - 1 for line in table[:_COMPARED, 1:]]
+        if even and rises[0] and 2 * sum(rises) < len(rises):
+            return name
+    return ""
+
+
 def begins_anew(values: np.ndarray) -> int:
     """Return the row at which even positions in the first columns, or a first row of positions, repeat; or 0.
 

@@ -111,6 +111,8 @@ def layout(columns: Sequence[Column]) -> Layout | None:
     """
     data = [index for index, column in enumerate(columns) if column.role not in ("index", "valid")]
     x, y = ([index for index in data if columns[index].role == axis] for axis in "xy")
+    if y and not x:  # a profile along y
+        x, y = y, x
     if len(x) == len(y) == 1 and len(data) == 2:  # "X (µm), y1"
         return Layout([x], y)
     if len(x) == 1 and len(y) <= 1:

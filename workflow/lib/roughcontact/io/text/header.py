@@ -37,9 +37,15 @@ _HEADER_WORDS = {
     ),
     # only per pixel: a resolution may be that of the lens, a step that of a motor
     "per_pixel": "resolution, step, auflösung, schrittweite, résolution, pas, resolución",
-    "size": "size, scan size, image size, field, field size, measured area",
-    "dx": "dx, x step, step x, xstep, pixel width, x spacing, spacing x, x increment, xscale",
-    "dy": "dy, y step, step y, ystep, pixel height, y spacing, spacing y, y increment, yscale",
+    "size": "size, scan size, image size, field, field size, field of view, area, scan area, measured area",
+    "dx": (
+        "dx, x step, step x, xstep, pixel width, x spacing, spacing x, x increment, xscale, x pixel size, "
+        "pixel size x"
+    ),
+    "dy": (
+        "dy, y step, step y, ystep, pixel height, y spacing, spacing y, y increment, yscale, y pixel size, "
+        "pixel size y"
+    ),
     "nx": "w, nx, columns, ncols, x pixels, xpixels, x points, samples, points per line, horizontal",
     "ny": "h, ny, rows, nrows, y pixels, ypixels, y points, lines, vertical, vertikal",
     "height_unit": (
@@ -50,13 +56,15 @@ _HEADER_WORDS = {
         "werte"
     ),
     "lateral_unit": (
-        "lateral unit, lateral units, xy unit, xy units, x unit, xunit, horizontal unit, horizontal units"
+        "lateral unit, lateral units, xy unit, xy units, x unit, xunit, y unit, yunit, horizontal unit, "
+        "horizontal units"
     ),
     "unit": "unit, units, einheit, einheiten, unité, unidad, unità",
     "height_range": "z amplitude",
     "count": "number of points, points, num points, numpoints, data points, number of samples",
     "z_factor": "bit2nm, height conversion factor, z factor, zfactor",
-    "missing": "nodata value, nodata, missing value, no data value",
+    "factor": "z scale, zscale, height scale, scale factor, multiplier",
+    "missing": "nodata value, nodata, missing value, no data value, fill value, invalid value, bad value",
     "channel": "channel, channel name, kanal, canal, canale, kanaal, kanał, канал, チャンネル, チャネル",
     "instrument": "instrument, instrument name, microscope, device",
     "serial": "serial, serial number, serial no, instrument serial number",
@@ -74,6 +82,8 @@ _PIXELS = {"length_x": "nx", "length_y": "ny"}  # a size in pixels is a number o
 _PIXEL_WORDS = ("px", "pixel", "pixels", "points", "pts", "samples")
 _MEANING = {word: meaning for meaning, words in _HEADER_WORDS.items() for word in words.split(", ")}
 _NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
+_BETWEEN_SIDES = re.compile(r" (?:x|by) |(?<=\d)x(?=\d)|\s*[;/]\s*(?=\d)|,?\s+(?=\d)")
+_RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
 _PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|px|point|pt|sample)s?$", re.IGNORECASE)
 _WIDE_SIGNS = str.maketrans("：＝　", ":= ")  # of East Asian keyboards
 _LONGEST = 60  # characters of a line that a message shows
@@ -142,9 +152,12 @@ def first_of(stated: Stated) -> dict[str, Any]:
 
 
 def disagreeing(stated: Stated) -> str:
-    """Return a sentence on repeated units and numbers of points that do not agree; empty where they do."""
+    """Return a sentence on repeated units, numbers of points and factors that do not agree, else nothing."""
+    for factor in stated.get("factor", []):
+        if not factor.unit and factor.value != 1 and "z_factor" not in stated:
+            return f"{factor}: name a factor of the heights 'Z factor', with the unit of the products"
     without_lengths = {meaning: repeated for meaning, repeated in stated.items() if meaning not in _LENGTHS}
-    return next(_repeated(without_lengths), "")
+    return next((f"{wrong}; correct one of them" for wrong in _repeated(without_lengths)), "")
 
 
 def contradiction(stated: Stated, shape: tuple[int, int]) -> str:
@@ -272,7 +285,7 @@ def _statements_of(key: str, value: str, sign: str) -> Iterator[tuple[str, State
         if value and (meaning != "unit" or is_length(value)):
             yield meaning, Statement(value, "", 0.0, 0, "")
         return
-    two_values = re.split(r" x |(?<=\d)x(?=\d)", value.replace("×", "x").replace("*", "x"))
+    two_values = _BETWEEN_SIDES.split(value.replace("×", "x").replace("*", "x"))
     if len(two_values) == 2 and meaning in _TWO_VALUES:
         second_unit = _NUMBER.sub("", two_values[1], count=1).strip() or unit
         unit_known = is_length(second_unit) or (second_unit.lower() in _PIXEL_WORDS and meaning == "size")
@@ -296,6 +309,8 @@ def _numbers_of(
     value_unit = (
         _PER_PIXEL.sub("", after) if _PER_PIXEL.search(after) else after.partition(" ")[0].strip("()[],;")
     )
+    if meaning in _LENGTHS and _RANGE.match(after):
+        return
     if meaning == "per_pixel":
         if not _PER_PIXEL.search(after or unit):
             return

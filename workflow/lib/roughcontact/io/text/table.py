@@ -120,11 +120,13 @@ def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
     if "," not in joined:
         return None, False
     tokens = [line.split() for line in sample]
-    if any(len(row) > 1 for row in tokens) and not any(
-        token.endswith(",") for row in tokens for token in row
-    ):
+    separating = any(token.endswith(",") or token.count(",") > 1 for row in tokens for token in row)
+    if any(len(row) > 1 for row in tokens) and not separating:
         return None, True
-    if all(line.count(",") == 1 and "." not in line for line in sample) and len(sample) > 1:
+    decimals = "." not in joined and re.search(
+        r"(?<!\d)0\d", joined
+    )  # of 0,05,0,12 no cell is a number alone
+    if decimals or (len(sample) > 1 and all(line.count(",") == 1 and "." not in line for line in sample)):
         raise InputFileError(
             f"{path}: the comma in {sample[0]!r} may be a decimal sign or a separator; "
             "write decimals with a point, or separate columns with a tab or a semicolon"
@@ -196,7 +198,7 @@ def split_tables(
             skipped.append(line)
     for number, line in enumerate(skipped, start=first + len(body) - len(skipped)):
         if line.strip(_CELL_SEPARATORS) and line.lstrip()[0] not in "#%":
-            raise InputFileError(f"{path}: line {number} is no row of numbers ({brief(ValueError(line))})")
+            raise _no_row(line, number, path)
     if alone and len(tables) == 1 and len(tables[0].lines) > 2:
         tables[0] = tables[0]._replace(broken=0)
     return tables
@@ -287,9 +289,9 @@ def _parse(
         try:
             empty = _append(numbers, text, delimiter, spoken)
         except ValueError as error:
-            raise InputFileError(
-                f"{path}: line {number} is no row of numbers ({brief(error)}); leave the table alone "
-                "in it, below lines of words, or export the map as X3P or SDF"
+            cells = zip(line.split(delimiter), text.split(delimiter), strict=False)
+            raise _no_row(
+                next((cell for cell, read in cells if not _is_number(read)), line), number, path
             ) from error
         counts.append(len(numbers) - before)
         sides = empty if sides is None else (min(sides[0], empty[0]), min(sides[1], empty[1]))
@@ -301,6 +303,19 @@ def _parse(
     shape = len(counts), counts[0]
     check_points(shape, path)
     return Table(np.array(numbers).reshape(shape), *(sides or (0, 0)), corner, spoken, short)
+
+
+def _no_row(cell: str, number: int, path: Path) -> InputFileError:
+    """Return the error for a line that is no row of a table, with the cell or line that is no number."""
+    way_out = (
+        "write NaN for a missing point, leave the table alone in the file, below lines of words, or export "
+        "the map as X3P or SDF"
+    )
+    if re.search(r"\d[.,'\s]\d{3}(?!\d)", cell):
+        way_out = "write the numbers without separators of thousands"
+    return InputFileError(
+        f"{path}: line {number} is no row of numbers ({brief(ValueError(cell))}); {way_out}"
+    )
 
 
 def _refuse_unequal_rows(counts: array, lines: list[int], path: Path) -> None:
