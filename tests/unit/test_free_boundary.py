@@ -52,7 +52,7 @@ def test_kernel_of_elements_is_exact_up_to_its_reach():
     np.testing.assert_allclose(response, love((30, 20), spacing), rtol=1e-12)
 
 
-@pytest.mark.parametrize("shape", [(12, 10), (9, 10), (12, 7), (9, 7)])
+@pytest.mark.parametrize("shape", [(12, 10), (8, 14)])
 def test_transform_of_an_even_field(shape):
     quarter = np.random.default_rng(0).random((shape[0] // 2 + 1, shape[1] // 2 + 1))
     rows, columns = (np.minimum(np.arange(n), n - np.arange(n)) for n in shape)

@@ -209,17 +209,15 @@ def _mistakes_in_finite_bodies(settings: Mapping[str, Any]) -> list[str]:
     """Return what is asked of a body of finite size, or of its form, although it is not solved."""
     form, contact = settings["form"], settings["contact"]
     if form["local_scale"]:
-        missing = {"form.radius": form["radius"], "contact.force": contact["force"]}
-        unfit = {
-            "form.edges": form["edges"],
-            "contact.boundary": contact["boundary"] == "free",
-            "contact.bodies with layers": have_layers(contact["bodies"]),
-            **{f"contact.{key}": contact[key] for key in ("area", "target_area", "target_gap", "target")},
-        }
-        return [
-            *(f"{key}: missing, though form.local_scale is true" for key in missing if not missing[key]),
-            *(f"{key}: does not go with form.local_scale; leave it out" for key in unfit if unfit[key]),
-        ]
+        periodic = [contact[key] for key in ("area", "target_area", "target_gap", "target")]
+        unfit = (
+            form["edges"] or contact["boundary"] == "free" or have_layers(contact["bodies"]) or any(periodic)
+        )
+        text = (
+            "form.local_scale = true: takes form.radius and contact.force of a periodic map; leave out "
+            "form.edges, contact.boundary = free, contact.area, targets and layers"
+        )
+        return [text] if unfit or not form["radius"] or not contact["force"] else []
     if contact["boundary"] != "free":
         stated = [key for key in form if form[key]]
         return [f"form.{key} = {form[key]!r}: is of contact.boundary = free; set that, too" for key in stated]

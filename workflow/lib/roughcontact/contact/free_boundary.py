@@ -8,8 +8,8 @@ shows that more of the map touches, it grows and is solved again.
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import Any
+from functools import lru_cache, partial
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -44,22 +44,7 @@ DEPTH = 4.0  # of the padding below the heights, over the deepest possible gap o
 CELL_DIVISOR = 16  # of the points along a cell, for coarser grids of whole cells
 
 
-@dataclass(frozen=True)
-class FreeSolution:
-    """The contact of a finite body under one force; errors are relative, in the energy norm."""
-
-    pressure: np.ndarray  # (ny, nx), Pa
-    gap: np.ndarray  # (ny, nx), m
-    approach: float  # absolute, m
-    error_bound: float
-    floor: float  # of rounding
-    steps: int
-    applications: float  # of the operator, weighted by size over that of the map
-    passes: int  # solutions
-
-
-@dataclass
-class Region:
+class Region(NamedTuple):
     """A disc within a rectangle of the map: the points that may touch.
 
     `rows`, `columns`: slices of the map; `mask` (rows, columns): of the disc; `reach` in m: its diameter.
@@ -69,6 +54,20 @@ class Region:
     columns: slice
     mask: np.ndarray
     reach: float
+
+
+class FreeSolution(NamedTuple):
+    """The contact of a region, or of the map, under one force; errors are relative, in the energy norm."""
+
+    pressure: np.ndarray  # (ny, nx), Pa
+    gap: np.ndarray  # (ny, nx), m
+    approach: float  # absolute, m
+    error_bound: float
+    floor: float  # of rounding
+    steps: int
+    applications: float  # of the operator, weighted by size over that of the map
+    passes: int  # solutions
+    norm: float  # root of twice the elastic energy (J); of a map over that of its periodic contact
 
 
 def free_datasets(
@@ -98,6 +97,7 @@ def free_datasets(
     attrs |= {"bodies": json.dumps(body.layers.as_settings())} if body.layers else {}
     for force in forces:
         solution = body.solve(force, tolerance=tolerance)
+        body.check_border(solution.pressure, force)
         if give_up and solution.error_bound > tolerance:
             raise ConvergenceError(
                 f"force {force:g} N: the error bound stopped at {solution.error_bound:.2g}, above the "
@@ -141,49 +141,103 @@ class FreeBody:
     def solve(self, force: float, *, tolerance: float) -> FreeSolution:
         """Return the contact under a force (N)."""
         region, ratio = self._first_region(force)
-        start, cell_tolerance, steps, applications, passes = None, tolerance / ratio, 0, 0.0, 0
-        while passes < MAX_PASSES:
-            passes += 1
-            cell = Cell(self, region, force)
-            solved = cell.solve(start, tolerance=cell_tolerance)
-            pressure = np.zeros(self.heights.shape)
+        start, cell_tolerance, steps, applications = None, tolerance / ratio, 0, 0.0
+        for passes in range(1, MAX_PASSES + 1):
+            cell = self._solve_region(region, force, start, tolerance=cell_tolerance)
+            start = pressure = np.zeros(self.heights.shape)
             pressure[region.rows, region.columns] = cell.pressure
-            steps, applications = steps + cell.steps, applications + cell.applications / pressure.size
-            ratio = self._norm_ratio(cell.energy, pressure)
-            bound = solved * ratio
+            steps, applications = steps + cell.steps, applications + cell.applications
+            ratio = cell.norm / self._periodic_norm(pressure)
+            bound = cell.error_bound * ratio
             gap = self._gap(cell, region, pressure)
             # what touches at the rim of the region may touch beyond it
             touching = (pressure > 0) | (gap < 0)
             outside = touching.copy()
             outside[region.rows, region.columns] &= ~region.mask
-            if not outside.any():
-                if bound <= tolerance or cell.is_stuck:
-                    break
-                cell_tolerance *= SAFETY * tolerance / bound
-            else:
+            if outside.any():
                 region = self._region(touching, MIN_MARGIN)
-            start = pressure
+            elif bound <= tolerance or cell.error_bound > cell_tolerance:
+                floor = cell.floor * ratio
+                return FreeSolution(
+                    pressure, gap, cell.approach, bound, floor, steps, applications, passes, ratio
+                )
+            else:
+                cell_tolerance *= SAFETY * tolerance / bound
+        raise HeightMapError(f"the region of contact still grows after {MAX_PASSES} solutions")
+
+    def _solve_region(
+        self, region: Region, force: float, start: np.ndarray | None, *, tolerance: float
+    ) -> FreeSolution:
+        """Return the contact of a region in a cell where no image acts on it, `start` a pressure of the map.
+
+        Without one it starts from coarser grids. The unit of pressure is its mean in the cell.
+        """
+        from scipy import fft
+
+        heights = self.heights[region.rows, region.columns]
+        (ny, nx), (dy, dx) = heights.shape, self.spacing
+        tiles = (
+            fft.next_fast_len(int(np.ceil((n + FADE * region.reach / d + 1) / CELL_DIVISOR)))
+            for n, d in ((ny, dy), (nx, dx))
+        )
+        shape = CELL_DIVISOR * next(tiles), CELL_DIVISOR * next(tiles)
+        area = float(np.prod(shape) * dy * dx)
+        unit_length, mean_pressure = float(np.sqrt(area)), force / area
+        if mean_pressure * np.prod(shape) >= self.hardness * region.mask.sum():
+            raise SettingsError(
+                f"force {force:g} N is not below what the body carries at the hardness {self.hardness:g} Pa",
+                keys=("force",),
+            )
+        inside = heights[region.mask]
+        highest = float(inside.max())
+        low = inside.min() - DEPTH * (np.ptp(inside) + force / (self.softest * region.reach))
+        cell_heights = np.full(shape, low)
+        cell_heights[:ny, :nx] = np.where(region.mask, heights, low)
+        unit = mean_pressure / self.modulus * unit_length
+        scaled = self.layers and self.layers.scaled(unit_length)
+        kernel = TruncatedKernel(self.influence, region.reach / unit_length, scaled)
+        pitches = dy / unit_length, dx / unit_length
+        lengths, cap = (shape[0] * pitches[0], shape[1] * pitches[1]), self.hardness / mean_pressure
+        grid_of = partial(Grid, lengths=lengths, cap=cap, influence=kernel, threads=self.threads)
+        finest = grid_of(cell_heights, reference=highest, unit=unit)
+        steps, applications = 0, 0.0
+        if start is None:
+            nested = nested_heights(finest.heights_in(SINGLE), lengths)
+            grids = [finest, *(grid_of(coarse_heights) for _, coarse_heights in nested)]
+            fluctuation = grids[-1].halfspace.pressure(grids[-1].heights_in(SINGLE))
+            guess, steps = first_guess(grids, [factors for factors, _ in nested], 1.0, fluctuation)
+            applications = sum(grid.halfspace.applications * np.prod(grid.shape) for grid in grids[1:])
         else:
-            raise HeightMapError(f"the region of contact still grows after {MAX_PASSES} solutions")
-        self._check_border(pressure, force)
-        floor = cell.floor * ratio
-        return FreeSolution(pressure, gap, cell.approach, bound, floor, steps, applications, passes)
+            guess = np.zeros(shape)
+            guess[:ny, :nx] = start[region.rows, region.columns] / mean_pressure
+        solution = solve_on_grid(finest, guess, 1.0, tolerance=tolerance, finish=DOUBLE)
+        state: State = solution.state
+        applications += finest.halfspace.applications * np.prod(shape)
+        return FreeSolution(
+            pressure=state.pressure[:ny, :nx] * mean_pressure,
+            gap=state.gap[:ny, :nx] * unit,
+            approach=highest - unit * (state.offset + kernel.mean_displacement(shape, pitches)),
+            error_bound=solution.error_bound,
+            floor=rounding_floor(finest.halfspace, state),
+            steps=steps + solution.steps,
+            applications=float(applications / self.heights.size),
+            passes=1,
+            norm=state.norm * float(np.sqrt(force * unit)),
+        )
 
     def _first_region(self, force: float) -> tuple[Region, float]:
         """Return the region of contact by a coarse solution, and the ratio of its norms."""
         factor = -(-max(self.heights.shape) // COARSEST)
         if factor == 1:
             return self._region(np.ones(self.heights.shape, bool), 0), 1.0
-        ny, nx = (-(-n // factor) for n in self.heights.shape)
-        padding = [(0, ny * factor - self.heights.shape[0]), (0, nx * factor - self.heights.shape[1])]
-        blocks = np.pad(self.heights, padding, mode="edge").reshape(ny, factor, nx, factor)
-        coarse_spacing = self.spacing[0] * factor, self.spacing[1] * factor
-        coarse = replace(self, heights=blocks.mean(axis=(1, 3)), spacing=coarse_spacing, threads=1)
-        cell = Cell(coarse, coarse._region(np.ones((ny, nx), bool), 0), force)
-        cell.solve(None, tolerance=COARSE_TOLERANCE)
-        touching = np.repeat(np.repeat(cell.pressure > 0, factor, axis=0), factor, axis=1)
-        ratio = coarse._norm_ratio(cell.energy, cell.pressure)
-        return self._region(touching[: self.heights.shape[0], : self.heights.shape[1]], factor), ratio
+        ny, nx = self.heights.shape
+        heights = np.pad(self.heights, [(0, -ny % factor), (0, -nx % factor)], mode="edge")
+        blocks = heights.reshape(-(-ny // factor), factor, -1, factor).mean(axis=(1, 3))
+        wide = self.spacing[0] * factor, self.spacing[1] * factor
+        coarse = replace(self, heights=blocks, spacing=wide, threads=1)
+        solution = coarse.solve(force, tolerance=COARSE_TOLERANCE)
+        touching = (solution.pressure > 0).repeat(factor, axis=0).repeat(factor, axis=1)
+        return self._region(touching[:ny, :nx], factor), solution.norm
 
     def _region(self, touching: np.ndarray, margin: int) -> Region:
         """Return the region around all points that touch, with a margin of at least so many points."""
@@ -201,13 +255,13 @@ class FreeBody:
         mask = distance <= radius * (1 + MARGIN)
         return Region(slice(top, bottom), slice(left, right), mask, 2 * float(distance[mask].max()))
 
-    def _norm_ratio(self, energy: float, pressure: np.ndarray) -> float:
-        """Return the norm of the pressure in its cell, of that energy (J), over that in the window."""
+    def _periodic_norm(self, pressure: np.ndarray) -> float:
+        """Return the root of twice the elastic energy (J) of a pressure (Pa) on the periodic map."""
         elastic: dict[str, Any] = {"influence": self.influence, "layers": self.layers}
-        of_window = elastic_energy(pressure, self.spacing, contact_modulus=self.modulus, **elastic)
-        return float(np.sqrt(energy / (of_window * pressure.size * np.prod(self.spacing))))
+        energy = elastic_energy(pressure, self.spacing, contact_modulus=self.modulus, **elastic)
+        return float(np.sqrt(2 * energy * pressure.size * np.prod(self.spacing)))
 
-    def _gap(self, cell: "Cell", region: Region, pressure: np.ndarray) -> np.ndarray:
+    def _gap(self, cell: FreeSolution, region: Region, pressure: np.ndarray) -> np.ndarray:
         """Return the gap (ny, nx) in m: that of the solution in the region, that of Love's pixels beyond."""
         from scipy import fft  # imported late: solves of periodic maps need nothing of scipy
 
@@ -224,15 +278,18 @@ class FreeBody:
         gap[sides][region.mask] = cell.gap[region.mask]
         return gap
 
-    def _check_border(self, pressure: np.ndarray, force: float) -> None:
+    def check_border(self, pressure: np.ndarray, force: float) -> None:
         """Raise HeightMapError where the contact reaches the border of the map."""
         if not (pressure[[0, -1]].any() or pressure[:, [0, -1]].any()):
             return
         sides = [n * d for n, d in zip(pressure.shape, self.spacing, strict=True)]
-        radius = self._radius_of_curvature()
-        if radius is None:
-            advice = "surround it by lower heights, at least a row or column, where the body ends there"
-        else:
+        curvatures = [
+            -2 * np.polyfit(np.linspace(-side, side, n) / 2, self.heights.mean(axis=1 - axis), 2)[0]
+            for axis, (n, side) in enumerate(zip(pressure.shape, sides, strict=True))
+        ]
+        advice = "surround it by lower heights, at least a row or column, where the body ends there"
+        if min(curvatures) * max(sides) > 1e-9:  # a paraboloid fits
+            radius = float(np.prod(curvatures) ** -0.5)
             contact_radius = (3 * force * radius / (4 * self.softest)) ** (1 / 3)
             side = max(2.2 * contact_radius, 1.1 * min(sides))
             advice = (
@@ -246,16 +303,6 @@ class FreeBody:
             f"{sides[0]:.3g} m, and what lies beyond is not known: {advice}"
         )
 
-    def _radius_of_curvature(self) -> float | None:
-        """Return the geometric mean radius (m) of the paraboloid that fits; None where it is not convex."""
-        sides = [(n - 1) / 2 * d for n, d in zip(self.heights.shape, self.spacing, strict=True)]
-        curvatures = []
-        for axis, side in enumerate(sides):
-            line = self.heights.mean(axis=1 - axis)
-            curvatures.append(-2 * np.polyfit(np.linspace(-side, side, line.size), line, 2)[0])
-        curved = min(curvatures) * max(sides) > 1e-9
-        return float(1 / np.sqrt(curvatures[0] * curvatures[1])) if curved else None
-
     @property
     def softest(self) -> float:
         """The modulus (Pa) by which the most compliant wave is displaced."""
@@ -263,86 +310,6 @@ class FreeBody:
             return self.modulus
         q = np.geomspace(1e-3 / self.layers.thickest, 1e2 / self.layers.thinnest, 64)
         return self.modulus / max(1.0, float(self.layers.factor(q).max()))
-
-
-class Cell:
-    """The periodic problem of a region: its heights in a cell where no image acts on it."""
-
-    def __init__(self, body: FreeBody, region: Region, force: float):
-        from scipy import fft
-
-        self.body, self.region = body, region
-        heights = body.heights[region.rows, region.columns]
-        ny, nx = (
-            CELL_DIVISOR
-            * int(fft.next_fast_len(int(np.ceil((n + FADE * region.reach / d + 1) / CELL_DIVISOR))))
-            for n, d in zip(heights.shape, body.spacing, strict=True)
-        )
-        self.shape = ny, nx
-        lengths = [n * d for n, d in zip(self.shape, body.spacing, strict=True)]
-        self.unit_length = float(np.sqrt(lengths[0] * lengths[1]))
-        self.lengths = lengths[0] / self.unit_length, lengths[1] / self.unit_length
-        self.mean_pressure = force / (lengths[0] * lengths[1])
-        if self.mean_pressure * np.prod(self.shape) >= body.hardness * region.mask.sum():
-            raise SettingsError(
-                f"force {force:g} N is not below what the body carries at the hardness {body.hardness:g} Pa",
-                keys=("force",),
-            )
-        inside = heights[region.mask]
-        lowest, highest = float(inside.min()), float(inside.max())
-        low = lowest - DEPTH * (highest - lowest + force / (body.softest * region.reach))
-        self.heights = np.full(self.shape, low)
-        self.heights[: heights.shape[0], : heights.shape[1]] = np.where(region.mask, heights, low)
-        self.reference = highest
-        # the unit of height g L and that of pressure E* g, with the dimensionless load 1
-        self.gradient = self.mean_pressure / body.modulus
-        self.kernel = TruncatedKernel(
-            body.influence,
-            region.reach / self.unit_length,
-            body.layers and body.layers.scaled(self.unit_length),
-        )
-
-    def _grid(self, heights: np.ndarray, *, reference: float = 0.0, unit: float = 1.0) -> Grid:
-        """Return the grid of heights, which count as (height - reference)/unit."""
-        return Grid(
-            heights,
-            self.lengths,
-            reference=reference,
-            unit=unit,
-            cap=self.body.hardness / self.mean_pressure,
-            influence=self.kernel,
-            threads=self.body.threads,
-        )
-
-    def solve(self, start: np.ndarray | None, *, tolerance: float) -> float:
-        """Solve to a tolerance, from a pressure (of the map) or from coarser grids; return the bound."""
-        scale = self.gradient * self.unit_length
-        finest = self._grid(self.heights, reference=self.reference, unit=scale)
-        ny, nx = self.region.mask.shape
-        self.steps, applications = 0, 0.0
-        if start is None:
-            nested = nested_heights(finest.heights_in(SINGLE), self.lengths)
-            grids = [finest, *(self._grid(heights) for _, heights in nested)]
-            fluctuation = grids[-1].halfspace.pressure(grids[-1].heights_in(SINGLE))
-            guess, self.steps = first_guess(grids, [factors for factors, _ in nested], 1.0, fluctuation)
-            applications = sum(grid.halfspace.applications * np.prod(grid.shape) for grid in grids[1:])
-        else:
-            guess = np.zeros(self.shape)
-            guess[:ny, :nx] = start[self.region.rows, self.region.columns] / self.mean_pressure
-        solution = solve_on_grid(finest, guess, 1.0, tolerance=tolerance, finish=DOUBLE)
-        state: State = solution.state
-        self.steps += solution.steps
-        self.applications = float(applications + finest.halfspace.applications * np.prod(self.shape))
-        spacing = self.body.spacing[0] / self.unit_length, self.body.spacing[1] / self.unit_length
-        mean = self.kernel.mean_displacement(self.shape, spacing)
-        self.approach = self.reference - scale * (state.offset + mean)
-        self.pressure = state.pressure[:ny, :nx] * self.mean_pressure
-        self.gap = state.gap[:ny, :nx] * scale
-        area = np.prod(self.shape) * np.prod(self.body.spacing)
-        self.energy = 0.5 * state.norm**2 * self.mean_pressure * scale * float(area)
-        self.floor = rounding_floor(finest.halfspace, state)
-        self.is_stuck = solution.error_bound > tolerance
-        return solution.error_bound
 
 
 @lru_cache(maxsize=2)

@@ -143,13 +143,11 @@ def distances(shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarra
 
 
 def even_transform(quarter: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Return the transform (ny, nx // 2 + 1) of a field even along both axes, given by a quarter."""
+    """Return the transform (ny, nx // 2 + 1) of a field even along both axes, of even sides, by a quarter."""
     from scipy import fft
 
-    rows, columns = (np.minimum(i, n - i) for n in shape for i in [np.arange(n)])
-    if shape[0] % 2 or shape[1] % 2:  # the cosine transform is of even sides
-        return np.asarray(fft.rfft2(quarter[np.ix_(rows, columns)]).real)
-    return np.asarray(fft.dctn(quarter, type=1)[rows])
+    rows = np.arange(shape[0])
+    return np.asarray(fft.dctn(quarter, type=1)[np.minimum(rows, shape[0] - rows)])
 
 
 def love(shape: tuple[int, ...], spacing: tuple[float, float]) -> np.ndarray:

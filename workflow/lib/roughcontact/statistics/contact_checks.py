@@ -346,21 +346,21 @@ def local_scale(statistics: xr.Dataset) -> list[Check]:
     """
     if "local_contact_area" not in statistics:
         return []
-    heaviest = statistics.isel(load=int(statistics["force"].values.argmax()))
+    last = statistics.isel(load=int(statistics["force"].values.argmax()))
     ratio = float(statistics["rms_height"] / statistics["hertz_approach"].min())
-    longest = float(np.nanmax([statistics[f"window_length_{axis}"] for axis in "xy"]))
-    share = float(heaviest["local_contact_area"] / (np.pi * heaviest["hertz_radius"] ** 2))
+    share = float(last["local_contact_area"] / (np.pi * last["hertz_radius"] ** 2))
     force, radius, gap = (
-        quantity(float(heaviest[name]), unit)
+        quantity(float(last[name]), unit)
         for name, unit in (("force", "N"), ("hertz_radius", "m"), ("local_mean_gap", "m"))
     )
     text = (
-        f"Each place of the smooth contact (Hertz; radius {radius} at {force}) has the contact of this map "
-        f"under the nominal pressure there: in all {percent(share)} of its area, and a mean gap of {gap}. "
-        f"Roughness has to be small against the form: its rms height is {percent(ratio)} of the least "
-        "approach."
+        "Each place of the smooth contact (Hertz) has the contact of this map under the nominal pressure "
+        f"there: at {force}, radius {radius}, {percent(share)} of the area and a mean "
+        f" gap of {gap}. Roughness has to be small against the form: its rms height is {percent(ratio)} "
+        "of the least approach."
     )
-    if ratio <= _ROUGHNESS_OF_FORM and longest < 2 * float(statistics["hertz_radius"].min()):
+    lengths = [statistics[f"window_length_{axis}"] for axis in "xy"]
+    if ratio <= _ROUGHNESS_OF_FORM and np.nanmax(lengths) < 2 * statistics["hertz_radius"].min():
         return [Check(CheckName.LOCAL_SCALE, NOTE, text)]
     advice = "Solve a map that is larger than the contact, with boundary: free."
     return [Check(CheckName.LOCAL_SCALE, REVIEW, text, advice=advice)]

@@ -28,11 +28,8 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
     height, modulus, layers = contact["height"], float(contact["contact_modulus"]), layers_of(contact)
     steps, forces = spacing(height), contact["force"].values
     map_area = height.size * steps[0] * steps[1]
-    radii = [
-        float(height.attrs[f"form_radius_{axis}"]) for axis in "xy" if f"form_radius_{axis}" in height.attrs
-    ]
-    if layers:  # Hertz's theory is that of half-spaces
-        radii = []
+    names = () if layers else ("form_radius_x", "form_radius_y")  # Hertz's theory is that of half-spaces
+    radii = [float(height.attrs[name]) for name in names if name in height.attrs]
     summits = summit_statistics(roughness_of(height)) if radii and radii[0] == radii[1] else None
     rows = []
     for load, force in enumerate(map(float, forces)):

@@ -35,22 +35,21 @@ def with_whole_contact(
     from scipy.special import roots_jacobi  # imported late, as few maps are of a form
 
     smooth = hertz_ellipse(1.0, (radius[0], radius[-1]), contact["contact_modulus"])
-    largest, (roots, weights) = statistics["mean_pressure"].values, roots_jacobi(_NODES, 0, 1)
-    loads, scale = largest[:, None] * (1 + roots) / 2, largest / smooth["max_pressure"]
+    largest, (roots, weights) = statistics["mean_pressure"], roots_jacobi(_NODES, 0, 1)
+    loads, scale = np.outer(largest, (1 + roots) / 2), largest / smooth["max_pressure"]
     solver = {key: contact[key] for key in ("contact_modulus", *SOLVER_SETTINGS)} | {"threads": threads}
     curve = solve_contact(window, **solver, mean_pressure=loads.ravel().tolist(), reduce=_area_and_gap)
     share, gap = (curve[name].values.reshape(loads.shape) @ weights / 2 for name in (_AREA, _GAP))
     # pixels too large for the area in the middle are so everywhere
-    share *= (statistics[_AREA] / statistics.get(f"{_AREA}_as_solved", statistics[_AREA])).values
+    corrected = statistics[_AREA] / statistics.get(f"{_AREA}_as_solved", statistics[_AREA])
     hertz_area = np.pi * smooth["major"] * smooth["minor"] * scale**2
-    columns = {
-        "force": scale**3,
-        "hertz_radius": np.sqrt(hertz_area / np.pi),
-        "hertz_approach": smooth["approach"] * scale**2,
-        "local_contact_area": hertz_area * share,
-        "local_mean_gap": gap,
-    }
-    return statistics.assign({name: ("load", values) for name, values in columns.items()})
+    return statistics.assign(
+        force=scale**3,
+        hertz_radius=np.sqrt(hertz_area / np.pi),
+        hertz_approach=smooth["approach"] * scale**2,
+        local_contact_area=hertz_area * share * corrected,
+        local_mean_gap=("load", gap),
+    )
 
 
 def _area_and_gap(contact: xr.Dataset) -> xr.Dataset:
