@@ -152,7 +152,8 @@ def test_npy_needs_units(tmp_path):
         (np.ones((3, 3), bool), "values of type bool"),
         (np.ones((2, 3, 3)), r"an array of shape \(2, 3, 3\)"),
         (np.ones((0, 3)), r"an array of shape \(0, 3\)"),
-        (np.column_stack([*map(np.ravel, np.indices((3, 4))), np.ones(12)]), "12 points x, y, z; save"),
+        (np.column_stack([*map(np.ravel, np.indices((3, 4))), np.ones(12)]), "points, not heights; save"),
+        (np.vstack([np.arange(9), np.random.default_rng(1).normal(size=9)]), "points, not heights; save"),
     ],
 )
 def test_npy_of_other_things(tmp_path, array, words):

@@ -174,6 +174,11 @@ def test_images_of_gwyddion_in_other_units_and_under_a_mask(tmp_path):
     listed = inspect_file(saved(tmp_path, gwy({"a": (HEIGHTS, "V"), "b": (HEIGHTS, "m")}, SIZE)))
     assert [(each["name"], each["height_unit"]) for each in listed["channels"]] == [("a", "V"), ("b", "m")]
     assert listed["channel"] == "b"
+    twice = saved(
+        tmp_path, gwy({"a": (HEIGHTS, "m"), "b": (2 * HEIGHTS, "m")}, SIZE).replace(b"sb\0", b"sa\0")
+    )
+    assert json.loads(read_height_map(twice).attrs["channels"]) == ["a", "a (2)"]
+    np.testing.assert_allclose(read_height_map(twice, channel="a (2)").values[::-1], 2 * HEIGHTS, rtol=1e-12)
     masked = read_height_map(saved(tmp_path, gwy({"a": (HEIGHTS, "m")}, SIZE, [COUNTS > 8000])))
     assert masked.attrs["missing_points"] == int((COUNTS > 8000).sum()) > 0
     assert "the mask in the file was applied" in warnings_of(masked)

@@ -232,6 +232,9 @@ def test_a_first_row_of_an_unknown_word_is_not_dropped(read, word):
         (["Resolution: 0.35 µm"], "give dx, dy, unit"),
         (["X range: 0 .. 5 µm", "Y range: 0 - 2 µm"], "give dx, dy, unit"),
         (["Width: 5 x 2 µm"], "give dx, dy, unit"),
+        (["Pixel size: 0.5 µm 0.25 µm 0.001 µm"], "give dx, dy, unit"),
+        (["Pixel size: 1/2 µm"], "give dx, dy, unit"),
+        (["Pixel size: 2 px/µm"], "line 1 says 'Pixel size: 2 px/µm': 'px/µm' is no unit of length"),
         (["Step: 0.5 µm"], "give dx, dy, unit"),
     ],
 )
@@ -271,6 +274,7 @@ def test_other_statements_that_do_not_agree_are_refused(read, lines, words):
         ["Pixel size: 0.5 by 0.25 µm", "Field of view: 5; 2 µm"],
         ["Pixel size: 0.5, 0.25 µm", "Z scale: 1"],
         ["Pixel size: 0.5 µm / 0.25 µm", "Z scale: 300 nm"],
+        ["dx: 0.5 µm +/- 0.01 µm", "dy: 0.25 µm"],
         ["Pixel size X: 0.5 µm", "Pixel size Y: 0.25 µm", "X range: 0 .. 5 µm"],
         ["幅： 5 µm", "高さ： 2 µm"],
         ["X Amplitude: 5000nm", "Y Amplitude: 2000nm", "Lens resolution: 0.35 µm"],
@@ -314,11 +318,27 @@ def test_positions_without_a_corner(read):
     read("\t" + table(np.r_[9, Y**2], np.vstack([X, ONE]))[2:], refused=uneven.replace("row", "column"), **NM)
 
 
+def test_empty_rows_above_and_below_a_table_are_said(read):
+    empty = "\t" * 9 + "\n"
+    assert "3 lines of empty cells beside the table are left out" in notes(
+        read(empty + table(ONE) + 2 * empty, **GIVEN)
+    )
+    assert "empty cells" not in notes(read("\n" + table(ONE) + "\n\n", **GIVEN))
+
+
+def test_points_in_rows_are_no_map(read):
+    for rows in ((X, ONE[0]), grid(ONE)):
+        read(table(np.vstack(rows)), refused="line 1 holds positions", **GIVEN)
+
+
 def test_positions_and_steps_of_the_user_that_differ_are_said(read):
     text = "\t" + table(np.r_[9, Y / 1e3], np.vstack([X / 1e3, ONE]))[2:]
     assert "dx = 5e-07 m as given by the user, where the file says 5e-10 m" in notes(read(text, **GIVEN))
     counted = table(np.tile(np.arange(10), 8), np.repeat(np.arange(8), 10), ONE.ravel())
-    assert "count from 0 on: if they number the points, give dx and dy" in notes(read(counted, **NM))
+    for names in ("", "X\tY\tValue\n"):
+        assert "count from 0 on: if they number the points, give dx and dy" in notes(
+            read(names + counted, **NM)
+        )
     assert_heights(read(counted, **GIVEN), ONE)
 
 

@@ -75,6 +75,13 @@ class MeasuredFile:
     first_row_assumed: bool = False  # stated neither by file nor format
     question: str = ""  # what there are several of, where the user has to name one
 
+    def __post_init__(self) -> None:
+        names: list[str] = []
+        for channel in self.channels:  # a name again gets a number, so that each can be asked for
+            names.append(channel.name)
+            if names.count(channel.name) > 1:
+                channel.name = f"{channel.name} ({names.count(channel.name)})"
+
     def rows_of(self, channel: Channel) -> tuple[str, bool]:
         """Return where row 0 of a channel lies, `top` or `bottom`, and whether that is only assumed."""
         if channel.first_row:

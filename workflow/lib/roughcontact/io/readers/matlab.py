@@ -15,6 +15,7 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, oversized
 from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.text.axes import refuse_points
 
 _MARK = b"MATLAB 5.0 MAT-file"
 _HEADER_BYTES = 128
@@ -63,6 +64,7 @@ def _read(path: Path, name: str, shape: tuple[int, int], index: int | None) -> n
     check_points(shape, path)
     with refusing(f"{path}: variable {name!r} is damaged"):
         values = np.asarray(loadmat(str(path), variable_names=[name])[name])
+    refuse_points(values, path)
     return as_heights((values if index is None else values[:, :, index]).reshape(shape), str(path))
 
 

@@ -9,7 +9,7 @@ from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.lengths import compare_size
-from roughcontact.io.text.point_grid import form_a_grid
+from roughcontact.io.text.axes import refuse_points
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -28,11 +28,8 @@ def read(path: Path) -> MeasuredFile:
             f"{path}: an array of shape {values.shape}; a map has two axes (y, x), a profile one"
         )
     check_points(shape, path)
-    if shape[1] == 3 and values.dtype.kind in "iuf" and form_a_grid(values[:, 0], values[:, 1]):
-        raise InputFileError(
-            f"{path}: an array of {shape[0]} points x, y, z; save the heights as a matrix, or the points as "
-            "text"
-        )
+    if values.dtype.kind in "iuf":
+        refuse_points(values, path)
     stale, notes = compare_size(path, getattr(values, "offset", 0) + values.nbytes)
     problem = "" if values.dtype.kind in "iuf" else f"values of type {values.dtype}, not real numbers"
     channel = Channel("height", shape, lambda: as_heights(values, str(path)), no_height=problem)

@@ -6,6 +6,7 @@ assumption. Where positions are given, y increases upwards.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,7 +26,7 @@ from roughcontact.io.guards import check_memory
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.markers import remove_marker_values
 from roughcontact.io.metadata import instrument_metadata
-from roughcontact.io.text.axes import axes_of, begins_anew, uneven
+from roughcontact.io.text.axes import are_points, axes_of, begins_anew, form_a_grid, uneven
 from roughcontact.io.text.columns import Column, headed, layout, of_a_map, unit_of_heights
 from roughcontact.io.text.doubts import refuse_lost_row, thousands
 from roughcontact.io.text.header import (
@@ -37,12 +38,13 @@ from roughcontact.io.text.header import (
     statements,
 )
 from roughcontact.io.text.lines import lines_of, looks_like_text
-from roughcontact.io.text.point_grid import form_a_grid, points_on_grid
+from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import (
     Rows,
     Table,
     below_a_label,
     counted,
+    is_empty_row,
     parse_table,
     separators,
     split_header,
@@ -93,6 +95,7 @@ def read(path: Path) -> MeasuredFile:
     header, body = unquoted(*split_header(lines_of(path), path))
     delimiter, decimal_comma = separators(body, path)
     counts, rows = counted(body, delimiter)
+    empty = sum(len([*takewhile(is_empty_row, reversed(lines))]) for lines in (header, body))
     first = len(header) + 1 + len(body) - len(rows)
     texts: list[_Text] = []
     files: list[MeasuredFile] = []
@@ -102,6 +105,11 @@ def read(path: Path) -> MeasuredFile:
         files.append(_file(text))
         files[-1].warnings += doubts
     file = files[0] if len(files) == 1 else _together(texts, files, path)
+    if empty:
+        file.warnings.append(
+            f"{counted_noun(empty, 'line')} of empty cells beside the table are left out; write NaN in those that "
+            "are rows of the map"
+        )
     first_values = texts[0].first_values
     stated = {label: first_values.get(key) for label, key in _INSTRUMENT.items()}
     file.instrument = instrument_metadata(stated)
@@ -166,10 +174,6 @@ def _together(texts: list[_Text], files: list[MeasuredFile], path: Path) -> Meas
             if file.first_row != files[0].first_row:
                 channel.first_row = file.first_row
             channels.append(channel)
-    names = [channel.name for channel in channels]
-    for number, channel in enumerate(channels, start=1):
-        if names.count(channel.name) > 1:
-            channel.name = f"{channel.name} ({number})"
     file = replace(files[0], channels=channels, warnings=[])
     profiles = [channel for channel in channels if channel.shape[0] == 1 and not channel.no_height]
     if file.question or len(profiles) > 1 or not any(titles):
@@ -247,6 +251,10 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
             "one of them in the file, or write NaN where a column is missing"
         )
     axes = axes_of(values, corner=text.table.empty_corner and not text.table.empty_left)
+    if are_points(values.T):
+        raise text.refuse(
+            f"line {text.rows.lines[0]} holds positions: write the points in columns, x, (y,) z"
+        )
     if axes is None and (line := uneven(values)):
         raise text.refuse(
             f"the first {line} of the table, from line {text.rows.lines[0]} on, holds positions that are not "
@@ -517,7 +525,7 @@ def _points(
         stated_steps = {"d" + axis: step for axis, step in steps.items() if step}
         wrong = _against(text, stated_steps, lateral_unit, heights.shape)
         notes = [f"{wrong}; the positions are used"] if wrong else []
-        if full_table is not None and set(steps.values()) == {1} and {first_x, first_y} <= {0, 1}:
+        if not lateral_unit and set(steps.values()) == {1} and {first_x, first_y} <= {0, 1}:
             notes.append(
                 f"the positions count from {first_x:g} on: if they number the points, give dx and dy"
             )

@@ -1,9 +1,11 @@
 """Positions in the first row and column of a matrix, with or without a cell in the corner."""
 
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from roughcontact.errors import InputFileError
 from roughcontact.io.text.traces import are_traces, runs
 
 _FEW_POSITIONS = 6  # positions in a row or column alone; fewer are even by chance, unless they begin at 0
@@ -100,6 +102,25 @@ def uneven(values: np.ndarray) -> str:
         if even and rises[0] and 2 * sum(rises) < len(rises):
             return name
     return ""
+
+
+def form_a_grid(x: np.ndarray, y: np.ndarray) -> bool:
+    """Return whether positions (n,) are those of a whole grid of three lines and more each way."""
+    lines = [np.unique(positions).size for positions in (x, y)]
+    return min(lines) >= 3 and lines[0] * lines[1] == x.size
+
+
+def refuse_points(values: np.ndarray, path: Path) -> None:
+    """Refuse an array of points, in columns or in rows, where heights are wanted."""
+    if values.ndim == 2 and (are_points(values) or are_points(values.T)):
+        raise InputFileError(f"{path}: points, not heights; save the heights alone, or the points as text")
+
+
+def are_points(table: np.ndarray) -> bool:
+    """Return whether the columns of a table are x and z, or x, y and z of points on a grid."""
+    if table.shape[1] == 2:
+        return len(table) >= _FEW_POSITIONS and _progression(table[:, 0], table[:, 1:].T) is not None
+    return table.shape[1] == 3 and form_a_grid(table[:, 0], table[:, 1])
 
 
 def begins_anew(values: np.ndarray) -> int:

@@ -82,7 +82,7 @@ _PIXELS = {"length_x": "nx", "length_y": "ny"}  # a size in pixels is a number o
 _PIXEL_WORDS = ("px", "pixel", "pixels", "points", "pts", "samples")
 _MEANING = {word: meaning for meaning, words in _HEADER_WORDS.items() for word in words.split(", ")}
 _NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
-_BETWEEN_SIDES = re.compile(r" (?:x|by) |(?<=\d)x(?=\d)|\s*[;/]\s*(?=\d)|,?\s+(?=\d)")
+_BETWEEN_SIDES = re.compile(r"(?<=[\w)\]])(?: (?:x|by|/) |x(?=\d)|[;,]?\s+(?=\d))")
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
 _PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|px|point|pt|sample)s?$", re.IGNORECASE)
 _WIDE_SIGNS = str.maketrans("：＝　", ":= ")  # of East Asian keyboards
@@ -176,11 +176,13 @@ def contradiction(stated: Stated, shape: tuple[int, int]) -> str:
 
 
 def _repeated(stated: Stated) -> Iterator[str]:
-    """Yield sentences on numbers with two meanings, and on repeated entries that differ."""
+    """Yield sentences on numbers of two meanings, unknown units, and repeated entries that differ."""
     for meaning, (first, *repeats) in stated.items():
         for statement in (first, *repeats):
             if isinstance(statement.value, float) and math.isnan(statement.value):
                 yield f"{statement}: its mark may be the decimal sign or separate thousands"
+            elif meaning in _LENGTHS and statement.unit and not is_length(statement.unit):
+                yield f"{statement}: {statement.unit!r} is no unit of length"
         if meaning not in _REPEATED:
             yield from (
                 f"{first}, {statement}: they do not agree"
@@ -285,11 +287,12 @@ def _statements_of(key: str, value: str, sign: str) -> Iterator[tuple[str, State
         if value and (meaning != "unit" or is_length(value)):
             yield meaning, Statement(value, "", 0.0, 0, "")
         return
-    two_values = _BETWEEN_SIDES.split(value.replace("×", "x").replace("*", "x"))
-    if len(two_values) == 2 and meaning in _TWO_VALUES:
-        second_unit = _NUMBER.sub("", two_values[1], count=1).strip() or unit
+    sides = _BETWEEN_SIDES.split(value.replace("×", "x").replace("*", "x"))
+    if len(sides) > 1 and meaning in _TWO_VALUES:
+        second_unit = _NUMBER.sub("", sides[1], count=1).strip() or unit
         unit_known = is_length(second_unit) or (second_unit.lower() in _PIXEL_WORDS and meaning == "size")
-        for axis, value_text in zip(_TWO_VALUES[meaning], two_values, strict=True) if unit_known else ():
+        understood = unit_known and len(sides) == 2
+        for axis, value_text in zip(_TWO_VALUES[meaning], sides, strict=True) if understood else ():
             length = (
                 value_text if _NUMBER.sub("", value_text, count=1).strip() else f"{value_text} {second_unit}"
             )

@@ -10,12 +10,6 @@ from roughcontact.io.guards import check_points
 
 
 @np.errstate(all="ignore")  # infinite positions form no grid
-def form_a_grid(x: np.ndarray, y: np.ndarray) -> bool:
-    """Return whether positions (n,) are those of a whole grid of three lines and more each way."""
-    lines = [np.unique(positions).size for positions in (x, y)]
-    return min(lines) >= 3 and lines[0] * lines[1] == x.size
-
-
 def points_on_grid(
     x: np.ndarray, y: np.ndarray, z: np.ndarray, path: Path
 ) -> tuple[np.ndarray, dict[str, float | None], tuple[float, float]]:

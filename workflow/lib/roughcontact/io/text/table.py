@@ -134,6 +134,11 @@ def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
     return ",", False
 
 
+def is_empty_row(line: str) -> bool:
+    """Return whether a line consists of several separators of cells."""
+    return not line.strip(_CELL_SEPARATORS) and len(line.strip(" \r\n\f")) > 1
+
+
 def is_row(line: str) -> bool:
     """Return whether a line among the rows of a table is one of them, perhaps with a word in it.
 
