@@ -107,8 +107,8 @@ def read(path: Path) -> MeasuredFile:
     file = files[0] if len(files) == 1 else _together(texts, files, path)
     if empty:
         file.warnings.append(
-            f"{counted_noun(empty, 'line')} of empty cells beside the table are left out; write NaN in those that "
-            "are rows of the map"
+            f"{counted_noun(empty, 'line')} of empty cells beside the table are left out; write NaN "
+            "in those that are rows of the map"
         )
     first_values = texts[0].first_values
     stated = {label: first_values.get(key) for label, key in _INSTRUMENT.items()}
