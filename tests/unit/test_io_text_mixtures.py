@@ -147,6 +147,7 @@ def test_a_falling_profile_is_turned(read):
         ("Posición [mm];Altura [nm]", (X / 1e3, ONE[0])),
         ("Nr;Messweg [µm];Höhe [nm]", (np.arange(10), X, ONE[0])),
         ("y [µm];z [nm]", (X, ONE[0])),
+        ("距離（mm）；高さ（nm）", (X / 1e3, ONE[0])),
         ("Counter;Altitude (nm);Encoder (µm)", (np.arange(10) + 37, ONE[0], X)),
         ("位置 [µm];高さ [nm]", (X, ONE[0])),
         (";x (µm);z (nm)", (np.arange(10), X, ONE[0])),
@@ -193,6 +194,8 @@ def test_unknown_names_are_no_map(read):
         refused=r"which of the 4 columns 'a', 'b', 'c', 'd \(V\)'.*name them x",
         **GIVEN,
     )
+    worn = "mm;unworn;worn\n" + table(X, ONE[0], ONE[1], separator=";")
+    read(worn, refused="which of the 3 columns 'unworn', 'worn'", resample="linear", height_unit="nm")
 
 
 def test_columns_of_points_in_several_units(read):

@@ -123,6 +123,8 @@ def layout(columns: Sequence[Column]) -> Layout | None:
     if data and all(columns[index].role == "z" for index in data) and len(data) < _WIDE_TABLE:
         return Layout([[]] * len(data), data)
     unnamed = not x and not y and not any(columns[index].role for index in data[:-1])
+    if len(data) == 3 and columns[data[-1]].role != "z" and any(columns[index].name for index in data):
+        return None
     return Layout([data[:-1]], data[-1:]) if unnamed and len(data) in (2, 3) else None
 
 

@@ -85,7 +85,6 @@ _NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _BETWEEN_SIDES = re.compile(r"(?<=[\w)\]])(?: (?:x|by|/) |x(?=\d)|[;,]?\s+(?=\d))")
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
 _PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|px|point|pt|sample)s?$", re.IGNORECASE)
-_WIDE_SIGNS = str.maketrans("：＝　", ":= ")  # of East Asian keyboards
 _LONGEST = 60  # characters of a line that a message shows
 _SLACK, _WIDEST_SLACK = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with rounding
 _ODD_PIXEL = 10.0  # ratio of the sides of a pixel above which two different units of them are doubted
@@ -125,7 +124,7 @@ def statements(lines: Iterable[str], *, first: int = 1, sign: str = "") -> State
     """
     stated: Stated = {}
     for number, line in enumerate(islice(lines, _MAX_LINES), start=first):
-        text = line.strip().lstrip("#%;!\\*/ \t").strip().translate(_WIDE_SIGNS)
+        text = line.strip().lstrip("#%;!\\*/ \t").strip()
         if not text or len(line) > _MAX_LINE_LENGTH:
             continue
         for key, value in _entries(text):

@@ -6,6 +6,7 @@ from roughcontact.errors import InputFileError
 
 _BYTE_ORDER_MARKS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
 _MAX_BYTES = 2**30  # bytes
+_PLAIN_SIGNS = str.maketrans("−：＝　（）［］，；", "-:= ()[],;")
 _TEXT_BYTES = bytes([*b"\t\n\r\f", *range(32, 127), *range(128, 256)])
 
 
@@ -38,8 +39,8 @@ def _unmarked_utf16(head: bytes) -> str | None:
 
 
 def lines_of(path: Path) -> list[str]:
-    """Return the lines of a text file, with plain minus signs."""
-    return _decode(path.read_bytes(), path).replace("−", "-").splitlines()
+    """Return the lines of a text file, with plain signs for those of typography and East Asian keyboards."""
+    return _decode(path.read_bytes(), path).translate(_PLAIN_SIGNS).splitlines()
 
 
 def _decode(data: bytes, path: Path) -> str:
