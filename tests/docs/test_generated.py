@@ -147,7 +147,7 @@ def test_the_help_of_every_verb_is_shown(generated):
 
 def test_every_column_of_the_table_of_surfaces_is_explained():
     text = (ROOT / "config/README.md").read_text(encoding="utf-8")
-    table = text.partition("| column | needed |")[2].partition("\n\n")[0]
+    table = text.partition("| column | meaning |")[2].partition("\n\n")[0]
     named = [name for row in table.splitlines() for name in re.findall(r"`(\w+)`", row.split(" | ")[0])]
     assert sorted(named) == sorted(COLUMNS)
 

@@ -33,11 +33,18 @@ rule largest_area:
 
 
 def module(source):
-    """Return what docs/how-to/install.md has another workflow say to take this one in from `source`."""
+    """Return what docs/how-to/install.md has another workflow say to take this one in from `source`.
+
+    The page has the whole text for the installed package, and what takes its place for other sources.
+    """
     page = (ROOT / "docs/how-to/install.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"^```text\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
-    (found,) = (block for block in blocks if source in block)
-    return found
+    (text,) = re.findall(r"^```text\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    if source in text:
+        return text
+    (snakefile,) = (code for code in re.findall(r"`([^`\n]+)`", page) if code.startswith(source))
+    installed = "from roughcontact import workflow_file\n\n"
+    assert text.startswith(installed)
+    return text.removeprefix(installed).replace("str(workflow_file())", snakefile)
 
 
 def snakemake(folder, *arguments, **variables):
