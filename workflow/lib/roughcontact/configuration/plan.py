@@ -215,7 +215,7 @@ class Plan:
                 case: changed_settings(settings_of_case) for case, settings_of_case in settings.items()
             },
             "groups": {name: tuple(group) for name, group in self.groups.items()},
-            "same_places": self.same_area_pairs,
+            "same_area_pairs": self.same_area_pairs,
         }
 
     def threads(self, result: str) -> int:
