@@ -287,15 +287,6 @@ def test_netcdf_with_positions_that_are_no_coordinates(tmp_path, dims):
     )
 
 
-@pytest.mark.parametrize("netcdf", ["NETCDF4", "NETCDF3_64BIT", "NETCDF3_CLASSIC"])
-@pytest.mark.parametrize("share", [0.5, 0.9])
-def test_cut_netcdf_is_refused(tmp_path, netcdf, share):
-    path = tmp_path / "map.nc"
-    foreign().to_netcdf(path, format=netcdf)
-    data = path.read_bytes()
-    refuses("cut off", saved(tmp_path, data[: int(share * len(data))]))
-
-
 def test_inspect_names_channels_and_suspicions(tmp_path):
     found = inspect_file(saved(tmp_path, x3p_bytes()))
     assert found["format"] == "X3P (ISO 25178-72)"

@@ -36,33 +36,6 @@ def test_header_as_gwyddion_writes_it(tmp_path, encoding):
     assert height.attrs["missing_points"] == 0
 
 
-@pytest.mark.parametrize(
-    ("separator", "comma"),
-    [
-        ("\t", False),
-        ("\t", True),
-        (";", False),
-        (";", True),
-        (" ", False),
-        (" ", True),
-        (",", False),
-        (", ", False),
-    ],
-)
-def test_separators_and_decimal_commas(tmp_path, separator, comma):
-    path = saved(tmp_path, matrix(separator=separator, comma=comma))
-    height = read_height_map(path, dx=2, dy=3, unit="um", height_unit="nm")
-    np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-9, rtol=1e-15)
-    np.testing.assert_allclose(np.diff(height.x), 2e-6, rtol=1e-12)
-    np.testing.assert_allclose(np.diff(height.y), 3e-6, rtol=1e-12)
-
-
-def test_separator_at_the_end_of_lines_and_blank_lines(tmp_path):
-    text = matrix().replace("\n", "\t\n\n")
-    height = read_height_map(saved(tmp_path, text), dx=1, dy=1, unit="µm")
-    np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-6, rtol=1e-15)
-
-
 def test_conversion_factor_and_counts_in_the_header(tmp_path):
     header = "h=3 w=4\npixel size=3.5e-007 m\ndata unit=rad\nheight conversion factor (-> m)=2.5e-008\n"
     height = read_height_map(saved(tmp_path, header + matrix(separator=" ")))

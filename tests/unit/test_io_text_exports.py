@@ -1,9 +1,6 @@
 """Text as programs and spreadsheets export it: headings, units, counts, empty cells, lines cut off."""
 
 import json
-import sys
-import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,9 +9,6 @@ from shared_data import DATA
 
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
-
-sys.path.append(str(Path(__file__).parents[1] / "faults"))
-from hostile import FILES
 
 X = 0.5 * np.arange(12)
 Z = np.array([1.5, -2.25, 3.0, 0.5, 4.0, 5.5, -6.75, 7.0, 0.25, 9.0, 10.5, -1.0])
@@ -254,24 +248,6 @@ def test_an_export_of_a_laser_microscope(tmp_path):
     height = read_height_map(saved(tmp_path, header + '"1.5","2.5","3.5","4.75"\n' * 3))
     np.testing.assert_allclose(height.values[1], [1.5e-6, 2.5e-6, 3.5e-6, 4.75e-6], rtol=1e-14)
     assert float(height.x[1] - height.x[0]) == pytest.approx(692.3e-9)
-
-
-HEADS = (
-    "blanks in a header",
-    "300 000 letters",
-    "blanks between two letters",
-    "signs of equality",
-    "brackets",
-)
-
-
-@pytest.mark.parametrize("name", [*HEADS, "50 000 headings", "5 MB of empty lines"])
-def test_headers_are_read_in_linear_time(tmp_path, name):
-    path = tmp_path / "map.txt"
-    FILES[f"text: {name}"][0](path)
-    start = time.process_time()
-    assert read_height_map(path, dx=1, dy=1, unit="um").shape == (5, 4)
-    assert time.process_time() - start < 5
 
 
 def test_text_without_an_end_of_its_header(tmp_path):

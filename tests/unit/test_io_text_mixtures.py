@@ -53,12 +53,16 @@ def assert_heights(height, heights, step=0.5e-6):
         ("\n", "a second table begins at line 10"),
         ("\n\n\n", "a second table begins at line 12"),
         ("# second scan\n", "a second table begins at line 10"),
-        ("\t" * 9 + "\n", "a second table begins at line 10"),
         ("Scan 2\n", "a second table begins at line 9"),
     ],
 )
 def test_a_second_table_without_headings_is_refused(read, between, words):
     read(table(ONE) + between + table(TWO), refused=words, **GIVEN)
+
+
+def test_an_empty_column_divides_maps_beside_one_another(read):
+    text = table(ONE, np.full(8, np.nan), TWO).replace("nan", "")
+    read(text, refused="line 1 .* has an empty column", **GIVEN)
 
 
 def test_tables_with_headings_are_channels_in_their_units(read, tmp_path):
@@ -76,14 +80,6 @@ def test_tables_with_headings_are_channels_in_their_units(read, tmp_path):
     assert_heights(read(words, **GIVEN, channel="Backward"), TWO[::-1])
 
 
-def test_empty_lines_between_all_rows_or_scan_lines_are_no_tables(read):
-    assert_heights(read(table(ONE).replace("\n", "\n\n"), **GIVEN), ONE[::-1])
-    blocks = table(*grid(ONE)).splitlines(keepends=True)
-    for between in ("\n", "\n\n", "# scan line\n"):
-        text = between.join("".join(blocks[10 * row : 10 * row + 10]) for row in range(8))
-        assert_heights(read(text, **NM), ONE)
-
-
 def test_points_at_the_positions_of_others_name_the_line(read):
     read(table(*grid(ONE)) + table(*grid(TWO)), refused="the first is that in line 81", **NM)
     headed = "x [um]\ty [um]\tz [nm]\n"
@@ -93,45 +89,7 @@ def test_points_at_the_positions_of_others_name_the_line(read):
     )
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        (table(np.vstack([np.r_[X, X], np.hstack([ONE, TWO])])), "line 1 begins anew"),
-        (table(np.vstack([X, ONE, X, TWO])), "positions begin anew at line 10"),
-        (table(np.r_[Y, Y], np.vstack([ONE, TWO])), "positions begin anew at line 9"),
-        (table(np.r_[0, Y, Y], np.vstack([X, ONE, TWO])), "positions begin anew at line 10"),
-        (table(ONE, np.full(8, np.nan), TWO).replace("nan", ""), "line 1 .* has an empty column"),
-    ],
-)
-def test_maps_beside_and_below_one_another_are_told_by_their_positions(read, text, words):
-    read(text, refused=words, **GIVEN)
-
-
 # ---------------------------------------------------------------- traces
-
-
-@pytest.mark.parametrize("named", [True, False])
-@pytest.mark.parametrize("extra", [{}, {"resample": "linear"}])
-@pytest.mark.parametrize(
-    ("second", "words"),
-    [(X, "restarts at line"), (X[::-1], "repeats at line"), (X[-2::-1], "restarts at line")],
-)
-def test_traces_below_one_another_are_profiles(read, named, extra, second, words):
-    text = ("x (um)\tz (nm)\n" if named else "") + table(X, ONE[0]) + table(second, TWO[0][: second.size])
-    given = ({} if named else NM) | extra
-    read(text, refused=rf"{words} {12 if named else 11}.*2 profiles.*channel", **given)
-    if not extra:
-        assert_heights(read(text, **given, channel="profile 1"), ONE[:1])
-        right = TWO[0][: second.size][:: 1 if second[0] < second[-1] else -1]
-        assert_heights(read(text, **given, channel="profile 2"), right[None])
-
-
-@pytest.mark.parametrize("extra", [{}, {"resample": "linear"}])
-def test_a_profile_that_turns_back_is_refused_with_the_place(read, extra):
-    positions = np.r_[X[:6], X[4], X[5:8], 4.5]
-    text = table(positions, np.r_[ONE[0], 0.5])
-    for head, given in (("x (um)\tz (nm)\n", {}), ("", NM)):
-        read(head + text, refused=f"x turns back at line {8 if head else 7}, from 2.5 to 2", **given, **extra)
 
 
 def test_a_falling_profile_is_turned(read):
@@ -144,12 +102,9 @@ def test_a_falling_profile_is_turned(read):
 @pytest.mark.parametrize(
     ("heading", "columns"),
     [
-        ("Posición [mm];Altura [nm]", (X / 1e3, ONE[0])),
-        ("Nr;Messweg [µm];Höhe [nm]", (np.arange(10), X, ONE[0])),
         ("y [µm];z [nm]", (X, ONE[0])),
         ("距離（mm）；高さ（nm）", (X / 1e3, ONE[0])),
         ("Counter;Altitude (nm);Encoder (µm)", (np.arange(10) + 37, ONE[0], X)),
-        ("位置 [µm];高さ [nm]", (X, ONE[0])),
         (";x (µm);z (nm)", (np.arange(10), X, ONE[0])),
         ("Zeit (s);Weg (mm);Höhe (µm)", (3 * X, X / 1e3, ONE[0] / 1e3)),
     ],
@@ -161,7 +116,6 @@ def test_profiles_by_the_names_of_their_columns(read, heading, columns):
 @pytest.mark.parametrize(
     ("heading", "columns", "wanted"),
     [
-        ("Position [mm];Profil 1 [nm];Profil 2 [µm]", (X / 1e3, ONE[0], TWO[0] / 1e3), "Profil 2"),
         ("X1 (um);Z1 (nm);X2 (um);Z2 (nm)", (X, ONE[0], X, TWO[0]), "Z2"),
         ("Distance (mm);Total (nm);Roughness (nm)", (X / 1e3, ONE[0], TWO[0]), "Roughness"),
     ],
@@ -299,17 +253,6 @@ def test_a_heading_that_contradicts_the_positions_is_said(read):
 
 
 # ---------------------------------------------------------------- positions beside a matrix
-
-
-@pytest.mark.parametrize("corner", ["0", "", "NaN", "y/x"])
-@pytest.mark.parametrize(("down", "left"), [(1, 1), (-1, 1), (1, -1), (-1, -1)])
-def test_positions_in_row_and_column_with_a_corner(read, corner, down, left):
-    text = corner + table(np.r_[7, Y[::down] + 3], np.vstack([X[::left] - 1, ONE]))[1:]
-    height = read(text, **NM)
-    assert_heights(height, ONE[::down, ::left])
-    assert height.attrs["first_row"] == "bottom"
-    assert "taken as positions along x" in notes(height)
-    assert "taken as positions along y" in notes(height)
 
 
 def test_positions_without_a_corner(read):
