@@ -226,6 +226,44 @@ def test_profiles_of_two_directions_are_flagged():
     )
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_moderate_lay_is_flagged_by_three_profiles_each(seed):
+    lay = rough(seed, stretch=2)
+    columns = [height_map(lay.values[:, number], 1.0) for number in (20, 120, 200)]
+    assert any("two directions" in text for text in warnings_of([*rows(lay, 3), *columns]))
+
+
+@pytest.mark.parametrize("stretch", [2.0, 4.0])
+def test_profiles_of_both_directions_have_one_surface(stretch):
+    """Its slopes, its autocorrelation and its contact area are those of the surface with this lay."""
+    lay = rough(stretch=stretch, side=384)
+    across = [height_map(lay.values[row], 1.0) for row in range(30, 384, 70)]
+    along = [height_map(lay.values[::2, column], 2.0) for column in range(30, 384, 70)]
+    drawn = rc.surface_from_profiles(across, along=along)
+    assert "stretched" not in drawn.attrs["profile_warnings"]
+    assert drawn.attrs["stretch"] == pytest.approx(stretch, rel=0.15)
+    for axis in (0, 1):
+        slopes = [np.diff(surface.values, axis=axis).std() for surface in (drawn, lay)]
+        assert slopes[0] == pytest.approx(slopes[1], rel=0.1)
+    assert drawn.values.std() == pytest.approx(lay.values.std(), rel=0.15)
+    load = {"contact_modulus": 1.0, "mean_pressure": 0.1 * rms_gradient(lay), "tolerance": 1e-3}
+    areas = [rc.solve_contact(surface, **load)["contact"].mean().item() for surface in (drawn, lay)]
+    assert areas[0] == pytest.approx(areas[1], rel=0.1)
+
+
+def test_fine_roughness_alike_in_all_directions_over_ridges_is_no_stretched_spectrum():
+    fine = rough(side=384).values
+    ridges = fine + 4 * np.sin(2 * np.pi * np.arange(384) / 96)
+    drawn = rc.surface_from_profiles([height_map(ridges[5], 1.0)], along=[height_map(ridges[:, 5], 1.0)])
+    assert "not a stretched one" in drawn.attrs["profile_warnings"]
+
+
+def test_a_drawn_surface_is_not_cut_into_profiles_again():
+    drawn = rc.surface_from_profiles(rows(rough()))
+    with pytest.raises(HeightMapError, match="was drawn from profiles"):
+        rc.evaluate(drawn.assign_attrs(units="m"), contact=CONTACT)
+
+
 def test_short_profiles_are_flagged():
     assert "correlation lengths" in warnings_of([rows(rough())[0][:, :64]])[0]
 

@@ -65,11 +65,17 @@ def independent_heights(profiles: np.ndarray) -> float:
     return profiles.size / (2 * correlation_length(profiles))
 
 
-def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) -> np.ndarray:
-    """Return the heights (points, points; m) of a periodic surface of `ratio` times the profiles' pitch."""
+def draw(
+    finish: Finish, points: int, ratio: float, rng: np.random.Generator, stretch: float = 1.0
+) -> np.ndarray:
+    """Return the heights (points, points; m) of a periodic surface of `ratio` times the profiles' pitch.
+
+    It is isotropic but for its waves along y, which are longer by `stretch`.
+    """
     shape, full = (points, points), points**2
     fx, fy = np.fft.rfftfreq(points), np.fft.fftfreq(points)[:, None]
-    amplitude = full * np.sqrt(finish.spectrum.at(np.hypot(fx, fy) / ratio)) / (points * ratio)
+    amplitude = full * np.sqrt(stretch * finish.spectrum.at(np.hypot(fx, fy * stretch) / ratio))
+    amplitude /= points * ratio
     weights = np.where((fx > 0) & (fx < 0.5), 2.0, 1.0) * (amplitude / full) ** 2
     rms = np.sqrt(weights.sum())
     steps = [np.exp(2j * np.pi * f) - 1 for f in (fx, fy)]  # from one point to the next

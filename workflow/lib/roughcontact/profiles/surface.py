@@ -27,6 +27,7 @@ _LENGTHS = 10  # correlation lengths of a profile, below which its long waves ar
 _UNLIKE_DEVIATIONS = (
     3.0  # standard deviations of ln mean square slope, by chance, between profiles of one finish
 )
+_STRETCHED = 2.0  # ratio of the stretches by slopes and by correlation lengths, up to which it is one
 _STEP_SHARE = 0.2  # of the mean square slope in a single step between neighbours
 _LONG_SHARE = 0.2  # of the mean square height in waves that are longer than the surface
 
@@ -34,6 +35,7 @@ _LONG_SHARE = 0.2  # of the mean square height in waves that are longer than the
 def surface_from_profiles(
     profiles: Sequence[xr.DataArray],
     *,
+    along: Sequence[xr.DataArray] = (),
     lay: str = ISOTROPIC,
     points: int | None = None,
     spacing: float | None = None,
@@ -45,15 +47,18 @@ def surface_from_profiles(
     periodogram of the profiles by non-negative least squares; what levelling has removed from each line is
     put back. Heights have the distribution of the profiles, the highest summits, which no profile meets, by
     linear extrapolation over the normal score, and slopes that of the profiles at the same height; amplitudes
-    and ranks are imposed in turns [1]_.
+    and ranks are imposed in turns [1]_. With profiles of a second direction, `along` a lay, waves along y are
+    longer by the ratio of the rms slopes of both.
 
     Parameters
     ----------
     profiles : sequence of DataArray (1, x), m
         one or more of one finish, of equal pitch, as `level` returns them; of a profile with missing points
         the longest stretch between them. A straight line is removed from each.
+    along : sequence of DataArray (1, x), m, optional
+        one or more at right angles to the others, of any pitch.
     lay : {"none"}
-        isotropic. Across a lay profiles are solved as they are.
+        isotropic, but for `along`. Across a lay profiles are solved as they are.
     points : int, optional
         per side; as many as the profiles have by default, but no more than 512.
     spacing : float, optional, m
@@ -65,8 +70,8 @@ def surface_from_profiles(
     -------
     DataArray (y, x), m
         with the attributes of the first profile, `lay`, `profiles` (their number), `correlation_length` (m),
-        `profile_warnings` (JSON, sentences), and `profile_spectra` (JSON): at each `wavenumber` (rad/m) the
-        mean periodogram of the `profiles` and that of their `fit` (m3).
+        `stretch`, `profile_warnings` (JSON, sentences), and `profile_spectra` (JSON): at each `wavenumber`
+        (rad/m) the mean periodogram of the `profiles` and that of their `fit` (m3).
 
     Raises
     ------
@@ -104,13 +109,16 @@ def surface_from_profiles(
         "profiles": fit.measured[:-2] * pitch,
         "fit": finish.spectrum.fitted[:-2] * pitch,
     }
-    heights = draw(finish, int(side), ratio, np.random.default_rng(seed))
+    stretch, unlike = _stretch(segments, pitch, along) if along else (1.0, [])
+    heights = draw(finish, int(side), ratio, np.random.default_rng(seed), stretch)
     drawn = height_map(heights, pitch * ratio)
+    warnings = unlike + _warnings(segments, pitch, finish, side * ratio / stretch)
     facts = {
         "lay": ISOTROPIC,
         "profiles": stack.shape[0],
         "correlation_length": correlation_length(segments) * pitch,
-        "profile_warnings": json.dumps(_warnings(segments, pitch, finish, side * ratio), ensure_ascii=False),
+        "stretch": stretch,
+        "profile_warnings": json.dumps(warnings, ensure_ascii=False),
         "profile_spectra": json.dumps({key: values.tolist() for key, values in spectra.items()}),
         "missing_points": 0,
         "missing_share": 0.0,
@@ -139,6 +147,11 @@ def stacked(profiles: Sequence[xr.DataArray]) -> xr.DataArray:
 def levelled_heights(height: xr.DataArray, options: Mapping[str, Any]) -> xr.DataArray:
     """Return the levelled map; of profiles without a lay each row is levelled by itself."""
     lay = height.attrs.get("lay", "")
+    if "stretch" in height.attrs:
+        raise HeightMapError(
+            "this surface was drawn from profiles: evaluate these with lay = none, for their ±, or solve it "
+            "by solve_contact"
+        )
     if lay and 1 not in height.shape and "profiles" not in height.attrs:
         ny, nx = height.shape
         raise HeightMapError(
@@ -197,6 +210,23 @@ def _longest_run(row: np.ndarray) -> np.ndarray:
     ends = np.flatnonzero(np.concatenate([[True], ~np.isfinite(row), [True]]))
     longest = np.argmax(np.diff(ends))
     return row[ends[longest] : ends[longest + 1] - 1]
+
+
+def _stretch(segments: np.ndarray, pitch: float, along: Sequence[xr.DataArray]) -> tuple[float, list[str]]:
+    """Return how much longer waves are along profiles than across, and a warning where none is a stretch."""
+    segments_along, pitch_along = profile_pieces(stacked(along))
+    rms_slopes, lengths = (
+        [measure(pieces) for pieces in (segments, segments_along)]
+        for measure in (lambda pieces: np.diff(pieces).std(), correlation_length)
+    )
+    step = pitch_along / pitch
+    stretch, longer = float(rms_slopes[0] / rms_slopes[1] * step), float(lengths[1] / lengths[0] * step)
+    warning = (
+        f"By the slopes of the profiles along, waves are {number(stretch)} times as long as across, by the "
+        f"correlation lengths {number(longer)} times: the spectrum is not a stretched one, and the areas may "
+        "be wrong by a third. Measure an areal map."
+    )
+    return stretch, [] if 1 / _STRETCHED < longer / stretch < _STRETCHED else [warning]
 
 
 def _warnings(segments: np.ndarray, pitch: float, finish: Finish, side: float) -> list[str]:
