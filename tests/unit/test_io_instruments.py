@@ -124,6 +124,9 @@ def test_a_softgauge_of_one_profile(tmp_path):
     profile = read_height_map(saved(tmp_path, text))
     np.testing.assert_allclose(profile.values, 1e-9 * COUNTS[:1], rtol=1e-12)
     assert steps(profile) == pytest.approx([5e-7])
+    refuses(
+        "Zscale = 0.0, the height of a count", saved(tmp_path, text.replace("Zscale = 1E-09", "Zscale = 0"))
+    )
 
 
 def zygo(resolution):

@@ -208,6 +208,7 @@ def test_statements_that_do_not_agree_are_asked_about(read, lines, words):
         (["Z unit: µm", "Height (nm)"], "line 1 says 'Z unit: µm', and a heading of the heights 'nm'"),
         (["nx: 10", "Columns: 11"], "line 1 says .*, line 2 says"),
         (["X unit: mm", "Y unit: µm"], "line 1 says .*, line 2 says"),
+        (["Bit2nm: 1", "Z unit: µm"], "line 1 says .*, line 2 says"),
         (["Z scale: 0.001", "Z unit: nm"], "line 1 says 'Z scale: 0.001': name a factor"),
         (["Width: 12 px", "Height: 8 px"], "the header says 12 columns, the file has 10"),
         (["Image size: 10 x 9 pixels"], "the header says 9 rows, the file has 8"),
@@ -246,10 +247,19 @@ def test_a_heading_that_contradicts_the_positions_is_said(read):
     said = notes(read("dx: 2 µm\nx (µm);z (nm)\n" + table(X, ONE[0], separator=";")))
     assert "line 1 says 'dx: 2 µm'" in said
     assert "the positions are used" in said
-    read(
-        "Z unit: µm\nx (µm);z (nm)\n" + table(X, ONE[0], separator=";"),
-        refused="a column is in 'nm', and the header says 'µm'",
-    )
+    for line, words in (
+        ("Z unit: µm", "'µm'"),
+        ("Z factor: 0.1", "a factor"),
+        ("Z factor: 1 µm", "a factor"),
+    ):
+        text = f"{line}\nx (µm);z (nm)\n" + table(X, ONE[0], separator=";")
+        read(text, refused=f"a column is in 'nm', and the header says {words}")
+
+
+def test_a_marker_of_the_header_is_none_of_positions(read):
+    heights = np.where(np.arange(10) == 3, 0, ONE[0])
+    height = read("NODATA: 0\nx (µm);z (nm)\n" + table(X, heights, separator=";"))
+    assert_heights(height, np.where(heights == 0, np.nan, heights)[None])
 
 
 # ---------------------------------------------------------------- positions beside a matrix

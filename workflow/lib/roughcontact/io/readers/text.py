@@ -136,9 +136,12 @@ def _parsed(
     if wrong := disagreeing(stated):
         raise InputFileError(f"{path}: {wrong}")
     first_values = first_of(stated)
-    remove_marker_values(table.values, first_values.get("missing", []))
+    remove_marker_values(table.values)
     doubts += thousands(rows.heading, rows.texts, delimiter, decimal_comma, path)
-    span = np.ptp(table.values[np.isfinite(table.values)]) if np.isfinite(table.values).any() else 0.0
+    measured = table.values[
+        np.isfinite(table.values) & ~np.isin(table.values, first_values.get("missing", []))
+    ]
+    span = np.ptp(measured) if measured.size else 0.0
     if abs(first_values.get("height_range", np.inf) - span) <= 0.01 * span:  # in the unit of the heights
         first_values.setdefault("height_unit", first_values.get("height_range_unit"))
     if unit := unit_of_heights(rows.heading):
@@ -623,6 +626,7 @@ def _heights(
     numbers: np.ndarray, first_values: dict[str, Any], unit: str | None
 ) -> tuple[np.ndarray, dict[str, Any]]:
     """Return the heights and the arguments of their channel: name and unit."""
+    remove_marker_values(numbers, first_values.get("missing", []))
     if "z_factor" in first_values:  # the numbers are counts or phases; the factor makes them lengths
         numbers, unit = numbers * first_values["z_factor"], first_values.get("z_factor_unit", unit)
     return numbers, {"name": first_values.get("channel", "height"), "height_unit": unit}
@@ -653,6 +657,10 @@ def _units(
         if column_unit and first_values.get(key) and not same_length(column_unit, first_values[key]):
             wrong = f"a column is in {column_unit!r}, and the header says {first_values[key]!r}"
             raise InputFileError(f"{path}: {wrong}; correct one of them")
+    factor_of_heights = first_values.get("z_factor"), first_values.get("z_factor_unit", columns[-1])
+    if is_length(columns[-1]) and factor_of_heights not in ((None, columns[-1]), (1, columns[-1])):
+        wrong = f"a column is in {columns[-1]!r}, and the header says a factor of the heights"
+        raise InputFileError(f"{path}: {wrong}; correct one of them")
     return (lateral[0] if lateral else stated[0], columns[-1] or stated[1]), factor
 
 

@@ -152,6 +152,11 @@ def first_of(stated: Stated) -> dict[str, Any]:
 
 def disagreeing(stated: Stated) -> str:
     """Return a sentence on repeated units, numbers of points and factors that do not agree, else nothing."""
+    for scaled, bare in zip(stated.get("z_factor", []), stated.get("height_unit", []), strict=False):
+        if is_length(scaled.unit) and is_length(bare.value):  # of the products, or of the numbers
+            product = scaled.value * metres(scaled.unit)
+            if not same_length(scaled.unit, bare.value) and not math.isclose(product, metres(bare.value)):
+                return f"{scaled}, {bare}: they do not agree; correct one of them"
     for factor in stated.get("factor", []):
         if not factor.unit and factor.value != 1 and "z_factor" not in stated:
             return f"{factor}: name a factor of the heights 'Z factor', with the unit of the products"
