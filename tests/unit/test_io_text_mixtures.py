@@ -60,6 +60,13 @@ def test_a_second_table_without_headings_is_refused(read, between, words):
     read(table(ONE) + between + table(TWO), refused=words, **GIVEN)
 
 
+def test_a_row_of_positions_among_heights_begins_a_table(read):
+    wide = np.random.default_rng(4).normal(size=(9, 14))
+    text = table(np.vstack([wide[:5], 0.5 * np.arange(14), wide[5:]]))
+    read(text, refused="positions begin anew at line 6", **GIVEN)
+    read(table(np.vstack([wide[:5], 0.5 * np.arange(14), wide[5:]]).T), refused="line 1 begins anew", **GIVEN)
+
+
 def test_an_empty_column_divides_maps_beside_one_another(read):
     text = table(ONE, np.full(8, np.nan), TWO).replace("nan", "")
     read(text, refused="line 1 .* has an empty column", **GIVEN)

@@ -15,6 +15,7 @@ _CLOSE, _ROUNDED = (
     0.02,
     0.06,
 )  # of a step: largest deviation of few positions, and of many, which may be rounded
+_EXACT = 1e-3  # of a step: largest deviation of a row among heights
 _STEP_RATIO = 2.0  # ratio of the steps of lines of heights, which are even on a tilted plane
 _COMPARED = 50  # rows or columns that would be even as well if the first one were heights
 
@@ -124,7 +125,7 @@ def are_points(table: np.ndarray) -> bool:
 
 
 def begins_anew(values: np.ndarray) -> int:
-    """Return the row at which even positions in the first columns, or a first row of positions, repeat; or 0.
+    """Return the row at which positions in the first columns or row begin anew, or a row of positions; or 0.
 
     Examples
     --------
@@ -140,11 +141,21 @@ def begins_anew(values: np.ndarray) -> int:
         if len(monotonic_runs) > 1 and even and are_traces(column, monotonic_runs):
             return first + monotonic_runs[1].start
     repeated_rows = np.flatnonzero(np.all(values[1:, 1:] == values[0, 1:], axis=1))
-    return (
-        int(repeated_rows[0]) + 1
-        if repeated_rows.size and _progression(values[0, 1:], values[1:, 1:]) is not None
-        else 0
-    )
+    if repeated_rows.size and _progression(values[0, 1:], values[1:, 1:]) is not None:
+        return int(repeated_rows[0]) + 1
+    return _row_of_positions(values[:, 1:])
+
+
+def _row_of_positions(values: np.ndarray) -> int:
+    """Return the first row below others whose many numbers are even to their digits, as few are; or 0."""
+    steps = np.diff(values[:, :3])
+    alike = np.isclose(steps[:, 0], steps[:, 1], rtol=_EXACT, atol=0.0) & (steps[:, 0] != 0)
+    for row in np.flatnonzero(alike[1:]) + 1 if values.shape[1] >= _MANY_POSITIONS else ():
+        differences = np.diff(values[row])
+        even = np.allclose(differences, differences[0], rtol=_EXACT, atol=0.0)
+        if even and _progression(values[row], values) is not None:
+            return int(row)
+    return 0
 
 
 def _progression(line: np.ndarray, rows: np.ndarray) -> float | None:
