@@ -177,6 +177,8 @@ def test_images_of_gwyddion_in_other_units_and_under_a_mask(tmp_path):
     listed = inspect_file(saved(tmp_path, gwy({"a": (HEIGHTS, "V"), "b": (HEIGHTS, "m")}, SIZE)))
     assert [(each["name"], each["height_unit"]) for each in listed["channels"]] == [("a", "V"), ("b", "m")]
     assert listed["channel"] == "b"
+    by_name = read_height_map(saved(tmp_path, gwy({"Error": (HEIGHTS, "m"), "b": (HEIGHTS, "m")}, SIZE)))
+    assert by_name.attrs["channel"] == "b"
     twice = saved(
         tmp_path, gwy({"a": (HEIGHTS, "m"), "b": (2 * HEIGHTS, "m")}, SIZE).replace(b"sb\0", b"sa\0")
     )

@@ -1,5 +1,6 @@
 """The result of a reader: the channels of one file, in the file's own units."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import prod
@@ -18,6 +19,13 @@ from roughcontact.io.units import is_length
 _LEAST_MARKER = 1e36  # no unit makes a height so large
 _LISTED = 8  # names in a message
 _LONGEST = 1e100  # of positions, whose squares must be finite
+
+
+NO_TOPOGRAPHY = re.compile(  # names of channels
+    r"phase|amplitude|deflection|error|friction|lateral|current|potential|voltage|intensity|modulation|stiffness|"
+    r"adhesion|dissipation|temperature|image|colou?r|mask|quality|uncertainty|(?:^|[\W_])std(?:$|[\W_])",
+    re.IGNORECASE,
+)
 
 
 class UnevenPositionsError(InputFileError):
@@ -120,10 +128,13 @@ def choose_channel(
             "or all, in a row each, as repeats of one part of a group"
         )
     if requested is None:
-        for channel in file.channels:
-            if not channel.no_height or (unit_given and len(names) == 1):
-                chosen = f"the first height channel of {len(names)}" if len(names) > 1 else "the only channel"
-                return channel, f"{channel.name!r}, {chosen}"
+        heights = [
+            channel for channel in file.channels if not channel.no_height or (unit_given and len(names) == 1)
+        ]
+        if heights:
+            channel = min(heights, key=lambda channel: NO_TOPOGRAPHY.search(channel.name) is not None)
+            chosen = f"the first height channel of {len(names)}" if len(names) > 1 else "the only channel"
+            return channel, f"{channel.name!r}, {chosen}"
         reasons = "; ".join(f"{channel.name!r}: {channel.no_height}" for channel in file.channels)
         raise InputFileError(
             f"{where}: no channel of this file holds heights ({reasons or 'it has none'}); if one does, "

@@ -5,7 +5,6 @@ upper line.
 """
 
 import logging
-import re
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -17,6 +16,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import (
+    NO_TOPOGRAPHY,
     Channel,
     MeasuredFile,
     UnevenPositionsError,
@@ -34,11 +34,6 @@ from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
 _BYTES_PER_BYTE = 8  # memory for each byte of a file: two-byte integers become double precision, twice
-_NO_HEIGHT_NAME = re.compile(
-    r"phase|amplitude|deflection|error|friction|lateral|current|potential|voltage|intensity|modulation|stiffness|"
-    r"adhesion|dissipation|temperature|image|colou?r|mask|quality",
-    re.IGNORECASE,
-)
 
 
 def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
@@ -198,7 +193,7 @@ def _units(info: Any) -> tuple[str | None, str | None, str]:
     if differ or not info.is_height_channel or (unit is not None and not is_length(unit)):
         unit = unit or "no unit"
         return lateral_unit, unit, f"values in {unit}, no length"
-    return lateral_unit, unit, "by its name no topography" if _NO_HEIGHT_NAME.search(info.name) else ""
+    return lateral_unit, unit, "by its name no topography" if NO_TOPOGRAPHY.search(info.name) else ""
 
 
 def _steps(topography: Any, file_format: Format, header: Header) -> tuple[float | None, float | None]:
