@@ -134,6 +134,11 @@ def test_several_columns_of_heights_are_asked_about(read, heading, columns, want
     assert_heights(read(text, channel=wanted), TWO[:1])
 
 
+def test_points_that_a_column_calls_invalid_are_missing(read):
+    height = read("x (µm);z (nm);valid\n" + table(X, ONE[0], X != 1, separator=";"))
+    assert_heights(height, np.where(X == 1, np.nan, ONE[0])[None])
+
+
 def test_columns_without_positions_are_profiles(read):
     text = "Profil 1 [nm];Profil 2 [nm];Profil 3 [nm]\n" + table(ONE[0], TWO[0], ONE[1], separator=";")
     read(text, refused="3 columns that may be heights", **GIVEN)
@@ -198,6 +203,7 @@ def test_a_first_row_of_an_unknown_word_is_not_dropped(read, word):
         (["Width: 5 x 2 µm"], "give dx, dy, unit"),
         (["Pixel size: 0.5 µm 0.25 µm 0.001 µm"], "give dx, dy, unit"),
         (["Pixel size: 1/2 µm"], "give dx, dy, unit"),
+        (["Pixel size: 1 234 nm"], "give dx, dy, unit"),
         (["Pixel size: 2 px/µm"], "line 1 says 'Pixel size: 2 px/µm': 'px/µm' is no unit of length"),
         (["Step: 0.5 µm"], "give dx, dy, unit"),
     ],
@@ -239,6 +245,7 @@ def test_other_statements_that_do_not_agree_are_refused(read, lines, words):
         ["Pixel size: 0.5 by 0.25 µm", "Field of view: 5; 2 µm"],
         ["Pixel size: 0.5, 0.25 µm", "Z scale: 1"],
         ["Pixel size: 0.5 µm / 0.25 µm", "Z scale: 300 nm"],
+        ["Pixel size: 0.5 µm 0.25 µm"],
         ["dx: 0.5 µm +/- 0.01 µm", "dy: 0.25 µm"],
         ["Pixel size X: 0.5 µm", "Pixel size Y: 0.25 µm", "X range: 0 .. 5 µm"],
         ["幅： 5 µm", "高さ： 2 µm"],
