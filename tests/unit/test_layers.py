@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from roughcontact.elasticity.influence import layered_elements, symbol
+from roughcontact.elasticity.influence import elements, symbol
 from roughcontact.elasticity.layers import (
     Layer,
     LayeredPair,
@@ -175,7 +175,7 @@ def test_elements_are_the_sum_over_the_aliases(ratio: float, thickness: float):
     shape, spacing = (96, 64), (1 / 96, 1 / 64)
     pair = LayeredPair((one_layer(ratio, 0.3, 0.4, thickness=thickness),))
     qy, qx = wavevectors(shape, spacing)
-    found = layered_elements(qy, qx, spacing, pair)
+    found = elements(qy, qx, spacing, pair)
     orders = np.arange(-200, 201)
     weights = np.where(np.abs(orders) == 200, 0.5, 1.0)
     for row, column in ((0, 1), (1, 0), (3, 7), (40, 20), (48, 32)):

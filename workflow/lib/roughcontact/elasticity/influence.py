@@ -1,6 +1,6 @@
 """Influence functions: how a pressure of wave vector q displaces the surface, u = S(q) p / E*.
 
-To add one, write (qy, qx, spacing) -> S, positive, a length, and add its name to `INFLUENCE` and
+To add one, write (qy, qx, spacing, layers) -> S, positive, a length, and add its name to `INFLUENCE` and
 `roughcontact.choices`. Layers multiply 2/|q| by a factor of |q| alone (`roughcontact.elasticity.layers`).
 """
 
@@ -26,7 +26,9 @@ _IMAGES = 40  # aliases that are summed on each side
 _SMALL = 1e-9  # change of the factor of an alias by layers below which it is left out
 
 
-def sampled(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
+def sampled(
+    qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float], layers: LayeredPair | None = None
+) -> np.ndarray:
     """Return 2/|q| at wave vectors (ny, 1) and (1, nx//2 + 1), infinite at 0: Johnson (1985), chapter 13.
 
     Examples
@@ -37,81 +39,32 @@ def sampled(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.
     """
     symbol = store.empty((qy.size, qx.size), np.result_type(qy, qx))
     kernels_for(symbol).inverse_root(qy[:, 0] ** 2, qx[0] ** 2, symbol)
+    if layers is not None:
+        symbol *= layers.factor(_wavenumbers(qy, qx)).astype(symbol.dtype)
     return symbol
 
 
-def elements(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
+def elements(
+    qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float], layers: LayeredPair | None = None
+) -> np.ndarray:
     """Return the symbol of pressures constant on every pixel, with displacements at their centres.
 
-    It is the sum over the aliases Q = q + 2 pi (m/dy, n/dx) of 2/|Q| sinc(Q_y dy/2) sinc(Q_x dx/2): the
-    rectangle of Love (1929, Phil. Trans. R. Soc. A 228, 377), repeated with the period of the grid.
-    """
-    # rounded, because the same pixels on another grid differ in the last digit
-    # the ratio to 2/|q| is smooth: it is summed at a few nodes and interpolated
-    ratio = _elements_over_sampled(float(f"{spacing[0] / spacing[1]:.12g}"))
-    phase_y, phase_x = (
-        np.clip(np.abs(q).ravel() * d, 0, np.pi) for q, d in zip((qy, qx), spacing, strict=True)
-    )
-    row, back_y = np.unique(phase_y, return_inverse=True)
-    column, back_x = np.unique(phase_x, return_inverse=True)
-    symbol = sampled(qy, qx, spacing)
-    symbol *= ratio(row, column)[np.ix_(back_y, back_x)].astype(symbol.dtype)
-    return symbol
-
-
-@lru_cache(maxsize=16)
-def _elements_over_sampled(aspect: float) -> "RectBivariateSpline":
-    """Return the ratio of the symbols as a function of q_y dy and q_x dx, 0 to pi, for `aspect` = dy/dx.
-
-    It is cached, because all square grids share it and the sum takes most of a second.
-    """
-    from scipy.interpolate import RectBivariateSpline  # the import takes half a second
-
-    angles = np.linspace(0, np.pi, _NODES)
-    dy, dx = aspect, 1.0
-    half_y, half_x = 0.5 * angles[:, None], 0.5 * angles[None, :]
-    total = np.zeros((angles.size, angles.size))
-    orders = np.arange(-_IMAGES, _IMAGES + 1)
-    # the signs of the terms alternate: half of the outermost terms gives the mean of two partial sums
-    weights = np.where(np.abs(orders) == _IMAGES, 0.5, 1.0)
-    nearest_image = np.hypot(2 * half_y / dy, 2 * half_x / dx)
-    for m, weight_y in zip(orders, weights, strict=True):
-        y = half_y + np.pi * m
-        for n, weight_x in zip(orders, weights, strict=True):
-            x = half_x + np.pi * n
-            alias = np.hypot(2 * y / dy, 2 * x / dx)
-            share = np.divide(nearest_image, alias, out=np.ones_like(nearest_image), where=alias > 0)
-            total += weight_y * weight_x * share * np.sinc(y / np.pi) * np.sinc(x / np.pi)
-    return RectBivariateSpline(angles, angles, total)
-
-
-def layered_sampled(
-    qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float], layers: LayeredPair
-) -> np.ndarray:
-    """Return the symbol of `sampled` for bodies with layers, thicknesses in the unit of the spacing."""
-    symbol = sampled(qy, qx, spacing)
-    symbol *= layers.factor(_wavenumbers(qy, qx)).astype(symbol.dtype)
-    return symbol
-
-
-def layered_elements(
-    qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float], layers: LayeredPair
-) -> np.ndarray:
-    """Return the symbol of `elements` for bodies with layers, thicknesses in the unit of the spacing.
-
-    The sum over the aliases is that of `elements`, each with the factor of its own wavenumber. The wave
-    itself is exact; the sum over all others is smooth, and interpolated.
+    It is the sum over the aliases Q = q + 2 pi (m/dy, n/dx) of S(Q) sinc(Q_y dy/2) sinc(Q_x dx/2), S that of
+    `sampled`: the rectangle of Love (1929, Phil. Trans. R. Soc. A 228, 377), repeated with the period of the
+    grid. The wave itself is exact; the sum over all others is smooth, and interpolated between a few nodes.
     """
     pixel = spacing[1]
+    # rounded, because the same pixels on another grid differ in the last digit
     aspect = float(f"{spacing[0] / pixel:.12g}")
-    alias_terms = _other_aliases(aspect, None), _other_aliases(aspect, layers.scaled(pixel))
+    alias_terms = [_other_aliases(aspect, None)]
+    alias_terms += [] if layers is None else [_other_aliases(aspect, layers.scaled(pixel))]
     phase_y, phase_x = (
         np.clip(np.abs(q).ravel() * d, 0, np.pi) for q, d in zip((qy, qx), spacing, strict=True)
     )
     element_transform = np.sinc(phase_y / (2 * np.pi))[:, None] * np.sinc(phase_x / (2 * np.pi))
     row, back_y = np.unique(phase_y, return_inverse=True)
     column, back_x = np.unique(phase_x, return_inverse=True)
-    symbol = layered_sampled(qy, qx, spacing, layers)
+    symbol = sampled(qy, qx, spacing, layers)
     symbol *= element_transform.astype(symbol.dtype)
     for alias_term in alias_terms:
         symbol += (pixel * alias_term(row, column)[np.ix_(back_y, back_x)]).astype(symbol.dtype)
@@ -158,7 +111,6 @@ def _wavenumbers(qy: np.ndarray, qx: np.ndarray) -> np.ndarray:
 
 
 INFLUENCE: dict[Influence, Callable] = {"sampled": sampled, "elements": elements}
-_LAYERED: dict[Influence, Callable] = {"sampled": layered_sampled, "elements": layered_elements}
 
 
 def symbol(
@@ -171,6 +123,4 @@ def symbol(
     """Return S(q) of an influence function, or of its name, of half-spaces or of bodies with layers."""
     if callable(influence):
         return np.asarray(influence(qy, qx, spacing))
-    if layers is None:
-        return np.asarray(INFLUENCE[influence](qy, qx, spacing))
-    return np.asarray(_LAYERED[influence](qy, qx, spacing, layers))
+    return np.asarray(INFLUENCE[influence](qy, qx, spacing, layers))
