@@ -70,6 +70,7 @@ def test_missing_points_become_nan_and_are_counted(tmp_path):
             "9.91E+37",
             "-9.90000000E+37",
             "9.96920996838687e+36",
+            "1E+38",
         ),
         *("-1.79769313486232e+308", "-Infinity", "<NA>", r"\N", "#NAME?"),
     ],

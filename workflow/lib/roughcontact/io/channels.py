@@ -13,10 +13,18 @@ from numpy.typing import ArrayLike
 from roughcontact.errors import InputFileError
 from roughcontact.io import instrument_kinds
 from roughcontact.io.guards import MAX_POINTS
-from roughcontact.io.markers import remove_marker_values
 from roughcontact.io.units import is_length
 
-_LEAST_MARKER = 1e36  # no unit makes a height so large
+LEAST_MARKER = 1e36  # no unit makes a height so large
+# numbers without unit or scale that programs write for a missing point
+_MARKERS = (
+    1.70141e38,  # Surfer: blanked node of a grid
+    3.40282e38,  # C, float.h: FLT_MAX; the NODATA_value of Arc/Info grids with either sign
+    1.79769e308,  # C, float.h: DBL_MAX
+    9.91e37,  # SCPI-99, volume 1, 7.2.1: not a number
+    9.9e37,  # SCPI-99, volume 1, 7.2.1: infinity, with either sign
+    9.96921e36,  # netCDF, netcdf.h: NC_FILL_FLOAT and NC_FILL_DOUBLE
+)
 _LISTED = 8  # names in a message
 _LONGEST = 1e100  # of positions, whose squares must be finite
 
@@ -164,14 +172,14 @@ def oversized(name: str, shape: tuple[int, ...], path: Path) -> Channel:
     return Channel(name, (1, prod(shape)), unreadable(f"{path}: {doubt}"), no_height=why, doubt=doubt)
 
 
-def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -> np.ndarray:
+def as_heights(values: ArrayLike, where: str) -> np.ndarray:
     """Return real numbers, perhaps masked, as a float64 copy (ny, nx), NaN where missing.
 
-    Missing are masked, infinite, `missing` and the marker values beyond all heights (`io.markers`).
+    Missing are masked and infinite values, and numbers that programs write for them, beyond all heights.
 
     Examples
     --------
-    >>> as_heights([1, 2, -9999], "map.dat", missing=-9999)
+    >>> as_heights([1, 2, 9.91e37], "map.dat")
     array([[ 1.,  2., nan]])
     """
     mask = np.ma.getmaskarray(values) if isinstance(values, np.ma.MaskedArray) else None
@@ -184,11 +192,10 @@ def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -
         heights = np.array(plain, dtype=float, ndmin=2)
     if mask is not None:
         heights[np.atleast_2d(mask)] = np.nan
-    if missing is not None:
-        heights[heights == missing] = np.nan
     heights[~np.isfinite(heights)] = np.nan
-    if np.nanmax(np.abs(heights), initial=0.0) > _LEAST_MARKER:
-        remove_marker_values(heights)
+    if np.nanmax(np.abs(heights), initial=0.0) > LEAST_MARKER:
+        for marker in _MARKERS:
+            heights[np.abs(np.abs(heights) / marker - 1) < 1e-5] = np.nan
     return heights
 
 

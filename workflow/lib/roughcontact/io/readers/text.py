@@ -14,6 +14,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import (
+    LEAST_MARKER,
     Channel,
     MeasuredFile,
     UnevenPositionsError,
@@ -24,7 +25,6 @@ from roughcontact.io.channels import (
 )
 from roughcontact.io.guards import check_memory
 from roughcontact.io.interface import Reader, RecognisedBy
-from roughcontact.io.markers import remove_marker_values
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.axes import are_points, axes_of, begins_anew, form_a_grid, uneven
 from roughcontact.io.text.columns import Column, headed, layout, of_a_map, unit_of_heights
@@ -136,7 +136,7 @@ def _parsed(
     if wrong := disagreeing(stated):
         raise InputFileError(f"{path}: {wrong}")
     first_values = first_of(stated)
-    remove_marker_values(table.values)
+    table.values[np.abs(table.values) > LEAST_MARKER] = np.nan  # infinite ones too
     doubts += thousands(rows.heading, rows.texts, delimiter, decimal_comma, path)
     measured = table.values[
         np.isfinite(table.values) & ~np.isin(table.values, first_values.get("missing", []))
@@ -626,7 +626,8 @@ def _heights(
     numbers: np.ndarray, first_values: dict[str, Any], unit: str | None
 ) -> tuple[np.ndarray, dict[str, Any]]:
     """Return the heights and the arguments of their channel: name and unit."""
-    remove_marker_values(numbers, first_values.get("missing", []))
+    for marker in first_values.get("missing", []):
+        numbers[numbers == marker] = np.nan
     if "z_factor" in first_values:  # the numbers are counts or phases; the factor makes them lengths
         numbers, unit = numbers * first_values["z_factor"], first_values.get("z_factor_unit", unit)
     return numbers, {"name": first_values.get("channel", "height"), "height_unit": unit}

@@ -1,4 +1,4 @@
-"""Words that programs write in a text for a missing point; numbers are in `io.markers`."""
+"""Words that programs write in a text for a missing point; numbers are in `io.channels`."""
 
 import re
 
