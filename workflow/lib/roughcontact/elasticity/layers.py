@@ -113,26 +113,20 @@ class LayeredPair:
 
     def as_settings(self) -> list[dict[str, Any]]:
         """Return the bodies as the settings describe them; `layered_pair` reads them."""
-        return [
-            ({"base": "rigid"} if body.base is None else body.base._asdict())
-            | {
-                "layers": [
-                    {"thickness": layer.thickness, **layer.material._asdict()} for layer in body.layers
-                ]
-            }
-            for body in self.bodies
-        ]
+        settings = []
+        for body in self.bodies:
+            layers = [{"thickness": thickness} | material._asdict() for thickness, material in body.layers]
+            base = {"base": "rigid"} if body.base is None else body.base._asdict()
+            settings.append(base | {"layers": layers})
+        return settings
 
     def scaled(self, unit: float) -> "LayeredPair":
         """Return the pair with its thicknesses in a `unit` of length."""
-        return type(self)(
-            tuple(
-                Stack(
-                    tuple(Layer(layer.thickness / unit, layer.material) for layer in body.layers), body.base
-                )
-                for body in self.bodies
-            )
-        )
+        layers = [
+            tuple(Layer(thickness / unit, material) for thickness, material in body.layers)
+            for body in self.bodies
+        ]
+        return type(self)(tuple(map(Stack, layers, [body.base for body in self.bodies])))
 
     def factor(self, q: np.ndarray) -> np.ndarray:
         """Return E* |q| S(|q|)/2 of both bodies together, by which they differ from half-spaces.
@@ -141,14 +135,11 @@ class LayeredPair:
         """
         q = np.asarray(q, float)
         if q.size <= 2 * _NODES:
-            shares = [self.modulus / body.surface.plane_modulus for body in self.bodies]
-            return sum(
-                (
-                    share * (self._of_body(q, body) if body.layers else np.ones_like(q))
-                    for share, body in zip(shares, self.bodies, strict=True)
-                ),
-                start=np.zeros_like(q),
-            )
+            total = np.zeros_like(q)
+            for body in self.bodies:
+                factor = self._of_body(q, body) if body.layers else 1.0
+                total += self.modulus / body.surface.plane_modulus * factor
+            return total
         from scipy.interpolate import CubicSpline  # the import takes half a second
 
         logarithm = np.log(q)

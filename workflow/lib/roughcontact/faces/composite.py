@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections import Counter
 
 import numpy as np
 import xarray as xr
@@ -24,6 +25,8 @@ from roughcontact.window.band import reliable_wavelength
 
 # attributes taken from the face with the larger row jitter
 _ROW_ATTRIBUTES = ("row_jitter", "row_jitter_evidence", "line_alignment", "line_alignment_by")
+# records of reading and levelling, as JSON, and what they are where a face has none
+_RECORDS = {"outlier_kinds": "{}", "ingest_warnings": "[]", "ingest_facts": "[]", "ingest_spikes": "{}"}
 
 
 @in_si
@@ -160,22 +163,18 @@ def _orientation_warnings(face: Face) -> list[str]:
 def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
     """Return the attributes of the face, combined with those of the counter-face where applicable."""
     lower_attrs, upper_attrs = lower.height.attrs, upper.height.attrs
-    kinds_by_face = [json.loads(attrs.get("outlier_kinds", "{}")) for attrs in (lower_attrs, upper_attrs)]
-    warnings = [
-        f"{face.name}: {warning}"
-        for face in (lower, upper)
-        for warning in (
-            *json.loads(face.height.attrs.get("ingest_warnings", "[]")),
-            *_orientation_warnings(face),
-        )
-    ]
+    kinds: Counter[str] = Counter()
+    warnings: list[str] = []
     facts: list[str] = []
     spikes: dict[str, str] = {}
     for face in (lower, upper):
-        attrs = face.height.attrs
-        facts += [f"{face.name}: {fact}" for fact in json.loads(attrs.get("ingest_facts", "[]"))]
-        findings = json.loads(attrs.get("ingest_spikes", "{}"))
-        spikes |= {f"{face.name}: {spike}": f"{face.name}: {findings[spike]}" for spike in findings}
+        attrs, name = face.height.attrs, face.name
+        stated = {key: json.loads(attrs.get(key, empty)) for key, empty in _RECORDS.items()}
+        kinds.update(stated["outlier_kinds"])
+        texts = *stated["ingest_warnings"], *_orientation_warnings(face)
+        warnings += [f"{name}: {warning}" for warning in texts]
+        facts += [f"{name}: {fact}" for fact in stated["ingest_facts"]]
+        spikes |= {f"{name}: {spike}": f"{name}: {text}" for spike, text in stated["ingest_spikes"].items()}
     shifted = max((lower_attrs, upper_attrs), key=lambda attrs: attrs.get("row_jitter", 0.0))
     steps = [
         attrs["quantisation_step"] for attrs in (lower_attrs, upper_attrs) if "quantisation_step" in attrs
@@ -191,12 +190,7 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
         "ingest_spikes": json.dumps(spikes, ensure_ascii=False),
         "missing_share": max(attrs.get("missing_share", 0.0) for attrs in (lower_attrs, upper_attrs)),
         "outliers_rejected": sum(attrs.get("outliers_rejected", 0) for attrs in (lower_attrs, upper_attrs)),
-        "outlier_kinds": json.dumps(
-            {
-                k: sum(face_kinds.get(k, 0) for face_kinds in kinds_by_face)
-                for k in kinds_by_face[0] | kinds_by_face[1]
-            }
-        ),
+        "outlier_kinds": json.dumps(kinds),
         **{name: shifted[name] for name in _ROW_ATTRIBUTES if name in shifted},
         "filled_points": int(filled.sum()),
         "filled_share": float(filled.mean()),
