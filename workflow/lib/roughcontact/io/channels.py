@@ -253,13 +253,6 @@ def scattered(
     """Return a channel of points (x, y, z; y None for a profile) that can be read only by resampling.
 
     Points without a height are left out; `attributes` are further ones of the channel.
-
-    Examples
-    --------
-    >>> error = UnevenPositionsError("the positions along x are not evenly spaced")
-    >>> channel = scattered("height", [0.0, 1.0, 3.0], None, [5.0, np.nan, 7.0], error, lateral_unit="um")
-    >>> channel.points.x, channel.points.z
-    (array([0., 3.]), array([5., 7.]))
     """
     along_x, heights = (np.asarray(values, dtype=float).ravel() for values in (x, z))
     along_y = None if y is None else np.asarray(y, dtype=float).ravel()

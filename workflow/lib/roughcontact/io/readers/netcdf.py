@@ -157,10 +157,12 @@ def _variable(
     if variable.dtype.kind not in "iuf":
         refused = f"{path}: variable {name!r} holds {no_height}, not real numbers"
         return Channel(label, (ny, nx), unreadable(refused), **attributes)
-    beside = [axis for axis in "xy" if axis in dataset and dataset[axis].dims == variable.dims != (axis,)]
-    if beside and name not in beside:
+    position_names = [
+        axis for axis in "xy" if axis in dataset and dataset[axis].dims == variable.dims != (axis,)
+    ]
+    if position_names and name not in position_names:
         refused = (
-            f"the positions {' and '.join(beside)} of {name!r} are variables over its axes; make them "
+            f"the positions {' and '.join(position_names)} of {name!r} are variables over its axes; make them "
             "coordinates of a grid, or save the points as text x, y, z"
         )
         return Channel(label, (ny, nx), unreadable(refused), doubt=refused, **attributes)

@@ -149,8 +149,8 @@ def begins_anew(values: np.ndarray) -> int:
 def _row_of_positions(values: np.ndarray) -> int:
     """Return the first row below others whose many numbers are even to their digits, as few are; or 0."""
     steps = np.diff(values[:, :3])
-    alike = np.isclose(steps[:, 0], steps[:, 1], rtol=_EXACT, atol=0.0) & (steps[:, 0] != 0)
-    for row in np.flatnonzero(alike[1:]) + 1 if values.shape[1] >= _MANY_POSITIONS else ():
+    begins_even = np.isclose(steps[:, 0], steps[:, 1], rtol=_EXACT, atol=0.0) & (steps[:, 0] != 0)
+    for row in np.flatnonzero(begins_even[1:]) + 1 if values.shape[1] >= _MANY_POSITIONS else ():
         differences = np.diff(values[row])
         even = np.allclose(differences, differences[0], rtol=_EXACT, atol=0.0)
         if even and _progression(values[row], values) is not None:
