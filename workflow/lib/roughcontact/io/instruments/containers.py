@@ -24,7 +24,6 @@ _FORMATS_BY_ENTRY = {
     "index.xml": "plux",
     ".dsc": "nmm",
     ".oir": "poir",
-    "xl/workbook.xml": "mitutoyo",
     ".prf": "qep",
 }
 
@@ -110,10 +109,9 @@ def _number(data: bytes, layout: str) -> int:
 def formats_within(path: Path) -> set[str]:
     """Return the formats whose members a ZIP archive has; empty for an archive of another kind."""
     names = [name.lower() for name in _entry_names(path)]
-    within = {
+    return {
         format_ for end, format_ in _FORMATS_BY_ENTRY.items() if any(name.endswith(end) for name in names)
     }
-    return within if "DATA" in _sheets(path) else within - {"mitutoyo"}
 
 
 def foreign(path: Path, head: bytes) -> str:

@@ -162,8 +162,8 @@ def _variable(
     ]
     if position_names and name not in position_names:
         refused = (
-            f"the positions {' and '.join(position_names)} of {name!r} are variables over its axes; make them "
-            "coordinates of a grid, or save the points as text x, y, z"
+            f"the positions {' and '.join(position_names)} of {name!r} are variables over its axes; make "
+            "them coordinates of a grid, or save the points as text x, y, z"
         )
         return Channel(label, (ny, nx), unreadable(refused), doubt=refused, **attributes)
     positive_down = str(variable.attrs.get("positive", "")).lower() == "down"  # the CF convention for depths
