@@ -109,10 +109,10 @@ def surface_from_profiles(
         "profiles": fit.measured[:-2] * pitch,
         "fit": finish.spectrum.fitted[:-2] * pitch,
     }
-    stretch, unlike = _stretch(segments, pitch, along) if along else (1.0, [])
+    stretch, doubts = _stretch(segments, pitch, along) if along else (1.0, [])
     heights = draw(finish, int(side), ratio, np.random.default_rng(seed), stretch)
     drawn = height_map(heights, pitch * ratio)
-    warnings = unlike + _warnings(segments, pitch, finish, side * ratio / stretch)
+    warnings = doubts + _warnings(segments, pitch, finish, side * ratio / stretch)
     facts = {
         "lay": ISOTROPIC,
         "profiles": stack.shape[0],
@@ -214,13 +214,10 @@ def _longest_run(row: np.ndarray) -> np.ndarray:
 
 def _stretch(segments: np.ndarray, pitch: float, along: Sequence[xr.DataArray]) -> tuple[float, list[str]]:
     """Return how much longer waves are along profiles than across, and a warning where none is a stretch."""
-    segments_along, pitch_along = profile_pieces(stacked(along))
-    rms_slopes, lengths = (
-        [measure(pieces) for pieces in (segments, segments_along)]
-        for measure in (lambda pieces: np.diff(pieces).std(), correlation_length)
-    )
+    pieces_along, pitch_along = profile_pieces(stacked(along))
     step = pitch_along / pitch
-    stretch, longer = float(rms_slopes[0] / rms_slopes[1] * step), float(lengths[1] / lengths[0] * step)
+    stretch = float(np.diff(segments).std() / np.diff(pieces_along).std() * step)
+    longer = correlation_length(pieces_along) / correlation_length(segments) * step
     warning = (
         f"By the slopes of the profiles along, waves are {number(stretch)} times as long as across, by the "
         f"correlation lengths {number(longer)} times: the spectrum is not a stretched one, and the areas may "

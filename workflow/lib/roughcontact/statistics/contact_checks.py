@@ -339,11 +339,7 @@ def mean_free_path(statistics: xr.Dataset) -> list[Check]:
 
 
 def local_scale(statistics: xr.Dataset) -> list[Check]:
-    """Say what the numbers of a form wider than its map are, and check that the form is smooth enough.
-
-    The nominal pressure is Hertz's where the rms height is below 0.05 of his approach (Johnson 1985, section
-    13.5). None of other maps.
-    """
+    """Check that the rms height is below 0.05 of the approach of a form (Johnson 1985, section 13.5)."""
     if "local_contact_area" not in statistics:
         return []
     last = statistics.isel(load=int(statistics["force"].values.argmax()))
