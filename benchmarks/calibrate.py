@@ -79,25 +79,18 @@ SHORT = {
 }
 NARROWEST = {CONSTRICTIONS[0]: "narrowest_x", CONSTRICTIONS[1]: "narrowest_y"}
 OF_EACH = ("scatter", "trend")  # features of each quantity and load; narrowest places have none
-FEATURES = ("scatter", "gradient", "height", "lay")
+FEATURES = ("scatter", "gradient", "lay")
 # those that the size of the error is fitted to: the others do not lower the score of measured maps left out
-SIZED_BY = {
-    "area": FEATURES,
-    "gap": ("gradient", "height", "lay"),
-    "peak": ("gradient", "lay"),
-    "conductance": ("gradient", "height", "lay"),
-    "narrowest": (),
-}
+SIZED_BY = {"area": FEATURES, **dict.fromkeys(("gap", "peak", "conductance"), FEATURES[1:]), "narrowest": ()}
 MOVED_BY_TREND = ("peak",)
 COVERAGE = 0.95
 JUDGED_LOADS = LOADS[1:4]
-FITTED_LEVEL = 0.975  # of the arms while size and trend are fitted
-# of the arms, so that some 94 % hold on measured maps left out: errors have long tails
-LEVELS = {"area": 0.97, "gap": 0.98, "peak": 0.98, "conductance": 0.98, "narrowest": 0.97}
+LEVEL = 0.975  # of the arms, so that some 95 % hold on measured maps left out: errors have long tails
 FREEDOM = 4.0  # of Student's t for the errors of the area
 OCTAVE_SHARE = 0.8  # of the change by the last octave, that the next one adds
 LEAST_CHANGE = 0.05  # of a logarithm in an octave
 RIDGE = 0.05  # on the slopes of the features, in their standard deviations
+SAME = 0.01  # of a logarithm, within which results are those of one map
 LARGEST_ERROR = 6.0  # of a logarithm; more is a closed gap
 HALVED_LOAD = 0.1  # at which the scatter of maps is fitted
 CLASSES = {
@@ -264,12 +257,13 @@ def bank_of(folders: list[Path], work: Path, *, made: bool) -> pd.DataFrame:
 
 
 def without_copies(tables: list[pd.DataFrame]) -> pd.DataFrame:
-    """Return all rows, those of maps of equal results (the same heights in two files) once."""
-    kept: dict[tuple, pd.DataFrame] = {}
+    """Return all rows, those of maps of equal results (the same heights in two files, rounded) once."""
+    kept: list[tuple[np.ndarray, pd.DataFrame]] = []
     for table in tables:
-        whole = table.loc[table["what"] == "whole", [*SHORT.values()][:4]].round(6)
-        kept.setdefault(tuple(map(tuple, whole.to_numpy())), table)
-    return pd.concat(kept.values(), ignore_index=True)
+        whole = table.loc[table["what"] == "whole", [*SHORT.values()][:4]].to_numpy()
+        if not any(np.allclose(whole, other, rtol=0, atol=SAME, equal_nan=True) for other, _ in kept):
+            kept.append((whole, table))
+    return pd.concat([table for _, table in kept], ignore_index=True)
 
 
 def errors_of(bank: pd.DataFrame, quantity: str, measurand: str) -> pd.DataFrame:
@@ -346,7 +340,7 @@ def fitted(errors: pd.DataFrame) -> tuple[float, pd.Series]:
         slopes = b[1:] if by_trend else b
         size, remaining, scores = np.exp(scaled @ slopes), error - (b[0] * trend if by_trend else 0.0), []
         for some in groups:
-            low, high = quantiles(remaining[some] / size[some], weight[some], FITTED_LEVEL)
+            low, high = quantiles(remaining[some] / size[some], weight[some], LEVEL)
             of_some = interval_score(low * size[some], high * size[some], remaining[some])
             scores.append(np.average(of_some, weights=weight[some]))
         return float(np.mean(scores) + RIDGE * np.sum(slopes**2))
@@ -472,11 +466,11 @@ def calibration(bank: pd.DataFrame) -> dict:
         for measurand in ("surface", "next", "longer", "map"):
             errors = surface if measurand == "surface" else errors_of(bank, quantity, measurand)
             trend = 0.0 if measurand == "map" else share
-            arms = arms_of(errors, trend, size_of(b, errors), LEVELS[quantity])
+            arms = arms_of(errors, trend, size_of(b, errors), LEVEL)
             table["arms"].setdefault(measurand, {})[name] = arms
         octave = errors_of(bank, quantity, "octave")
         ratio = (octave["error"] - OCTAVE_SHARE * octave["octave"]) / np.hypot(octave["octave"], LEAST_CHANGE)
-        low, high = quantiles(ratio.to_numpy(), octave["weight"].to_numpy(), LEVELS[quantity])
+        low, high = quantiles(ratio.to_numpy(), octave["weight"].to_numpy(), LEVEL)
         table["octave"][name] = {"share": OCTAVE_SHARE, "down": -low, "up": high}
         table["discretisation"][name] = discretisation_floor(bank, quantity)
     table[MAP_SCATTER] = fitted_scatter(scatter_of_maps(bank)).to_dict()
@@ -547,7 +541,7 @@ def claims(bank: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for quantity in [*SHORT.values()][:4]:
         errors = errors_of(bank, quantity, "surface")
-        ends = left_out(errors, errors, LEVELS[quantity])
+        ends = left_out(errors, errors, LEVEL)
         ends = ends[ends["load"].isin(JUDGED_LOADS)]
         scales = {quantity: 1.0}
         if quantity == SHORT[AREA]:
@@ -644,7 +638,7 @@ def coverage(bank: pd.DataFrame, others: pd.DataFrame | None = None) -> pd.DataF
         for measurand in ("surface", "next"):
             errors = surface if measurand == "surface" else errors_of(bank, quantity, measurand)
             own = None if others is None else errors_of(others, quantity, measurand)
-            for how, level in (("fitted", LEVELS[quantity]), ("constant", COVERAGE)):
+            for how, level in (("fitted", LEVEL), ("constant", COVERAGE)):
                 found = (
                     left_out(errors, surface, level, how)
                     if own is None
@@ -716,7 +710,7 @@ def _use(quantity: str, features: tuple[str, ...], by_trend: tuple[str, ...]) ->
 
 def _score_of_maps(errors: pd.DataFrame, quantity: str) -> pd.Series:
     """Return the mean score (kind, map) of the interval of the surface, each map left out once."""
-    ends = left_out(errors, errors, LEVELS[quantity])
+    ends = left_out(errors, errors, LEVEL)
     ends = ends[ends["load"].isin(JUDGED_LOADS)]
     score = interval_score(*(ends[column].to_numpy() for column in ("low", "high", "error")))
     sums = ends.assign(score=score * ends["weight"]).groupby(["kind", "map"])[["score", "weight"]].sum()

@@ -136,6 +136,6 @@ def test_page_and_screen_say_what_lies_beyond_the_map(rough):
     ends = [100 * found[f"{AREA}_next_{end}"].item() for end in ("lower", "upper")]
     assert [float(text) for text in re.findall(r"[\d.]+", lines[2])[:2]] == pytest.approx(ends, abs=0.06)
     loads = {name: found[name].item() for name in found.variables if found[name].dims == ("load",)}
-    screen = [" ".join(line.split()) for line in describe._beyond([loads], 3.0)]
+    screen = [" ".join(line.split()) for line in describe._wider_intervals([loads], 3.0)]
     assert [line.split(" % ")[1] for line in screen] == [word[0].lower() + word[1:] for word in words]
     assert [float(text) for text in re.findall(r"[\d.]+", screen[2])[1:]] == pytest.approx(ends, abs=0.06)

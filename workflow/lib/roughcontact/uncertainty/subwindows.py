@@ -1,14 +1,14 @@
 """Scatter of the results within a map: its subwindows, each solved as if it had been measured alone.
 
 On a stationary surface the map, n times as large, scatters s/sqrt(n), s the scatter of n subwindows longer
-than its longest wave; most surfaces differ on every length. The variances of rms gradient and height of 4, 9,
-16 and 36 subwindows are fitted by var(n) = a + b n, a, b >= 0, var(1) being that of maps of this size. These,
-the scatter of the solved subwindows (3 x 3), their trend and Str are the features of the calibrated arms
+than its longest wave; most surfaces differ on every length. The variances of the rms gradient of 4, 9, 16 and
+36 subwindows are fitted by var(n) = a + b n, a, b >= 0, var(1) being that of maps of this size. This, the
+scatter of the solved subwindows (3 x 3), their trend and Str are the features of the calibrated arms
 (`calibration`).
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -90,7 +90,6 @@ def scatter_of_subwindows(
     measured, aspect = levelled.isel(region), texture_parameters(window)["Str"]
     common = {
         "gradient": _at_the_size_of_the_map(_gradient_variances(measured.values, spacing(measured))),
-        "height": _at_the_size_of_the_map(_height_variances(measured.values, max(order, 1))),
         "lay": 0.5 if math.isnan(aspect) else aspect,
     }
     features: dict[str, Features] = {}
@@ -123,27 +122,17 @@ def _gradient_variances(heights: np.ndarray, steps: tuple[float, float]) -> dict
         if heights.shape[axis] > 1:
             slope = np.diff(heights, axis=axis) / step
             squares += slope[: squares.shape[0], : squares.shape[1]] ** 2
-    return _variances(squares, np.mean)
-
-
-def _height_variances(heights: np.ndarray, order: int) -> dict[int, float]:
-    """Return number of pieces of a map (m) -> variance of ln(rms height), each about its own form."""
-    return _variances(heights, lambda block: np.mean(_without_form(block, order) ** 2))
-
-
-def _variances(values: np.ndarray, mean_square: Callable[[np.ndarray], float]) -> dict[int, float]:
-    """Return number of pieces -> variance of ln of the root of the mean square between so many of a map."""
     variances = {}
     for cuts in _CUTS:
-        rows, columns = (cuts if n > 1 else 1 for n in values.shape)
-        if any(1 < n < cuts * _MIN_POINTS_PER_SIDE - 1 for n in values.shape):
+        rows, columns = (cuts if n > 1 else 1 for n in squares.shape)
+        if any(1 < n < cuts * _MIN_POINTS_PER_SIDE - 1 for n in squares.shape):
             continue
         blocks = [
             block
-            for band in np.array_split(values, rows, axis=0)
+            for band in np.array_split(squares, rows, axis=0)
             for block in np.array_split(band, columns, axis=1)
         ]
-        logarithms = [0.5 * math.log(max(mean_square(block), 1e-300)) for block in blocks]
+        logarithms = [0.5 * math.log(max(block.mean(), 1e-300)) for block in blocks]
         variances[len(blocks)] = float(np.var(logarithms, ddof=1))
     return variances
 
@@ -162,15 +151,12 @@ def _at_the_size_of_the_map(variances: Mapping[int, float]) -> float:
     return 0.5 * math.log(a + b + 1e-4)
 
 
-def _without_form(heights: np.ndarray, order: int) -> np.ndarray:
-    """Return heights about their own polynomial form."""
-    coordinates = [np.arange(n, dtype=float) for n in heights.shape]
-    return heights - fit_polynomial(heights, coordinates, order=order)[0]
-
-
 def _relevelled(area: xr.DataArray, order: int) -> xr.DataArray:
     """Return a subwindow of a levelled map with the same form removed again; no other step is repeated."""
-    return area.copy(data=_without_form(area.values, order)) if order else area
+    if not order:
+        return area
+    coordinates = [np.arange(n, dtype=float) for n in area.shape]
+    return area.copy(data=area.values - fit_polynomial(area.values, coordinates, order=order)[0])
 
 
 def divided(region: Slices, step: tuple[float, float], number: int, shortest: float = 0.0) -> list[Slices]:
