@@ -16,9 +16,8 @@ _CLASSES = 6  # of height, equally frequent, in which slopes have a distribution
 _SCORES = np.linspace(-5.2, 5.2, 257)  # normal scores at which the distribution of heights is stored
 _SLOPE_RANKS = (np.arange(400) + 0.5) / 400
 _TAIL = 0.5  # of an independent height: beyond this expected number a quantile is extrapolated
-_CHANCE = (
-    3.0  # n times the mean square deviation of n normal heights from their quantiles: one sample in twenty
-)
+# n times the mean square deviation of n normal heights from their quantiles: one sample in twenty
+_CHANCE = 3.0
 _CORRELATION = 0.2  # at the correlation length
 _BLOCKS = 5  # of each profile, which are drawn anew for the scatter
 _SORTED = 16  # every so manieth rank is interpolated between

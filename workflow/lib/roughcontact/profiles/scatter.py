@@ -24,12 +24,7 @@ from roughcontact.profiles.surface import profile_pieces, surface_from_profiles
 from roughcontact.quantities import counted_noun
 from roughcontact.uncertainty.calibration import entry
 from roughcontact.uncertainty.discretisation import CORRECTED
-from roughcontact.uncertainty.ensemble import (
-    SCATTER_TOLERANCE,
-    few_loads,
-    loads_of,
-    solve_member,
-)
+from roughcontact.uncertainty.ensemble import SCATTER_TOLERANCE, few_loads, loads_of, solve_member
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, at_all_loads, inverse_erf_area, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
@@ -58,21 +53,19 @@ def scatter_of_surfaces(
     solved = few_loads(load)
     ensemble = {name: np.full((number, load.size), np.nan) for name in values}
     for index, surface in enumerate(member_surfaces(profiles, window, number)):
-        solved_member = solve_member(
-            surface, contact, tolerance=SCATTER_TOLERANCE, names=[*values], loads=solved
-        )
+        member = solve_member(surface, contact, tolerance=SCATTER_TOLERANCE, names=[*values], loads=solved)
         for name in values:
-            ensemble[name][index, solved] = solved_member[name]
+            ensemble[name][index, solved] = member[name]
     x = np.log(np.maximum(inverse_erf_area(values[AREA]), 1e-12))
     arms, shift = {}, {}
     for name, result in values.items():
         mean, deviation = moments(name, ensemble[name][:, solved], result[solved], values[GAP][solved])
+        deviation, mean = (at_all_loads(moment, solved, load) for moment in (deviation, mean))
         calibrated = table()["quantities"][entry(name)]
-        structural, quantile = (
+        spread, quantile = (
             np.interp(x, calibrated["load"], calibrated[key]) for key in ("spread", "quantile")
         )
-        width = quantile * np.hypot(at_all_loads(deviation, solved, load), structural)
-        mean = at_all_loads(mean, solved, load)
+        width = quantile * np.hypot(deviation, spread)
         if name in CORRECTED:
             arms[name], shift[name] = (width, width), mean
         else:

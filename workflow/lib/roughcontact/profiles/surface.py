@@ -24,9 +24,8 @@ _MOST_POINTS = 512  # per side of a surface, unless others are asked for
 _LONGEST_PIECE = 8192  # points of a profile: longer ones are cut
 _LEAST_POINTS = 64
 _LENGTHS = 10  # correlation lengths of a profile, below which its long waves are unknown
-_UNLIKE_DEVIATIONS = (
-    3.0  # standard deviations of ln mean square slope, by chance, between profiles of one finish
-)
+# standard deviations of ln mean square slope, by chance, between profiles of one finish
+_UNLIKE_DEVIATIONS = 3.0
 _STRETCHED = 2.0  # ratio of the stretches by slopes and by correlation lengths, up to which it is one
 _STEP_SHARE = 0.2  # of the mean square slope in a single step between neighbours
 _LONG_SHARE = 0.2  # of the mean square height in waves that are longer than the surface
@@ -99,7 +98,8 @@ def surface_from_profiles(
     stack = stacked(profiles)
     segments, pitch = profile_pieces(stack)
     ratio = 1.0 if spacing is None else float(spacing) / pitch
-    side = default_points(segments) if points is None else points
+    longest = min(segments.shape[1], _MOST_POINTS)
+    side = int(friendly_sides(longest)[longest]) if points is None else points
     if not 0 < ratio < np.inf or side != int(side) or side < 2:
         raise SettingsError(f"points = {points!r}, spacing = {spacing!r}: give positive numbers")
     fit = ProfileFit(segments, max(1, form_order(stack)))
@@ -180,12 +180,6 @@ def surfaces_behind(drawn: xr.DataArray | xr.Dataset) -> str:
     return f"the surfaces with the spectrum, heights and slopes of {number_of_profiles}"
 
 
-def default_points(segments: np.ndarray) -> int:
-    """Return the points per side of a surface of profiles of so many points."""
-    longest = min(segments.shape[1], _MOST_POINTS)
-    return int(friendly_sides(longest)[longest])
-
-
 def profile_pieces(stack: xr.DataArray) -> tuple[np.ndarray, float]:
     """Return profiles as pieces of equal length (number, points; m), without a line, and their pitch (m)."""
     rows = [_longest_run(row) for row in stack.values]
@@ -244,7 +238,8 @@ def _warnings(segments: np.ndarray, pitch: float, finish: Finish, side: float) -
         warnings.append(
             f"The mean square slopes of the profiles differ by a factor of {number(np.exp(spread))}, more "
             "than those of an isotropic surface do: they may be of two directions, across and along a lay. "
-            "State lay = across for those across it, and leave out the others."
+            "State lay = across for those across it, and leave out the others, or draw a surface from both "
+            "(surface_from_profiles, along)."
         )
     share = steps.max() / steps.sum()
     if share > _STEP_SHARE:
