@@ -300,6 +300,8 @@ def headers(write: Writer) -> Mixture:
         "lateral unit": "XY unit: nm",
         "another number": f"nx: {nx + choose.choice([1, -1, 10])}",
         "unit of the heights": "Z unit: m",
+        "units of the axes": f"X unit: µm{write.newline}Y unit: mm",
+        "scale": f"Z scale: {write.number(choose.choice([0.1, 1000]))}",
         "two meanings": f"Width: 1{',' if write.decimal == '.' else '.'}{choose.randrange(100, 1000)} µm",
     }
     said = choose.choice([*wrong, *["agreeing"] * 6, "optical alone", "motor alone"])
@@ -359,12 +361,29 @@ def positions(write: Writer) -> Mixture:
 
 
 def repeated_positions(write: Writer) -> Mixture:
-    """Maps beside or below one another, told by their positions, or columns without names."""
+    """Maps beside or below one another, told by their positions, columns without names, uneven positions."""
     choose, one = write.choose, write.in_unit(write.heights)
     two = one[:, ::-1]
     x, y = (step * np.arange(n) for step, n in zip((DX, DY), one.shape[::-1], strict=True))
-    how = choose.choice(["rows", "columns", "both", "beside", "profiles", "pairs"])
+    how = choose.choice(
+        [
+            "rows",
+            "columns",
+            "both",
+            "beside",
+            "profiles",
+            "pairs",
+            "among",
+            "among columns",
+            "in rows",
+            "uneven",
+        ]
+    )
     table = {
+        "among": lambda: np.vstack([one, x, two]),
+        "among columns": lambda: np.column_stack([one, y, two]),
+        "in rows": lambda: np.vstack([x, np.nan_to_num(one[0])]),
+        "uneven": lambda: np.column_stack([np.r_[7, y], np.vstack([(x + DX) ** 1.3, one])]),
         "rows": lambda: np.vstack([x, one, x, two]),
         "columns": lambda: np.column_stack([np.r_[y, y], np.vstack([one, two])]),
         "both": lambda: np.column_stack([np.r_[0, y, 0, y], np.vstack([x, one, x, two])]),
@@ -375,8 +394,27 @@ def repeated_positions(write: Writer) -> Mixture:
     arguments = GIVEN | {"height_unit": write.unit}
     if how == "profiles":
         arguments = {"unit": "um", "height_unit": write.unit}
-    asked = "name the columns" if how == "profiles" else r"begins? anew"
+    asked = {
+        "profiles": "name the columns",
+        "in rows": r"line 1\b.* positions",
+        "uneven": "row .* not even",
+    }.get(how, r"begins? anew")
     return Mixture(write.text(write.rows(table)), arguments, None, (), asked, f"positions again, {how}")
+
+
+def one_column(write: Writer) -> Mixture:
+    """One height in each line, below a step, a length or both: a profile."""
+    row = write.heights[write.choose.randrange(12)]
+    entries = [
+        f"Spacing: {write.number(DX)} µm",
+        f"Width: {write.number(row.size * DX)} µm",
+        f"Points: {row.size}",
+    ]
+    lines = write.choose.sample(entries[:2], write.choose.choice([1, 2])) + write.choose.choice(
+        [[], entries[2:]]
+    )
+    text = write.text([*lines, f"Z unit: {write.unit}", *write.rows(write.in_unit(row[:, None]))])
+    return Mixture(text, {}, metres(row[None]), (1e-6 * DX,), "may be a decimal sign", "one column")
 
 
 KINDS: tuple[Callable[[Writer], Mixture], ...] = (
@@ -387,6 +425,7 @@ KINDS: tuple[Callable[[Writer], Mixture], ...] = (
     headers,
     positions,
     repeated_positions,
+    one_column,
 )
 
 

@@ -60,13 +60,6 @@ def test_a_second_table_without_headings_is_refused(read, between, words):
     read(table(ONE) + between + table(TWO), refused=words, **GIVEN)
 
 
-def test_a_row_of_positions_among_heights_begins_a_table(read):
-    wide = np.random.default_rng(4).normal(size=(9, 14))
-    text = table(np.vstack([wide[:5], 0.5 * np.arange(14), wide[5:]]))
-    read(text, refused="positions begin anew at line 6", **GIVEN)
-    read(table(np.vstack([wide[:5], 0.5 * np.arange(14), wide[5:]]).T), refused="line 1 begins anew", **GIVEN)
-
-
 def test_an_empty_column_divides_maps_beside_one_another(read):
     text = table(ONE, np.full(8, np.nan), TWO).replace("nan", "")
     read(text, refused="line 1 .* has an empty column", **GIVEN)
@@ -145,11 +138,7 @@ def test_columns_without_positions_are_profiles(read):
     assert_heights(read(text, channel="Profil 2", dx=0.5, unit="um"), TWO[:1])
 
 
-@pytest.mark.parametrize(
-    "lines", ["Spacing: 0.5 µm", "Width: 5 µm", "dx: 0.5 µm\nPoints: 10", "nx: 10\ndx: 0.5 µm"]
-)
-def test_a_column_below_a_step_is_a_profile(read, lines):
-    assert_heights(read(f"{lines}\nZ unit: nm\n{table(ONE[0])}"), ONE[:1])
+def test_a_column_of_all_points_of_a_map_is_refused(read):
     sizes = "nx: 10\nny: 8\ndx: 0.5 µm\n" + table(ONE.ravel())
     read(sizes, refused="a column of 80 numbers, where the header states a size along y", **GIVEN)
 
@@ -294,11 +283,6 @@ def test_empty_rows_above_and_below_a_table_are_said(read):
         read(empty + table(ONE) + 2 * empty, **GIVEN)
     )
     assert "empty cells" not in notes(read("\n" + table(ONE) + "\n\n", **GIVEN))
-
-
-def test_points_in_rows_are_no_map(read):
-    for rows in ((X, ONE[0]), grid(ONE)):
-        read(table(np.vstack(rows)), refused="line 1 holds positions", **GIVEN)
 
 
 def test_positions_and_steps_of_the_user_that_differ_are_said(read):

@@ -11,6 +11,7 @@ from roughcontact.io.text.traces import are_traces, runs
 _FEW_POSITIONS = 6  # positions in a row or column alone; fewer are even by chance, unless they begin at 0
 _LEAST_FROM_ZERO = 4
 _MANY_POSITIONS = 12  # positions
+_LEAST_AMONG_HEIGHTS = 8  # positions; fewer levels of a quantised map may be even
 _CLOSE, _ROUNDED = (
     0.02,
     0.06,
@@ -150,7 +151,7 @@ def _row_of_positions(values: np.ndarray) -> int:
     """Return the first row below others whose many numbers are even to their digits, as few are; or 0."""
     steps = np.diff(values[:, :3])
     begins_even = np.isclose(steps[:, 0], steps[:, 1], rtol=_EXACT, atol=0.0) & (steps[:, 0] != 0)
-    for row in np.flatnonzero(begins_even[1:]) + 1 if values.shape[1] >= _MANY_POSITIONS else ():
+    for row in np.flatnonzero(begins_even[1:]) + 1 if values.shape[1] >= _LEAST_AMONG_HEIGHTS else ():
         differences = np.diff(values[row])
         even = np.allclose(differences, differences[0], rtol=_EXACT, atol=0.0)
         if even and _progression(values[row], values) is not None:

@@ -123,10 +123,11 @@ def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
     separating = any(token.endswith(",") or token.count(",") > 1 for row in tokens for token in row)
     if any(len(row) > 1 for row in tokens) and not separating:
         return None, True
-    decimals = "." not in joined and re.search(
-        r"(?<!\d)0\d", joined
-    )  # of 0,05,0,12 no cell is a number alone
-    if decimals or (len(sample) > 1 and all(line.count(",") == 1 and "." not in line for line in sample)):
+    one_comma = all(line.count(",") == 1 for line in sample)
+    leading_zero = re.search(r"(?<!\d)0\d", joined)  # only decimals begin so
+    if "." not in joined and one_comma and leading_zero:
+        return None, True
+    if "." not in joined and (leading_zero or (one_comma and len(sample) > 1)):
         raise InputFileError(
             f"{path}: the comma in {sample[0]!r} may be a decimal sign or a separator; "
             "write decimals with a point, or separate columns with a tab or a semicolon"
