@@ -24,7 +24,13 @@ from roughcontact.profiles.surface import profile_pieces, surface_from_profiles
 from roughcontact.quantities import counted_noun
 from roughcontact.uncertainty.calibration import entry
 from roughcontact.uncertainty.discretisation import CORRECTED
-from roughcontact.uncertainty.ensemble import SCATTER_TOLERANCE, few_loads, loads_of, solve_member
+from roughcontact.uncertainty.ensemble import (
+    SCATTER_TOLERANCE,
+    few_loads,
+    loads_of,
+    solve_member,
+    solve_members,
+)
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, at_all_loads, inverse_erf_area, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
@@ -51,11 +57,7 @@ def scatter_of_surfaces(
     """
     load = loads_of(contact)
     solved = few_loads(load)
-    ensemble = {name: np.full((number, load.size), np.nan) for name in values}
-    for index, surface in enumerate(member_surfaces(profiles, window, number)):
-        member = solve_member(surface, contact, tolerance=SCATTER_TOLERANCE, names=[*values], loads=solved)
-        for name in values:
-            ensemble[name][index, solved] = member[name]
+    ensemble = solve_members(member_surfaces(profiles, window, number), number, contact, values)
     x = np.log(np.maximum(inverse_erf_area(values[AREA]), 1e-12))
     arms, shift = {}, {}
     for name, result in values.items():

@@ -1,7 +1,7 @@
 """Ensemble members: solutions to a wide tolerance, at few loads, of which only some quantities are kept."""
 
 import contextlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -68,6 +68,20 @@ def solve_member(
         for name in names:
             values[name][solution.load_index] = quantities[name]
     return values
+
+
+def solve_members(
+    windows: Iterable[xr.DataArray], number: int, contact: Mapping[str, Any], names: Iterable[str]
+) -> dict[str, np.ndarray]:
+    """Return quantities of so many windows, each an array (member, load) with NaN but at `few_loads`."""
+    load = loads_of(contact)
+    solved = few_loads(load)
+    members = {name: np.full((number, load.size), np.nan) for name in names}
+    for index, window in enumerate(windows):
+        member = solve_member(window, contact, tolerance=SCATTER_TOLERANCE, names=[*members], loads=solved)
+        for name, results in member.items():
+            members[name][index, solved] = results
+    return members
 
 
 def _solve_body(

@@ -16,7 +16,7 @@ from roughcontact.choices import UncertaintySource
 from roughcontact.maps import roughness_of, spacing
 from roughcontact.references.closed_forms import hertz_ellipse
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.uncertainty.ensemble import SCATTER_TOLERANCE, Values, few_loads, loads_of, solve_member
+from roughcontact.uncertainty.ensemble import Values, few_loads, loads_of, solve_members
 from roughcontact.uncertainty.inputs import STIFFNESS
 from roughcontact.uncertainty.scales import ANSWERS, GAP, at_all_loads, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
@@ -67,12 +67,8 @@ def scatter_of_positions(
     """Return the scatter of the results of a body over other positions of its form on the roughness."""
     load, shifts = loads_of(contact), contact["shifts"]
     solved = few_loads(load)
-    members = {name: np.full((len(shifts), load.size), np.nan) for name in values}
-    for index, shift in enumerate(shifts):
-        moved = roughness.copy(data=np.roll(roughness.values, shift, (0, 1)))
-        member = solve_member(moved, contact, tolerance=SCATTER_TOLERANCE, names=[*values], loads=solved)
-        for name in values:
-            members[name][index, solved] = member[name]
+    moved = (roughness.copy(data=np.roll(roughness.values, shift, (0, 1))) for shift in shifts)
+    members = solve_members(moved, len(shifts), contact, values)
     arms = {}
     for name, result in values.items():
         results = np.vstack([result, members[name]])[:, solved]

@@ -23,14 +23,7 @@ from roughcontact.levelling.polynomial import fit_polynomial
 from roughcontact.maps import spacing
 from roughcontact.roughness.texture import texture_parameters
 from roughcontact.uncertainty.calibration import Features
-from roughcontact.uncertainty.ensemble import (
-    SCATTER_TOLERANCE,
-    Values,
-    few_loads,
-    loads_of,
-    measured_slices,
-    solve_member,
-)
+from roughcontact.uncertainty.ensemble import Values, few_loads, loads_of, measured_slices, solve_members
 from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, at_all_loads, to_scale
 from roughcontact.window.periodic_window import subwindow
 
@@ -77,16 +70,10 @@ def scatter_of_subwindows(
     slices = divided(region, spacing(levelled), int(number), arguments.get("shortest_wavelength") or 0.0)
     load, order = loads_of(contact), form_order(levelled)
     solved = few_loads(load)
-    by_subwindow = {name: np.full((len(slices), load.size), np.nan) for name in values}
     if len(slices) < 2:
-        return Scatter(by_subwindow, {}, slices)
-    for index, area in enumerate(slices):
-        periodic = subwindow(_relevelled(levelled.isel(area), order), **arguments)
-        solved_values = solve_member(
-            periodic, contact, tolerance=SCATTER_TOLERANCE, names=list(values), loads=solved
-        )
-        for name in values:
-            by_subwindow[name][index, solved] = solved_values[name]
+        return Scatter({name: np.full((len(slices), load.size), np.nan) for name in values}, {}, slices)
+    subwindows = (subwindow(_relevelled(levelled.isel(area), order), **arguments) for area in slices)
+    by_subwindow = solve_members(subwindows, len(slices), contact, values)
     measured, aspect = levelled.isel(region), texture_parameters(window)["Str"]
     common = {
         "gradient": _at_the_size_of_the_map(_gradient_variances(measured.values, spacing(measured))),
