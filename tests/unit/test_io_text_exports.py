@@ -92,6 +92,8 @@ def test_empty_cells_around_a_table(tmp_path):
     np.testing.assert_array_equal(
         np.isnan(height.values[::-1]), np.array([[0, 0, 0, 0], [0, 0, 0, 1], [1, 0, 0, 0]], dtype=bool)
     )
+    closed = read_height_map(saved(tmp_path, "0,500\t2\t9.91E+37\t\n5\t6\t\t\n"), dx=1, dy=1, unit="um")
+    np.testing.assert_array_equal(np.isnan(closed.values[::-1]), [[False, False, True]] * 2)
     # but where the last line alone ends so, it is incomplete
     refuses("the last line is incomplete", saved(tmp_path, "1;2;3;4\n5;6;7;8\n9;8;7;"), dx=1, dy=1, unit="um")
 

@@ -82,7 +82,7 @@ def thousands(
 
 def _refuse_both_marks(body: list[str], path: Path) -> None:
     """Refuse points as separators of thousands, or decimals, in a table with decimal commas."""
-    number = re.compile(r"(?<![\d.,])\d+([.,])(\d+)(?![\d.,])")
+    number = re.compile(r"(?<![\d.,])\d+([.,])(\d+)(?![\d.,eE])")
     if not any("." in line and number.search(line) for line in body):
         return
     matches: dict[str, list[re.Match[str]]] = {mark: [] for mark in ".,"}

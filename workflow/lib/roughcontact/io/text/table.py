@@ -290,7 +290,7 @@ def _parse(
         if decimal_comma:
             text = text.replace(",", ".")
         if delimiter is not None and closed:
-            text = text.rstrip().removesuffix(delimiter)
+            text = text.removesuffix(delimiter)
         before = len(numbers)
         try:
             empty = _append(numbers, text, delimiter, spoken)
