@@ -10,7 +10,7 @@ import pytest
 from numpydoc.docscrape import NumpyDocString
 
 import roughcontact
-from roughcontact.kernels import array_api, compiled, protocol
+from roughcontact.kernels import array_api, compiled
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "docs"))
 import generated
@@ -20,11 +20,7 @@ MODULES = sorted(
     {f"roughcontact.{name}" for name in generated.MODULES}
     | {getattr(roughcontact, name).__module__ for name in roughcontact.__all__ if name != "__version__"}
 )
-IMPLEMENTED = {
-    protocol.Kernels: array_api,
-    compiled.Compiled: array_api,
-    compiled.CompiledSmallGrids: protocol.SmallGrids,
-}
+IMPLEMENTED = {compiled.Compiled: array_api}
 
 
 def public_functions(module):

@@ -1,6 +1,7 @@
 """Statistics of several surfaces and cases in one dataset and one table."""
 
 import json
+import re
 import warnings
 
 import numpy as np
@@ -14,8 +15,8 @@ from roughcontact.evaluation import evaluate
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.results.collect import (
-    _SUFFIX,
     collect_statistics,
+    column_name,
     pairs_table,
     summary_table,
     table,
@@ -312,9 +313,11 @@ def test_another_way_of_selecting_is_refused(two_surfaces):
 
 
 def test_every_unit_of_a_number_by_load_has_its_place_in_the_head_of_the_table():
-    """Only densities stay out of the table, and names have no unit."""
-    units = {unit for name, (unit, _) in VARIABLES.items() if unit and not name.endswith("_density")}
-    assert units <= set(_SUFFIX)
+    """No unit is lost, and none of two variables is written alike."""
+    units = {unit for unit, _ in VARIABLES.values() if unit and unit != "1"}
+    heads = {unit: column_name("number", unit) for unit in units}
+    assert len({*heads.values()}) == len(units)
+    assert all(re.fullmatch(r"number(_[A-Za-z]+[0-9]?)+", head) for head in heads.values()), heads
 
 
 def test_a_seal_and_the_ends_of_its_leak_rate_stand_in_the_table(tmp_path):

@@ -129,13 +129,27 @@ def test_the_table_is_that_of_the_statistics(statistics, tmp_path, capsys):
     rc.write_dataset(statistics, tmp_path / "result.nc")
     assert main(["table", str(tmp_path / "result.nc"), "-o", str(tmp_path / "table.csv")]) == 0
     written = pd.read_csv(tmp_path / "table.csv")
-    assert {"mean_gap_m", "mean_pressure_Pa", "contact_stiffness_Pa_m-1", "shear_flow_factor_x"} <= set(
+    assert {"mean_gap_m", "mean_pressure_Pa", "contact_stiffness_Pa_per_m", "shear_flow_factor_x"} <= set(
         written
     )
     assert written["rms_height_m"].values == pytest.approx(sigma, rel=1e-9)
     assert written["mean_gap_m"].values == pytest.approx(statistics["mean_gap"].values, rel=1e-6)
     assert main(["table", str(tmp_path / "result.nc")]) == 0
     assert capsys.readouterr().out.startswith("mean_gap_m,mean_pressure_Pa,")
+
+
+@pytest.mark.parametrize(
+    ("dims", "told"),
+    [(("surface", "load"), "is of several surfaces; name the folder"), (("load",), "flow")],
+)
+def test_what_has_no_table_is_refused_by_the_name_of_its_file(dims, told, tmp_path, capsys):
+    loads = np.full((2,) * len(dims), 1e6)
+    numbers = xr.Dataset({"mean_gap": (dims, loads * 1e-13)}, coords={"mean_pressure": (dims, loads)})
+    rc.write_dataset(numbers, tmp_path / "statistics.nc")
+    assert main(["table", str(tmp_path / "statistics.nc")]) == 2
+    sentence = capsys.readouterr().err
+    assert f"{tmp_path / 'statistics.nc'}: " in sentence
+    assert told in sentence
 
 
 def test_the_ends_at_a_gap_are_those_of_a_curve_moved_along_it():

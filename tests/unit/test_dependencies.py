@@ -86,9 +86,13 @@ def test_an_edit_concerns_what_imports_the_module(package, edited, concerned):
     assert {name for name in before if before[name] != after[name]} == concerned
 
 
-def test_an_edit_of_what_all_share_concerns_all(package):
+@pytest.mark.parametrize(
+    "edited",
+    ["scripts/_job.py", "lib/roughcontact/variables.tsv", "lib/roughcontact/uncertainty/calibration.json"],
+)
+def test_an_edit_of_what_all_share_concerns_all(package, edited):
     before = digests(package)
-    path = package / "scripts/_job.py"
+    path = package / edited
     path.write_bytes(path.read_bytes() + b"\n")
     after = digests(package)
     assert all(before[name] != after[name] for name in before)

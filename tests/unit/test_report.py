@@ -45,6 +45,7 @@ from roughcontact.results.collect import collect_statistics, summary_table
 from roughcontact.results.storage import provenance, read_dataset, table_text, write_dataset
 from roughcontact.statistics import checks, map_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.statistics.outcome import FAILED, NOT_MADE, NOTE, PASSED, REVIEW, VERDICTS, verdict_of
 from roughcontact.uncertainty.combination import uncertainty_table
 from roughcontact.window.periodic_window import periodic_window
 
@@ -355,7 +356,7 @@ def outcomes(statistics, *, height=(), levelled=(), window=(), points=96 * 96):
     found = checks.surface_checks(
         statistics, height=dict(height), levelled=dict(levelled), window=dict(window), points=points
     )
-    return {check.name: check for check in found}, checks.verdict(found)
+    return {check.name: check for check in found}, verdict_of(found)
 
 
 def test_a_good_surface_passes_every_check(good):
@@ -364,11 +365,11 @@ def test_a_good_surface_passes_every_check(good):
     sharp |= {"summit_over_next": 1.1, "summit_chance": 0.5, "quantisation_step": 0.0}
     optical = {"instrument": '{"kind": "optical profiler"}'}
     found, verdict = outcomes(good, height=optical, window=sharp | {"reliable_reason": "the lens"})
-    assert {check.outcome for check in found.values()} == {checks.PASSED}
+    assert {check.outcome for check in found.values()} == {PASSED}
     found, verdict = outcomes(good, window=sharp)  # of a file that does not say what measured it
-    assert {name for name, check in found.items() if check.outcome != checks.PASSED} == {"Band", "Pixel size"}
-    assert found["Band"].outcome == checks.NOT_MADE
-    assert checks.VERDICTS[verdict] == "use"
+    assert {name for name, check in found.items() if check.outcome != PASSED} == {"Band", "Pixel size"}
+    assert found["Band"].outcome == NOT_MADE
+    assert VERDICTS[verdict] == "use"
 
 
 ADVICE = {
@@ -423,15 +424,15 @@ def test_each_check_can_ask_for_a_look(good):
             "summit_y": 1e-5,
         },
     )
-    looks = {name for name, check in found.items() if check.outcome == checks.REVIEW}
+    looks = {name for name, check in found.items() if check.outcome == REVIEW}
     notes = {"Steep places", "Missing points", "Outliers", "Resolution"}
     others = {"Solver", "Load range", "Longest wave", "Band", "Plasticity", "Units"}
     assert looks == set(found) - others - notes
-    assert {found[name].outcome for name in notes} == {checks.NOTE}
+    assert {found[name].outcome for name in notes} == {NOTE}
     for name in looks - {"Reading the file"}:  # the last sentence says what to do
         last = found[name].sentence.rstrip(".").split(". ")[-1]
         assert last.split()[0] in ADVICE, last
-    assert checks.VERDICTS[verdict] == "review"
+    assert VERDICTS[verdict] == "review"
     assert "down to 50" in found["Points in contact"].sentence
     assert "−15.0 %" in found["Periodic window"].sentence
     assert "5.00 %" in found["Missing points"].sentence
@@ -457,21 +458,21 @@ def test_slopes_that_no_surface_has_are_not_to_be_trusted(good):
     good = good.copy(deep=True)
     good["rms_gradient"] = 20.0
     found, verdict = outcomes(good)
-    assert checks.VERDICTS[verdict] == "do not use"
+    assert VERDICTS[verdict] == "do not use"
     assert "Check the units" in found["Slopes"].sentence
 
 
 def test_full_contact_is_worth_a_look_where_there_is_nothing_else(good):
     closed = good.copy(deep=True)
     closed["relative_contact_area_pixels"][1] = closed["relative_contact_area"][1] = 1.0
-    assert outcomes(closed)[0]["Load range"].outcome == checks.PASSED
+    assert outcomes(closed)[0]["Load range"].outcome == PASSED
     closed["relative_contact_area_pixels"][:] = 1.0
-    assert outcomes(closed)[0]["Load range"].outcome == checks.REVIEW
+    assert outcomes(closed)[0]["Load range"].outcome == REVIEW
 
 
 def test_edges_that_do_not_fit_together_ask_for_a_look(good):
     window = {"periodisation": "mirror", "rms_gradient_before": 1.0, "rms_gradient_after": 1.02}
-    for change, outcome in ((0.4, checks.PASSED), (0.6, checks.REVIEW)):
+    for change, outcome in ((0.4, PASSED), (0.6, REVIEW)):
         found, _ = outcomes(good, window=window | {"periodisation_relative_change": change})
         assert found["Periodic window"].outcome == outcome
     assert "60.0 % of their rms and the rms gradient by 2.00 %" in found["Periodic window"].sentence
@@ -481,17 +482,17 @@ def test_a_rough_map_with_wide_patches_passes_and_one_with_narrow_patches_does_n
     rough_down_to_the_pixels = good.copy(deep=True)
     rough_down_to_the_pixels["points_per_shortest_wavelength"][:] = 2.0
     found, _ = outcomes(rough_down_to_the_pixels)
-    assert found["Resolution"].outcome == checks.PASSED
+    assert found["Resolution"].outcome == PASSED
     assert "2.0 points" in found["Resolution"].sentence
     narrow = good.copy(deep=True)
     narrow["relative_contact_area"][0] = narrow["relative_contact_area_pixels"][0] / 1.3
     found, _ = outcomes(narrow)
-    assert found["Resolution"].outcome == checks.NOTE
+    assert found["Resolution"].outcome == NOTE
     assert "At 1 of 2 loads" in found["Resolution"].sentence
     assert "up to 30.0 %" in found["Resolution"].sentence
     assert checks.load_flags(narrow, 96 * 96) == [["coarse patches"], []]
     narrow["relative_contact_area"][0] = 0
-    assert outcomes(narrow)[0]["Resolution"].outcome == checks.NOTE
+    assert outcomes(narrow)[0]["Resolution"].outcome == NOTE
 
 
 def test_rejected_outliers_are_no_missing_measurements(good):
@@ -504,20 +505,20 @@ def test_rejected_outliers_are_no_missing_measurements(good):
 def test_rejections_are_judged_by_the_load_they_would_carry(good):
     levelled = {"outliers_rejected": 7}
     for share, outcome in (
-        (0.0, checks.PASSED),
-        (0.02, checks.PASSED),
-        (0.021, checks.NOTE),
-        (1.0, checks.NOTE),
+        (0.0, PASSED),
+        (0.02, PASSED),
+        (0.021, NOTE),
+        (1.0, NOTE),
     ):
         carried = good.assign(rejected_load_share=("load", [share, 0.0]))
         found, _ = outcomes(carried, levelled=levelled)
         assert found["Outliers"].outcome == outcome
-        flags = ["rejected points carry load"] if outcome == checks.NOTE else []
+        flags = ["rejected points carry load"] if outcome == NOTE else []
         assert checks.load_flags(carried, 96 * 96) == [flags, []]
     unknown = good.assign(rejected_load_share=("load", [np.nan, np.nan]))
     for statistics in (good, unknown):
         found, _ = outcomes(statistics, levelled=levelled)
-        assert found["Outliers"].outcome == checks.NOTE
+        assert found["Outliers"].outcome == NOTE
         assert "not known" in found["Outliers"].sentence
 
 
@@ -541,18 +542,18 @@ def test_contact_on_filling_and_missed_tolerance_are_not_to_be_trusted(good):
     filled = good.copy(deep=True)
     filled["contact_on_filled_points"][:] = 0.2
     found, verdict = outcomes(filled, height={"missing_share": 0.3}, levelled={"filled_share": 0.3})
-    assert found["Missing points"].outcome == checks.FAILED
-    assert checks.VERDICTS[verdict] == "do not use"
+    assert found["Missing points"].outcome == FAILED
+    assert VERDICTS[verdict] == "do not use"
     missed = good.copy(deep=True)
     missed["converged"][1] = 0
     missed["error_bound"][1] = 0.02
     found, verdict = outcomes(missed)
-    assert found["Solver"].outcome == checks.FAILED
+    assert found["Solver"].outcome == FAILED
     assert (
         "1 of 2 loads missed the tolerance of 1×10⁻⁴; the error bound reaches 0.020"
         in found["Solver"].sentence
     )
-    assert verdict == checks.FAILED
+    assert verdict == FAILED
     assert checks.load_flags(missed, 96 * 96) == [[], ["not converged"]]
 
 

@@ -13,9 +13,9 @@ from roughcontact.levelling.level import level
 from roughcontact.levelling.row_jitter import find_row_jitter
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface, turned_surface
-from roughcontact.statistics import checks
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.map_checks import scan_lines
+from roughcontact.statistics.outcome import PASSED, REVIEW
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.headline import headline
 from roughcontact.window.periodic_window import periodic_window
@@ -194,13 +194,13 @@ def test_levelling_aligns_by_default_where_it_is_clear():
 @pytest.mark.parametrize(
     ("attributes", "outcome", "word"),
     [
-        ({}, checks.PASSED, "No random shift"),
-        ({"evidence": "clear", "alignment": "jitter"}, checks.REVIEW, "Compare level.line_alignment: none"),
-        ({"evidence": "clear", "alignment": "none"}, checks.REVIEW, "Compare level.line_alignment: jitter"),
-        ({"evidence": "clear", "alignment": "median", "by": "user"}, checks.PASSED, "as asked (median)"),
-        ({"evidence": "clear", "alignment": "jitter", "jitter": 0.01}, checks.PASSED, "1.00 %"),
-        ({"evidence": "doubtful", "alignment": "none"}, checks.REVIEW, "drift of the scanner or a lay"),
-        ({"evidence": "doubtful", "alignment": "none", "jitter": 0.005}, checks.PASSED, "0.500 %"),
+        ({}, PASSED, "No random shift"),
+        ({"evidence": "clear", "alignment": "jitter"}, REVIEW, "Compare level.line_alignment: none"),
+        ({"evidence": "clear", "alignment": "none"}, REVIEW, "Compare level.line_alignment: jitter"),
+        ({"evidence": "clear", "alignment": "median", "by": "user"}, PASSED, "as asked (median)"),
+        ({"evidence": "clear", "alignment": "jitter", "jitter": 0.01}, PASSED, "1.00 %"),
+        ({"evidence": "doubtful", "alignment": "none"}, REVIEW, "drift of the scanner or a lay"),
+        ({"evidence": "doubtful", "alignment": "none", "jitter": 0.005}, PASSED, "0.500 %"),
     ],
 )
 def test_the_check_says_what_was_found_and_done(attributes, outcome, word):
@@ -227,7 +227,7 @@ def test_the_check_says_what_was_found_and_done(attributes, outcome, word):
 )
 def test_a_lay_along_the_rows_is_said_to_hide_shifts(texture, hidden):
     found = scan_lines({"row_jitter_evidence": "none"}, xr.Dataset(texture))
-    assert found.outcome == checks.PASSED
+    assert found.outcome == PASSED
     assert ("would not show" in found.sentence) == hidden
 
 

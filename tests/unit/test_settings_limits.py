@@ -223,7 +223,7 @@ def test_every_setting_with_a_unit_has_a_range_in_which_bare_numbers_are_plausib
         if units and not section_of(field) and "no unit" not in field.description:
             assert name in ranges, name
     for name, plausible in ranges.items():
-        for slip in (plausible.most * 1e6, plausible.least / 1e6 if plausible.least > 0 else -1e4):
+        for slip in (plausible.highest * 1e6, plausible.lowest / 1e6 if plausible.lowest > 0 else -1e4):
             if slip >= plausible.rigid:
                 continue
             listed = name in (

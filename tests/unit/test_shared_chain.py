@@ -17,6 +17,8 @@ from roughcontact.levelling.level import level
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics import checks
 from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
+from roughcontact.statistics.outcome import REVIEW, verdict_of
+from roughcontact.statistics.outcome import VERDICTS as WORDS
 from roughcontact.statistics.theory import persson_area
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.window.periodic_window import periodic_window
@@ -118,7 +120,7 @@ def test_from_the_file_to_the_verdict(name, catalogue):
     outcome = checks.surface_checks(
         statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
     )
-    looks = {check.name for check in outcome if check.outcome == checks.REVIEW}
+    looks = {check.name for check in outcome if check.outcome == REVIEW}
     # a sentence for each suspicion of the reader, and no number that no one can read
     reading = next(check.sentence for check in outcome if check.name == "Reading the file")
     assert (reading == "Read without a warning.") == (height.attrs["ingest_warnings"] == "[]")
@@ -126,7 +128,7 @@ def test_from_the_file_to_the_verdict(name, catalogue):
     if name in VERDICTS:
         verdict, wanted_looks = VERDICTS[name]
         of_the_file = [check for check in outcome if check.name not in OF_THE_PART]
-        assert checks.VERDICTS[checks.verdict(of_the_file)] == verdict
+        assert WORDS[verdict_of(of_the_file)] == verdict
         assert wanted_looks <= looks
     assert json.loads(levelled.attrs["form_removed"])["slope_x"]["units"] == "1" or 1 in height.shape
 

@@ -9,6 +9,7 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.references import synthetic
 from roughcontact.statistics import checks, map_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.statistics.outcome import FAILED, NOT_MADE, NOTE, PASSED, REVIEW, verdict_of
 from roughcontact.uncertainty.combination import SOURCES
 
 
@@ -29,20 +30,20 @@ def found(longest, window=(), budget=None, *, levelled=(), statistics=(), **cont
     return {check.name: check for check in outcome}
 
 
-@pytest.mark.parametrize(("longest", "outcome"), [(0.2, checks.PASSED), (1.0, checks.REVIEW)])
+@pytest.mark.parametrize(("longest", "outcome"), [(0.2, PASSED), (1.0, REVIEW)])
 def test_a_window_shorter_than_its_waves_asks_for_a_look(longest, outcome):
     assert found(longest)["Longest wave"].outcome == outcome
 
 
 def test_what_the_interval_includes_is_a_note():
     check = found(1.0, budget=["window"])["Longest wave"]
-    assert check.outcome == checks.NOTE
+    assert check.outcome == NOTE
     assert check.sentence.endswith("The ± includes it.")
-    assert found(1.0, budget=["solver"])["Longest wave"].outcome == checks.REVIEW
+    assert found(1.0, budget=["solver"])["Longest wave"].outcome == REVIEW
     edges = {"periodisation": "mirror", "rms_gradient_before": 1.0, "rms_gradient_after": 0.5}
-    assert found(0.2, edges, budget=["solver"])["Periodic window"].outcome == checks.REVIEW
-    assert found(0.2, edges, budget=["window"])["Periodic window"].outcome == checks.NOTE
-    assert checks.verdict([check]) == checks.PASSED
+    assert found(0.2, edges, budget=["solver"])["Periodic window"].outcome == REVIEW
+    assert found(0.2, edges, budget=["window"])["Periodic window"].outcome == NOTE
+    assert verdict_of([check]) == PASSED
 
 
 @pytest.mark.parametrize("budget", [None, ["solver", "discretisation"]])
@@ -50,14 +51,12 @@ def test_rejected_points_are_a_note_with_and_without_an_interval(budget):
     statistics = {"rejected_load_share": ("load", [0.3])}
     levelled = {"outliers_rejected": 12}
     check = found(0.2, budget=budget, levelled=levelled, statistics=statistics)["Outliers"]
-    assert check.outcome == checks.NOTE
+    assert check.outcome == NOTE
     assert "depends on whether they are errors" in check.sentence
-    assert checks.verdict([check]) == checks.PASSED
+    assert verdict_of([check]) == PASSED
 
 
-@pytest.mark.parametrize(
-    ("share", "outcome"), [(0.005, checks.PASSED), (0.05, checks.NOTE), (0.2, checks.FAILED)]
-)
+@pytest.mark.parametrize(("share", "outcome"), [(0.005, PASSED), (0.05, NOTE), (0.2, FAILED)])
 def test_contact_on_filled_points_is_a_note_until_it_fails(share, outcome):
     statistics = {"contact_on_filled_points": ("load", [share])}
     levelled = {"filled_share": 0.01}
@@ -70,17 +69,17 @@ def test_contact_on_filled_points_is_a_note_until_it_fails(share, outcome):
 def test_coarse_patches_are_a_note(budget, words):
     statistics = {"relative_contact_area_pixels": ("load", [0.9])}
     check = found(0.2, budget=budget, statistics=statistics)["Resolution"]
-    assert check.outcome == checks.NOTE
+    assert check.outcome == NOTE
     assert check.sentence.endswith(words)
 
 
 @pytest.mark.parametrize(
     ("exponent", "share", "stated", "outcome"),
     [
-        (-1.0, 0.6, {}, checks.REVIEW),
-        (-1.0, 0.4, {}, checks.NOTE),
-        (-1.8, 0.6, {}, checks.NOTE),  # as waves of a rough surface may end
-        (-1.0, 0.6, {"instrument_noise": 2e-9}, checks.NOTE),
+        (-1.0, 0.6, {}, REVIEW),
+        (-1.0, 0.4, {}, NOTE),
+        (-1.8, 0.6, {}, NOTE),  # as waves of a rough surface may end
+        (-1.0, 0.6, {"instrument_noise": 2e-9}, NOTE),
     ],
 )
 def test_noise_is_a_note_unless_it_is_a_guess_and_most_of_the_gradient(exponent, share, stated, outcome):
@@ -91,11 +90,11 @@ def test_noise_is_a_note_unless_it_is_a_guess_and_most_of_the_gradient(exponent,
 @pytest.mark.parametrize(
     ("step", "budget", "outcome"),
     [
-        (0.0, [], checks.PASSED),
-        (2e-9, [], checks.PASSED),
-        (2.1e-9, [], checks.REVIEW),
-        (4e-8, ["instrument"], checks.NOTE),
-        (4.1e-8, ["instrument"], checks.REVIEW),  # beyond what the interval was held against
+        (0.0, [], PASSED),
+        (2e-9, [], PASSED),
+        (2.1e-9, [], REVIEW),
+        (4e-8, ["instrument"], NOTE),
+        (4.1e-8, ["instrument"], REVIEW),  # beyond what the interval was held against
     ],
 )
 def test_steps_of_the_heights_are_a_note_where_the_interval_holds(step, budget, outcome):
@@ -110,17 +109,17 @@ def test_waves_beyond_the_lens_ask_for_a_look():
         "reliable_reason": "the lens (numerical aperture 0.1)",
     }
     check = found(0.2, lens)["Band"]
-    assert check.outcome == checks.REVIEW
+    assert check.outcome == REVIEW
     assert "5.00 µm" in check.sentence
-    assert found(0.2, lens | {"band_shortest": 5e-6})["Band"].outcome == checks.PASSED
+    assert found(0.2, lens | {"band_shortest": 5e-6})["Band"].outcome == PASSED
     pixels = lens | {"reliable_reason": "two pixels"}
-    assert found(0.2, pixels)["Band"].outcome == checks.NOT_MADE
+    assert found(0.2, pixels)["Band"].outcome == NOT_MADE
 
 
 def test_a_hardness_that_is_reached_is_noted_with_the_plasticity_index():
-    assert found(0.2, hardness=8e8)["Plasticity"].outcome == checks.PASSED
+    assert found(0.2, hardness=8e8)["Plasticity"].outcome == PASSED
     check = found(0.2, hardness=8e7)["Plasticity"]
-    assert check.outcome == checks.NOTE  # the settings ask for it
+    assert check.outcome == NOTE  # the settings ask for it
     assert "80.0 MPa" in check.sentence
     assert np.isclose(1e9 * 0.1 / 8e7, 1.25)
     assert "1.2" in check.sentence or "1.3" in check.sentence
@@ -130,11 +129,11 @@ def test_what_the_user_asked_for_and_which_channel_was_chosen_are_notes():
     chosen, doubt = "channel 'Height', the first of 2, was read", "all heights are equal"
     spikes = "3 points lie far above all others"
     for warnings, threshold, outcome in (
-        ([], None, checks.PASSED),
-        ([chosen], None, checks.NOTE),
-        ([chosen, spikes], None, checks.REVIEW),
-        ([chosen, spikes], 10.0, checks.NOTE),  # the check of the outliers judges them
-        ([chosen, doubt], 10.0, checks.REVIEW),
+        ([], None, PASSED),
+        ([chosen], None, NOTE),
+        ([chosen, spikes], None, REVIEW),
+        ([chosen, spikes], 10.0, NOTE),  # the check of the outliers judges them
+        ([chosen, doubt], 10.0, REVIEW),
     ):
         height = {"warnings": warnings, "facts": [chosen], "spikes": {s: s for s in {spikes} & {*warnings}}}
         height = {f"ingest_{name}": json.dumps(value) for name, value in height.items()}

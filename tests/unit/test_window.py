@@ -14,7 +14,7 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map, spacing
 from roughcontact.references import synthetic
 from roughcontact.roughness.parameters import rms_gradient, rms_height
-from roughcontact.statistics.checks import FORM
+from roughcontact.statistics.map_checks import FORM
 from roughcontact.window.periodic_window import periodic_window
 from roughcontact.window.rectangle import largest_rectangle
 from roughcontact.window.sides import friendly_sides
@@ -351,7 +351,7 @@ def test_real_files_get_a_window(file, kinds, least_share):
         assert np.isfinite(window.values).all()
         assert window.attrs["window_share"] > part * least_share
         gradients = [window.attrs[f"rms_gradient_{when}"] for when in ("before", "after")]
-        # the band closes the ends of a bow, which makes it steeper; checks.FORM says so to the user
+        # the band closes the ends of a bow, which makes it steeper; map_checks.FORM says so to the user
         form = window.attrs["form_share"] > FORM
         assert gradients[1] == pytest.approx(gradients[0], rel=0.05 if form else 0.03)
 

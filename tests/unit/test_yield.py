@@ -16,6 +16,17 @@ from roughcontact.report.tables import material_table
 from roughcontact.statistics import checks, contact_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.first_yield import first_yield_pressure, with_first_yield
+from roughcontact.statistics.outcome import (
+    FAILED,
+    NOT_MADE,
+    NOTE,
+    PASSED,
+    REVIEW,
+    VERDICTS,
+    Check,
+    not_passed,
+    verdict_of,
+)
 from validation import closed_forms
 
 MODULUS = 1e11
@@ -194,30 +205,30 @@ def per_load(modulus, mean, largest, **others):
     ("modulus", "mean", "largest", "outcome", "words"),
     [
         # the report that began it: 24.7 GPa at the peak, 2 to 10 GPa in the mean, in steel
-        (1.154e11, [0.017, 0.087], [0.08, 0.214], checks.REVIEW, "At every load metals would flow"),
-        (1.154e11, [0.005, 0.0101], [0.01, 0.03], checks.REVIEW, "At 1 of 2 loads, from 2.00 MPa on, metals"),
-        (1.154e11, [0.005, 0.01], [0.01, 0.0301], checks.REVIEW, "from 2.00 MPa on"),
-        (1.154e11, [0.005, 0.01], [0.01, 0.03], checks.NOT_MADE, "Not made, no hardness is stated"),
-        (1.154e11, 1e-5, 1e-4, checks.NOT_MADE, "State the hardness"),
+        (1.154e11, [0.017, 0.087], [0.08, 0.214], REVIEW, "At every load metals would flow"),
+        (1.154e11, [0.005, 0.0101], [0.01, 0.03], REVIEW, "At 1 of 2 loads, from 2.00 MPa on, metals"),
+        (1.154e11, [0.005, 0.01], [0.01, 0.0301], REVIEW, "from 2.00 MPa on"),
+        (1.154e11, [0.005, 0.01], [0.01, 0.03], NOT_MADE, "Not made, no hardness is stated"),
+        (1.154e11, 1e-5, 1e-4, NOT_MADE, "State the hardness"),
         (
             1.154e11,
             [0.05, 0.101],
             [0.1, 0.2],
-            checks.FAILED,
+            FAILED,
             "from 2.00 MPa on, the contact is beyond what any",
         ),
-        (1e8, 0.05, 0.1, checks.REVIEW, "At 1.00 MPa metals would flow"),
-        (5e6, 0.9, 2.0, checks.NOT_MADE, "rubber-like solids (E* below 100 MPa) bear that"),
-        (5e6, 1.1, 2.0, checks.REVIEW, "More than rubber bears"),
+        (1e8, 0.05, 0.1, REVIEW, "At 1.00 MPa metals would flow"),
+        (5e6, 0.9, 2.0, NOT_MADE, "rubber-like solids (E* below 100 MPa) bear that"),
+        (5e6, 1.1, 2.0, REVIEW, "More than rubber bears"),
         # 115000, which is steel in MPa: only the yield of a metal casts doubt on a gel
         (
             1.154e5,
             0.02,
             0.06,
-            checks.NOT_MADE,
+            NOT_MADE,
             "If it was given in MPa, it is 115 GPa, and metals flow there",
         ),
-        (1.154e5, 0.005, 0.01, checks.NOT_MADE, "rubber-like solids (E* below 100 MPa) bear that"),
+        (1.154e5, 0.005, 0.01, NOT_MADE, "rubber-like solids (E* below 100 MPa) bear that"),
     ],
 )
 def test_without_a_hardness_the_pressure_is_judged_by_what_materials_bear(
@@ -231,7 +242,7 @@ def test_without_a_hardness_the_pressure_is_judged_by_what_materials_bear(
 @pytest.mark.parametrize("modulus", [1e4, 5e6, 1e9, 1e11])
 @pytest.mark.parametrize("mean", 10.0 ** np.arange(-8, 2))
 def test_a_check_that_was_not_made_is_never_green(modulus, mean):
-    assert contact_checks.plasticity(per_load(modulus, mean, 2 * mean)).outcome != checks.PASSED
+    assert contact_checks.plasticity(per_load(modulus, mean, 2 * mean)).outcome != PASSED
 
 
 def with_hardness(share):
@@ -243,13 +254,13 @@ def with_hardness(share):
 
 def test_with_a_hardness_any_point_that_carries_it_asks_for_a_look():
     check = contact_checks.plasticity(with_hardness([0.0, 0.0]))
-    assert check.outcome == checks.PASSED
+    assert check.outcome == PASSED
     assert check.sentence == (
         "No point carries the hardness of 300 MPa: at most 100 % of it. First yield at a mean pressure of "
         "1.50 MPa."
     )
     check = contact_checks.plasticity(with_hardness([0.0, 0.02, 0.3]))
-    assert check.outcome == checks.REVIEW
+    assert check.outcome == REVIEW
     assert check.sentence.startswith(
         "At 2 of 3 loads, from 2.00 MPa on, points carry the hardness of 300 MPa and flow: up to 30.0 % of "
         "the load on 27.0 % of the contact area."
@@ -272,7 +283,7 @@ def test_the_verdict_on_a_load_is_that_of_its_own_checks():
     worst = checks.surface_checks(
         solved, height={}, levelled=window.attrs, window=window.attrs, points=window.size
     )
-    assert checks.VERDICTS[checks.verdict(worst)] == "review"
+    assert VERDICTS[verdict_of(worst)] == "review"
     assert written["verdict"].dtype == np.int8
     words = written["verdict"].attrs["flag_meanings"].split()
     assert [words[code].replace("_", " ") for code in written["verdict"].values] == [above[0], below[0]]
@@ -311,29 +322,27 @@ def test_words_of_a_load_without_a_hardness():
 
 
 def test_what_was_not_made_neither_helps_nor_harms():
-    passed, unmade, look = (
-        checks.Check("a", each, "A.") for each in (checks.PASSED, checks.NOT_MADE, checks.REVIEW)
-    )
-    assert checks.verdict([passed, unmade]) == checks.PASSED
-    assert checks.verdict([unmade, look, passed]) == checks.REVIEW
-    assert checks.verdict([unmade]) == checks.REVIEW
-    assert checks.reasons([passed, unmade, look]) == [look]
+    passed, unmade, look = (Check("a", each, "A.") for each in (PASSED, NOT_MADE, REVIEW))
+    assert verdict_of([passed, unmade]) == PASSED
+    assert verdict_of([unmade, look, passed]) == REVIEW
+    assert verdict_of([unmade]) == REVIEW
+    assert not_passed([passed, unmade, look]) == [look]
 
 
 @pytest.mark.parametrize(
     ("modulus", "loads", "outcome", "words"),
     [
-        (115.0, [1e6], checks.REVIEW, "did you mean 115 GPa or 115 MPa?"),
+        (115.0, [1e6], REVIEW, "did you mean 115 GPa or 115 MPa?"),
         (
             1.15e11,
             [1.0, 1e6],
-            checks.REVIEW,
+            REVIEW,
             "At 1 of 2 loads the mean pressure is implausible: 1.00 Pa is next",
         ),
-        (1.15e11, [1e12], checks.REVIEW, "more than any contact bears"),
-        (1.15e11, [1e6, 1e8], checks.PASSED, "115 GPa and loads of 1.00 MPa to 100 MPa"),
-        (2e4, [50.0], checks.PASSED, "20.0 kPa and loads of 50.0 Pa"),
-        (1.0, [0.01], checks.NOT_MADE, "in units of it"),
+        (1.15e11, [1e12], REVIEW, "more than any contact bears"),
+        (1.15e11, [1e6, 1e8], PASSED, "115 GPa and loads of 1.00 MPa to 100 MPa"),
+        (2e4, [50.0], PASSED, "20.0 kPa and loads of 50.0 Pa"),
+        (1.0, [0.01], NOT_MADE, "in units of it"),
     ],
 )
 def test_moduli_and_loads_that_no_material_has(modulus, loads, outcome, words):
@@ -381,5 +390,5 @@ def test_a_stated_hardness_that_is_reached_is_no_reason_to_review():
     )
     found = checks.surface_checks(solved, height={}, levelled={}, window=window.attrs, points=window.size)
     (plasticity,) = (check for check in found if check.name == "Plasticity")
-    assert plasticity.outcome == checks.NOTE
+    assert plasticity.outcome == NOTE
     assert "carry the hardness of 1200 MPa" in plasticity.sentence

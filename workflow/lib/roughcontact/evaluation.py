@@ -206,15 +206,15 @@ def over_mean_gap(statistics: xr.Dataset) -> xr.Dataset:
         )
     statistics = statistics.sortby("mean_gap", ascending=False)
     gap, sigma = statistics["mean_gap"].values, float(statistics["rms_height"])
-    columns = {"mean_pressure": _at_stated_gaps(statistics, "mean_pressure", closed=np.nan, apart=0.0)}
+    columns = {"mean_pressure": _at_stated_gaps(statistics, "mean_pressure", closed=np.nan, far=0.0)}
     for name in ("relative_contact_area", "contact_stiffness", "conductance_per_conductivity"):
         columns[name] = _with_ends(statistics, name)
     conductance, *ends = columns["conductance_per_conductivity"]
     with np.errstate(invalid="ignore"):  # both are infinite in full contact
         columns["contact_stiffness"][1:] = columns["contact_stiffness"][0] * (ends / conductance)
     for axis in "xy":
-        pressure_flow = _at_stated_gaps(statistics, f"flow_factor_{axis}{axis}", closed=0.0, apart=1.0)
-        shear_flow = _at_stated_gaps(statistics, f"shear_flow_{axis}", closed=1.0, apart=0.0)
+        pressure_flow = _at_stated_gaps(statistics, f"flow_factor_{axis}{axis}", closed=0.0, far=1.0)
+        shear_flow = _at_stated_gaps(statistics, f"shear_flow_{axis}", closed=1.0, far=0.0)
         columns[f"pressure_flow_factor_{axis}"] = pressure_flow
         columns[f"shear_flow_factor_{axis}"] = shear_flow * gap / sigma
     rows = {f"{name}{end}": row for name in columns for end, row in zip(_ENDS, columns[name], strict=True)}
@@ -229,7 +229,7 @@ def _with_ends(statistics: xr.Dataset, name: str) -> np.ndarray:
 
 
 @np.errstate(divide="ignore")  # where the gap is closed
-def _at_stated_gaps(statistics: xr.Dataset, name: str, *, closed: float, apart: float) -> np.ndarray:
+def _at_stated_gaps(statistics: xr.Dataset, name: str, *, closed: float, far: float) -> np.ndarray:
     """Return a quantity and its ends (3, load) at the gaps of the loads, which fall.
 
     A stated gap may be that of any load whose interval of the gap holds it; beyond the loads that were
@@ -241,7 +241,7 @@ def _at_stated_gaps(statistics: xr.Dataset, name: str, *, closed: float, apart: 
     lower, upper = np.nan_to_num(lower, nan=0.0), np.nan_to_num(upper, nan=np.inf)
     possible = np.where((lower <= gap[:, None]) & (gap[:, None] <= upper), values, values[:, None])
     heavier, lighter = (
-        np.interp(np.log(gap), np.log(end[end > 0])[::-1], values[end > 0][::-1], closed, apart)
+        np.interp(np.log(gap), np.log(end[end > 0])[::-1], values[end > 0][::-1], closed, far)
         for end in (upper, lower)
     )
     smallest = np.fmin(possible.min(axis=1), heavier)

@@ -33,3 +33,11 @@ def halfplane_weights(shape: Sequence[int]) -> np.ndarray:
     if nx % 2 == 0:
         weights[:, -1] = 1.0
     return weights
+
+
+def has_few_factors(n: int) -> bool:
+    """Return whether a number of points has no prime factors other than 2, 3 and 5: its transform is fast."""
+    for factor in (2, 3, 5):
+        while n % factor == 0:
+            n //= factor
+    return n == 1

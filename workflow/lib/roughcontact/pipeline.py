@@ -141,14 +141,9 @@ def solver_arguments(window: xr.DataArray, settings: Settings, *, threads: int =
     except HeightMapError as error:
         file = window.attrs.get("source_file")
         raise HeightMapError(f"{f'{file}: ' if file else ''}{error} (section contact)") from error
-    if _states_none(contact, *_LOADS, *TARGETS):
+    if not any(contact.get(key) for key in (*_LOADS, *TARGETS)):  # the loads are planned
         loads = elastic_loads(window, loads, chosen | {"threads": threads})
     return chosen | {"mean_pressure": loads, "threads": threads}
-
-
-def _states_none(contact: Mapping[str, Any], *keys: str) -> bool:
-    """Return whether the settings state none of these loads and targets, so that loads have to be planned."""
-    return all(contact.get(key) is None for key in keys)
 
 
 def bound_error(
@@ -259,7 +254,7 @@ def complete_statistics(
         )
     # what a group of maps has to have in common
     properties |= {key: window.attrs[key] for key in _BAND if key in window.attrs}
-    if _states_none(settings["contact"], *_LOADS):
+    if not any(settings["contact"].get(key) for key in _LOADS):
         properties["loads"] = "found"  # planned, or for a target
     properties["periodisation"] = window.attrs.get("periodisation", "none")
     properties["measured_by"] = instrument_kind(window.attrs).name

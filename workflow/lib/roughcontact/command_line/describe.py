@@ -3,7 +3,7 @@
 import json
 import math
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -93,15 +93,7 @@ def overview(contents: Sequence[Mapping[str, Any]], folder: str) -> str:
                 problem or (warnings[0] + number_more if warnings else "nothing"),
             )
         )
-    return "\n".join([str(folder), *(f"  {line}" for line in _columns(cells))])
-
-
-def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return rows of cells as lines, the cells of each column to the left."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
-    ]
+    return "\n".join([str(folder), *_aligned(cells, str.ljust)])
 
 
 def _line(label: str, text: str) -> str:
@@ -327,22 +319,18 @@ def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:
 
 def _table(loads: Iterable[Mapping[str, Any]]) -> list[str]:
     """Return the lines of the table of numbers, loads rising."""
-    rows = [[heading for _, heading, _ in _COLUMNS] + [""]]
-    for load in sorted(loads, key=lambda load: load["mean_pressure"]):
-        cells = [_cell(load, name, unit) for name, _, unit in _COLUMNS]
-        rows.append([*cells, ", ".join(load["flags"])])
-    return [
-        f"{numbers}  {flags}".rstrip()
-        for numbers, (*_, flags) in zip(_aligned([row[:-1] for row in rows]), rows, strict=True)
-    ]
+    rising = sorted(loads, key=lambda load: load["mean_pressure"])
+    rows = [[heading for _, heading, _ in _COLUMNS]]
+    rows += [[_cell(load, name, unit) for name, _, unit in _COLUMNS] for load in rising]
+    flags = ["", *(", ".join(load["flags"]) for load in rising)]
+    lines = zip(_aligned(rows), flags, strict=True)
+    return [f"{numbers}  {text}".rstrip() for numbers, text in lines]
 
 
-def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return rows of cells as lines, the cells of each column to the right."""
+def _aligned(rows: Sequence[Sequence[str]], justified: Callable[[str, int], str] = str.rjust) -> list[str]:
+    """Return rows of cells as indented lines, the cells of each column to the right unless `justified`."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(["", *(cell.rjust(width) for cell, width in zip(row, widths, strict=True))]) for row in rows
-    ]
+    return [f"  {'  '.join(map(justified, row, widths))}".rstrip() for row in rows]
 
 
 def comparison(rows: Sequence[Mapping[str, Any]], *, share: float | None = None) -> str:
@@ -358,7 +346,7 @@ def comparison(rows: Sequence[Mapping[str, Any]], *, share: float | None = None)
     1 of 1 numbers differs by more than its ±
     """
     cells = [_difference(row) for row in rows if row["differs"]]
-    lines = _columns(cells)
+    lines = [line.strip() for line in _aligned(cells, str.ljust)]
     verb, pronoun = ("differs", "its") if len(cells) == 1 else ("differ", "their")
     allowed = f"{pronoun} ±" if share is None else percent(share)
     return "\n".join([*lines, f"{len(cells)} of {len(rows)} numbers {verb} by more than {allowed}"])

@@ -10,8 +10,7 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from roughcontact.configuration.fields import grouped, is_list
-from roughcontact.configuration.models import Contact, Form, Instrument, Level, Section, Uncertainty, Window
+from roughcontact.configuration.fields import fields_at, grouped, is_list
 from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import SettingsError
 
@@ -20,15 +19,7 @@ _WITHOUT_OPTION = {"bodies", "keep_fields"}
 _BODY = ("youngs_modulus", "poissons_ratio", "hardness")
 _LAYER = ("thickness", "youngs_modulus", "poissons_ratio")
 _LOADS = ("mean_pressure", "relative_pressure", "force")  # one or the other
-_SECTIONS: dict[str, type[Section]] = {
-    "contact": Contact,
-    "level": Level,
-    "window": Window,
-    "form": Form,
-    "uncertainty": Uncertainty,
-    "instrument": Instrument,
-}
-_HEADINGS = {
+_HEADINGS = {  # of the sections of settings
     "contact": "contact (give --contact-modulus or --body twice)",
     "level": "levelling",
     "window": "periodic window",
@@ -166,8 +157,8 @@ def _with_options(mistake: SettingsError) -> str:
 
 def _options() -> Iterator[tuple[str, str, str, FieldInfo]]:
     """Yield (section, key, option, field) of every setting with an option."""
-    for section, model in _SECTIONS.items():
-        for key, field in model.model_fields.items():
+    for section in _HEADINGS:
+        for key, field in fields_at([section]).items():
             if key not in _WITHOUT_OPTION:
                 prefix = "" if section == "contact" else f"{section}-"
                 yield section, key, f"--{prefix}{key.replace('_', '-')}", field

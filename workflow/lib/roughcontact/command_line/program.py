@@ -429,11 +429,7 @@ def _methods(options: argparse.Namespace) -> int:
         for path in (sorted(Path(name).glob("**/*/statistics.nc")) if Path(name).is_dir() else [Path(name)])
     ]
     for path in files:
-        statistics = _statistics_of(str(path))
-        if "surface" in statistics.dims:
-            raise InputFileError(
-                f"{path}: is of several surfaces; name the folder, or the file of one of them"
-            )
+        statistics = _statistics_of(str(path), single=True)
         print(*([f"# {path.parent.name}"] if len(files) > 1 else []), methods_paragraph(statistics), sep="\n")
     return 0
 
@@ -441,14 +437,17 @@ def _methods(options: argparse.Namespace) -> int:
 def _table(options: argparse.Namespace) -> int:
     """Print or write the table of a result over the mean gap."""
     from roughcontact.evaluation import over_mean_gap
+    from roughcontact.results.collect import column_name
     from roughcontact.results.storage import table_text, write_dataset, write_table
 
-    table = over_mean_gap(_statistics_of(options.file))
+    try:
+        table = over_mean_gap(_statistics_of(options.file, single=True))
+    except SettingsError as error:
+        raise InputFileError(f"{options.file}: {error}") from error
     if options.output is not None and options.output.suffix == ".nc":
         write_dataset(table, options.output)
         return 0
-    units = {name: str(table[name].attrs["units"]).replace(" ", "_") for name in table.variables}
-    headings = {name: name if unit == "1" else f"{name}_{unit}" for name, unit in units.items()}
+    headings = {str(name): column_name(str(name), table[name].attrs["units"]) for name in table.variables}
     frame = table.to_dataframe().reset_index().rename(columns=headings)
     frame["rms_height_m"] = table.attrs["rms_height"]  # of the shear flow
     if options.output is None:
@@ -458,8 +457,8 @@ def _table(options: argparse.Namespace) -> int:
     return 0
 
 
-def _statistics_of(path: str) -> "xr.Dataset":
-    """Return the statistics of a run, or raise an error for any other file."""
+def _statistics_of(path: str, *, single: bool = False) -> "xr.Dataset":
+    """Return the statistics of a run, or of a `single` surface; raise an error for any other file."""
     from roughcontact.results.storage import read_dataset
 
     advice = "name the statistics.nc of a run, of all surfaces or of one"
@@ -471,6 +470,8 @@ def _statistics_of(path: str) -> "xr.Dataset":
         raise InputFileError(f"{path}: is damaged, or no file of a run; {advice}") from error
     if "mean_pressure" not in statistics or "y" in statistics.dims:
         raise InputFileError(f"{path}: holds no statistics of contacts; {advice}")
+    if single and "surface" in statistics.dims:
+        raise InputFileError(f"{path}: is of several surfaces; name the folder, or the file of one of them")
     return statistics
 
 

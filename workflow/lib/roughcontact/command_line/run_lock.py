@@ -31,8 +31,7 @@ class RunLock:
 def run_lock(folder: Path, *, unlocks: bool = False) -> Iterator[RunLock]:
     """Lock a folder for one run; a SettingsError where another one is at work there.
 
-    `unlocks`: the user states that no run is at work there, on another computer. Snakemake reports its own
-    lock.
+    `unlocks`: the user states that no other computer is at work there. Snakemake reports its own lock.
     """
     path = folder / ".snakemake/running"
     try:

@@ -16,6 +16,7 @@ from roughcontact.io.read import read_height_map
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.pipeline import run_chain, sections_of
 from roughcontact.statistics import checks
+from roughcontact.statistics.outcome import ANSWERS, VERDICTS, verdict_of
 from roughcontact.uncertainty.groups import group_statistics, is_range
 from roughcontact.variables import VARIABLES
 
@@ -132,11 +133,8 @@ def _solved(
             }
             for check in outcome
         ],
-        "verdict": checks.VERDICTS[checks.verdict(outcome)],
-        "verdicts": {
-            title: checks.VERDICTS[checks.verdict(outcome, answer)]
-            for answer, title in checks.ANSWERS.items()
-        },
+        "verdict": VERDICTS[verdict_of(outcome)],
+        "verdicts": {title: VERDICTS[verdict_of(outcome, answer)] for answer, title in ANSWERS.items()},
         "halve": statistics.attrs.get("halve", ""),
         "warnings": json.loads(height.attrs["ingest_warnings"]),
         "settings": {key: settings[key] for key in sections_of(settings)},

@@ -16,9 +16,9 @@ _COMMENT = re.compile(r"#[^\n]*")
 def source_digest(script: str | Path) -> str:
     """Return a checksum, 16 hexadecimal digits, of the modules that a script imports, directly or indirectly.
 
-    Modules of this package count, those beside the script whose names start with _, files of a folder beside
-    a module that names it ("templates"), and all modules of a folder named in a string, found at run time
-    ("roughcontact.io.readers").
+    Modules of this package count, those beside the script whose names start with _, files beside a module
+    that names them or their folder ("variables.tsv", "templates"), and all modules of a folder named in a
+    string, found at run time ("roughcontact.io.readers").
 
     Examples
     --------
@@ -70,7 +70,7 @@ def _listed(text: str) -> list[str]:
 
 
 def _named(text: str, folder_of_module: Path) -> list[Path]:
-    """Return the files that a string names: a data folder beside its module, or a folder of the package.
+    """Return the files that a string names: data beside its module, or a folder of the package.
 
     A folder is named by a string where its modules are found at run time, so that all of them are imported.
     """
@@ -81,6 +81,8 @@ def _named(text: str, folder_of_module: Path) -> list[Path]:
             if text in _folders(folder_of_module)
             else []
         )
+    if (folder_of_module / text).is_file():
+        return [folder_of_module / text]
     if first != PACKAGE.name or not all(name.isidentifier() for name in names):
         return []
     folder = PACKAGE.joinpath(*names)

@@ -147,6 +147,11 @@ Radii = Annotated[
 Forces = Annotated[list[Force], _LISTED, BeforeValidator(_as_list), _LIST_SCHEMA]
 
 
+def _optional(description: str, *, example: Any) -> Any:
+    """Return the field of a setting that is absent by default."""
+    return Field(default=None, description=description, examples=[example])
+
+
 class Section(BaseModel):
     """A group of settings; unknown keys, infinities and NaN are mistakes."""
 
@@ -178,24 +183,21 @@ class Level(Section):
         "from row to row; auto: as jitter where the rows clearly jump, otherwise not; median: the median of "
         "each row to the same height; matched-steps: the median step from row to row to zero",
     )
-    scar_threshold: Positive | None = Field(
-        default=None,
-        description="for scanned maps: pieces of one to four rows that deviate from the rows before and "
+    scar_threshold: Positive | None = _optional(
+        "for scanned maps: pieces of one to four rows that deviate from the rows before and "
         "after by more than this many standard deviations are treated as missing (4 is a good start); narrow "
         "grooves along x look the same; null keeps every point",
-        examples=[4.0],
+        example=4.0,
     )
-    s_filter: Length | None = Field(
-        default=None,
-        description="nesting index of the S-filter (areal Gaussian, ISO 16610-61), m: shorter waves are "
+    s_filter: Length | None = _optional(
+        "nesting index of the S-filter (areal Gaussian, ISO 16610-61), m: shorter waves are "
         "removed; null keeps them",
-        examples=["2.5 um"],
+        example="2.5 um",
     )
-    l_filter: Length | None = Field(
-        default=None,
-        description="nesting index of the L-filter (areal Gaussian, ISO 16610-61), m: longer waves are "
+    l_filter: Length | None = _optional(
+        "nesting index of the L-filter (areal Gaussian, ISO 16610-61), m: longer waves are "
         "removed; null keeps them",
-        examples=["0.8 mm"],
+        example="0.8 mm",
     )
     fill: Fill = Field(
         default="harmonic",
@@ -230,10 +232,8 @@ class Composite(Section):
 class Form(Section):
     """The nominal form of a body of finite size, of which the map is the roughness (boundary: free)."""
 
-    radius: Radii | None = Field(
-        default=None,
-        description="of the body, m; two of an ellipsoid, along x and y; none: the map itself is the body",
-        examples=["5 mm"],
+    radius: Radii | None = _optional(
+        "of the body, m; two of an ellipsoid, along x and y; none: the map itself is the body", example="5 mm"
     )
     edges: bool = Field(
         default=False,
@@ -271,16 +271,13 @@ class Window(Section):
         le=1,
         description="minimum share of the map that the window must cover; smaller ones are rejected",
     )
-    shortest_wavelength: Length | None = Field(
-        default=None,
-        description="shorter waves are removed from the window, m; null keeps them; the cutoff is sharp, so "
+    shortest_wavelength: Length | None = _optional(
+        "shorter waves are removed from the window, m; null keeps them; the cutoff is sharp, so "
         "that steps and particles ring: level.s_filter is smooth",
-        examples=["2 um"],
+        example="2 um",
     )
-    longest_wavelength: Length | None = Field(
-        default=None,
-        description="longer waves are removed from the window, m; null keeps them",
-        examples=["100 um"],
+    longest_wavelength: Length | None = _optional(
+        "longer waves are removed from the window, m; null keeps them", example="100 um"
     )
     reliable_band: bool = Field(
         default=False,
@@ -312,17 +309,12 @@ class Layer(Section):
     poissons_ratio: Number = Field(
         gt=-1, le=0.5, description="Poisson's ratio of the layer, no unit", examples=[0.2]
     )
-    yield_stress: Strength | None = Field(
-        default=None,
-        description="of the layer in tension, Pa: as that of a body, which with layers is that of its base",
-        examples=["4 GPa"],
+    yield_stress: Strength | None = _optional(
+        "of the layer in tension, Pa: as that of a body, which with layers is that of its base",
+        example="4 GPa",
     )
-    thermal_conductivity: Conductivity | None = Field(
-        default=None, description="of the layer, W m-1 K-1", examples=[2.0]
-    )
-    electrical_resistivity: Resistivity | None = Field(
-        default=None, description="of the layer, Ohm m", examples=[1.0e-3]
-    )
+    thermal_conductivity: Conductivity | None = _optional("of the layer, W m-1 K-1", example=2.0)
+    electrical_resistivity: Resistivity | None = _optional("of the layer, Ohm m", example=1.0e-3)
 
 
 class Body(Section):
@@ -349,26 +341,20 @@ class Body(Section):
         "poissons_ratio and, if known, yield_stress (Pa)",
         examples=[[{"thickness": "2 um", "youngs_modulus": "180 GPa", "poissons_ratio": 0.2}]],
     )
-    hardness: Strength | None = Field(
-        default=None,
-        description="largest pressure that its surface carries before it yields (indentation hardness), Pa",
-        examples=["2 GPa"],
+    hardness: Strength | None = _optional(
+        "largest pressure that its surface carries before it yields (indentation hardness), Pa",
+        example="2 GPa",
     )
-    yield_stress: Strength | None = Field(
-        default=None,
-        description="in tension, Pa: the results then include the stresses below the surface and the load at "
+    yield_stress: Strength | None = _optional(
+        "in tension, Pa: the results then include the stresses below the surface and the load at "
         "which it yields there",
-        examples=["400 MPa"],
+        example="400 MPa",
     )
-    thermal_conductivity: Conductivity | None = Field(
-        default=None,
-        description="W m-1 K-1, of both bodies: the results then include the thermal contact conductance",
-        examples=[50.0],
+    thermal_conductivity: Conductivity | None = _optional(
+        "W m-1 K-1, of both bodies: the results then include the thermal contact conductance", example=50.0
     )
-    electrical_resistivity: Resistivity | None = Field(
-        default=None,
-        description="Ohm m, of both bodies: the results then include the electrical contact conductance",
-        examples=[2.0e-7],
+    electrical_resistivity: Resistivity | None = _optional(
+        "Ohm m, of both bodies: the results then include the electrical contact conductance", example=2.0e-7
     )
 
     @model_validator(mode="before")
@@ -383,11 +369,10 @@ class Body(Section):
 class Contact(Section):
     """The contact problem: contact_modulus or bodies, mean_pressure or relative_pressure or neither."""
 
-    contact_modulus: Modulus | None = Field(
-        default=None,
-        description="plane-strain contact modulus E*, Pa, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; 115 GPa "
+    contact_modulus: Modulus | None = _optional(
+        "plane-strain contact modulus E*, Pa, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; 115 GPa "
         "for steel on steel",
-        examples=["115 GPa"],
+        example="115 GPa",
     )
     bodies: list[Body] | None = Field(
         default=None,
@@ -416,43 +401,32 @@ class Contact(Section):
             ]
         ],
     )
-    mean_pressure: Loads | None = Field(
-        default=None,
-        description="nominal pressure, Pa, one number or a list; if no load is given, log-spaced loads are "
-        "planned",
-        examples=[["1 MPa", "2 MPa", "5 MPa", "10 MPa", "20 MPa", "50 MPa"]],
+    mean_pressure: Loads | None = _optional(
+        "nominal pressure, Pa, one number or a list; if no load is given, log-spaced loads are planned",
+        example=["1 MPa", "2 MPa", "5 MPa", "10 MPa", "20 MPa", "50 MPa"],
     )
-    relative_pressure: RelativeLoads | None = Field(
-        default=None,
-        description="nominal pressure / (E* x rms gradient of the window), no unit, one number or a list",
-        examples=[[0.01, 0.05, 0.2]],
+    relative_pressure: RelativeLoads | None = _optional(
+        "nominal pressure / (E* x rms gradient of the window), no unit, one number or a list",
+        example=[0.01, 0.05, 0.2],
     )
     boundary: Boundary = Field(
         default="periodic",
         description="periodic: the map repeats; free: a body of finite size (section form) under a force",
     )
-    force: Forces | None = Field(
-        default=None,
-        description="N, one number or a list: on a body of finite size; with area, or form.local_scale, "
+    force: Forces | None = _optional(
+        "N, one number or a list: on a body of finite size; with area, or form.local_scale, "
         "instead of mean_pressure",
-        examples=["50 N"],
+        example="50 N",
     )
-    area: Area | None = Field(
-        default=None,
-        description="nominal area that carries the force, m2",
-        examples=["3 cm2"],
-    )
-    target_area: Shares | None = Field(
-        default=None,
-        description="relative contact area whose load is found and solved, in addition to the given loads; "
+    area: Area | None = _optional("nominal area that carries the force, m2", example="3 cm2")
+    target_area: Shares | None = _optional(
+        "relative contact area whose load is found and solved, in addition to the given loads; "
         "one number or a list",
-        examples=[[0.1]],
+        example=[0.1],
     )
-    target_gap: Gaps | None = Field(
-        default=None,
-        description="mean gap, m, whose load is found and solved, in addition to the given loads; one "
-        "number or a list",
-        examples=[["0.2 µm"]],
+    target_gap: Gaps | None = _optional(
+        "mean gap, m, whose load is found and solved, in addition to the given loads; one number or a list",
+        example=["0.2 µm"],
     )
     target: (
         Annotated[
@@ -461,22 +435,17 @@ class Contact(Section):
             BeforeValidator(_as_list),
         ]
         | None
-    ) = Field(
-        default=None,
-        description="further states whose load is found and solved: percolation, at which the gap closes "
+    ) = _optional(
+        "further states whose load is found and solved: percolation, at which the gap closes "
         "along x and along y; first_yield, at which a body begins to yield (its yield_stress below the "
         "surface, otherwise the hardness)",
-        examples=[["percolation"]],
+        example=["percolation"],
     )
-    contact_modulus_uncertainty: RelativeUncertainty | None = Field(
-        default=None,
-        description="of the contact modulus, relative, expanded (95 %), no unit; it is part of the ±",
-        examples=[0.05],
+    contact_modulus_uncertainty: RelativeUncertainty | None = _optional(
+        "of the contact modulus, relative, expanded (95 %), no unit; it is part of the ±", example=0.05
     )
-    mean_pressure_uncertainty: RelativeUncertainty | None = Field(
-        default=None,
-        description="of the loads, relative, expanded (95 %), no unit; it is part of the ±",
-        examples=[0.02],
+    mean_pressure_uncertainty: RelativeUncertainty | None = _optional(
+        "of the loads, relative, expanded (95 %), no unit; it is part of the ±", example=0.02
     )
     tolerance: Number = Field(
         default=1e-4,
@@ -489,18 +458,16 @@ class Contact(Section):
         description="mean displacement in the approach: zero, nogi-kato (its mean over the q = 0 cell), "
         "lattice (one contact per window in free space); pressure and area do not depend on it",
     )
-    hardness: Strength | None = Field(
-        default=None,
-        description="largest pressure that the softer body carries before it yields (indentation hardness), "
+    hardness: Strength | None = _optional(
+        "largest pressure that the softer body carries before it yields (indentation hardness), "
         "Pa: the upper limit of the pressure; not given here if bodies state theirs; none: elastic "
         "throughout",
-        examples=["2 GPa"],
+        example="2 GPa",
     )
-    unload: UnloadedFrom = Field(
-        default=None,
-        description="take a load off after it was reached, and write the surface that flow has left and the "
+    unload: UnloadedFrom = _optional(
+        "take a load off after it was reached, and write the surface that flow has left and the "
         "contact on the way back to residual.nc; true: the largest load; or loads, Pa; needs a hardness",
-        examples=[True],
+        example=True,
     )
     influence: Influence = Field(
         default="sampled",
@@ -539,20 +506,14 @@ class Joint(Section):
         "metals about 0.37 um",
         examples=["0.37 um"],
     )
-    film_thickness: Length | None = Field(
-        default=None, description="of an oxide or a coating on the spots, m", examples=["5 nm"]
-    )
-    film_conductivity: Conductivity | None = Field(
-        default=None, description="of that film, W m-1 K-1", examples=[2.0]
-    )
+    film_thickness: Length | None = _optional("of an oxide or a coating on the spots, m", example="5 nm")
+    film_conductivity: Conductivity | None = _optional("of that film, W m-1 K-1", example=2.0)
 
 
 class Friction(Section):
     """A tangential load, or sliding; see docs/how-to/friction.md."""
 
-    coefficient: Positive | None = Field(
-        default=None, description="coefficient of friction mu, no unit", examples=[0.2]
-    )
+    coefficient: Positive | None = _optional("coefficient of friction mu, no unit", example=0.2)
     tangential_load: (
         Annotated[
             list[Annotated[Number, Field(gt=0, le=1)]],
@@ -560,27 +521,19 @@ class Friction(Section):
             BeforeValidator(_as_list),
         ]
         | None
-    ) = Field(
-        default=None,
-        description="Q/(mu P), below the load of sliding; 1 is full slip; needs the coefficient",
-        examples=[[0.3, 0.6]],
+    ) = _optional(
+        "Q/(mu P), below the load of sliding; 1 is full slip; needs the coefficient", example=[0.3, 0.6]
     )
-    shear_strength: Strength | None = Field(
-        default=None,
-        description="of the contact, Pa: the coefficient of friction follows from the area",
-        examples=["50 MPa"],
+    shear_strength: Strength | None = _optional(
+        "of the contact, Pa: the coefficient of friction follows from the area", example="50 MPa"
     )
-    speed: Speed | None = Field(
-        default=None,
-        description="of sliding along x, m/s: flash temperatures are added; needs thermal_conductivity of "
-        "both bodies",
-        examples=["1 m/s"],
+    speed: Speed | None = _optional(
+        "of sliding along x, m/s: flash temperatures are added; needs thermal_conductivity of both bodies",
+        example="1 m/s",
     )
-    thermal_diffusivity: Diffusivity | None = Field(
-        default=None,
-        description="of the second body, which slides, m2/s; none: the temperature of slow sliding, an "
-        "upper limit",
-        examples=["14 mm2/s"],
+    thermal_diffusivity: Diffusivity | None = _optional(
+        "of the second body, which slides, m2/s; none: the temperature of slow sliding, an upper limit",
+        example="14 mm2/s",
     )
 
 
@@ -603,28 +556,23 @@ class Statistics(Section):
         description="whether the stresses below the surface are computed (needs bodies); auto: if one of "
         "them states its yield_stress",
     )
-    work_of_adhesion: Work | None = Field(
-        default=None,
-        description="of flat surfaces, J m-2: the results then include whether it suffices to press the "
-        "roughness flat",
-        examples=["50 mJ/m2"],
+    work_of_adhesion: Work | None = _optional(
+        "of flat surfaces, J m-2: the results then include whether it suffices to press the roughness flat",
+        example="50 mJ/m2",
     )
-    seal: Seal | None = Field(
-        default=None,
-        description="a seal, whose leak rate the results then include: viscosity (Pa s) and pressure "
+    seal: Seal | None = _optional(
+        "a seal, whose leak rate the results then include: viscosity (Pa s) and pressure "
         "difference (Pa) of the fluid, width (m) of the seal",
-        examples=[{"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"}],
+        example={"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"},
     )
-    joint: Joint | None = Field(
-        default=None,
-        description="a joint, whose heat conductance the results then include: gas in the gap beside the "
+    joint: Joint | None = _optional(
+        "a joint, whose heat conductance the results then include: gas in the gap beside the "
         "spots, a film on them; both bodies state their thermal_conductivity",
-        examples=[{"gas_conductivity": 0.026, "temperature_jump": "0.37 um"}],
+        example={"gas_conductivity": 0.026, "temperature_jump": "0.37 um"},
     )
-    friction: Friction | None = Field(
-        default=None,
-        description="stick and slip under a tangential load, friction from the area, flash temperatures",
-        examples=[{"coefficient": 0.2, "tangential_load": [0.3, 0.6]}],
+    friction: Friction | None = _optional(
+        "stick and slip under a tangential load, friction from the area, flash temperatures",
+        example={"coefficient": 0.2, "tangential_load": [0.3, 0.6]},
     )
 
 
@@ -666,30 +614,20 @@ class Uncertainty(Section):
 class Instrument(Section):
     """What is known of the instrument, for the ±; columns of the table of surfaces prevail."""
 
-    noise: Height | None = Field(default=None, description="measurement noise N_M, rms, m", examples=["2 nm"])
-    resolution: Height | None = Field(
-        default=None,
-        description="topographic spatial resolution W_R, m: the wavelength of which half is transmitted",
-        examples=["1.5 um"],
+    noise: Height | None = _optional("measurement noise N_M, rms, m", example="2 nm")
+    resolution: Height | None = _optional(
+        "topographic spatial resolution W_R, m: the wavelength of which half is transmitted", example="1.5 um"
     )
-    numerical_aperture: Annotated[Number, Field(gt=0, le=1.6)] | None = Field(
-        default=None, description="of the lens, no unit", examples=[0.55]
+    numerical_aperture: Annotated[Number, Field(gt=0, le=1.6)] | None = _optional(
+        "of the lens, no unit", example=0.55
     )
-    wavelength: LightWavelength | None = Field(
-        default=None, description="of the light, m; null: 550 nm", examples=["520 nm"]
+    wavelength: LightWavelength | None = _optional("of the light, m; null: 550 nm", example="520 nm")
+    tip_radius: Height | None = _optional("of a stylus or a probe, m", example="2 um")
+    amplification_z: RelativeUncertainty | None = _optional(
+        "uncertainty of the height scale, relative, expanded (95 %), no unit", example=0.01
     )
-    tip_radius: Height | None = Field(
-        default=None, description="of a stylus or a probe, m", examples=["2 um"]
-    )
-    amplification_z: RelativeUncertainty | None = Field(
-        default=None,
-        description="uncertainty of the height scale, relative, expanded (95 %), no unit",
-        examples=[0.01],
-    )
-    amplification_xy: RelativeUncertainty | None = Field(
-        default=None,
-        description="uncertainty of the lateral scale, relative, expanded (95 %), no unit",
-        examples=[0.005],
+    amplification_xy: RelativeUncertainty | None = _optional(
+        "uncertainty of the lateral scale, relative, expanded (95 %), no unit", example=0.005
     )
     finer_spectrum: str | None = Field(
         default=None,

@@ -1,8 +1,7 @@
 """The plan of a run: which result is made of which files, and what each job asks for.
 
 A *result* is a folder, `ground` or `soft/ground` under a case. Surfaces are *single* ones, the *faces* of a
-pair, or its *placements*. A case has its own files only where the settings that they depend on differ from an
-earlier case's.
+pair, or its *placements*. A case has its own files only where settings that they depend on are new.
 """
 
 import re
@@ -121,11 +120,11 @@ class Plan:
 
         It has the names of the pairs and of the cases alone: one of all names slows Snakemake down.
         """
-        first = self._first
+        owners = self._owners
         stage = _DECISIVE.get(rule)
-        cases = [case for case in self.cases if stage is None or first(case, stage) == case]
+        cases = [case for case in self.cases if stage is None or owners[case, stage] == case]
         if rule == "statistics":
-            cases = [case for case in self.cases if first(case, "contact") != case]
+            cases = [case for case in self.cases if owners[case, "contact"] != case]
         if rule == "unload":
             cases = [case for case in self.cases if self.cases[case]["contact"]["unload"] is not None]
         pairs = regex_of_names(dict.fromkeys(placement.pair for placement in self.placements.values()))
@@ -141,34 +140,30 @@ class Plan:
 
     @cached_property
     def _owners(self) -> dict[tuple[str, str], str]:
+        """The first case with the same settings, of each case and stage."""
         return {(case, stage): owner(self.cases, case, stage) for stage in SECTIONS for case in self.cases}
-
-    def _first(self, case: str, stage: str) -> str:
-        """Return the first case with the same settings of a stage."""
-        return self._owners[case, stage]
 
     def file(self, name: str, result: str) -> str:
         """Return the path of a file that a result uses, of the first case with the same settings.
 
-        The name is a stage; of a placement also "face", "counter_face" and "counter_height", empty for
-        others.
+        The name is a stage; of a placement also "face", "counter_face", "counter_height" (else empty).
         """
         case, surface = split(result)
         placement = self.placements.get(surface)
         if placement and name in _OF_FACES:
             side, name = _OF_FACES[name]
-            return f"results/{_result(self._first(case, 'levelled'), getattr(placement, side))}/{name}.nc"
+            return f"results/{_result(self._owners[case, 'levelled'], getattr(placement, side))}/{name}.nc"
         if name == "counter_height":
             return ""
         stage = name
         if name in STAGES["prepare"]:  # one job makes all three
             stage = "window" if placement or surface in self.table else "levelled"
-        return f"results/{_result(self._first(case, stage), surface)}/{name}.nc"
+        return f"results/{_result(self._owners[case, stage], surface)}/{name}.nc"
 
     def other_case(self, stage: str, result: str) -> str:
         """Return the case whose file of a stage a result uses, empty where it is its own."""
         case, _ = split(result)
-        first = self._first(case, stage)
+        first = self._owners[case, stage]
         return first if first != case else ""
 
     def sources(self, rule: Rule, result: str) -> list[str]:
@@ -280,7 +275,7 @@ class Plan:
         for stage in ("contact", "uncertainty", "statistics"):
             folder = _folder(self.file(stage, result))
             case, _ = split(folder)
-            jobs.append(("contact" if self._first(case, "contact") == case else "statistics", folder))
+            jobs.append(("contact" if self._owners[case, "contact"] == case else "statistics", folder))
         jobs.append(("statistics" if self.other_case("contact", result) else "contact", result))
         jobs += [("unload", result)] * (result in self.unloaded)
         return list(dict.fromkeys(jobs))

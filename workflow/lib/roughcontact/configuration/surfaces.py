@@ -96,8 +96,7 @@ def read_surfaces(
     r"""Read the table of surfaces (tab-separated): name -> Surface, in the order of the table.
 
     `folders` and the table's own are searched; `check` returns further mistakes of a row, and no row may have
-    the name of one of `placements_each` placements. A `SettingsError` lists all mistakes with line, value and
-    way out.
+    the name of one of `placements_each` placements. A `SettingsError` lists all mistakes, each with its line.
     """
     table = Path(table)
     header, rows = read_table(table)

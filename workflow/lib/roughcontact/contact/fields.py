@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.dataset import fields_in_units
+from roughcontact.contact.dataset import fields_in_units, unit_of_pressure
 from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.solve import MOST_LOAD, elasticity
 from roughcontact.contact.sweep import sweep
@@ -41,7 +41,7 @@ def solved_fields(
     problem = nondimensionalise(window, threads=threads)
     if loads.max() > 0.5 * MOST_LOAD * modulus * problem.gradient:  # rounding errors only, after levelling
         problem = nondimensionalise(xr.zeros_like(window), threads=threads)
-    unit = modulus * problem.gradient if not problem.flat else modulus
+    unit = unit_of_pressure(problem, modulus)
     order = np.argsort(loads, kind="stable")
     solutions = sweep(
         problem,

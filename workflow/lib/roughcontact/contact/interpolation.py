@@ -16,13 +16,14 @@ twice.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from roughcontact.contact.coarsening import has_separate_lines, hierarchy, pitches_of, stencil
 from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.kernels.arrays import Array, empty, namespace
-from roughcontact.kernels.protocol import Arrangement, Factors, Kernels, Weights
+from roughcontact.kernels.protocol import Arrangement, Factors, Weights
 
 # Wavenumbers, over the inverse pitch of a cell, whose factor counts for it where the base makes the surface
 # stiffer, and where it makes it softer than its own material is
@@ -60,7 +61,7 @@ class Interpolation:
         like: Array,
         precision: str,
         lengths: tuple[float, float],
-        kernels: Kernels,
+        kernels: Any,  # of `kernels_for`
         layers: LayeredPair | None = None,
     ):
         self.kernels, xp = kernels, namespace(like)

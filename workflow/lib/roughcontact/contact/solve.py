@@ -11,7 +11,7 @@ import xarray as xr
 from roughcontact.bodies import check_bodies
 from roughcontact.checking import check_choice, check_positive, warn_of_map
 from roughcontact.choices import SMALLEST_TOLERANCE, Boundary, Influence, OnFailure, Precision, ZeroFrequency
-from roughcontact.contact.dataset import as_dataset, joined
+from roughcontact.contact.dataset import as_dataset, joined, unit_of_pressure
 from roughcontact.contact.free_boundary import free_datasets
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.problem import nondimensionalise, on_host
@@ -193,32 +193,19 @@ def solve_contact(
     hardness = None if hardness is None else check_positive("hardness", hardness, unit="Pa")
     order = np.argsort(loads, kind="stable")
     rising = [loads[index] for index in order]
-    attrs: dict[str, Any] = {"tolerance": tolerance, "influence": influence}
+    problem: dict[str, Any] = {
+        "modulus": modulus,
+        "layers": layers,
+        "tolerance": tolerance,
+        "hardness": hardness,
+        "influence": influence,
+        "threads": threads,
+    }
     if free:
-        datasets = free_datasets(
-            window,
-            rising,
-            modulus=modulus,
-            layers=layers,
-            hardness=hardness,
-            give_up=on_failure == "raise",
-            threads=threads,
-            **attrs,
-        )
+        datasets = free_datasets(window, rising, give_up=on_failure == "raise", **problem)
     else:
-        datasets = _periodic_datasets(
-            window,
-            rising,
-            modulus=modulus,
-            layers=layers,
-            hardness=hardness,
-            zero_frequency=zero_frequency,
-            precision=precision,
-            on_failure=on_failure,
-            arrays=arrays,
-            threads=threads,
-            **attrs,
-        )
+        problem |= {"zero_frequency": zero_frequency, "precision": precision, "on_failure": on_failure}
+        datasets = _periodic_datasets(window, rising, arrays=arrays, **problem)
     load_datasets: dict[int, xr.Dataset] = {}
     for solved, index in enumerate(order, start=1):
         # no other name refers to the fields of a load while the next one is solved
@@ -303,7 +290,7 @@ def _periodic_datasets(
     compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres)
     compliance /= modulus if layers is None else layers.base_modulus
     compliance += 0.0 if layers is None else layers.mean_compliance(elastic=zero_frequency != "zero")
-    unit = modulus * problem.gradient if not problem.flat else modulus
+    unit = unit_of_pressure(problem, modulus)
     for load in (min(loads), max(loads)) if not problem.flat else ():
         if not LEAST_LOAD <= load / unit <= MOST_LOAD:
             raise SettingsError(

@@ -113,8 +113,7 @@ def _full_contact(grids: Sequence[Grid], load: float, coarse: Array) -> tuple[Ar
     """Return the fluctuation of the full-contact pressure and the load from which it is nowhere negative.
 
     None, and no such load, where the largest `load` is far from that or the cap is exceeded: already the
-    fluctuation on a coarser grid (`coarse` on the coarsest) shows it, because that on finer ones is larger
-    still.
+    fluctuation on a coarser grid (`coarse` on the coarsest) shows it, which on finer ones is larger still.
     """
     xp = namespace(coarse)
     for grid in reversed(grids if load < LARGE_LOAD else grids[1:]):

@@ -525,7 +525,7 @@ def _sum(xp: Any, field: Array) -> float:
 
 
 def small_grids(grids: Sequence[Any], stores: Sequence[Array], ends: Sequence[int]) -> None:
-    """Return None, not `SmallGrids`: these kernels process every grid of a hierarchy separately.
+    """Return None, not `CompiledSmallGrids`: these kernels process every grid of a hierarchy separately.
 
     `stores` is the memory of the fields of all `grids`, `ends` the end of each grid in it.
     """

@@ -2,17 +2,17 @@
 
 import warnings
 from functools import cache
+from typing import Any
 
 import numpy as np
 
 from roughcontact.kernels import array_api, compiled
 from roughcontact.kernels.arrays import Array
-from roughcontact.kernels.protocol import Kernels
 from roughcontact.kernels.threads import threads_for
 
 
-def kernels_for(field: Array, *, threads: int = 1) -> Kernels:
-    """Return the kernels for arrays like `field`: the compiled ones for NumPy arrays, if available.
+def kernels_for(field: Array, *, threads: int = 1) -> Any:
+    """Return what has the functions of `array_api` for arrays like `field`: for NumPy `Compiled`, if there.
 
     `field` determines library and size, `threads` is the maximum number.
     """

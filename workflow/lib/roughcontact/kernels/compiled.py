@@ -269,7 +269,10 @@ class Regions:
 
 
 class CompiledSmallGrids:
-    """The grids of a hierarchy from number `first` on, as arguments of a single call."""
+    """The coarsest grids of a hierarchy, from number `first` on, as arguments of a single call.
+
+    Its overhead would exceed the work on their few cells.
+    """
 
     def __init__(self, grids, stores, ends, first):
         self.first = first
@@ -285,13 +288,16 @@ class CompiledSmallGrids:
         self._scratch = max((height + 1) * row[1] for height, row in zip(rows, table, strict=True))
 
     def weigh(self):
+        """Compute the weights of the cells of each grid from the contact on the next finer one."""
         run_pass("weigh_small", 1, self._scratch, self._arrays, *self._counts)
 
     def prolong(self, sweeps, work, scratch):
+        """Interpolate from the coarsest grid, with so many smoothing sweeps there, to the first."""
         arrays = work, scratch, *self._arrays
         run_pass("prolong_small", 1, 2 * self._longest + 2, arrays, *self._counts, sweeps)
 
     def restrict(self, sweeps, work, scratch):
+        """Apply the transpose of `prolong`; `work` and `scratch`, of the coarsest shape, are overwritten."""
         arrays = work, scratch, *self._arrays
         run_pass("restrict_small", 1, 4 * self._longest + 2, arrays, *self._counts, sweeps)
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
+from roughcontact.fourier import has_few_factors
 from roughcontact.kernels.arrays import Array, count_of, empty, namespace
 from roughcontact.kernels.choose import library_available
 from roughcontact.kernels.compiled import run_pass
@@ -139,14 +140,6 @@ def _roots(n: int, precision: np.dtype) -> np.ndarray:
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1).astype(precision)
 
 
-def _has_few_factors(n: int) -> bool:
-    """Return whether a number has no prime factors other than 2, 3 and 5."""
-    for factor in (2, 3, 5):
-        while n % factor == 0:
-            n //= factor
-    return n == 1
-
-
 def make_plan(like: Array, precision: str, *, threads: int = 1, share: Plan | None = None) -> Plan:
     """Return the fastest available plan for fields like the array `like`.
 
@@ -155,7 +148,7 @@ def make_plan(like: Array, precision: str, *, threads: int = 1, share: Plan | No
     if not isinstance(like, np.ndarray):
         return Plan(like, precision, threads=threads)
     shared = share if isinstance(share, PlanInPlace) else None
-    in_c = library_available() and min(like.shape) >= MIN_SIDE and all(map(_has_few_factors, like.shape))
+    in_c = library_available() and min(like.shape) >= MIN_SIDE and all(map(has_few_factors, like.shape))
     return (CompiledPlan if in_c else ScipyPlan)(like, precision, threads=threads, share=shared)
 
 

@@ -44,8 +44,7 @@ def over_waves(
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield |q|^2 (rad^2 per unit length^2) and power of all waves (rows, nx // 2 + 1), a few rows at a time.
 
-    The `power` is that of `wave_power`, here with that of the other half-plane; the caller may change both
-    arrays.
+    `power` is that of `wave_power`, here with the other half-plane; the caller may change both arrays.
 
     Examples
     --------

@@ -233,18 +233,14 @@ def _check_nesting_indices(height: xr.DataArray, **nesting_indices: float | None
 
 def _alignment(values: np.ndarray, height: xr.DataArray, requested: str) -> tuple[RowJitter, str, np.ndarray]:
     """Return the row jitter found, the alignment applied, and the offsets (ny,) to subtract."""
-    jitter = find_row_jitter(values, scanned=_is_scanned(height))
+    scanned = of_name(stored_instrument(height.attrs).get("kind")) in (PROBE, STYLUS)  # line by line
+    jitter = find_row_jitter(values, scanned=scanned)
     applied = requested
     if requested == "auto":
         applied = "jitter" if jitter.evidence == "clear" else "none"
     if applied == "none":
         return jitter, applied, np.zeros(len(values))
     return jitter, applied, jitter.offsets if applied == "jitter" else line_offsets(values, method=applied)
-
-
-def _is_scanned(height: xr.DataArray) -> bool:
-    """Return whether the file names an instrument that scans its maps line by line."""
-    return of_name(stored_instrument(height.attrs).get("kind")) in (PROBE, STYLUS)
 
 
 def _relative_jitter(jitter: float, rms_height: float, *, aligned: bool) -> float:

@@ -7,8 +7,7 @@ import xarray as xr
 def with_rejected(levelled: xr.DataArray, mask: np.ndarray | None = None) -> xr.DataArray:
     """Return a levelled map with rejected points (within the mask (ny, nx)) restored where filled.
 
-    Those connected to the border stay missing, so that the window does not change; `filled` is 0 on restored
-    points.
+    Those connected to the border stay missing: the window does not change; `filled` is 0 on restored ones.
 
     Examples
     --------

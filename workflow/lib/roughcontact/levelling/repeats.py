@@ -28,8 +28,7 @@ _RAYLEIGH = math.sqrt(math.pi) / 2  # mean over rms of the moduli of the waves o
 def noise_of_repeats(first: xr.DataArray, second: xr.DataArray) -> tuple[float, str]:
     """Return the noise N_M (m, rms) of two maps of one area, and what else their difference holds.
 
-    Both are levelled by a plane; the difference has twice the variance of the noise of one. NaN where it is
-    unlike noise.
+    Both are levelled by a plane; the difference has twice the variance of one's noise. NaN if unlike noise.
     """
     names = [height.attrs.get("source_file") or "a map" for height in (first, second)]
     steps = [spacing(height) for height in (first, second)]

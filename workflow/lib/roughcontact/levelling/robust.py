@@ -10,8 +10,7 @@ _BIWEIGHT = 4.685
 def robust_scale(residual: np.ndarray, *, overwrite: bool = False) -> float:
     """Return 1.4826 times the median absolute residual (Davies and Gather 1993, J. Am. Stat. Assoc. 88, 782).
 
-    This is the standard deviation of normal residuals; with `overwrite` they may be overwritten to save
-    memory.
+    This is the standard deviation of normal residuals; `overwrite` saves memory by overwriting them.
 
     Examples
     --------

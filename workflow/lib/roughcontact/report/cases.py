@@ -68,38 +68,38 @@ def case_medians(
 
 def _table(surfaces: Sequence[Cases], *, equal_loads: bool, as_medians: bool) -> dict[str, Any]:
     """Return the table of the cases of one surface, or the medians of many."""
-    result = [_shared(surface, equal_loads=equal_loads) for surface in surfaces]
-    first = next((dataset for dataset in result if dataset.rows), result[0])
+    shared = [_shared(surface, equal_loads=equal_loads) for surface in surfaces]
+    first = next((loads for loads in shared if loads.rows), shared[0])
     # those that share the same loads
-    retained = [index for index, dataset in enumerate(result) if dataset[:2] == first[:2]]
-    compared = [surfaces[index] for index in retained]
+    retained = [index for index, loads in enumerate(shared) if loads[:2] == first[:2]]
+    compared, changes = [surfaces[index] for index in retained], [shared[index].changes for index in retained]
     names, pairs = list(compared[0]), [pair for pair, indices in first.indices.items() if indices]
     middle = middle_of([cases[names[0]] for cases in compared])
     groups = []
     for name in _COMPARED if first.rows else ():
         unit, rows = unit_of(middle, UNITS[name]), []
         for row in first.rows:
-            below_text = {case: [(cases[case], index) for cases in compared] for case, index in row.items()}
+            at_load = {case: [(cases[case], index) for cases in compared] for case, index in row.items()}
             cells = [
-                _value(below_text[case], name, unit, as_medians=as_medians) if case in row else "–"
+                _value(at_load[case], name, unit, as_medians=as_medians) if case in row else "–"
                 for case in names
             ]
-            for dataset, two in pairs:
-                start = row.get(dataset, -1), row.get(two, -1)
-                if start not in first.indices[dataset, two]:
+            for pair in pairs:
+                indices = row.get(pair[0], -1), row.get(pair[1], -1)
+                if indices not in first.indices[pair]:
                     cells.append("–")
                     continue
-                index = first.indices[dataset, two].index(start)
-                ends = [_ends(result[source].changes[dataset, two], name, index) for source in retained]
-                cells.append(_change(below_text[dataset], below_text[two], name, ends, as_medians=as_medians))
+                index = first.indices[pair].index(indices)
+                ratios = [_interval(of_surface[pair], name, index) for of_surface in changes]
+                cells.append(_change([at_load[case] for case in pair], name, ratios, as_medians=as_medians))
             rows.append([_load(compared, row), *cells])
         groups.append({"title": TITLES[name], "rows": rows})
-    apart = [pair for pair, indices in first.indices.items() if not indices]
+    disjoint = [pair for pair, indices in first.indices.items() if not indices]
     return {
         "cases": names,
-        "differences": [f"{two} against {dataset}" for dataset, two in pairs],
+        "differences": [f"{second} against {first}" for first, second in pairs],
         "groups": groups,
-        "apart": _apart(compared[0], apart, alone=not pairs) if apart else "",
+        "apart": _without_common_load(compared[0], disjoint, alone=not pairs) if disjoint else "",
         "surfaces": len(compared),
     }
 
@@ -109,28 +109,26 @@ def _shared(cases: Cases, *, equal_loads: bool) -> _Shared:
     rows: list[Row] = []
     shared, changes = {}, {}
     for pair in case_pairs(list(cases)):
-        result, two = pair_data = [cases[name] for name in pair]
-        in_order = equal_loads and result.sizes["load"] == two.sizes["load"]
-        indices = [np.arange(result.sizes["load"])] * 2 if in_order else shared_loads(pair_data)
+        datasets = [cases[name] for name in pair]
+        in_order = equal_loads and datasets[0].sizes["load"] == datasets[1].sizes["load"]
+        indices = [np.arange(datasets[0].sizes["load"])] * 2 if in_order else shared_loads(datasets)
         changes[pair] = case_differences(
-            *(data.isel(load=selected) for data, selected in zip(pair_data, indices, strict=True))
+            *(data.isel(load=selected) for data, selected in zip(datasets, indices, strict=True))
         )
-        shared[pair] = [(int(selected), int(second)) for selected, second in zip(*indices, strict=True)]
-        for start in shared[pair]:
-            requested = dict(zip(pair, start, strict=True))
-            also = (
-                row for row in rows if row.items() & requested.items() and row | requested == requested | row
-            )
-            if not (row := next(also, {})):
+        shared[pair] = [(int(first), int(second)) for first, second in zip(*indices, strict=True)]
+        for places in shared[pair]:
+            loads = dict(zip(pair, places, strict=True))
+            joined = (row for row in rows if row.items() & loads.items() and row | loads == loads | row)
+            if not (row := next(joined, {})):
                 rows.append(row)
-            row |= requested
+            row |= loads
     rows.sort(
-        key=lambda row: min(float(cases[name]["mean_pressure"].values[start]) for name, start in row.items())
+        key=lambda row: min(float(cases[name]["mean_pressure"].values[index]) for name, index in row.items())
     )
     return _Shared(rows, shared, changes)
 
 
-def _apart(cases: Cases, pairs: Sequence[tuple[str, str]], *, alone: bool) -> str:
+def _without_common_load(cases: Cases, pairs: Sequence[tuple[str, str]], *, alone: bool) -> str:
     """Return what is said of pairs of cases that share no load, of all pairs where they are `alone`."""
     spans = []
     for name in dict.fromkeys(name for pair in pairs for name in pair):
@@ -148,7 +146,7 @@ def _load(surfaces: Sequence[Cases], row: Row) -> str:
 
     def values_of(name: str) -> np.ndarray:
         return np.array(
-            [[float(cases[case][name].values[start]) for cases in surfaces] for case, start in row.items()]
+            [[float(cases[case][name].values[index]) for cases in surfaces] for case, index in row.items()]
         )
 
     pressures, show = values_of("mean_pressure"), unit_of(surfaces[0][next(iter(row))], "Pa").text
@@ -163,28 +161,27 @@ def _load(surfaces: Sequence[Cases], row: Row) -> str:
 
 def _value(loads: Sequence[Load], name: str, unit: Unit, *, as_medians: bool) -> str:
     """Return a number of a surface at a load, with its interval; or the median."""
-    values = np.array([float(data[name].values[start]) for data, start in loads])
     if as_medians:
-        return _quantiles(values, unit)
-    data, start = loads[0]
-    return _in_brackets(unit.interval(*interval_at(data, name, start)), unit.symbol)
+        return _quantiles(_values(loads, name), unit)
+    return _in_brackets(unit.interval(*interval_at(loads[0][0], name, loads[0][1])), unit.symbol)
+
+
+def _values(loads: Sequence[Load], name: str) -> np.ndarray:
+    """Return a number of each of some loads."""
+    return np.array([float(data[name].values[index]) for data, index in loads])
 
 
 def _change(
-    loads: Sequence[Load],
-    remaining: Sequence[Load],
-    name: str,
-    ends: Sequence[tuple[float, float]],
-    *,
-    as_medians: bool,
+    loads: Sequence[Sequence[Load]], name: str, ratios: Sequence[tuple[float, float]], *, as_medians: bool
 ) -> str:
-    """Return the difference of a surface under two cases in percent with its interval, or the median."""
-    first, second = (
-        np.array([float(data[name].values[start]) for data, start in entry]) for entry in (loads, remaining)
-    )
+    """Return the difference between the `loads` of two cases in percent with its interval, or the median.
+
+    `ratios` has both ends of the interval of each ratio.
+    """
+    first, second = (_values(of_case, name) for of_case in loads)
     with np.errstate(divide="ignore", invalid="ignore"):
-        change, low, high = (100 * (ratio - 1) for ratio in (second / first, *np.transpose(ends)))
-    change, low, high = (np.where(np.abs(entry) < _DUST, 0.0, entry) for entry in (change, low, high))
+        change, low, high = (100 * (ratio - 1) for ratio in (second / first, *np.transpose(ratios)))
+    change, low, high = (np.where(np.abs(percent) < _DUST, 0.0, percent) for percent in (change, low, high))
     # with of how many surfaces the difference is larger than its interval
     if as_medians:
         available = np.isfinite(low) & np.isfinite(high)
@@ -194,7 +191,7 @@ def _change(
     if not first[0] > 0:
         return "–"
     if change[0] > _MANIFOLD:
-        times = (1 + float(entry) / 100 for entry in (change[0], low[0], high[0]))
+        times = (1 + float(percent) / 100 for percent in (change[0], low[0], high[0]))
         return _in_brackets(with_interval(*times), "times as large")
     return _in_brackets(with_interval(change[0], low[0], high[0], finest=_FINEST), "%")
 
@@ -204,7 +201,7 @@ def _in_brackets(text: str, unit: str) -> str:
     return f"({text}) {unit}" if " " in text and not text.endswith(")") else f"{text} {unit}"
 
 
-def _ends(result: xr.Dataset, name: str, load: int) -> tuple[float, float]:
+def _interval(result: xr.Dataset, name: str, load: int) -> tuple[float, float]:
     """Return both ends of a ratio to the first case; NaN where they are not known."""
     if name not in result["quantity"].values:
         return np.nan, np.nan

@@ -137,8 +137,12 @@ def measured_caption(measured: xr.DataArray) -> str:
     missing = measured.attrs.get("missing_points", 0)
     if not missing:
         return "Every point was measured."
-    profile = 1 in measured.shape or "lay" in measured.attrs
-    return f"{counted_noun(missing, 'point')} not measured{'' if profile else ' (pink)'}."
+    return f"{counted_noun(missing, 'point')} not measured{'' if _is_profile(measured) else ' (pink)'}."
+
+
+def _is_profile(height: xr.DataArray) -> bool:
+    """Return whether a map is a profile, or profiles of an isotropic surface in rows."""
+    return 1 in height.shape or height.attrs.get("lay") == ISOTROPIC
 
 
 def levelled_caption(levelled: xr.DataArray) -> str:
@@ -151,7 +155,7 @@ def levelled_caption(levelled: xr.DataArray) -> str:
     >>> levelled_caption(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(outlier_kinds='{"scar": 3}'))
     '0 points filled in, 0 outliers rejected (3 in scars). The red frame is the solved window.'
     """
-    frame = "" if 1 in levelled.shape or "lay" in levelled.attrs else " The red frame is the solved window."
+    frame = "" if _is_profile(levelled) else " The red frame is the solved window."
     return f"{removed_and_filled(levelled.attrs)}.{frame}"
 
 
@@ -351,7 +355,7 @@ def _parameters(levelled: xr.DataArray, length: Callable[[float], str]) -> list[
     """Return the height parameters of the levelled map, or of its profiles, of the measured points."""
     letter, parameters = "S", levelled.attrs
     rows: list[tuple[str, ...]] = [("a", "q", "z"), ("sk", "ku", "dq"), ("k", "pk", "vk")]
-    if 1 in levelled.shape or levelled.attrs.get("lay") == ISOTROPIC:
+    if _is_profile(levelled):
         parameters = profile_parameters(levelled)
         letter = min(parameters)[0]
         rows.append(("sm",))

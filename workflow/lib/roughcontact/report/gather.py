@@ -16,6 +16,7 @@ from roughcontact.results.collect import (
     Failure,
     collect_statistics,
     pairs_table,
+    solved_results,
     summary_table,
     with_failures,
 )
@@ -91,7 +92,11 @@ def write_results(
     write_report(
         folder / "report.html",
         panels=[entry["panel"] for entry in finished],
-        residuals=[entry.get("residual") for entry in finished],
+        residuals={
+            (entry["surface"], entry["case"]): residual
+            for entry in finished
+            if (residual := entry.get("residual"))
+        },
         statistics=statistics,
         summary=text,
         title=title,
@@ -144,16 +149,13 @@ def comparisons(
     """
     result: dict[tuple[str, str], xr.Dataset] = {}
     omitted: list[str] = []
-    for case in dict.fromkeys(dataset.case for dataset in answers):
-        selected = {
-            dataset.label: dataset.answer
-            for dataset in answers
-            if dataset.case == case and not dataset.placements
-        }
+    for case in dict.fromkeys(group.case for group in answers):
+        of_case = [group for group in answers if group.case == case and not group.placements]
+        selected = {group.label: group.answer for group in of_case}
         compared, reasons = compare_all(selected, same_area_pairs=same_area_pairs)
         result, omitted = result | compared, omitted + reasons
-    for name in dict.fromkeys(dataset.name for dataset in answers):
-        selected = {dataset.label: dataset.answer for dataset in answers if dataset.name == name}
+    for name in dict.fromkeys(group.name for group in answers):
+        selected = {group.label: group.answer for group in answers if group.name == name}
         if len(selected) > 1 and next(iter(selected.values())).sizes["map"] > 1:
             compared, reasons = compare_all(selected, cases=case_pairs(list(selected)))
             result, omitted = result | compared, omitted + reasons
@@ -171,10 +173,10 @@ def _shared_maps(
         pairs += [(first, second) for second in remaining]
     shared = {}
     for case in dict.fromkeys(case for case, _ in solved):
-        for result, two in pairs:
-            if (case, result) in solved and (case, two) in solved:
-                labels = tuple(f"{name} · {case}" if case else name for name in (result, two))
-                shared[labels[0], labels[1]] = _rising(solved[case, result]), _rising(solved[case, two])
+        for first, second in pairs:
+            if (case, first) in solved and (case, second) in solved:
+                labels = tuple(f"{name} · {case}" if case else name for name in (first, second))
+                shared[labels[0], labels[1]] = _rising(solved[case, first]), _rising(solved[case, second])
     return shared
 
 
@@ -205,13 +207,10 @@ def _by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[tuple[str, s
 def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return the components of every interval of the surfaces (and cases) of `collect_statistics`."""
     tables = []
-    dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
     of_budget = statistics[[name for name in statistics.variables if is_of_budget(str(name))]]
-    for index in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
-        result = of_budget.isel(dict(zip(dims, index, strict=True)))
-        available = np.isfinite(result["mean_pressure"].values)  # the others are padding
-        table = uncertainty_table(result if available.all() else result.isel(load=available))
-        for number, dim in enumerate(dims):
-            table.insert(number, dim, result[dim].item())
+    for labels, result in solved_results(of_budget):
+        table = uncertainty_table(result)
+        for number, (dim, name) in enumerate(labels.items()):
+            table.insert(number, dim, name)
         tables.append(table)
     return pd.concat(tables, ignore_index=True)

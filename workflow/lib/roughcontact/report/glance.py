@@ -77,8 +77,7 @@ def usable_loads(numbers: xr.Dataset) -> list[int]:
 def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[int]:
     """Return for each of many surfaces the index of the load at which they are compared, loads rising.
 
-    It is that of the median area nearest to `area`, by ratio; with other numbers of loads each surface has
-    its own.
+    The median area there is nearest to `area`, by ratio; with other numbers of loads each has its own.
     """
     areas = [result["relative_contact_area"].values for result in results]
     if len({result.size for result in areas}) == 1:

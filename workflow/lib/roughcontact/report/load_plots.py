@@ -224,12 +224,6 @@ def _clipped_ends(ends: np.ndarray, areas: np.ndarray) -> np.ndarray:
     return np.maximum(ends, _SHOWN_BELOW * np.min(areas[areas > 0], initial=1.0))
 
 
-def _pascal_axis(statistics: xr.Dataset) -> Axis:
-    """Return the axis of the mean pressure."""
-    factor, unit = unit_of(statistics, "Pa")
-    return log_axis(f"mean pressure p̄ ({unit})", statistics["mean_pressure"].values * factor)
-
-
 def _relative_axis(statistics: xr.Dataset) -> Axis | None:
     """Return the axis of the relative pressure, alongside; None for a flat map, which has none."""
     if "relative_pressure" not in statistics or not np.isfinite(statistics["relative_pressure"]).all():
@@ -240,10 +234,7 @@ def _relative_axis(statistics: xr.Dataset) -> Axis | None:
 def _ends(statistics: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Return both ends of the interval of a quantity, NaN where there is none."""
     absent = np.full(statistics[name].shape, np.nan)
-    lower, upper = (
-        statistics[key].values if (key := f"{name}_{end}") in statistics else absent
-        for end in ("lower", "upper")
-    )
+    lower, upper = (np.asarray(statistics.get(f"{name}_{end}", absent)) for end in ("lower", "upper"))
     return lower, upper
 
 
@@ -276,14 +267,16 @@ def _against_load(
     limit: tuple[float, str],
 ) -> Chart:
     """Draw results (name, label, colour, marker) with their intervals, and a `limit`, against the load."""
-    load = statistics["mean_pressure"].values * unit_of(statistics, "Pa").factor
+    pascals = unit_of(statistics, "Pa")
+    load = statistics["mean_pressure"].values * pascals.factor
     results = [[statistics[name].values, *_ends(statistics, name)] for name, *_ in lines]
     results = [[values * unit.factor for values in result] for result in results]
     at_limit, limit_label = limit[0] * unit.factor, limit[1]
     drawn = np.concatenate([*(values for result in results for values in result), [at_limit]])
     drawn[drawn < 1e-5 * np.nanmax(drawn)] = np.nan
     y = log_axis(f"{label} ({unit.symbol})", drawn, room=1.6)
-    chart = Chart(_pascal_axis(statistics), y, top=_relative_axis(statistics))
+    x = log_axis(f"mean pressure p̄ ({pascals.symbol})", load)
+    chart = Chart(x, y, top=_relative_axis(statistics))
     if np.isfinite(at_limit):
         chart.across(y=at_limit, dash=DASHED, label=limit_label)
     for (_, text, colour, marker), (value, *ends) in zip(lines, results, strict=True):

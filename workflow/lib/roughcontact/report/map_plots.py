@@ -44,8 +44,7 @@ def height_map(
 ) -> Chart:
     """Draw a height map (y, x; m), points that were not measured in pink; profiles are drawn as lines.
 
-    `rectangle` (m from the first corner) is the outline of the window, `unit` that of heights, `along` of
-    lengths.
+    `rectangle` (m from the first corner) outlines the window; `unit` is of heights, `along` of lengths.
     """
     is_simulated = "window_reason" in height.attrs  # a surface behind the profiles, not these
     profiles = [height.values.ravel()] if 1 in height.shape else []

@@ -4,7 +4,6 @@ import base64
 import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -26,9 +25,9 @@ from roughcontact.report.summary import read_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 from roughcontact.report.unloading import unloading_of
-from roughcontact.results.collect import Failure
+from roughcontact.results.collect import Failure, solved_results
 from roughcontact.results.storage import write_text
-from roughcontact.statistics import checks
+from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 
 # columns of the index of many surfaces: of `HEADINGS` all but the last; and the variables that sort them
@@ -48,7 +47,7 @@ def write_report(
     path: str | Path,
     *,
     panels: Sequence[str | Path],
-    residuals: Sequence[str | Path | None] = (),
+    residuals: Mapping[tuple[str, str | None], str | Path] | None = None,
     statistics: xr.Dataset,
     summary: str,
     title: str,
@@ -63,7 +62,7 @@ def write_report(
     """Write the page of a run: verdicts, comparison, and the part of every surface (`write_panel`).
 
     Up to `ONE_PAGE` results stand on one self-contained page; of more there is an index, and beside it the
-    folder `pages`. `residuals` are the surfaces after the load of each panel, `summary` is the text of
+    folder `pages`. `residuals` are the surfaces after the load by surface and case, `summary` is the text of
     `summary.csv`, `changed` the settings in words by case, `omissions` why groups have no answer, `folder`
     where the page will be moved to, for its links.
     """
@@ -96,7 +95,7 @@ def write_report(
                 "case": case,
                 "sample": sample_of(*style),
                 "group": grouped.get(surface, ""),
-                "rank": len(checks.VERDICTS) - list(checks.VERDICTS).index(panel["verdict"]),
+                "rank": len(VERDICTS) - list(VERDICTS).index(panel["verdict"]),
                 "doubts": ", ".join(panel["doubts"]),
                 "link": f"pages/{surface}.html#surface-{panel['identifier']}",
             }
@@ -120,8 +119,8 @@ def write_report(
         headings=_HEADINGS,
         asked=HEADINGS,
         download=None if indexed else _as_download(summary),
-        words=checks.VERDICTS,
-        counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in checks.VERDICTS},
+        words=VERDICTS,
+        counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in VERDICTS},
         many=indexed,
         doubts=Counter(doubt for summary in summaries for doubt in summary["doubts"]).most_common(),
         surfaces=len(by_surface),
@@ -134,15 +133,12 @@ def write_report(
         comparisons=_comparisons(series, grouped, many=indexed),
         cases=_cases(by_surface, many=indexed, equal_loads=equal),
         unloadings=[
-            unloading_of(summary["name"], available[summary["name"]], residual, folder)
-            for summary, residual in zip_longest(summaries, residuals)
-            if residual
+            unloading_of(_name(*key), series[key], residual, folder)
+            for key, residual in (residuals or {}).items()
         ],
         parts=[] if indexed else [_panel_html(panel, folder) for panel in panels],
         failures=named,
-        groups=group_rows(
-            groups, {(row["surface"], row["case"]): checks.VERDICTS[row["verdict"]] for row in rows}
-        ),
+        groups=group_rows(groups, {(row["surface"], row["case"]): VERDICTS[row["verdict"]] for row in rows}),
         group_headings=GROUP_HEADINGS,
         group_pictures=group_pictures(groups) if groups else [],
         left_out=omissions,
@@ -182,7 +178,7 @@ def _write_pages(
             cases=case_table(by_surface[name], equal_loads=equal_loads),
             rows=[summaries[index] for index in selected],
             asked=HEADINGS,
-            words=checks.VERDICTS,
+            words=VERDICTS,
             failures=[failure for failure in failures if failure["surface"] == name],
             parts=[_panel_html(panels[index], folder) for index in selected],
         )
@@ -274,17 +270,10 @@ def _line_styles(
 
 def _series(statistics: xr.Dataset) -> dict[tuple[str, str | None], xr.Dataset]:
     """Return {(surface, case): statistics}, loads rising, without padding and failed surfaces."""
-    series = {}
-    cases = statistics["case_name"].values if "case" in statistics.dims else [None]
-    for position, case in enumerate(cases):
-        of_case = statistics if case is None else statistics.isel(case=position)
-        for index, surface in enumerate(statistics["surface_name"].values):
-            loads = of_case["mean_pressure"].values[index]
-            rising = np.argsort(loads)[: np.isfinite(loads).sum()]
-            if rising.size:
-                result = of_case.isel(surface=index, load=rising)
-                series[str(surface), None if case is None else str(case)] = result
-    return series
+    return {
+        (labels["surface"], labels.get("case")): result.isel(load=np.argsort(result["mean_pressure"].values))
+        for labels, result in solved_results(statistics)
+    }
 
 
 def _name(surface: str, case: str | None) -> str:

@@ -25,6 +25,17 @@ from roughcontact.report.units import unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
 from roughcontact.statistics import checks
 from roughcontact.statistics.finite_body import hertz_axes
+from roughcontact.statistics.outcome import (
+    NOT_MADE,
+    NOTE,
+    PASSED,
+    VERDICTS,
+    by_importance,
+    concerns,
+    not_passed,
+    reason_text,
+    verdict_of,
+)
 
 _LINE = 150  # letters of a reason; a line of a wide page has some 170
 
@@ -66,10 +77,10 @@ def write_panel(
     identifier = surface if case is None else f"{case}--{surface}"
     # of loads that nobody stated those are judged that are shown
     judged = checks_of(numbers.isel(load=displayed)) if numbers.attrs.get("loads") == "found" else outcome
-    verdict = checks.verdict(judged)
-    doubts = checks.by_importance(checks.reasons(outcome))
-    notes = [check for check in outcome if check.outcome == checks.NOTE]
-    not_judged = [check for check in outcome if check.outcome == checks.NOT_MADE]
+    verdict = verdict_of(judged)
+    doubts = by_importance(not_passed(outcome))
+    notes = [check for check in outcome if check.outcome == NOTE]
+    not_judged = [check for check in outcome if check.outcome == NOT_MADE]
     bodies = settings["contact"].get("bodies")
     available = facts.surface_facts(measured, plane, solved, numbers)
     maps = _maps(measured, plane, solved, numbers, counter_face)
@@ -84,15 +95,15 @@ def write_panel(
         identifier=identifier,
         name=name,
         verdict=verdict,
-        verdict_words=checks.VERDICTS[verdict],
+        verdict_words=VERDICTS[verdict],
         doubts=doubts,
         notes=notes,
         not_judged=not_judged,
-        sound=[check for check in outcome if check.outcome == checks.PASSED],
+        sound=[check for check in outcome if check.outcome == PASSED],
         facts=available,
         stack=stack_of_layers(bodies, solved) if have_layers(bodies) else None,
         maps=maps,
-        concerns=checks.concerns,
+        concerns=concerns,
         profile=1 in solved.shape,
         fields=fields,
         drawn=displayed,
@@ -116,9 +127,9 @@ def write_panel(
             "name": name,
             "surface": surface,
             "verdict": verdict,
-            "reasons": [checks.reason(check) for check in doubts],
+            "reasons": [reason_text(check) for check in doubts],
             "doubts": [str(check.name) for check in doubts],
-            "main_reason": checks.reason(doubts[0], letters=_LINE) if doubts else "",
+            "main_reason": reason_text(doubts[0], letters=_LINE) if doubts else "",
             "halve": str(numbers.attrs.get("halve", "")),
             "loads": displayed,
             "measured": date,
@@ -213,7 +224,7 @@ def _each_load(numbers: xr.Dataset, drawn: Sequence[int]) -> list[tuple[str, str
         text = [
             f"{title} {cell.text}{' ' if cell.details[:1] in '±−+' else ', '}{cell.details}".rstrip(", ")
             + (f", {cell.precision}" if cell.precision else "")
-            + (f" ({checks.VERDICTS[cell.outcome]})" if cell.outcome else "")
+            + (f" ({VERDICTS[cell.outcome]})" if cell.outcome else "")
             for title, cell in zip(HEADINGS[1:], cells, strict=True)
         ]
         nearest = int(np.argmin(np.abs(np.log(loads[list(drawn)] / loads[index])))) if drawn else 0

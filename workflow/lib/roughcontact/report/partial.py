@@ -23,8 +23,7 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
     """Write the results of the finished surfaces, if any, and return a `Failure` for each of the others.
 
     Finished are those whose files exist, are not older than what they are made of, record the settings and
-    checksums of this run, and whose jobs have logged that they are done. Nothing is written where all or none
-    is.
+    checksums of this run, and whose jobs have logged that they are done. Of all or none nothing is written.
     """
     # complete before they are moved there; one is dated long ago, so that the next run makes all again
     folder = Path(folder)

@@ -14,7 +14,7 @@ class Summary(TypedDict):
     identifier: str  # of the section of the panel, for links
     name: str  # of the surface, with that of the case
     surface: str
-    verdict: str  # a key of `checks.VERDICTS`
+    verdict: str  # a key of `outcome.VERDICTS`
     reasons: list[str]  # of each check that did not pass, the most important first
     doubts: list[str]  # the names of these checks
     main_reason: str  # the first reason, in one line of the table

@@ -1,6 +1,7 @@
 """The tables of the report, as text: numbers against load, materials."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,70 +12,21 @@ from roughcontact.report.units import unit_of
 from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.variables import VARIABLES, Numbers
 
-# the tables of numbers: title, and for each column variable, short name, unit (a share is given in percent);
-# columns that the statistics lack are left out
 _AREA = "relative_contact_area"
 _LOAD = ("mean_pressure", "mean pressure p̄", "Pa")
-_GROUPS = {
-    "Contact": (
-        ("relative_pressure", "p̄/(E*\N{NO-BREAK SPACE}g)", "1"),
-        ("relative_contact_area", "contact area A/A₀", "%"),
-        ("relative_contact_area_pixels", "pixels in contact", "%"),
-        ("contact_clusters", "contact patches", "1"),
-        ("largest_patch_area", "largest patch", "m2"),
-        ("contact_perimeter", "contact perimeter", "m along"),
-    ),
-    "Pressure": (
-        ("mean_contact_pressure", "pressure in contact", "Pa"),
-        ("pressure_std", "its standard deviation", "Pa"),
-        ("max_pressure", "largest pressure", "Pa"),
-        ("max_pressure_over_modulus", "largest over E*", "1"),
-        ("load_share_above_hardness", "load at the hardness", "%"),
-        ("area_share_above_hardness", "contact area at it", "%"),
-    ),
-    "Stress below the surface": (
-        ("max_von_mises_stress", "largest von Mises stress", "Pa"),
-        ("max_von_mises_depth", "its depth", "m along"),
-    ),
-    "Gap and conductance": (
-        ("mean_gap", "mean gap ū", "m"),
-        ("contact_stiffness", "elastic stiffness −dp̄/dū", "Pa m-1"),
-        ("loading_stiffness", "stiffness of further loading", "Pa m-1"),
-        ("elastic_energy", "elastic energy", "J m-2"),
-        ("conductance_per_conductivity", "conductance by conductivity", "m-1"),
-        ("thermal_conductance", "thermal conductance", "W m-2 K-1"),
-        ("gas_conductance", "conductance of the gas", "W m-2 K-1"),
-        ("joint_conductance", "conductance of the joint", "W m-2 K-1"),
-        ("thermal_resistance", "thermal resistance", "m2 K W-1"),
-        ("electrical_conductance", "electrical conductance", "S m-2"),
-        ("electrical_resistance", "specific contact resistance", "Ohm m2"),
-    ),
-    "Friction": (
-        ("friction_coefficient", "coefficient of friction τA/p̄", "1"),
-        ("mean_flash_temperature", "mean flash temperature", "K"),
-        ("max_flash_temperature", "largest flash temperature", "K"),
-    ),
-    "Sealing": (
-        ("critical_constriction_x", "narrowest place along x", "m"),
-        ("critical_constriction_y", "narrowest place along y", "m"),
-        ("flow_factor_xx", "flow factor along x", "1"),
-        ("flow_factor_yy", "flow factor along y", "1"),
-        ("leak_rate_x", "leak rate along x", "m2 s-1"),
-        ("leak_rate_y", "leak rate along y", "m2 s-1"),
-    ),
-    "Solution": (
-        ("error_bound", "error bound of the pressure", "1"),
-        ("contact_on_filled_points", "contact on filled points", "%"),
-    ),
-}
 # of bodies with layers, for each material and for each interface
 _OF_LAYERS = (
     ("material_von_mises_stress", "von Mises in {}", "Pa"),
     ("interface_shear_stress", "shear below {}", "Pa"),
     ("interface_normal_stress", "normal stress below {}", "Pa"),
 )
-TITLES = {name: title for columns in _GROUPS.values() for name, title, _ in columns}
-UNITS = {name: unit for columns in ((_LOAD,), *_GROUPS.values()) for name, _, unit in columns}
+_COLUMNS = [
+    line.split("\t")
+    for line in Path(__file__).with_name("tables.tsv").read_text(encoding="utf-8").splitlines()
+    if not line.startswith("#")
+]
+TITLES = {name: title for _, name, title, _ in _COLUMNS}
+UNITS = {_LOAD[0]: _LOAD[2]} | {name: unit for _, name, _, unit in _COLUMNS}
 
 # materials with the hardness over modulus of `bearing.HARDNESS_OVER_MODULUS`
 _MATERIALS = (
@@ -90,12 +42,14 @@ Table = dict[str, Any]
 def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[Table]:
     """Return the tables of numbers against load, each quantity in the same unit everywhere.
 
-    Each has a `title`, a `header` of (title, unit, meaning), mean pressure first, and `rows` of `cells` and
-    `flags`.
+    Columns are those of `tables.tsv` that `numbers` has. A table has a `title`, a `header` of (title, unit,
+    meaning), mean pressure first, and `rows` of `cells` and `flags`.
     """
     tables = []
-    for title, group in _GROUPS.items():
-        available: list[tuple] = [column for column in group if column[0] in numbers]
+    for title in dict.fromkeys(table for table, *_ in _COLUMNS):
+        available: list[tuple] = [
+            tuple(column) for table, *column in _COLUMNS if table == title and column[0] in numbers
+        ]
         if title == "Stress below the surface":
             available += _of_layers(numbers)
         if title == "Sealing" and is_profile(numbers):

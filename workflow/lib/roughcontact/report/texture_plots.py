@@ -7,6 +7,7 @@ import json
 
 import numpy as np
 import xarray as xr
+from contourpy import contour_generator
 
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.quantities import Unit
@@ -141,32 +142,11 @@ def _centred(label: str, positions: np.ndarray) -> Axis:
 
 
 def _contour(x: np.ndarray, y: np.ndarray, values: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the line where values reach a level, in pieces with NaN between, straight in each triangle."""
-    above = values > level
-    neighbours = above[:, 1:] != above[:, :-1]
-    below = above[1:] != above[:-1]
-    # the line goes through few squares: those that have two unlike corners along a side
-    rows, columns = np.nonzero(neighbours[1:] | neighbours[:-1] | below[:, 1:] | below[:, :-1])
-    a, b, c, d = (
-        np.stack([x[columns + j], y[rows + i], values[rows + i, columns + j] - level])
-        for i in (0, 1)
-        for j in (0, 1)
-    )
-    halves = np.stack([np.stack([a, b, c]), np.stack([d, c, b])])
-    triangles = np.moveaxis(halves, 3, 1).reshape(-1, 3, 3)  # triangle, corner, (x, y, value)
-    above = triangles[:, :, 2] > 0
-    cut = triangles[above.any(axis=1) & ~above.all(axis=1)]
-    # the corner that lies alone on its side of the level
-    above = cut[:, :, 2] > 0
-    alone = np.argmax(above == (above.sum(axis=1) == 1)[:, None], axis=1)
-    prefix = np.arange(len(cut))
-    apex = cut[prefix, alone]
-    fragments = np.full((len(cut), 3, 2), np.nan)
-    for end in (1, 2):
-        second = cut[prefix, (alone + end) % 3]
-        share = (apex[:, 2] / (apex[:, 2] - second[:, 2]))[:, None]
-        fragments[:, end - 1] = apex[:, :2] + share * (second[:, :2] - apex[:, :2])
-    return fragments[..., 0].ravel(), fragments[..., 1].ravel()
+    """Return the line where values reach a level, in pieces with NaN between."""
+    gap = np.full((1, 2), np.nan)
+    pieces = contour_generator(x, y, values).lines(level)
+    line = np.concatenate([gap, *(points for piece in pieces for points in (piece, gap))])
+    return line[:, 0], line[:, 1]
 
 
 def _thinned(q: np.ndarray, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -31,8 +31,7 @@ _FIXED = {
 def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
     """Return the unit in which numbers of a surface are shown, given their SI `unit`, whatever the number.
 
-    `unit` is "m" for heights and gaps, "m along" for lengths along the surface and into the depth, "%" for a
-    share.
+    `unit` is "m" for heights and gaps, "m along" for lengths along the surface and depths, "%" for shares.
 
     Examples
     --------

@@ -10,19 +10,13 @@ import xarray as xr
 
 from roughcontact.quantities import number, percent, quantity
 from roughcontact.report.charts import COLOURS, DASHED, Chart, log_axis
+from roughcontact.report.tables import TITLES, UNITS
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import read_dataset
 
 _AREA = "relative_contact_area"
-_LABELS = {  # of results, each with its SI unit
-    _AREA: ("contact area A/A₀", "%"),
-    "mean_gap": ("mean gap ū", "m"),
-    "contact_stiffness": ("stiffness −dp̄/dū", "Pa m-1"),
-    "thermal_conductance": ("thermal conductance", "W m-2 K-1"),
-    "electrical_conductance": ("electrical conductance", "S m-2"),
-    "leak_rate_x": ("leak rate along x", "m2 s-1"),
-    "leak_rate_y": ("leak rate along y", "m2 s-1"),
-}
+_DRAWN = (_AREA, "mean_gap", "contact_stiffness", "thermal_conductance", "electrical_conductance")
+_LEAK_RATES = ("leak_rate_x", "leak_rate_y")
 
 
 def unloading_of(name: str, loaded: xr.Dataset, residual: str | Path, folder: Path) -> dict[str, Any]:
@@ -34,7 +28,7 @@ def unloading_of(name: str, loaded: xr.Dataset, residual: str | Path, folder: Pa
     peaks = [recorded.isel(peak=index) for index in range(recorded.sizes["peak"])]
     unloadings = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
     charts = {
-        label: _loading_and_unloading(loaded, unloadings, result) for result, (label, _) in _LABELS.items()
+        TITLES[name]: _loading_and_unloading(loaded, unloadings, name) for name in (*_DRAWN, *_LEAK_RATES)
     }
     images = {label: chart.source() for label, chart in charts.items() if chart}
     sentences = [_sentence(loaded, unloading) for unloading in unloadings]
@@ -46,14 +40,14 @@ def _loading_and_unloading(loaded: xr.Dataset, unloadings: Sequence[xr.Dataset],
     curves = [loaded.sortby("mean_pressure"), *unloadings]
     if not all(result in curve for curve in curves):
         return None
-    (pascals, pressure), (factor, unit) = (unit_of(loaded, si) for si in ("Pa", _LABELS[result][1]))
+    (pascals, pressure), (factor, unit) = (unit_of(loaded, si) for si in ("Pa", UNITS[result]))
     loads = np.concatenate([curve["mean_pressure"].values for curve in curves]) * pascals
     values = np.concatenate([curve[result].values for curve in curves]) * factor
     if not (values > 0).any():
         return None
     chart = Chart(
         log_axis(f"mean pressure p̄ ({pressure})", loads),
-        log_axis(f"{_LABELS[result][0]} ({unit})", values, room=1.6),
+        log_axis(f"{TITLES[result]} ({unit})", values, room=1.6),
     )
     for index, curve in enumerate(curves):
         unloading = f"unloading from {quantity(float(curve['peak_pressure']), 'Pa')}" if index else "loading"

@@ -1,7 +1,7 @@
 """All surfaces (and cases) of a run in one dataset and one table."""
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypedDict
@@ -14,27 +14,6 @@ from roughcontact.errors import SettingsError
 from roughcontact.results.storage import Array, read_arrays
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.variables import ANSWERS, VARIABLES
-
-# ending of a column's name for its unit
-_SUFFIX: dict[str | None, str] = {
-    "1": "",
-    "m": "_m",
-    "Pa": "_Pa",
-    "m-1": "_per_m",
-    "m3": "_m3",
-    "N": "_N",
-    "K": "_K",
-    "Pa m-1": "_Pa_per_m",
-    "J m-2": "_J_per_m2",
-    "W m-2 K-1": "_W_per_m2_K",
-    "S m-2": "_S_per_m2",
-    "m2 K W-1": "_m2_K_per_W",
-    "Ohm m2": "_Ohm_m2",
-    "m2": "_m2",
-    "m2 s-1": "_m2_per_s",
-    "m-1 s-1": "_per_m_s",
-    "degree": "_degree",
-}
 
 _BINS = ("pressure_bin", "gap_bin", "patch_bin")
 _COORDINATES = (
@@ -201,8 +180,7 @@ def table(statistics: xr.Dataset) -> pd.DataFrame:
 def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return one row per (case,) surface and load of `collect_statistics`, each column named with its unit.
 
-    Densities stay in the netCDF file; the last columns are verdicts, `reasons` joined by " | ", and
-    `corrected_for`.
+    Without densities; the last columns are verdicts, `reasons` joined by " | ", and `corrected_for`.
     """
     statistics = _with_columns_of_the_budget(statistics).drop_vars(["surface", "case"], errors="ignore")
     names = [
@@ -218,7 +196,7 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     labels = [dim for dim in ("case", "surface") if f"{dim}_name" in statistics.coords]
     frame = pd.DataFrame({dim: statistics[f"{dim}_name"].values[columns[dim]] for dim in labels})
     units = {name: VARIABLES[name.partition("_from_")[0]][0] for name in names}
-    numbers = {name + _SUFFIX[unit]: columns[name].to_numpy() for name, unit in units.items()}
+    numbers = {column_name(name, unit): columns[name].to_numpy() for name, unit in units.items()}
     frame = pd.concat([frame, pd.DataFrame(numbers)], axis="columns")
     real = np.isfinite(columns["mean_pressure"].to_numpy())
     frame = frame[real].reset_index(drop=True)
@@ -264,6 +242,31 @@ def _with_columns_of_the_budget(statistics: xr.Dataset) -> xr.Dataset:
         if source != "combined":
             columns[f"{area.name}_from_{source}"] = area.sel(source=source, drop=True)
     return statistics.drop_dims("source").assign(columns)
+
+
+def column_name(name: str, unit: str | None) -> str:
+    """Return the name of a column of a table: that of its variable, and the unit.
+
+    Examples
+    --------
+    >>> column_name("gas_conductance", "W m-2 K-1"), column_name("mean_gap", "m"), column_name("Str", "1")
+    ('gas_conductance_W_per_m2_K', 'mean_gap_m', 'Str')
+    """
+    factors = [] if unit in (None, "1") else str(unit).split()
+    above = [factor for factor in factors if "-" not in factor]
+    below = [factor.removesuffix("-1").replace("-", "") for factor in factors if "-" in factor]
+    return "_".join([name, *above, *(["per", *below] if below else [])])
+
+
+def solved_results(statistics: xr.Dataset) -> Iterator[tuple[dict[str, str], xr.Dataset]]:
+    """Yield labels (`case` and `surface`, as far as there are any) and statistics of each solved surface."""
+    dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
+    for index in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
+        result = statistics.isel(dict(zip(dims, index, strict=True)))
+        solved = np.isfinite(result["mean_pressure"].values)  # the others are padding
+        if solved.any():
+            labels = {dim: str(result[f"{dim}_name"].values) for dim in dims}
+            yield labels, result if solved.all() else result.isel(load=solved)
 
 
 def with_failures(summary: pd.DataFrame, failures: Sequence[Failure]) -> pd.DataFrame:

@@ -8,6 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from roughcontact.errors import InputFileError
+from roughcontact.results.collect import solved_results
 from roughcontact.variables import VARIABLES
 
 _LABELS = ("case", "surface")
@@ -99,17 +100,10 @@ def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | 
 
 def _surfaces(statistics: xr.Dataset) -> Surfaces:
     """Return the loads of each surface by its labels, without the padding of shorter lists."""
-    labels = [dim for dim in _LABELS if dim in statistics.dims]
-    surfaces: Surfaces = {}
-    for index in np.ndindex(*(statistics.sizes[dim] for dim in labels)):
-        selected = statistics.isel(dict(zip(labels, index, strict=True)))
-        name = tuple(str(selected[f"{dim}_name"].values) for dim in labels)
-        loads = [
-            selected.isel(load=load) for load in np.flatnonzero(np.isfinite(selected["mean_pressure"].values))
-        ]
-        if loads:
-            surfaces[name] = loads
-    return surfaces
+    return {
+        tuple(labels.values()): [result.isel(load=load) for load in range(result.sizes["load"])]
+        for labels, result in solved_results(statistics)
+    }
 
 
 def _pairs(before: list[xr.Dataset], after: list[xr.Dataset]) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:

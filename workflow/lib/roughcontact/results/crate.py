@@ -1,7 +1,6 @@
 """A finished run as an RO-Crate 1.1 with the profile Process Run Crate 0.5: content and origin of its files.
 
-The program is the instrument of one action, measured files and settings are its objects, the files its
-results.
+The program is the instrument of one action, measured files and settings its objects, the files its results.
 """
 
 import json

@@ -55,7 +55,7 @@ def write_vti(contact: xr.Dataset, path: str | Path) -> None:
     origin = f"{float(height['x'][0])!r} {float(height['y'][0])!r} 0"
     has_loads = contact.sizes["load"] > 1
     names = [
-        name + (f"_{load + 1}" if load is not None and has_loads else "") for name, load in _maps(contact)
+        name + (f"_{load + 1}" if load is not None and has_loads else "") for name, load, _ in _maps(contact)
     ]
     loads = contact["mean_pressure"].values
     room = 8 + 8 * height.size  # of a map, its length before it
@@ -75,9 +75,9 @@ def write_vti(contact: xr.Dataset, path: str | Path) -> None:
     )
     with atomic_write(path, size=len(names) * room) as partial, partial.open("wb") as file:
         file.write(head.encode())
-        for name, load in _maps(contact):
+        for _, _, field in _maps(contact):
             file.write(np.uint64(8 * height.size).astype("<u8").tobytes())
-            file.write(_values(contact, name, load).astype("<f8").tobytes())
+            file.write(field.values.astype("<f8").tobytes())
         file.write(b"\n</AppendedData>\n</VTKFile>\n")
 
 
@@ -122,14 +122,14 @@ def write_tiff(contact: xr.Dataset, path: str | Path) -> None:
     if size > _LARGEST_TIFF:
         raise SettingsError(f"{path}: the maps take {size / 1e9:.3g} GB, a TIFF holds 4 GB: choose .vti")
     with atomic_write(path, size=size) as partial, AppendingTiffWriter(str(partial), new=True) as file:
-        for name, load in _maps(contact):
+        for name, load, field in _maps(contact):
             text = f"{name} ({_UNITS[name]})"
             if load is not None:
                 text += f" at a mean pressure of {float(contact['mean_pressure'][load]):.6g} Pa"
             tags: Any = ImageFileDirectory_v2()
             tags[270] = text
             tags[282], tags[283], tags[296] = IFDRational(1e-2 / dx), IFDRational(1e-2 / dy), 3
-            picture = _values(contact, name, load)[::-1].astype(np.float32)
+            picture = field.values[::-1].astype(np.float32)
             Image.fromarray(picture).save(file, format="TIFF", tiffinfo=tags)
             file.newFrame()
 
@@ -172,9 +172,8 @@ def write_gsf(values: xr.DataArray, path: str | Path) -> None:
     }
     head = "Gwyddion Simple Field 1.0\n" + "".join(f"{name} = {value}\n" for name, value in fields.items())
     encoded = head.encode()
-    encoded += bytes(
-        4 - len(encoded) % 4
-    )  # one to four zeros, so that the numbers begin at a multiple of four
+    # one to four zeros, so that the numbers begin at a multiple of four
+    encoded += bytes(4 - len(encoded) % 4)
     with atomic_write(path, size=len(encoded) + 4 * values.size) as partial:
         partial.write_bytes(encoded + values.values[::-1].astype("<f4").tobytes())
 
@@ -206,14 +205,9 @@ def write_workbook(sheets: Mapping[str, pd.DataFrame], path: str | Path) -> None
         partial.write_bytes(content.getvalue())
 
 
-def _maps(contact: xr.Dataset) -> Iterator[tuple[str, int | None]]:
-    """Yield the maps: name, and index of the load, None for the height."""
-    yield "height", None
+def _maps(contact: xr.Dataset) -> Iterator[tuple[str, int | None, xr.DataArray]]:
+    """Yield the maps (y, x), not read yet: name, and index of the load, None for the height."""
+    yield "height", None, contact["height"]
     for load in range(contact.sizes["load"]):
         for name in ("pressure", "gap", "contact"):
-            yield name, load
-
-
-def _values(contact: xr.Dataset, name: str, load: int | None) -> np.ndarray:
-    """Return one map (y, x)."""
-    return np.asarray((contact[name] if load is None else contact[name].isel(load=load)).values)
+            yield name, load, contact[name].isel(load=load)

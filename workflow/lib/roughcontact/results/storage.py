@@ -46,18 +46,9 @@ _SEALED = "CRC-32 in the last line of the file"  # the attribute `digest`: witho
 
 
 # packages that may affect a number, as far as they are installed; Snakemake started the jobs
-_PACKAGES = [
-    "numpy",
-    "scipy",
-    "xarray",
-    "netCDF4",
-    "h5py",
-    "pandas",
-    "pydantic",
-    "SurfaceTopography",
-    "x3pio",
-]
-_PACKAGES += ["sdfio", "matplotlib", "snakemake"]
+_PACKAGES = (
+    "numpy scipy xarray netCDF4 h5py pandas pydantic SurfaceTopography x3pio sdfio matplotlib snakemake"
+)
 # `.sel` alone does not know the pressures, which may differ from surface to surface
 _LOADS_BY_PRESSURE = (
     "roughcontact.read_statistics(path) selects loads by their pressure in Pa: "
@@ -106,7 +97,7 @@ def provenance(
 def _versions() -> str:
     """Return the versions of all packages with a part in the numbers, as JSON."""
     versions = {"roughcontact": __version__, "python": platform.python_version()}
-    for name in _PACKAGES:
+    for name in _PACKAGES.split():
         with suppress(PackageNotFoundError):
             versions[name] = version(name)
     return json.dumps(versions, sort_keys=True)

@@ -4,7 +4,7 @@ A check passes, notes what the interval includes, warns (`review`: the interval 
 says by how much, and what to do), or fails (do not use the result); one that cannot be made says so and never
 passes. The verdict on an answer is that of the worst check that concerns it; that on a load or a surface
 is the verdict on contact area and pressure in contact. The checks and their limits stand in
-`contact_checks`, `map_checks` and `instrument_checks`; this module exports all that is needed to show them.
+`contact_checks`, `map_checks` and `instrument_checks`.
 """
 
 import json
@@ -14,37 +14,19 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import STEEPEST
 from roughcontact.statistics import contact_checks, instrument_checks, map_checks
 from roughcontact.statistics.contact_checks import CONTACT_POINTS, OVERCOUNT, overcount
-from roughcontact.statistics.map_checks import (
-    FILLED_IN_CONTACT,
-    FORM,
-    GRADIENT_CHANGE,
-    HEIGHT_CHANGE,
-    LENGTHS,
-    REJECTED_LOAD,
-    ROW_JITTER,
-    STEEP,
-    STEEP_PLACES,
-    WINDOW_SHARE,
-    Attributes,
-)
+from roughcontact.statistics.map_checks import FILLED_IN_CONTACT, REJECTED_LOAD, Attributes
 from roughcontact.statistics.outcome import (
     ANSWERS,
-    FAILED,
-    NOT_MADE,
     NOTE,
-    PASSED,
     REVIEW,
     VERDICTS,
     Check,
     CheckName,
-    by_importance,
-    concerns,
-    reason,
-    reasons,
-    verdict,
+    not_passed,
+    reason_text,
+    verdict_of,
 )
 from roughcontact.variables import describe, values_at_load
 
@@ -76,40 +58,6 @@ _OF_PERIODIC_MAPS = {
     *(CheckName.PERIODIC_WINDOW, CheckName.WINDOW, CheckName.LONGEST_WAVE, CheckName.SAMPLE),
     *(CheckName.LOAD_RANGE, CheckName.SLOPES, CheckName.STEEP_PLACES, CheckName.FORM),
 }
-
-__all__ = [
-    "ANSWERS",
-    "CONTACT_POINTS",
-    "FAILED",
-    "FILLED_IN_CONTACT",
-    "FORM",
-    "GRADIENT_CHANGE",
-    "HEIGHT_CHANGE",
-    "LENGTHS",
-    "NOTE",
-    "NOT_MADE",
-    "OVERCOUNT",
-    "PASSED",
-    "REJECTED_LOAD",
-    "REVIEW",
-    "ROW_JITTER",
-    "STEEP",
-    "STEEPEST",
-    "STEEP_PLACES",
-    "VERDICTS",
-    "WINDOW_SHARE",
-    "Check",
-    "CheckName",
-    "by_importance",
-    "concerns",
-    "load_flags",
-    "reason",
-    "reasons",
-    "surface_checks",
-    "verdict",
-    "window_checks",
-    "with_verdicts",
-]
 
 
 def surface_checks(
@@ -266,13 +214,13 @@ def with_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
     together = window_checks(statistics, window)
     grades = list(VERDICTS)
     verdict_texts = [
-        [VERDICTS[verdict(load_checks)], [reason(check) for check in reasons(load_checks)]]
+        [VERDICTS[verdict_of(load_checks)], [reason_text(check) for check in not_passed(load_checks)]]
         for load_checks in by_load
     ]
 
     def flags(*answers: str) -> tuple[str, np.ndarray]:
         return "load", np.array(
-            [grades.index(verdict(load_checks, *answers)) for load_checks in by_load], np.int8
+            [grades.index(verdict_of(load_checks, *answers)) for load_checks in by_load], np.int8
         )
 
     of_answers = {f"{answer}_verdict": flags(answer) for answer in ANSWERS}
@@ -294,7 +242,7 @@ def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> li
         of_loads = [
             [counterpart for counterpart in checks if counterpart.name == check.name] for checks in by_load
         ]
-        loads = [load for load, counterpart in enumerate(of_loads) if reasons(counterpart)]
-        if doubts := reasons([check, *(of_loads[load][0] for load in loads)]):
+        loads = [load for load, counterpart in enumerate(of_loads) if not_passed(counterpart)]
+        if doubts := not_passed([check, *(of_loads[load][0] for load in loads)]):
             reasons_.append({"check": check.name, "loads": loads, "text": doubts[0].sentence})
     return reasons_

@@ -72,10 +72,7 @@ SOLVER_COLUMNS = (
 SOLUTION_COLUMNS = (*SOLVER_COLUMNS, "relative_pressure", "contact_modulus")
 
 # of ISO 25178-2, as `roughness.heights.height_parameters` returns them
-HEIGHT_PARAMETERS = (
-    *("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq", "Sdr"),
-    *BEARING_PARAMETERS,
-)
+HEIGHT_PARAMETERS = ("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq", "Sdr", *BEARING_PARAMETERS)
 # numbers that levelling leaves in the attributes of the map
 _LEVELLING_COLUMNS = (*HEIGHT_PARAMETERS, "row_jitter")
 
@@ -85,9 +82,15 @@ FLOW_POINTS = 65536
 # tolerance of the response to further loading: its error is about that, of an elastic one its square
 _OF_LOADING = 1e-3
 
-# variable of a density -> name of its bins, `{name}_bin`
-
-_BINS = {"pressure_density": "pressure", "gap_density": "gap", "patch_area_density": "patch"}
+_FURTHER_DIM = {  # of variables, beside the load
+    "pressure_density": "pressure_bin",
+    "gap_density": "gap_bin",
+    "patch_area_density": "patch_bin",
+    **{f"{quantity}_share_above_ratio": "hardness_over_modulus" for quantity in ("load", "area")},
+    **{f"material_von_mises_{quantity}": "material" for quantity in ("stress", "depth")},
+    **{f"interface_{component}_stress": "interface" for component in ("shear", "normal")},
+    "von_mises_profile": "depth",
+}
 
 
 @in_si
@@ -176,7 +179,9 @@ def contact_statistics(
                 f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
             )
     check_solution(contact)
-    flow, free = _flow_of(contact, flow, stress)
+    check_choice("flow", flow, Extra)
+    check_choice("stress", stress, Extra)
+    free = contact.attrs.get("boundary") == "free"  # of a body of finite size, which has no flow
     layers, body = layers_of(contact), _body_to_strain(stress, bodies, free)
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)
@@ -196,15 +201,13 @@ def contact_statistics(
     }
     filled = height["filled"].values != 0 if "filled" in height.coords else None
     hardness = float(contact["hardness"]) if "hardness" in contact else None
-    with_flow = flow == "always" or (flow == "auto" and (height.size <= FLOW_POINTS or seal is not None))
+    small_or_sealing = height.size <= FLOW_POINTS or seal is not None
+    with_flow = not free and (flow == "always" or (flow == "auto" and small_or_sealing))
     conducting = conductors(bodies)
     rows = [
         _one_load(
             contact,
             load,
-            steps,
-            contact_modulus=modulus,
-            hardness=hardness,
             filled=filled,
             edges=edges,
             with_flow=with_flow,
@@ -247,16 +250,9 @@ def contact_statistics(
             coordinates["interface_depth"] = ("interface", interface_depths(body))
         for axis in ("x", "y"):  # a profile has no position across it
             columns[f"max_von_mises_{axis}"] += height[axis].values[0] if height[axis].size > 1 else np.nan
-    dims = {density: ("load", f"{name}_bin") for density, name in _BINS.items()}
-    dims |= {
-        f"{quantity}_share_above_ratio": ("load", "hardness_over_modulus") for quantity in ("load", "area")
-    }
-    dims |= {f"material_von_mises_{quantity}": ("load", "material") for quantity in ("stress", "depth")} | {
-        "von_mises_profile": ("load", "depth")
-    }
-    dims |= {f"interface_{component}_stress": ("load", "interface") for component in ("shear", "normal")}
     variables: dict[str, object] = {
-        name: (dims.get(name, ("load",)), values) for name, values in columns.items()
+        name: (("load", _FURTHER_DIM[name]) if name in _FURTHER_DIM else "load", values)
+        for name, values in columns.items()
     }
     material = {"contact_modulus": modulus}
     if hardness is not None:
@@ -564,10 +560,7 @@ def _with_friction(
 def _one_load(
     contact: xr.Dataset,
     load: int,
-    steps: tuple[float, float],
     *,
-    contact_modulus: float,
-    hardness: float | None,
     filled: np.ndarray | None,
     edges: dict[str, np.ndarray],
     with_flow: bool,
@@ -576,11 +569,9 @@ def _one_load(
     gas: Mapping[str, float] | None,
 ) -> dict[str, object]:
     """Return all numbers of one load; of an open file no more than one of its maps is in memory at a time."""
-    elastic: dict[str, Any] = {
-        "contact_modulus": contact_modulus,
-        "influence": influence_of(contact),
-        "layers": layers_of(contact),
-    }
+    contact_modulus, steps = float(contact["contact_modulus"]), spacing(contact["height"])
+    hardness = float(contact["hardness"]) if "hardness" in contact else None
+    operator: dict[str, Any] = {"influence": influence_of(contact), "layers": layers_of(contact)}
     free = contact.attrs.get("boundary") == "free"
     pressure = contact["pressure"].isel(load=load).values
     touching = pressure > 0
@@ -588,7 +579,7 @@ def _one_load(
     points = carried.size
     of_pressure = {
         **({} if body is None else stress_columns(pressure, steps, free=free, **body)),
-        "elastic_energy": elastic_energy(pressure, steps, **elastic),
+        "elastic_energy": elastic_energy(pressure, steps, contact_modulus=contact_modulus, **operator),
         "pressure_density": density(carried, edges["pressure"]),
     }
     of_carried = {
@@ -623,10 +614,10 @@ def _one_load(
         "contact_on_filled_points": 0.0 if filled is None else np.count_nonzero(touching & filled) / points,
         **of_carried,
         "mean_gap": mean_gap,
-        **_stiffness(touching, yielded, steps, **elastic),
+        **_stiffness(touching, yielded, steps, contact_modulus=contact_modulus, **operator),
         **{
             name: _inverse(
-                linear_response(touching, steps, pair.modulus, influence=elastic["influence"], layers=pair)
+                linear_response(touching, steps, pair.modulus, influence=operator["influence"], layers=pair)
             )
             for name, pair in conducting.items()
         },
@@ -669,14 +660,6 @@ def _stiffness(
 def _inverse(compliance: float) -> float:
     """Return the stiffness of a compliance, infinite in full contact."""
     return 1 / compliance if compliance > 0 else np.inf
-
-
-def _flow_of(contact: xr.Dataset, flow: Extra, stress: Extra) -> tuple[Extra, bool]:
-    """Return the checked choice of the flow, and whether the body is of finite size, which has none."""
-    check_choice("flow", flow, Extra)
-    check_choice("stress", stress, Extra)
-    free = contact.attrs.get("boundary") == "free"
-    return ("never" if free else flow), free
 
 
 def _body_to_strain(stress: Extra, bodies: Bodies | None, free: bool) -> Mapping[str, Any] | None:

@@ -68,7 +68,7 @@ class Check(NamedTuple):
         return " ".join(filter(None, (self.finding, self.explanation, self.advice)))
 
 
-def verdict(checks: Iterable[Check], *answers: str) -> str:
+def verdict_of(checks: Iterable[Check], *answers: str) -> str:
     """Return the worst outcome of the checks that concern an answer, by default area and pressure in contact.
 
     It is a key of `VERDICTS`; notes count as passed, and `review` stands where no check was made.
@@ -80,7 +80,7 @@ def verdict(checks: Iterable[Check], *answers: str) -> str:
     return next((outcome for outcome in (FAILED, REVIEW, PASSED) if outcome in outcomes), REVIEW)
 
 
-def reasons(checks: Iterable[Check]) -> list[Check]:
+def not_passed(checks: Iterable[Check]) -> list[Check]:
     """Return the checks that did not pass: warnings (`review`) and failures."""
     return [check for check in checks if check.outcome in (FAILED, REVIEW)]
 
@@ -98,17 +98,17 @@ def by_importance(checks: Iterable[Check]) -> list[Check]:
     return sorted(checks, key=lambda check: (check.outcome != FAILED, order.index(CheckName(check.name))))
 
 
-def reason(check: Check, *, letters: int | None = None) -> str:
+def reason_text(check: Check, *, letters: int | None = None) -> str:
     """Return name, answers concerned, finding and advice of a check, in so many letters at the most.
 
     Examples
     --------
     >>> steep = Check("Slopes", REVIEW, "The rms gradient is 0.4.", advice="Refine.")
-    >>> reason(steep)
+    >>> reason_text(steep)
     'Slopes: The rms gradient is 0.4. Refine'
-    >>> reason(steep, letters=30)
+    >>> reason_text(steep, letters=30)
     'Slopes: The rms … Refine'
-    >>> reason(Check("Sample", REVIEW, "The map is small.", ("mean_gap", "sealing")))
+    >>> reason_text(Check("Sample", REVIEW, "The map is small.", ("mean_gap", "sealing")))
     'Sample (mean gap, sealing): The map is small'
     """
     concerned = f" ({concerns(check)})" if concerns(check) else ""

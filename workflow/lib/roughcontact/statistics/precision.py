@@ -85,8 +85,7 @@ def gap_is_decided(numbers: Numbers, axis: str) -> np.ndarray:
 def yield_is_decided(numbers: Numbers) -> np.ndarray:
     """Return per load 1 where the interval of the largest pressure lies on one side of the hardness, else 0.
 
-    Where points carry the hardness, all parts of the window must, or the lower end; NaN without hardness or
-    interval.
+    Where points carry the hardness, all parts of the window must, or the lower end; NaN if one is unknown.
     """
     limit = float(numbers.get("hardness", np.nan)) * (1 - _HARDNESS_ROUNDING)
     value, lower, upper = (

@@ -19,9 +19,8 @@ _DEEPEST = 2  # longer sides: there less than 1e-4 of any wave is left
 # Between two depths the stress at a point follows the polynomial through so many, linear in so many parts.
 _FITTED = 6
 _SUBINTERVALS = 16
-_NEAR_LIMIT = (
-    0.8  # of a limit: where the stress is less at two depths, it does not reach the limit between them
-)
+# Share of a limit: where the stress is less at two depths, it does not reach the limit between them.
+_NEAR_LIMIT = 0.8
 # Peaks within this share of the largest stress are refined, too: another point may exceed it in between.
 _PEAK_TOLERANCE = 0.02
 _TRESCA_SHARE = 0.8  # of the largest stress of Tresca so far: below it no eigenvalues are computed
@@ -285,9 +284,8 @@ def _near_peaks(
     for peak in range(1, stress.size - 1):
         three = slice(peak - 1, peak + 2)
         before, candidate, after = stress[three]
-        curved = (
-            2 * candidate - before - after > 1e-6 * candidate
-        )  # where it is flat there is nothing to gain but rounding
+        # where it is flat there is nothing to gain but rounding
+        curved = 2 * candidate - before - after > 1e-6 * candidate
         if candidate >= max(before, after, threshold) and curved:
             yield from closer(depths[three], stress[three])
 

@@ -124,27 +124,22 @@ def target_loads(
 def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> list[float]:
     """Return the mean pressures (Pa) of the section `contact`: as stated, relative, planned, by target."""
     material: dict[str, Any] = {key: contact.get(key) for key in ("contact_modulus", "hardness")}
-    loads_in_settings: dict[str, Any] = {
-        key: contact.get(key) for key in ("mean_pressure", "relative_pressure")
-    }
-    targets: dict[str, Any] = {key: contact.get(key) for key in TARGETS}
-    loads = []
-    if any(value is not None for value in loads_in_settings.values()) or all(
-        value is None for value in targets.values()
-    ):
-        loads = plan_loads(window, **material, **loads_in_settings)
-    if any(value is not None for value in targets.values()):
+    stated, targets = (
+        {key: value for key in keys if (value := contact.get(key)) is not None}
+        for keys in (("mean_pressure", "relative_pressure"), TARGETS)
+    )
+    loads = plan_loads(window, **material, **stated) if stated or not targets else []
+    if targets:
         solver = {key: contact[key] for key in _SOLVER if key in contact}
         loads_at_targets = target_loads(
             window, **material, **targets, bodies=contact.get("bodies"), threads=threads, **solver
         )
         loads += [load for load in loads_at_targets if load not in loads]
     if not loads:
-        target_keys = [key for key, value in targets.items() if value is not None]
         raise SettingsError(
-            f"{' and '.join(target_keys)}: what is asked for is there as soon as the surfaces touch, at any "
+            f"{' and '.join(targets)}: what is asked for is there as soon as the surfaces touch, at any "
             "load; give mean_pressure",
-            keys=target_keys,
+            keys=list(targets),
         )
     return loads
 

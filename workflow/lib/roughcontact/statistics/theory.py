@@ -12,7 +12,7 @@ from roughcontact.references.closed_forms import hertz
 
 _BISECTIONS = 60  # halves a bracket of relative width 0.6 to rounding
 _SEPARATIONS = np.linspace(-8.0, 12.0, 2001)  # plane above the mean summit, in standard deviations
-_RINGS, _NEWTON_STEPS, _CONVERGED = 150, 60, 1e-8  # of a rough ball after Greenwood and Tripp
+_RINGS, _CONVERGED = 150, 1e-10  # of a rough ball after Greenwood and Tripp
 
 
 def persson_area(relative_pressure: ArrayLike) -> np.ndarray:
@@ -193,7 +193,7 @@ def greenwood_tripp(
 
     The nominal pressure p(r) = (4/3) E* η √β s^(3/2) F_{3/2}(t) presses the summits, of density η, mean
     radius β and spread s, by the separation s t(r) = r²/(2R) - δ + w(r), w the displacement of the
-    half-space under p. Rings of constant p, Newton's method.
+    half-space under p. Rings of constant p, Powell's hybrid method.
 
     Parameters
     ----------
@@ -225,6 +225,7 @@ def greenwood_tripp(
     >>> print(f"{rough['max_pressure'] / (2 / np.pi):.2f}")
     0.93
     """
+    from scipy.optimize import root
     from scipy.special import ellipe, ellipk
 
     density, tip, spread = (summits[name] for name in ("density", "mean_radius", "height_std"))
@@ -246,24 +247,17 @@ def greenwood_tripp(
     bulk = r**2 / (2 * radius * spread)
     approach = bulk[0] + influence[0] @ (scale * _moment(1.5, t)) - t[0]
 
-    def excess(t: np.ndarray, approach: float) -> np.ndarray:
-        pressure = scale * _moment(1.5, t)
-        return np.append(t - bulk + approach - influence @ pressure, areas @ pressure / force - 1)
+    def excess(unknown: np.ndarray) -> np.ndarray:
+        pressure = scale * _moment(1.5, unknown[:-1])
+        balance = unknown[:-1] - bulk + unknown[-1] - influence @ pressure
+        return np.append(balance, areas @ pressure / force - 1)
 
-    before = excess(t, approach)
-    for _ in range(_NEWTON_STEPS):
-        slope = 1.5 * scale * _moment(0.5, t)
-        jacobian = np.block(
-            [[np.eye(_RINGS) + influence * slope, np.ones((_RINGS, 1))], [-areas * slope / force, 0.0]]
-        )
-        step = np.linalg.solve(jacobian, -before)
-        for length in 0.5 ** np.arange(20):
-            after = excess(t + length * step[:-1], approach + length * step[-1])
-            if np.linalg.norm(after) < np.linalg.norm(before):
-                break
-        t, approach, before = t + length * step[:-1], approach + length * step[-1], after
-        if np.linalg.norm(before) < _CONVERGED:
-            break
+    def jacobian(unknown: np.ndarray) -> np.ndarray:
+        slope = 1.5 * scale * _moment(0.5, unknown[:-1])
+        rings = np.hstack([np.eye(_RINGS) + influence * slope, np.ones((_RINGS, 1))])
+        return np.vstack([rings, np.append(-areas * slope / force, 0.0)])
+
+    t = root(excess, np.append(t, approach), jac=jacobian, tol=_CONVERGED).x[:-1]
     pressure = scale * _moment(1.5, t)
     loaded_radius = float(3 * force / (8 * (pressure @ np.diff(edges))))
     area = float(np.pi * density * tip * spread * (areas @ _moment(1.0, t)))

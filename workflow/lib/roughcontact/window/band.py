@@ -22,8 +22,7 @@ LIGHT_WAVELENGTH = 550e-9  # m, assumed: files do not state it reliably
 def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
     """Return the shortest wavelength (m) that a map resolves reliably, and what limits it.
 
-    It is two pixels (of the coarser pitch) or, if longer, the `lateral_period_limit` of the stated numerical
-    aperture.
+    It is two pixels (of the coarser pitch) or, if longer, the `lateral_period_limit` of the stated lens.
 
     Examples
     --------

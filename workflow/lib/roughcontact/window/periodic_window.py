@@ -125,11 +125,9 @@ def periodic_window(
     after = blended.values
     change = _rms_difference(after[: before.shape[0], : before.shape[1]], before.values)
     return _record(
-        after,
-        blended.coords,
-        levelled.attrs,
-        waves=waves,
-        correct_for=correct_for,
+        blended.assign_attrs(levelled.attrs),
+        waves,
+        correct_for,
         method=method,
         change=change,
         gradient_before=interior_rms_gradient(before),
@@ -273,38 +271,24 @@ def _already_periodic(
         )
         attrs |= {"form": "mean", "form_removed": json.dumps({"mean": removed["mean"]})}
     coords = {"y": levelled["y"], "x": levelled["x"], "filled": (("y", "x"), _filled_points(levelled))}
-    return _record(
-        values,
-        coords,
-        attrs,
-        waves=waves,
-        correct_for=correct_for,
-        method="none",
-        change=0.0,
-        gradient_before=None,
-        offset=(0.0, 0.0),
-        share=1.0,
-        reason=reason,
-    )
+    window = xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs)
+    return _record(window, waves, correct_for, reason=reason)
 
 
 def _record(
-    values: np.ndarray,
-    coords: Mapping,
-    attrs: Mapping,
-    *,
+    periodic: xr.DataArray,
     waves: Mapping,
     correct_for: Mapping[str, Any] | None,
-    method: str,
-    change: float,
-    gradient_before: float | None,
-    offset: Sequence[float],
-    share: float,
+    *,
+    method: str = "none",
+    change: float = 0.0,
+    gradient_before: float | None = None,
+    offset: Sequence[float] = (0.0, 0.0),
+    share: float = 1.0,
     reason: str,
 ) -> xr.DataArray:
     """Return the band-limited window with a record of all changes in its attributes."""
-    periodic = xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs)
-    whole_gradient, rms = rms_gradient(periodic), float(np.std(values))
+    whole_gradient, rms = rms_gradient(periodic), float(np.std(periodic.values))
     window = limit_band(corrected(periodic, correct_for) if correct_for else periodic, **waves)
     if correct_for:
         window.attrs["rms_gradient_uncorrected"] = whole_gradient

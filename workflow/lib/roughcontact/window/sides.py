@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+from roughcontact.fourier import has_few_factors
+
 # The solver halves a grid while both sides are even; a side should reach about this number of points.
 _COARSEST_SIDE = 32
 # Loss of length accepted for one further halving, as a share of the side.
@@ -63,11 +65,7 @@ def _side_score(side: int) -> float:
     """Return the logarithm of a side less a penalty for missing halvings; -inf for a prime factor above 5."""
     if side <= _COARSEST_SIDE:
         return math.log(side)
-    remaining = side
-    for factor in (2, 3, 5):
-        while remaining % factor == 0:
-            remaining //= factor
-    if remaining > 1:
+    if not has_few_factors(side):
         return -math.inf
     coarsest = side
     while coarsest % 2 == 0 and coarsest > _COARSEST_SIDE:
