@@ -262,6 +262,14 @@ def test_gwyddion_simple_field_that_is_damaged(tmp_path, data, said):
     refuses(said, saved(tmp_path, data))
 
 
+def test_numbers_by_peak_of_the_load_are_no_profiles(tmp_path):
+    maps = xr.DataArray(np.stack([HEIGHTS, 2 * HEIGHTS]), dims=("peak", "y", "x"), attrs={"units": "m"})
+    numbers = xr.DataArray([1e8, 2e8], dims="peak", attrs={"units": "Pa"})
+    xr.Dataset({"residual_height": maps, "peak_pressure": numbers}).to_netcdf(tmp_path / "residual.nc")
+    listed = inspect_file(tmp_path / "residual.nc")["channels"]
+    assert [channel["name"] for channel in listed] == ["residual_height[peak=0]", "residual_height[peak=1]"]
+
+
 def test_foreign_netcdf_without_units(tmp_path):
     path = tmp_path / "map.nc"
     foreign(lateral=None).to_netcdf(path)

@@ -45,8 +45,8 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a netCDF file; a map that this project wrote is restored unchanged.
 
-    There is one channel for each variable over two axes (y, x), or one that is no time or load, and for each
-    index of a third; those named height, heights or z come first.
+    There is one channel for each variable over two axes (y, x), or one that is no time, load or peak of the
+    load, and for each index of a third; those named height, heights or z come first.
     """
     head = head_of(path)
     sealed = check_seal(path)
@@ -212,8 +212,8 @@ def _values(
 def _maps(variable: Any) -> Iterator[tuple[tuple[str | None, str], dict[str, int]]]:
     """Yield the axes (y, x) of each map or profile of a variable, y None for a profile, and its index.
 
-    An axis of one entry is none of a map, and so is one of loads; of three axes the others than y and x, by
-    their names or as the last two, count the maps.
+    An axis of one entry is none of a map, and so is one of loads or their peaks; of three axes the others
+    than y and x, by their names or as the last two, count the maps.
     """
     dims = list(variable.dims)
     selection = {}
@@ -221,7 +221,7 @@ def _maps(variable: Any) -> Iterator[tuple[tuple[str | None, str], dict[str, int
         if len(dims) > 2 and variable.sizes[axis] == 1:
             dims.remove(axis)
             selection[axis] = 0
-    if len(dims) not in (1, 2, 3) or 0 in variable.shape or "load" in dims or dims == ["time"]:
+    if len(dims) not in (1, 2, 3) or 0 in variable.shape or "load" in dims or dims in (["time"], ["peak"]):
         return
     if len(dims) == 1:
         yield (None, dims[0]), selection
