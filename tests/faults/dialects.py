@@ -29,6 +29,7 @@ HEIGHTS = np.round(400.0 * np.random.default_rng(7).standard_normal((9, 14)), 2)
 STEPS = 1.0, 0.5  # µm, along y and x: of no other ratio, which causes a warning
 _MISSING = ((2, 3), (5, 0), (7, 13))
 MARKS = ("NaN", "nan", "BAD", "-", "***", "1.#QNAN", "n/a", "Masked", "9.91E+37", "1E+38", "-9999", "NA", "")
+MARKS += ("No data", "out of range")
 FORMS = {
     "plain": "{:g}",
     "two digits": "{:.2f}",
@@ -71,6 +72,7 @@ def text_of(number: int, seed: int = 1) -> Text:
         "newline": choose.choice(["\n", "\n", "\r\n", "\r"]),
         "ends": choose.choice(["", "", "separator", "blank lines", "no newline"]),
         "heading": choose.choice([True, False]),
+        "cells": choose.choice(["plain", "plain", "quoted", "between blanks", "filled up"]),
     }
     if not dialect["separator"].strip() and "\t" not in dialect["separator"] and dialect["missing"] == "":
         dialect["missing"] = "NaN"  # between spaces nothing is no cell
@@ -88,6 +90,8 @@ def text_of(number: int, seed: int = 1) -> Text:
             cells[row][column], known[row, column] = dialect["missing"], np.nan
     lines = _lines(dialect, cells)
     header, arguments = _header(dialect, heights.shape)
+    if dialect["separator"].strip(" "):
+        header, lines = _dressed(dialect, header, lines)
     newline = dialect["newline"]
     end = {"blank lines": 3 * newline, "no newline": ""}.get(dialect["ends"], newline)
     if dialect["ends"] == "separator":
@@ -115,6 +119,19 @@ def _lines(dialect: dict, cells: list[list[str]]) -> list[str]:
         rows, names = [[x, z] for x, _, z in rows], [names[0], names[2]]
     heading = [dialect["separator"].join(names)] if dialect["heading"] else []
     return heading + [dialect["separator"].join(row) for row in rows]
+
+
+def _dressed(dialect: dict, header: list[str], lines: list[str]) -> tuple[list[str], list[str]]:
+    """Return lines as spreadsheets write them: cells in quotes or between blanks, all lines of one width."""
+    separator = dialect["separator"].strip(" ")
+    rows = [[cell.strip(" ") for cell in line.split(separator)] for line in lines]
+    if dialect["cells"] == "quoted":
+        lines = [dialect["separator"].join(f'"{cell}"' for cell in row) for row in rows]
+    elif dialect["cells"] == "between blanks":
+        lines = [f" {separator} ".join(row) for row in rows]
+    elif dialect["cells"] == "filled up":
+        header = [line + separator * (len(rows[-1]) - 1) for line in header]
+    return header, lines
 
 
 def _header(dialect: dict, shape: tuple[int, int]) -> tuple[list[str], dict]:

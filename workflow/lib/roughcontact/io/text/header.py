@@ -284,7 +284,7 @@ def _statements_of(key: str, value: str, sign: str) -> Iterator[tuple[str, State
     """Yield the meanings and statements of one entry; none where it is not understood."""
     name, opening, remainder = key.replace("[", "(").partition("(")
     unit = remainder.replace("]", ")").partition(")")[0].removeprefix("->").strip() if opening else ""
-    meaning, value = _meaning(name), value.strip().strip('"').strip()
+    meaning, value = _meaning(name), value.strip(' "\t;,')  # a spreadsheet fills lines with separators
     if meaning is None:
         return
     if meaning in _TEXT_ENTRIES:

@@ -25,8 +25,8 @@ _SPOKEN = (
 _SPOKEN_WORDS = frozenset(_SPOKEN.split())
 _FILLING = "-*?"  # characters that stand for a missing point, repeated any number of times
 _PHRASE = re.compile(
-    r"(?<!\S)(?:no data|not measured|out of range|n\. def\.|keine daten|nicht gemessen|non valide|non mesuré"
-    r"|sin datos|non valido)(?=[\s;,]|$)",
+    r"(?<![^\s;,])(?:no data|not measured|out of range|n\. def\.|keine daten|nicht gemessen|non valide"
+    r"|non mesuré|sin datos|non valido)(?=[\s;,]|$)",
     re.IGNORECASE,
 )
 

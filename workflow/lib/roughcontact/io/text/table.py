@@ -102,7 +102,9 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
         return header, body
     delimiter = next((sign for sign in ";\t" if sign in first), ",")
     try:
-        cells_of_rows = [[*csv.reader([line], delimiter=delimiter)] for line in (*header, *body)]
+        cells_of_rows = [
+            [*csv.reader([line], delimiter=delimiter, skipinitialspace=True)] for line in (*header, *body)
+        ]
     except csv.Error:  # a cell of more than 131 072 characters
         return header, body
     lines = [";".join(rows[0]) if rows else "" for rows in cells_of_rows]
@@ -120,7 +122,7 @@ def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
     if "," not in joined:
         return None, False
     tokens = [line.split() for line in sample]
-    separating = any(token.endswith(",") or token.count(",") > 1 for row in tokens for token in row)
+    separating = re.search(r",\S*,|,(?:\s|\Z)", joined) or ("." in joined and re.search(r"\s,", joined))
     if any(len(row) > 1 for row in tokens) and not separating:
         return None, True
     one_comma = all(line.count(",") == 1 for line in sample)
