@@ -11,7 +11,7 @@ from roughcontact import materials
 from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics import checks, contact_checks, map_checks
-from roughcontact.statistics.outcome import FAILED, NOTE, PASSED, REVIEW
+from roughcontact.statistics.outcome import FAILED, NOTE, PASSED, REVIEW, Check, reason_text
 
 
 def per_load(**columns):
@@ -197,3 +197,13 @@ def test_words_of_a_load_at_each_limit():
             "beyond hardness",
         ]
     ]
+
+
+@pytest.mark.parametrize("room", range(-2, 5))
+def test_a_reason_keeps_its_advice_where_little_room_is_left_for_the_finding(room):
+    check = Check("Noise", REVIEW, "Much of the gradient may be noise.", advice="Measure the noise.")
+    letters = len("Noise:  Measure the noise.") + room
+    reason = reason_text(check, letters=letters)
+    assert len(reason) <= letters
+    assert reason.startswith("Noise:")
+    assert room < 0 or reason.endswith("Measure the noise")

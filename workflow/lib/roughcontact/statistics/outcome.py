@@ -10,6 +10,7 @@ from roughcontact.variables import ANSWERS
 PASSED, REVIEW, FAILED = "passed", "review", "failed"
 NOTE = "note"  # worth knowing, but in the interval or in what was asked for; it does not affect the verdict
 NOT_MADE = "not made"  # for lack of data; it does not affect the verdict
+_ELLIPSIS = " …"
 _LONGEST_SENTENCE = 200  # letters, in a list
 _MAIN_ANSWERS = ("relative_contact_area", "mean_contact_pressure")
 VERDICTS = {PASSED: "use", REVIEW: "review", FAILED: "do not use"}  # in the order of the flag `verdict`
@@ -113,12 +114,14 @@ def reason_text(check: Check, *, letters: int | None = None) -> str:
     """
     concerned = f" ({concerns(check)})" if concerns(check) else ""
     head = f"{check.name}{concerned}:"
-    advice = textwrap.shorten(check.advice, _LONGEST_SENTENCE, placeholder=" …")
+    advice = textwrap.shorten(check.advice, _LONGEST_SENTENCE, placeholder=_ELLIPSIS)
     room = _LONGEST_SENTENCE if letters is None else max(letters - len(head) - len(advice) - 2, 0)
     # the finding is cut first: what to do stays
-    finding = textwrap.shorten(check.finding, min(room, _LONGEST_SENTENCE), placeholder=" …")
+    finding = ""
+    if room > len(_ELLIPSIS):
+        finding = textwrap.shorten(check.finding, min(room, _LONGEST_SENTENCE), placeholder=_ELLIPSIS)
     text = " ".join(filter(None, (head, finding, advice))).rstrip(".")
-    return text if letters is None else textwrap.shorten(text, letters, placeholder=" …")
+    return text if letters is None else textwrap.shorten(text, letters, placeholder=_ELLIPSIS)
 
 
 def concerns(check: Check) -> str:
