@@ -93,7 +93,7 @@ def test_contact_area_and_theories_against_the_load():
 def test_surfaces_side_by_side():
     series = [("ground", LOADS[::-1], AREAS[::-1]), ("lapped", 2 * LOADS, AREAS)]
     ends = [(0.9 * area, 1.2 * area) for _, _, area in series]
-    drawn = read_chart(load_plots.compare_areas(series, ends=ends, pressure=Unit(1e-6, "MPa")), log="xy")
+    drawn = read_chart(load_plots.compare_areas(series, intervals=ends, pressure=Unit(1e-6, "MPa")), log="xy")
     assert "mean pressure p̄ (MPa)" in drawn.texts
     assert "Persson" not in drawn.legend  # over the pressure itself there is no line that fits all
     assert_room(drawn)
@@ -112,7 +112,7 @@ def test_an_interval_down_to_nothing_does_not_squeeze_what_is_drawn():
     series = [("ground", LOADS / 1e9, AREAS)]
     alone = numbers().assign(relative_contact_area_lower=("load", nothing))
     for chart in (
-        load_plots.compare_areas(series, ends=[(nothing, AREAS)]),
+        load_plots.compare_areas(series, intervals=[(nothing, AREAS)]),
         load_plots.area_against_load(alone, None),
     ):
         drawn = read_chart(chart, log="xy")

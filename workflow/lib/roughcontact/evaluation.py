@@ -209,9 +209,9 @@ def over_mean_gap(statistics: xr.Dataset) -> xr.Dataset:
     columns = {"mean_pressure": _at_stated_gaps(statistics, "mean_pressure", closed=np.nan, far=0.0)}
     for name in ("relative_contact_area", "contact_stiffness", "conductance_per_conductivity"):
         columns[name] = _with_ends(statistics, name)
-    conductance, *ends = columns["conductance_per_conductivity"]
+    conductance, *conductance_ends = columns["conductance_per_conductivity"]
     with np.errstate(invalid="ignore"):  # both are infinite in full contact
-        columns["contact_stiffness"][1:] = columns["contact_stiffness"][0] * (ends / conductance)
+        columns["contact_stiffness"][1:] = columns["contact_stiffness"][0] * (conductance_ends / conductance)
     for axis in "xy":
         pressure_flow = _at_stated_gaps(statistics, f"flow_factor_{axis}{axis}", closed=0.0, far=1.0)
         shear_flow = _at_stated_gaps(statistics, f"shear_flow_{axis}", closed=1.0, far=0.0)

@@ -161,14 +161,14 @@ def bound_error(
         sections = {**settings, "contact": {**solver, **inexact}}
         return finite_body_budget(window, sections, solved=inputs, **options)
     stated = {key: settings["contact"][key] for key in MATERIAL_UNCERTAINTIES}
-    verbs = {key: settings[key] for key in ("level", "instrument")}
-    verbs["window"] = window_arguments(levelled, settings)
-    verbs["contact"] = {**solver, **stated}
+    chain_sections = {key: settings[key] for key in ("level", "instrument")}
+    chain_sections["window"] = window_arguments(levelled, settings)
+    chain_sections["contact"] = {**solver, **stated}
     scatter_of: Callable[..., Scatter] = scatter_of_subwindows
     if levelled.attrs.get("lay") == ISOTROPIC:
         scatter_of, levelled = partial(scatter_of_surfaces, levelled), window
     budget = error_budget(
-        levelled, window, verbs, **settings["uncertainty"], solved=solved, scatter_of=scatter_of
+        levelled, window, chain_sections, **settings["uncertainty"], solved=solved, scatter_of=scatter_of
     )
     if 1 not in window.shape or "lay" in window.attrs or not settings["uncertainty"]["sources"]:
         return budget

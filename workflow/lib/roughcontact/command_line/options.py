@@ -122,10 +122,10 @@ def keyed(
 def chosen_settings(options: Namespace) -> dict:
     """Return the full settings of a single case, as `resolve` does, from options of `add_settings`."""
     names = [f"{section}.{key}" for section, key, _, _ in _options()]
-    stated = {name: value for name in names if (value := getattr(options, name)) is not None}
+    chosen = {name: value for name in names if (value := getattr(options, name)) is not None}
     literals: dict[str, Any] = {"null": None, "['[]']": []}  # as in a configuration
     config = {"contact": {}} | grouped(
-        {name: literals.get(str(value), value) for name, value in stated.items()}
+        {name: literals.get(str(value), value) for name, value in chosen.items()}
     )
     if config["contact"].get("contact_modulus") is None and not options.body:
         raise SettingsError(

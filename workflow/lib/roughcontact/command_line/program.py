@@ -485,11 +485,11 @@ def _crate(options: argparse.Namespace) -> int:
     """Write the description of a run, and print its path."""
     from roughcontact.results.crate import write_crate
 
-    stated = {
+    properties = {
         "configuration": options.configfile,
         "terms": options.license,
         "author": options.author,
         "publisher": options.publisher,
     }
-    print(write_crate(options.folder, **{name: text for name, text in stated.items() if text}))
+    print(write_crate(options.folder, **{name: text for name, text in properties.items() if text}))
     return 0

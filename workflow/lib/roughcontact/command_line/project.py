@@ -55,11 +55,11 @@ def write_project(
         if not Path(file).is_file():
             raise SettingsError(f"{file}: no such file")
     rows = rows_of(files)
-    stated = {"contact": contact or {}, "statistics": statistics or {}}
-    if any(stated.values()):
-        resolve(stated)
+    sections = {"contact": contact or {}, "statistics": statistics or {}}
+    if any(sections.values()):
+        resolve(sections)
     texts = (
-        default_yaml(head=_SETTINGS_HEAD, stated=stated),
+        default_yaml(head=_SETTINGS_HEAD, stated=sections),
         _TABLE_HEAD + table_text(rows) + ("" if rows else _TABLE_EXAMPLE),
     )
     for path, text in zip(_FILES, texts, strict=True):

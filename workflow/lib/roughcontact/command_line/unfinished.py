@@ -22,11 +22,11 @@ def start_partial_report(config: Mapping[str, Any], folders: Sequence[str | Path
 
     `config` is the content of the configuration, `folders` the search path of the table, `root` the checkout.
     """
-    stated = {"config": config, "folders": folders, "measured_in": [".", root]}
+    study = {"config": config, "folders": folders, "measured_in": [".", root]}
     path = os.pathsep.join([str(root / "workflow/lib"), *sys.path])
     subprocess.run(
         [sys.executable, "-m", "roughcontact.command_line.unfinished"],
-        input=json.dumps(stated, default=str),
+        input=json.dumps(study, default=str),
         text=True,
         env=os.environ | {"PYTHONPATH": path, "PYTHONSAFEPATH": "1"},
         check=False,
@@ -40,9 +40,9 @@ def main() -> int:
     """
     from roughcontact.report.partial import write_partial_results
 
-    stated = json.load(sys.stdin)
+    study = json.load(sys.stdin)
     try:
-        plan = Plan(*read_study(**stated, checked=True))
+        plan = Plan(*read_study(**study, checked=True))
         failures = write_partial_results(plan)
     except (RoughContactError, OSError) as error:
         print(

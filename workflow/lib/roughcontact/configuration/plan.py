@@ -324,7 +324,7 @@ def regex_of_names(names: Iterable[str]) -> str:
     if not branches:
         return NO_NAME
     may_end = branches.pop("", None) is not None
-    alternatives = [re.escape(letter) + regex_of_names(ends) for letter, ends in branches.items()]
+    alternatives = [re.escape(letter) + regex_of_names(remainders) for letter, remainders in branches.items()]
     pattern = "|".join(alternatives)
     if len(alternatives) > 1 or (alternatives and may_end):
         return f"(?:{pattern})" + "?" * may_end

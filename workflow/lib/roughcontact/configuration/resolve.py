@@ -52,10 +52,10 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     merged = _merge(base, overrides)
     where = f"cases.{name}.contact" if "contact" in overrides else "contact"
     mistakes = [SettingsError(text) for text in _mistakes_in_alternatives(merged, where)]
-    stated = merged["contact"].get("bodies") if isinstance(merged["contact"], dict) else None
+    stated_bodies = merged["contact"].get("bodies") if isinstance(merged["contact"], dict) else None
     try:
-        if isinstance(stated, list):
-            merged["contact"]["bodies"] = named_bodies(stated)
+        if isinstance(stated_bodies, list):
+            merged["contact"]["bodies"] = named_bodies(stated_bodies)
     except SettingsError as error:
         return {}, [*mistakes, SettingsError(f"{where}.bodies: {error}", keys=["contact.bodies"])]
     try:
@@ -73,7 +73,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     if settings["statistics"]["stress"] == "always" and not settings["contact"]["bodies"]:
         text = "statistics.stress = 'always': needs contact.bodies, for their Poisson's ratios"
         mistakes.append(SettingsError(text, keys=["statistics.stress"]))
-    _derive(settings["contact"], stated or ())
+    _derive(settings["contact"], stated_bodies or ())
     mistakes += [SettingsError(text) for text in _mistakes_in_finite_bodies(settings)]
     bodies = settings["contact"]["bodies"]
     hardness, loads = settings["contact"]["hardness"], settings["contact"]["mean_pressure"] or ()
@@ -121,12 +121,12 @@ def _mistakes_in_unload(contact: Mapping[str, Any], where: str) -> Iterator[str]
         yield f"{where}.unload: needs the maps of the contact; leave keep_fields at true, or unload out"
 
 
-def _derive(contact: dict[str, Any], stated: Sequence[Any]) -> None:
+def _derive(contact: dict[str, Any], stated_bodies: Sequence[Any]) -> None:
     """Add the numbers that follow from others: E*, its uncertainty, the hardness, pressures from forces."""
     if bodies := contact["bodies"]:
         contact["contact_modulus"] = contact_modulus(bodies)
         if contact["contact_modulus_uncertainty"] is None:
-            contact["contact_modulus_uncertainty"] = modulus_uncertainty(stated, bodies)
+            contact["contact_modulus_uncertainty"] = modulus_uncertainty(stated_bodies, bodies)
         if hardness := [body["hardness"] for body in bodies if body["hardness"] is not None]:
             contact["hardness"] = min(hardness)  # the softer body flows first
     if contact["force"] and contact["area"]:
@@ -164,6 +164,7 @@ def _mistakes_in_alternatives(settings: Mapping[str, Any], where: str) -> list[s
     contact, form = settings["contact"], settings.get("form")
     if not isinstance(contact, dict):
         return []
+    from_form = isinstance(form, dict) and form.get("local_scale")  # pressures follow from form and force
     elasticity, loads = ([key for key in keys if contact.get(key) is not None] for keys in _ALTERNATIVES)
     mistakes = []
     if len(elasticity) != 1:
@@ -187,9 +188,7 @@ def _mistakes_in_alternatives(settings: Mapping[str, Any], where: str) -> list[s
             mistakes.append(
                 f"{where}.force: missing, though boundary is free; give the force on the body in N"
             )
-    elif isinstance(form, dict) and form.get("local_scale"):
-        pass  # the pressures follow from form and force
-    elif (contact.get("force") is None) != (contact.get("area") is None):
+    elif not from_form and (contact.get("force") is None) != (contact.get("area") is None):
         missing, present = ("area", "force") if contact.get("area") is None else ("force", "area")
         mistakes.append(
             f"{where}.{missing}: missing, though {present} is given; mean pressure is force by area"

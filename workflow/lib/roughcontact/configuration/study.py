@@ -1,6 +1,6 @@
 """Settings and table of surfaces together: all mistakes in both are reported at once, before a run begins."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -101,22 +101,19 @@ def _mistakes_in(row: Surface) -> list[str]:
         for key in ("unit", "height_unit")
         if key in row.read_arguments and value_of(row.read_arguments[key], "m") is None
     ]
-    for check, key in ((marker_values, "missing_value"), (check_lay, "lay")):
+    checks: dict[str, Callable[[Any], object]] = {
+        "missing_value": marker_values,
+        "lay": check_lay,
+        "resample": lambda cell: check_choice("resample", cell, Resampling),
+        "checksum": lambda cell: check_choice("checksum", cell, Checksum),
+        "first_row": lambda cell: check_choice("first_row", cell, FirstRow),
+        PAIR_FIRST_ROW: lambda cell: check_choice(PAIR_FIRST_ROW, cell, FirstRow),
+    }
+    cells = {**row.read_arguments, PAIR_FIRST_ROW: row.counter_face_first_row}
+    for key, check in checks.items():
         try:
-            if key in row.read_arguments:
-                check(row.read_arguments[key])
+            if cells.get(key):
+                check(cells[key])
         except SettingsError as error:
             mistakes.append(str(error))
-    choices_of_row = {**row.read_arguments, PAIR_FIRST_ROW: row.counter_face_first_row}
-    for key, choices in (
-        ("resample", Resampling),
-        ("checksum", Checksum),
-        ("first_row", FirstRow),
-        (PAIR_FIRST_ROW, FirstRow),
-    ):
-        if choices_of_row.get(key):
-            try:
-                check_choice(key, choices_of_row[key], choices)
-            except SettingsError as error:
-                mistakes.append(str(error))
     return mistakes

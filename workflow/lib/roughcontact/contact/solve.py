@@ -237,11 +237,11 @@ def elasticity(
     checked = check_bodies(bodies)
     modulus = modulus_of(checked)
     if contact_modulus is not None:
-        stated = check_positive("contact_modulus", contact_modulus, unit="Pa")
-        if not math.isclose(stated, modulus, rel_tol=1e-6):
+        stated_modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
+        if not math.isclose(stated_modulus, modulus, rel_tol=1e-6):
             raise SettingsError(
-                f"contact_modulus = {stated:g} Pa, but that of the bodies' surfaces is {modulus:g} Pa; give "
-                "one of them",
+                f"contact_modulus = {stated_modulus:g} Pa, but that of the bodies' surfaces is {modulus:g} "
+                "Pa; give one of them",
                 keys=["contact_modulus", "bodies"],
             )
     return modulus, layered_pair(checked)

@@ -90,11 +90,11 @@ def measured_in_words(dates: Mapping[str, str]) -> str:
     >>> measured_in_words({"one": ""})
     ''
     """
-    stated = sorted(filter(None, dates.values()))
-    if not stated:
+    known = sorted(filter(None, dates.values()))
+    if not known:
         return ""
-    text = f"measured {' to '.join(dict.fromkeys([stated[0], stated[-1]]))}"
-    return text if len(stated) == len(dates) else f"{text} ({len(stated)} of {len(dates)} maps state it)"
+    text = f"measured {' to '.join(dict.fromkeys([known[0], known[-1]]))}"
+    return text if len(known) == len(dates) else f"{text} ({len(known)} of {len(dates)} maps state it)"
 
 
 def bodies_in_words(contact: Mapping[str, Any]) -> str:
@@ -126,8 +126,7 @@ def _solid(body: Mapping[str, Any]) -> str:
 
 def _loads(contact: Mapping[str, Any]) -> str:
     """Return the loads, or what they are to bring about."""
-    components = list(_stated_loads(contact))
-    return " and ".join(components) if components else "loads planned for each map"
+    return " and ".join(_stated_loads(contact)) or "loads planned for each map"
 
 
 def _stated_loads(contact: Mapping[str, Any]) -> Iterator[str]:

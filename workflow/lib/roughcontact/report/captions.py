@@ -39,10 +39,10 @@ def pressure_caption(numbers: xr.Dataset) -> str:
     first, last = (pressure(float(mean)) for mean in (averages[0], averages[-1]))
     text = _at_extreme_loads(numbers, [f"Mean pressure in contact {first}", last])
     peak = int(largest.argmax())
-    load, sentence = (pressure(float(source[peak])) for source in (numbers["mean_pressure"].values, largest))
+    load, maximum = (pressure(float(values[peak])) for values in (numbers["mean_pressure"].values, largest))
     if is_limited(numbers, peak):
-        return f"{text}; largest {sentence}, the hardness, from {load} on."
-    return f"{text}; largest {sentence} at {load}."
+        return f"{text}; largest {maximum}, the hardness, from {load} on."
+    return f"{text}; largest {maximum} at {load}."
 
 
 def distribution_caption(numbers: xr.Dataset) -> str:
@@ -91,11 +91,11 @@ def open_caption(numbers: xr.Dataset) -> str:
     >>> open_caption(xr.Dataset(found | {"relative_contact_area_pixels": ("load", [0.5])}))
     'At 5.00 MPa 50.0 % of the area are apart, by 0.200 µm on average.'
     """
-    load, apart = _last_load(numbers), 1 - _last(numbers, "relative_contact_area_pixels")
-    if apart <= 0:
+    load, open_share = _last_load(numbers), 1 - _last(numbers, "relative_contact_area_pixels")
+    if open_share <= 0:
         return f"At {load} nothing is apart."
-    mean = unit_of(numbers, "m").text(_last(numbers, "mean_gap") / apart)
-    return f"At {load} {percent(apart)} of the area are apart, by {mean} on average."
+    mean = unit_of(numbers, "m").text(_last(numbers, "mean_gap") / open_share)
+    return f"At {load} {percent(open_share)} of the area are apart, by {mean} on average."
 
 
 def reading_of(numbers: xr.Dataset, *names: str) -> str:
@@ -122,11 +122,13 @@ def comparison_caption(
         return ""
     areas = [float(np.interp(highest, loads, areas)) for _, loads, areas in series]
     load = f"p̄ = {pressure.text(highest)}" if pressure else f"p′ = {number(highest)}"
-    indices = int(np.argmin(areas)), int(np.argmax(areas))
-    shares = [percent(areas[index]) for index in indices]
+    extremes = int(np.argmin(areas)), int(np.argmax(areas))
+    shares = [percent(areas[index]) for index in extremes]
     if shares[0] == shares[1]:
         return f"At {load}, {shares[0]} of the area touch in all."
-    lowest, maximum = (f"{share} ({series[start][0]})" for share, start in zip(shares, indices, strict=True))
+    lowest, maximum = (
+        f"{share} ({series[surface][0]})" for share, surface in zip(shares, extremes, strict=True)
+    )
     return f"At {load}, {lowest} to {maximum} of the area touch."
 
 
@@ -143,6 +145,6 @@ def _last_load(numbers: xr.Dataset) -> str:
 def _at_extreme_loads(numbers: xr.Dataset, sentences: list[str]) -> str:
     """Return the statements `said` with the lowest and the highest load; one where there is one load."""
     loads = numbers["mean_pressure"].values
-    ends = [unit_of(numbers, "Pa").text(float(load)) for load in (loads[0], loads[-1])]
-    pairs = [f"{text} at {load}" for text, load in zip(sentences, ends, strict=True)]
+    extreme_loads = [unit_of(numbers, "Pa").text(float(load)) for load in (loads[0], loads[-1])]
+    pairs = [f"{text} at {load}" for text, load in zip(sentences, extreme_loads, strict=True)]
     return ", ".join(pairs if loads.size > 1 else pairs[:1])

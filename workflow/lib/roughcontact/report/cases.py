@@ -132,8 +132,8 @@ def _without_common_load(cases: Cases, pairs: Sequence[tuple[str, str]], *, alon
     """Return what is said of pairs of cases that share no load, of all pairs where they are `alone`."""
     spans = []
     for name in dict.fromkeys(name for pair in pairs for name in pair):
-        ends = (quantity(float(cases[name]["mean_pressure"][end]), "Pa") for end in (0, -1))
-        spans.append(f"{name}: {' to '.join(dict.fromkeys(ends))}")
+        extreme_loads = (quantity(float(cases[name]["mean_pressure"][end]), "Pa") for end in (0, -1))
+        spans.append(f"{name}: {' to '.join(dict.fromkeys(extreme_loads))}")
     owner = "The cases" if alone else ", ".join(" and ".join(pair) for pair in pairs)
     return (
         f"{owner} have no load in common ({'; '.join(spans)}), so that their numbers cannot be compared: "

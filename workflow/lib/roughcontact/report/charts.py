@@ -121,9 +121,9 @@ def _decades(low: float, high: float, max_count: int) -> tuple[list[float], list
         if low * (1 - 1e-9) <= (value := float(f"{digit}e{power}")) <= high * (1 + 1e-9)
     ]
     powers = [power for power, digit, _ in inside if digit == 1]
-    entries = -(-len(powers) // max_count) if powers else 1
+    stride = -(-len(powers) // max_count) if powers else 1
     digits = (1,) if len(powers) > 2 else (1, 2, 5)
-    written = [value for power, digit, value in inside if digit in digits and power % entries == 0]
+    written = [value for power, digit, value in inside if digit in digits and power % stride == 0]
     interior = [value for *_, value in inside if value not in written] if last - first < max_count else []
     return written, interior
 
@@ -410,7 +410,7 @@ def data_uri(svg: str) -> str:
     "data:image/svg+xml,%3Csvg id='a'/%3E"
     """
     # character by character `quote` would take a fifth of the time of a page
-    return "data:image/svg+xml," + _NOT_IN_URI.sub(lambda subset: _quoted(subset[0]), svg)
+    return "data:image/svg+xml," + _NOT_IN_URI.sub(lambda match: _quoted(match[0]), svg)
 
 
 def _stroke(colour: str, width: float, dash: str) -> str:
@@ -444,7 +444,7 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float 
     left, top, width, height = area
     flat = side in ("bottom", "top")
     edge = {"bottom": top + height, "top": top, "left": left, "right": left + width}[side]
-    output = 1 if side in ("bottom", "right") else -1
+    sign = 1 if side in ("bottom", "right") else -1
     written, interior = axis.ticks(6 if (width if flat else height) > 150 else 4)
 
     def position(value: float) -> float:
@@ -460,11 +460,11 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float 
 
     components = []
     if grid and written:
-        through = -output * (height if flat else width)
+        through = -sign * (height if flat else width)
         lines = "".join(stub(value, through) for value in written)
         components.append(f'<path d="{lines}" stroke="{_GRID}" stroke-width=".8" fill="none"/>')
     line = f"M{left:.1f} {edge:.1f}h{width:.1f}" if flat else f"M{edge:.1f} {top:.1f}v{height:.1f}"
-    stubs = "".join(stub(v, 4.5 * output) for v in written) + "".join(stub(v, 2.5 * output) for v in interior)
+    stubs = "".join(stub(v, 4.5 * sign) for v in written) + "".join(stub(v, 2.5 * sign) for v in interior)
     components.append(f'<path d="{line}{stubs}" stroke="{INK}" stroke-width=".9" fill="none"/>')
     texts = [tick_text(value) for value in written]
     if flat:
@@ -490,9 +490,9 @@ def _extremes(values: np.ndarray) -> np.ndarray:
     """Return the places of the values that a line is drawn through: all, or the extremes of each few."""
     if values.size <= _MOST_POINTS:
         return np.arange(values.size)
-    sparse = -(-2 * values.size // _MOST_POINTS)
-    complete = values.size // sparse * sparse
-    rows = values[:complete].reshape(-1, sparse)
-    start = np.arange(0, complete, sparse)
-    pair = [start + rows.argmin(axis=1), start + rows.argmax(axis=1)]
+    stride = -(-2 * values.size // _MOST_POINTS)
+    complete = values.size // stride * stride
+    rows = values[:complete].reshape(-1, stride)
+    first_points = np.arange(0, complete, stride)
+    pair = [first_points + rows.argmin(axis=1), first_points + rows.argmax(axis=1)]
     return np.unique(np.concatenate([*pair, np.arange(complete, values.size)]))

@@ -28,14 +28,14 @@ def surface_facts(
     """Return the facts of a surface as (name, text), in the order of the page; unknown ones are left out."""
     pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured)[::-1]))
     instrument = labelled(stored_instrument(measured.attrs))
-    sentence = ", ".join(f"{label} {text}" for label, text in instrument)
+    instrument_text = ", ".join(f"{label} {text}" for label, text in instrument)
     source = [str(measured.attrs.get(key, "")) for key in ("source_file", "source_format")]
     resolution = float(numbers["points_per_shortest_wavelength"][0])
     facts = [
         ("File", " · ".join(filter(None, source))),
         ("First row", _first_row(measured)),
         ("Channel", str(measured.attrs.get("channel", ""))),
-        ("Instrument", textwrap.shorten(sentence, 160, placeholder=" …")),
+        ("Instrument", textwrap.shorten(instrument_text, 160, placeholder=" …")),
         ("Map", f"{_size(measured)} of {pitch}"),
         ("Missing points", percent(measured.attrs.get("missing_share", 0.0))),
         ("Counter-face", _counter_face(levelled)),
@@ -107,8 +107,8 @@ def date_of(measured: xr.DataArray) -> str:
     >>> date_of(xr.DataArray(0.0, attrs={"instrument": '{"acquisition_time": "2011-07-23T16:49:36"}'}))
     '2011-07-23'
     """
-    stated = stored_instrument(measured.attrs).get("acquisition_time", "")
-    result = re.match(r"\d{4}-\d\d-\d\d", str(stated))
+    date = stored_instrument(measured.attrs).get("acquisition_time", "")
+    result = re.match(r"\d{4}-\d\d-\d\d", str(date))
     return result[0] if result else ""
 
 
@@ -266,8 +266,8 @@ def _first_yield(numbers: xr.Dataset) -> str:
     nearest = int(np.argmin(np.abs(np.log(numbers["mean_pressure"].values / load))))
     depth = float(numbers["material_von_mises_depth"][nearest, index])
     face = np.flatnonzero(np.isclose(depth, [0.0, *numbers["interface_depth"].values], rtol=1e-9, atol=0))
-    start = [f" at the {f'interface {i}' if i else 'surface'}" for i in face]
-    return f"{text}, in {material_name(numbers, index)}{''.join(start)}"
+    position = [f" at the {f'interface {i}' if i else 'surface'}" for i in face]
+    return f"{text}, in {material_name(numbers, index)}{''.join(position)}"
 
 
 def _closing(numbers: xr.Dataset) -> str:

@@ -194,11 +194,12 @@ def _by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[tuple[str, s
     variables = {name: statistics[name].transpose(*dims, ...).variable for name in required}
     result = {}
     for index in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
-        *cases, surface = (str(statistics[dim].values[start]) for dim, start in zip(dims, index, strict=True))
+        *cases, surface = (str(statistics[dim].values[place]) for dim, place in zip(dims, index, strict=True))
         case = cases[0] if cases else ""
         if surface in names and surface in bands[case]:
             selected = {
-                name: (entry.dims[len(dims) :], entry.values[index]) for name, entry in variables.items()
+                name: (variable.dims[len(dims) :], variable.values[index])
+                for name, variable in variables.items()
             }
             result[case, surface] = xr.Dataset(selected, attrs=bands[case][surface])
     return result

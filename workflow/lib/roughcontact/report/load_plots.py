@@ -66,18 +66,18 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
 def compare_areas(
     series: Sequence[tuple[str, np.ndarray, np.ndarray]],
     *,
-    ends: Sequence[tuple[np.ndarray, np.ndarray]] = (),
+    intervals: Sequence[tuple[np.ndarray, np.ndarray]] = (),
     pressure: Unit | None = None,
     styles: Sequence[tuple[int, int]] = (),
 ) -> str:
     """Draw the contact area against the load of several surfaces or cases.
 
-    `series` has (label, loads, relative areas), `ends` (lower, upper) of each area, `kinds` the indices of
-    (surface, case): colours and line styles. Loads are mean pressures (Pa) in the unit `pressure`, or
+    `series` has (label, loads, relative areas), `intervals` (lower, upper) of each area, `styles` the indices
+    of (surface, case): colours and line styles. Loads are mean pressures (Pa) in the unit `pressure`, or
     relative ones, with theories.
     """
     loads = np.concatenate([load for _, load, _ in series])
-    areas = np.concatenate([*(area for _, _, area in series), *(low for low, _ in ends)])
+    areas = np.concatenate([*(area for _, _, area in series), *(low for low, _ in intervals)])
     drawn = np.concatenate([area for _, _, area in series])
     factor = pressure.factor if pressure else 1.0
     label = f"mean pressure p̄ ({pressure.symbol})" if pressure else _RELATIVE
@@ -92,8 +92,8 @@ def compare_areas(
         surface, case = styles[index] if styles else (index, 0)
         colour, marker = surfaces[name.partition(" · ")[0]] = _style(surface)
         cases[name.partition(" · ")[2]] = case
-        if ends:
-            chart.bars(load * factor, *(100 * end for end in ends[index]), colour=colour)
+        if intervals:
+            chart.bars(load * factor, *(100 * end for end in intervals[index]), colour=colour)
         x, y, of_case = load[order] * factor, 100 * area[order], _case_style(case)
         chart.marks(
             x, y, colour=colour, marker=marker, joined=1.0, label=name, listed=not multiple, **of_case
@@ -297,9 +297,9 @@ def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
 
 def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
     """Draw the distribution of the gap at the loads of these indices, points out of contact only."""
-    apart, gap = 1 - statistics["relative_contact_area_pixels"].values, statistics["mean_gap"].values
+    open_share, gap = 1 - statistics["relative_contact_area_pixels"].values, statistics["mean_gap"].values
     labels = "gap u", "u P(u), share of the open area per factor e"
-    mean = np.divide(gap, apart, out=np.full(gap.shape, np.nan), where=apart > 0)
+    mean = np.divide(gap, open_share, out=np.full(gap.shape, np.nan), where=open_share > 0)
     dotted = "mean out of contact", mean
     return _distribution(statistics, loads, "gap", unit="m", labels=labels, dotted=dotted)
 

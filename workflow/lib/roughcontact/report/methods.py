@@ -116,14 +116,14 @@ def _contact(statistics: xr.Dataset, contact: Mapping[str, Any]) -> str:
 def _answers(statistics: xr.Dataset, uncertainty: Mapping[str, Any]) -> list[str]:
     """Return the answers at a few loads, and what their intervals are for."""
     rising = statistics["mean_pressure"].argsort().values.tolist()
-    sparse = [rising[0], rising[len(rising) // 2], rising[-1]] if len(rising) > _MOST_LOADS else rising
+    selected = [rising[0], rising[len(rising) // 2], rising[-1]] if len(rising) > _MOST_LOADS else rising
     sentences, free = [], "contact_radius" in statistics
-    for index in sparse:
+    for index in selected:
         answers = []
         for name, (text, unit) in _ANSWERS.items():
-            ends = interval_at(statistics, name, index)
-            factor, unit_label = (100.0, unit) if unit.startswith("%") else prefix(ends[0], unit)
-            answers.append(f"{text} {with_interval(*(factor * end for end in ends))} {unit_label}")
+            interval = interval_at(statistics, name, index)
+            factor, unit_label = (100.0, unit) if unit.startswith("%") else prefix(interval[0], unit)
+            answers.append(f"{text} {with_interval(*(factor * end for end in interval))} {unit_label}")
         applied = f"mean pressure of {quantity(float(statistics['mean_pressure'][index]), 'Pa')}"
         if free:
             applied = f"force of {quantity(float(statistics['force'][index]), 'N')}"

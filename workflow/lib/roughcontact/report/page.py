@@ -225,7 +225,7 @@ def _comparisons(
         list(zip(names, loads, areas, strict=True)) for loads in (relative, pascals)
     )
     available = all("relative_contact_area_lower" in data for data in rough.values())
-    ends = [
+    intervals = [
         (data["relative_contact_area_lower"].values, data["relative_contact_area_upper"].values)
         for data in rough.values()
         if available
@@ -237,8 +237,8 @@ def _comparisons(
     remarks += ["Surfaces are colours, cases are line styles."] if any(case for _, case in categories) else []
     remarks += ["The maps of a group have one colour."] if grouped else []
     caption = " ".join([comparison_caption(over_pascals, pressure), *remarks]).strip()
-    image = compare_areas(over_pascals, ends=ends, pressure=pressure, styles=categories)
-    second = compare_areas(over_relative, ends=ends, styles=categories)
+    image = compare_areas(over_pascals, intervals=intervals, pressure=pressure, styles=categories)
+    second = compare_areas(over_relative, intervals=intervals, styles=categories)
     return [(image, caption), (second, f"{comparison_caption(over_relative)} {in_these_units}".strip())]
 
 

@@ -62,8 +62,7 @@ def write_panel(
     measured, plane, solved = (_read_map(file) for file in (height, levelled, window))
     numbers = read_dataset(statistics)
     order = np.argsort(numbers["mean_pressure"].values, kind="stable")
-    if (np.diff(order) < 0).any():
-        numbers = numbers.isel(load=order)
+    numbers = numbers.isel(load=order)
     displayed = usable_loads(numbers)
     checks_of = partial(
         checks.surface_checks,
@@ -202,13 +201,13 @@ def _fields(
             pressure, gap = maps(load)
             area = percent(np.count_nonzero(pressure > 0) / pressure.size)
             ellipse = hertz_axes(window, numbers, load)
-            carried = map_plots.pressure_map(
+            pressure_chart = map_plots.pressure_map(
                 window, pressure, highest=highest, unit=of_pressure, ellipse=ellipse
             )
-            apart = map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap)
+            gap_chart = map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap)
             mean = of_pressure.text(float(contact["mean_pressure"][load]))
             caption = f"p̄ = {mean}: {area} of the pixels touch"
-            fields.append((caption, carried.source(), apart.source()))
+            fields.append((caption, pressure_chart.source(), gap_chart.source()))
             del pressure, gap  # before the next ones are read
     return fields
 

@@ -30,10 +30,10 @@ def stack_of_layers(bodies: Sequence[Mapping[str, Any]], window: xr.DataArray) -
         layers = body.get("layers") or []
         name = f"body {index} ({body['name']})" if body.get("name") else f"body {index}"
         rows += [(f"{name}, from its surface inwards", 0.0, GREY)] * bool(layers)
-        for start, layer in enumerate(layers):
+        for layer_index, layer in enumerate(layers):
             material = ", ".join(filter(None, [layer.get("name"), _material(layer)]))
-            text = f"layer {start + 1}: {quantity(layer['thickness'], 'm')} of {material}"
-            rows.append((text, layer["thickness"], COLOURS[start % len(COLOURS)]))
+            text = f"layer {layer_index + 1}: {quantity(layer['thickness'], 'm')} of {material}"
+            rows.append((text, layer["thickness"], COLOURS[layer_index % len(COLOURS)]))
         if body.get("base") == "rigid":
             rows.append(("rigid base", math.inf, INK))
         else:
@@ -57,14 +57,14 @@ def stack_of_layers(bodies: Sequence[Mapping[str, Any]], window: xr.DataArray) -
         if end:
             chart.shade(np.array([x.low, end]), *np.repeat(faces[:, None], 2, axis=1), colour=colour)
             chart.line(np.full(2, end), faces, colour=colour, width=3, read=False)
-    sentence = [text for text, *_ in rows]
+    descriptions = [text for text, *_ in rows]
     for (name, length), dash in zip(marks.items(), (DOTTED, DASHED), strict=True):
-        sentence.append(f"{name} {quantity(length, 'm')}")
-        chart.across(x=length * unit.factor, label=sentence[-1], dash=dash)
+        descriptions.append(f"{name} {quantity(length, 'm')}")
+        chart.across(x=length * unit.factor, label=descriptions[-1], dash=dash)
     for row, (text, *_) in enumerate(rows):
         short = text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
         chart.write(4.0, _ROW * (row + 0.45), short)
-    return chart.source(), "; ".join(sentence)
+    return chart.source(), "; ".join(descriptions)
 
 
 def _material(properties: Mapping[str, Any]) -> str:

@@ -38,8 +38,8 @@ def spectrum(window: xr.DataArray) -> str:
     inside = power > 1e-20 * power.max()  # below lies the rounding of waves that were removed
     visible = power[inside]
     step = min(d for n, d in zip(window.shape, spacing(window), strict=True) if n > 1)
-    ends = q[0] * unit_q, np.pi / step * unit_q
-    chart = _spectrum_chart(ends, length, (visible.min() / 30, visible.max() * 5), profile=profile)
+    wavenumbers = q[0] * unit_q, np.pi / step * unit_q
+    chart = _spectrum_chart(wavenumbers, length, (visible.min() / 30, visible.max() * 5), profile=profile)
     _mark_band(chart, window, q[0] * unit_q, unit_q)
     chart.line(q[inside] * unit_q, visible, colour=COLOURS[0])
     return chart.source()

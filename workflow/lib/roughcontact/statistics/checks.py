@@ -78,8 +78,10 @@ def surface_checks(
     -------
     list of Check
     """
-    stated = {key: value for key, value in statistics.attrs.items() if str(key).startswith("instrument_")}
-    window = {**stated, **window}  # the table of surfaces prevails over the settings
+    stated_instrument = {
+        key: value for key, value in statistics.attrs.items() if str(key).startswith("instrument_")
+    }
+    window = {**stated_instrument, **window}  # the table of surfaces prevails over the settings
     checks = [
         contact_checks.units(statistics),
         contact_checks.convergence(statistics),

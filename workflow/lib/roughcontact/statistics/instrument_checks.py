@@ -152,8 +152,8 @@ def _exponent(window: Attributes) -> str:
 
 def _removed_below(window: Attributes) -> float:
     """Return the wavelength below which the settings remove waves or say that none was measured."""
-    stated = ("instrument_resolution", "instrument_lateral_period_limit")
-    limits = [float(window.get(name, 0.0)) for name in stated]
+    attributes = ("instrument_resolution", "instrument_lateral_period_limit")
+    limits = [float(window.get(name, 0.0)) for name in attributes]
     if window.get("band_reason", "the grid") != "the grid":
         limits.append(float(window["band_shortest"]))
     # a Gaussian filter passes half at its nesting index; the fall that is found lies below it
@@ -197,10 +197,10 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
     """Check that noise, `instrument_noise` (m) or a flat spectrum, makes up little of the gradient."""
     if "noise_floor" not in window:
         return Check(CheckName.NOISE, NOT_MADE, "Not made: too few waves to judge the spectrum by.")
-    share, stated = float(window["noise_gradient_share"]), float(window.get("instrument_noise", 0.0))
-    if stated and window["noise_floor"] > 0:
-        share *= (stated / window["noise_floor"]) ** 2
-        text = f"The stated noise of {quantity(stated, 'm')} makes up {_share(share)} of the {_SQUARE}"
+    share, stated_noise = float(window["noise_gradient_share"]), float(window.get("instrument_noise", 0.0))
+    if stated_noise and window["noise_floor"] > 0:
+        share *= (stated_noise / window["noise_floor"]) ** 2
+        text = f"The stated noise of {quantity(stated_noise, 'm')} makes up {_share(share)} of the {_SQUARE}"
         if "corrected_for" in window:
             return Check(CheckName.NOISE, PASSED, f"{text} as measured, for which the map is corrected.")
         return _judged_noise(

@@ -121,9 +121,8 @@ def stress_columns(
     volume, best, profile, shear = math.inf if unlimited else 0.0, [], [], 0.0
     faces = [0.0, *interface_depths(body)]
     for number, (depths, limit) in enumerate(zip(sections, limits, strict=True)):
-        largest, above = _in_material(
-            partial(stress_at, material=number), depths, faces[number], limit, shear
-        )
+        in_material = partial(stress_at, material=number)
+        largest, above = _in_material(in_material, depths, faces[number], limit, shear)
         volume += above
         profile += [candidate.von_mises for candidate in largest[: depths.size]]
         best.append(max(largest, key=lambda candidate: candidate.von_mises))
