@@ -79,6 +79,14 @@ def test_columns_by_their_names(tmp_path):
         np.testing.assert_allclose(height.y, 1e-3 * np.arange(3), atol=1e-15)
 
 
+def test_entries_without_quotes_above_quoted_cells(tmp_path):
+    rows = '"1.5","2.25","3.5","4.5"\n' * 4
+    refuses(
+        "line 1 says 'Width: 1,234 µm': its mark may be",
+        saved(tmp_path, f"Width: 1,234 µm\nHeight: 4 µm\n{rows}"),
+    )
+
+
 def test_quoted_cells_with_decimal_commas(tmp_path):
     rows = "".join(f'"{x:g}","{z:g}"\n'.replace(".", ",") for x, z in zip(X, Z, strict=True))
     assert_trace(read_height_map(saved(tmp_path, '"x","z"\n"mm","um"\n' + rows)))

@@ -52,6 +52,7 @@ def assert_heights(height, heights, step=0.5e-6):
     [
         ("\n", "a second table begins at line 10"),
         ("\n\n\n", "a second table begins at line 12"),
+        ("\t" * 9 + "\nScan 2" + "\t" * 9 + "\n", "a second table begins at line 10"),
         ("# second scan\n", "a second table begins at line 10"),
         ("Scan 2\n", "a second table begins at line 9"),
     ],
@@ -75,7 +76,7 @@ def test_tables_with_headings_are_channels_in_their_units(read, tmp_path):
     read(text, refused="channel 'Phase' holds no heights", channel="Phase")
     found = inspect_file(tmp_path / "map.dat")["channels"]
     assert [each["height_unit"] for each in found] == ["deg", "nm"]
-    words = "Forward\n" + table(ONE) + "\nBackward\n" + table(TWO)
+    words = "Forward" + "\t" * 9 + "\n" + table(ONE) + "\nBackward\n" + table(TWO)
     assert_heights(read(words, **GIVEN), ONE[::-1])
     assert_heights(read(words, **GIVEN, channel="Backward"), TWO[::-1])
 
@@ -271,6 +272,9 @@ def test_a_marker_of_the_header_is_none_of_positions(read):
 def test_positions_without_a_corner(read):
     text = " ".join(f"{x:g}" for x in X) + "\n" + table(Y, ONE, separator=" ")
     assert_heights(read(text, **NM), ONE)
+    closed = "y/x\t" + (table(X[None]) + table(Y, ONE)).replace("\n", "\t\n")
+    assert_heights(read(closed, **NM), ONE)
+    assert_heights(read(closed.replace("\t\n", "\n", 1), **NM), ONE)
     read(text.replace("1.5", "9", 1), refused="line 1 has 10 numbers where the others have 11", **NM)
     uneven = "the first row of the table, from line 1 on, holds positions that are not even"
     read(text.replace("1.5", "1.9", 1), refused=uneven, **NM)

@@ -198,7 +198,7 @@ def _title(text: _Text) -> str:
     """Return the first line above a table that is neither an entry of a header nor names its columns."""
     width = text.table.values.shape[1]
     for line in text.rows.heading:
-        title = line.strip("#%;! \t\r")
+        title = line.strip('#%;!," \t\r')
         if title and not statements([line]) and not headed([line], width, text.delimiter):
             return title[:60]
     return ""

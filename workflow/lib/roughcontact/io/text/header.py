@@ -82,7 +82,7 @@ _PIXELS = {"length_x": "nx", "length_y": "ny"}  # a size in pixels is a number o
 _PIXEL_WORDS = ("px", "pixel", "pixels", "points", "pts", "samples")
 _MEANING = {word: meaning for meaning, words in _HEADER_WORDS.items() for word in words.split(", ")}
 _NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
-_BETWEEN_SIDES = re.compile(r"(?<=[\w)\]])(?: (?:x|by|/) |x(?=\d)|[;,]\s+(?=\d))|(?<=[^\W\d])\s+(?=\d)")
+_BETWEEN_SIDES = re.compile(r"(?<=[\w)\]])(?: (?:x|by|/) |x(?=\d)|(?:;\s*|,\s+)(?=\d))|(?<=[^\W\d])\s+(?=\d)")
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
 _PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|px|point|pt|sample)s?$", re.IGNORECASE)
 _LONGEST = 60  # characters of a line that a message shows

@@ -58,7 +58,8 @@ class Rows(NamedTuple):
     @property
     def start(self) -> int:
         """Number of the first line that is not empty."""
-        filled = (number for number, line in enumerate(self.heading, self.first) if line.strip())
+        lines = enumerate(self.heading, self.first)
+        filled = (number for number, line in lines if line.strip(_CELL_SEPARATORS))
         return next(filled, self.lines[0])
 
 
@@ -95,7 +96,7 @@ def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str
 def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
     """Return header and table without the quotes that spreadsheets put around cells.
 
-    Where there were quotes, semicolons separate the cells.
+    Where there were quotes, semicolons separate the cells; entries of the header without quotes stay.
     """
     first = next((line for line in body if line.strip()), "")
     if '"' not in first[:_MAX_PREFIX]:
@@ -108,7 +109,8 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
     except csv.Error:  # a cell of more than 131 072 characters
         return header, body
     lines = [";".join(rows[0]) if rows else "" for rows in cells_of_rows]
-    return lines[: len(header)], lines[len(header) :]
+    entries = [line if '"' not in line and re.search("[:=]", line) else "" for line in header]
+    return [entry or line for entry, line in zip(entries, lines, strict=False)], lines[len(header) :]
 
 
 def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
@@ -125,7 +127,7 @@ def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
     separating = re.search(r",\S*,|,(?:\s|\Z)", joined) or ("." in joined and re.search(r"\s,", joined))
     if any(len(row) > 1 for row in tokens) and not separating:
         return None, True
-    one_comma = all(line.count(",") == 1 for line in sample)
+    one_comma = max(line.count(",") for line in sample) == 1
     leading_zero = re.search(r"(?<!\d)0\d", joined)  # only decimals begin so
     if "." not in joined and one_comma and leading_zero:
         return None, True
@@ -217,15 +219,18 @@ def below_a_label(rows: Rows, delimiter: str | None, decimal_comma: bool) -> Row
     if not rows.heading or not rows.heading[-1].strip():
         return None
     line = rows.heading[-1].replace(",", ".") if decimal_comma else rows.heading[-1]
-    label, *cells = line.strip().split(delimiter)
-    width = len(rows.texts[0].strip().split(delimiter))
+    around = " \r\f" if delimiter else None
+    label, *cells = line.strip(around).removesuffix(delimiter or "").split(delimiter)
+    first_row = rows.texts[0].strip(around)
+    closing = delimiter if delimiter and first_row.endswith(delimiter) else ""
+    width = len(first_row.removesuffix(closing).split(delimiter))
     if _is_number(label) or not _FEW_ROWS <= len(cells) == width - 1 or not all(map(_is_number, cells)):
         return None
     steps = np.diff([_number(cell) for cell in cells])
     even = steps.any() and np.ptp(steps) <= _UNEVEN * abs(steps.mean())  # also no missing point
     if not even or statements([line]) or line.lstrip()[0] in COMMENT_SIGNS:
         return None
-    text = (delimiter or " ").join(["NaN", *cells])
+    text = (delimiter or " ").join(["NaN", *cells]) + closing
     return rows._replace(
         heading=rows.heading[:-1], texts=[text, *rows.texts], lines=[rows.lines[0] - 1, *rows.lines]
     )
