@@ -364,13 +364,15 @@ def test_a_map_beside_itself_has_the_same_contact(seed):
         if name in (
             "depth",
             "von_mises_profile",
+            "max_von_mises_depth",
             "max_von_mises_x",
             "max_von_mises_y",
             "Std",
             *OVER_THE_EDGES,
         ):
-            # depths are those of the longer window, of four equal places any may be named, and angles of
-            # waves are told apart as finely as the window is long
+            # depths are those of the longer window, between which a maximum is flat: stresses equal to 1e-5
+            # lie up to 5 % apart; of four equal places any may be named, and angles of waves are told apart
+            # as finely as the window is long
             continue
         found, expected = (
             each[name].isel(load=slice(2), missing_dims="ignore").values for each in (after, before)
