@@ -429,9 +429,33 @@ KINDS: tuple[Callable[[Writer], Mixture], ...] = (
 )
 
 
+def dressed(text: Mixture, write: Writer) -> Mixture:
+    """Return a text whose rows of numbers are quoted, spaced out, closed, or as wide as all other lines."""
+    separator = write.separator
+    how = write.choose.choice(
+        ["plain", "plain", "indented", *(["quoted", "blanks", "closed", "filled"] * (separator != " "))]
+    )
+    lines = text.text.removesuffix(write.newline).split(write.newline)
+    widest = max(line.count(separator) for line in lines)
+    for number, line in enumerate(lines):
+        cells = line.split(separator)
+        if how == "filled":
+            lines[number] = line + separator * (widest - len(cells) + 1)
+        elif len(cells) > 1 and re.fullmatch(r"(?:[-+\d.,;eE\s]|nan)+", line):
+            lines[number] = {
+                "plain": line,
+                "indented": " " + line,
+                "quoted": separator.join(f'"{cell}"' for cell in cells),
+                "blanks": f" {separator} ".join(cells),
+                "closed": line + separator,
+            }[how]
+    return text._replace(text=write.text(lines), kind=f"{text.kind}, {how}")
+
+
 def mixture(number: int, seed: int = 1) -> Mixture:
     """Return a random text of one kind after the other."""
-    return KINDS[number % len(KINDS)](Writer(number, seed))
+    write = Writer(number, seed)
+    return dressed(KINDS[number % len(KINDS)](write), write)
 
 
 def outcome(text: Mixture, folder: Path) -> str:
