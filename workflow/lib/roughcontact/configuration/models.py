@@ -233,7 +233,7 @@ class Form(Section):
     """The nominal form of a body of finite size, of which the map is the roughness (boundary: free)."""
 
     radius: Radii | None = _optional(
-        "of the body, m; two of an ellipsoid, along x and y; none: the map itself is the body", example="5 mm"
+        "of the body, m; two of an ellipsoid, along x and y; null: the map itself is the body", example="5 mm"
     )
     edges: bool = Field(
         default=False,
@@ -460,8 +460,8 @@ class Contact(Section):
     )
     hardness: Strength | None = _optional(
         "largest pressure that the softer body carries before it yields (indentation hardness), "
-        "Pa: the upper limit of the pressure; not given here if bodies state theirs; none: elastic "
-        "throughout",
+        "Pa: the upper limit of the pressure; not given here if bodies state theirs; without "
+        "any: elastic throughout",
         example="2 GPa",
     )
     unload: UnloadedFrom = _optional(
@@ -532,7 +532,7 @@ class Friction(Section):
         example="1 m/s",
     )
     thermal_diffusivity: Diffusivity | None = _optional(
-        "of the second body, which slides, m2/s; none: the temperature of slow sliding, an upper limit",
+        "of the second body, which slides, m2/s; null: the temperature of slow sliding, an upper limit",
         example="14 mm2/s",
     )
 
