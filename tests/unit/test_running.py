@@ -160,13 +160,14 @@ def test_init_takes_all_files_of_a_folder(folder, capsys):
     for name in ("two.txt", "one.txt", ".hidden", "README.md", "values.json"):
         (folder / "measured" / name).write_text("1 2")
     (folder / "measured/CATALOG.tsv").write_text("file\tnx\none.txt\t2\n")
+    (folder / "measured/three.txt").write_text("nan 2\n1 No Data\n")  # a point is missing in each row
     assert main(["init", "measured"]) == 0
     said = capsys.readouterr().out
-    assert "2 surfaces" in said
+    assert "3 surfaces" in said
     others = (f"measured{os.sep}{name}" for name in ("CATALOG.tsv", "README.md", "values.json"))
     assert f"left out, as no measurements: {', '.join(others)}" in said
-    rows = (folder / "config/surfaces.tsv").read_text().splitlines()[-2:]
-    assert rows == [f"{name}\tmeasured{os.sep}{name}.txt" for name in ("one", "two")]
+    rows = (folder / "config/surfaces.tsv").read_text().splitlines()[-3:]
+    assert rows == [f"{name}\tmeasured{os.sep}{name}.txt" for name in ("one", "three", "two")]
 
 
 def test_init_names_a_file_that_is_not_there(folder, capsys):

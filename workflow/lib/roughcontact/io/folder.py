@@ -5,6 +5,7 @@ from pathlib import Path
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.registry import recognised
+from roughcontact.io.text.missing import is_missing, joined
 
 _DOCUMENTS = {
     *(".md", ".rst", ".tex", ".bib", ".html", ".htm", ".pdf", ".doc", ".docx", ".odt", ".ppt", ".pptx"),
@@ -12,7 +13,8 @@ _DOCUMENTS = {
     *(".png", ".jpg", ".jpeg", ".gif", ".svg"),
 }
 _EXAMINED = 2**20  # bytes
-_ROW = re.compile(rb"^[ \t\d.,;:eE+-]*\d[ \t\d.,;:eE+-]*\r?$", re.MULTILINE)
+_CELL_ENDS = re.compile(r"[\s,;]+")
+_NUMBER = re.compile(r"[\d.:eE+-]*")
 
 
 def is_folder(path: str | Path) -> bool:
@@ -40,4 +42,12 @@ def _can_be_measured(path: Path) -> bool:
     except InputFileError:  # a damaged container
         return True
     with path.open("rb") as stream:
-        return _ROW.search(stream.read(_EXAMINED).replace(b"\0", b"")) is not None  # also in UTF-16
+        text = stream.read(_EXAMINED).replace(b"\0", b"").decode("latin-1")  # also in UTF-16
+    return any(map(_is_row, text.split("\n")))
+
+
+def _is_row(line: str) -> bool:
+    """Return whether a line consists of numbers, at least one, and marks of missing points."""
+    if not any(map(str.isdecimal, line)):
+        return False
+    return all(_NUMBER.fullmatch(cell) or is_missing(cell) for cell in _CELL_ENDS.split(joined(line).strip()))
