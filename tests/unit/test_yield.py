@@ -126,6 +126,9 @@ def test_first_yield_under_a_wave(ratio, start):
 def test_first_yield_of_a_flat_map_and_of_a_single_point():
     flat = height_map(np.zeros((8, 8)), 1e-6)
     assert first_yield_pressure(flat, contact_modulus=MODULUS, hardness=2e9) == pytest.approx(2e9, rel=1e-9)
+    # so smooth that no load near the hardness can be told from that of a flat map
+    smooth = height_map(1e-18 * np.random.default_rng(1).standard_normal((8, 8)), 1e-6)
+    assert first_yield_pressure(smooth, contact_modulus=MODULUS, hardness=2e9) == pytest.approx(2e9)
     spike = flat.copy(deep=True)
     spike.values[3, 4] = 1e-3
     found = first_yield_pressure(spike, contact_modulus=MODULUS, hardness=2e9)

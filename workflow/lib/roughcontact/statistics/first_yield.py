@@ -8,8 +8,9 @@ import xarray as xr
 
 from roughcontact.bodies import have_layers
 from roughcontact.checking import check_positive
-from roughcontact.contact.solve import solve_contact
+from roughcontact.contact.solve import MOST_LOAD, solve_contact
 from roughcontact.maps import spacing
+from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.si import in_si
 
 _SOLVER_SETTINGS = ("tolerance", "influence", "precision")
@@ -73,10 +74,14 @@ def first_yield_pressure(
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
     goal = check_positive("hardness", hardness, unit="Pa")
     free, area = window.attrs.get("boundary") == "free", window.size * float(np.prod(spacing(window)))
+    # above it the solver has only rounding errors, and the pressure is that of a flat map
+    most = np.inf if free else MOST_LOAD * modulus * rms_gradient(window)
 
     def excess(load: float) -> float:
         """Return the logarithm of the largest pressure over the hardness."""
         pressure = float(np.exp(load))
+        if pressure > most:
+            return load - float(np.log(goal))
         loaded = {"boundary": "free", "force": pressure * area} if free else {"mean_pressure": pressure}
         solved = solve_contact(
             window,
