@@ -145,8 +145,9 @@ def test_removed_spikes_are_told_once():
     spikes = {f"{finding}; advice": finding for finding in findings}
     read = {"ingest_warnings": json.dumps([*spikes]), "ingest_spikes": json.dumps(spikes)}
     assert map_checks.reading(read, {}).sentence.count("; advice") == 2
-    check = map_checks.reading(read, {"outlier_threshold": 6.0})
-    assert check.sentence == (
-        "3 points lie far above all others. 1 points lie far below all others; "
-        "isolated ones were searched for and removed."
-    )
+    for rejected, result in ((4, "and removed"), (0, "in vain: none was removed")):
+        check = map_checks.reading(read, {"outlier_threshold": 6.0, "outliers_rejected": rejected})
+        assert check.sentence == (
+            "3 points lie far above all others. 1 points lie far below all others; "
+            f"isolated ones were searched for {result}."
+        )

@@ -398,7 +398,8 @@ def reading(height: Attributes, levelled: Attributes) -> Check:
     spikes = json.loads(height.get("ingest_spikes", "{}")) if levelled.get("outlier_threshold") else {}
     findings.update(spikes)  # the check of the outliers judges them
     if spikes:
-        findings[[*spikes][-1]] += "; isolated ones were searched for and removed"
+        removed = "and removed" if levelled.get("outliers_rejected") else "in vain: none was removed"
+        findings[[*spikes][-1]] += f"; isolated ones were searched for {removed}"
     text = " ".join(f"{finding[0].upper()}{finding[1:].rstrip('.')}." for finding in findings.values())
     facts.update(spikes)
     return Check(CheckName.READING, NOTE if facts.issuperset(warnings) else REVIEW, text)
