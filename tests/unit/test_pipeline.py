@@ -132,6 +132,7 @@ def test_a_flat_map_under_a_relative_load_names_its_file():
         (rc.level, "roughcontact.height_map"),
         (rc.periodic_window, "roughcontact.height_map"),
         (lambda heights: rc.error_budget(heights, heights, {"contact": {}}), "roughcontact.height_map"),
+        (rc.profile_parameters, "roughcontact.height_map"),
         (rc.contact_statistics, "give the solution of solve_contact"),
     ],
 )
@@ -139,3 +140,23 @@ def test_an_array_without_labels_is_answered_with_the_way_out(verb, words):
     with pytest.raises(rc.RoughContactError, match="of type ndarray") as caught:
         verb(np.zeros((8, 8)))
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("verb", [rc.level, rc.periodic_window, rc.profile_parameters])
+def test_positions_in_any_other_order_than_upwards_and_even_are_refused(rough, verb):
+    shuffled = rough.isel(y=np.random.default_rng(0).permutation(rough.sizes["y"]))
+    for bad, words in (
+        (shuffled, r"'y'.*not increase.*sortby"),
+        (rough[:, ::-1], "'x'.*not increase"),
+        (rough.assign_coords(x=rough["x"] ** 1.2), "'x'.*not evenly spaced"),
+    ):
+        with pytest.raises(rc.HeightMapError, match=words):
+            verb(bad)
+    assert verb(shuffled.sortby("y")) is not None
+
+
+def test_a_shuffled_map_is_no_map_of_evaluate(rough):
+    contact = {"contact_modulus": 1e9, "mean_pressure": 1e6}
+    shuffled = rough.isel(y=np.random.default_rng(0).permutation(rough.sizes["y"]))
+    with pytest.raises(rc.HeightMapError, match="does not increase"):
+        rc.evaluate(shuffled, contact=contact, uncertainty=NO_BUDGET)

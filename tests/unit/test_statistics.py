@@ -461,6 +461,24 @@ def test_statistics_while_solving_are_those_of_the_kept_fields():
             np.testing.assert_array_equal(reduced[name].values, kept[name].values, err_msg=name)
 
 
+@pytest.mark.parametrize("precision", ["single", "double"])
+def test_heights_in_single_precision_have_the_same_statistics(precision):
+    wave = rough_reference_surface(64)
+    arguments = {"contact_modulus": 1.0, "mean_pressure": [0.05, 0.2]}
+    expected = contact_statistics(solve_contact(wave, **arguments))
+    stats = contact_statistics(solve_contact(wave.astype(np.float32), **arguments, precision=precision))
+    for name in ("relative_contact_area", "mean_gap", "rms_gradient", "area_greenwood_williamson"):
+        np.testing.assert_allclose(stats[name], expected[name], rtol=1e-3, err_msg=name)
+
+
+def test_a_load_selected_without_its_dimension_is_refused_with_the_way_out():
+    contact = solve_contact(rough_reference_surface(64), contact_modulus=1.0, mean_pressure=[0.05, 0.2])
+    area = contact_statistics(contact)["relative_contact_area"].values
+    assert contact_statistics(contact.isel(load=[1]))["relative_contact_area"].values == area[1]
+    with pytest.raises(SettingsError, match=r"no dimension load.*isel\(load=\[0\]\)"):
+        contact_statistics(contact.isel(load=1))
+
+
 def test_full_contact_leaves_no_gap_at_all():
     wave = rough_reference_surface(64)
     stats = solve_contact(wave, contact_modulus=1.0, mean_pressure=10.0, reduce=contact_statistics)

@@ -20,7 +20,7 @@ FEWEST_POINTS = 16  # of a map whose contact may mean something
 
 
 def check_labelled(height: object) -> "xr.DataArray":
-    """Return a height map as it is, or refuse one without labels, real numbers, positions or two points.
+    """Return a height map as it is, or refuse one without labels, real numbers, even positions or two points.
 
     The attribute `source_file` names it in the message.
 
@@ -63,7 +63,23 @@ def check_labelled(height: object) -> "xr.DataArray":
                 f"coordinate {axis!r} of {name} holds values of type {positions}: positions are "
                 "real numbers, in metres"
             )
+        _check_positions(height.get_index(axis).values, f"coordinate {axis!r} of {name}")
     return height
+
+
+def _check_positions(positions: "np.ndarray", coordinate: str) -> None:
+    """Raise HeightMapError where the positions along an axis do not increase in even steps."""
+    steps = positions[1:] - positions[:-1]
+    if steps.size and not (steps > 0).all():
+        raise HeightMapError(
+            f"{coordinate} does not increase strictly; sort the map, height.sortby(['y', 'x'])"
+        )
+    # coordinates are sums of rounded steps: allow for their rounding, not for uneven sampling
+    if steps.size and steps.max() - steps.min() > 1e-3 * steps.mean():
+        raise HeightMapError(
+            f"{coordinate} is not evenly spaced (steps {steps.min():g} to {steps.max():g}); "
+            "resample the map first"
+        )
 
 
 def check_solution(contact: object) -> None:
@@ -74,6 +90,8 @@ def check_solution(contact: object) -> None:
     if isinstance(contact, xr.Dataset):
         missing = (name for name in ("height", "pressure", "gap") if name not in contact)
         problem = " ".join(f"the dataset has no {name}" for name in [*missing][:1])
+        if not problem and "load" not in contact["pressure"].dims:
+            raise SettingsError("the dataset has no dimension load: select by a list, contact.isel(load=[0])")
     if problem:
         raise SettingsError(
             f"{problem}: give the solution of solve_contact, or contact.nc (contact.keep_fields: true)"

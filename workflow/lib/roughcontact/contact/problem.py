@@ -47,24 +47,6 @@ class Problem:
         return self.gradient == 0.0
 
 
-def check_window(window: xr.DataArray) -> None:
-    """Raise an error for a map that cannot be solved.
-
-    Raises `HeightMapError`: unless it is labelled, evenly spaced, with two cells or more.
-    """
-    check_labelled(window)
-    for axis in ("y", "x"):
-        steps = np.diff(window.get_index(axis).values)
-        if steps.size and not (steps > 0).all():
-            raise HeightMapError(f"coordinate {axis!r} does not increase strictly")
-        # coordinates are sums of rounded steps: allow for their rounding, not for uneven sampling
-        if steps.size and np.ptp(steps) > 1e-3 * steps.mean():
-            raise HeightMapError(
-                f"coordinate {axis!r} is not evenly spaced (steps {steps.min():g} to {steps.max():g}); "
-                "resample the map first"
-            )
-
-
 def nondimensionalise(
     window: xr.DataArray,
     *,
@@ -78,7 +60,6 @@ def nondimensionalise(
     result are in single precision.
     """
     labelled_heights, window = check_labelled(window).data, on_host(window)
-    check_window(window)
     steps = spacing(window)
     lengths = window.shape[0] * steps[0], window.shape[1] * steps[1]
     dtype = np.float32 if precision == SINGLE and window.dtype == np.float32 else np.float64

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import xarray as xr
 
+from roughcontact.checking import check_labelled
 from roughcontact.errors import HeightMapError
 from roughcontact.maps import spacing
 from roughcontact.roughness.bearing import bearing_parameters
@@ -44,7 +45,7 @@ def profile_parameters(profiles: xr.DataArray) -> dict[str, float]:
     Raises
     ------
     HeightMapError
-        for a profile that is shorter than a section.
+        for a profile that is shorter than a section, or anything else than profiles.
 
     References
     ----------
@@ -59,6 +60,7 @@ def profile_parameters(profiles: xr.DataArray) -> dict[str, float]:
     >>> print(f"Pq {result['Pq']:.3g} m, Psm {result['Psm']:.3g} m")
     Pq 7.07e-07 m, Psm 0.0002 m
     """
+    check_labelled(profiles)
     pitch = min(step for step, points in zip(spacing(profiles), profiles.shape, strict=True) if points > 1)
     rows = profiles.values if profiles.shape[1] > 1 else profiles.values.T
     l_filter = json.loads(profiles.attrs.get("filters_removed", "{}")).get("l_filter")

@@ -27,7 +27,8 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
     names = ("density", "mean_radius", "height_std", "mean_height")
     if min(height.shape) == 1:
         return dict.fromkeys(names, math.nan)
-    values = height.values - height.values.mean()
+    values = height.values.astype(float)
+    values -= values.mean()
     summit = _is_summit(values)
     count = int(summit.sum())
     dy, dx = spacing(height)
