@@ -54,6 +54,7 @@ def test_the_interval_of_friction_is_that_of_the_area():
         ({"coefficient": -0.1}, "coefficient = -0.1"),
         ({"coefficient": 0.2, "tangential_load": 1.1}, "1 is full slip"),
         ({"tangential_load": 0.5}, "needs the coefficient"),
+        ({"coefficient": 0.2}, "add tangential_load, shear_strength or speed"),
         ({"speed": 1.0}, "coefficient or shear_strength"),
     ],
 )

@@ -31,7 +31,8 @@ JOINT = {
     "film_thickness": 1e-8,
     "film_conductivity": 2.0,
 }
-NESTED = {"seal": SEAL, "joint": JOINT, "friction": {"coefficient": 0.2}}
+FRICTION = {"coefficient": 0.2, "shear_strength": "50 MPa", "speed": "1 m/s"}
+NESTED = {"seal": SEAL, "joint": JOINT, "friction": FRICTION}
 ENDLESS = [math.inf, -math.inf, math.nan]
 
 # setting: what is just within its limits, what is just beyond

@@ -86,13 +86,9 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     if settings["contact"]["unload"] is not None:
         texts = _mistakes_in_unload(settings["contact"], where)
         mistakes += [SettingsError(text, keys=["contact.unload"]) for text in texts]
-    friction = settings["statistics"]["friction"] or {}
-    if friction.get("tangential_load") and hardness is not None:
-        text = (
-            f"statistics.friction.tangential_load: stick and slip are of elastic bodies, and the hardness is "
-            f"{hardness:g} Pa; leave tangential_load out, or give moduli without a hardness"
-        )
-        mistakes.append(SettingsError(text, keys=["statistics.friction"]))
+    if settings["statistics"]["friction"] is not None:
+        texts = _mistakes_in_friction(settings["statistics"]["friction"], hardness)
+        mistakes += [SettingsError(text, keys=["statistics.friction"]) for text in texts]
     limits = [settings["contact"]["hardness"]]
     limits += [
         material["yield_stress"] for body in bodies or () for material in (body, *(body["layers"] or ()))
@@ -119,6 +115,22 @@ def _mistakes_in_unload(contact: Mapping[str, Any], where: str) -> Iterator[str]
         )
     if not contact["keep_fields"]:
         yield f"{where}.unload: needs the maps of the contact; leave keep_fields at true, or unload out"
+
+
+def _mistakes_in_friction(friction: Mapping[str, Any], hardness: float | None) -> Iterator[str]:
+    """Yield why the settings of the friction give no result."""
+    stated = {key for key, value in friction.items() if value is not None}
+    if not stated & {"tangential_load", "shear_strength", "speed"}:
+        yield "statistics.friction: has no result; add tangential_load, shear_strength or speed"
+    if "tangential_load" in stated and "coefficient" not in stated:
+        yield "statistics.friction.tangential_load: needs the coefficient"
+    if "speed" in stated and not stated & {"coefficient", "shear_strength"}:
+        yield "statistics.friction.speed: needs the coefficient or shear_strength"
+    if "tangential_load" in stated and hardness is not None:
+        yield (
+            f"statistics.friction.tangential_load: stick and slip are of elastic bodies, and the hardness is "
+            f"{hardness:g} Pa; leave tangential_load out, or give moduli without a hardness"
+        )
 
 
 def _derive(contact: dict[str, Any], stated_bodies: Sequence[Any]) -> None:

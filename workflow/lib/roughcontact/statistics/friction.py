@@ -29,6 +29,8 @@ def friction_statistics(
     the stated `coefficient` or this one, goes into both bodies, the second of which moves along x
     (`flash_temperature`).
     """
+    if tangential_load is None and shear_strength is None and speed is None:
+        raise _missing("coefficient", "tangential_load or speed")
     columns, load = xr.Dataset(), float(contact["mean_pressure"].item())
     if shear_strength is not None:
         columns["friction_coefficient"] = "load", [shear_strength * relative_area / load]
