@@ -132,6 +132,22 @@ def test_full_contact_has_no_gap_and_the_hardness_is_a_limit(heights):
     assert ends(hard, PRESSURE)[1].item() <= 0.05
 
 
+@pytest.mark.parametrize("load", [1e-4, 0.01, 0.9])
+def test_the_area_carries_the_load_and_the_peak_is_no_less_than_the_mean(heights, load):
+    """No point bears more than H: A ≥ p̄/H (Bowden and Tabor 1950), which the area of soft bodies is near."""
+    hardness = 1e-3
+    soft = budget_of(heights, contact(load) | {"hardness": hardness, "mean_pressure": [load * hardness]})
+    least = load * (1 - 1e-9)
+    for measurand in ("", "next_", "octave_", "map_"):
+        assert ends(soft, AREA, measurand)[0].item() >= least
+    area, pressure, peak = (soft[f"{name}_estimate"].item() for name in (AREA, PRESSURE, PEAK))
+    assert least <= area <= 1.2 * load or load == 1e-4
+    assert area * pressure == pytest.approx(load * hardness, rel=1e-6)
+    assert pressure <= peak * (1 + 1e-9) <= hardness * (1 + 1e-6)
+    single = budget_of(heights, contact(1.0) | {"mean_pressure": [1e-9]})  # one point touches
+    assert single[f"{PEAK}_estimate"].item() >= single[f"{PRESSURE}_estimate"].item() * (1 - 1e-9)
+
+
 def test_layers_and_profiles_have_intervals(heights):
     layer = {"youngs_modulus": 0.75, "poissons_ratio": 0.5, "thickness": 3.0}
     bodies = [{"youngs_modulus": 3.0, "poissons_ratio": 0.5, "layers": [layer]}]

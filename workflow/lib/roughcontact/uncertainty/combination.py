@@ -96,6 +96,8 @@ def limited(name: str, ends: Ends, *, value: np.ndarray, load: np.ndarray, hardn
     """
     is_pressure = name in (PRESSURE, PEAK)
     lower_limit = load if is_pressure else np.zeros_like(load)
+    if name == AREA and hardness is not None:
+        lower_limit = load / hardness
     # no area above 1, no pressure above the hardness, none in contact below the load
     limit = 1.0 if name == AREA else np.inf if hardness is None or not is_pressure else hardness
     lower = np.fmin(np.fmax(ends[0], lower_limit), value)

@@ -24,6 +24,7 @@ from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.random_effects import grubbs_outliers, random_effects, student
 from roughcontact.uncertainty.scales import (
     ANSWERS,
+    AREA,
     CONSTRICTIONS,
     PEAK,
     PRESSURE,
@@ -44,8 +45,8 @@ _GRID = "the grid"  # `band_reason` where no setting limits the band
 _SAME_BAND = {"shortest": 1.1, "longest": 2.0}
 _ENDS = ("lower", "upper")
 _FURTHER = ("next_lower", "next_upper", "next_part_lower", "next_part_upper")
-# ends of intervals of pressures, which are at least the load and at most the hardness
-_LIMITED = {f"{name}_{end}" for name in (PRESSURE, PEAK) for end in (*_ENDS, *_FURTHER)}
+# ends of intervals of pressures, which are at least the load and at most the hardness, and of the area
+_LIMITED = {f"{name}_{end}" for name in (AREA, PRESSURE, PEAK) for end in (*_ENDS, *_FURTHER)}
 
 
 class Scaled(NamedTuple):
@@ -246,12 +247,13 @@ def _columns_of_maps(
 def _limited(ends: Mapping[str, tuple], loads: np.ndarray, hardness: float) -> dict[str, tuple]:
     """Return ends of intervals of pressures within load and hardness; an unbounded one ends at the hardness.
 
-    The hardness is NaN where none is stated.
+    The area is at least the load over the hardness, which is NaN where none is stated.
     """
     limited = {}
     for name, (dim, values) in ends.items():
         lower = ends[name.replace("upper", "lower")][1]  # NaN where there is no interval
-        limited[name] = (dim, np.fmin(np.maximum(values, loads), hardness) + 0 * lower)
+        least, most = (loads / hardness, 1.0) if name.startswith(AREA) else (loads, hardness)
+        limited[name] = (dim, np.fmin(np.fmax(values, least), most) + 0 * lower)
     return limited
 
 

@@ -21,7 +21,7 @@ from roughcontact.uncertainty.combination import (
 )
 from roughcontact.uncertainty.discretisation import CORRECTED
 from roughcontact.uncertainty.ensemble import Values
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, from_scale
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, from_scale, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
 MEASURANDS = get_args(calibration.Measurand)
@@ -82,6 +82,11 @@ def interval_columns(
     shorter waves without `octave`, have no interval; `measurand` is that of `_lower` and `_upper`.
     """
     shorter = {name: centre + octave[name][0] for name, centre in middle.items()} if octave else middle
+    if limits.hardness is not None:  # by the edges of its pixels alone the area may be too small for the load
+        least_area = to_scale(AREA, limits.load / limits.hardness)
+        middle, shorter = (
+            {**centres, AREA: np.fmax(centres[AREA], least_area)} for centres in (middle, shorter)
+        )
     beyond = _with_pressure({name: pair[1] for name, pair in (octave or {}).items()}, shorter[AREA])
     components = {source: _with_pressure(causes, middle[AREA]) for source, causes in components.items()}
     windows = {key: _with_pressure(component, middle[AREA]) for key, component in windows.items()}
@@ -89,6 +94,10 @@ def interval_columns(
         {**centres, PRESSURE: np.log(limits.load) - np.log(from_scale(AREA, centres[AREA]))}
         for centres in (middle, shorter)
     )
+    # where few points touch, the pixels of the area and of the peak are corrected one without the other
+    for centres in (middle, shorter):
+        if PEAK in centres:
+            centres[PEAK] = np.fmax(centres[PEAK], centres[PRESSURE])
     columns: dict[str, tuple] = {}
     for name, result in as_solved.items():
         value = _in_its_unit(name, middle[name], result, limits.hardness)
