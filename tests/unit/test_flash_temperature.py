@@ -66,6 +66,7 @@ def test_what_has_no_meaning_is_refused(ball):
     contact = ball[3]
     good = {"friction_coefficient": 0.3, "speed": "1 m/s", "thermal_conductivity": [50.0, 50.0]}
     assert rc.flash_temperature(contact, **good)["max_flash_temperature"] > 0
-    for wrong in ({"speed": 0.0}, {"friction_coefficient": -1}, {"thermal_conductivity": [50.0]}):
+    conductivities = [{"thermal_conductivity": stated} for stated in ([50.0], 50.0)]
+    for wrong in ({"speed": 0.0}, {"friction_coefficient": -1}, *conductivities):
         with pytest.raises(rc.SettingsError, match=next(iter(wrong))):
             rc.flash_temperature(contact, **good | wrong)

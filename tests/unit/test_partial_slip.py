@@ -102,6 +102,8 @@ def test_what_has_no_meaning_is_refused(rough):
         rc.partial_slip(normal, friction_coefficient=0.0, tangential_load=0.5)
     with pytest.raises(rc.SettingsError, match=r"1\.2: is Q/\(mu P\), above 0 and at most 1"):
         rc.partial_slip(normal, friction_coefficient=0.3, tangential_load=1.2)
+    with pytest.raises(rc.SettingsError, match=r"poissons_ratio = 0\.7: must lie above -1"):
+        rc.partial_slip(normal, friction_coefficient=0.3, tangential_load=0.5, poissons_ratio=0.7)
     hard = rc.solve_contact(normal["height"], contact_modulus=1.0, mean_pressure=0.1, hardness=1.0)
     with pytest.raises(rc.SettingsError, match="the contact has a hardness"):
         rc.partial_slip(hard, friction_coefficient=0.3, tangential_load=0.5)

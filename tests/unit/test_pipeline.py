@@ -160,3 +160,36 @@ def test_a_shuffled_map_is_no_map_of_evaluate(rough):
     shuffled = rough.isel(y=np.random.default_rng(0).permutation(rough.sizes["y"]))
     with pytest.raises(rc.HeightMapError, match="does not increase"):
         rc.evaluate(shuffled, contact=contact, uncertainty=NO_BUDGET)
+
+
+def test_loads_and_moduli_may_be_arrays_with_or_without_a_unit(rough):
+    def areas(**contact):
+        return rc.evaluate(rough, contact=contact, uncertainty=NO_BUDGET)["relative_contact_area"].values
+
+    expected = areas(contact_modulus=1e9, mean_pressure=[1e6, 5e6])
+    labelled = xr.DataArray([1.0, 5.0], dims="load", attrs={"units": "MPa"})
+    modulus = xr.DataArray(1.0, attrs={"units": "GPa"})
+    for loads in (np.array([1e6, 5e6]), np.array([1_000_000, 5_000_000]), labelled):
+        np.testing.assert_array_equal(areas(contact_modulus=modulus, mean_pressure=loads), expected)
+    window = rc.periodic_window(rc.level(rough))
+    contact = rc.solve_contact(window, contact_modulus=modulus, mean_pressure=labelled)
+    np.testing.assert_array_equal(contact["mean_pressure"], [1e6, 5e6])
+    with pytest.raises(rc.SettingsError, match="unknown pressure unit 'mm'"):
+        rc.solve_contact(window, contact_modulus=modulus, mean_pressure=labelled.assign_attrs(units="mm"))
+
+
+def test_a_list_of_numbers_is_no_list_of_profiles():
+    with pytest.raises(rc.HeightMapError, match=r"of type list.*roughcontact.height_map"):
+        rc.evaluate([[0.0, 1e-7], [2e-7, 0.0]], contact={"contact_modulus": 1e9})
+
+
+def test_tables_and_comparisons_are_of_their_own_kind_of_dataset(rough):
+    window = rc.periodic_window(rc.level(rough))
+    contact = rc.solve_contact(window, contact_modulus=1e9, mean_pressure=[1e6, 5e6])
+    statistics = rc.contact_statistics(contact)
+    assert len(rc.table(statistics)) == 2
+    for other in (contact, statistics.isel(load=0)):
+        with pytest.raises(rc.SettingsError, match="give statistics with the dimension load"):
+            rc.table(other)
+    with pytest.raises(rc.SettingsError, match="two results of group_statistics"):
+        rc.compare_groups(statistics, statistics)

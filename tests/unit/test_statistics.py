@@ -9,6 +9,7 @@ from scipy.integrate import quad
 
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
+from roughcontact.named_materials import material
 from roughcontact.references.synthetic import product_wave_surface, rough_reference_surface
 from roughcontact.results.storage import opened_dataset, read_dataset, write_dataset
 from roughcontact.sealing.connectivity import region_sizes
@@ -477,6 +478,24 @@ def test_a_load_selected_without_its_dimension_is_refused_with_the_way_out():
     assert contact_statistics(contact.isel(load=[1]))["relative_contact_area"].values == area[1]
     with pytest.raises(SettingsError, match=r"no dimension load.*isel\(load=\[0\]\)"):
         contact_statistics(contact.isel(load=1))
+
+
+def test_options_of_the_statistics_by_name_and_with_their_keys():
+    contact = solve_contact(rough_reference_surface(64), contact_modulus=1e9, mean_pressure=[5e7, 2e8])
+    bodies = [material("steel"), material("aluminium")]
+    expected = contact_statistics(contact, bodies=bodies)["thermal_conductance"].values
+    named = contact_statistics(contact, bodies=["steel", {"material": "aluminium"}])
+    np.testing.assert_array_equal(named["thermal_conductance"], expected)
+    plain = contact_statistics(contact)
+    assert set(contact_statistics(contact, friction={"coefficient": 0.2})) == set(plain)
+    seal = {"viscosity": 1e-3, "pressure_difference": 1e5}
+    for section, stated, words in (
+        ("seal", seal, "seal has viscosity, pressure_difference: takes .*, width"),
+        ("seal", seal | {"length": 1e-2, "width": 1e-2}, "seal has .*length"),
+        ("friction", {"friction_coefficient": 0.2}, "friction has friction_coefficient: takes coefficient, "),
+    ):
+        with pytest.raises(SettingsError, match=words):
+            contact_statistics(contact, **{section: stated})
 
 
 def test_full_contact_leaves_no_gap_at_all():

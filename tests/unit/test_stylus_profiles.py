@@ -205,8 +205,23 @@ def test_other_lays_have_no_surface(lay, said):
 
 
 def test_sizes_that_are_none():
-    with pytest.raises(SettingsError, match="points = 0, spacing = None: give positive numbers"):
-        rc.surface_from_profiles(rows(rough()), points=0)
+    profiles = rows(rough())
+    for wrong, words in (
+        ({"points": 0}, "points = 0: give a whole number"),
+        ({"points": 64.5}, "points = 64.5: give a whole number"),
+        ({"spacing": 0.0}, "spacing = 0 must be a positive"),
+        ({"spacing": "2 kg"}, "unknown length unit 'kg'"),
+        ({"points": 64, "spacing": 1e6}, "points = 64: at this spacing the surface has none of the waves"),
+    ):
+        with pytest.raises(SettingsError, match=words):
+            rc.surface_from_profiles(profiles, **wrong)
+
+
+def test_a_pitch_may_be_text_and_a_surface_small():
+    profiles = rows(rough())
+    assert rc.surface_from_profiles(profiles, points=4).shape == (4, 4)
+    stated, plain = (rc.surface_from_profiles(profiles, points=64, spacing=step) for step in ("500 mm", 0.5))
+    np.testing.assert_array_equal(stated, plain)
 
 
 def warnings_of(profiles):

@@ -3,6 +3,8 @@
 import difflib
 import math
 import warnings
+from collections.abc import Callable, Mapping
+from inspect import signature
 from typing import TYPE_CHECKING, Any, get_args
 
 from roughcontact.choices import Lay
@@ -160,6 +162,19 @@ def check_choice(key: str, value: object, choices: Any) -> None:
     hint = f"did you mean {close_matches[0]!r}? " if close_matches else ""
     valid = " or ".join(", ".join(admitted).rsplit(", ", 1))
     raise SettingsError(f"{key} = {value!r}: {hint}choose {valid}", keys=[key])
+
+
+def check_keys(section: str, stated: Mapping[str, Any] | None, function: Callable[..., Any]) -> None:
+    """Raise SettingsError where the keys of a section are no arguments by keyword of the function."""
+    options = [
+        option for option in signature(function).parameters.values() if option.kind is option.KEYWORD_ONLY
+    ]
+    required = {option.name for option in options if option.default is option.empty}
+    names = [option.name for option in options]
+    if stated is not None and not required <= stated.keys() <= {*names}:
+        raise SettingsError(
+            f"{section} has {', '.join(stated) or 'no keys'}: takes {', '.join(names)}", keys=[section]
+        )
 
 
 def check_lay(lay: object) -> None:

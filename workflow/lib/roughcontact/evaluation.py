@@ -16,7 +16,7 @@ from roughcontact.io.read import read_height_map
 from roughcontact.pipeline import run_chain
 from roughcontact.profiles.surface import ISOTROPIC, stacked
 from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.si import labelled_in_si
+from roughcontact.si import labelled_in_si, listed
 from roughcontact.variables import describe
 
 _HEAVIEST = 2.0  # E* times the rms gradient: nearly closed
@@ -95,6 +95,8 @@ def evaluate(
     if lay is not None:
         check_lay(lay)
     if isinstance(source, Sequence) and not isinstance(source, str):
+        for profile in source:
+            check_labelled(profile)
         if lay != ISOTROPIC:
             raise SettingsError(
                 f"lay = {lay!r}: several profiles have one answer where lay = 'none'; evaluate those "
@@ -114,7 +116,14 @@ def evaluate(
     }
     if file and isinstance(source, xr.DataArray):
         raise SettingsError(f"{', '.join(file)}: of a file, the source is a map; read it with them")
-    full = resolve({section: dict(values) for section, values in sections.items() if values is not None})[""]
+    stated = {
+        section: {
+            key: listed(value) if hasattr(value, "__array__") else value for key, value in values.items()
+        }
+        for section, values in sections.items()
+        if values is not None
+    }
+    full = resolve(stated)[""]
     height = source if isinstance(source, xr.DataArray) else read_height_map(source, **file)
     if lay is not None:
         height = height.assign_attrs(lay=lay)

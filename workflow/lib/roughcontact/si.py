@@ -61,7 +61,7 @@ def in_si(function: _Function) -> _Function:
 def _in_si(name: str, value: Any) -> Any:
     """Return the value of an argument in SI, or raise SettingsError for text with an unknown unit."""
     if isinstance(value, xr.DataArray):
-        return labelled_in_si(value)
+        return _in_si(name, listed(value)) if name in QUANTITIES else labelled_in_si(value)
     if isinstance(value, xr.Dataset):
         return labelled_in_si(value)
     if isinstance(value, Mapping):
@@ -70,6 +70,19 @@ def _in_si(name: str, value: Any) -> Any:
     if type(value) in (list, tuple):
         return type(value)(_in_si(name, entry) for entry in value)
     return quantity_in(QUANTITIES[name], name, value) if name in QUANTITIES else value
+
+
+def listed(array: Any) -> Any:
+    """Return an array of numbers as a list, or its only number: text with the unit that the array states.
+
+    Examples
+    --------
+    >>> listed(xr.DataArray([1.0, 2.0], attrs={"units": "MPa"})), listed(np.float32(0.5))
+    (['1.0 MPa', '2.0 MPa'], 0.5)
+    """
+    unit = unit_of(array.attrs) if isinstance(array, xr.DataArray) else None
+    numbers = [f"{number!r} {unit}" if unit else number for number in np.ravel(array).tolist()]
+    return numbers if np.ndim(array) else numbers[0]
 
 
 def quantity_in(base: str, name: str, value: Any) -> Any:

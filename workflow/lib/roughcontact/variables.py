@@ -166,7 +166,8 @@ def describe(dataset: xr.Dataset) -> xr.Dataset:
     unknown = [name for name in dataset.variables if name not in VARIABLES]
     if unknown:
         raise RoughContactError(
-            f"no description for the output variables {unknown}: add them to variables.tsv"
+            f"no description for the output variables {unknown}: add them to variables.tsv, "
+            "or write the dataset by its method to_netcdf"
         )
     dataset = dataset.copy()
     bounds = {variable.attrs.get("bounds") for variable in dataset.variables.values()}

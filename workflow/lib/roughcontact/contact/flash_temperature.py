@@ -72,7 +72,7 @@ def flash_temperature(
     check_periodic_solution(contact)
     numbers = {"friction_coefficient": friction_coefficient, "speed": speed}
     heat = [check_positive(name, value, unit="SI units") for name, value in numbers.items()]
-    if len(thermal_conductivity) != 2:
+    if np.shape(thermal_conductivity) != (2,):
         raise SettingsError(f"thermal_conductivity = {thermal_conductivity!r}: give that of both bodies")
     still, sliding = (check_positive("thermal_conductivity", k, unit="W/(m K)") for k in thermal_conductivity)
     qy, qx = wavevectors(contact["height"].shape, spacing(contact["height"]))

@@ -88,6 +88,12 @@ def partial_slip(
             "more the contact does not bear",
             keys=["tangential_load"],
         )
+    if poissons_ratio is not None and not -1 < poissons_ratio <= 0.5:
+        raise SettingsError(
+            f"poissons_ratio = {poissons_ratio!r}: must lie above -1 and be at most 0.5, that of an "
+            "incompressible material",
+            keys=["poissons_ratio"],
+        )
     if contact.sizes["load"] != 1 or "hardness" in contact:
         property_ = "a hardness" if "hardness" in contact else f"{contact.sizes['load']} loads"
         raise SettingsError(

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+from roughcontact.errors import SettingsError
 from roughcontact.profiles.spectrum import ProfileFit, Spectrum
 
 _TURNS = 6
@@ -76,7 +77,12 @@ def draw(
     amplitude = full * np.sqrt(stretch * finish.spectrum.at(np.hypot(fx, fy * stretch) / ratio))
     amplitude /= points * ratio
     weights = np.where((fx > 0) & (fx < 0.5), 2.0, 1.0) * (amplitude / full) ** 2
-    rms = np.sqrt(weights.sum())
+    if (rms := np.sqrt(weights.sum())) == 0:
+        raise SettingsError(
+            f"points = {points}: at this spacing the surface has none of the waves of the profiles; give "
+            "more points, or a spacing near that of the profiles",
+            keys=["points", "spacing"],
+        )
     steps = [np.exp(2j * np.pi * f) - 1 for f in (fx, fy)]  # from one point to the next
     slopes = [finish.slopes * np.sqrt(np.sum(weights * np.abs(step) ** 2)) for step in steps]
     square = np.maximum(sum(np.abs(step) ** 2 for step in steps), 1e-300)
@@ -97,7 +103,8 @@ def draw(
         for rise, distribution in zip(rises, slopes, strict=True):
             for number, quantiles in enumerate(distribution):
                 inside = group == number
-                rise[inside] = _with_ranks(rise[inside], quantiles)
+                if inside.any():  # few points leave classes empty
+                    rise[inside] = _with_ranks(rise[inside], quantiles)
         joined = sum(np.fft.rfft2(rise) * step.conj() for rise, step in zip(rises, steps, strict=True))
         waves = with_amplitudes(joined / square)
     return np.fft.irfft2(waves, s=shape)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import check_labelled, check_lay
+from roughcontact.checking import check_labelled, check_lay, check_positive
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.levelling.forms import form_order
 from roughcontact.levelling.level import level
@@ -15,7 +15,7 @@ from roughcontact.maps import height_map, spacing
 from roughcontact.profiles.finish import Finish, correlation_length, draw, finish_of
 from roughcontact.profiles.spectrum import ProfileFit
 from roughcontact.quantities import counted_noun, number, percent, quantity
-from roughcontact.si import labelled_in_si
+from roughcontact.si import labelled_in_si, quantity_in
 from roughcontact.window.finite_body import solved_map
 from roughcontact.window.sides import friendly_sides
 
@@ -37,7 +37,7 @@ def surface_from_profiles(
     along: Sequence[xr.DataArray] = (),
     lay: str = ISOTROPIC,
     points: int | None = None,
-    spacing: float | None = None,
+    spacing: float | str | None = None,
     seed: int = 0,
 ) -> xr.DataArray:
     """Draw a surface that has the spectrum, the heights and the slopes of profiles of it.
@@ -60,7 +60,7 @@ def surface_from_profiles(
         isotropic, but for `along`. Across a lay profiles are solved as they are.
     points : int, optional
         per side; as many as the profiles have by default, but no more than 512.
-    spacing : float, optional, m
+    spacing : float or str, optional, m
         pitch of the surface; that of the profiles by default.
     seed : int
         of `numpy.random.default_rng`.
@@ -97,11 +97,16 @@ def surface_from_profiles(
         raise SettingsError("lay = 'across': such profiles are ridges, and are solved as they are (evaluate)")
     stack = stacked(profiles)
     segments, pitch = profile_pieces(stack)
-    ratio = 1.0 if spacing is None else float(spacing) / pitch
+    step = (
+        pitch
+        if spacing is None
+        else check_positive("spacing", quantity_in("m", "spacing", spacing), unit="m")
+    )
+    ratio = step / pitch
     longest = min(segments.shape[1], _MOST_POINTS)
     side = int(friendly_sides(longest)[longest]) if points is None else points
-    if not 0 < ratio < np.inf or side != int(side) or side < 2:
-        raise SettingsError(f"points = {points!r}, spacing = {spacing!r}: give positive numbers")
+    if isinstance(side, str) or side != int(side) or side < 2:
+        raise SettingsError(f"points = {points!r}: give a whole number of 2 or more", keys=["points"])
     fit = ProfileFit(segments, max(1, form_order(stack)))
     finish = finish_of(segments, fit)
     spectra = {  # the last two measured values are mean squares

@@ -152,7 +152,7 @@ def table(statistics: xr.Dataset) -> pd.DataFrame:
     Raises
     ------
     SettingsError
-        where loads were selected from statistics with verdicts.
+        where loads were selected from statistics with verdicts, and for anything else than statistics.
 
     Examples
     --------
@@ -162,6 +162,10 @@ def table(statistics: xr.Dataset) -> pd.DataFrame:
             1000000.0 3.000000e-07
             2000000.0 2.000000e-07
     """
+    if "load" not in statistics.dims or {"map", "y", "x"} & {*statistics.dims}:
+        raise SettingsError(
+            "table: give statistics with the dimension load, as of evaluate or contact_statistics"
+        )
     statistics = statistics.drop_indexes("mean_pressure", errors="ignore")
     single = "surface" not in statistics.coords
     if single:  # the attributes of a run are by case and surface

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.bodies import check_bodies, have_layers
-from roughcontact.checking import check_choice, check_solution, warn_of_map
+from roughcontact.checking import check_choice, check_keys, check_solution, warn_of_map
 from roughcontact.choices import Extra, Influence
 from roughcontact.contact.dataset import influence_of, joined, layers_of
 from roughcontact.contact.response import linear_response
@@ -173,14 +173,12 @@ def contact_statistics(
     >>> f"{statistics['relative_contact_area'].item():.3f}, {statistics['contact_clusters'].item()} patch"
     '0.369, 1 patch'
     """
-    for name, bins in (("pressure_bins", pressure_bins), ("gap_bins", gap_bins)):
-        if int(bins) != bins or bins < 1:
-            raise SettingsError(
-                f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
-            )
+    _check_bins(pressure_bins=pressure_bins, gap_bins=gap_bins)
     check_solution(contact)
     check_choice("flow", flow, Extra)
     check_choice("stress", stress, Extra)
+    check_keys("friction", friction, friction_statistics)
+    bodies = bodies and named_bodies(bodies)
     free = contact.attrs.get("boundary") == "free"  # of a body of finite size, which has no flow
     layers, body = layers_of(contact), _body_to_strain(stress, bodies, free)
     height, modulus = contact["height"], float(contact["contact_modulus"])
@@ -227,11 +225,8 @@ def contact_statistics(
         joint,
     )
     if seal is not None and with_flow:
-        from roughcontact.sealing.flow import leak_columns
-
-        columns |= leak_columns(columns["mean_gap"], columns, **seal)
-        plates = leak_columns(1.0, {"flow_factor_xx": 1.0, "flow_factor_yy": 1.0}, **seal)
-        parameters["leak_rate_by_cube"] = float(plates["leak_rate_x"])
+        leaks, parameters["leak_rate_by_cube"] = _leaks(columns, seal)
+        columns |= leaks
     columns |= theory_columns(
         mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient, summits=surface.summits
     )
@@ -265,6 +260,26 @@ def contact_statistics(
         attrs=contact.attrs | ({} if body is None else {"stresses_of": strained_body_in_words(bodies or ())}),
     )
     return _with_friction(statistics, contact, friction, bodies)
+
+
+def _leaks(
+    columns: Mapping[str, np.ndarray], seal: Mapping[str, float]
+) -> tuple[dict[str, np.ndarray], float]:
+    """Return the leak rates of the loads (m2/s), and that of smooth plates over its gap cubed."""
+    from roughcontact.sealing.flow import leak_columns
+
+    check_keys("seal", seal, leak_columns)
+    plates = leak_columns(1.0, {"flow_factor_xx": 1.0, "flow_factor_yy": 1.0}, **seal)
+    return leak_columns(columns["mean_gap"], columns, **seal), float(plates["leak_rate_x"])
+
+
+def _check_bins(**options: int) -> None:
+    """Raise SettingsError for a number of bins per factor of ten that is no whole number of 1 or more."""
+    for name, bins in options.items():
+        if int(bins) != bins or bins < 1:
+            raise SettingsError(
+                f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
+            )
 
 
 def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
@@ -550,10 +565,11 @@ def _with_friction(
     if friction is not None:
         areas = statistics["relative_contact_area"].values
         sheared = [
-            friction_statistics(contact.isel(load=[load]), area, bodies=bodies, **friction)
+            friction_statistics(contact.isel(load=[load]), area, bodies, **friction)
             for load, area in enumerate(areas)
         ]
-        statistics = statistics.merge(joined(sheared)).assign_attrs(sheared[0].attrs)
+        if sheared[0].variables:  # a coefficient alone adds nothing
+            statistics = statistics.merge(joined(sheared)).assign_attrs(sheared[0].attrs)
     return statistics if contact.attrs.get("boundary") != "free" else of_finite_body(statistics, contact)
 
 

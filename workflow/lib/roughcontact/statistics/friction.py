@@ -15,13 +15,13 @@ from roughcontact.quantities import number, percent
 def friction_statistics(
     contact: xr.Dataset,
     relative_area: float,
+    bodies: Sequence[Mapping[str, Any]] | None = None,
     *,
     coefficient: float | None = None,
     tangential_load: Sequence[float] | None = None,
     shear_strength: float | None = None,
     speed: float | None = None,
     thermal_diffusivity: float | None = None,
-    bodies: Sequence[Mapping[str, Any]] | None = None,
 ) -> xr.Dataset:
     """Return the friction of one load: stick and slip, coefficient from the area, flash temperatures (K).
 

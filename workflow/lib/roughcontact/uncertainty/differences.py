@@ -95,6 +95,9 @@ def compare_groups(
     >>> compare_groups(made(1.0, 1.5, 0.7), made(1.1, 1.6, 0.8))["outcome"].values.tolist()
     [['inconclusive: about 306 more maps per group needed']]
     """
+    for group in (first, second):
+        if not isinstance(group, xr.Dataset) or "map" not in group.dims:
+            raise SettingsError("compare_groups: give two results of group_statistics")
     return _with_test_results([_compared(first, second, paired=paired)], relevant)[0]
 
 
