@@ -356,3 +356,19 @@ def test_finite_elements_return_the_contact_law(tmp_path):
 def test_statistics_without_flow_are_refused(statistics):
     with pytest.raises(rc.SettingsError, match=r"statistics\.flow: always"):
         over_mean_gap(statistics.drop_vars("flow_factor_xx"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "words"),
+    [
+        ({"loads": 2.5}, rc.SettingsError, "loads = 2.5: give a whole number"),
+        ({"loads": "4"}, rc.SettingsError, "loads = '4': give a whole number"),
+        ({"loads": 0}, rc.SettingsError, "loads = 0: give a whole number"),
+        ({"boundary": "free", "force": 1.0}, rc.SettingsError, "boundary = 'free': .*periodic map"),
+        ({}, rc.HeightMapError, "flat"),
+    ],
+)
+def test_what_is_no_table_of_a_map_is_refused(arguments, error, words):
+    flat = rc.height_map(np.zeros((16, 16)), 1e-6)
+    with pytest.raises(error, match=words):
+        rc.contact_table(flat, contact_modulus="1 GPa", **arguments)

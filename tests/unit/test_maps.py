@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from roughcontact.checking import check_choice, check_map
 from roughcontact.choices import Fill
@@ -66,3 +67,12 @@ def test_what_is_no_map_and_no_choice():
         check_choice("level.fill", "xyz", Fill)
     with pytest.raises(SettingsError, match=r"^level\.fill = 'harmonics': did you mean 'harmonic'\? choose"):
         check_choice("level.fill", "harmonics", Fill)
+
+
+def test_a_labelled_array_keeps_its_unit_and_its_axes():
+    heights = np.arange(6.0).reshape(2, 3)
+    labelled = xr.DataArray(heights, dims=("y", "x"), attrs={"units": "um"})
+    for values in (labelled, labelled.T):
+        np.testing.assert_allclose(height_map(values, 1e-6), 1e-6 * heights, rtol=1e-15)
+    np.testing.assert_allclose(height_map(labelled, 1e-6, height_unit="nm"), 1e-9 * heights, rtol=1e-15)
+    np.testing.assert_array_equal(height_map(labelled.drop_attrs(), 1e-6), heights)

@@ -186,15 +186,20 @@ def contact_table(
     >>> table["relative_contact_area"].values.round(2), table["pressure_flow_factor_x"].values.round(2)
     (array([0.  , 0.04, 0.3 , 1.  ]), array([0.84, 0.78, 0.14, 0.  ]))
     """
-    if loads < 1:
-        raise SettingsError(f"loads = {loads}: a table has one row or more", keys=["loads"])
+    if not isinstance(loads, int | np.integer) or loads < 1:
+        raise SettingsError(f"loads = {loads!r}: give a whole number of rows, 1 or more", keys=["loads"])
+    if contact.get("boundary") == "free":
+        raise SettingsError(
+            "boundary = 'free': a body of finite size has no mean gap; give a periodic map", keys=["boundary"]
+        )
     window = labelled_in_si(check_labelled(window))
     contact |= {"contact_modulus": contact_modulus, "bodies": bodies}
     stated = {key: value for key, value in contact.items() if value is not None}
     if not stated.keys() & {"mean_pressure", "relative_pressure", "force"}:
         solver = resolve({"contact": stated})[""]["contact"]
         scale = solver["contact_modulus"] * rms_gradient(window)
-        heaviest = min(_HEAVIEST, _BELOW_HARDNESS * (solver["hardness"] or np.inf) / scale)
+        limit = _BELOW_HARDNESS * (solver["hardness"] or np.inf)
+        heaviest = _HEAVIEST if _HEAVIEST * scale < limit else limit / scale
         stated["relative_pressure"] = (heaviest * np.geomspace(_LIGHTEST, 1, loads)).tolist()
     statistics = evaluate(
         window,

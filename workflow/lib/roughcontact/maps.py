@@ -8,7 +8,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.si import quantity_in
+from roughcontact.si import quantity_in, unit_of
 from roughcontact.units import carries_unit, unknown_unit, value_of
 
 RIM = 2  # points of lower height beyond the edges of a body of finite size
@@ -28,7 +28,8 @@ def height_map(
     Parameters
     ----------
     values : array (ny, nx), or (nx,) of a profile
-        heights, positive outwards, row 0 at the smallest y; NaN or masked where not measured.
+        heights, positive outwards, row 0 at the smallest y; NaN or masked where not measured. Of a DataArray
+        its attribute `units` counts and its coordinates do not.
     spacing : float or (dy, dx)
         pitch of the points, which are the centres of cells; text may carry a unit of its own, ``"1.5 um"``.
     unit : str
@@ -58,6 +59,9 @@ def height_map(
     >>> height.dims, height.shape, height["x"].values, height.values, height.attrs["units"]
     (('y', 'x'), (1, 3), array([2.50e-07, 7.50e-07, 1.25e-06]), array([[0.e+00, 4.e-08, 8.e-08]]), 'm')
     """
+    if isinstance(values, xr.DataArray):
+        height_unit = height_unit or unit_of(values.attrs)
+        values = values.transpose("y", "x") if {*values.dims} == {"y", "x"} else values
     heights = np.atleast_2d(np.asarray(values))
     if heights.ndim != 2 or not heights.size or heights.dtype.kind not in "fiu":
         raise HeightMapError(
