@@ -360,6 +360,13 @@ def test_a_load_that_misses_the_tolerance_ends_with_code_1(capsys, monkeypatch):
     assert err == "roughcontact: mean pressure 1e5 Pa: the error bound stopped at 2e-4\n"
 
 
+def test_files_after_a_body_are_not_its_properties(capsys, tmp_path):
+    path = tmp_path / "map.npy"
+    path.touch()
+    code, _, err = said(capsys, "init", "--body", "steel", "--body", "PEEK", str(path))
+    assert (code, err) == (2, f"roughcontact: --body PEEK {path}: {path} is a file; files go before --body\n")
+
+
 def test_every_setting_of_the_stages_is_an_option(capsys):
     assert said(capsys, "solve", "--help")[0] == 0
     main_help = said(capsys, "solve", "--help")[1]

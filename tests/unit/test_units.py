@@ -23,6 +23,9 @@ from roughcontact.units import carries_unit, in_base_unit, unknown_unit
         ("1 psi", "Pa", 6894.757293168361),  # NIST Special Publication 811 (2008), appendix B.8
         ("30 Msi", "Pa", 30 * 6894.757293168361e6),
         ("1 kgf/mm2", "Pa", 9.80665e6),
+        ("250 nN", "N", 2.5e-7),
+        ("3 µN", "N", 3e-6),
+        ("3 uN", "N", 3e-6),
         ("2 Megapascal", "Pa", 2e6),
         ("50 W/(m K)", "W m-1 K-1", 50.0),
         ("50 W/(m·K)", "W m-1 K-1", 50.0),

@@ -19,7 +19,7 @@ _QUANTITIES = {
     "Ohm m": ("resistivity", "Ohm m, Ohm cm, uOhm cm"),
     "Pa s": ("viscosity", "Pa s, mPa s, cP"),
     "J m-2": ("work of adhesion", "J/m2, mJ/m2"),
-    "N": ("force", "mN, N, kN, MN, kgf"),
+    "N": ("force", "nN, µN, mN, N, kN, MN, kgf"),
     "m2": ("area", "m2, cm2, mm2, um2, nm2"),
     "m s-1": ("speed", "m/s, mm/s, um/s"),
     "m2 s-1": ("diffusivity", "m2/s, mm2/s"),

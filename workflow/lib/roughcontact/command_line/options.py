@@ -6,6 +6,7 @@ Names, meanings, defaults and checks are those of `roughcontact.configuration`.
 import os
 from argparse import ArgumentParser, Namespace, _ArgumentGroup
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 from pydantic.fields import FieldInfo
@@ -79,6 +80,8 @@ def bodies_of(texts: Sequence[Sequence[str]]) -> list[str | dict[str, Any]]:
     bodies: list[str | dict[str, Any]] = []
     for text in texts:
         values = [argument for argument in text if "=" not in argument]
+        if files := [value for value in values[1:] if Path(value).exists()]:
+            raise SettingsError(f"--body {' '.join(text)}: {files[0]} is a file; files go before --body")
         if len(values) > 3 or (len(values) == 1 and values[0][:1].isdigit()):
             raise SettingsError(
                 f"--body {' '.join(text)}: has {len(values)} values; give the name of a material, or "
