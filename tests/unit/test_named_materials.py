@@ -153,6 +153,12 @@ def test_the_option_takes_a_name():
         bodies_of([["210GPa"], ["steel"]])
 
 
+@pytest.mark.parametrize("name", ["", " ", "-", None])
+def test_no_name_is_no_material(name):
+    with pytest.raises(SettingsError, match=rf"{name!r} is no material of the table"):
+        material(name)
+
+
 def test_names_and_numbers_give_the_same_contact():
     height = rough_reference_surface(64) * 1e-7
     height = height.assign_coords(y=height["y"] * 1e-6, x=height["x"] * 1e-6)

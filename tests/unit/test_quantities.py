@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from roughcontact.quantities import number, percent, prefix, quantity, with_interval
 
@@ -143,3 +144,8 @@ def test_no_digit_is_shown_below_the_finest_half_width():
 
 def test_percent_of_extremes():
     assert [percent(share) for share in (0.0, 1.0, 1e-7, np.nan)] == ["0 %", "100 %", "1.00×10⁻⁵ %", "– %"]
+
+
+def test_an_interval_of_labelled_numbers():
+    numbers = xr.DataArray([0.412, 0.321, 0.502], dims="load")
+    assert with_interval(*numbers) == "0.412 ± 0.091"

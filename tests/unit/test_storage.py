@@ -26,6 +26,7 @@ from roughcontact.errors import (
 from roughcontact.io.read import read_height_map
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.results.selection import read_statistics
 from roughcontact.results.storage import (
     opened_dataset,
     provenance,
@@ -84,11 +85,11 @@ def test_what_a_killed_job_left_is_written_over(tmp_path):
 
 def test_a_file_that_is_no_netcdf_is_named(tmp_path):
     (tmp_path / "gap.nc").write_text("no")
-    for name in ("gap.nc", "absent.nc"):
-        with pytest.raises(
-            InputFileError,
-            match=rf"{name}: not readable as netCDF .*; delete it \(of a surface: its folder\) and run again",
-        ):
+    for name, words in (
+        ("gap.nc", r"not readable as netCDF .*; delete it \(of a surface: its folder\) and run again"),
+        ("absent.nc", "no such file; check the path"),
+    ):
+        with pytest.raises(InputFileError, match=f"{name}: {words}"):
             read_dataset(tmp_path / name)
 
 
@@ -301,3 +302,10 @@ def test_a_solution_that_fails_half_way_leaves_no_file(tmp_path):
             reduce=file.write_maps,
         )
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_without_loads_is_no_file_of_statistics(tmp_path):
+    path = tmp_path / "map.nc"
+    write_dataset(height_map(np.zeros((4, 4)), 1e-6), path)
+    with pytest.raises(InputFileError, match=r"map\.nc: has no loads .*no file of statistics"):
+        read_statistics(path)

@@ -131,6 +131,7 @@ def _properties(name: str) -> dict[str, Property]:
 def _row(name: str) -> dict[str, str]:
     """Return the row of the table that has a name, or an error with the nearest names."""
     rows = {_plain(alias): row for row in _table() for alias in (row["name"], *row["aliases"].split(","))}
+    rows.pop("", None)  # of a material without another name
     if (row := rows.get(_plain(name))) is not None:
         return row
     close = [rows[alias]["name"] for alias in get_close_matches(_plain(name), rows, n=3, cutoff=0.6)]
@@ -146,7 +147,7 @@ def _row(name: str) -> dict[str, str]:
 
 def _plain(name: str) -> str:
     """Return a name in small letters, without spaces, hyphens and underscores."""
-    return re.sub(r"[\s_-]", "", name.lower())
+    return re.sub(r"[\s_-]", "", str(name).lower())
 
 
 @cache

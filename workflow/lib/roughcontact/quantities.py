@@ -231,6 +231,7 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
     >>> with_interval(1.7, 1.2, math.nan), with_interval(0.0028, 0.0, 0.33), with_interval(0.0, 0.0, 4.4e-7)
     ('1.70 (1.20 or more)', '0.0028 (0 to 0.33)', '0 (0 to 4.4×10⁻⁷)')
     """
+    value, lower, upper = map(float, (value, lower, upper))
     if math.isnan(value):
         half = max((upper - lower) / 2, finest)
         return _by_ends(*(_end(end, half, 3) for end in (lower, upper)))

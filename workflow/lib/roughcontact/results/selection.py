@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from xarray.core.indexing import IndexSelResult
 
+from roughcontact.errors import InputFileError
 from roughcontact.results.storage import read_dataset
 
 
@@ -29,7 +30,7 @@ def read_statistics(path: str | Path) -> xr.Dataset:
     Raises
     ------
     InputFileError
-        where the file is missing, damaged or no netCDF file.
+        where the file is missing, damaged, no netCDF file, or without loads.
 
     Examples
     --------
@@ -47,7 +48,10 @@ def read_statistics(path: str | Path) -> xr.Dataset:
     >>> statistics.sel(surface="turned").sel(mean_pressure=4e6)["mean_gap"].item()
     1e-07
     """
-    return read_dataset(path).set_xindex("mean_pressure", _MeanPressureIndex)
+    statistics = read_dataset(path)
+    if "mean_pressure" not in statistics.coords:
+        raise InputFileError(f"{path}: has no loads (mean_pressure): is no file of statistics")
+    return statistics.set_xindex("mean_pressure", _MeanPressureIndex)
 
 
 class _MeanPressureIndex(xr.Index):

@@ -312,6 +312,8 @@ def _readable(path: str | Path) -> Iterator[int]:
     except Exception as error:  # the libraries raise errors of many types on what is damaged
         if sealed:  # the content is as it was written: something else is wrong
             raise
+        if isinstance(error, FileNotFoundError):
+            raise InputFileError(f"{path}: no such file; check the path") from error
         why = brief(error)
         raise InputFileError(f"{path}: not readable as netCDF ({why}); {WAY_OUT}") from error
 
