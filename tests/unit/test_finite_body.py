@@ -223,6 +223,17 @@ def test_flat_punch_with_the_edges_of_the_map():
     assert stiffness == pytest.approx(np.pi * 0.3667896, rel=4e-3)
 
 
+def test_the_height_of_edges_is_no_steep_map(recwarn):
+    rough = rc.self_affine_surface(
+        (48, 48), 1e-6, hurst=0.8, shortest=8e-6, longest=48e-6, rms_gradient=0.1, seed=3
+    )
+    settings = {"contact": FREE | {"force": "10 mN"}, "form": {"edges": True}, "uncertainty": {"sources": []}}
+    assert rc.evaluate(rough, **settings)["rms_gradient"] > 3
+    assert not recwarn
+    with pytest.warns(rc.HeightMapWarning, match="steeper than any measured surface"):
+        rc.evaluate(100 * rough, **settings)
+
+
 def test_form_is_added_to_the_map():
     map_ = ground(1e-7, (40, 50))
     steps, (y, x) = spacing(map_), (map_[axis].values - map_[axis].values.mean() for axis in "yx")
