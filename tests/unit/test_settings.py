@@ -425,6 +425,7 @@ def test_force_and_area_are_another_way_to_state_the_mean_pressure():
             {"force": "5 N", "area": "1 mm2", "mean_pressure": 1e6},
             r"mean_pressure \(Pa\) and force \(N\) given",
         ),
+        ({"mean_pressure": ["1 MPa", "2 MPa", 1e6]}, r"contact.mean_pressure: 1e\+06 occurs twice"),
         ({"force": "50 kg", "area": "3 cm2"}, r"force\[0\] = '50 kg': unknown force unit 'kg'"),
         ({"force": "50 N", "area": "3 cm"}, r"area = '3 cm': unknown area unit 'cm'; did you mean 'cm2'"),
     ],

@@ -77,6 +77,12 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     mistakes += [SettingsError(text) for text in _mistakes_in_finite_bodies(settings)]
     bodies = settings["contact"]["bodies"]
     hardness, loads = settings["contact"]["hardness"], settings["contact"]["mean_pressure"] or ()
+    for key in ("mean_pressure", "relative_pressure", "force"):
+        values = settings["contact"][key] or ()
+        twice = next((value for i, value in enumerate(values) if value in values[:i]), None)
+        if twice is not None:
+            text = f"{where}.{key}: {twice:g} occurs twice; state each load once"
+            mistakes.append(SettingsError(text, keys=[f"contact.{key}"]))
     if hardness is not None and max(loads, default=0.0) >= hardness:
         text = (
             f"{where}.mean_pressure {max(loads):g} Pa is not below the hardness {hardness:g} Pa: no contact "
