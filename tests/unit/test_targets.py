@@ -109,7 +109,7 @@ def test_targets_that_no_load_reaches(asked, words):
 
 
 def test_a_flat_map_has_no_load_to_find():
-    with pytest.raises(rc.HeightMapError, match="give mean_pressure in Pa"):
+    with pytest.raises(rc.HeightMapError, match="leave target, target_area and target_gap out"):
         target_loads(height_map(np.zeros((8, 8)), 1e-6), contact_modulus=1e9, target_area=0.5)
 
 

@@ -60,7 +60,10 @@ def target_loads(
         solver["bodies"] = bodies
     gradient = nondimensionalise(window).gradient
     if gradient == 0:
-        raise HeightMapError("the map is flat and in full contact at every load: give mean_pressure in Pa")
+        raise HeightMapError(
+            "the map is flat and in full contact at every load: there is none to search for; leave target, "
+            "target_area and target_gap out and give mean_pressure in Pa"
+        )
     unit = modulus * gradient
 
     def state(load: float) -> tuple[np.ndarray, np.ndarray]:
