@@ -10,7 +10,7 @@ from scipy import special, stats
 import roughcontact as rc
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.uncertainty.combination import SOURCES
-from roughcontact.uncertainty.differences import case_differences, compare_all, compare_maps
+from roughcontact.uncertainty.differences import _deviations, case_differences, compare_all, compare_maps
 from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
 from roughcontact.uncertainty.random_effects import (
     correlation_at_least,
@@ -132,6 +132,18 @@ def test_the_limit_of_grubbs_is_that_of_iso_5725(count, limit):
 
     assert not off(limit - 0.003)
     assert off(limit + 0.002)
+
+
+@pytest.mark.filterwarnings("error")
+def test_subwindows_without_numbers_have_no_deviations():
+    parts = xr.Dataset({"mean_gap_parts": (("member", "load"), np.full((9, 2), np.nan))})
+    assert _deviations("mean_gap", parts).shape == (0, 2)
+
+
+def test_none_stands_off_from_maps_at_a_physical_limit():
+    """Equal areas, as where all of the contact flows, have no scatter to compare with."""
+    assert grubbs_outliers(np.array([[1.0], [1.1], [0.9], [1.05], [3.0]])).any()
+    assert not grubbs_outliers(np.array([[1.0], [1.0], [1.0], [1.0], [1.01]])).any()
 
 
 def test_what_maps_share_is_added_once_and_the_window_not_at_all():

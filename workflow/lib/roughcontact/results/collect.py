@@ -307,7 +307,6 @@ def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame
     mean, spread = groups.mean(), groups.std()
     frame = mean.index.to_frame(index=False)[names]
     frame["members"] = groups.size().to_numpy()
-    for name in numbers:
-        frame[name] = mean[name].to_numpy()
-        frame[f"spread_{name}"] = spread[name].to_numpy()
-    return frame
+    together = pd.concat([mean, spread.add_prefix("spread_")], axis=1).reset_index(drop=True)
+    columns = [column for name in numbers for column in (name, f"spread_{name}")]
+    return pd.concat([frame, together[columns]], axis=1)

@@ -474,10 +474,13 @@ def _correlations(name: str, first: xr.Dataset, second: xr.Dataset) -> np.ndarra
 
 def _deviations(name: str, data: xr.Dataset) -> np.ndarray:
     """Return the deviations (member, load) of the subwindows from their mean, on the scale."""
+    none = np.empty((0, data.sizes["load"]))
     if f"{name}_parts" not in data:
-        return np.empty((0, data.sizes["load"]))
+        return none
     subwindow_values = data[f"{name}_parts"].transpose(..., "load")
     finite = np.isfinite(subwindow_values.values).any(axis=1)  # the others are padding
+    if not finite.any():
+        return none
     scaled = to_scale(name, subwindow_values.values[finite])
     return scaled - scaled.mean(axis=0)
 
@@ -529,10 +532,11 @@ def _ratios(
     """Return ratio and both ends of its interval (load,), from a difference on the scale."""
     below, above = (np.hypot(width, values) for values in unshared)
     base = from_scale(name, mean)
-    ratios = [
-        from_scale(name, mean + values) / base
-        for values in (difference, difference - below, difference + above)
-    ]
+    with np.errstate(invalid="ignore"):  # of closed gaps and unbounded ends, which are NaN below
+        ratios = [
+            from_scale(name, mean + values) / base
+            for values in (difference, difference - below, difference + above)
+        ]
     return [np.where(np.isfinite(values), values, np.nan) for values in ratios]
 
 

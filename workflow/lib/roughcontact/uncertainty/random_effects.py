@@ -224,7 +224,8 @@ def maps_needed(spread: float, difference: float, *, paired: bool = False) -> in
 def grubbs_outliers(values: np.ndarray) -> np.ndarray:
     """Return which numbers (map, load) stand off, at most one of each load, by Grubbs's test at 1 %.
 
-    None of fewer than four. Grubbs (1969), Technometrics 11, 1; ISO 5725-2:1994, 7.3.4.
+    None of fewer than four, and none beside equal numbers: those are at a physical limit.
+    Grubbs (1969), Technometrics 11, 1; ISO 5725-2:1994, 7.3.4.
 
     Examples
     --------
@@ -239,5 +240,7 @@ def grubbs_outliers(values: np.ndarray) -> np.ndarray:
     distance = np.abs(values - values.mean(axis=0))
     largest = distance == distance.max(axis=0)
     # equal numbers differ by rounding alone
-    scatter = np.maximum(values.std(axis=0, ddof=1), 1e-9 * np.abs(values).max(axis=0))
-    return largest & (distance > limit * scatter)
+    rounding = 1e-9 * np.abs(values).max(axis=0)
+    scatter = np.maximum(values.std(axis=0, ddof=1), rounding)
+    distinct = (np.diff(np.sort(values, axis=0), axis=0) > rounding).all(axis=0)
+    return largest & distinct & (distance > limit * scatter)
