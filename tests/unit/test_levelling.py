@@ -255,3 +255,13 @@ def test_robust_fit_of_a_large_map_does_not_depend_on_its_start(monkeypatch):
     whole, _ = fit_polynomial(values, coordinates, order=2, robust=True)
     np.testing.assert_allclose(thinned, whole, atol=1e-5)
     assert record["slope_x"]["value"] == pytest.approx(0.01, abs=1e-4)
+
+
+def test_infinite_heights_are_missing_without_a_warning(recwarn):
+    values = np.random.default_rng(0).normal(0, 1e-7, (64, 64))
+    values[:, :3] = -np.inf
+    infinite = level(height_map(values, 1e-6))
+    missing = level(height_map(np.where(np.isfinite(values), values, np.nan), 1e-6))
+    np.testing.assert_array_equal(infinite, missing)
+    assert infinite.attrs["quantisation_step"] == missing.attrs["quantisation_step"] == 0
+    assert not recwarn

@@ -106,7 +106,8 @@ def repeated_heights(values: np.ndarray) -> float:
     is repeated, for fewer than 1000 steps and for coarsely quantised heights.
     """
     rows = values[:: max(1, values.size // _SAMPLE)]
-    step = np.abs(np.diff(rows, axis=1)).ravel()
+    with np.errstate(invalid="ignore"):  # between infinite heights, which are missing
+        step = np.abs(np.diff(rows, axis=1)).ravel()
     step = step[np.isfinite(step)]
     if step.size < 1000 or not step.any():
         return 0.0
