@@ -76,6 +76,9 @@ def changed_settings(settings: Mapping[str, Any]) -> list[str]:
     >>> config = {"contact": {"contact_modulus": 1e9, "hardness": "1 GPa", "unload": ["50 MPa", "0.2 GPa"]}}
     >>> changed_settings(resolve(config)[""])
     ['contact.unload: 50.0 MPa, 200 MPa']
+    >>> config = {"contact": {"contact_modulus": 1e9}, "statistics": {"friction": {"shear_strength": 5e7}}}
+    >>> changed_settings(resolve(config)[""])
+    ['statistics.friction: shear_strength 50.0 MPa']
     """
     return [
         f"{section}.{name}: {value_text(settings[section][name], field)}"
@@ -169,7 +172,9 @@ def value_text(value: Any, field: FieldInfo) -> str:
     """Return the value of a setting: a quantity with its unit, anything else as in YAML."""
     if isinstance(value, dict) and (section := section_of(field)):
         return ", ".join(
-            f"{key} {value_text(entry, section.model_fields[key])}" for key, entry in value.items()
+            f"{key} {value_text(entry, section.model_fields[key])}"
+            for key, entry in value.items()
+            if entry is not None
         )
     unit = base_of(field)
     if unit and isinstance(value, list) and all(isinstance(entry, float) for entry in value):
