@@ -169,6 +169,7 @@ def test_what_is_no_statistics_is_refused_in_one_sentence(tmp_path, capsys):
     write_dataset(height_map([[1e-6, 2e-6], [3e-6, 1e-6]], 1e-6), heights)
     for path, why in (
         (absent, "no such file"),
+        (str(tmp_path), "is a folder"),
         (other, "is damaged, or no file of a run"),
         (damaged, "is damaged, or no file of a run"),
         (heights, "holds no statistics of contacts"),

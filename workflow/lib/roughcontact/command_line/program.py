@@ -463,7 +463,8 @@ def _statistics_of(path: str, *, single: bool = False) -> "xr.Dataset":
 
     advice = "name the statistics.nc of a run, of all surfaces or of one"
     if not Path(path).is_file():
-        raise InputFileError(f"{path}: no such file; {advice}")
+        reason = "is a folder" if Path(path).is_dir() else "no such file"
+        raise InputFileError(f"{path}: {reason}; {advice}")
     try:
         statistics = read_dataset(path)
     except InputFileError as error:
