@@ -84,15 +84,15 @@ def _check_positions(positions: "np.ndarray", coordinate: str) -> None:
         )
 
 
-def check_solution(contact: object) -> None:
-    """Raise SettingsError, with what is missing, for anything else than a solution with its maps."""
+def check_solution(contact: object, *, of_loads: bool = True) -> None:
+    """Raise SettingsError, with what is missing, unless it is a solution with its maps, `of_loads` or one."""
     import xarray as xr
 
     problem = f"this is of type {type(contact).__name__}"
     if isinstance(contact, xr.Dataset):
         missing = (name for name in ("height", "pressure", "gap") if name not in contact)
         problem = " ".join(f"the dataset has no {name}" for name in [*missing][:1])
-        if not problem and "load" not in contact["pressure"].dims:
+        if of_loads and not problem and "load" not in contact["pressure"].dims:
             raise SettingsError("the dataset has no dimension load: select by a list, contact.isel(load=[0])")
     if problem:
         raise SettingsError(

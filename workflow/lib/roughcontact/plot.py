@@ -117,7 +117,7 @@ def maps(
     'p̄ = 10.0 MPa: 5.74 % of the pixels touch'
     """
     check_choice("quantity", quantity, Map)
-    check_solution(dataset)
+    check_solution(dataset, of_loads=False)
     chosen = dataset.isel(load=load) if "load" in dataset.dims else dataset
     height, pressed, gap = chosen["height"], chosen["pressure"].values, chosen["gap"].values
     units = {
