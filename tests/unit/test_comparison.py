@@ -167,12 +167,15 @@ def test_what_is_no_statistics_is_refused_in_one_sentence(tmp_path, capsys):
     Path(damaged).write_bytes(Path(good).read_bytes()[:3000])
     heights = str(tmp_path / "height.nc")
     write_dataset(height_map([[1e-6, 2e-6], [3e-6, 1e-6]], 1e-6), heights)
+    groups = str(tmp_path / "groups.nc")
+    write_dataset(xr.Dataset(coords={"mean_pressure": (("group", "load"), [[1e5, 1e6]])}), groups)
     for path, why in (
         (absent, "no such file"),
         (str(tmp_path), "is a folder"),
         (other, "is damaged, or no file of a run"),
         (damaged, "is damaged, or no file of a run"),
         (heights, "holds no statistics of contacts"),
+        (groups, "holds no statistics of contacts"),
     ):
         assert main(["compare", good, path]) == 2
         assert capsys.readouterr().err.startswith(

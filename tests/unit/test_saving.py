@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import tifffile
+import xarray as xr
 from PIL import Image
 
 import roughcontact as rc
@@ -203,6 +204,13 @@ def test_what_cannot_be_exported(tmp_path, capsys, monkeypatch, output, said):
     monkeypatch.chdir(tmp_path)
     assert main(["export", "nowhere", "-o", output]) == 2
     assert capsys.readouterr().err == f"roughcontact: {said}\n"
+
+
+def test_the_folder_of_a_whole_run_is_no_single_result(tmp_path, capsys):
+    rc.write_dataset(xr.Dataset(coords={"surface": ["a", "b"]}), tmp_path / "statistics.nc")
+    assert main(["export", str(tmp_path), "-o", str(tmp_path / "all.csv")]) == 2
+    assert f"{tmp_path}: holds several surfaces; name the folder of one" in capsys.readouterr().err
+    assert not (tmp_path / "all.csv").exists()
 
 
 def test_maps_that_a_run_has_not_kept(measured, tmp_path, capsys):

@@ -140,6 +140,12 @@ def test_what_the_user_asked_for_and_which_channel_was_chosen_are_notes():
         assert map_checks.reading(height, {"outlier_threshold": threshold}).outcome == outcome
 
 
+def test_the_name_of_a_file_keeps_its_letters():
+    warnings = ["a1.txt: no unit of heights", "no pixel size"]
+    read = {"ingest_warnings": json.dumps(warnings), "source_file": "b.txt + a1.txt"}
+    assert map_checks.reading(read, {}).sentence == "a1.txt: no unit of heights. No pixel size."
+
+
 def test_removed_spikes_are_told_once():
     findings = [f"{count} points lie far {side} all others" for count, side in ((3, "above"), (1, "below"))]
     spikes = {f"{finding}; advice": finding for finding in findings}

@@ -243,7 +243,9 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
         carried = max(below if math.isfinite(lower) else above, finest)
         digits = 2 if _is_long(value) else 3
         text = _with_half_widths(value, {}, carried) if 0 < carried < math.inf and digits > 2 else ""
-        ends = _by_ends(*(_end(end, max(abs(end - value), finest), 2) for end in (lower, upper)))
+        ends = _by_ends(
+            *(_end(end, max(abs(half), finest), 2) for end, half in ((lower, below), (upper, above)))
+        )
         interval = f"({ends})" if carried or " to " in ends else ends.partition(" ")[2]
         return f"{text or number(value, digits=digits)} {interval}"
     if not math.isfinite(wider) or wider <= (0 if value else _NEGLIGIBLE):

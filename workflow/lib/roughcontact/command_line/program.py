@@ -469,7 +469,7 @@ def _statistics_of(path: str, *, single: bool = False) -> "xr.Dataset":
         statistics = read_dataset(path)
     except InputFileError as error:
         raise InputFileError(f"{path}: is damaged, or no file of a run; {advice}") from error
-    if "mean_pressure" not in statistics or "y" in statistics.dims:
+    if "mean_pressure" not in statistics or {"y", "group"} & set(statistics.dims):
         raise InputFileError(f"{path}: holds no statistics of contacts; {advice}")
     if single and "surface" in statistics.dims:
         raise InputFileError(f"{path}: is of several surfaces; name the folder, or the file of one of them")

@@ -80,6 +80,11 @@ def export(folder: Path, output: Path) -> None:
     _check_ending(output, EXPORTED_BY_ENDING)
     if not (folder / "statistics.nc").is_file():
         raise InputFileError(f"{folder}: has no statistics.nc; name the folder of a surface in the results")
+    from roughcontact.results.storage import opened_dataset
+
+    with opened_dataset(folder / "statistics.nc") as statistics:
+        if "surface" in statistics.dims:
+            raise InputFileError(f"{folder}: holds several surfaces; name the folder of one of them in it")
     _write(output, folder, surface=folder.name, title=folder.name)
 
 

@@ -213,7 +213,9 @@ def _yields(load: Mapping[str, Any]) -> Cell:
             return Cell("yes", "below the surface")
         precision = "" if np.isnan(decided) else _ONE_SIDED if decided else _TWO_SIDED
         doubt = " (in doubt)" if decided == 0 else ""
-        details = f"{percent(share)} of the load flows" if share > 0 else "hardness nowhere reached"
+        limited = float(load.get("max_pressure", 0.0)) >= float(load["hardness"]) * (1 - 1e-9)
+        details = "hardness just reached" if limited else "hardness nowhere reached"
+        details = f"{percent(share)} of the load flows" if share > 0 else details
         return Cell(f"{'yes' if share > 0 else 'no'}{doubt}", details, precision=precision)
     if below or _has_number(load, "volume_above_yield"):
         return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")

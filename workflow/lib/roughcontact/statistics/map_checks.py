@@ -400,6 +400,10 @@ def reading(height: Attributes, levelled: Attributes) -> Check:
     if spikes:
         removed = "and removed" if levelled.get("outliers_rejected") else "in vain: none was removed"
         findings[[*spikes][-1]] += f"; isolated ones were searched for {removed}"
-    text = " ".join(f"{finding[0].upper()}{finding[1:].rstrip('.')}." for finding in findings.values())
+    files = tuple(f"{name}: " for name in height.get("source_file", "").split(" + "))  # not capitalised
+    text = " ".join(
+        f"{finding[0] if finding.startswith(files) else finding[0].upper()}{finding[1:].rstrip('.')}."
+        for finding in findings.values()
+    )
     facts.update(spikes)
     return Check(CheckName.READING, NOTE if facts.issuperset(warnings) else REVIEW, text)
