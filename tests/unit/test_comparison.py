@@ -150,6 +150,11 @@ def test_the_verb(tmp_path, capsys):
     said = capsys.readouterr().out.splitlines()
     assert said[0] == "at 5.00 MPa  mean_gap  100 nm → 110 nm  +10 %, 4.24 nm allowed"
     assert said[1] == "1 of 2 numbers differs by more than its ±"
+    write_dataset(statistics(loads=(1e6, 7e6)), files[1])
+    assert main(["compare", *files]) == 1
+    last = capsys.readouterr().out.splitlines()[-1]
+    assert last == "0 of 1 numbers differ by more than their ±; 2 loads of one run only"
+    write_dataset(statistics(gaps=(2e-7, 1.1e-7)), files[1])
     assert main(["compare", *files, "--share", "0.2"]) == 0
     capsys.readouterr()
     assert main(["compare", *files, "--json"]) == 1

@@ -127,6 +127,7 @@ def test_the_table_is_that_of_the_statistics(statistics, tmp_path, capsys):
     assert (table["relative_contact_area_lower"] <= table["relative_contact_area"]).all()
 
     rc.write_dataset(statistics, tmp_path / "result.nc")
+    assert main(["table", str(tmp_path / "result.nc"), "-o", str(tmp_path / "table.xlsx")]) == 2
     assert main(["table", str(tmp_path / "result.nc"), "-o", str(tmp_path / "table.csv")]) == 0
     written = pd.read_csv(tmp_path / "table.csv")
     assert {"mean_gap_m", "mean_pressure_Pa", "contact_stiffness_Pa_per_m", "shear_flow_factor_x"} <= set(

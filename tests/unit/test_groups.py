@@ -344,6 +344,32 @@ def test_p_values_are_adjusted_for_all_pairs():
     )
 
 
+def test_padding_of_a_run_whose_other_cases_have_a_budget_changes_no_interval():
+    plain = [one_map(gap) for gap in (1.0, 1.1, 0.9)]
+    undefined = {f"mean_gap_{end}": ("load", [np.nan]) for end in ("lower", "upper")}
+    padded = [one_map(gap, gap_parts={"solver": np.nan}).assign(undefined) for gap in (1.0, 1.1, 0.9)]
+    expected, found = rc.group_statistics(plain), rc.group_statistics(padded)
+    assert np.isfinite(found["mean_gap_upper"]).all()
+    xr.testing.assert_allclose(
+        found[["mean_gap_lower", "mean_gap_upper"]], expected[["mean_gap_lower", "mean_gap_upper"]]
+    )
+
+
+def test_an_area_that_nothing_bounds_ends_at_the_whole_and_not_at_load_over_hardness():
+    maps = []
+    for area in (0.071, 0.073, 0.074):
+        data = xr.Dataset(
+            {"relative_contact_area": ("load", [area])}, {"mean_pressure": ("load", [5e4])}
+        ).assign(contact_modulus=8e6, hardness=9e5)
+        parts = np.zeros((1, len(SOURCES) + 1, 4))
+        parts[:, SOURCES.index("instrument"), :2] = np.nan  # unbounded
+        data["relative_contact_area_components"] = (("load", "source", "component"), parts)
+        maps.append(data)
+    found = rc.group_statistics(maps)
+    assert found["relative_contact_area_lower"].item() == pytest.approx(5e4 / 9e5)
+    assert found["relative_contact_area_upper"].item() == 1
+
+
 def test_paired_maps_are_compared_map_by_map():
     gaps = np.array([1.0, 2.0, 4.0])
     first = group_of(gaps, names=["a", "b", "c"])

@@ -211,6 +211,9 @@ def test_the_folder_of_a_whole_run_is_no_single_result(tmp_path, capsys):
     assert main(["export", str(tmp_path), "-o", str(tmp_path / "all.csv")]) == 2
     assert f"{tmp_path}: holds several surfaces; name the folder of one" in capsys.readouterr().err
     assert not (tmp_path / "all.csv").exists()
+    rc.write_dataset(xr.Dataset(coords={"mean_pressure": ("load", [1e6])}), tmp_path / "statistics.nc")
+    assert main(["export", str(tmp_path), "-o", str(tmp_path / "maps.vti")]) == 2
+    assert "has no contact.nc; cases with the same" in capsys.readouterr().err
 
 
 def test_maps_that_a_run_has_not_kept(measured, tmp_path, capsys):

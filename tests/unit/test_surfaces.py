@@ -324,7 +324,8 @@ def test_every_repeat_of_a_place_is_of_one_part(table):
 @pytest.mark.parametrize("other", ["a", "nobody", "pair"])
 def test_a_place_that_is_no_other_surface_is_refused(table, column, other):
     rows = f"a\ta.npy\t{other}\t", "b\tb.npy\t\t", "pair\tp.npy\t\tq.npy"
-    with pytest.raises(SettingsError, match=f"line 2, {column} = '{other}': is no other single surface"):
+    reason = r"pair is a pair \(counter_face\)" if other == "pair" else "is no other surface of the table"
+    with pytest.raises(SettingsError, match=f"line 2, {column} = '{other}': {reason}"):
         read_surfaces(table(f"surface\tpath\t{column}\tcounter_face", *rows))
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.io.metadata import labelled
-from roughcontact.quantities import Unit, number, percent, prefix, quantity, with_interval
+from roughcontact.quantities import Unit, counted_noun, number, percent, prefix, quantity, with_interval
 from roughcontact.report.asked import bodies_in_words
 from roughcontact.statistics.precision import precision_in_words
 from roughcontact.uncertainty.measurands import beyond_the_map, measurand_in_words
@@ -347,9 +347,14 @@ def comparison(rows: Sequence[Mapping[str, Any]], *, share: float | None = None)
     """
     cells = [_difference(row) for row in rows if row["differs"]]
     lines = [line.strip() for line in _aligned(cells, str.ljust)]
-    verb, pronoun = ("differs", "its") if len(cells) == 1 else ("differ", "their")
+    unmatched = sum(row["quantity"] == "mean_pressure" for row in rows)  # a load of one run, no number
+    count = len(cells) - unmatched
+    verb, pronoun = ("differs", "its") if count == 1 else ("differ", "their")
     allowed = f"{pronoun} ±" if share is None else percent(share)
-    return "\n".join([*lines, f"{len(cells)} of {len(rows)} numbers {verb} by more than {allowed}"])
+    more = f"; {counted_noun(unmatched, 'load')} of one run only" if unmatched else ""
+    return "\n".join(
+        [*lines, f"{count} of {len(rows) - unmatched} numbers {verb} by more than {allowed}{more}"]
+    )
 
 
 def _difference(row: Mapping[str, Any]) -> list[str]:

@@ -440,6 +440,8 @@ def _table(options: argparse.Namespace) -> int:
     from roughcontact.results.collect import column_name
     from roughcontact.results.storage import table_text, write_dataset, write_table
 
+    if options.output is not None:
+        saving.check_ending(options.output, (".csv", ".nc"))
     try:
         table = over_mean_gap(_statistics_of(options.file, single=True))
     except SettingsError as error:

@@ -58,7 +58,7 @@ _LINKS_BESIDE = re.compile(", or see <a .*? beside this page")  # what the page 
 
 def check_output(output: Path, files: Sequence[str]) -> None:
     """Raise a SettingsError where results cannot be written there, before anything is solved."""
-    _check_ending(output, CONTENT_BY_ENDING)
+    check_ending(output, CONTENT_BY_ENDING)
     if len(files) > 1:
         raise SettingsError(
             f"-o {output}: is of one map, {len(files)} are given; `roughcontact init` and `run` write the "
@@ -69,7 +69,7 @@ def check_output(output: Path, files: Sequence[str]) -> None:
         raise SettingsError(f"-o {output}: is {obstacle}; choose another name")
 
 
-def _check_ending(output: Path, endings: Collection[str]) -> None:
+def check_ending(output: Path, endings: Collection[str]) -> None:
     """Raise a SettingsError for a file with another ending."""
     if output.suffix.lower() not in endings:
         raise SettingsError(f"-o {output}: end it with one of {', '.join(endings)}")
@@ -77,7 +77,7 @@ def _check_ending(output: Path, endings: Collection[str]) -> None:
 
 def export(folder: Path, output: Path) -> None:
     """Write a result of a finished run, the folder of its statistics.nc, as another kind of file."""
-    _check_ending(output, EXPORTED_BY_ENDING)
+    check_ending(output, EXPORTED_BY_ENDING)
     if not (folder / "statistics.nc").is_file():
         raise InputFileError(f"{folder}: has no statistics.nc; name the folder of a surface in the results")
     from roughcontact.results.storage import opened_dataset
@@ -133,6 +133,11 @@ def _write(output: Path, folder: Path, *, surface: str, title: str) -> None:
         return
     from roughcontact.results.exchange import write_gsf, write_tiff, write_vti
 
+    if not (folder / "contact.nc").is_file():
+        raise InputFileError(
+            f"{folder}: has no contact.nc; cases with the same contact share that of the first of them: name "
+            "its folder"
+        )
     with opened_dataset(folder / "contact.nc") as contact:
         if "pressure" not in contact:
             raise InputFileError(

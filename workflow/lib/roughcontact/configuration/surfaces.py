@@ -394,13 +394,19 @@ def same_area_pairs(surfaces: Mapping[str, Surface]) -> list[tuple[str, str]]:
 
 def _mistakes_in_areas(surfaces: Mapping[str, Surface]) -> list[str]:
     """Return what is wrong with the names of the surfaces that are the same place."""
-    single = {name for name, row in surfaces.items() if row.counter_face is None}
+    pairs = {name for name, row in surfaces.items() if row.counter_face is not None}
     mistakes = [
-        f"{_line(row)}, {column} = {reference!r}: is no other single surface of the table; "
-        + nearest(reference, [candidate for candidate in surfaces if candidate != name])
+        f"{_line(row)}, {column} = {reference!r}: "
+        + (
+            f"{name if name in pairs else reference} is a pair (counter_face), and single maps are compared; "
+            f"leave {column} out"
+            if pairs & {name, reference}
+            else "is no other surface of the table; "
+            + nearest(reference, [other for other in surfaces if other != name and other not in pairs])
+        )
         for name, row in surfaces.items()
         for column, reference in ((REPEAT, row.repeat_of), (BEFORE, row.before))
-        if reference and (name == reference or not {name, reference} <= single)
+        if reference and (name == reference or reference not in surfaces or pairs & {name, reference})
     ]
     if mistakes:
         return mistakes

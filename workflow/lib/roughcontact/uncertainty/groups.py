@@ -149,7 +149,7 @@ def group_statistics(
             raise SettingsError(
                 f"{label}: {name} holds several surfaces; select one of them for each map (.sel(surface=...))"
             )
-    datasets = [data.isel(load=np.isfinite(data["mean_pressure"].values)) for data in datasets]
+    datasets = [_without_padding(data) for data in datasets]
     contents = [_content(data) for data in datasets]
     for name, content in () if placements else zip(names, contents, strict=True):
         if content and (copied := names[contents.index(content)]) != name:
@@ -207,6 +207,14 @@ def is_range(answer: xr.Dataset) -> bool:
     return 1 < (answer.sizes["map"] if parts == 1 else parts) < MIN_FOR_INTERVAL
 
 
+def _without_padding(data: xr.Dataset) -> xr.Dataset:
+    """Return a map without what only others of its run have: loads, and a budget (all of it is NaN)."""
+    data = data.isel(load=np.isfinite(data["mean_pressure"].values))
+    no_budget = [name for name in quantities_in(data) if np.isnan(data.get(f"{name}_lower", 0.0)).all()]
+    padding = [f"{name}_{key}" for name in no_budget for key in (*_ENDS, "components")]
+    return data.drop_vars(padding, errors="ignore")
+
+
 def _content(dataset: xr.Dataset) -> str:
     """Return a digest of the numbers of a map, to nine digits; empty where its rms height is not known."""
     if "rms_height" not in dataset:
@@ -253,7 +261,8 @@ def _limited(ends: Mapping[str, tuple], loads: np.ndarray, hardness: float) -> d
     for name, (dim, values) in ends.items():
         lower = ends[name.replace("upper", "lower")][1]  # NaN where there is no interval
         least, most = (loads / hardness, 1.0) if name.startswith(AREA) else (loads, hardness)
-        limited[name] = (dim, np.fmin(np.fmax(values, least), most) + 0 * lower)
+        ends_at = np.where(np.isnan(values), most, np.maximum(values, least))
+        limited[name] = (dim, np.fmin(ends_at, most) + 0 * lower)
     return limited
 
 
