@@ -355,19 +355,27 @@ def test_padding_of_a_run_whose_other_cases_have_a_budget_changes_no_interval():
     )
 
 
+def areas(half_width, **constants):
+    """Return a group of three maps of 7 % contact, which share an error of an instrument."""
+    maps = [
+        xr.Dataset({"relative_contact_area": ("load", [area])}, {"mean_pressure": ("load", [5e4])})
+        for area in (0.071, 0.073, 0.074)
+    ]
+    parts = np.zeros((1, len(SOURCES) + 1, 4))
+    parts[:, SOURCES.index("instrument"), :2] = half_width
+    components = {"relative_contact_area_components": (("load", "source", "component"), parts)}
+    return rc.group_statistics(
+        [data.assign(components).assign(contact_modulus=8e6, **constants) for data in maps]
+    )
+
+
 def test_an_area_that_nothing_bounds_ends_at_the_whole_and_not_at_load_over_hardness():
-    maps = []
-    for area in (0.071, 0.073, 0.074):
-        data = xr.Dataset(
-            {"relative_contact_area": ("load", [area])}, {"mean_pressure": ("load", [5e4])}
-        ).assign(contact_modulus=8e6, hardness=9e5)
-        parts = np.zeros((1, len(SOURCES) + 1, 4))
-        parts[:, SOURCES.index("instrument"), :2] = np.nan  # unbounded
-        data["relative_contact_area_components"] = (("load", "source", "component"), parts)
-        maps.append(data)
-    found = rc.group_statistics(maps)
-    assert found["relative_contact_area_lower"].item() == pytest.approx(5e4 / 9e5)
-    assert found["relative_contact_area_upper"].item() == 1
+    unbounded = areas(np.nan, hardness=9e5)
+    assert unbounded["relative_contact_area_lower"].item() == pytest.approx(5e4 / 9e5)
+    assert unbounded["relative_contact_area_upper"].item() == 1
+    bounded = areas(1e-3)  # without a hardness only the whole limits it
+    assert 0.06 < bounded["relative_contact_area_lower"].item() < 0.072
+    assert 0.074 < bounded["relative_contact_area_upper"].item() < 0.085
 
 
 def test_paired_maps_are_compared_map_by_map():

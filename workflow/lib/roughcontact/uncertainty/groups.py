@@ -261,7 +261,7 @@ def _limited(ends: Mapping[str, tuple], loads: np.ndarray, hardness: float) -> d
     for name, (dim, values) in ends.items():
         lower = ends[name.replace("upper", "lower")][1]  # NaN where there is no interval
         least, most = (loads / hardness, 1.0) if name.startswith(AREA) else (loads, hardness)
-        ends_at = np.where(np.isnan(values), most, np.maximum(values, least))
+        ends_at = np.where(np.isnan(values), most, np.fmax(values, least))
         limited[name] = (dim, np.fmin(ends_at, most) + 0 * lower)
     return limited
 
