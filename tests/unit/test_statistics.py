@@ -486,13 +486,12 @@ def test_options_of_the_statistics_by_name_and_with_their_keys():
     expected = contact_statistics(contact, bodies=bodies)["thermal_conductance"].values
     named = contact_statistics(contact, bodies=["steel", {"material": "aluminium"}])
     np.testing.assert_array_equal(named["thermal_conductance"], expected)
-    plain = contact_statistics(contact)
-    assert set(contact_statistics(contact, friction={"coefficient": 0.2})) == set(plain)
     seal = {"viscosity": 1e-3, "pressure_difference": 1e5}
     for section, stated, words in (
         ("seal", seal, "seal has viscosity, pressure_difference: takes .*, width"),
         ("seal", seal | {"length": 1e-2, "width": 1e-2}, "seal has .*length"),
         ("friction", {"friction_coefficient": 0.2}, "friction has friction_coefficient: takes coefficient, "),
+        ("friction", {"coefficient": 0.2}, "friction.coefficient: needs the tangential_load or speed"),
     ):
         with pytest.raises(SettingsError, match=words):
             contact_statistics(contact, **{section: stated})
