@@ -186,7 +186,15 @@ def test_one_map_is_what_it_was_and_two_are_a_range():
         [1e-6, 2e-6, 4e-6]
     )
     assert np.isnan(two["mean_gap_next_upper"].item())
-    assert json.loads(two.attrs["remarks"])[0].startswith("Two maps: a range")
+    assert json.loads(two.attrs["remarks"])[0].startswith(
+        "Two maps: a range, from the lowest to the highest of"
+    )
+    shared = [one_map(gap, gap_parts={"instrument": 1e-7}) for gap in (1e-6, 4e-6)]
+    wider = rc.group_statistics(shared)  # the ends lie outside the maps, and the remark says why
+    assert wider["mean_gap_lower"].item() < 0.999e-6 < 4.001e-6 < wider["mean_gap_upper"].item()
+    assert "and what these share" in json.loads(wider.attrs["remarks"])[0]
+    _, skipped = compare_all({"one": group_of([1e-6]), "two": two})
+    assert skipped[0].startswith("one has a single map")
     of_two_parts = group_of([1e-6, 4e-6, 2e-6], parts=["a", "a", "b"])
     assert json.loads(of_two_parts.attrs["remarks"])[0].startswith("Two parts: a range")
 
@@ -259,7 +267,7 @@ def test_groups_that_share_a_map_are_not_compared():
         rc.compare_groups(first, second)
     found, left_out = compare_all({"one": first, "other": second})
     assert found == {}
-    assert left_out[0].startswith("compare_groups: b of one and d of other have the same results")
+    assert left_out[0].startswith("b of one and d of other have the same results")
     assert rc.compare_groups(first, first, paired=True)["outcome"].size  # the same maps under two cases
 
 

@@ -223,7 +223,8 @@ def _table_of_group(answer: Mapping[str, Any]) -> list[str]:
     for load in answer["loads"]:
         first, area, *cells = (show(load, name, unit) for name, _, unit in columns)
         rows.append([first, area, _ends(load, "relative_contact_area_next", "%"), *cells])
-    about = "range, from the lowest to the highest of the maps" if answer["range"] else _ABOUT_GROUPS
+    of_two = "range, from the lowest to the highest of the maps, and what these share"
+    about = of_two if answer["range"] else _ABOUT_GROUPS
     remarks = [_line("remark", text) for text in answer["remarks"]]
     return [*_aligned(rows), "", _line("intervals", about), *remarks]
 

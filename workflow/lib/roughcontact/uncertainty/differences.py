@@ -129,7 +129,7 @@ def compare_all(
                 paired=paired,
             )
         except SettingsError as error:
-            skipped.append(str(error))
+            skipped.append(str(error).removeprefix("compare_groups: "))
     return dict(zip(results, _with_test_results(list(results.values()), relevant), strict=True)), skipped
 
 
@@ -204,7 +204,7 @@ def compare_maps(
             check_alike(" and ".join(pair), pair, maps)
             results[pair] = _of_two(*_at_common_loads(pair, maps))
         except SettingsError as error:
-            skipped.append(str(error))
+            skipped.append(str(error).removeprefix("compare_groups: "))
     return dict(zip(results, _with_test_results(list(results.values()), relevant), strict=True)), skipped
 
 
@@ -297,7 +297,7 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
         if data.sizes["map"] < 2:
             raise SettingsError(
                 f"compare_groups: {label} has a single map, whose scatter is not known; add maps, or compare "
-                "both maps with compare_statistics"
+                "both maps by `roughcontact compare`"
             )
     if paired and set(first["map"].values) != set(second["map"].values):
         raise SettingsError(

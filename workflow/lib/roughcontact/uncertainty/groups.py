@@ -448,7 +448,7 @@ def _remarks(
     noun = "placements" if placements else "maps" if units == len(names) else "parts"
     sentences = ["A single map: its own numbers and intervals."] if len(names) == 1 else []
     if 1 < units < MIN_FOR_INTERVAL:
-        source = "their intervals" if placements else "the maps"
+        source = "their intervals" if placements else "the maps, and what these share"
         sentences.append(
             f"Two {noun}: a range, from the lowest to the highest of {source}; three {noun} or more have an "
             "interval."
