@@ -101,6 +101,9 @@ def test_maps_that_are_cut_are_groups_of_their_parts(grouped):
     assert {row["outcome"] for row in area} == {"differ"}
     page = grouped.path("results/report.html").read_text()
     assert "Part 2 of 2 along x, 1 of 2 along y (upwards), of 64 x 64 points" in page
+    logs = "".join(log.read_text() for log in grouped.path("logs").glob("lapped-2-1/*.log"))
+    assert "note: part 2 of 2 along x" in logs  # what the table asks for is no warning
+    assert "warning: part" not in logs
     # other parts are other maps
     grouped.write(QUICK, ["surface\tpath\tunit\tdx\tdy\tparts", rows[0].replace("2x2", "2x1"), rows[1]])
     assert grouped.jobs()["prepare"] == 2

@@ -36,8 +36,9 @@ try:
         height.attrs |= attrs
 except RoughContactError as error:
     raise type(error)(f"{error} ({row['origin']})") from error
-for warning in json.loads(height.attrs["ingest_warnings"]):
-    say(f"warning: {warning}")
+facts = json.loads(height.attrs["ingest_facts"])
+for text in json.loads(height.attrs["ingest_warnings"]):
+    say(f"{'note' if text in facts else 'warning'}: {text}")
 save(height, output.height, settings["height"], source=height.attrs)
 del height  # large maps leave no room for two
 measured = read_dataset(output.height)["height"]
