@@ -129,6 +129,8 @@ def test_the_table_is_that_of_the_statistics(statistics, tmp_path, capsys):
     rc.write_dataset(statistics, tmp_path / "result.nc")
     assert main(["table", str(tmp_path / "result.nc"), "-o", str(tmp_path / "table.xlsx")]) == 2
     assert main(["table", str(tmp_path / "result.nc"), "-o", str(tmp_path / "table.csv")]) == 0
+    assert main(["table", str(tmp_path / "result.nc"), "-o", str(tmp_path / "table.NC")]) == 0
+    assert rc.read_dataset(tmp_path / "table.NC").attrs["rms_height"] == pytest.approx(sigma)
     written = pd.read_csv(tmp_path / "table.csv")
     assert {"mean_gap_m", "mean_pressure_Pa", "contact_stiffness_Pa_per_m", "shear_flow_factor_x"} <= set(
         written

@@ -446,7 +446,7 @@ def _table(options: argparse.Namespace) -> int:
         table = over_mean_gap(_statistics_of(options.file, single=True))
     except SettingsError as error:
         raise InputFileError(f"{options.file}: {error}") from error
-    if options.output is not None and options.output.suffix == ".nc":
+    if options.output is not None and options.output.suffix.lower() == ".nc":
         write_dataset(table, options.output)
         return 0
     headings = {str(name): column_name(str(name), table[name].attrs["units"]) for name in table.variables}
