@@ -1,5 +1,7 @@
 """What `solve_contact` returns, refuses and promises, whatever the map."""
 
+from functools import partial
+
 import array_api_compat
 import numpy as np
 import pytest
@@ -430,16 +432,16 @@ def test_awkward_maps_simply_work(name, share_of_full_contact):
     assert float(contact["error_bound"][0]) <= 1e-8
 
 
-@pytest.fixture(params=["array_api_strict", "unnamed", "cupy", "torch"])
+@pytest.fixture(params=["array_api_strict", "unnamed", "cupy", "torch", "torch on a GPU"])
 def arrays(request, monkeypatch):
     """The function that brings an array of NumPy into another library.
 
     array_api_strict has nothing but what the Python array API promises; without the name of its library in
     its arrays it is as CuPy and PyTorch are, known to array-api-compat alone. CuPy needs a GPU.
     """
-    unnamed = request.param == "unnamed"
-    library = pytest.importorskip("array_api_strict" if unnamed else request.param)
-    if request.param == "cupy" and not library.cuda.is_available():
+    unnamed, on_gpu = request.param == "unnamed", request.param in ("cupy", "torch on a GPU")
+    library = pytest.importorskip("array_api_strict" if unnamed else request.param.split()[0])
+    if on_gpu and not library.cuda.is_available():
         pytest.skip("no GPU")
     if unnamed:
         kind = type(library.asarray(0.0))
@@ -450,7 +452,7 @@ def arrays(request, monkeypatch):
             "array_namespace",
             lambda field: library if isinstance(field, kind) else known(field),
         )
-    return library.asarray
+    return partial(library.asarray, device="cuda") if "GPU" in request.param else library.asarray
 
 
 POLYMER = {"youngs_modulus": 4e9, "poissons_ratio": 0.3}

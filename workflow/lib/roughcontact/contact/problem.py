@@ -9,10 +9,10 @@ import xarray as xr
 
 from roughcontact.checking import LARGEST, SMALLEST, check_labelled
 from roughcontact.errors import HeightMapError
-from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, like_array
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision, like_array
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.maps import spacing
-from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.roughness.parameters import gradient_of
 
 _Labelled = TypeVar("_Labelled", xr.DataArray, xr.Variable)
 
@@ -81,7 +81,7 @@ def nondimensionalise(
             "the computable range; check the units"
         )
     unit = float(np.sqrt(lengths[0] * lengths[1]))
-    gradient = rms_gradient(window, threads=threads)
+    gradient = gradient_of(in_precision(heights, DOUBLE, copy=False), steps, threads=threads)
     if highest > lowest and not SMALLEST <= gradient <= LARGEST:
         raise HeightMapError(
             f"heights from {lowest:g} m to {highest:g} m have an rms gradient of {gradient:g}, beyond the "

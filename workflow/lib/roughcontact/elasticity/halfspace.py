@@ -138,8 +138,7 @@ class HalfSpace:
         if precision not in self._symbols:
             spacing = self.lengths[0] / self.shape[0], self.lengths[1] / self.shape[1]
             qy, qx = (q.astype(precision) for q in wavevectors(self.shape, spacing))
-            values = symbol(self._influence, qy, qx, spacing, self.layers)
-            self._symbols[precision] = like_array(values, self._like)
+            self._symbols[precision] = symbol(self._influence, qy, qx, spacing, self.layers, like=self._like)
         return self._symbols[precision]
 
     def _counts_in(self, precision: str) -> Array:

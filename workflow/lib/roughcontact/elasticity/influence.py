@@ -1,7 +1,8 @@
 """Influence functions: how a pressure of wave vector q displaces the surface, u = S(q) p / E*.
 
-To add one, write (qy, qx, spacing, layers) -> S, positive, a length, and add its name to `INFLUENCE` and
-`roughcontact.choices`. Layers multiply 2/|q| by a factor of |q| alone (`roughcontact.elasticity.layers`).
+To add one, write (qy, qx, spacing, layers, like) -> S, positive, a length, in the library of the array
+`like`, and add its name to `INFLUENCE` and `roughcontact.choices`. Layers multiply 2/|q| by a factor of |q|
+alone (`roughcontact.elasticity.layers`).
 """
 
 import math
@@ -13,8 +14,8 @@ import numpy as np
 
 from roughcontact.choices import Influence
 from roughcontact.elasticity.layers import LayeredPair
+from roughcontact.kernels.arrays import Array, empty, like_array
 from roughcontact.kernels.choose import kernels_for
-from roughcontact.kernels.memory import store
 
 if TYPE_CHECKING:
     from scipy.interpolate import RectBivariateSpline
@@ -27,8 +28,12 @@ _SMALL = 1e-9  # change of the factor of an alias by layers below which it is le
 
 
 def sampled(
-    qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float], layers: LayeredPair | None = None
-) -> np.ndarray:
+    qy: np.ndarray,
+    qx: np.ndarray,
+    spacing: tuple[float, float],
+    layers: LayeredPair | None = None,
+    like: Array | None = None,
+) -> Array:
     """Return 2/|q| at wave vectors (ny, 1) and (1, nx//2 + 1), infinite at 0: Johnson (1985), chapter 13.
 
     Examples
@@ -37,16 +42,23 @@ def sampled(
     >>> sampled(np.array([[0.0], [3.0]]), np.array([[4.0]]), (1.0, 1.0)).ravel().tolist()
     [0.5, 0.4]
     """
-    symbol = store.empty((qy.size, qx.size), np.result_type(qy, qx))
-    kernels_for(symbol).inverse_root(qy[:, 0] ** 2, qx[0] ** 2, symbol)
+    like = qx if like is None else like
+    precision = np.result_type(qy, qx)
+    symbol = empty(like, precision.name, (qy.size, qx.size))
+    along_y, along_x = (like_array(q.ravel() ** 2, like) for q in (qy, qx))
+    kernels_for(symbol).inverse_root(along_y, along_x, symbol)
     if layers is not None:
-        symbol *= layers.factor(_wavenumbers(qy, qx)).astype(symbol.dtype)
+        symbol *= like_array(layers.factor(_wavenumbers(qy, qx)).astype(precision), like)
     return symbol
 
 
 def elements(
-    qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float], layers: LayeredPair | None = None
-) -> np.ndarray:
+    qy: np.ndarray,
+    qx: np.ndarray,
+    spacing: tuple[float, float],
+    layers: LayeredPair | None = None,
+    like: Array | None = None,
+) -> Array:
     """Return the symbol of pressures constant on every pixel, with displacements at their centres.
 
     It is the sum over the aliases Q = q + 2 pi (m/dy, n/dx) of S(Q) sinc(Q_y dy/2) sinc(Q_x dx/2), S that of
@@ -68,7 +80,7 @@ def elements(
     symbol *= element_transform.astype(symbol.dtype)
     for alias_term in alias_terms:
         symbol += (pixel * alias_term(row, column)[np.ix_(back_y, back_x)]).astype(symbol.dtype)
-    return symbol
+    return symbol if like is None else like_array(symbol, like)
 
 
 @lru_cache(maxsize=16)
@@ -119,8 +131,13 @@ def symbol(
     qx: np.ndarray,
     spacing: tuple[float, float],
     layers: LayeredPair | None = None,
-) -> np.ndarray:
-    """Return S(q) of an influence function, or of its name, of half-spaces or of bodies with layers."""
+    like: Array | None = None,
+) -> Array:
+    """Return S(q) of an influence function, or of its name, of half-spaces or of bodies with layers.
+
+    It is in the library and on the device of the array `like`, by default in NumPy.
+    """
     if callable(influence):
-        return np.asarray(influence(qy, qx, spacing))
-    return np.asarray(INFLUENCE[influence](qy, qx, spacing, layers))
+        values = np.asarray(influence(qy, qx, spacing))
+        return values if like is None else like_array(values, like)
+    return INFLUENCE[influence](qy, qx, spacing, layers, like)
