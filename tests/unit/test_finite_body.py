@@ -8,9 +8,11 @@ import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.stages import settings_of
 from roughcontact.maps import height_map, roughness_of, spacing
+from roughcontact.pipeline import run_chain
 from roughcontact.references.closed_forms import hertz, hertz_ellipse
 from roughcontact.references.synthetic import westergaard_surface
 from roughcontact.report.map_plots import pressure_map
+from roughcontact.results.storage import read_dataset
 from roughcontact.statistics.finite_body import hertz_axes
 from roughcontact.window.finite_body import finite_body
 
@@ -333,3 +335,15 @@ def test_what_is_solved_for_periodic_maps_refuses_finite_bodies():
     for verb in (rc.unload, lambda one: rc.partial_slip(one, friction_coefficient=0.2, tangential_load=0.5)):
         with pytest.raises(rc.SettingsError, match="body of finite size"):
             verb(contact)
+
+
+@pytest.mark.parametrize("pitch", [5e-6, 5.7e-7, 6.7e-7])  # n d d and n (d d) differ in the last bit of some
+def test_maps_of_a_finite_body_are_written_with_any_pitch(tmp_path, pitch):
+    body = height_map(ground(1e-8, (64, 64)).values, pitch)
+    contact = FREE | {"force": [2e-3, 1e-3]}
+    chosen = {"contact": contact, "form": {"edges": True}, "uncertainty": {"sources": []}}
+    chain = run_chain(body, resolve(chosen)[""], fields=tmp_path / "contact.nc")
+    solution = read_dataset(tmp_path / "contact.nc")
+    force = solution["pressure"].sum(("y", "x")) * pitch**2
+    np.testing.assert_allclose(force, [2e-3, 1e-3], rtol=1e-9)
+    np.testing.assert_array_equal(solution["mean_pressure"], chain.statistics["mean_pressure"])

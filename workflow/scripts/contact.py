@@ -19,7 +19,7 @@ solution = paths.get("contact") or output.contact
 if not paths.get("contact"):
     with_progress = solver | {"progress": progress}
     if settings["contact"]["keep_fields"]:
-        with written_load_by_load(solution, pipeline.mean_pressures(window, solver), window) as file:
+        with written_load_by_load(solution, pipeline.loads_of(solver), window) as file:
             result = pipeline.solve_and_evaluate(window, settings, with_progress, store=file.write_maps)
             fields = result.solution.assign(height=window)
             save(fields, solution, recorded["contact"], source=window.attrs, into=file)

@@ -14,7 +14,6 @@ from roughcontact.bodies import have_layers
 from roughcontact.contact.dataset import joined
 from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
 from roughcontact.errors import HeightMapError
-from roughcontact.maps import spacing
 from roughcontact.profiles.scatter import isotropic_contact, scatter_of_surfaces
 from roughcontact.profiles.surface import ISOTROPIC, levelled_heights, solved_window
 from roughcontact.results.storage import provenance, written_load_by_load
@@ -73,9 +72,8 @@ def run_chain(
     progress(0, None, "periodic window")
     window = solved_window(levelled, settings)
     solver = solver_arguments(window, settings, threads=threads)
-    pressures = mean_pressures(window, solver)
-    loads = len(pressures)
-    progress(0, loads, "solving")
+    loads = loads_of(solver)
+    progress(0, len(loads), "solving")
     origin: dict[str, Any] = {
         "settings": {key: settings[key] for key in sections_of(settings)},
         "source_sha256": str(height.attrs.get("source_sha256", "")),
@@ -85,11 +83,11 @@ def run_chain(
     if fields is None:
         result = solve_and_evaluate(window, settings, with_progress)
     else:
-        with written_load_by_load(fields, pressures, window) as file:
+        with written_load_by_load(fields, loads, window) as file:
             result = solve_and_evaluate(window, settings, with_progress, store=file.write_maps)
             solution = result.solution.assign(height=window)
             file.complete(solution.assign_attrs(provenance(**origin, stage="contact")))
-    progress(loads, loads, "error budget")
+    progress(len(loads), len(loads), "error budget")
     budget = bound_error(levelled, window, settings, solver, result.for_budget)
     statistics = complete_statistics(result.statistics, window, budget, settings, threads=threads)
     return Chain(levelled, window, statistics.assign_attrs(provenance(**origin, stage="statistics")))
@@ -107,12 +105,9 @@ def _radius_of_form(settings: Settings) -> Sequence[float]:
     return form["radius"] if form.get("local_scale") else ()
 
 
-def mean_pressures(window: xr.DataArray, solver: Mapping[str, Any]) -> list[float]:
-    """Return the mean pressures (Pa) of `solver_arguments`, the forces on a finite body over the map."""
-    if "force" not in solver:
-        return list(solver["mean_pressure"])
-    dy, dx = spacing(window)
-    return [force / (window.size * dy * dx) for force in solver["force"]]
+def loads_of(solver: Mapping[str, Any]) -> list[float]:
+    """Return the loads of `solver_arguments`: mean pressures (Pa), of a body of finite size forces (N)."""
+    return list(solver["force"] if "force" in solver else solver["mean_pressure"])
 
 
 def solver_arguments(window: xr.DataArray, settings: Settings, *, threads: int = 1) -> dict[str, Any]:

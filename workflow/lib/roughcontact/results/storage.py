@@ -182,12 +182,12 @@ def _packed(name: str, variable: xr.Variable | xr.DataArray) -> dict[str, Any]:
 class LoadByLoad:
     """A solution that is written as it is found: the maps of a few loads are larger than the memory.
 
-    `path`: of the file, which is made; `loads` in Pa: that will be solved, in the order of the file.
+    `path`: of the file, which is made; `loads` that will be solved (Pa, or N), in the order of the file.
     """
 
     def __init__(self, path: Path, loads: Sequence[float]):
         self.path, self._size = path, len(loads)
-        self._open = list(enumerate(map(float, loads)))  # places of loads whose maps are not there yet
+        self._indices = iter(np.argsort(loads, kind="stable"))  # `solve_contact` solves them rising
         self._file: netCDF4.Dataset | None = None
 
     def write_maps(self, solution: xr.Dataset) -> xr.Dataset:
@@ -196,12 +196,11 @@ class LoadByLoad:
         To be given to `solve_contact` as `reduce`.
         """
         maps = describe(solution[[name for name in solution.data_vars if solution[name].ndim == 3]])
-        entry_ = next(entry for entry in self._open if entry[1] == maps["mean_pressure"].values[0])
-        self._open.remove(entry_)
+        index = next(self._indices)
         if self._file is None:
             self._file = self._made_for(maps)
         for name, field in maps.data_vars.items():
-            self._file[str(name)][entry_[0]] = field.values[0]
+            self._file[str(name)][index] = field.values[0]
         return xr.Dataset()
 
     def _made_for(self, maps: xr.Dataset) -> "netCDF4.Dataset":
