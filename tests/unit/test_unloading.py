@@ -2,10 +2,15 @@
 
 import numpy as np
 import pytest
+from read_charts import read_chart
 from scipy.optimize import brentq
 
 import roughcontact as rc
 from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.report.tables import TITLES
+from roughcontact.report.unloading import unloading_of
+from roughcontact.results.storage import write_dataset
+from roughcontact.statistics.after_load import after_the_load
 
 HARDNESS = 0.4
 
@@ -126,3 +131,31 @@ def test_the_area_of_each_load_is_that_of_the_statistics(cycle):
     down = cycle[1]
     counted = rc.contact_statistics(down, flow="never")["relative_contact_area"]
     np.testing.assert_array_equal(down["relative_contact_area"], counted)
+
+
+def both_ways(folder, statistics, contact, peak):
+    """Return the words and the chart of the area of a page, with a correction of the areas of loading."""
+    settings = {"contact": {"unload": [peak], "contact_modulus": 1.0, "bodies": None}, "statistics": {}}
+    write_dataset(after_the_load(contact, contact["height"], settings), folder / "residual.nc")
+    corrected = {"relative_contact_area_as_solved": statistics["relative_contact_area"]}
+    corrected["relative_contact_area"] = 0.9 * statistics["relative_contact_area"]
+    page = unloading_of("ground", statistics.assign(corrected), folder / "residual.nc", folder)
+    return page["sentences"][0], read_chart(page["images"][TITLES["relative_contact_area"]], log="xy")
+
+
+def test_both_ways_on_the_page_are_as_solved_and_meet_at_the_peak(tmp_path, cycle):
+    contact = cycle[0].isel(load=slice(20, None, 6))
+    statistics = rc.contact_statistics(contact)
+    words, chart = both_ways(tmp_path, statistics, contact, float(contact["mean_pressure"].max()))
+    up, down = chart.lines
+    assert up.y[up.x.argmax()] == pytest.approx(down.y[down.x.argmax()], rel=0.01)
+    lowest = 100 * float(statistics["relative_contact_area"][0])
+    assert f"as solved is {lowest:.1f} % on loading" in words
+
+
+def test_a_load_below_those_solved_has_no_area_of_loading_on_the_page(tmp_path, cycle):
+    contact = cycle[0].isel(load=slice(20, None, 6))
+    lowest = float(contact["mean_pressure"][0])
+    words, _ = both_ways(tmp_path, rc.contact_statistics(contact), contact, lowest / 2)
+    assert "on unloading" in words
+    assert "on loading" not in words

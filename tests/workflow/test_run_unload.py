@@ -46,7 +46,7 @@ def test_what_the_load_leaves_goes_from_the_settings_to_the_page(tmp_path, check
     assert np.isfinite(twice["mean_pressure"].values).sum(axis=1).tolist() == [2, 3]
     page = project.path("results/report.html").read_text()
     section = page[page.index('<section id="unloading">') :]
-    assert section.count("of the area touch on loading") == 3
+    assert section.count("the contact area as solved is") == 3
     for curve in ("contact area A/A₀", "mean gap ū", "elastic stiffness −dp̄/dū"):
         assert section.count(f"{curve} on loading and on unloading") == 2
     assert "conductance on loading" not in section  # no conductivity is stated

@@ -22,6 +22,10 @@ _LEAK_RATES = ("leak_rate_x", "leak_rate_y")
 def unloading_of(name: str, loaded: xr.Dataset, residual: str | Path, folder: Path) -> dict[str, Any]:
     """Return charts by label, a sentence for each peak of the load, and the link from `folder`."""
     link = Path(os.path.relpath(residual, folder)).as_posix()
+    as_solved = {
+        key.removesuffix("_as_solved"): loaded[key] for key in map(str, loaded) if key.endswith("_as_solved")
+    }
+    loaded = loaded.assign(as_solved)  # the way back has no correction for the grid either
     recorded = read_dataset(residual)
     if "peak" not in recorded.dims:
         recorded = recorded.expand_dims("peak")
@@ -57,22 +61,22 @@ def _loading_and_unloading(loaded: xr.Dataset, unloadings: Sequence[xr.Dataset],
 
 
 def _sentence(loaded: xr.Dataset, unloading: xr.Dataset) -> str:
-    """Return what was lowered by how much, and the area of both ways at the lowest load."""
+    """Return what was lowered by how much, and the area of both ways at the lowest load, where both are known."""
     mean, largest = (
         quantity(float(unloading[f"{measure}_plastic_depth"]), "m") for measure in ("mean", "max")
     )
     volume = number(float(unloading["plastic_volume"]) * 1e18)
+    peak = quantity(float(unloading["peak_pressure"]), "Pa")
     heights = [quantity(float(unloading[f"rms_height{time}"]), "m") for time in ("_before_load", "")]
     gradients = [number(float(unloading[f"rms_gradient{time}"])) for time in ("_before_load", "")]
     lightest = unloading.isel(load=int(np.argmin(unloading["mean_pressure"].values)))
     loads, areas = (loaded.sortby("mean_pressure")[name].values for name in ("mean_pressure", _AREA))
-    before = float(np.interp(float(lightest["mean_pressure"]), loads, areas))
-    peak, load = (
-        quantity(float(value), "Pa") for value in (unloading["peak_pressure"], lightest["mean_pressure"])
-    )
+    load = float(lightest["mean_pressure"])
+    ways = {"on loading": np.interp(load, loads, areas, left=np.nan), "on unloading": lightest[_AREA]}
+    shares = [f"{percent(float(area))} {way}" for way, area in ways.items() if np.isfinite(area)]
     return (
         f"After {peak}: flow has lowered the heights by {mean} in the mean and {largest} at most "
         f"({volume} µm³), the rms height from {heights[0]} to {heights[1]}, the rms gradient from "
-        f"{gradients[0]} to {gradients[1]}. At {load} {percent(before)} of the area touch on loading, "
-        f"{percent(float(lightest[_AREA]))} on unloading."
+        f"{gradients[0]} to {gradients[1]}. At {quantity(load, 'Pa')} the contact area "
+        f"as solved is {', '.join(shares)}."
     )
