@@ -115,6 +115,10 @@ def test_plus_minus(value, half_width, text):
         (100.71, 100.0, 187.0, "100.7 −0.7 +86"),  # the wider end carries fewer digits
         (12.3456789, 12.3456779, 15.3, "12.35 +3.0"),
         (-0.04, -11.0, 11.0, "0 ± 11"),  # no −0
+        (7.33, 0.029, 18.6, "7.3 (0.029 to 19)"),  # lower ends that 7.3 −7.3 would hide
+        (10.4, 0.4, 20.0, "10 (0.40 to 20.0)"),
+        (240.3, 1.98, 243.5, "240 (2.0 to 243.5)"),
+        (7.33, 0.0, 18.6, "7.3 −7.3 +11"),
     ],
 )
 def test_with_interval(value, lower, upper, text):

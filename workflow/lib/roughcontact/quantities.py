@@ -208,7 +208,8 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
 
     The value has the digits that its interval carries, five at most; an end equal to the value at these
     digits is left out, since nothing is certain to ± 0. Ends stand in brackets where the interval reaches
-    beyond ten times the value, and where nothing bounds one of them: "or more", "or less".
+    beyond ten times the value, a lower end would read as 0 and is not, and where nothing bounds one: "or
+    more", "or less".
 
     Parameters
     ----------
@@ -230,6 +231,8 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
     ('300 −60', '300.00')
     >>> with_interval(1.7, 1.2, math.nan), with_interval(0.0028, 0.0, 0.33), with_interval(0.0, 0.0, 4.4e-7)
     ('1.70 (1.20 or more)', '0.0028 (0 to 0.33)', '0 (0 to 4.4×10⁻⁷)')
+    >>> with_interval(7.33, 0.029, 18.6), with_interval(7.33, 0.0, 18.6)
+    ('7.3 (0.029 to 19)', '7.3 −7.3 +11')
     """
     value, lower, upper = map(float, (value, lower, upper))
     if math.isnan(value):
@@ -239,6 +242,10 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
     above = 0.0 if math.isclose(upper, value, rel_tol=_ROUNDING) else upper - value
     wider, narrower = max(below, above), min(below, above)
     zero = value == below == 0.0 and above > _NEGLIGIBLE  # has no digits that an end could carry
+    even = narrower < 0 or narrower >= (1 - _AS_FAR) * wider
+    carried = max(wider if even else max(narrower or wider, _UNEVEN * wider), finest)
+    if 0 < lower < value and wider < math.inf:  # would read as 0, and is not
+        zero = lower < 10.0 ** -_decimal_places(max(carried, below))
     if math.isfinite(lower) != math.isfinite(upper) or above > _BY_ENDS * value > 0 or zero:
         carried = max(below if math.isfinite(lower) else above, finest)
         digits = 2 if _is_long(value) else 3
@@ -250,9 +257,8 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
         return f"{text or number(value, digits=digits)} {interval}"
     if not math.isfinite(wider) or wider <= (0 if value else _NEGLIGIBLE):
         return number(value)
-    if narrower < 0 or narrower >= (1 - _AS_FAR) * wider:
-        return _with_half_widths(value, {" ± ": wider}, max(wider, finest))
-    carried = max(narrower or wider, _UNEVEN * wider, finest)
+    if even:
+        return _with_half_widths(value, {" ± ": wider}, carried)
     return _with_half_widths(value, {" −": below, " +": above}, carried)
 
 

@@ -61,7 +61,7 @@ def _loading_and_unloading(loaded: xr.Dataset, unloadings: Sequence[xr.Dataset],
 
 
 def _sentence(loaded: xr.Dataset, unloading: xr.Dataset) -> str:
-    """Return what was lowered by how much, and the area of both ways at the lowest load, where both are known."""
+    """Return what was lowered by how much, and the area of both ways at the lowest load."""
     mean, largest = (
         quantity(float(unloading[f"{measure}_plastic_depth"]), "m") for measure in ("mean", "max")
     )
