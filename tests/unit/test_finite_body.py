@@ -47,6 +47,24 @@ def test_smooth_ball_is_that_of_hertz():
     assert answer["elastic_energy"].item() * area == pytest.approx(exact["energy"], rel=5e-3)
 
 
+def test_heat_through_a_ball_has_gas_beside_spots_and_film():
+    steel = {"youngs_modulus": 210e9, "poissons_ratio": 0.3, "thermal_conductivity": 50.0}
+    gas, film = {"gas_conductivity": 0.026, "temperature_jump": "0.37 um"}, 5e-8 / 0.2
+    contact = rc.solve_contact(
+        finite_body(ground(2e-7), radius=[5e-3]), bodies=[steel, steel], boundary="free", force="5 N"
+    )
+    with_film = {"film_thickness": 5e-8, "film_conductivity": 0.2}
+    answers = [
+        rc.contact_statistics(contact, bodies=[steel, steel], joint=gas | more) for more in ({}, with_film)
+    ]
+    gap = contact["gap"].values[0]
+    beside = (0.026 / (gap + 0.37e-6))[contact["pressure"].values[0] == 0].sum() / gap.size
+    for answer, added in zip(answers, (0.0, film), strict=True):
+        assert answer["gas_conductance"].item() == pytest.approx(beside)
+        spots = 1 / (answer["thermal_resistance"] + added / answer["relative_contact_area"])
+        assert answer["joint_conductance"].item() == pytest.approx(beside + spots.item(), rel=1e-9)
+
+
 def test_stresses_below_a_smooth_ball_are_those_of_hertz():
     """Largest stresses on the axis (Johnson 1985, section 4.2): 0.310 p0 of shear at 0.48 a for nu = 0.3."""
     steel = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "yield_stress": "700 MPa"}

@@ -59,8 +59,12 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
     columns = {name: xr.Variable("load", [row[name] for row in rows]) for name in rows[0]}
     scale = columns["contact_stiffness"] / statistics["contact_stiffness"].variable
     before = {str(name): statistics[name].variable for name in statistics}
+    gas = before.pop("gas_conductance", None)
     transport = {name: values * scale for name, values in before.items() if "conductance" in name}
     transport |= {name: values / scale for name, values in before.items() if name.endswith("_resistance")}
+    if gas is not None and "joint_conductance" in before:  # of gas and film nothing is scaled
+        film = 1 / (before["joint_conductance"] - gas) - before["thermal_resistance"]
+        transport["joint_conductance"] = 1 / (transport["thermal_resistance"] + film) + gas
     passages = [f"{passage}_{axis}" for passage in _PASSAGE for axis in "xy"]
     undefined = {*before} & {*THEORIES, *passages, "loading_stiffness", *(transport if layers else ())}
     blank = {name: xr.full_like(before[name], np.nan, dtype=float) for name in undefined}
