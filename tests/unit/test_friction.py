@@ -40,8 +40,9 @@ def test_the_interval_of_friction_is_that_of_the_area():
         rough_reference_surface(64),
         contact={"contact_modulus": 1e9, "relative_pressure": 0.1},
         statistics={"friction": {"shear_strength": 1e6}},
-        uncertainty={"sources": ["solver"]},
+        uncertainty={"sources": ["solver", "discretisation"]},  # which corrects the area
     )
+    assert (found["relative_contact_area"] != found["relative_contact_area_as_solved"]).all()
     for end in ("", "_lower", "_upper"):
         expected = 1e6 * found[f"relative_contact_area{end}"] / found["mean_pressure"]
         np.testing.assert_allclose(found[f"friction_coefficient{end}"].values, expected.values)

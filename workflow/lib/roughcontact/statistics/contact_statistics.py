@@ -324,9 +324,10 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     complete = statistics.merge(budget, compat="override", join="override").assign_attrs(window_attrs)
     ends = _ends_in_other_units(complete) | _ends_of_the_leak(complete)
     if "friction_coefficient" in complete and "relative_contact_area_lower" in complete:
-        by_area = complete["friction_coefficient"] / complete["relative_contact_area"]
-        for end in ("lower", "upper"):
-            ends[f"friction_coefficient_{end}"] = by_area * complete[f"relative_contact_area_{end}"]
+        area = complete["relative_contact_area"]
+        by_area = complete["friction_coefficient"] / complete.get("relative_contact_area_as_solved", area)
+        for end in ("", "_lower", "_upper"):
+            ends[f"friction_coefficient{end}"] = by_area * complete[f"relative_contact_area{end}"]
     return complete.assign(ends)
 
 
