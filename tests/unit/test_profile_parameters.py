@@ -60,3 +60,32 @@ def test_a_profile_that_is_shorter_than_a_section_is_refused():
     levelled = rc.level(sine(points=400), l_filter=100e-6)
     with pytest.raises(rc.HeightMapError, match="is shorter than one section"):
         rc.profile_parameters(levelled[:, :100])
+
+
+def test_missing_points_do_not_count_and_keep_their_length():
+    # a sine on a step across its gap: with the gap closed its crossings and slopes would be those of the step
+    heights = sine(points=7900).values.copy()
+    heights[0, 3030:3130] = np.nan
+    expected = rc.profile_parameters(sine(points=7900))
+    result = rc.profile_parameters(rc.height_map(heights, PITCH))
+    assert result["Psm"] == pytest.approx(100e-6, rel=1e-4)
+    assert result["Pdq"] == pytest.approx(expected["Pdq"], rel=5e-3)
+    filled = rc.level(rc.height_map(heights, PITCH), form="none", outlier_threshold=None)
+    assert filled.attrs["filled_points"] == 100
+    assert rc.profile_parameters(filled) == pytest.approx(result)
+
+
+def test_the_sections_of_a_profile_with_a_gap_are_as_long_as_without():
+    sections = np.repeat([1.0, 2.0, 3.0, 4.0], 500) * np.tile([1e-6, -1e-6], 1000)
+    levelled = rc.level(sine(points=2000), l_filter=250e-6)
+    steps = levelled.copy(data=sections[None])
+    steps[0, 500:1000] = np.nan
+    assert rc.profile_parameters(steps)["Rz"] == pytest.approx(2e-6 * (1 + 3 + 4) / 3)
+
+
+def test_a_profile_without_points_is_refused():
+    with pytest.raises(rc.HeightMapError, match="all 50 points of the map are missing"):
+        rc.profile_parameters(rc.height_map(np.full((1, 50), np.nan), PITCH))
+    rows = np.vstack([np.linspace(0, 1e-6, 50), np.full(50, np.nan)])
+    with pytest.raises(rc.HeightMapError, match="leave its row out"):
+        rc.profile_parameters(rc.height_map(rows, PITCH))

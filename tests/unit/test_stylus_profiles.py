@@ -173,7 +173,11 @@ def test_profiles_of_several_lengths_and_with_missing_points():
 def test_columns_are_profiles_as_well():
     row = rows(rough(), 1)[0]
     column = row.rename(x="y", y="x").transpose("y", "x")
-    xr.testing.assert_allclose(rc.surface_from_profiles([row]), rc.surface_from_profiles([column]))
+    expected = rc.surface_from_profiles([row])
+    xr.testing.assert_allclose(expected, rc.surface_from_profiles([column]))
+    xr.testing.assert_allclose(expected, rc.surface_from_profiles(row))
+    stretches = [rc.surface_from_profiles(row, along=along).attrs["stretch"] for along in (column, [column])]
+    np.testing.assert_allclose(stretches, 1)
 
 
 @pytest.mark.parametrize(
@@ -209,6 +213,9 @@ def test_sizes_that_are_none():
     for wrong, words in (
         ({"points": 0}, "points = 0: give a whole number"),
         ({"points": 64.5}, "points = 64.5: give a whole number"),
+        ({"points": [64, 64]}, r"points = \[64, 64\]: give a whole number"),
+        ({"points": np.nan}, "points = nan: give a whole number"),
+        ({"seed": -1}, "seed = -1: give a whole number of 0 or more"),
         ({"spacing": 0.0}, "spacing = 0 must be a positive"),
         ({"spacing": "2 kg"}, "unknown length unit 'kg'"),
         ({"points": 64, "spacing": 1e6}, "points = 64: at this spacing the surface has none of the waves"),
@@ -321,6 +328,20 @@ def test_the_contact_of_the_surface_behind_profiles(answers):
     area = answers["five"]["relative_contact_area"] / true["relative_contact_area"]
     assert np.abs(area - 1).max() < 0.15
     assert (answers["across"]["relative_contact_area"] > 1.3 * true["relative_contact_area"]).all()
+
+
+def test_missing_points_of_a_profile_without_a_lay_are_filled_and_its_ends_left_out():
+    options = {"lay": "none", "contact": CONTACT, "uncertainty": {"sources": ["solver"]}}
+    profile = rough()[[20]].assign_coords(x=np.arange(SIDE) * 1e-6) * 3e-7
+    holed = profile.copy()
+    holed[0, 100:103] = np.nan
+    cut, ended = profile[:, 4:], profile.where(profile.x >= 4e-6)
+    intact, filled = (rc.evaluate(heights, **options) for heights in (profile, holed))
+    np.testing.assert_allclose(filled["relative_contact_area"], intact["relative_contact_area"], rtol=0.05)
+    column = rc.evaluate(profile.rename(x="y", y="x").transpose("y", "x"), **options)
+    np.testing.assert_allclose(column["relative_contact_area"], intact["relative_contact_area"])
+    areas = [rc.evaluate(heights, **options)["relative_contact_area"].values for heights in (cut, ended)]
+    np.testing.assert_allclose(*areas)
 
 
 def test_the_lay_decides_and_is_asked_for(answers):

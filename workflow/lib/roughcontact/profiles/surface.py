@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -105,8 +106,9 @@ def surface_from_profiles(
     ratio = step / pitch
     longest = min(segments.shape[1], _MOST_POINTS)
     side = int(friendly_sides(longest)[longest]) if points is None else points
-    if isinstance(side, str) or side != int(side) or side < 2:
-        raise SettingsError(f"points = {points!r}: give a whole number of 2 or more", keys=["points"])
+    for key, value, least in (("points", side, 2), ("seed", seed, 0)):
+        if not (isinstance(value, Real) and value % 1 == 0 and value >= least):
+            raise SettingsError(f"{key} = {value!r}: give a whole number of {least} or more", keys=[key])
     fit = ProfileFit(segments, max(1, form_order(stack)))
     finish = finish_of(segments, fit)
     spectra = {  # the last two measured values are mean squares
@@ -114,8 +116,8 @@ def surface_from_profiles(
         "profiles": fit.measured[:-2] * pitch,
         "fit": finish.spectrum.fitted[:-2] * pitch,
     }
-    stretch, doubts = _stretch(segments, pitch, along) if along else (1.0, [])
-    heights = draw(finish, int(side), ratio, np.random.default_rng(seed), stretch)
+    stretch, doubts = _stretch(segments, pitch, along) if len(along) else (1.0, [])
+    heights = draw(finish, int(side), ratio, np.random.default_rng(int(seed)), stretch)
     drawn = height_map(heights, pitch * ratio)
     warnings = doubts + _warnings(segments, pitch, finish, side * ratio / stretch)
     facts = {
@@ -133,7 +135,8 @@ def surface_from_profiles(
 
 def stacked(profiles: Sequence[xr.DataArray]) -> xr.DataArray:
     """Return profiles as the rows of one array (number, x; m), NaN beyond their ends."""
-    rows = [labelled_in_si(check_labelled(profile)) for profile in profiles]
+    listed = [profiles] if isinstance(profiles, xr.DataArray) else profiles
+    rows = [labelled_in_si(check_labelled(profile)) for profile in listed]
     if not rows or any(1 not in row.shape for row in rows):
         shapes = ", ".join(f"{row.shape[1]} x {row.shape[0]}" for row in rows) or "no"
         raise HeightMapError(f"profiles: have {shapes} points; give one-row maps, one or more")
@@ -164,8 +167,9 @@ def levelled_heights(height: xr.DataArray, options: Mapping[str, Any]) -> xr.Dat
         )
     if lay != ISOTROPIC:
         return level(height, **options)
-    rows = [height[[row]].dropna("x") for row in range(len(height))]
-    return stacked([level(row, **options) for row in rows]).assign_attrs(lay=ISOTROPIC)
+    rows = height if height.shape[1] > 1 else stacked([height])
+    levelled = [level(_without_missing_ends(rows[[row]]), **options) for row in range(len(rows))]
+    return stacked(levelled).assign_attrs(lay=ISOTROPIC)
 
 
 def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, Any]]) -> xr.DataArray:
@@ -198,10 +202,17 @@ def profile_pieces(stack: xr.DataArray) -> tuple[np.ndarray, float]:
             f"{_LEAST_POINTS} points or more, or state lay = across"
         )
     line = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1, 1, points), 1))[0]
+    largest = np.abs(segments).max()
     segments = segments - (segments @ line) @ line.T
-    if not np.diff(segments).std() > 1e-12 * np.abs(stack).max().item():
+    if not np.diff(segments).std() > 1e-12 * largest:
         raise HeightMapError(f"{name}: is flat; a flat profile has no spectrum")
     return segments, spacing(stack)[1]
+
+
+def _without_missing_ends(profile: xr.DataArray) -> xr.DataArray:
+    """Return a profile (1, x) from its first measured point to its last."""
+    measured = np.flatnonzero(np.isfinite(profile[0]))
+    return profile[:, measured[0] : measured[-1] + 1] if measured.size else profile
 
 
 def _longest_run(row: np.ndarray) -> np.ndarray:

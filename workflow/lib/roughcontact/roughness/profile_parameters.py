@@ -6,7 +6,7 @@ import math
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import check_labelled
+from roughcontact.checking import check_map
 from roughcontact.errors import HeightMapError
 from roughcontact.maps import spacing
 from roughcontact.roughness.bearing import bearing_parameters
@@ -35,7 +35,7 @@ def profile_parameters(profiles: xr.DataArray) -> dict[str, float]:
     Parameters
     ----------
     profiles : DataArray (y, x), m
-        one levelled profile, or several as rows; NaN where missing.
+        one levelled profile, or several as rows; points that are missing (NaN) or filled do not count.
 
     Returns
     -------
@@ -60,29 +60,37 @@ def profile_parameters(profiles: xr.DataArray) -> dict[str, float]:
     >>> print(f"Pq {result['Pq']:.3g} m, Psm {result['Psm']:.3g} m")
     Pq 7.07e-07 m, Psm 0.0002 m
     """
-    check_labelled(profiles)
+    values = check_map(profiles)
+    if "filled" in profiles.coords:
+        values[profiles["filled"].values.astype(bool)] = np.nan
     pitch = min(step for step, points in zip(spacing(profiles), profiles.shape, strict=True) if points > 1)
-    rows = profiles.values if profiles.shape[1] > 1 else profiles.values.T
+    rows = values if values.shape[1] > 1 else values.T
     l_filter = json.loads(profiles.attrs.get("filters_removed", "{}")).get("l_filter")
     section = l_filter and l_filter["nesting_index"]["value"]
-    every = [_parameters(row[~np.isnan(row)], pitch, section) for row in rows]
+    parameters = [_parameters(row, pitch, section) for row in rows]
     prefix = "R" if l_filter else "P"
-    return {prefix + name: float(np.mean([one[name] for one in every])) for name in every[0]}
+    return {prefix + name: float(np.mean([row[name] for row in parameters])) for name in parameters[0]}
 
 
-def _parameters(z: np.ndarray, pitch: float, section: float | None) -> dict[str, float]:
-    """Return the parameters of the heights z (m), without the letter of the profile."""
-    count = round(section / pitch) if section else z.size
-    if not 0 < count <= z.size:
+def _parameters(profile: np.ndarray, pitch: float, section: float | None) -> dict[str, float]:
+    """Return the parameters of heights (m; NaN where missing), without the letter of the profile."""
+    measured = np.flatnonzero(~np.isnan(profile))
+    if measured.size < 2:
+        raise HeightMapError("a profile has fewer than two measured points: leave its row out")
+    profile = profile[measured[0] : measured[-1] + 1] - np.nanmean(profile)
+    z, measured = profile[measured - measured[0]], measured - measured[0]
+    count = round(section / pitch) if section else profile.size
+    if not 0 < count <= profile.size:
         raise HeightMapError(
-            f"l_filter = {section:g} m: the profile of {z.size * pitch:g} m is shorter than one section; "
-            "filter with a smaller nesting index, or measure a longer profile"
+            f"l_filter = {section:g} m: the profile of {profile.size * pitch:g} m is shorter than one "
+            "section; filter with a smaller nesting index, or measure a longer profile"
         )
-    z = z - z.mean()
-    sections = z[: z.size // count * count].reshape(-1, count)
-    p, v = float(sections.max(axis=1).mean()), float(-sections.min(axis=1).mean())
+    sections = profile[: profile.size // count * count].reshape(-1, count)
+    sections = sections[~np.isnan(sections).all(axis=1)]
+    p, v = float(np.nanmax(sections, axis=1).mean()), float(-np.nanmin(sections, axis=1).mean())
     q = math.sqrt(np.mean(z**2))
     bearing = bearing_parameters(z)
+    bridged = np.interp(np.arange(profile.size), measured, z)
     return {
         "a": float(np.mean(np.abs(z))),
         "q": q,
@@ -92,8 +100,8 @@ def _parameters(z: np.ndarray, pitch: float, section: float | None) -> dict[str,
         "t": float(np.ptp(z)),
         "sk": float(np.mean((z / q) ** 3)) if q > 0 else math.nan,
         "ku": float(np.mean((z / q) ** 4)) if q > 0 else math.nan,
-        "sm": pitch * _element_width(z, _DISCRIMINATION * (p + v)),
-        "dq": math.sqrt(np.mean(np.diff(z) ** 2)) / pitch,
+        "sm": pitch * _element_width(bridged, _DISCRIMINATION * (p + v)),
+        "dq": math.sqrt(np.nanmean(np.diff(profile) ** 2)) / pitch,
     } | {name: bearing[areal] for name, areal in _CORE.items()}
 
 
