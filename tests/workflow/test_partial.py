@@ -120,6 +120,24 @@ def test_results_of_other_settings_are_not_in_it(done):
     assert contents(done) == before
 
 
+@pytest.mark.parametrize("partial", [True, False])
+def test_files_of_an_earlier_table_with_groups_and_pairs_do_not_stay_beside_it(done, partial):
+    earlier = [
+        done.path(f"results/{name}") for name in ("groups.nc", "groups.csv", "pairs.csv", "pages/x.html")
+    ]
+    for path in earlier:
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("of an earlier run")
+    if partial:
+        done.path("results/turned/panel.html").unlink()
+        assert write_partial_results(plan())
+    else:
+        done.write(QUICK | {"report": {"title": "Without groups"}})
+        assert done.run().returncode == 0
+    assert not any(path.exists() for path in earlier)
+    assert done.path("results/summary.csv").exists()
+
+
 def test_the_command_says_what_is_missing(done):
     done.path("logs/ground/contact.log").write_text("[contact ground] ERROR: killed; out of memory\n")
     done.path("results/ground/panel.html").unlink()

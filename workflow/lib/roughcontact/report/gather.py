@@ -1,6 +1,7 @@
 """The results of all surfaces of a run: one dataset, one table, one page."""
 
 import json
+import shutil
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NotRequired
@@ -54,6 +55,7 @@ def write_results(
     `link_folder` the folder to which the files will be moved, for the links.
     """
     folder = Path(folder)
+    remove_earlier(folder)
     statistics = collect_statistics(finished)
     checksums = statistics.attrs["source_sha256"]
     attrs = provenance(settings_of_statistics, source_sha256=checksums, stage="statistics")
@@ -109,6 +111,13 @@ def write_results(
         folder=link_folder,
     )
     return omitted
+
+
+def remove_earlier(folder: Path) -> None:
+    """Remove the files that only some studies have: they would pass for those of a later run."""
+    shutil.rmtree(folder / "pages", ignore_errors=True)
+    for name in ("groups.nc", "groups.csv", "comparisons.csv", "pairs.csv"):
+        (folder / name).unlink(missing_ok=True)
 
 
 def group_answers(

@@ -10,7 +10,7 @@ from pathlib import Path
 from roughcontact.configuration.plan import Plan, split
 from roughcontact.errors import InputFileError
 from roughcontact.io.checksums import checksum
-from roughcontact.report.gather import Finished, write_results
+from roughcontact.report.gather import Finished, remove_earlier, write_results
 from roughcontact.results.collect import Failure
 from roughcontact.results.storage import read_arrays
 
@@ -55,7 +55,7 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
         failures=failures,
         link_folder=folder,
     )
-    shutil.rmtree(folder / "pages", ignore_errors=True)
+    remove_earlier(folder)
     for path in staging.iterdir():
         if path.name == _DATED_BACK:
             os.utime(path, (_LONG_AGO, _LONG_AGO))
