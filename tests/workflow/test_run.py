@@ -138,6 +138,20 @@ def test_a_second_run_does_nothing(finished):
     assert "Nothing to be done" in again.stderr
 
 
+def test_results_without_the_records_of_snakemake_are_made_again(finished, tmp_path, checkout):
+    """Snakemake itself compares dates alone then, and lets results of other settings stay."""
+    copy = Project(tmp_path / "copy", checkout)
+    for name in ("measured", "results"):
+        shutil.copytree(finished.path(name), copy.path(name), dirs_exist_ok=True)
+    copy.write(SETTINGS | {"contact": SETTINGS["contact"] | {"contact_modulus": "2e9"}})
+    run = copy.run("--dry-run")
+    assert counted(run) == FROM_PREPARE
+    assert "results/ came without .snakemake" in run.stderr
+    assert copy.jobs() == FROM_PREPARE
+    complete = shutil.copytree(finished.folder, tmp_path / "complete")
+    assert Project(complete, checkout).jobs().keys() <= {"report"}  # whose panels are too large to compare
+
+
 def test_planning_a_run_imports_nothing_that_computes():
     """So that a run with nothing to do ends at once: what it imports is all that makes it wait."""
     rules = "\n".join(path.read_text() for path in (ROOT / "workflow/rules").glob("*.smk"))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.configuration.dependencies import source_digest
+from roughcontact.configuration.places import RECORDS
 from roughcontact.configuration.plan import STAGES, Plan, Rule, split
 from roughcontact.io.checksums import checksum
 from roughcontact.io.size import estimate_points
@@ -58,6 +59,7 @@ class RuleArguments:
             # left out, but counted by checksum: files from the future, by a wrong clock, and braces, which
             # mark wildcards
             paths = [path for path in self.plan.sources(rule, wildcards.result) if "{" not in path]
+            paths += [str(RECORDS)] * RECORDS.exists()
             return [local(path) for path in paths if Path(path).stat().st_mtime <= time_now]
 
         return files

@@ -3,11 +3,15 @@
 import os
 import time
 from collections.abc import Iterable
+from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
 
 from roughcontact.errors import InputFileError, SettingsError
 
+# An input of the first jobs, as old as the records of Snakemake. Without these, as in a copy of results/
+# alone, Snakemake compares dates only: this file is new there, so that all is made again
+RECORDS = Path(".snakemake/roughcontact-records")
 _SKEW = 60  # s by which clocks of file servers may be ahead
 
 
@@ -49,6 +53,16 @@ def stale_results(results: Iterable[str]) -> list[str]:
     """
     folders = {path.parent for depth in ("*", "*/*") for path in Path("results").glob(f"{depth}/panel.html")}
     return sorted(folder.as_posix() for folder in folders - {Path("results", result) for result in results})
+
+
+def lost_records() -> bool:
+    """Return whether the working directory has results without Snakemake's records, which begin here."""
+    if RECORDS.exists():
+        return False
+    with suppress(OSError):
+        RECORDS.parent.mkdir(exist_ok=True)
+        RECORDS.touch()
+    return any(Path("results").glob("*/*.nc")) or any(Path("results").glob("*/*/*.nc"))
 
 
 def check_dates(paths: Iterable[str]) -> None:
