@@ -6,6 +6,7 @@ import json
 import re
 import zipfile
 
+import netCDF4
 import numpy as np
 import pytest
 import sdfio
@@ -162,6 +163,14 @@ def test_npy_of_other_things(tmp_path, array, words):
     refuses(words, path, dx=1, dy=1, unit="um")
 
 
+def test_positions_in_an_array_are_said(tmp_path):
+    heights = np.random.default_rng(2).normal(size=(9, 12))
+    for array, said in ((np.vstack([np.arange(12) / 2, heights]), True), (heights, False)):
+        np.save(tmp_path / "map.npy", array)
+        height = read_height_map(tmp_path / "map.npy", dx=1, dy=1, unit="um")
+        assert ("the first row (0, 0.5, 1 ...) may be positions" in height.attrs["ingest_warnings"]) == said
+
+
 def test_npy_never_unpickles(tmp_path):
     marker = tmp_path / "ran"
 
@@ -225,6 +234,33 @@ def test_foreign_netcdf_with_two_spellings_of_one_unit(tmp_path):
     axes["y"].attrs["units"] = "um"
     axes.to_netcdf(path)
     refuses("axes x and y have different units", path)
+
+
+@pytest.mark.parametrize(
+    ("kind", "limits", "packing"),
+    [
+        ("f8", {"valid_min": -1e4}, {}),
+        ("f8", {"valid_range": np.array([-1e4, 1e4])}, {}),
+        ("i2", {"valid_range": np.array([-300, 400], "i2")}, {"scale_factor": 0.25, "add_offset": 100.0}),
+        ("i2", {"valid_min": -1e3, "valid_max": 200.0}, {"scale_factor": 0.25, "add_offset": 100.0}),
+    ],
+)
+def test_values_outside_their_valid_range_are_missing(tmp_path, kind, limits, packing):
+    path = tmp_path / "map.nc"
+    stored = np.array([[-300, 7, 400], [-30000, 401 if kind == "i2" else 8, -299]], kind)
+    with netCDF4.Dataset(path, "w") as file:
+        for axis, size in (("y", 2), ("x", 3)):
+            file.createDimension(axis, size)
+            file.createVariable(axis, "f8", (axis,))[:] = np.arange(size)
+            file[axis].units = "um"
+        variable = file.createVariable("z", kind, ("y", "x"))
+        variable.setncatts({"units": "nm"} | limits | packing)
+        variable.set_auto_maskandscale(False)
+        variable[:] = stored
+    expected = stored * packing.get("scale_factor", 1.0) + packing.get("add_offset", 0.0)
+    expected[1, 0] = np.nan
+    expected[1, 1] = np.nan if kind == "i2" else 8.0
+    np.testing.assert_allclose(read_height_map(path).values, 1e-9 * expected, rtol=1e-12)
 
 
 def gsf_bytes(**changed):

@@ -141,6 +141,7 @@ def test_lost_lines():
     height = rough()
     height[:, 12] = height[:, 11]
     assert "1 of 64 columns repeat the one before exactly" in words(height)
+    assert "second half of the rows repeats the first exactly" in words(np.vstack([height[:8], height[:8]]))
 
 
 def test_noise_and_flatness():

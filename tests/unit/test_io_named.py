@@ -111,6 +111,10 @@ def locked(packed):
         (b"Zygo ASCII Data File - Format 2\n0 1 1 20\n", "counts of the phase.*take the DAT or DATX file"),
         (b"Zygo XYZ Data File - Format 2\n0 1 1 20\n", "export it as format 1"),
         (b"DSAA\n2 2\n0 1\n0 1\n0 1\n1 2\n3 4\n", "grid of Surfer.*save it as ASCII XYZ"),
+        (
+            b"ply\nformat ascii 1.0\nproperty float z\nend_header\n1 2 3\n",
+            "a mesh .PLY., whose columns may be",
+        ),
         (b"DSBB" + bytes(50), "grid of Surfer"),
         (b"ISO 5436 - 2000\r\n\x03\r\n1.0\r\n\x03", "a profile in the form of ISO 5436-2"),
         (locked(archive("main.xml")), "the ZIP archive asks for a password; unpack it first"),

@@ -1,6 +1,7 @@
 """Texts that hold more than one thing: tables, traces, named columns, statements, positions."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -196,6 +197,13 @@ def test_a_first_row_of_an_unknown_word_is_not_dropped(read, word):
         (["Pixel size: 1 234 nm"], "give dx, dy, unit"),
         (["Pixel size: 2 px/µm"], "line 1 says 'Pixel size: 2 px/µm': 'px/µm' is no unit of length"),
         (["Step: 0.5 µm"], "give dx, dy, unit"),
+        (
+            ["Length: 5 µm", "Width: 5 µm", "Height: 3 µm"],
+            "line 1 says .*, line 3 says .* range of its heights",
+        ),
+        (["dx: 0.5 µm", "Höhe: 3 µm"], "line 1 says .*, line 2 says .* range of its heights"),
+        (["Spacing: 0.5 µm", "Track spacing: 0.25 µm"], "line 2 says .*, line 1 says"),
+        (["Camera pixel size: 6.5 µm", "Pixel size: 6.5 µm (camera)"], "give dx, dy, unit"),
     ],
 )
 def test_statements_that_do_not_agree_are_asked_about(read, lines, words):
@@ -212,6 +220,7 @@ def test_statements_that_do_not_agree_are_asked_about(read, lines, words):
         (["nx: 10", "Columns: 11"], "line 1 says .*, line 2 says"),
         (["X unit: mm", "Y unit: µm"], "line 1 says .*, line 2 says"),
         (["Bit2nm: 1", "Z unit: µm"], "line 1 says .*, line 2 says"),
+        (["Z scale (nm/LSB): 0.01"], "line 1 says 'Z scale .*: name a factor"),
         (["Z scale: 0.001", "Z unit: nm"], "line 1 says 'Z scale: 0.001': name a factor"),
         (["Width: 12 px", "Height: 8 px"], "the header says 12 columns, the file has 10"),
         (["Image size: 10 x 9 pixels"], "the header says 9 rows, the file has 8"),
@@ -236,6 +245,8 @@ def test_other_statements_that_do_not_agree_are_refused(read, lines, words):
         ["Pixel size: 0.5, 0.25 µm", "Z scale: 1"],
         ["Pixel size: 0.5 µm / 0.25 µm", "Z scale: 300 nm"],
         ["Pixel size: 0.5 µm 0.25 µm"],
+        ["Point spacing: 0.5 µm", "Line spacing: 0.25 µm", "Camera pixel size: 6.5 µm"],
+        ["X size: 5 µm", "Height: 2 µm", "Z inverted: no", "Bad pixels: 7"],
         ["dx: 0.5 µm +/- 0.01 µm", "dy: 0.25 µm"],
         ["Pixel size X: 0.5 µm", "Pixel size Y: 0.25 µm", "X range: 0 .. 5 µm"],
         ["幅： 5 µm", "高さ： 2 µm"],
@@ -245,6 +256,77 @@ def test_other_statements_that_do_not_agree_are_refused(read, lines, words):
 def test_statements_that_agree_are_used(read, lines):
     height = read("\n".join([*lines, "Z unit: nm"]) + "\n" + table(ONE))
     assert_heights(height, ONE[::-1])
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["dz: 0.01", "Z resolution: 0.01 nm", "Vertical step = 0.01 nm", "1 count = 0.01 nm", "Z-Faktor 0,01"],
+)
+def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, line):
+    text = f"{line}\nZ unit: nm\n" + table(np.round(100 * ONE))
+    read(text, refused=f"line 1 says '{line}', and all heights are whole numbers.*'Z factor'", **GIVEN)
+    assert_heights(read(text.replace("Z unit: nm", "Z factor: 0.01 nm"), **GIVEN), np.round(ONE[::-1], 2))
+    assert notes(read(f"{line}\n" + table(ONE), **GIVEN)).count("line 1") == 0
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (
+            "Bad pixel value: -9",
+            "line 1 says 'Bad pixel value: -9', and there are 2 points .* give missing_value",
+        ),
+        ("Fehlwert -9", "2 points with that height"),
+        (
+            "Z inverted: yes",
+            "'Z inverted: yes', which is not followed: check first_row, the sign",
+        ),
+        ("Origin: bottom left", "which is not followed"),
+        ("Data: Deflection", "which is not followed"),
+        ("Channel: Phase", "channel 'Phase' is read as heights, which by its name it does not hold"),
+    ],
+)
+def test_statements_that_are_not_understood_are_said(read, line, words):
+    heights = np.where(np.arange(80).reshape(8, 10) % 41 == 3, -9, ONE)
+    height = read(f"{line}\n" + table(heights), **GIVEN)
+    assert re.search(words, notes(height))
+    assert_heights(height, heights[::-1])
+    assert not re.search(
+        "not followed|that height", notes(read("Bad pixels: 3\nInverted: no\n" + table(ONE), **GIVEN))
+    )
+
+
+@pytest.mark.parametrize(
+    "heading",
+    ["rho;phi;z", "theta (deg);z (nm)", "Frequency;z", "Time;z", "Zeit (s);Höhe (nm)", "Load;Depth"],
+)
+def test_columns_of_other_quantities_are_no_positions(read, heading):
+    columns = grid(ONE) if heading.count(";") == 2 else (X, ONE[0])
+    read(heading + "\n" + table(*columns, separator=";"), refused="which of the . columns|give dx", **NM)
+
+
+def test_a_column_of_times_beside_a_profile_is_left_out(read):
+    height = read("Time (s);x (µm);z (nm)\n" + table(X, X, ONE[0], separator=";"))
+    assert_heights(height, ONE[:1])
+    assert json.loads(height.attrs["channels"]) == ["height"]
+
+
+@pytest.mark.parametrize("name", ["z*1000", "z x10^-3", "-z", "Ra", "Amplitude", "z inverted"])
+def test_a_heading_of_changed_or_other_heights_is_said(read, name):
+    height = read(f"x (µm);{name} (nm)\n" + table(X, ONE[0], separator=";"))
+    assert f"the heights are those of the column '{name}', as they are" in notes(height)
+
+
+def test_names_of_columns_behind_a_word_for_them(read):
+    x, y, z = grid(ONE)
+    assert_heights(read("# columns: x z y\n" + table(x, z, y, separator=" "), **NM), ONE)
+
+
+def test_empty_columns_beside_a_matrix_are_said(read):
+    text = "".join(";" + line for line in table(ONE, separator=";").splitlines(keepends=True))
+    height = read(text, **GIVEN)
+    assert_heights(height, ONE[::-1])
+    assert "1 column of empty cells beside the table are left out" in notes(height)
 
 
 def test_a_heading_that_contradicts_the_positions_is_said(read):

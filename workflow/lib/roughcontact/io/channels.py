@@ -31,7 +31,8 @@ _LONGEST = 1e100  # of positions, whose squares must be finite
 
 NO_TOPOGRAPHY = re.compile(  # names of channels
     r"phase|amplitude|deflection|error|friction|lateral|current|potential|voltage|intensity|modulation|stiffness|"
-    r"adhesion|dissipation|temperature|image|colou?r|mask|quality|uncertainty|(?:^|[\W_])std(?:$|[\W_])",
+    r"adhesion|dissipation|temperature|image|colou?r|mask|quality|uncertainty|slope|gradient|curvature|psd|acf|ratio|"
+    r"(?:^|[\W_])(?:std|r[aqz])(?:$|[\W_])",
     re.IGNORECASE,
 )
 

@@ -11,7 +11,7 @@ import numpy as np
 from roughcontact.checking import check_choice, marker_values
 from roughcontact.choices import Checksum, FirstRow
 from roughcontact.errors import HeightMapError, InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, Points, choose_channel
+from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, Points, choose_channel
 from roughcontact.io.request import Request
 from roughcontact.io.resampling import on_even_grid
 from roughcontact.io.scale import decide_scale
@@ -51,6 +51,8 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     notes = file.warnings + channel.notes + _checksum_notes(file, request, path)
     if channel.no_height:
         notes.append(f"channel {channel.name!r} is read as heights on request ({channel.no_height})")
+    elif request.channel is None and NO_TOPOGRAPHY.search(channel.name):
+        notes.append(f"channel {channel.name!r} is read as heights, which by its name it does not hold")
     channel, settled = _settled(channel, request, path)
     channel, marked = _without_markers(channel, request, path)
     channel, request, resampling = on_even_grid(channel, request, path)

@@ -238,6 +238,14 @@ def _lines(height: np.ndarray) -> list[str]:
         )
         if 0 < repeated.sum() < count / 2:
             doubts.append(f"{repeated.sum()} of {count} {name} repeat the one before exactly: lost lines")
+        elif (
+            count % 2 == 0
+            and np.array_equal(values[: count // 2], values[count // 2 :], equal_nan=True)
+            and not repeated.any()
+        ):
+            doubts.append(
+                f"the second half of the {name} repeats the first exactly: exported twice, or periodic"
+            )
     return doubts
 
 

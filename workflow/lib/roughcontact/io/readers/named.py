@@ -46,6 +46,7 @@ _KNOWN_TEXTS = {
     ),
     b"Zygo XYZ Data File - Format 2": "a Zygo XYZ data file of another format than 1; export it as format 1",
     b"DSAA": _SURFER,
+    b"ply": "a mesh (PLY), whose columns may be in any order; export the map as a text of points x, y, z",
 }
 
 

@@ -206,7 +206,25 @@ def _values(
         variable = dataset[name].isel(selection)
         check_points((1, prod(variable.shape)), path)
         values = as_heights(variable.transpose(*map_axes).values, str(path))[turned].copy()
+        low, high = _valid_range(variable)
+        values[(values < low) | (values > high)] = np.nan
     return -values if positive_down else values
+
+
+def _valid_range(variable: Any) -> np.ndarray:
+    """Return the lowest and the highest value that is no missing point (NetCDF Users Guide, appendix A).
+
+    Limits of the type of packed values are packed too; half a step of these is allowed for rounding.
+    """
+    attributes, packing = variable.attrs, variable.encoding
+    stated = attributes.get("valid_range", (attributes.get("valid_min"), attributes.get("valid_max")))
+    limits = np.array(
+        [-np.inf if stated[0] is None else stated[0], np.inf if stated[1] is None else stated[1]]
+    )
+    if all(np.asarray(limit).dtype.kind == "f" for limit in stated if limit is not None):
+        return limits
+    scale = packing.get("scale_factor", 1.0)
+    return np.sort(limits * scale + packing.get("add_offset", 0.0)) + np.abs(scale) * np.array([-0.5, 0.5])
 
 
 def _maps(variable: Any) -> Iterator[tuple[tuple[str | None, str], dict[str, int]]]:

@@ -9,7 +9,7 @@ from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.lengths import compare_size
-from roughcontact.io.text.axes import refuse_points
+from roughcontact.io.text.axes import axes_of, refuse_points
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -31,6 +31,8 @@ def read(path: Path) -> MeasuredFile:
     if values.dtype.kind in "iuf":
         refuse_points(values, path)
     stale, notes = compare_size(path, getattr(values, "offset", 0) + values.nbytes)
+    if values.dtype.kind in "iuf" and values.ndim == 2 and (axes := axes_of(values, corner=False)):
+        notes = [*notes, axes.note.replace("is taken as", "may be")]
     problem = "" if values.dtype.kind in "iuf" else f"values of type {values.dtype}, not real numbers"
     channel = Channel("height", shape, lambda: as_heights(values, str(path)), no_height=problem)
     return MeasuredFile(

@@ -4,6 +4,7 @@ The first line of a matrix is the upper one, as of instrument software; without 
 assumption. Where positions are given, y increases upwards.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import takewhile
@@ -15,6 +16,7 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import (
     LEAST_MARKER,
+    NO_TOPOGRAPHY,
     Channel,
     MeasuredFile,
     UnevenPositionsError,
@@ -28,7 +30,7 @@ from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.axes import are_points, axes_of, begins_anew, form_a_grid, uneven
 from roughcontact.io.text.columns import Column, headed, layout, of_a_map, unit_of_heights
-from roughcontact.io.text.doubts import refuse_lost_row, thousands
+from roughcontact.io.text.doubts import not_understood, refuse_lost_row, thousands
 from roughcontact.io.text.header import (
     Stated,
     Statement,
@@ -61,6 +63,9 @@ _LISTED = 8  # names in a message
 _MANY_PROFILES = 10  # columns; fewer beside a first one of positions may be profiles
 _MAX_NARROW_ROWS = 1000  # rows of two or three columns that may be a map
 _DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that may be positive downwards
+_COMPUTED = re.compile(  # headings of heights that were multiplied, turned, or are others than heights
+    rf"[*×·/^]|\bx\s?\d|^[-−]|\blog\b|invert|{NO_TOPOGRAPHY.pattern}", re.IGNORECASE
+)
 # key of `roughcontact.io.metadata` -> key of the header
 _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}
 _SCALE_ADVICE = "correct the file, or give dx, dy and unit"
@@ -144,6 +149,7 @@ def _parsed(
     span = np.ptp(measured) if measured.size else 0.0
     if abs(first_values.get("height_range", np.inf) - span) <= 0.01 * span:  # in the unit of the heights
         first_values.setdefault("height_unit", first_values.get("height_range_unit"))
+    doubts += not_understood(rows, stated, measured, path)
     if unit := unit_of_heights(rows.heading):
         if is_length(first_values.get("height_unit")) and not same_length(unit, first_values["height_unit"]):
             raise InputFileError(
@@ -154,6 +160,11 @@ def _parsed(
     columns = headed(rows.heading, values.shape[1], delimiter)
     if not {"length_x", "length_y", "nx", "ny"} & set(first_values):
         filled_columns = slice(table.empty_left, values.shape[1] - table.empty_right)
+        if not columns and (empty := table.empty_left + table.empty_right):
+            doubts.append(
+                f"{counted_noun(empty, 'column')} of empty cells beside the table are left out; write NaN in "
+                "those that are columns of the map"
+            )
         table = table._replace(values=values[:, filled_columns])
         columns = (
             columns[filled_columns] if columns else headed(rows.heading, table.values.shape[1], delimiter)
@@ -341,6 +352,8 @@ def _lists(
                     f"the heights are those of the column {name!r}, as they are; if it counts downwards, "
                     "change their sign"
                 )
+            elif _COMPUTED.search(name):
+                channel.notes.append(f"the heights are those of the column {name!r}, as they are")
         files.append(file)
         if not all(channel.no_height for channel in file.channels):
             chosen.append((columns[height], file))

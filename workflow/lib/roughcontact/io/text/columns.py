@@ -10,6 +10,9 @@ from roughcontact.io.units import is_length
 _MAX_LINE_LENGTH = 4096  # characters of a line of headings
 _MAX_DISTANCE = 20  # lines above the table that may contain headings
 _ENTRY = re.compile(r"[^\W\d]\s*[:=]\s*[-+.]?\d")  # a number behind a word: no heading
+_LABEL = re.compile(
+    r"(?:columns?|fields|spalten|colonnes)\b\s*[:=]?\s+(?!\d)", re.IGNORECASE
+)  # before the names
 _WIDE_TABLE = 8  # columns; so many with one heading are the columns of a map
 
 # role of a column -> headings (lower case, letters and digits only)
@@ -17,9 +20,14 @@ _ROLES = {
     "index": (
         "index idx no nr num number nummer numéro numero número point punkt punto id n row zeile ligne "
         "line count counter zähler zaehler compteur contador contatore sample messpunkt datenpunkt номер "
+        "time t zeit temps tiempo tempo tijd время 時間 时间 시간 timestamp date datum frame "
         "точка 番号 序号 번호"
     ),
     "valid": "valid validity isvalid gültig flag",
+    "parameter": (
+        "angle winkel theta phi rho azimuth lon lat longitude latitude frequency frequenz fréquence "
+        "wavenumber wavelength wellenlänge lag load force voltage temperature strain"
+    ),
     "x": (
         "x xpos xposition xcoordinate xcoord xaxis xachse lateral lateralposition position pos distance "
         "length scanlength scanposition traverse travel abscissa displacement encoder encoder1 axis1 "
@@ -45,7 +53,8 @@ class Column(NamedTuple):
 
     name: str
     unit: str | None
-    role: str  # `index`, `valid` (0 at missing points), `x`, `y`, `z`, or empty
+    # `index` (also time), `valid` (0 at missing points), `parameter` (no position), `x`, `y`, `z`, or empty
+    role: str
 
 
 class Layout(NamedTuple):
@@ -169,6 +178,7 @@ def _indexed(columns: list[Column]) -> list[Column]:
 def _cells(line: str, count: int, delimiter: str | None) -> list[str] | None:
     """Return the cells of a line, or None if their number is not that of the columns."""
     text = line.strip(" \r\n").lstrip("#%").strip(" " if delimiter == "\t" else None)
+    text = _LABEL.sub("", text)
     if len(text) > _MAX_LINE_LENGTH or not text:
         return None
     delimited = delimiter is not None and delimiter in text

@@ -4,13 +4,40 @@ import re
 from itertools import islice
 from pathlib import Path
 
+import numpy as np
+
 from roughcontact.errors import InputFileError
-from roughcontact.io.text.header import statements
+from roughcontact.io.channels import NO_TOPOGRAPHY
+from roughcontact.io.text.header import Stated, statements
 from roughcontact.io.text.missing import is_missing
-from roughcontact.io.text.table import COMMENT_SIGNS, word_in_row
+from roughcontact.io.text.table import COMMENT_SIGNS, Rows, word_in_row
+from roughcontact.quantities import counted_noun
 
 _LENGTHS = {"length_x", "length_y", "dx", "dy", "step"}  # entries of a header with a decimal sign
+_MAX_LINES, _LONGEST_LINE = (
+    1000,
+    200,
+)  # lines above a table, and characters, that are searched for other statements
 _MIN_CELLS = 10  # cells with three digits behind the mark, of which fewer say nothing
+# statements of a header that may change the heights, beyond those that are understood
+_FACTOR = re.compile(
+    r"\bdz\b|lsb|quanti[sz]|multipl|\bcounts?\b|facteur z|calib\w* z\b|"
+    r"(?:\bz\b|height|vertical|höhe|bit|data|hauteur).*(?:scal|skal|factor|faktor|facteur|gain|calib|kalib|"
+    r"resolution|step|increment|digit|coeff|conver|ratio)",
+    re.IGNORECASE,
+)
+_MARKER = re.compile(
+    r"bad|invalid|missing|undef|void|null|blank|no.?data|no.?value|\bnan\b|fill|mask|background|ungültig|fehl|"
+    r"manquant|measured|drop.?out",
+    re.IGNORECASE,
+)
+_TURNED = re.compile(
+    r"invert|bottom|lower.?left|transpos|mirror|flip|column.?major|downward|\bdown\b|polarity|^\W*sign\b|"
+    rf"axis.*\bup\b|positive|(?:data|signal|type|image|quantity)\W*[:=]\W*(?:{NO_TOPOGRAPHY.pattern})",
+    re.IGNORECASE,
+)
+_NEGATIVE = re.compile(r"\b(?:no|none|false|off|nein|non|0)\W*$", re.IGNORECASE)
+_LAST_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?=\D*$)")
 _MAX_CELLS = 200_000  # cells that are compared column by column
 
 
@@ -32,6 +59,43 @@ def refuse_lost_row(
         f"{stray_word[:40]!r} in place of a number: correct it, write NaN for a missing point, or delete the "
         "line if it is no row of the map"
     )
+
+
+def not_understood(rows: Rows, stated: Stated, heights: np.ndarray, path: Path) -> list[str]:
+    """Return notes on lines above a table that may concern its heights; refuse a factor above whole numbers.
+
+    Examples
+    --------
+    >>> rows = Rows(["Bad pixels: -1", "Sign: -1"], 1, ["1.5 -1", "2 3"], [3, 4])
+    >>> for note in not_understood(rows, {}, np.array([[1.5, -1], [2, 3]]), Path("map.txt")):
+    ...     print(note)
+    line 1 says 'Bad pixels: -1', and there is 1 point with that height: if missing, give missing_value
+    line 2 says 'Sign: -1', which is not followed: check first_row, the sign, and whether these are heights
+    """
+    notes = []
+    understood = {statement.line for repeated in stated.values() for statement in repeated}
+    measured = heights[np.isfinite(heights)]
+    counts = "z_factor" not in stated and measured.size > 0 and bool(np.all(measured == np.rint(measured)))
+    for number, line in enumerate(rows.heading[:_MAX_LINES], rows.first):
+        if number in understood or len(line) > _LONGEST_LINE or not re.search(r"[:=\t]|\s[-+\d]", line):
+            continue
+        words = f"line {number} says {line.strip()[:60]!r}"
+        value = _LAST_NUMBER.search(line.replace(",", "."))
+        if value and counts and _FACTOR.search(line) and float(value[0]) not in (0, 1):
+            raise InputFileError(
+                f"{path}: {words}, and all heights are whole numbers, as counts are: state it as 'Z factor', "
+                "with the unit of the products, or delete that line if they are lengths"
+            )
+        if value and _MARKER.search(line) and (count := int(np.sum(measured == float(value[0])))):
+            points = f"{counted_noun(count, 'point')} with that height"
+            notes.append(
+                f"{words}, and there {'is' if count == 1 else 'are'} {points}: if missing, give missing_value"
+            )
+        elif _TURNED.search(line) and not _NEGATIVE.search(line):
+            notes.append(
+                f"{words}, which is not followed: check first_row, the sign, and whether these are heights"
+            )
+    return notes
 
 
 def thousands(

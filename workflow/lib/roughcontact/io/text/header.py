@@ -30,6 +30,8 @@ _HEADER_WORDS = {
         "height, y size, size y, ysize, y length, length y, scan height, y range, range y, y amplitude, "
         + HEIGHT_WORDS
     ),
+    # a third side, by which the height may be that of the solid
+    "length": "length, länge, longueur, lunghezza, longitud, depth, tiefe, profondeur",
     "step": (
         "pixel size, pixelsize, cell size, cellsize, pixel pitch, pixel spacing, spacing, sampling "
         "interval, xy calibration, xy kalibrierung, pixelgröße, pixelgrösse, pixelabstand, punktabstand, "
@@ -40,11 +42,12 @@ _HEADER_WORDS = {
     "size": "size, scan size, image size, field, field size, field of view, area, scan area, measured area",
     "dx": (
         "dx, x step, step x, xstep, pixel width, x spacing, spacing x, x increment, xscale, x pixel size, "
-        "pixel size x"
+        "pixel size x, x pitch, point spacing, column spacing"
     ),
     "dy": (
         "dy, y step, step y, ystep, pixel height, y spacing, spacing y, y increment, yscale, y pixel size, "
-        "pixel size y"
+        "pixel size y, y pitch, row spacing, line spacing, line distance, profile spacing, profile distance, "
+        "track spacing, tracks distance, zeilenabstand, linienabstand, spurabstand, profilabstand"
     ),
     "nx": "w, nx, columns, ncols, x pixels, xpixels, x points, samples, points per line, horizontal",
     "ny": "h, ny, rows, nrows, y pixels, ypixels, y points, lines, vertical, vertikal",
@@ -73,9 +76,9 @@ _HEADER_WORDS = {
 }
 # those with a text as value
 _TEXT_ENTRIES = ("channel", "height_unit", "lateral_unit", "unit", "instrument", "serial", "lens", "date")
-_LENGTHS = ("length_x", "length_y", "dx", "dy", "step", "size")
+_LENGTHS = ("length_x", "length_y", "length", "dx", "dy", "step", "size")
 _COUNTS = ("nx", "ny", "count")
-_REPEATED = ("channel", "instrument", "serial", "lens", "date", "missing", "height_range", "count")
+_REPEATED = ("channel", "instrument", "serial", "lens", "date", "missing", "height_range", "count", "length")
 _UNIT_IN_NAME = {"bit2nm": "nm"}  # keys that imply the unit of their value: counts to nanometres
 _TWO_VALUES = {"size": ("length_x", "length_y"), "step": ("dx", "dy")}  # entries with two values in one line
 _PIXELS = {"length_x": "nx", "length_y": "ny"}  # a size in pixels is a number of them
@@ -85,6 +88,10 @@ _NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _BETWEEN_SIDES = re.compile(r"(?<=[\w)\]])(?: (?:x|by|/) |x(?=\d)|(?:;\s*|,\s+)(?=\d))|(?<=[^\W\d])\s+(?=\d)")
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
 _PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|px|point|pt|sample)s?$", re.IGNORECASE)
+_CAMERA = re.compile(
+    r"pixel.*\b(?:camera|sensor|detector|ccd)\b|\b(?:camera|sensor|detector|ccd)\b.*pixel", re.IGNORECASE
+)  # its pixels are not the map's
+_HEIGHT_WORD = re.compile(rf"\W*(?:height|{HEIGHT_WORDS.replace(', ', '|')})\b", re.IGNORECASE)
 _LONGEST = 60  # characters of a line that a message shows
 _SLACK, _WIDEST_SLACK = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with rounding
 _ODD_PIXEL = 10.0  # ratio of the sides of a pixel above which two different units of them are doubted
@@ -125,7 +132,7 @@ def statements(lines: Iterable[str], *, first: int = 1, sign: str = "") -> State
     stated: Stated = {}
     for number, line in enumerate(islice(lines, _MAX_LINES), start=first):
         text = line.strip().lstrip("#%;!\\*/ \t").strip()
-        if not text or len(line) > _MAX_LINE_LENGTH:
+        if not text or len(line) > _MAX_LINE_LENGTH or _CAMERA.search(text):
             continue
         for key, value in _entries(text):
             for meaning, statement in _statements_of(key, value, sign):
@@ -158,7 +165,7 @@ def disagreeing(stated: Stated) -> str:
             if not same_length(scaled.unit, bare.value) and not math.isclose(product, metres(bare.value)):
                 return f"{scaled}, {bare}: they do not agree; correct one of them"
     for factor in stated.get("factor", []):
-        if not factor.unit and factor.value != 1 and "z_factor" not in stated:
+        if not is_length(factor.unit) and factor.value != 1 and "z_factor" not in stated:
             return f"{factor}: name a factor of the heights 'Z factor', with the unit of the products"
     without_lengths = {meaning: repeated for meaning, repeated in stated.items() if meaning not in _LENGTHS}
     return next((f"{wrong}; correct one of them" for wrong in _repeated(without_lengths)), "")
@@ -217,6 +224,10 @@ def _lengths_apart(stated: Stated, first: dict[str, Statement], shape: tuple[int
         bare = keys == ["length_" + axis] and not first[keys[0]].unit
         if bare and first[keys[0]].value == count > 1 and not {"n" + axis, "lateral_unit"} & {*first}:
             yield f"{first[keys[0]]}, and there are {count} {name}: a size without a unit, or their number"
+    if (height := first.get("length_y")) and _HEIGHT_WORD.match(height.text) and shape[0] > 1:
+        third = first.get("length") or (not {"length_x", "dy", "step"} & {*first} and first.get("dx"))
+        if third and is_length(third.unit):
+            yield f"{third}, {height}: a side of the map, or the range of its heights"
     side = first.get("size")  # of one side, or of both
     if side and len(used) == 2:
         sides = zip(used, shape[::-1], strict=True)
