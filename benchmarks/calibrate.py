@@ -87,7 +87,6 @@ COVERAGE = 0.95
 JUDGED_LOADS = LOADS[1:4]
 LEVEL = 0.975  # of the arms, so that some 95 % hold on measured maps left out: errors have long tails
 FREEDOM = 4.0  # of Student's t for the errors of the area
-OCTAVE_SHARE = 0.8  # of the change by the last octave, that the next one adds
 LEAST_CHANGE = 0.05  # of a logarithm in an octave
 RIDGE = 0.05  # on the slopes of the features, in their standard deviations
 SAME = 0.01  # of a logarithm, within which results are those of one map
@@ -288,6 +287,8 @@ def errors_of(bank: pd.DataFrame, quantity: str, measurand: str) -> pd.DataFrame
                         )
                         rows += [base | {"error": value - getattr(row, key)} for value in truth]
     used = {*SIZED_BY[quantity], *(["trend"] if quantity in MOVED_BY_TREND else [])}
+    if measurand == "octave":  # in full contact there is no change to scale the error by
+        used.add("octave")
     found = pd.DataFrame(rows).dropna(subset=["error", "area", *used])
     found[list(OF_EACH)] = found[list(OF_EACH)].fillna(0.0)
     found["error"] = found["error"].clip(-LARGEST_ERROR, LARGEST_ERROR)
@@ -469,9 +470,9 @@ def calibration(bank: pd.DataFrame) -> dict:
             arms = arms_of(errors, trend, size_of(b, errors), LEVEL)
             table["arms"].setdefault(measurand, {})[name] = arms
         octave = errors_of(bank, quantity, "octave")
-        ratio = (octave["error"] - OCTAVE_SHARE * octave["octave"]) / np.hypot(octave["octave"], LEAST_CHANGE)
+        ratio = octave["error"] / np.hypot(octave["octave"], LEAST_CHANGE)
         low, high = quantiles(ratio.to_numpy(), octave["weight"].to_numpy(), LEVEL)
-        table["octave"][name] = {"share": OCTAVE_SHARE, "down": -low, "up": high}
+        table["octave"][name] = {"down": -low, "up": high}
         table["discretisation"][name] = discretisation_floor(bank, quantity)
     table[MAP_SCATTER] = fitted_scatter(scatter_of_maps(bank)).to_dict()
     return rounded(table)

@@ -15,10 +15,11 @@ from roughcontact.maps import height_map, refined, spacing
 from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.uncertainty.budget import _summed
+from roughcontact.uncertainty.calibration import octave_arms
 from roughcontact.uncertainty.headline import headline_and_answers
 from roughcontact.uncertainty.instrument import instrument_components
 from roughcontact.uncertainty.magnification import magnification_curve, without_shortest_waves
-from roughcontact.uncertainty.scales import AREA, GAP, PEAK, QUANTITIES, to_scale
+from roughcontact.uncertainty.scales import ANSWERS, AREA, GAP, PEAK, QUANTITIES, to_scale
 from roughcontact.uncertainty.unresolved import growth_by_finer_spectrum, hidden_waves, next_octave
 from roughcontact.window.instrument import check_instrument, stated_instrument
 from roughcontact.window.transfer import (
@@ -350,5 +351,15 @@ def test_the_next_octave_follows_a_finer_spectrum_where_one_is_known():
     growth, _ = growth_by_finer_spectrum(coarse, rc.level(fine))
     known, guessed = next_octave(coarse, curve, fine), next_octave(coarse, curve)
     assert known[PEAK][0].item() == pytest.approx(0.1 * min(growth / 0.1, 4.0))
-    assert 0 < guessed[PEAK][0].item() < 0.2
+    assert guessed[PEAK][0].item() == 0
     assert (guessed[PEAK][1][:2] > 0).all()
+
+
+def test_the_next_octave_bounds_every_quantity_to_both_sides():
+    """Full contacts of the bank, which have no gap and no last change to scale by, leave no end open."""
+    octave = next_octave(height_map(np.zeros((64, 64)), 1e-6), curve_of([0.4, 0.3, 0.2, 0.1, 0.0]))
+    for name in (AREA, GAP, PEAK, *ANSWERS):
+        assert np.isfinite(octave_arms(name)).all(), name
+    for name, (shift, component) in octave.items():
+        assert np.isfinite(shift).all(), name
+        assert np.isfinite(component).all(), name

@@ -79,11 +79,10 @@ def _arms(quantiles: Mapping[str, list[float]], area: np.ndarray) -> list[np.nda
     return [np.interp(x, quantiles["load"], quantiles[side]) for side in ("down", "up")]
 
 
-def octave_arms(name: str) -> tuple[float, float, float, float]:
-    """Return the share of the last octave's change that the next adds, arms about it, the least change."""
+def octave_arms(name: str) -> tuple[float, float, float]:
+    """Return arms below and above, over the change by the last octave, and the least such change."""
     entries = table()["octave"]
-    arms_of_octave = entries[entry(name)]
-    return arms_of_octave["share"], arms_of_octave["down"], arms_of_octave["up"], entries["least_change"]
+    return entries[entry(name)]["down"], entries[entry(name)]["up"], entries["least_change"]
 
 
 def discretisation_floor(name: str) -> float:

@@ -3,8 +3,8 @@
 * *Hidden waves*, longer than two pixels, that a stated lens or tip does not resolve, shift the ends of the
   interval. The trend of the resolved octaves is continued to the pixels, over two octaves at most; beyond,
   nothing bounds it.
-* *The next octave*, shorter than two pixels, is an answer of its own: a share of what the last octave changed
-  (`calibration`), or as much as the spectrum of a finer map of the same finish says.
+* *The next octave*, shorter than two pixels, is an answer of its own: its change is bounded by that of the
+  last one (`calibration`), or follows the spectrum of a finer map of the same finish.
 """
 
 import math
@@ -91,10 +91,10 @@ def next_octave(
         finer = finer if isinstance(finer, xr.DataArray) else read_height_map(finer)
         growth, limit = growth_by_finer_spectrum(window, level(finer, form="plane"))
     for name, change in _changes(curve, 0).items():
-        share, arm_below, arm_above, least_change = octave_arms(name)
+        arm_below, arm_above, least_change = octave_arms(name)
         unit = curve[f"{GAP}_at_cutoff"].values[:, 0] if name in CONSTRICTIONS else 1.0
         size = np.hypot(change, least_change * unit)
-        shift, below, above = share * change, arm_below * size, arm_above * size
+        shift, below, above = 0 * change, arm_below * size, arm_above * size
         if finer is not None:  # as many octaves of the last one's growth
             shift = change * min(growth / last, 4.0) if last > 0 else 0 * change
             if name == AREA:
