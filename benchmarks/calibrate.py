@@ -87,7 +87,6 @@ COVERAGE = 0.95
 JUDGED_LOADS = LOADS[1:4]
 LEVEL = 0.975  # of the arms, so that some 95 % hold on measured maps left out: errors have long tails
 FREEDOM = 4.0  # of Student's t for the errors of the area
-LEAST_CHANGE = 0.05  # of a logarithm in an octave
 RIDGE = 0.05  # on the slopes of the features, in their standard deviations
 SAME = 0.01  # of a logarithm, within which results are those of one map
 LARGEST_ERROR = 6.0  # of a logarithm; more is a closed gap
@@ -458,7 +457,6 @@ def discretisation_floor(bank: pd.DataFrame, quantity: str) -> float:
 def calibration(bank: pd.DataFrame) -> dict:
     """Return the content of `calibration.json`."""
     table: dict = {"extent": float(CUTS[0]), "size": {}, "trend": {}, "arms": {}, "octave": {}}
-    table["octave"]["least_change"] = LEAST_CHANGE
     table["discretisation"] = {}
     for name, quantity in SHORT.items():
         surface = errors_of(bank, quantity, "surface")
@@ -470,7 +468,7 @@ def calibration(bank: pd.DataFrame) -> dict:
             arms = arms_of(errors, trend, size_of(b, errors), LEVEL)
             table["arms"].setdefault(measurand, {})[name] = arms
         octave = errors_of(bank, quantity, "octave")
-        ratio = octave["error"] / np.hypot(octave["octave"], LEAST_CHANGE)
+        ratio = octave["error"] / np.hypot(octave["octave"], 1.0)
         low, high = quantiles(ratio.to_numpy(), octave["weight"].to_numpy(), LEVEL)
         table["octave"][name] = {"down": -low, "up": high}
         table["discretisation"][name] = discretisation_floor(bank, quantity)

@@ -73,6 +73,18 @@ def test_a_band_chosen_in_the_settings_has_no_unresolved_waves(rough):
             assert chosen[f"{name}_octave_{end}"].item() == chosen[f"{name}_{end}"].item()
 
 
+def test_an_octave_that_nothing_tells_of_has_no_interval(rough):
+    """Neither where `unresolved` is not asked for, nor on a map too small to leave its last octave out."""
+    levelled = rc.level(rough)
+    settings = {"level": {}, "window": {}, "contact": CONTACT}
+    asked = error_budget(levelled, levelled, settings, sources=["solver"])
+    for budget in (asked, budget_of(rough[:14, :14])):
+        for name in (AREA, GAP, PEAK, PRESSURE):
+            assert np.isfinite(budget[f"{name}_map_lower"]).all()
+            assert np.isnan(budget[f"{name}_octave_lower"]).all()
+            assert np.isnan(budget[f"{name}_octave_upper"]).all()
+
+
 def test_grooves_leave_the_narrowest_place_without_upper_end():
     """Deep grooves along y: elsewhere they may be wider; on this map they are what they are."""
     x = np.arange(96)

@@ -30,6 +30,7 @@ from roughcontact.uncertainty.instrument import instrument_components
 from roughcontact.uncertainty.intervals import (
     MEASURANDS,
     Limits,
+    Octave,
     Windows,
     interval_columns,
     window_components,
@@ -159,7 +160,8 @@ def error_budget(
     middle = {name: to_scale(name, value) for name, value in values.items()}
     components: dict[UncertaintySource, Components] = {}
     windows_of: Windows = {key: {} for key in MEASURANDS}
-    widest_gap, octave, attrs = None, {}, {}
+    widest_gap, attrs = None, {}
+    octave: Octave | None = None
     if "solver" in sources:
         components["solver"] = _of_solver(solved)
     if "discretisation" in sources:
@@ -217,7 +219,9 @@ def error_budget(
     if "unresolved" in sources:
         curve = magnification_curve(window, contact=lenient, solved=solved)
         columns |= {str(name): (v.dims, v.values) for name, v in curve.variables.items()}
-        if not band_is_chosen(settings, window):
+        if band_is_chosen(settings, window):
+            octave = {}
+        else:
             components["unresolved"] = hidden_waves(window, curve, instrument, true_shapes)
             octave = next_octave(window, curve, instrument.get("finer_spectrum"))
     columns |= interval_columns(

@@ -79,10 +79,10 @@ def _arms(quantiles: Mapping[str, list[float]], area: np.ndarray) -> list[np.nda
     return [np.interp(x, quantiles["load"], quantiles[side]) for side in ("down", "up")]
 
 
-def octave_arms(name: str) -> tuple[float, float, float]:
-    """Return arms below and above, over the change by the last octave, and the least such change."""
-    entries = table()["octave"]
-    return entries[entry(name)]["down"], entries[entry(name)]["up"], entries["least_change"]
+def octave_arms(name: str) -> tuple[float, float]:
+    """Return the arms of one octave more, below and above, over the root of 1 + (change by the last one)^2."""
+    octave = table()["octave"][entry(name)]
+    return octave["down"], octave["up"]
 
 
 def discretisation_floor(name: str) -> float:

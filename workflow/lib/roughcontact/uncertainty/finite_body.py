@@ -50,8 +50,8 @@ def finite_body_budget(
         solved=solved.drop_vars([STIFFNESS, *ANSWERS], errors="ignore"),
         scatter_of=scatter_of_positions,
     )
-    # of longer and shorter waves the positions say nothing
-    ends = [name for name in budget if any(f"_{extent}_" in str(name) for extent in ("longer", "octave"))]
+    # of longer waves the positions say nothing
+    ends = [name for name in budget if "_longer_" in str(name)]
     ends += [] if positions else [name for name in budget if "_next_" in str(name)]
     return budget.assign({name: xr.full_like(budget[name], np.nan) for name in ends})
 

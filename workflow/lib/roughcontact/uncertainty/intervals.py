@@ -79,7 +79,8 @@ def interval_columns(
     """Return the ends of all intervals of the quantities, and what they are made of.
 
     `as_solved` are results (load), `middle` corrected ones on their scales. Measurands not in `windows`, and
-    shorter waves without `octave`, have no interval; `measurand` is that of `_lower` and `_upper`.
+    shorter waves without `octave`, have no interval (an empty `octave`: the settings chose the band);
+    `measurand` is that of `_lower` and `_upper`.
     """
     shorter = {name: centre + octave[name][0] for name, centre in middle.items()} if octave else middle
     if limits.hardness is not None:  # by the edges of its pixels alone the area may be too small for the load

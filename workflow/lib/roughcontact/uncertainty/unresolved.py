@@ -76,14 +76,14 @@ def hidden_waves(
 
 def next_octave(
     window: xr.DataArray, curve: xr.Dataset, finer: str | xr.DataArray | None = None
-) -> dict[str, tuple[np.ndarray, Component]]:
+) -> dict[str, tuple[np.ndarray, Component]] | None:
     """Return by how much waves one octave shorter shift each quantity (load), and the component about that.
 
     `curve` is the `magnification_curve` of the periodic window, `finer` a map or profile (m) of the same
-    finish, or its path, whose spectrum tells how much steeper the surface is. Empty for a map too small.
+    finish, or its path, whose spectrum tells how much steeper the surface is. None for a map too small.
     """
     if curve.sizes["cutoff"] < 2:
-        return {}
+        return None
     octave = {}
     gradients, growth, limit = curve["gradient_at_cutoff"].values, 0.0, 0.0
     last = math.log(gradients[0] / gradients[1]) if gradients.min() > 0 else 0.0
@@ -91,17 +91,17 @@ def next_octave(
         finer = finer if isinstance(finer, xr.DataArray) else read_height_map(finer)
         growth, limit = growth_by_finer_spectrum(window, level(finer, form="plane"))
     for name, change in _changes(curve, 0).items():
-        arm_below, arm_above, least_change = octave_arms(name)
-        unit = curve[f"{GAP}_at_cutoff"].values[:, 0] if name in CONSTRICTIONS else 1.0
-        size = np.hypot(change, least_change * unit)
-        shift, below, above = 0 * change, arm_below * size, arm_above * size
-        if finer is not None:  # as many octaves of the last one's growth
+        if finer is None:
+            unit = curve[f"{GAP}_at_cutoff"].values[:, 0] if name in CONSTRICTIONS else 1.0
+            below, above = (arm * np.hypot(change, unit) for arm in octave_arms(name))
+            octave[name] = np.zeros_like(change), half_widths(below, above)
+        else:  # as many octaves of the last one's growth
             shift = change * min(growth / last, 4.0) if last > 0 else 0 * change
             if name == AREA:
                 shift = np.minimum(shift, -growth)
             scatter = limit / growth - 1 if growth > 0 else 0.0
-            below = above = np.hypot(math.hypot(MARGIN, scatter) * shift, least_change * unit)
-        octave[name] = shift, half_widths(below, above)
+            width = np.abs(math.hypot(MARGIN, scatter) * shift)
+            octave[name] = shift, half_widths(width, width)
     return octave
 
 
