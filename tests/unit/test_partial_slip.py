@@ -42,6 +42,24 @@ def test_the_energy_of_a_cycle_is_that_of_mindlin_and_deresiewicz(ball):
     np.testing.assert_allclose(slip["dissipated_energy"].values[1:], energy[1:], rtol=0.02)
 
 
+def test_the_energy_of_a_small_cycle_is_no_difference_of_large_ones():
+    """A wave has the compliance -(λ/π E*) ln(p/p*) (Westergaard 1939), and the loop is a trapezium less the work."""
+    amplitude, q = 1e-3, np.array([0.05, 0.2, 0.9])
+    full, load = np.pi * amplitude, 0.5
+    wave = rc.height_map(amplitude * np.cos(2 * np.pi * np.arange(8192) / 8192)[None], 1 / 8192)
+    normal = rc.solve_contact(wave, contact_modulus=1.0, mean_pressure=load * full, tolerance=1e-4)
+    slip = rc.partial_slip(normal, friction_coefficient=FRICTION, tangential_load=q, poissons_ratio=RATIO)
+    lower = load * (1 - q)
+    approach, work = (
+        integral(load) - integral(lower)
+        for integral in (lambda m: m - m * np.log(m), lambda m: m**2 / 4 - m**2 / 2 * np.log(m))
+    )
+    compliance = (2 - RATIO) / (2 * (1 - RATIO))
+    shape = (load + lower) / 2 * approach - work
+    expected = 8 * FRICTION**2 * compliance * full * amplitude * shape
+    np.testing.assert_allclose(slip["dissipated_energy"], expected, rtol=0.03)
+
+
 def test_a_wave_sticks_as_ciavarella_says():
     """Westergaard: sin^2 of the half-width is the load over that of full contact, stuck at the lower load."""
     points = 2048
@@ -100,8 +118,13 @@ def test_what_has_no_meaning_is_refused(rough):
     normal, _ = rough
     with pytest.raises(rc.SettingsError, match="friction_coefficient"):
         rc.partial_slip(normal, friction_coefficient=0.0, tangential_load=0.5)
-    with pytest.raises(rc.SettingsError, match=r"1\.2: is Q/\(mu P\), above 0 and at most 1"):
+    with pytest.raises(rc.SettingsError, match=r"1\.2: is Q/\(mu P\), at most 1"):
         rc.partial_slip(normal, friction_coefficient=0.3, tangential_load=1.2)
+    for load in ("5 N", 0.0, [], None):
+        with pytest.raises(rc.SettingsError, match="tangential_load .* 1 is full slip"):
+            rc.partial_slip(normal, friction_coefficient=0.3, tangential_load=load)
+    with pytest.raises(rc.SettingsError, match=r"poissons_ratio = 'steel': must lie above -1"):
+        rc.partial_slip(normal, friction_coefficient=0.3, tangential_load=0.5, poissons_ratio="steel")
     with pytest.raises(rc.SettingsError, match=r"poissons_ratio = 0\.7: must lie above -1"):
         rc.partial_slip(normal, friction_coefficient=0.3, tangential_load=0.5, poissons_ratio=0.7)
     hard = rc.solve_contact(normal["height"], contact_modulus=1.0, mean_pressure=0.1, hardness=1.0)

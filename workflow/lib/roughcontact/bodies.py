@@ -84,14 +84,19 @@ def _material(values: Mapping[str, Any], where: str) -> dict[str, float]:
             remedy = "" if "layers[" in where else "; a rigid base of layers has base: rigid instead"
             raise SettingsError(f"{where}.{name}: missing{remedy}", keys=[f"{where}.{name}"])
     modulus = check_positive(f"{where}.youngs_modulus", values["youngs_modulus"], unit="Pa")
+    ratio = check_poissons_ratio(f"{where}.poissons_ratio", values["poissons_ratio"])
+    return {"youngs_modulus": modulus, "poissons_ratio": ratio}
+
+
+def check_poissons_ratio(name: str, value: Any) -> float:
+    """Return a Poisson's ratio as a float, or raise a SettingsError that names it."""
     try:
-        ratio = float(values["poissons_ratio"])
+        ratio = float(value)
     except (TypeError, ValueError):
         ratio = float("nan")
     if not -1 < ratio <= 0.5:
         raise SettingsError(
-            f"{where}.poissons_ratio = {values['poissons_ratio']!r}: must lie above -1 and be at most 0.5, "
-            "that of an incompressible material",
-            keys=[f"{where}.poissons_ratio"],
+            f"{name} = {value!r}: must lie above -1 and be at most 0.5, that of an incompressible material",
+            keys=[name],
         )
-    return {"youngs_modulus": modulus, "poissons_ratio": ratio}
+    return ratio

@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.bodies import check_poissons_ratio
 from roughcontact.checking import check_periodic_solution, check_positive
 from roughcontact.contact.dataset import influence_of, layers_of, problem_of
+from roughcontact.contact.loads import check_loads
 from roughcontact.contact.response import linear_response
 from roughcontact.contact.solve import solve_contact
 from roughcontact.elasticity.energy import elastic_energy
@@ -81,19 +83,14 @@ def partial_slip(
     """
     check_periodic_solution(contact)
     friction = check_positive("friction_coefficient", friction_coefficient, unit="relative terms")
-    shares = [float(share) for share in np.atleast_1d(np.asarray(tangential_load, float))]
-    if not shares or not all(0 < share <= 1 for share in shares):
+    shares = check_loads("tangential_load", tangential_load, unit="mu times the normal load, 1 is full slip")
+    if max(shares) > 1:
         raise SettingsError(
-            f"tangential_load = {tangential_load!r}: is Q/(mu P), above 0 and at most 1, which is full slip; "
+            f"tangential_load = {tangential_load!r}: is Q/(mu P), at most 1, which is full slip; "
             "more the contact does not bear",
             keys=["tangential_load"],
         )
-    if poissons_ratio is not None and not -1 < poissons_ratio <= 0.5:
-        raise SettingsError(
-            f"poissons_ratio = {poissons_ratio!r}: must lie above -1 and be at most 0.5, that of an "
-            "incompressible material",
-            keys=["poissons_ratio"],
-        )
+    ratio = None if poissons_ratio is None else check_poissons_ratio("poissons_ratio", poissons_ratio)
     if contact.sizes["load"] != 1 or "hardness" in contact:
         property_ = "a hardness" if "hardness" in contact else f"{contact.sizes['load']} loads"
         raise SettingsError(
@@ -112,13 +109,12 @@ def partial_slip(
     rows = []
     total = energy(pressure)
     for share in shares:
-        lower, lower_gap = np.zeros_like(pressure), float(height.max() - height.mean())
-        lower_energy = error = 0.0
+        lower, lower_gap = np.zeros_like(pressure), height.values.max() - height.values
+        error = 0.0
         if share < 1:
             solved = solve_contact(height, mean_pressure=load * (1 - share), **problem).isel(load=0)
-            lower, lower_gap = solved["pressure"].values, float(solved["gap"].mean())
-            lower_energy = energy(lower)
-            error = float(solved["error_bound"]) * math.sqrt(lower_energy)
+            lower, lower_gap = solved["pressure"].values, solved["gap"].values
+            error = float(solved["error_bound"]) * math.sqrt(energy(lower))
         stick = lower > 0
         row = {
             "shear_traction": (("y", "x"), friction * (pressure - lower)),
@@ -127,20 +123,19 @@ def partial_slip(
             "tangential_error_bound": (float(normal["error_bound"]) * math.sqrt(total) + error)
             / math.sqrt(energy(pressure - lower)),
         }
-        if poissons_ratio is not None:
+        if ratio is not None:
             # by the gap, not by the approach, which depends on the rule for the mean displacement
-            recovered = lower_gap - float(normal["gap"].mean())
+            recovered = float(lower_gap.mean() - normal["gap"].mean())
             # tangential over normal compliance, Mindlin (1949)
-            compliance = (2 - poissons_ratio) / (2 * (1 - poissons_ratio))
-            displacement = friction * compliance * recovered
-            # work of the first loading, from the elastic energies of both normal states
-            work = friction**2 * compliance * (load * recovered - total + lower_energy)
-            row["tangential_displacement"] = displacement
+            compliance = (2 - ratio) / (2 * (1 - ratio))
+            row["tangential_displacement"] = friction * compliance * recovered
+            # what slips does so by mu times the compliance times the gap at the lower load, four times a cycle
+            slipped = float((pressure * lower_gap)[~stick].sum()) / stick.size
+            row["dissipated_energy"] = 4 * friction**2 * compliance * slipped
             row["tangential_stiffness"] = 0.0  # of full slip
             if stick.any():
                 response = linear_response(stick, spacing(height), modulus, threads=threads, **operator)
                 row["tangential_stiffness"] = 1 / (compliance * response) if response > 0 else math.inf
-            row["dissipated_energy"] = 8 * work - 4 * friction * share * load * displacement
         rows.append(xr.Dataset(row, coords=height.coords))
     slip = xr.concat(rows, dim=xr.Variable("tangential_load", shares), coords="minimal", compat="override")
     return describe(slip.assign_attrs(approximation=APPROXIMATION))
