@@ -1,5 +1,7 @@
 """Bodies of finite size in a study: form, numbers beside Hertz, settings that do not fit."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -270,6 +272,24 @@ def test_form_is_added_to_the_map():
 def test_map_smaller_than_the_contact_is_refused_with_a_size():
     with pytest.raises(rc.HeightMapError, match=r"reaches the border .* a map of 0.00\d+ m x"):
         rc.evaluate(ground(1e-9, (40, 40)), contact=FREE | {"force": "200 N"}, form={"radius": "5 mm"})
+
+    with pytest.raises(rc.HeightMapError, match=r"state form\.radius .* or set form\.edges: true"):
+        rc.evaluate(ground(1e-7, (40, 40)), contact=FREE)
+    # a form flatter than the roughness is curved
+    with pytest.raises(rc.HeightMapError, match=r"radius of curvature, 5 m, touches over 0\.00109 m"):
+        rc.evaluate(ground(1e-7, (40, 40)), contact=FREE, form={"radius": 5})
+
+
+def test_a_force_that_no_contact_carries_is_refused_with_the_largest():
+    hard = {"contact_modulus": 115e9, "hardness": 1e9}
+    with pytest.raises(rc.SettingsError, match=r"carries at the hardness 1e\+09 Pa: stay below 48\.4 N"):
+        rc.evaluate(ground(1e-7, (40, 40)), contact=hard | FREE | {"force": 50.0}, form={"edges": True})
+    with pytest.raises(
+        rc.SettingsError, match=r"force = 50000 N: .* \(Hertz\), .* stay below (\d+) N"
+    ) as error:
+        rc.evaluate(ground(1e-7, (40, 40)), contact=hard | {"force": [5.0, "50 kN"]}, form=LOCAL)
+    limit = float(re.search(r"stay below (\d+) N", str(error.value)).group(1))
+    assert limit == pytest.approx(np.pi**3 * 0.05**2 * 1e27 / (6 * 115e9**2), rel=1e-2)  # Johnson, eq. 4.24
 
 
 LOCAL = {"radius": "50 mm", "local_scale": True}

@@ -95,9 +95,10 @@ def free_datasets(
     body = FreeBody(np.asarray(window.values, float), problem.spacing, hardness=limit, **material)
     attrs = {"tolerance": tolerance, "influence": body.influence, "boundary": "free"}
     attrs |= {"bodies": json.dumps(body.layers.as_settings())} if body.layers else {}
+    radii = [window.attrs[name] for name in ("form_radius_y", "form_radius_x") if name in window.attrs]
     for force in forces:
         solution = body.solve(force, tolerance=tolerance)
-        body.check_border(solution.pressure, force)
+        body.check_border(solution.pressure, force, radii)
         if give_up and solution.error_bound > tolerance:
             raise ConvergenceError(
                 f"force {force:g} N: the error bound stopped at {solution.error_bound:.2g}, above the "
@@ -185,7 +186,8 @@ class FreeBody:
         unit_length, mean_pressure = float(np.sqrt(area)), force / area
         if mean_pressure * np.prod(shape) >= self.hardness * region.mask.sum():
             raise SettingsError(
-                f"force {force:g} N is not below what the body carries at the hardness {self.hardness:g} Pa",
+                f"force {force:g} N is not below what the body carries at the hardness {self.hardness:g} Pa: "
+                f"stay below {self.hardness * region.mask.sum() * dy * dx:.3g} N",
                 keys=("force",),
             )
         inside = heights[region.mask]
@@ -278,16 +280,17 @@ class FreeBody:
         gap[sides][region.mask] = cell.gap[region.mask]
         return gap
 
-    def check_border(self, pressure: np.ndarray, force: float) -> None:
-        """Raise HeightMapError where the contact reaches the border of the map."""
+    def check_border(self, pressure: np.ndarray, force: float, radii: Sequence[float]) -> None:
+        """Raise HeightMapError where the contact reaches the border of a map on a form of `radii` (m)."""
         if not (pressure[[0, -1]].any() or pressure[:, [0, -1]].any()):
             return
         sides = [n * d for n, d in zip(pressure.shape, self.spacing, strict=True)]
-        curvatures = [
+        curvatures = [1 / radius for radius in radii] or [
             -2 * np.polyfit(np.linspace(-side, side, n) / 2, self.heights.mean(axis=1 - axis), 2)[0]
             for axis, (n, side) in enumerate(zip(pressure.shape, sides, strict=True))
         ]
-        advice = "surround it by lower heights, at least a row or column, where the body ends there"
+        ends = "surround it by lower heights, at least a row or column, or set form.edges: true"
+        advice = f"state form.radius of a rounded body; where the body ends there, {ends}"
         if min(curvatures) * max(sides) > 1e-9:  # a paraboloid fits
             radius = float(np.prod(curvatures) ** -0.5)
             contact_radius = (3 * force * radius / (4 * self.softest)) ** (1 / 3)
@@ -295,8 +298,8 @@ class FreeBody:
             advice = (
                 f"a map of {side:.3g} m x {side:.3g} m would do (a ball of its mean radius of curvature, "
                 f"{radius:.3g} m, touches over {2 * contact_radius:.3g} m); or lower the force; where the "
-                "body itself ends there, surround it by lower heights; where roughness is small against its "
-                "form, form.local_scale with boundary: periodic"
+                f"body itself ends there, {ends}; where roughness is small against its form, "
+                "form.local_scale with boundary: periodic"
             )
         raise HeightMapError(
             f"under {force:g} N the contact reaches the border of the map, {sides[1]:.3g} m x "

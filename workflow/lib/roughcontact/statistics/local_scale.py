@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
+from roughcontact.errors import SettingsError
 from roughcontact.references.closed_forms import hertz_ellipse
 from roughcontact.statistics.contact_geometry import relative_contact_area
 
@@ -17,7 +18,16 @@ _AREA, _GAP = "relative_contact_area", "mean_gap"
 def hertz_pressures(contact: Mapping[str, Any], radius: Sequence[float]) -> list[float]:
     """Return the largest nominal pressure (Pa) of a form, of one radius or two (m), under each force (N)."""
     smooth = hertz_ellipse(1.0, (radius[0], radius[-1]), contact["contact_modulus"])
-    return [smooth["max_pressure"] * force ** (1 / 3) for force in contact["force"]]
+    pressures = [smooth["max_pressure"] * force ** (1 / 3) for force in contact["force"]]
+    hardness = contact.get("hardness") or np.inf
+    if max(pressures) >= hardness:
+        raise SettingsError(
+            f"contact.force = {max(contact['force']):g} N: the smooth form has a pressure of "
+            f"{max(pressures):.3g} Pa (Hertz), not below the hardness {hardness:g} Pa; stay below "
+            f"{(hardness / smooth['max_pressure']) ** 3:.3g} N",
+            keys=["force", "hardness"],
+        )
+    return pressures
 
 
 def with_whole_contact(
