@@ -291,6 +291,18 @@ def test_a_force_that_no_contact_carries_is_refused_with_the_largest():
     limit = float(re.search(r"stay below (\d+) N", str(error.value)).group(1))
     assert limit == pytest.approx(np.pi**3 * 0.05**2 * 1e27 / (6 * 115e9**2), rel=1e-2)  # Johnson, eq. 4.24
 
+    with pytest.raises(rc.SettingsError, match=r"force 1e-20 N: below 4.8e-14 N the contact is lost"):
+        rc.solve_contact(finite_body(ground(1e-7, (40, 40)), radius=[5e-3]), **FREE | {"force": 1e-20})
+
+
+def test_friction_of_a_finite_body_is_refused_before_it_is_solved():
+    options = {"contact": FREE, "form": {"radius": "5 mm"}}
+    friction = {"coefficient": 0.2, "tangential_load": [0.5], "speed": 1.0}
+    with pytest.raises(
+        rc.SettingsError, match="speed and tangential_load is for periodic maps, and boundary"
+    ):
+        rc.evaluate(ground(1e-7), **options, statistics={"friction": friction})
+
 
 LOCAL = {"radius": "50 mm", "local_scale": True}
 WITHOUT_BUDGET = {"level": {"form": "mean", "outlier_threshold": None}, "uncertainty": {"sources": []}}

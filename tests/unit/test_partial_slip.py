@@ -43,7 +43,7 @@ def test_the_energy_of_a_cycle_is_that_of_mindlin_and_deresiewicz(ball):
 
 
 def test_the_energy_of_a_small_cycle_is_no_difference_of_large_ones():
-    """A wave has the compliance -(λ/π E*) ln(p/p*) (Westergaard 1939), and the loop is a trapezium less the work."""
+    """A wave has the compliance -(λ/π E*) ln(p/p*) (Westergaard 1939); the loop is a trapezium less work."""
     amplitude, q = 1e-3, np.array([0.05, 0.2, 0.9])
     full, load = np.pi * amplitude, 0.5
     wave = rc.height_map(amplitude * np.cos(2 * np.pi * np.arange(8192) / 8192)[None], 1 / 8192)
@@ -121,7 +121,7 @@ def test_what_has_no_meaning_is_refused(rough):
     with pytest.raises(rc.SettingsError, match=r"1\.2: is Q/\(mu P\), at most 1"):
         rc.partial_slip(normal, friction_coefficient=0.3, tangential_load=1.2)
     for load in ("5 N", 0.0, [], None):
-        with pytest.raises(rc.SettingsError, match="tangential_load .* 1 is full slip"):
+        with pytest.raises(rc.SettingsError, match=r"tangential_load .* 1 is full slip"):
             rc.partial_slip(normal, friction_coefficient=0.3, tangential_load=load)
     with pytest.raises(rc.SettingsError, match=r"poissons_ratio = 'steel': must lie above -1"):
         rc.partial_slip(normal, friction_coefficient=0.3, tangential_load=0.5, poissons_ratio="steel")

@@ -93,7 +93,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         texts = _mistakes_in_unload(settings["contact"], where)
         mistakes += [SettingsError(text, keys=["contact.unload"]) for text in texts]
     if settings["statistics"]["friction"] is not None:
-        texts = _mistakes_in_friction(settings["statistics"]["friction"], hardness)
+        texts = _mistakes_in_friction(settings["statistics"]["friction"], settings["contact"])
         mistakes += [SettingsError(text, keys=["statistics.friction"]) for text in texts]
     limits = [settings["contact"]["hardness"]]
     limits += [
@@ -123,8 +123,9 @@ def _mistakes_in_unload(contact: Mapping[str, Any], where: str) -> Iterator[str]
         yield f"{where}.unload: needs the maps of the contact; leave keep_fields at true, or unload out"
 
 
-def _mistakes_in_friction(friction: Mapping[str, Any], hardness: float | None) -> Iterator[str]:
+def _mistakes_in_friction(friction: Mapping[str, Any], contact: Mapping[str, Any]) -> Iterator[str]:
     """Yield why the settings of the friction give no result."""
+    hardness = contact["hardness"]
     stated = {key for key, value in friction.items() if value is not None}
     if not stated & {"tangential_load", "shear_strength", "speed"}:
         yield "statistics.friction: has no result; add tangential_load, shear_strength or speed"
@@ -132,6 +133,9 @@ def _mistakes_in_friction(friction: Mapping[str, Any], hardness: float | None) -
         yield "statistics.friction.tangential_load: needs the coefficient"
     if "speed" in stated and not stated & {"coefficient", "shear_strength"}:
         yield "statistics.friction.speed: needs the coefficient or shear_strength"
+    if contact["boundary"] == "free" and (periodic := stated & {"tangential_load", "speed"}):
+        names = " and ".join(sorted(periodic))
+        yield f"statistics.friction: {names} is for periodic maps, and boundary = free; leave it out"
     if "tangential_load" in stated and hardness is not None:
         yield (
             f"statistics.friction.tangential_load: stick and slip are of elastic bodies, and the hardness is "

@@ -38,6 +38,7 @@ from roughcontact.kernels.arrays import DOUBLE, SINGLE
 COARSEST = 64  # points along the longer side of the map that shows where the contact is
 COARSE_TOLERANCE = 0.03
 MARGIN, MIN_MARGIN = 0.04, 3  # of the region beside the contact, over its width; in points
+LEAST_FORCE = 1e-15  # over E* times the longer side times the range of heights
 MAX_PASSES = 12  # regions; each is larger than the one before
 SAFETY = 0.95  # of the tolerance, where a first solution has missed it
 DEPTH = 4.0  # of the padding below the heights, over the deepest possible gap of a smooth body
@@ -96,7 +97,14 @@ def free_datasets(
     attrs = {"tolerance": tolerance, "influence": body.influence, "boundary": "free"}
     attrs |= {"bodies": json.dumps(body.layers.as_settings())} if body.layers else {}
     radii = [window.attrs[name] for name in ("form_radius_y", "form_radius_x") if name in window.attrs]
+    size = max(np.multiply(window.shape, problem.spacing))
+    least = LEAST_FORCE * body.modulus * float(size * np.ptp(body.heights))
     for force in forces:
+        if force < least:
+            raise SettingsError(
+                f"force {force:g} N: below {least:.2g} N the contact is lost in the rounding of the heights",
+                keys=("force",),
+            )
         solution = body.solve(force, tolerance=tolerance)
         body.check_border(solution.pressure, force, radii)
         if give_up and solution.error_bound > tolerance:

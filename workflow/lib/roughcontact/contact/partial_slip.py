@@ -129,7 +129,7 @@ def partial_slip(
             # tangential over normal compliance, Mindlin (1949)
             compliance = (2 - ratio) / (2 * (1 - ratio))
             row["tangential_displacement"] = friction * compliance * recovered
-            # what slips does so by mu times the compliance times the gap at the lower load, four times a cycle
+            # four times a cycle points slip by mu times the compliance times their gap at the lower load
             slipped = float((pressure * lower_gap)[~stick].sum()) / stick.size
             row["dissipated_energy"] = 4 * friction**2 * compliance * slipped
             row["tangential_stiffness"] = 0.0  # of full slip
