@@ -23,9 +23,9 @@ from roughcontact.uncertainty.combination import (
     half_widths,
 )
 from roughcontact.uncertainty.discretisation import CORRECTED, discretisation_error
-from roughcontact.uncertainty.ensemble import Values, loads_of, measured_slices
+from roughcontact.uncertainty.ensemble import loads_of, measured_slices
 from roughcontact.uncertainty.headline import quantities_in
-from roughcontact.uncertainty.inputs import AMPLIFICATIONS, input_uncertainty
+from roughcontact.uncertainty.inputs import AMPLIFICATIONS, INPUTS, input_uncertainty
 from roughcontact.uncertainty.instrument import instrument_components
 from roughcontact.uncertainty.intervals import (
     MEASURANDS,
@@ -194,12 +194,13 @@ def error_budget(
             for name, results in (scatter.members | {PRESSURE: load / scatter.members[AREA]}).items()
         }
     instrument = stated_instrument(levelled, settings.get("instrument"))
-    widths = _stated_widths(sources, settings["contact"], instrument)
-    inputs = input_uncertainty(window, contact=lenient, solved=solved, stated=widths)
-    columns |= {
-        f"{name}_sensitivity": (("load", "input"), inputs[f"{name}_sensitivity"].values) for name in as_solved
-    }
-    of_inputs = {key: _of_input(inputs.sel(input=key), as_solved) for key in inputs["input"].values}
+    sensitivities, of_inputs = input_uncertainty(
+        window,
+        contact=lenient,
+        solved=solved,
+        stated=_stated_widths(sources, settings["contact"], instrument),
+    )
+    columns |= {f"{name}_sensitivity": (("load", "input"), slopes) for name, slopes in sensitivities.items()}
     true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
     if "material" in sources:
         components["material"] = _summed(of_inputs[key] for key in MATERIAL_UNCERTAINTIES.values())
@@ -219,9 +220,8 @@ def error_budget(
     if "unresolved" in sources:
         curve = magnification_curve(window, contact=lenient, solved=solved)
         columns |= {str(name): (v.dims, v.values) for name, v in curve.variables.items()}
-        if band_is_chosen(settings, window):
-            octave = {}
-        else:
+        octave = {}
+        if not band_is_chosen(settings, window):
             components["unresolved"] = hidden_waves(window, curve, instrument, true_shapes)
             octave = next_octave(window, curve, instrument.get("finer_spectrum"))
     columns |= interval_columns(
@@ -233,7 +233,7 @@ def error_budget(
         octave=octave,
         measurand=measurand,
     )
-    labels = {"source": [*SOURCES, COMBINED], "component": list(SIDES), "input": list(inputs["input"].values)}
+    labels = {"source": [*SOURCES, COMBINED], "component": [*SIDES], "input": [*INPUTS]}
     return xr.Dataset(columns, coords={"mean_pressure": ("load", load), **labels}, attrs=attrs)
 
 
@@ -282,16 +282,6 @@ def _stated_widths(
     if "instrument" in sources:
         widths |= {key: instrument.get(key) for key in AMPLIFICATIONS}
     return widths
-
-
-def _of_input(inputs: xr.Dataset, values: Values) -> Components:
-    """Return the components of one input; none where it is not stated."""
-    components = {}
-    for name, value in values.items():
-        sides = half_widths(inputs[f"{name}_down"].values, inputs[f"{name}_up"].values)
-        if not np.isnan(sides[1]).all():
-            components[name] = component_from_units(name, value, sides)
-    return components
 
 
 def _summed(causes: Iterable[Components]) -> Components:

@@ -80,7 +80,7 @@ def _arms(quantiles: Mapping[str, list[float]], area: np.ndarray) -> list[np.nda
 
 
 def octave_arms(name: str) -> tuple[float, float]:
-    """Return the arms of one octave more, below and above, over the root of 1 + (change by the last one)^2."""
+    """Return the arms of one octave more, down and up, over the root of 1 + (change by the last one)^2."""
     octave = table()["octave"][entry(name)]
     return octave["down"], octave["up"]
 

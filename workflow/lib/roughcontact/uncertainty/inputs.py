@@ -21,6 +21,7 @@ import xarray as xr
 
 from roughcontact.contact.solve import NEAR_HARDNESS
 from roughcontact.errors import SettingsError
+from roughcontact.uncertainty.combination import Component, Components, component_from_units, half_widths
 from roughcontact.uncertainty.ensemble import Values, solve_member
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, CONSTRICTIONS, GAP, PEAK, PRESSURE
@@ -29,6 +30,7 @@ STIFFNESS = "loading_stiffness"
 AMPLIFICATIONS = ("amplification_z", "amplification_xy")
 _LOAD, _MODULUS, _HEIGHTS, _LENGTHS = "mean_pressure", "contact_modulus", *AMPLIFICATIONS
 _POWER_IN_LOAD = {_LOAD: 1.0, _MODULUS: -1.0, _HEIGHTS: -1.0, _LENGTHS: 1.0}
+INPUTS = (*_POWER_IN_LOAD,)
 _EXPLICIT_POWER = {
     **{(_HEIGHTS, name): 1.0 for name in (GAP, *CONSTRICTIONS)},
     **{(source, name): 1.0 for source in (_MODULUS, _HEIGHTS) for name in (PEAK, PRESSURE)},
@@ -42,13 +44,12 @@ def input_uncertainty(
     contact: Mapping[str, Any],
     solved: xr.Dataset,
     stated: Mapping[str, float | None],
-) -> xr.Dataset:
-    """Return what load, modulus and scales do to each result (load, input): half-widths and sensitivities.
+) -> tuple[Mapping[str, np.ndarray], Mapping[str, Components]]:
+    """Return the sensitivities of each result, and the components of each input that is stated.
 
-    `stated` are relative expanded uncertainties (95 %), `solved` the quantities along `load`.
-    `{quantity}_down`, `_up` are half-widths in its unit, NaN if not stated, infinite if an end could not be
-    solved; `{quantity}_sensitivity` is d ln Q/d ln(input), NaN if not known. `contact_modulus` stands for all
-    moduli of bodies.
+    `stated` are relative expanded uncertainties (95 %), `solved` the quantities along `load`. Sensitivities
+    (load, input) are d ln Q/d ln(input), NaN if not known; half-widths are infinite if an end could not be
+    solved. `contact_modulus` stands for all moduli of bodies.
     """
     values = {name: solved[name].values for name in quantities_in(solved)}
     elastic = values[PEAK] < (1 - NEAR_HARDNESS) * (contact.get("hardness") or math.inf)
@@ -61,7 +62,8 @@ def input_uncertainty(
     if STIFFNESS in solved:
         np.divide(-solved[_LOAD].values, values[GAP], out=load_slopes[GAP], where=values[GAP] > 0)
         load_slopes[GAP] /= solved[STIFFNESS].values
-    effects = {}
+    secants = {}
+    components: dict[str, dict[str, Component]] = {source: {} for source in INPUTS}
     for source, power in _POWER_IN_LOAD.items():
         width = float(stated.get(source) or 0.0)
         if not 0 <= width < 1:
@@ -71,20 +73,18 @@ def input_uncertainty(
         factors = (1 - width, 1 + width) if width else ()
         ends = [_end(source, factor, window, contact, solved) for factor in factors]
         for name, value in values.items():
-            effects[source, name] = *_, secant = _effect(value, ends, name)
-            slope = (secant - _EXPLICIT_POWER.get((source, name), 0.0)) / power
+            below, above, secants[source, name] = _effect(value, ends, name)
+            if not np.isnan(above).all():
+                components[source][name] = component_from_units(name, value, half_widths(below, above))
+            slope = (secants[source, name] - _EXPLICIT_POWER.get((source, name), 0.0)) / power
             usable = similar[source] & np.isnan(load_slopes[name]) & np.isfinite(slope)
             load_slopes[name] = np.where(usable, slope, load_slopes[name])
-    rows: dict[str, list[np.ndarray]] = {}
-    for (source, name), (below, above, secant) in effects.items():
+    sensitivities = {name: np.empty((elastic.size, len(INPUTS))) for name in values}
+    for (source, name), secant in secants.items():
         law = _EXPLICIT_POWER.get((source, name), 0.0) + _POWER_IN_LOAD[source] * load_slopes[name]
         slope = np.where(np.isfinite(secant), secant, np.where(similar[source], law, np.nan))
-        for ending, column in (("sensitivity", slope), ("down", below), ("up", above)):
-            rows.setdefault(f"{name}_{ending}", []).append(column)
-    return xr.Dataset(
-        {name: (("load", "input"), np.stack(columns, axis=1)) for name, columns in rows.items()},
-        coords={"input": list(_POWER_IN_LOAD)},
-    )
+        sensitivities[name][:, INPUTS.index(source)] = slope
+    return sensitivities, components
 
 
 def _end(
