@@ -90,6 +90,12 @@ def test_placements_of_a_pair_are_made_of_its_faces():
     assert made.file("levelled", "seal-2") == "results/seal-2/levelled.nc"
     assert made.file("levelled", "seal-face") == "results/seal-face/levelled.nc"
     assert made.settings("window", "seal-2")["surface"]["number"] == 2
+    cells = {"dx": 2.0}
+    assert made.settings("statistics", "seal-2")["surface"]["sides"] == {
+        "seal-face": cells,
+        "seal-counter-face": cells,
+    }
+    assert made.all_sources("seal-2") == ["ground.x3p", "other.x3p"]
 
 
 OUTPUTS = {

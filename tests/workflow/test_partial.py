@@ -76,6 +76,13 @@ def test_what_is_mended_is_in_the_next_report_though_it_is_as_before(done):
     assert "Nothing to be done" in done.run().stderr
 
 
+def test_a_partial_report_is_made_again_whatever_its_date(done):
+    done.path("logs/turned/contact.log").write_text("[contact turned] load 1 of 2\n")
+    assert write_partial_results(plan())
+    os.utime(done.path("results/uncertainty.csv"))  # as a copy does
+    assert done.jobs() == {"report": 1}
+
+
 def test_where_all_is_finished_nothing_is_written(done):
     before = contents(done)
     assert write_partial_results(plan()) == []

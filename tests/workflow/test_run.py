@@ -152,6 +152,17 @@ def test_results_without_the_records_of_snakemake_are_made_again(finished, tmp_p
     assert Project(complete, checkout).jobs().keys() <= {"report"}  # whose panels are too large to compare
 
 
+def test_a_run_that_ended_after_the_window_goes_on_whatever_the_dates(finished, tmp_path, checkout):
+    folder = shutil.copytree(finished.folder, tmp_path / "copy")
+    project, measured = Project(folder, checkout), folder / "measured/turned.txt"
+    measured.write_text(measured.read_text().replace("-", "", 1))
+    run = project.run("results/turned/window.nc")
+    assert run.returncode == 0, run.stderr
+    for name in ("contact.nc", "uncertainty.nc", "statistics.nc", "panel.html", "panel.json"):
+        os.utime(folder / "results/turned" / name)
+    assert project.jobs() == {"contact": 1, "report": 1}
+
+
 def test_planning_a_run_imports_nothing_that_computes():
     """So that a run with nothing to do ends at once: what it imports is all that makes it wait."""
     rules = "\n".join(path.read_text() for path in (ROOT / "workflow/rules").glob("*.smk"))

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.configuration.dependencies import source_digest
-from roughcontact.configuration.places import RECORDS
+from roughcontact.configuration.places import PARTIAL, RECORDS
 from roughcontact.configuration.plan import STAGES, Plan, Rule, split
 from roughcontact.io.checksums import checksum
 from roughcontact.io.size import estimate_points
@@ -75,6 +75,7 @@ class RuleArguments:
                 "results": self.plan.results,
                 "arguments": lambda wildcards: arguments,
                 "code": self.code(rule),
+                "partial": PARTIAL.read_text("utf-8") if PARTIAL.exists() else "",
             }
 
         @_with_signature
@@ -84,6 +85,11 @@ class RuleArguments:
         @_with_signature
         def sources(wildcards: Any) -> dict[str, str]:
             return {path: checksum(path) for path in self.plan.sources(rule, wildcards.result)}
+
+        # of files made before: by dates alone a copy of a run that was killed may look complete
+        @_with_signature
+        def measured(wildcards: Any) -> dict[str, str]:
+            return {path: checksum(path) for path in self.plan.all_sources(wildcards.result)}
 
         @_with_signature
         def row(wildcards: Any, input: Any) -> dict[str, str]:  # noqa: A002 - a name of Snakemake
@@ -95,6 +101,7 @@ class RuleArguments:
             "sources": sources if self._reads(rule) else {},
             "code": self.code(rule),
         }
+        params |= {} if rule.startswith("prepare") else {"measured": measured}
         return params | ({} if rule in ("superpose", "unload") else {"row": row})
 
     def resources_of(self, rule: Rule) -> dict[str, Callable[..., int] | None]:

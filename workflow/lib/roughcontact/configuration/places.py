@@ -12,6 +12,8 @@ from roughcontact.errors import InputFileError, SettingsError
 # An input of the first jobs, as old as the records of Snakemake. Without these, as in a copy of results/
 # alone, Snakemake compares dates only: this file is new there, so that all is made again
 RECORDS = Path(".snakemake/roughcontact-records")
+# when the last partial report was written: a param of the report, so that the next run makes it again
+PARTIAL = Path(".snakemake/roughcontact-partial")
 _SKEW = 60  # s by which clocks of file servers may be ahead
 
 

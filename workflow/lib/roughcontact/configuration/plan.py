@@ -180,6 +180,10 @@ class Plan:
             else []
         )
 
+    def all_sources(self, result: str) -> list[str]:
+        """Return the paths of the measured files that contribute to a result."""
+        return [path for job in self.contributing(result) for path in self.sources(*job)]
+
     def settings(self, stage: str, result: str) -> dict[str, Any]:
         """Return all settings on which a stage of a result depends, as its file records them.
 
@@ -187,7 +191,11 @@ class Plan:
         """
         case, surface = split(result)
         if surface in self.placements:
-            row = {**vars(self.placements[surface]), "composite": self.common["composite"]}
+            placement = self.placements[surface]
+            sides = {
+                side: self.measured[side].read_arguments for side in (placement.face, placement.counter_face)
+            }
+            row = {**vars(placement), "composite": self.common["composite"], "sides": sides}
         else:
             row = self.measured[surface].read_arguments
         return {"surface": {"name": surface, **row}, **self._settings_of(case, stage)}

@@ -1,22 +1,19 @@
 """Partial results after failures: of the finished surfaces, with the reasons for the others."""
 
 import json
-import os
 import re
 import shutil
+import time
 from contextlib import suppress
 from pathlib import Path
 
+from roughcontact.configuration.places import PARTIAL
 from roughcontact.configuration.plan import Plan, split
 from roughcontact.errors import InputFileError
 from roughcontact.io.checksums import checksum
 from roughcontact.report.gather import Finished, remove_earlier, write_results
 from roughcontact.results.collect import Failure
 from roughcontact.results.storage import read_arrays
-
-# of partial results one is older than the script that makes them: Snakemake, by the oldest, makes all again
-_DATED_BACK = "uncertainty.csv"
-_LONG_AGO = 315_532_800  # 1980-01-01, s
 
 
 def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Failure]:
@@ -25,7 +22,7 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
     Finished are those whose files exist, are not older than what they are made of, record the settings and
     checksums of this run, and whose jobs have logged that they are done. Of all or none nothing is written.
     """
-    # complete before they are moved there; one is dated long ago, so that the next run makes all again
+    # complete before they are moved there
     folder = Path(folder)
     finished: list[Finished] = []
     failures: list[Failure] = []
@@ -55,10 +52,9 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
         failures=failures,
         link_folder=folder,
     )
+    PARTIAL.write_text(f"{time.time_ns()}\n", encoding="utf-8")
     remove_earlier(folder)
     for path in staging.iterdir():
-        if path.name == _DATED_BACK:
-            os.utime(path, (_LONG_AGO, _LONG_AGO))
         path.replace(folder / path.name)
     staging.rmdir()
     return failures
@@ -79,14 +75,9 @@ def _is_of_this_run(plan: Plan, result: str) -> bool:
     except (OSError, InputFileError, KeyError):
         return False
     logs = "".join(map(_text_of, plan.log_files(result)))
-    if not all(f"has read {path}, SHA-256 {checksum(path)}\n" in logs for path in _sources(plan, result)):
+    if not all(f"has read {path}, SHA-256 {checksum(path)}\n" in logs for path in plan.all_sources(result)):
         return False
     return dates == sorted(dates) and recorded == (json.loads(json.dumps(expected[0])), expected[1])
-
-
-def _sources(plan: Plan, result: str) -> list[str]:
-    """Return the paths of all files from outside that contribute to a result."""
-    return [path for job in plan.contributing(result) for path in plan.sources(*job)]
 
 
 def _checksum(plan: Plan, surface: str) -> str:
@@ -106,7 +97,7 @@ def _reason(plan: Plan, result: str) -> str | None:
             return errors[-1]
         if not text.endswith("] done\n"):
             return f"ended without a word, as a job does that is killed: {log}"
-    missing = [path for path in _sources(plan, result) if not Path(path).exists()]
+    missing = [path for path in plan.all_sources(result) if not Path(path).exists()]
     return f"{missing[0]}: is gone since the run began; put it back and run again" if missing else None
 
 
