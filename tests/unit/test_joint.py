@@ -60,6 +60,22 @@ def test_the_statistics_have_the_joint():
     assert "gas_conductance" not in rc.contact_statistics(contact, bodies=[steel, steel])
 
 
+def test_a_film_has_the_resistance_of_the_area_that_is_stated():
+    """Where the area is corrected for the grid as well."""
+    steel = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "thermal_conductivity": 50.0}
+    film = {"film_thickness": "50 nm", "film_conductivity": 2.0}
+    numbers = rc.evaluate(
+        rough_reference_surface(64).assign_attrs(units="m"),
+        contact={"bodies": [steel, steel], "relative_pressure": [0.02, 0.1]},
+        statistics={"joint": AIR | film},
+        uncertainty={"sources": ["solver", "discretisation"]},
+    )
+    area = numbers["relative_contact_area"]
+    assert (area != numbers["relative_contact_area_as_solved"]).all()
+    spots = 1 / (1 / numbers["thermal_conductance"] + 50e-9 / 2.0 / area)
+    np.testing.assert_allclose(numbers["joint_conductance"], spots + numbers["gas_conductance"], rtol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("joint", "said"),
     [
