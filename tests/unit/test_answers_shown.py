@@ -64,8 +64,10 @@ def test_answers_that_nobody_asked_for_take_no_room(maps):
 
 
 def test_a_load_of_first_yield_that_is_not_known_is_said_so(maps):
-    bodies = [body | {"yield_stress": 1.0} for body in BODIES]
-    assert shown(maps, bodies=bodies)[2]["First yield below the surface"] == "not between the loads solved"
+    for stress, side in ((1.0, "below"), (1e15, "above")):
+        bodies = [body | {"yield_stress": stress} for body in BODIES]
+        facts = shown(maps, bodies=bodies)[2]
+        assert facts["First yield below the surface"] == f"{side} the loads solved"
 
 
 def test_where_a_gap_closes_and_whether_that_is_in_doubt():

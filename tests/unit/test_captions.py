@@ -42,16 +42,21 @@ def test_what_is_said_of_the_lowest_and_of_the_highest_load():
 
 def test_what_is_said_of_the_highest_load():
     found = numbers()
+    # 50 MPa, where the pixels in contact carry 20/0.25 MPa
     assert captions.distribution_caption(found) == (
-        "At 20.0 MPa the pressure scatters by 25.0 % of its mean over the contact."
+        "At 20.0 MPa the pressure scatters by 62.5 % of its mean over the contact."
     )
     # of 0.25 times 20 µm times 40 µm in contact
     assert captions.patch_caption(found) == (
         "At 20.0 MPa 7 patches touch; the largest, 20.0 µm², has 10.0 % of the contact."
     )
-    # 0.3 µm over three quarters of the window
-    assert captions.open_caption(found) == "At 20.0 MPa 75.0 % of the area are apart, by 0.400 µm on average."
-    closed = numbers(relative_contact_area_pixels=[0.02, 0.1, 1.0], contact_clusters=[3, 12, 1])
+    # 0.3 µm over what the contact of 20 % leaves
+    assert captions.open_caption(found) == "At 20.0 MPa 80.0 % of the area are apart, by 0.375 µm on average."
+    closed = numbers(
+        relative_contact_area=[0.01, 0.05, 1.0],
+        relative_contact_area_pixels=[0.02, 0.1, 1.0],
+        contact_clusters=[3, 12, 1],
+    )
     assert captions.open_caption(closed) == "At 20.0 MPa nothing is apart."
     assert captions.patch_caption(closed) == "At 20.0 MPa a single patch of 20.0 µm² touches."
 
@@ -65,7 +70,7 @@ def test_of_a_single_load_nothing_is_said_twice():
 @pytest.mark.parametrize(
     ("share", "said"),
     [
-        (0.0, "the pressure scatters by 25.0 % of its mean over the contact."),
+        (0.0, "the pressure scatters by 62.5 % of its mean over the contact."),
         (0.4, "40.0 % of the contact carry the hardness."),
     ],
 )
@@ -73,6 +78,8 @@ def test_where_the_pressure_reaches_the_hardness(share, said):
     found = numbers(hardness=4e8, max_pressure=[3e8, 4e8, 4e8], area_share_above_hardness=[0.0, 0.1, share])
     assert captions.distribution_caption(found) == f"At 20.0 MPa {said}"
     assert captions.pressure_caption(found).endswith("; largest 400 MPa, the hardness, from 5.00 MPa on.")
+    rounded = numbers(hardness=4e8, max_pressure=[4e8 * (1 - 1e-15), 4e8, 4e8])
+    assert captions.pressure_caption(rounded).endswith("; largest 400 MPa, the hardness, from 1.00 MPa on.")
     below = numbers(hardness=6e8)
     assert captions.pressure_caption(below).endswith("; largest 500 MPa at 5.00 MPa.")
 
@@ -91,6 +98,10 @@ def test_surfaces_are_compared_at_the_highest_load_that_all_have():
     assert captions.comparison_caption(series[:1]) == ""
     alike = [(f"a · {case}", *series[0][1:]) for case in ("soft", "hard")]
     assert captions.comparison_caption(alike) == "At p′ = 4.00, 40.0 % of the area touch in all."
+    apart = ("e", np.array([1.0, 3.0]), np.array([0.1, 0.5]))  # 0.3 at 2, which was not solved
+    assert captions.comparison_caption([series[0], apart, series[2]]).endswith(
+        "At p′ = 2.00, 20.0 % (a) to 30.0 % (e) of the area touch, interpolated between the loads solved."
+    )
     beyond = ("d", np.array([2.5, 5.0]), np.array([0.1, 0.2]))  # a load of 2 was not solved
     assert captions.comparison_caption([*series, beyond]) == ""
 

@@ -13,7 +13,10 @@ from roughcontact.maps import height_map, roughness_of, spacing
 from roughcontact.pipeline import run_chain
 from roughcontact.references.closed_forms import hertz, hertz_ellipse
 from roughcontact.references.synthetic import westergaard_surface
+from roughcontact.report.budget_plots import shown_budget
+from roughcontact.report.glance import glance_rows
 from roughcontact.report.map_plots import pressure_map
+from roughcontact.report.tables import number_tables
 from roughcontact.results.storage import read_dataset
 from roughcontact.statistics.finite_body import hertz_axes
 from roughcontact.window.finite_body import finite_body
@@ -397,3 +400,18 @@ def test_maps_of_a_finite_body_are_written_with_any_pitch(tmp_path, pitch):
     force = solution["pressure"].sum(("y", "x")) * pitch**2
     np.testing.assert_allclose(force, [2e-3, 1e-3], rtol=1e-9)
     np.testing.assert_array_equal(solution["mean_pressure"], chain.statistics["mean_pressure"])
+
+
+def test_the_page_of_a_body_shows_force_and_radius_and_no_empty_interval():
+    sources = {"uncertainty": {"sources": ["solver", "discretisation", "window"]}}
+    contact = FREE | {"force": ["20 mN", "50 mN"]}
+    answer = rc.evaluate(ground(1e-8, (64, 64)), contact=contact, form={"radius": "5 mm"}, **sources)
+    assert [row[0].details for row in glance_rows(answer)] == ["20.0 mN", "50.0 mN"]
+    table = number_tables(answer, [[], []])[0]
+    titles = [title for title, *_ in table["header"]]
+    cells = dict(zip(titles, table["rows"][1]["cells"], strict=True))
+    assert cells["force F"] == "0.0500"
+    assert float(cells["contact radius"]) == pytest.approx(1e6 * answer["contact_radius"][1].item(), rel=5e-3)
+    budget = shown_budget(answer, [0, 1])
+    assert not any("– " in line for line in budget["beyond"])
+    assert not any("– " in cell for row in budget["intervals"]["rows"] for cell in row)

@@ -13,7 +13,7 @@ _NEGLIGIBLE = 1e-9  # of a unit: a half-width about zero that is not worth writi
 _FINEST = 1e-3  # of a value: half-width of which two digits are shown, of narrower ones less
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # units that take a prefix; composed ones are given in powers of ten
-_PREFIXED = ("m", "Pa", "J", "W", "S", "l")
+_PREFIXED = ("m", "Pa", "N", "J", "W", "S", "l")
 
 
 class Unit(NamedTuple):
@@ -62,7 +62,7 @@ def prefix(value: float, unit: str) -> tuple[float, str]:
     value : float
         in `unit`; zero, infinity and NaN get no prefix.
     unit : str
-        m, Pa, J, W, S and l take a prefix; others are left as they are.
+        m, Pa, N, J, W, S and l take a prefix; others are left as they are.
 
     Returns
     -------

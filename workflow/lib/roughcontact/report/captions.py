@@ -38,9 +38,10 @@ def pressure_caption(numbers: xr.Dataset) -> str:
     pressure = unit_of(numbers, "Pa").text
     first, last = (pressure(float(mean)) for mean in (averages[0], averages[-1]))
     text = _at_extreme_loads(numbers, [f"Mean pressure in contact {first}", last])
-    peak = int(largest.argmax())
+    limited = [index for index in range(largest.size) if is_limited(numbers, index)]
+    peak = limited[0] if limited else int(largest.argmax())
     load, maximum = (pressure(float(values[peak])) for values in (numbers["mean_pressure"].values, largest))
-    if is_limited(numbers, peak):
+    if limited:
         return f"{text}; largest {maximum}, the hardness, from {load} on."
     return f"{text}; largest {maximum} at {load}."
 
@@ -50,14 +51,15 @@ def distribution_caption(numbers: xr.Dataset) -> str:
 
     Examples
     --------
-    >>> loads = {"mean_pressure": ("load", [5e6]), "mean_contact_pressure": ("load", [2e8])}
+    >>> loads = {"mean_pressure": ("load", [5e6]), "relative_contact_area_pixels": ("load", [0.025])}
     >>> distribution_caption(xr.Dataset(loads | {"pressure_std": ("load", [5e7])}))
     'At 5.00 MPa the pressure scatters by 25.0 % of its mean over the contact.'
     """
     load = _last_load(numbers)
     if is_limited(numbers, -1) and (share := _last(numbers, "area_share_above_hardness")) > 0:
         return f"At {load} {percent(share)} of the contact carry the hardness."
-    scatter = _last(numbers, "pressure_std") / _last(numbers, "mean_contact_pressure")
+    mean = _last(numbers, "mean_pressure") / _last(numbers, "relative_contact_area_pixels")  # of the pixels
+    scatter = _last(numbers, "pressure_std") / mean
     return f"At {load} the pressure scatters by {percent(scatter)} of its mean over the contact."
 
 
@@ -88,10 +90,10 @@ def open_caption(numbers: xr.Dataset) -> str:
     Examples
     --------
     >>> found = {"mean_pressure": ("load", [5e6]), "mean_gap": ("load", [1e-7])}
-    >>> open_caption(xr.Dataset(found | {"relative_contact_area_pixels": ("load", [0.5])}))
+    >>> open_caption(xr.Dataset(found | {"relative_contact_area": ("load", [0.5])}))
     'At 5.00 MPa 50.0 % of the area are apart, by 0.200 µm on average.'
     """
-    load, open_share = _last_load(numbers), 1 - _last(numbers, "relative_contact_area_pixels")
+    load, open_share = _last_load(numbers), 1 - _last(numbers, "relative_contact_area")
     if open_share <= 0:
         return f"At {load} nothing is apart."
     mean = unit_of(numbers, "m").text(_last(numbers, "mean_gap") / open_share)
@@ -120,6 +122,7 @@ def comparison_caption(
     highest = min(float(loads[-1]) for _, loads, _ in series)
     if highest < max(float(loads[0]) for _, loads, _ in series):
         return ""
+    between = any(np.abs(loads / highest - 1).min() > 1e-6 for _, loads, _ in series)
     areas = [float(np.interp(highest, loads, areas)) for _, loads, areas in series]
     load = f"p̄ = {pressure.text(highest)}" if pressure else f"p′ = {number(highest)}"
     extremes = int(np.argmin(areas)), int(np.argmax(areas))
@@ -129,7 +132,8 @@ def comparison_caption(
     lowest, maximum = (
         f"{share} ({series[surface][0]})" for share, surface in zip(shares, extremes, strict=True)
     )
-    return f"At {load}, {lowest} to {maximum} of the area touch."
+    note = ", interpolated between the loads solved" if between else ""
+    return f"At {load}, {lowest} to {maximum} of the area touch{note}."
 
 
 def _last(numbers: xr.Dataset, name: str) -> float:

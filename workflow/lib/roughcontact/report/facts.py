@@ -256,7 +256,8 @@ def _first_yield(numbers: xr.Dataset) -> str:
         return ""
     load = float(numbers[name])
     if np.isnan(load):
-        return "not between the loads solved"
+        volumes = numbers["volume_above_yield"].values
+        return f"{'below' if volumes[0] > 0 else 'above'} the loads solved"
     if "contact_radius" in numbers:  # in proportion to the mean pressure over the map
         return f"at {quantity(load * float((numbers['force'] / numbers['mean_pressure'])[0]), 'N')}"
     text = f"at {unit_of(numbers, 'Pa').text(load)} mean pressure"

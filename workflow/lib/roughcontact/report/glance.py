@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import Unit, number, percent, with_interval
+from roughcontact.quantities import Unit, number, percent, quantity, with_interval
 from roughcontact.report.tables import UNITS, as_the_area, is_profile
 from roughcontact.report.units import interval_at, middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
@@ -114,7 +114,7 @@ def glance_rows(
     plain = {str(name): variable.values for name, variable in numbers.variables.items()}
     return [
         [
-            interval_cell(plain, "mean_pressure", units, index)._replace(outcome=outcome_of(plain, index)),
+            _load_cell(plain, units, index),
             *_judged(
                 [
                     interval_cell(plain, "relative_contact_area", units, index),
@@ -131,6 +131,14 @@ def glance_rows(
         ]
         for index in indices
     ]
+
+
+def _load_cell(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
+    """Return the mean pressure of a load, with the force where that is what was stated."""
+    cell = interval_cell(numbers, "mean_pressure", units, index)._replace(outcome=outcome_of(numbers, index))
+    return (
+        cell._replace(details=quantity(float(numbers["force"][index]), "N")) if "force" in numbers else cell
+    )
 
 
 def _judged(cells: Sequence[Cell], numbers: Numbers, index: int) -> list[Cell]:
