@@ -74,7 +74,7 @@ def test_a_body_of_finite_size_has_a_force_and_no_neighbours():
     assert "under a prescribed force" in text
     assert "half-spaces without neighbours" in text
     assert "periodic" not in text
-    assert "A force of 0.00100 N gives a true contact area of" in text
+    assert "A force of 1.00 mN gives a true contact area of" in text
     assert "are for this body, also at other positions on its roughness" in text
 
 
