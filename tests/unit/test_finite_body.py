@@ -21,6 +21,7 @@ from roughcontact.results.storage import read_dataset
 from roughcontact.statistics.finite_body import hertz_axes
 from roughcontact.window.finite_body import finite_body
 
+SEAL = {"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"}
 FREE = {"contact_modulus": 115e9, "boundary": "free", "force": "5 N"}
 
 _FILM = {"thickness": 2e-6, "youngs_modulus": 4e11, "poissons_ratio": 0.2}
@@ -361,7 +362,14 @@ def test_local_scale_of_a_smooth_map_is_the_contact_of_hertz():
         ({"contact": FREE | {"mean_pressure": "1 MPa"}}, r"contact: mean_pressure .* and force"),
         ({"contact": FREE | {"area": "1 cm2"}}, r"contact.area: is of periodic maps"),
         ({"contact": FREE | {"target_area": 0.1}}, r"contact.target_area: is of periodic maps"),
-        ({"contact": FREE | {"zero_frequency": "lattice"}}, r"contact.zero_frequency: the approach"),
+        ({"contact": FREE | {"zero_frequency": "lattice"}}, r"contact.zero_frequency = 'lattice': is for"),
+        ({"contact": FREE | {"precision": "single"}}, r"contact.precision = 'single': is for periodic maps"),
+        ({"contact": FREE, "window": {"method": "taper"}}, r"window.method = 'taper': is for periodic maps"),
+        ({"contact": FREE, "window": {"reliable_band": True}}, r"window.reliable_band = True: is for"),
+        ({"contact": FREE, "window": {"longest_wavelength": 1e-5}}, r"leave it out; level.s_filter"),
+        ({"contact": FREE, "instrument": {"correct": True}}, r"instrument.correct = True: is for periodic"),
+        ({"contact": FREE, "uncertainty": {"measurand": "longer"}}, r"uncertainty.measurand = 'longer': is"),
+        ({"contact": FREE, "statistics": {"seal": SEAL}}, r"statistics.seal = .*: is for periodic maps"),
         ({"contact": LAYERED | {"influence": "elements"}}, r"contact.influence: layers"),
         ({"contact": LAYERED, "statistics": {"stress": "always"}}, r"statistics.stress .* layers"),
         ({"form": {"radius": "5 mm"}}, r"form.radius .* contact.boundary = free"),

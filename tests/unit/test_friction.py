@@ -57,6 +57,7 @@ def test_the_interval_of_friction_is_that_of_the_area():
         ({"tangential_load": 0.5}, "needs the coefficient"),
         ({"coefficient": 0.2}, "add tangential_load, shear_strength or speed"),
         ({"speed": 1.0}, "coefficient or shear_strength"),
+        ({"shear_strength": 1e6, "thermal_diffusivity": 1e-5}, "thermal_diffusivity: is of sliding"),
     ],
 )
 def test_impossible_friction_is_refused(friction, text):

@@ -93,8 +93,8 @@ LIMITS = {
     "statistics.seal.width": ([SMALLEST_LENGTH], [0, -1]),
     "statistics.joint.gas_conductivity": ([f"{SMALLEST} W/(m K)"], [0, -1]),
     "statistics.joint.temperature_jump": ([SMALLEST_LENGTH], [0, -1]),
-    "statistics.joint.film_thickness": ([SMALLEST_LENGTH, None], [0, -1]),
-    "statistics.joint.film_conductivity": ([f"{SMALLEST} W/(m K)", None], [0, -1]),
+    "statistics.joint.film_thickness": ([SMALLEST_LENGTH], [0, -1]),
+    "statistics.joint.film_conductivity": ([f"{SMALLEST} W/(m K)"], [0, -1]),
     "statistics.friction.coefficient": ([SMALLEST, None], [0, -1]),
     "statistics.friction.tangential_load": ([[SMALLEST], [1], None], [0, [], ABOVE_ONE]),
     "statistics.friction.shear_strength": ([SMALLEST_PRESSURE, None], [0, -1]),
@@ -146,7 +146,7 @@ def configured(key, value):
     if key.startswith("statistics.") and key.count(".") == 2:
         _, section, name = key.split(".")
         return {
-            "contact": {"contact_modulus": 1e9},
+            "contact": {"bodies": [STEEL | MORE] * 2},
             "statistics": {section: NESTED[section] | {name: value}},
         }
     config = {"contact": {"contact_modulus": 1e9}}

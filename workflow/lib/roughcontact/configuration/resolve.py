@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from roughcontact.bodies import check_bodies, have_layers
 from roughcontact.configuration.messages import mistake, name_mistake, named
-from roughcontact.configuration.models import Settings
+from roughcontact.configuration.models import Settings, Window
 from roughcontact.configuration.plausible import implausible_together
 from roughcontact.errors import SettingsError
 from roughcontact.materials import contact_modulus
@@ -19,6 +19,29 @@ from roughcontact.named_materials import modulus_uncertainty, named_bodies
 _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure", "force"))
 # what steel on PEEK is written as
 _BODIES = "bodies: [steel, {youngs_modulus: 4 GPa, poissons_ratio: 0.4}]"
+# key of `statistics`, what it needs one of, and what is wrong without
+_SHEAR, _STRENGTH, _SPEED = (f"friction.{key}" for key in ("tangential_load", "shear_strength", "speed"))
+_CONDUCTING = ("thermal_conductivity",), "needs the thermal_conductivity of both bodies"
+_NEEDS = (
+    ("joint", *_CONDUCTING),
+    ("joint.film_thickness", ("joint.film_conductivity",), "needs film_conductivity, or leave both out"),
+    ("joint.film_conductivity", ("joint.film_thickness",), "needs film_thickness, or leave both out"),
+    ("friction", (_SHEAR, _STRENGTH, _SPEED), "has no result; add tangential_load, shear_strength or speed"),
+    (_SHEAR, ("friction.coefficient",), "needs the coefficient"),
+    (_SPEED, ("friction.coefficient", _STRENGTH), "needs the coefficient or shear_strength"),
+    (_SPEED, *_CONDUCTING),
+    ("friction.thermal_diffusivity", (_SPEED,), "is of sliding; give the speed as well, or leave it out"),
+)
+# keys that a body of finite size does not take
+_OF_PERIODIC_MAPS = {
+    "window": [key for key in Window.model_fields if key != "min_share"],
+    "contact": ["zero_frequency", "precision"],
+    "statistics": ["seal"],
+    "uncertainty": ["measurand"],
+    "instrument": ["correct"],
+}
+_PERIODIC = "is for periodic maps, and boundary = free; leave it out"
+_FILTERS = "; level.s_filter and level.l_filter remove waves"
 # keys that are the same for all cases
 _COMMON = ("surfaces", "composite", "report", "cases")
 
@@ -92,9 +115,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     if settings["contact"]["unload"] is not None:
         texts = _mistakes_in_unload(settings["contact"], where)
         mistakes += [SettingsError(text, keys=["contact.unload"]) for text in texts]
-    if settings["statistics"]["friction"] is not None:
-        texts = _mistakes_in_friction(settings["statistics"]["friction"], settings["contact"])
-        mistakes += [SettingsError(text, keys=["statistics.friction"]) for text in texts]
+    mistakes += [SettingsError(text, keys=[text.split(":")[0]]) for text in _mistakes_in_statistics(settings)]
     limits = [settings["contact"]["hardness"]]
     limits += [
         material["yield_stress"] for body in bodies or () for material in (body, *(body["layers"] or ()))
@@ -123,23 +144,23 @@ def _mistakes_in_unload(contact: Mapping[str, Any], where: str) -> Iterator[str]
         yield f"{where}.unload: needs the maps of the contact; leave keep_fields at true, or unload out"
 
 
-def _mistakes_in_friction(friction: Mapping[str, Any], contact: Mapping[str, Any]) -> Iterator[str]:
-    """Yield why the settings of the friction give no result."""
-    hardness = contact["hardness"]
-    stated = {key for key, value in friction.items() if value is not None}
-    if not stated & {"tangential_load", "shear_strength", "speed"}:
-        yield "statistics.friction: has no result; add tangential_load, shear_strength or speed"
-    if "tangential_load" in stated and "coefficient" not in stated:
-        yield "statistics.friction.tangential_load: needs the coefficient"
-    if "speed" in stated and not stated & {"coefficient", "shear_strength"}:
-        yield "statistics.friction.speed: needs the coefficient or shear_strength"
-    if contact["boundary"] == "free" and (periodic := stated & {"tangential_load", "speed"}):
-        names = " and ".join(sorted(periodic))
-        yield f"statistics.friction: {names} is for periodic maps, and boundary = free; leave it out"
-    if "tangential_load" in stated and hardness is not None:
+def _mistakes_in_statistics(settings: Mapping[str, Any]) -> Iterator[str]:
+    """Yield what is asked of the statistics although what it needs is not stated, or is excluded."""
+    contact, statistics = settings["contact"], settings["statistics"]
+    stated = {key for key, value in statistics.items() if value is not None}
+    for section in stated & {"joint", "friction"}:
+        stated |= {f"{section}.{key}" for key, value in statistics[section].items() if value is not None}
+    if any(body["thermal_conductivity"] for body in contact["bodies"] or ()):
+        stated.add("thermal_conductivity")
+    for key, required, text in _NEEDS:
+        if key in stated and not stated & {*required}:
+            yield f"statistics.{key}: {text}"
+    if "seal" in stated and statistics["flow"] == "never":
+        yield "statistics.seal: leaks by the flow, and statistics.flow = 'never'; leave one of them out"
+    if "friction.tangential_load" in stated and contact["hardness"] is not None:
         yield (
             f"statistics.friction.tangential_load: stick and slip are of elastic bodies, and the hardness is "
-            f"{hardness:g} Pa; leave tangential_load out, or give moduli without a hardness"
+            f"{contact['hardness']:g} Pa; leave tangential_load out, or give moduli without a hardness"
         )
 
 
@@ -250,9 +271,16 @@ def _mistakes_in_finite_bodies(settings: Mapping[str, Any]) -> list[str]:
             )
         if settings["statistics"]["stress"] == "always":
             mistakes.append("statistics.stress = 'always': stresses in layers are those of periodic maps")
-    if contact["zero_frequency"] != "zero":
-        mistakes.append("contact.zero_frequency: the approach of a finite body is absolute; leave it out")
-    return mistakes
+    friction = settings["statistics"]["friction"] or {}
+    if names := [key for key in ("speed", "tangential_load") if friction.get(key)]:
+        mistakes.append(f"statistics.friction: {' and '.join(names)} {_PERIODIC}")
+    defaults = Settings().model_dump()
+    return mistakes + [
+        f"{section}.{key} = {settings[section][key]!r}: {_PERIODIC}{_FILTERS if 'wave' in key else ''}"
+        for section, keys in _OF_PERIODIC_MAPS.items()
+        for key in keys
+        if settings[section][key] != defaults[section][key]
+    ]
 
 
 def _mistakes_in_bodies(bodies: Sequence[Mapping[str, Any]] | None, where: str) -> list[str]:

@@ -167,7 +167,7 @@ def solve_contact(
     check_choice("boundary", boundary, Boundary)
     free = boundary == "free"
     if free:
-        _check_free(mean_pressure, force, layers, influence, zero_frequency, arrays)
+        _check_free(mean_pressure, force, layers, influence, zero_frequency, precision, arrays)
         loads = check_loads("force", force, unit="N")
     elif force is not None:
         raise SettingsError(
@@ -338,6 +338,7 @@ def _check_free(
     layers: LayeredPair | None,
     influence: Influence,
     zero_frequency: ZeroFrequency,
+    precision: Precision,
     arrays: Any,
 ) -> None:
     """Raise SettingsError for what is not solved with, or lacks for, free boundaries."""
@@ -350,6 +351,7 @@ def _check_free(
         and "layers of a finite body are solved with 'sampled'; leave it out",
         "zero_frequency": zero_frequency != "zero"
         and "the approach of a finite body is absolute; leave it out",
+        "precision": precision != "double" and "finite bodies are solved in double precision; leave it out",
         "arrays": arrays is not None and "finite bodies are solved by NumPy; leave it out",
     }
     for name, reason in reasons.items():

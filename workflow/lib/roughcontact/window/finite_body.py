@@ -18,12 +18,6 @@ def solved_map(levelled: xr.DataArray, settings: Mapping[str, Any]) -> xr.DataAr
     """Return the map to solve (y, x; m) of a levelled one, by the sections `window`, `form` and `contact`."""
     if settings.get("contact", {}).get("boundary") != "free":
         return periodic_window(levelled, **window_arguments(levelled, settings))
-    band = {key: settings["window"].get(key) for key in ("shortest_wavelength", "longest_wavelength")}
-    if any(band.values()):
-        chosen = next(key for key, value in band.items() if value)
-        raise HeightMapError(
-            f"window.{chosen}: waves are removed from periodic maps; use level.s_filter or .l_filter"
-        )
     arguments = {key: settings["window"][key] for key in ("min_share",) if key in settings["window"]}
     form = {key: settings["form"][key] for key in ("radius", "edges")}
     return finite_body(periodic_window(levelled, method="raw", **arguments), **form)
