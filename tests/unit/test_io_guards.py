@@ -47,10 +47,7 @@ def test_rubbish_is_never_a_map(tmp_path, size, kind):
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
 def test_entities_are_refused(tmp_path, encoding):
     bomb = '<?xml version="1.0"?><!DOCTYPE a [<!ENTITY x "ha"><!ENTITY y "&x;&x;&x;">]><a>&y;</a>'
-    refuses(
-        "DOCTYPE, which is refused",
-        saved(tmp_path, x3p(HEIGHTS, edit=lambda _: bomb.encode(encoding))),
-    )
+    refuses("DOCTYPE, which is refused", saved(tmp_path, x3p(HEIGHTS, edit=lambda _: bomb.encode(encoding))))
 
 
 def test_zip_bomb_is_refused_before_it_unpacks(tmp_path, monkeypatch):

@@ -277,10 +277,7 @@ def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, line)
             "line 1 says 'Bad pixel value: -9', and there are 2 points .* give missing_value",
         ),
         ("Fehlwert -9", "2 points with that height"),
-        (
-            "Z inverted: yes",
-            "'Z inverted: yes', which is not followed: check first_row, the sign",
-        ),
+        ("Z inverted: yes", "'Z inverted: yes', which is not followed: check first_row, the sign"),
         ("Origin: bottom left", "which is not followed"),
         ("Data: Deflection", "which is not followed"),
         ("Channel: Phase", "channel 'Phase' is read as heights, which by its name it does not hold"),

@@ -11,6 +11,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from roughcontact.io.vocabulary import words
 from roughcontact.quantities import number
 
 # key -> label, in the order of display
@@ -31,24 +32,11 @@ LABELS = {
     "comment": "comment",
 }
 
-# spellings in headers, letters and digits only, lower case; of several in one header the first counts
-_SPELLINGS = {
-    "vendor": "vendor manufacturer instrumentmanufacturer",
-    "name": "instrumentname instrument instrumentmodel microscopemodel machineid devicemodelname",
-    "serial": "serialnum serialnumber serial instrumentserial instrumentserialnumber deviceserialid",
-    "lens": "objectivelabel objname objective objectivename objectivelens objectivelensname lens",
-    "magnification": "objectivemag magnification objectivemagnification",
-    "numerical_aperture": "numaperture numericalaperture",
-    "probe": "cantilevername probename tipname",
-    "acquisition_time": "acquisitiontime acquisitiondate datetime date",
-    "software": "acquiredwithversion software creatingapplication",
-    "sample": "samplename sample objectname partname title",
-}
-# spelling -> key, and its rank
+# spelling in headers -> key, and its rank: of several in one header the first counts
 _MEANING = {
     spelling: (entry, rank)
-    for entry, spellings in _SPELLINGS.items()
-    for rank, spelling in enumerate(spellings.split())
+    for entry, spellings in words("instrument").items()
+    for rank, spelling in enumerate(spellings)
 }
 _SILENT = {"", "0", "-", "none", "(none)", "null", "unknown", "not available", "n/a", "na", "default"}
 _LONGEST = 200  # characters of a name

@@ -20,12 +20,7 @@ _WORKBOOK = 2**20  # bytes of the list of sheets that are read
 _TIFF_TYPES = {3: "H", 4: "I", 5: "Q", 8: "h", 9: "i", 10: "q", 11: "f", 12: "d"}  # all others: bytes
 _STRIPS, _STRIP_LENGTHS = 273, 279  # tags
 # member of an archive -> its format in SurfaceTopography
-_FORMATS_BY_ENTRY = {
-    "index.xml": "plux",
-    ".dsc": "nmm",
-    ".oir": "poir",
-    ".prf": "qep",
-}
+_FORMATS_BY_ENTRY = {"index.xml": "plux", ".dsc": "nmm", ".oir": "poir", ".prf": "qep"}
 
 
 def check_tiff(path: Path) -> None:

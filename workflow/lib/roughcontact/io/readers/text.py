@@ -31,14 +31,7 @@ from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.axes import are_points, axes_of, begins_anew, form_a_grid, uneven
 from roughcontact.io.text.columns import Column, headed, layout, of_a_map, unit_of_heights
 from roughcontact.io.text.doubts import not_understood, refuse_lost_row, thousands
-from roughcontact.io.text.header import (
-    Stated,
-    Statement,
-    contradiction,
-    disagreeing,
-    first_of,
-    statements,
-)
+from roughcontact.io.text.header import Stated, Statement, contradiction, disagreeing, first_of, statements
 from roughcontact.io.text.lines import lines_of, looks_like_text
 from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import (
@@ -456,11 +449,7 @@ def _matrix(table: np.ndarray, text: _Text, positions: dict[str, float] | None =
 
 
 def _profile(
-    table: np.ndarray,
-    units: list[str | None],
-    lines: list[int],
-    text: _Text,
-    full_table: np.ndarray | None,
+    table: np.ndarray, units: list[str | None], lines: list[int], text: _Text, full_table: np.ndarray | None
 ) -> MeasuredFile:
     """Return a profile from positions that rise or fall, or several, where they begin anew."""
     if not np.isfinite(table[:, 0]).all():
@@ -520,11 +509,7 @@ def _even_step(x: np.ndarray) -> tuple[float, list[str]]:
 
 
 def _points(
-    table: np.ndarray,
-    units: list[str | None],
-    lines: list[int],
-    text: _Text,
-    full_table: np.ndarray | None,
+    table: np.ndarray, units: list[str | None], lines: list[int], text: _Text, full_table: np.ndarray | None
 ) -> MeasuredFile:
     """Return a list of points on the regular grid that it forms, or as an irregular list."""
     first_values, path = text.first_values, text.path

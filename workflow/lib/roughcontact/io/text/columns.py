@@ -4,8 +4,9 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from roughcontact.io.text.header import HEIGHT_WORDS, statements
+from roughcontact.io.text.header import statements
 from roughcontact.io.units import is_length
+from roughcontact.io.vocabulary import meanings, words
 
 _MAX_LINE_LENGTH = 4096  # characters of a line of headings
 _MAX_DISTANCE = 20  # lines above the table that may contain headings
@@ -15,37 +16,8 @@ _LABEL = re.compile(
 )  # before the names
 _WIDE_TABLE = 8  # columns; so many with one heading are the columns of a map
 
-# role of a column -> headings (lower case, letters and digits only)
-_ROLES = {
-    "index": (
-        "index idx no nr num number nummer numéro numero número point punkt punto id n row zeile ligne "
-        "line count counter zähler zaehler compteur contador contatore sample messpunkt datenpunkt номер "
-        "time t zeit temps tiempo tempo tijd время 時間 时间 시간 timestamp date datum frame "
-        "точка 番号 序号 번호"
-    ),
-    "valid": "valid validity isvalid gültig flag",
-    "parameter": (
-        "angle winkel theta phi rho azimuth lon lat longitude latitude frequency frequenz fréquence "
-        "wavenumber wavelength wellenlänge lag load force voltage temperature strain"
-    ),
-    "x": (
-        "x xpos xposition xcoordinate xcoord xaxis xachse lateral lateralposition position pos distance "
-        "length scanlength scanposition traverse travel abscissa displacement encoder encoder1 axis1 "
-        "abstand weg strecke länge messweg verfahrweg abszisse distanz abscisse longueur déplacement "
-        "abscisa distancia longitud posición posicion desplazamiento ascissa distanza lunghezza posizione "
-        "corsa posição distância positie afstand pozycja położenie odległość poloha pozice vzdálenost "
-        "läge avstånd положение координата расстояние длина 位置 距離 距离 위치 거리"
-    ),
-    "y": "y ypos yposition ycoordinate ycoord yaxis yachse encoder2 axis2",
-    "z": (
-        "z zpos zposition zcoordinate zcoord zaxis zachse zheight height heights topography elevation "
-        "altitude raw rawprofile rawdata profile primary roughness waviness leveled levelled höhenwert "
-        "profil rohprofil rauheit welligkeit profilo perfil rugosité rugosidad rugosità profiel профиль "
-        "プロファイル 轮廓 프로파일"
-    ),
-}
-_ROLE = {name: role for role, names in _ROLES.items() for name in names.split()}
-_ROLE |= dict.fromkeys(HEIGHT_WORDS.split(", "), "z")
+# heading -> role of its column
+_ROLE = meanings("column") | dict.fromkeys(words("header")["height"], "z")
 
 
 class Column(NamedTuple):

@@ -10,70 +10,11 @@ from itertools import chain, combinations, islice
 from typing import Any, NamedTuple
 
 from roughcontact.io.units import is_length, metres, same_length
+from roughcontact.io.vocabulary import meanings, words
 
 _MAX_LINE_LENGTH = 4096  # characters; longer lines contain no metadata
 _MAX_LINES = 100_000  # lines
 
-# also headings of columns
-HEIGHT_WORDS = (
-    "höhe, hoehe, hauteur, altezza, altura, alto, hoogte, höjd, výška, wysokość, magasság, yükseklik, "
-    "высота, 高さ, 高度, 높이"
-)
-# entries of a header: meaning -> spellings (lower case, without _ and -), also of localised programs
-_HEADER_WORDS = {
-    "length_x": (
-        "width, x size, size x, xsize, x length, length x, scan width, x range, range x, x amplitude, "
-        "breite, largeur, larghezza, anchura, ancho, largura, breedte, bredd, šířka, szerokość, "
-        "szélesség, genişlik, ширина, 幅, 宽度, 너비"
-    ),
-    "length_y": (
-        "height, y size, size y, ysize, y length, length y, scan height, y range, range y, y amplitude, "
-        + HEIGHT_WORDS
-    ),
-    # a third side, by which the height may be that of the solid
-    "length": "length, länge, longueur, lunghezza, longitud, depth, tiefe, profondeur",
-    "step": (
-        "pixel size, pixelsize, cell size, cellsize, pixel pitch, pixel spacing, spacing, sampling "
-        "interval, xy calibration, xy kalibrierung, pixelgröße, pixelgrösse, pixelabstand, punktabstand, "
-        "taille de pixel, tamaño de píxel"
-    ),
-    # only per pixel: a resolution may be that of the lens, a step that of a motor
-    "per_pixel": "resolution, step, auflösung, schrittweite, résolution, pas, resolución",
-    "size": "size, scan size, image size, field, field size, field of view, area, scan area, measured area",
-    "dx": (
-        "dx, x step, step x, xstep, pixel width, x spacing, spacing x, x increment, xscale, x pixel size, "
-        "pixel size x, x pitch, point spacing, column spacing"
-    ),
-    "dy": (
-        "dy, y step, step y, ystep, pixel height, y spacing, spacing y, y increment, yscale, y pixel size, "
-        "pixel size y, y pitch, row spacing, line spacing, line distance, profile spacing, profile distance, "
-        "track spacing, tracks distance, zeilenabstand, linienabstand, spurabstand, profilabstand"
-    ),
-    "nx": "w, nx, columns, ncols, x pixels, xpixels, x points, samples, points per line, horizontal",
-    "ny": "h, ny, rows, nrows, y pixels, ypixels, y points, lines, vertical, vertikal",
-    "height_unit": (
-        "value units, value unit, z unit, z units, zunit, height unit, height units, data unit, vertical "
-        "unit, vertical units, unit z, units z, unit of z, z einheit, einheit z, unité z, unité des "
-        "valeurs, exported image units, image units, image data unit, heights in, 値の単位, werteinheit, "
-        "werteinheiten, werteeinheit, werteeinheiten, werte einheiten, einheit der werte, einheiten der "
-        "werte"
-    ),
-    "lateral_unit": (
-        "lateral unit, lateral units, xy unit, xy units, x unit, xunit, y unit, yunit, horizontal unit, "
-        "horizontal units"
-    ),
-    "unit": "unit, units, einheit, einheiten, unité, unidad, unità",
-    "height_range": "z amplitude",
-    "count": "number of points, points, num points, numpoints, data points, number of samples",
-    "z_factor": "bit2nm, height conversion factor, z factor, zfactor",
-    "factor": "z scale, zscale, height scale, scale factor, multiplier",
-    "missing": "nodata value, nodata, missing value, no data value, fill value, invalid value, bad value",
-    "channel": "channel, channel name, kanal, canal, canale, kanaal, kanał, канал, チャンネル, チャネル",
-    "instrument": "instrument, instrument name, microscope, device",
-    "serial": "serial, serial number, serial no, instrument serial number",
-    "lens": "lens, objective, objective lens",
-    "date": "date, date time, acquisition date, acquisition time, measured",
-}
 # those with a text as value
 _TEXT_ENTRIES = ("channel", "height_unit", "lateral_unit", "unit", "instrument", "serial", "lens", "date")
 _LENGTHS = ("length_x", "length_y", "length", "dx", "dy", "step", "size")
@@ -83,7 +24,7 @@ _UNIT_IN_NAME = {"bit2nm": "nm"}  # keys that imply the unit of their value: cou
 _TWO_VALUES = {"size": ("length_x", "length_y"), "step": ("dx", "dy")}  # entries with two values in one line
 _PIXELS = {"length_x": "nx", "length_y": "ny"}  # a size in pixels is a number of them
 _PIXEL_WORDS = ("px", "pixel", "pixels", "points", "pts", "samples")
-_MEANING = {word: meaning for meaning, words in _HEADER_WORDS.items() for word in words.split(", ")}
+_MEANING = meanings("header") | dict.fromkeys(words("header")["height"], "length_y")
 _NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _BETWEEN_SIDES = re.compile(r"(?<=[\w)\]])(?: (?:x|by|/) |x(?=\d)|(?:;\s*|,\s+)(?=\d))|(?<=[^\W\d])\s+(?=\d)")
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
@@ -91,7 +32,7 @@ _PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|px|point|pt|sample)s?$", re.IG
 _CAMERA = re.compile(
     r"pixel.*\b(?:camera|sensor|detector|ccd)\b|\b(?:camera|sensor|detector|ccd)\b.*pixel", re.IGNORECASE
 )  # its pixels are not the map's
-_HEIGHT_WORD = re.compile(rf"\W*(?:height|{HEIGHT_WORDS.replace(', ', '|')})\b", re.IGNORECASE)
+_HEIGHT_WORD = re.compile(rf"\W*(?:{'|'.join(words('header')['height'])})\b", re.IGNORECASE)
 _LONGEST = 60  # characters of a line that a message shows
 _SLACK, _WIDEST_SLACK = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with rounding
 _ODD_PIXEL = 10.0  # ratio of the sides of a pixel above which two different units of them are doubted
@@ -311,7 +252,7 @@ def _statements_of(key: str, value: str, sign: str) -> Iterator[tuple[str, State
             length = (
                 value_text if _NUMBER.sub("", value_text, count=1).strip() else f"{value_text} {second_unit}"
             )
-            yield from _statements_of(_HEADER_WORDS[axis].partition(",")[0], length, sign)
+            yield from _statements_of(words("header")[axis][0], length, sign)
     elif match := _NUMBER.match(value):
         yield from _numbers_of(name, meaning, match, unit, sign)
 

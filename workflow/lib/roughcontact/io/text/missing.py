@@ -2,6 +2,8 @@
 
 import re
 
+from roughcontact.io.vocabulary import meanings
+
 # Words that are taken as missing, in lower case.
 _MARKERS = {
     "",  # empty cell
@@ -16,13 +18,6 @@ _MARKERS = {
     *("bad", "nodata"),  # Wyko Vision; Zygo MetroPro ("No Data") and Arc/Info
     *("void", "invalid"),  # exports of several programs, whose headers have no such words
 }
-# Words of the language that stand for a missing point in exports: taken as missing, with a warning.
-_SPOKEN = (
-    "out outofrange overrange overflow underflow saturated clipped missing masked blank empty undef "
-    "undefined notmeasured unmeasured error err ungültig ungueltig fehlt leer maskiert keinedaten "
-    "nichtgemessen n.def. undefiniert invalide nonvalide nonmesuré manquant inválido sindatos nonvalido"
-)
-_SPOKEN_WORDS = frozenset(_SPOKEN.split())
 _FILLING = "-*?"  # characters that stand for a missing point, repeated any number of times
 _PHRASE = re.compile(
     r"(?<![^\s;,])(?:no data|not measured|out of range|n\. def\.|keine daten|nicht gemessen|non valide"
@@ -44,7 +39,7 @@ def is_missing(cell: str) -> bool:
 
 def is_spoken(cell: str) -> bool:
     """Return whether a cell is a word that may have another meaning beside that of a missing point."""
-    return cell.lower() in _SPOKEN_WORDS
+    return cell.lower() in meanings("missing")
 
 
 def joined(line: str) -> str:

@@ -281,12 +281,7 @@ def _ends_with_delimiter(body: list[str], delimiter: str | None) -> bool:
 
 
 def _parse(
-    rows: list[str],
-    lines: list[int],
-    delimiter: str | None,
-    decimal_comma: bool,
-    path: Path,
-    closed: bool,
+    rows: list[str], lines: list[int], delimiter: str | None, decimal_comma: bool, path: Path, closed: bool
 ) -> Table:
     """Return the numbers of a table, whose lines may end with a delimiter."""
     numbers, counts, spoken = array("d"), array("q"), Counter[str]()
