@@ -10,9 +10,13 @@ import h5py
 import numpy as np
 import pytest
 import x3pio
+import xarray as xr
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.read import read_height_map
+
+GIVEN = {"dx": 1, "dy": 1, "unit": "um"}
+_AXES = (("y", -2), ("x", -1))
 
 
 def saved(folder, content, name="map.dat", encoding="utf-8"):
@@ -35,6 +39,13 @@ def warnings_of(height):
 def steps(height):
     """Return the steps (m) along x, and along y of a map."""
     return [float(height[axis][1] - height[axis][0]) for axis in "xy" if height.sizes[axis] > 1]
+
+
+def labelled(heights, unit="m", name="height", **attrs):
+    """Return heights (..., y, x) with positions 1 µm apart."""
+    axes = {axis: (axis, 1e-6 * np.arange(heights.shape[index]), {"units": "m"}) for axis, index in _AXES}
+    dims = ("t", "y", "x")[-heights.ndim :]
+    return xr.DataArray(heights, axes, dims, name, {"units": unit} | attrs)
 
 
 def repacked(archive, change):

@@ -12,7 +12,7 @@ import pytest
 import sdfio
 import x3pio
 import xarray as xr
-from measured_files import gsf, refuses, repacked, saved, x3p
+from measured_files import GIVEN, gsf, refuses, repacked, saved, x3p
 
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.inspection import inspect_file
@@ -160,14 +160,14 @@ def test_npy_needs_units(tmp_path):
 def test_npy_of_other_things(tmp_path, array, words):
     path = tmp_path / "map.npy"
     np.save(path, array)
-    refuses(words, path, dx=1, dy=1, unit="um")
+    refuses(words, path, **GIVEN)
 
 
 def test_positions_in_an_array_are_said(tmp_path):
     heights = np.random.default_rng(2).normal(size=(9, 12))
     for array, said in ((np.vstack([np.arange(12) / 2, heights]), True), (heights, False)):
         np.save(tmp_path / "map.npy", array)
-        height = read_height_map(tmp_path / "map.npy", dx=1, dy=1, unit="um")
+        height = read_height_map(tmp_path / "map.npy", **GIVEN)
         assert ("the first row (0, 0.5, 1 ...) may be positions" in height.attrs["ingest_warnings"]) == said
 
 
@@ -180,7 +180,7 @@ def test_npy_never_unpickles(tmp_path):
 
     path = tmp_path / "map.npy"
     np.save(path, np.array([[Payload()]], dtype=object), allow_pickle=True)
-    refuses("not readable as a NumPy array", path, dx=1, dy=1, unit="um")
+    refuses("not readable as a NumPy array", path, **GIVEN)
     assert not marker.exists()
 
 
@@ -188,10 +188,10 @@ def test_npy_cut_off_or_claiming_too_much(tmp_path):
     path = tmp_path / "map.npy"
     np.save(path, np.ones((50, 50)))
     data = path.read_bytes()
-    refuses("NumPy", saved(tmp_path, data[: len(data) // 2]), dx=1, dy=1, unit="um")
-    refuses("NumPy", saved(tmp_path, data.replace(b"(50, 50)", b"(90000, 90000)")), dx=1, dy=1, unit="um")
+    refuses("NumPy", saved(tmp_path, data[: len(data) // 2]), **GIVEN)
+    refuses("NumPy", saved(tmp_path, data.replace(b"(50, 50)", b"(90000, 90000)")), **GIVEN)
     np.save(path, np.full((3, 3), np.nan))
-    refuses("all 9 points", path, error=HeightMapError, dx=1, dy=1, unit="um")
+    refuses("all 9 points", path, error=HeightMapError, **GIVEN)
 
 
 def test_own_netcdf_comes_back_as_it_was(tmp_path):
@@ -326,9 +326,7 @@ def test_netcdf_with_positions_that_are_no_coordinates(tmp_path, dims):
     variables = zip("yxz", (*np.indices((3, 4)), np.ones((3, 4))), strict=True)
     dataset = xr.Dataset({name: (dims, values.reshape(shape)) for name, values in variables})
     dataset.to_netcdf(tmp_path / "map.nc")
-    refuses(
-        "the positions x and y of 'z' are variables over its axes", tmp_path / "map.nc", dx=1, dy=1, unit="um"
-    )
+    refuses("the positions x and y of 'z' are variables over its axes", tmp_path / "map.nc", **GIVEN)
 
 
 def test_inspect_names_channels_and_suspicions(tmp_path):

@@ -8,8 +8,7 @@ import zipfile
 import numpy as np
 import pytest
 import x3pio
-import xarray as xr
-from measured_files import refuses, saved, x3p
+from measured_files import GIVEN, labelled, refuses, saved, x3p
 
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.faces.composite import composite
@@ -39,7 +38,7 @@ def test_rubbish_is_never_a_map(tmp_path, size, kind):
         kind
     ]
     with pytest.raises(InputFileError) as caught:
-        read_height_map(saved(tmp_path, data, "map.hgt"), dx=1, dy=1, unit="um")
+        read_height_map(saved(tmp_path, data, "map.hgt"), **GIVEN)
     assert len(str(caught.value)) < 400
     assert "\n" not in str(caught.value)
 
@@ -71,7 +70,7 @@ def test_cut_archive_and_other_archives(tmp_path):
     refuses("without its end", saved(tmp_path, data[: int(0.6 * len(data))]))
     stream = io.BytesIO()
     np.savez(stream, a=np.ones((4, 4)))
-    refuses(r"map\.", saved(tmp_path, stream.getvalue(), "map.npz"), dx=1, dy=1, unit="um")
+    refuses(r"map\.", saved(tmp_path, stream.getvalue(), "map.npz"), **GIVEN)
 
 
 def rough(n=64, seed=0):
@@ -257,23 +256,17 @@ def test_a_plateau_between_the_extremes():
 def test_memory_is_asked_for_before_reading(tmp_path, monkeypatch):
     monkeypatch.setattr(guards, "memory_bytes", lambda: 2.0**17)
     np.save(tmp_path / "map.npy", rough(128))
-    refuses(
-        r"128 x 128 points need 0.0 GiB of memory to be read", tmp_path / "map.npy", dx=1, dy=1, unit="um"
-    )
-    refuses(r"bytes of text need", saved(tmp_path, b"1.5 2.5\n" * 2000, "map.txt"), dx=1, dy=1, unit="um")
+    refuses(r"128 x 128 points need 0.0 GiB of memory to be read", tmp_path / "map.npy", **GIVEN)
+    refuses(r"bytes of text need", saved(tmp_path, b"1.5 2.5\n" * 2000, "map.txt"), **GIVEN)
     refuses(r"bytes of SDF need", saved(tmp_path, b"aISO-1.0" + bytes(20000), "map.sdf"))
     refuses(r"bytes of this format need", saved(tmp_path, b"AliconaImaging\0" + bytes(20000), "map.al3d"))
     monkeypatch.undo()
     assert guards.memory_bytes() > 2**20
-    assert read_height_map(tmp_path / "map.npy", dx=1, dy=1, unit="um").shape == (128, 128)
+    assert read_height_map(tmp_path / "map.npy", **GIVEN).shape == (128, 128)
 
 
 def test_depths_are_turned_into_heights(tmp_path):
-    axes = {axis: (axis, 1e-6 * np.arange(64), {"units": "m"}) for axis in ("y", "x")}
-    attrs = {"units": "m", "positive": "down"}
-    xr.DataArray(rough(), coords=axes, dims=("y", "x"), name="depth", attrs=attrs).to_netcdf(
-        tmp_path / "map.nc"
-    )
+    labelled(rough(), name="depth", positive="down").to_netcdf(tmp_path / "map.nc")
     height = read_height_map(tmp_path / "map.nc")
     np.testing.assert_array_equal(height.values, -rough())
     assert "its sign was changed" in height.attrs["ingest_warnings"]

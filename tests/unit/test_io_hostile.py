@@ -11,7 +11,7 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
-from measured_files import refuses
+from measured_files import GIVEN, labelled, refuses
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.inspection import inspect_file
@@ -23,9 +23,8 @@ from hostile import FILES
 HEIGHTS = 1e-7 * np.random.default_rng(0).standard_normal((16, 16))
 
 
-def good(path, heights=HEIGHTS):
-    axes = {axis: (axis, 1e-6 * np.arange(16), {"units": "m"}) for axis in ("y", "x")}
-    xr.DataArray(heights, coords=axes, dims=("y", "x"), name="height", attrs={"units": "m"}).to_netcdf(path)
+def good(path):
+    labelled(HEIGHTS).to_netcdf(path)
     return path
 
 
@@ -93,7 +92,7 @@ def test_numbers_of_other_files_are_refused(tmp_path, name, kind):
             file.create_group("MetaData")
         elif kind == "jpk":
             file.attrs["file-format-info"] = "JPK SCAN"
-    refuses("which is refused: any file of this computer", path, dx=1, dy=1, unit="um", height_unit="m")
+    refuses("which is refused: any file of this computer", path, **GIVEN, height_unit="m")
 
 
 ENDLESS = (
@@ -138,9 +137,7 @@ def test_an_axis_scale_that_is_a_single_number_is_refused(tmp_path):
 
 def test_a_heap_of_hdf5_without_an_end_is_refused(tmp_path):
     path = tmp_path / "map.nc"
-    axes = {axis: (axis, 1e-6 * np.arange(5), {"units": "m"}) for axis in ("y", "x")}
-    heights = xr.DataArray(np.eye(5), coords=axes, dims=("y", "x"), name="z", attrs={"units": "um"})
-    heights.to_netcdf(path, engine="netcdf4")
+    labelled(np.eye(5), "um", "z").to_netcdf(path, engine="netcdf4")
     assert read_height_map(path).shape == (5, 5)
     whole = bytearray(path.read_bytes())
     place = whole.find(b"GCOL") + 16

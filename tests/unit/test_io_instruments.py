@@ -7,8 +7,7 @@ import zipfile
 import numpy as np
 import pytest
 import scipy.io
-import xarray as xr
-from measured_files import gwy, refuses, saved, steps, warnings_of
+from measured_files import gwy, labelled, refuses, saved, steps, warnings_of
 from shared_data import DATA
 
 from roughcontact.io.inspection import inspect_file
@@ -157,8 +156,7 @@ def test_a_plain_workbook_is_named_with_its_sheets(tmp_path):
 
 def test_a_map_of_three_axes_is_chosen_by_its_index(tmp_path):
     values = 1e-9 * np.stack([COUNTS, 2 * COUNTS, 3 * COUNTS])
-    axes = {axis: (axis, 1e-6 * np.arange(n), {"units": "m"}) for axis, n in (("y", 6), ("x", 8))}
-    scans = xr.DataArray(values, coords=axes, dims=("t", "y", "x"), name="z", attrs={"units": "m"})
+    scans = labelled(values, name="z")
     for path, dims in ((tmp_path / "first.nc", ("t", "y", "x")), (tmp_path / "last.nc", ("y", "x", "t"))):
         scans.transpose(*dims).to_netcdf(path)
         np.testing.assert_allclose(read_height_map(path, channel="z[t=2]").values, values[2], rtol=1e-12)

@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.io
-import xarray as xr
-from measured_files import refuses, warnings_of
+from measured_files import labelled, refuses, warnings_of
 from shared_data import DATA
 
 from roughcontact.errors import InputFileError
@@ -101,9 +100,7 @@ def test_what_follows_a_variable_of_matlab_is_refused(tmp_path):
 def test_a_classic_header_that_contradicts_itself_is_refused(tmp_path, kind):
     path = tmp_path / "map.nc"
     heights = np.random.default_rng(1).standard_normal((40, 50))
-    axes = {name: (name, np.arange(float(n)), {"units": "um"}) for name, n in (("y", 40), ("x", 50))}
-    array = xr.DataArray(heights, coords=axes, dims=("y", "x"), name="height", attrs={"units": "um"})
-    array.to_netcdf(path, format=kind, engine="netcdf4")
+    labelled(heights).to_netcdf(path, format=kind, engine="netcdf4")
     whole = path.read_bytes()
     count = 8 if kind.endswith("DATA") else 4
     for number in (40, 50, 8 * 40 * 50):  # two axes, bytes of a variable

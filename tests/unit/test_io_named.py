@@ -3,7 +3,6 @@
 import gzip
 import io
 import json
-import struct
 import sys
 import time
 import zipfile
@@ -12,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.io
-from measured_files import keyence, refuses, saved, steps, tmd, warnings_of, x3p
+from measured_files import GIVEN, keyence, refuses, saved, steps, tmd, warnings_of, x3p
 from PIL import Image
 from shared_data import DATA
 
@@ -43,16 +42,6 @@ def test_truemap_that_is_damaged(tmp_path):
     refuses("0 x 6 points", saved(tmp_path, tmd(HEIGHTS[:, :0], SIZE)))
 
 
-@pytest.mark.shared_data
-def test_a_real_file_of_gelsight():
-    height = read_height_map(MORE / "gelsight-testing.tmd")
-    assert height.shape == (20, 30)
-    assert float(height.x[1] - height.x[0]) == pytest.approx(27.5e-6, rel=1e-6)
-    # the last four bytes of the file as it lies there: the lower right corner of the picture
-    last = struct.unpack("<f", (MORE / "gelsight-testing.tmd").read_bytes()[-4:])[0]
-    assert float(height[0, -1]) == pytest.approx(1e-3 * last, rel=1e-12)
-
-
 @pytest.mark.parametrize("compressed", [False, True])
 def test_matrices_of_matlab(tmp_path, compressed):
     path = tmp_path / "map.mat"
@@ -76,7 +65,7 @@ def test_a_bomb_in_matlab(tmp_path, monkeypatch):
     scipy.io.savemat(path, {"z": np.zeros((2000, 2000))}, do_compression=True)
     assert path.stat().st_size < 10**5
     monkeypatch.setattr("roughcontact.io.readers.matlab.MAX_UNPACKED_BYTES", 10**7)
-    refuses("unpack to more than", path, dx=1, dy=1, unit="um")
+    refuses("unpack to more than", path, **GIVEN)
 
 
 def picture(kind):
@@ -134,7 +123,7 @@ def locked(packed):
 )
 def test_what_is_known_and_not_read_is_named(tmp_path, data, said):
     with pytest.raises(InputFileError, match=said) as caught:
-        read_height_map(saved(tmp_path, data), dx=1, dy=1, unit="um")
+        read_height_map(saved(tmp_path, data), **GIVEN)
     assert "NMM), but is damaged" not in str(caught.value)
 
 

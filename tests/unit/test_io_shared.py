@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from measured_files import refuses, steps
+from measured_files import refuses, steps, warnings_of
 from shared_data import DATA
 
 from roughcontact.errors import InputFileError
@@ -277,30 +277,20 @@ def test_converted_line_ends_are_refused(name, tmp_path):
     refuses("it was transferred as text", tmp_path / name)
 
 
-def test_a_wyko_map_that_was_inverted_is_passed_on(tmp_path):
-    data = bytearray((DATA / "test_1.opd").read_bytes())
-    place = 1067456  # of the value of Data_Invert, 10 characters
-    assert data[place : place + 10].rstrip(b"\0") == b"No"
-    data[place : place + 3] = b"Yes"
-    (tmp_path / "inverted.opd").write_bytes(data)
-    words = "the map was inverted or mirrored"
-    assert any(words in note for note in inspect_file(tmp_path / "inverted.opd")["warnings"])
-    assert not any(words in note for note in inspect_file(DATA / "test_1.opd")["warnings"])
-
-
 @pytest.mark.parametrize(
-    ("name", "place", "words"),
+    ("name", "place", "change", "words"),
     [
-        ("sur-3.sur", 288, "an imprint (replica) was measured"),
-        ("sur-3.sur", 290, "the map was inverted or mirrored"),
-        ("metropro-1.dat", 233, "the map was inverted or mirrored"),
+        ("sur-3.sur", 288, b"\1", "an imprint (replica) was measured"),
+        ("sur-3.sur", 290, b"\1", "the map was inverted or mirrored"),
+        ("metropro-1.dat", 233, b"\1", "the map was inverted or mirrored"),
+        ("test_1.opd", 1067456, b"Yes", "the map was inverted or mirrored"),  # value of Data_Invert
     ],
 )
-def test_a_header_that_speaks_of_the_sign_is_passed_on(name, place, words, tmp_path):
+def test_a_header_that_speaks_of_the_sign_is_passed_on(name, place, change, words, tmp_path):
     data = bytearray((DATA / name).read_bytes())
-    assert data[place] == 0
-    data[place] = 1
+    end = place + len(change)
+    assert data[place:end] == (b"No\0" if change == b"Yes" else b"\0")
+    data[place:end] = change
     (tmp_path / name).write_bytes(data)
-    notes = json.loads(read_height_map(tmp_path / name).attrs["ingest_warnings"])
-    assert any(words in note for note in notes)
+    assert words in warnings_of(read_height_map(tmp_path / name))
     assert not any(words in note for note in inspect_file(DATA / name)["warnings"])

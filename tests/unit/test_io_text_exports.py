@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from measured_files import refuses, saved, steps
+from measured_files import GIVEN, refuses, saved, steps
 from shared_data import DATA
 
 from roughcontact.io.inspection import inspect_file
@@ -96,14 +96,14 @@ def test_empty_cells_around_a_table(tmp_path):
     text = trace().replace("\n", ";" * 300 + "\n") + (";" * 302 + "\n") * 2000
     assert_trace(read_height_map(saved(tmp_path, text), unit="mm", height_unit="um"))
     # an empty cell within the table is a missing point, also the last one of a row
-    height = read_height_map(saved(tmp_path, "1;2;3;4\n5;6;7;\n;8;9;1\n"), dx=1, dy=1, unit="um")
+    height = read_height_map(saved(tmp_path, "1;2;3;4\n5;6;7;\n;8;9;1\n"), **GIVEN)
     np.testing.assert_array_equal(
         np.isnan(height.values[::-1]), np.array([[0, 0, 0, 0], [0, 0, 0, 1], [1, 0, 0, 0]], dtype=bool)
     )
-    closed = read_height_map(saved(tmp_path, "0,500\t2\t9.91E+37\t\n5\t6\t\t\n"), dx=1, dy=1, unit="um")
+    closed = read_height_map(saved(tmp_path, "0,500\t2\t9.91E+37\t\n5\t6\t\t\n"), **GIVEN)
     np.testing.assert_array_equal(np.isnan(closed.values[::-1]), [[False, False, True]] * 2)
     # but where the last line alone ends so, it is incomplete
-    refuses("the last line is incomplete", saved(tmp_path, "1;2;3;4\n5;6;7;8\n9;8;7;"), dx=1, dy=1, unit="um")
+    refuses("the last line is incomplete", saved(tmp_path, "1;2;3;4\n5;6;7;8\n9;8;7;"), **GIVEN)
 
 
 @pytest.mark.parametrize(
@@ -150,11 +150,10 @@ def test_three_columns_are_a_map_where_both_steps_are_given(tmp_path):
 
 
 def test_steps_do_not_make_a_map_of_points_or_of_a_profile(tmp_path):
-    given = {"dx": 1, "dy": 1, "unit": "um"}
     uneven = "".join(f"{a} {b} {a * b + 1}\n" for b in range(4) for a in (0.0, 1.0, 2.3, 3.0, 4.0))
-    refuses("resample = linear", saved(tmp_path, uneven), **given)
+    refuses("resample = linear", saved(tmp_path, uneven), **GIVEN)
     profile = "".join(f"{a} {a * a}\n" for a in (0.0, 1.0, 2.3, 3.0, 4.0))
-    refuses("resample = linear", saved(tmp_path, profile), **given)
+    refuses("resample = linear", saved(tmp_path, profile), **GIVEN)
 
 
 def test_an_index_without_a_name_is_doubted(tmp_path):
@@ -179,8 +178,8 @@ def test_a_count_above_the_table(tmp_path):
         saved(tmp_path, "mm µm\n13\n" + trace(" ")),
     )
     matrix = "4 3\n" + "1 2 3 5\n" * 3
-    assert read_height_map(saved(tmp_path, matrix), dx=1, dy=1, unit="um").shape == (3, 4)
-    refuses(r"4 and 3.* 2 rows of 4", saved(tmp_path, matrix[:-8]), dx=1, dy=1, unit="um")
+    assert read_height_map(saved(tmp_path, matrix), **GIVEN).shape == (3, 4)
+    refuses(r"4 and 3.* 2 rows of 4", saved(tmp_path, matrix[:-8]), **GIVEN)
 
 
 def test_a_declared_number_of_points_is_compared(tmp_path):
@@ -298,9 +297,7 @@ def test_a_heading_above_a_matrix_gives_the_unit_of_its_heights(tmp_path):
     heights = np.arange(20.0).reshape(4, 5) ** 2
     matrix = "\n".join(" ".join(map(str, row)) for row in heights)
     for heading in ("Height(nm)", "# Height Sensor [nm]", '"Z (nm)"'):
-        height = read_height_map(
-            saved(tmp_path, f"made on Monday\n{heading}\n{matrix}\n"), dx=1, dy=1, unit="um"
-        )
+        height = read_height_map(saved(tmp_path, f"made on Monday\n{heading}\n{matrix}\n"), **GIVEN)
         np.testing.assert_allclose(height.values[::-1], 1e-9 * heights, rtol=1e-14)
     size = read_height_map(saved(tmp_path, f"Width: 5 mm\nHeight: 4 mm\n{matrix}\n"), height_unit="um")
     np.testing.assert_allclose(size.values[::-1], 1e-6 * heights, rtol=1e-14)
@@ -309,7 +306,7 @@ def test_a_heading_above_a_matrix_gives_the_unit_of_its_heights(tmp_path):
 def test_the_text_export_of_a_binary_format_is_read_as_text(tmp_path):
     matrix = "\n".join("1.5 2.5 3.5 4.5" for _ in range(5))
     head = "\\*File list\n\\Version: 0x09200201\n\\*Ciao image list\n\\Data offset: 80\n\\Data length: 40\n"
-    height = read_height_map(saved(tmp_path, f"{head}Height(nm)\n{matrix}\n"), dx=1, dy=1, unit="um")
+    height = read_height_map(saved(tmp_path, f"{head}Height(nm)\n{matrix}\n"), **GIVEN)
     assert height.shape == (5, 4)
     assert height.values[0, 1] == pytest.approx(2.5e-9)
     points = "".join(f"{10 * x}\t{10 * y}\t{x * y}\n" for y in range(4) for x in range(3))
