@@ -21,10 +21,10 @@ import xarray as xr
 
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, RoughContactError
-from roughcontact.maps import refined
+from roughcontact.maps import refined, spacing
 from roughcontact.quantities import number, percent
 from roughcontact.results.storage import read_dataset, write_table
-from roughcontact.uncertainty.headline import headline
+from roughcontact.uncertainty.headline import fields_of, quantities_of
 
 WORDS = {
     "relative_contact_area": "contact area",
@@ -149,6 +149,13 @@ def _every_second(grid: xr.DataArray) -> xr.DataArray | None:
     return grid[tuple(slice(None, None, 2 if n > 1 else 1) for n in grid.shape)]
 
 
+def _headline(contact: xr.Dataset) -> xr.Dataset:
+    """Return the headline quantities (load) of a solution with its fields."""
+    steps = spacing(contact["pressure"])
+    rows = [quantities_of(*fields, QUANTITIES, steps=steps) for fields in fields_of(contact)]
+    return xr.Dataset({name: ("load", [row[name] for row in rows]) for name in QUANTITIES})
+
+
 def _solve(
     grid: xr.DataArray,
     *,
@@ -168,7 +175,7 @@ def _solve(
             bodies=bodies,
             mean_pressure=mean_pressure,
             tolerance=tolerance,
-            reduce=headline,
+            reduce=_headline,
             threads=threads,
         )
         seconds = time.perf_counter() - start

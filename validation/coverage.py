@@ -15,7 +15,6 @@ from roughcontact.references import synthetic
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.ensemble import solve_member
-from roughcontact.uncertainty.headline import headline
 from roughcontact.uncertainty.scales import ANSWERS, QUANTITIES, from_scale, to_scale
 from roughcontact.window.periodic_window import periodic_window
 from validation.lines import Section, Table
@@ -118,7 +117,7 @@ def pixel_size_cases(maps: int, *, seed: int = 2024) -> Cases:
         solved = solve_contact(window, **contact, reduce=budget_inputs)
         settings = {"level": {}, "window": {}, "contact": contact}
         budget = error_budget(window, window, settings, sources=["discretisation"], solved=solved)
-        fine = solve_contact(refined(window, 8), **contact, reduce=headline)
+        fine = solve_contact(refined(window, 8), **contact, reduce=budget_inputs)
         computed.append(_cases(budget, {name: fine[name].values for name in QUANTITIES}, loads))
     return _joined(computed)
 

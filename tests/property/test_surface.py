@@ -15,7 +15,7 @@ from roughcontact.levelling.forms import form_from_record
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.roughness import parameters
-from roughcontact.uncertainty.headline import headline
+from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.window import periodisation
 from roughcontact.window.periodic_window import periodic_window
 from roughcontact.window.rectangle import largest_rectangle
@@ -154,7 +154,7 @@ def test_a_mirrored_or_transposed_map_has_the_same_contact(shape, seed, holes, m
         window = periodic_window(level(height_map(variant, 1.0), **options), method=method)
         load = 0.05 * (areas[0][1] if areas else window.attrs["rms_gradient_after"])
         solved = solve_contact(
-            window, contact_modulus=1.0, mean_pressure=load, tolerance=1e-8, reduce=headline
+            window, contact_modulus=1.0, mean_pressure=load, tolerance=1e-8, reduce=budget_inputs
         )
         areas.append((solved["relative_contact_area"].item(), load / 0.05))
     area = np.array(areas)[:, 0]

@@ -6,9 +6,10 @@ import pytest
 import roughcontact as rc
 from roughcontact.elasticity import influence
 from roughcontact.fourier import wavevectors
-from roughcontact.maps import height_map
+from roughcontact.maps import height_map, spacing
 from roughcontact.references.synthetic import rough_reference_surface
-from roughcontact.uncertainty.headline import headline_and_answers
+from roughcontact.uncertainty.headline import quantities_of
+from roughcontact.uncertainty.scales import CONDUCTANCE
 from roughcontact.uncertainty.solver import solver_uncertainty
 
 
@@ -79,8 +80,9 @@ def test_the_numbers_of_a_contact_are_of_the_operator_that_solved_it():
         # where there is pressure the surface follows the heights, and its mean displacement is zero
         pressed_in = (contact["pressure"] * (height - contact["approach"])).mean(("y", "x"))
         np.testing.assert_allclose(found["elastic_energy"], pressed_in / 2, rtol=1e-7)
-        answers = headline_and_answers(contact)["conductance_per_conductivity"]
-        assert answers[1].item() == pytest.approx(stiffness, rel=2e-3)
+        fields = contact["pressure"][1].values, contact["gap"][1].values
+        of_load = quantities_of(*fields, (CONDUCTANCE,), steps=spacing(height), influence=name)
+        assert of_load[CONDUCTANCE] == pytest.approx(stiffness, rel=2e-3)
         energy = found["elastic_energy"].values
         np.testing.assert_allclose(
             solver_uncertainty(contact, energy=energy)["mean_gap"],

@@ -17,7 +17,7 @@ from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.map_checks import scan_lines
 from roughcontact.statistics.outcome import PASSED, REVIEW
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.uncertainty.headline import headline
+from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.window.periodic_window import periodic_window
 
 ROWS = 192
@@ -283,7 +283,7 @@ def test_the_interval_of_a_map_with_shifted_rows_covers_the_surface_behind_it():
     for number, (_, heights) in enumerate(masters()):
         steps = [np.roll(heights, 1, axis) - heights for axis in (0, 1)]
         surface = 0.1 * (heights - heights.mean()) / np.sqrt(np.mean(steps[0] ** 2 + steps[1] ** 2))
-        truth = solve_contact(height_map(surface, 1.0), **problem, reduce=headline)
+        truth = solve_contact(height_map(surface, 1.0), **problem, reduce=budget_inputs)
         generator = np.random.default_rng(100 + number)
         start = generator.integers(0, 2 * ROWS, 2)
         part = np.roll(surface, -start, (0, 1))[:ROWS, :ROWS]
@@ -291,7 +291,7 @@ def test_the_interval_of_a_map_with_shifted_rows_covers_the_surface_behind_it():
         levelled = level(height_map(part + 0.01 * np.arange(ROWS), 1.0))
         assert levelled.attrs["row_jitter"] == pytest.approx(0.1, rel=0.5)
         window = periodic_window(levelled)
-        solved = solve_contact(window, **problem, reduce=headline)
+        solved = solve_contact(window, **problem, reduce=budget_inputs)
         budget = error_budget(levelled, window, {"level": {}, "window": {}, "contact": problem})
         held.append(
             [

@@ -8,8 +8,8 @@ from roughcontact.maps import height_map, refined
 from roughcontact.references import synthetic
 from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
 from roughcontact.uncertainty import discretisation
+from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.discretisation import _edge_noise, discretisation_error
-from roughcontact.uncertainty.headline import headline
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
 
 NAMES = (AREA, GAP, PEAK)
@@ -19,7 +19,7 @@ def corrected(window, loads, names=NAMES):
     """Return the results on their scales, the corrections and the half-widths, by quantity."""
     contact = {"contact_modulus": 1.0, "mean_pressure": loads, "tolerance": 1e-6}
     solved = solve_contact(window, **contact)
-    found, peak = headline(solved), int(solved["pressure"][-1].values.argmax())
+    found, peak = budget_inputs(solved), int(solved["pressure"][-1].values.argmax())
     values = {name: found[name].values for name in NAMES}
     share = (solved["pressure"].values > 0).mean((1, 2))
     errors = discretisation_error(window, contact=contact, values=values, pixel_share=share, peak_index=peak)
@@ -41,7 +41,7 @@ def test_the_correction_leads_nearer_to_a_finer_solution():
         )
         loads = [0.05, 0.3]
         fine = solve_contact(
-            refined(window, 4), contact_modulus=1.0, mean_pressure=loads, tolerance=1e-5, reduce=headline
+            refined(window, 4), contact_modulus=1.0, mean_pressure=loads, tolerance=1e-5, reduce=budget_inputs
         )
         for name, (plain, correction, _) in corrected(window, loads).items():
             truth = to_scale(name, fine[name].values)

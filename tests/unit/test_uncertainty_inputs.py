@@ -11,7 +11,7 @@ from roughcontact.errors import SettingsError
 from roughcontact.references.synthetic import self_affine_surface, westergaard_surface
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
-from roughcontact.uncertainty.headline import headline_and_answers, quantities_in
+from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.inputs import input_uncertainty
 from roughcontact.uncertainty.scales import ANSWERS, AREA, CONSTRICTIONS, QUANTITIES, from_scale, to_scale
 
@@ -53,7 +53,7 @@ def solved_at(window: xr.DataArray, kind: str, loads: list[float], source: str, 
         window = factor * window
     if source == "amplification_xy":
         window = window.assign_coords({d: factor * window[d] for d in "xy"})
-    return solve_contact(window, **problem(kind, loads, source, factor), reduce=headline_and_answers)
+    return solve_contact(window, **problem(kind, loads, source, factor), reduce=budget_inputs)
 
 
 def budget_of(window: xr.DataArray, kind: str, loads: list[float], source: str, width: float) -> xr.Dataset:
@@ -151,7 +151,7 @@ def test_a_load_that_may_exceed_the_hardness_reaches_full_contact(surface):
 
 def test_an_end_that_cannot_be_solved_bounds_nothing(surface):
     contact = problem("elastic", [0.1]) | {"on_failure": "flag"}
-    solved = solve_contact(surface, **contact, reduce=headline_and_answers)
+    solved = solve_contact(surface, **contact, reduce=budget_inputs)
     beyond_rounding = contact | {"tolerance": 1e-15}
     sensitivities, components = input_uncertainty(
         surface, contact=beyond_rounding, solved=solved, stated={"contact_modulus": 0.1}

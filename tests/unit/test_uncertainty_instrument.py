@@ -15,8 +15,8 @@ from roughcontact.maps import height_map, refined, spacing
 from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.uncertainty.budget import _summed
+from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.calibration import octave_arms
-from roughcontact.uncertainty.headline import headline_and_answers
 from roughcontact.uncertainty.instrument import instrument_components
 from roughcontact.uncertainty.magnification import magnification_curve, without_shortest_waves
 from roughcontact.uncertainty.scales import ANSWERS, AREA, GAP, PEAK, QUANTITIES, to_scale
@@ -51,7 +51,7 @@ def loads(window: xr.DataArray, *relative: float) -> list[float]:
 
 def results(window: xr.DataArray, pressures: list[float]) -> xr.Dataset:
     return solve_contact(
-        window, contact_modulus=MODULUS, mean_pressure=pressures, tolerance=1e-6, reduce=headline_and_answers
+        window, contact_modulus=MODULUS, mean_pressure=pressures, tolerance=1e-6, reduce=budget_inputs
     )
 
 
@@ -221,7 +221,7 @@ def test_a_band_that_the_settings_cut_off_begins_the_magnification_curve():
     window = rc.periodic_window(rough_reference_surface(96), shortest_wavelength=5 / 96)
     problem = {"contact_modulus": 1.0, "mean_pressure": loads(window, 0.1)}
     problem["mean_pressure"] = [each / MODULUS for each in problem["mean_pressure"]]
-    solved = solve_contact(window, **problem, reduce=headline_and_answers)
+    solved = solve_contact(window, **problem, reduce=budget_inputs)
     curve = magnification_curve(window, contact=problem, solved=solved)
     assert curve["cutoff_wavelength"].values[:2] == pytest.approx(5 / 96, rel=0.02)
     assert curve["cutoff_wavelength"].values[2] > 6 / 96

@@ -10,7 +10,7 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.uncertainty.headline import headline_and_answers
+from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.scales import AREA, GAP, PEAK, PRESSURE, QUANTITIES, from_scale, to_scale
 from roughcontact.window.periodic_window import periodic_window
 
@@ -47,7 +47,7 @@ def covered(seeds):
         )
         maps = [whole.values[y : y + 64, x : x + 64] for y in (0, 100) for x in (0, 100)]
         rows = [
-            solve_contact(periodic_window(level(height_map(m, 1.0))), **problem, reduce=headline_and_answers)
+            solve_contact(periodic_window(level(height_map(m, 1.0))), **problem, reduce=budget_inputs)
             for m in maps
         ]
         found = budget_of(

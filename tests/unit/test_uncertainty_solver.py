@@ -6,8 +6,8 @@ import pytest
 from roughcontact.contact.solve import solve_contact
 from roughcontact.references import synthetic
 from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.discretisation import CORRECTED
-from roughcontact.uncertainty.headline import headline
 from roughcontact.uncertainty.solver import points_within_reach, solver_uncertainty
 
 SHAPES = ((32, 32), (64, 64), (40, 96), (1, 128))
@@ -41,10 +41,10 @@ def test_the_interval_of_the_solver_covers_converged_solutions():
         window = rough(index)
         loads = np.exp(np.random.default_rng(index).uniform(np.log(0.01), np.log(1.0), 3))
         problem = {"contact_modulus": 1.0, "mean_pressure": list(loads)}
-        truth = solve_contact(window, **problem, tolerance=1e-9, reduce=headline)
+        truth = solve_contact(window, **problem, tolerance=1e-9, reduce=budget_inputs)
         for tolerance in (1e-1, 1e-2, 1e-3, 1e-4):
             contact = solve_contact(window, **problem, tolerance=tolerance)
-            found, half_widths = headline(contact), widths_of(contact)
+            found, half_widths = budget_inputs(contact), widths_of(contact)
             for name, width in half_widths.items():
                 error = np.abs(found[name].values - truth[name].values)
                 inside[name].append(error <= width + 1e-9 * truth[name].values)

@@ -22,7 +22,7 @@ from roughcontact.profiles.finish import draw, finish_of, resampled
 from roughcontact.profiles.spectrum import ProfileFit
 from roughcontact.profiles.surface import profile_pieces, surface_from_profiles
 from roughcontact.quantities import counted_noun
-from roughcontact.uncertainty.calibration import entry
+from roughcontact.uncertainty.calibration import at_area, entry
 from roughcontact.uncertainty.discretisation import CORRECTED
 from roughcontact.uncertainty.ensemble import (
     SCATTER_TOLERANCE,
@@ -31,7 +31,7 @@ from roughcontact.uncertainty.ensemble import (
     solve_member,
     solve_members,
 )
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, at_all_loads, inverse_erf_area, to_scale
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, at_all_loads, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
 
@@ -58,15 +58,12 @@ def scatter_of_surfaces(
     load = loads_of(contact)
     solved = few_loads(load)
     ensemble = solve_members(member_surfaces(profiles, window, number), number, contact, values)
-    x = np.log(np.maximum(inverse_erf_area(values[AREA]), 1e-12))
     arms, shift = {}, {}
     for name, result in values.items():
         mean, deviation = moments(name, ensemble[name][:, solved], result[solved], values[GAP][solved])
         deviation, mean = (at_all_loads(moment, solved, load) for moment in (deviation, mean))
         calibrated = table()["quantities"][entry(name)]
-        spread, quantile = (
-            np.interp(x, calibrated["load"], calibrated[key]) for key in ("spread", "quantile")
-        )
+        spread, quantile = at_area(calibrated, values[AREA], ("spread", "quantile"))
         width = quantile * np.hypot(deviation, spread)
         if name in CORRECTED:
             arms[name], shift[name] = (width, width), mean

@@ -11,7 +11,7 @@ Am. Stat. Assoc. 113, 1094, for scaled errors). They hold for a map that could b
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
 from typing import Any, Literal
@@ -36,20 +36,14 @@ def entry(name: str) -> str:
     return "critical_constriction" if name in CONSTRICTIONS else AREA if name == PRESSURE else name
 
 
-def expected_error(name: str, features: Features) -> np.ndarray:
-    """Return the expected size of the error of a quantity on its scale; of narrowest places in mean gaps."""
-    size = table()["size"][entry(name)]
-    return np.exp(sum(slope * np.asarray(features.get(key, 1.0)) for key, slope in size.items()))
+def _expected_size(slopes: Mapping[str, float], features: Features) -> np.ndarray:
+    """Return exp(sum of slope times feature), the expected size of an error or a scatter."""
+    return np.exp(sum(slope * np.asarray(features.get(key, 1.0)) for key, slope in slopes.items()))
 
 
 def scatter_of_maps(features: Features | None) -> dict[str, np.ndarray]:
     """Return the attribute with the scatter of the area between maps of this size, on its scale (load)."""
-    if not features:
-        return {}
-    slopes = table()[MAP_SCATTER]
-    return {
-        MAP_SCATTER: np.exp(sum(slope * np.asarray(features.get(key, 1.0)) for key, slope in slopes.items()))
-    }
+    return {MAP_SCATTER: _expected_size(table()[MAP_SCATTER], features)} if features else {}
 
 
 def arms(
@@ -63,20 +57,22 @@ def arms(
     """
     if measurand == "longer":
         share = math.log(extent) / math.log(table()["extent"])
-        surface, longer = (_arms(table()["arms"][m][entry(name)], area) for m in ("surface", "longer"))
+        surface, longer = (at_area(table()["arms"][m][entry(name)], area) for m in ("surface", "longer"))
         lower, upper = ((1 - share) * a + share * b for a, b in zip(surface, longer, strict=True))
     else:
-        lower, upper = _arms(table()["arms"][measurand][entry(name)], area)
-    size = expected_error(name, features)
+        lower, upper = at_area(table()["arms"][measurand][entry(name)], area)
+    size = _expected_size(table()["size"][entry(name)], features)
     trend = 0.0 if measurand == "map" else table()["trend"][entry(name)]
     shift = trend * np.asarray(features["trend"]) if trend else 0.0
     return lower * size - shift, upper * size + shift
 
 
-def _arms(quantiles: Mapping[str, list[float]], area: np.ndarray) -> list[np.ndarray]:
-    """Return the arms below and above over the expected error, interpolated at the contact areas (load)."""
+def at_area(
+    calibrated: Mapping[str, list[float]], area: np.ndarray, keys: Sequence[str] = ("down", "up")
+) -> list[np.ndarray]:
+    """Return calibrated numbers, known by "load" (the scale of the area), at contact areas (load)."""
     x = np.log(np.maximum(inverse_erf_area(area), 1e-12))
-    return [np.interp(x, quantiles["load"], quantiles[side]) for side in ("down", "up")]
+    return [np.interp(x, calibrated["load"], calibrated[key]) for key in keys]
 
 
 def octave_arms(name: str) -> tuple[float, float]:

@@ -9,9 +9,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.choices import Influence
-from roughcontact.contact.dataset import influence_of, layers_of
 from roughcontact.contact.response import linear_response
-from roughcontact.maps import spacing
 from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.uncertainty import scales
@@ -56,27 +54,6 @@ def quantities_of(
     if CONSTRICTIONS[0] in names:
         values |= percolation_columns(np.where(touching, 0.0, gap))
     return {name: values[name] for name in names}
-
-
-def headline(contact: xr.Dataset) -> xr.Dataset:
-    """Return the four headline quantities of each load of a solution with its fields."""
-    return _at_every_load(contact, QUANTITIES)
-
-
-def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
-    """Return headline quantities and answers of each load of a solution with its fields."""
-    return _at_every_load(contact, (*QUANTITIES, *ANSWERS))
-
-
-def _at_every_load(contact: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
-    """Return quantities along `load` of a solution with its fields."""
-    steps, influence = spacing(contact["pressure"]), influence_of(contact)
-    layered = layers_of(contact) is not None
-    rows = [
-        quantities_of(*fields, names, steps=steps, influence=influence, layered=layered)
-        for fields in fields_of(contact)
-    ]
-    return xr.Dataset({name: ("load", [row[name] for row in rows]) for name in names})
 
 
 def quantities_in(dataset: xr.Dataset) -> tuple[str, ...]:

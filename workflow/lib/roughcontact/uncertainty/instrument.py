@@ -58,14 +58,13 @@ def instrument_components(
         causes.append(_noise_shift(window, contact, values, noise, margin=_NOISE_MARGIN))
     if not noise and (suspected := suspected_noise(window.attrs)):
         causes.append(_noise_shift(window, contact, values, suspected, margin=0.0))
-    for shape in true_shapes.values():
-        changes = _changes(values, solve_again(shape, contact, values))
-        causes.append({name: one_sided((1 + MARGIN) * change) for name, change in changes.items()})
+    shifts = [_changes(values, solve_again(shape, contact, values)) for shape in true_shapes.values()]
     if step := coarse_step(window.attrs):
         changes = _changes(values, solve_again(unrounded(window, step), contact, values))
         # the highest point stays a kink of the smoothest map: its pressure falls at least as the gradient
         changes[PEAK] = np.minimum(changes[PEAK], -changes[AREA])
-        causes.append({name: one_sided((1 + MARGIN) * change) for name, change in changes.items()})
+        shifts.append(changes)
+    causes += [{name: one_sided((1 + MARGIN) * shift[name]) for name in values} for shift in shifts]
     return causes, uncorrected
 
 
