@@ -398,6 +398,18 @@ def test_a_change_of_one_case_reruns_that_case(study):
     assert jobs == {"statistics": 1, "report": 1}
 
 
+def test_a_case_that_shares_again_has_no_file_of_its_own_of_before(study, tmp_path, checkout):
+    """`export` would draw its maps."""
+    project = Project(shutil.copytree(study.folder, tmp_path / "copy"), checkout)
+    own, shared = (project.path(f"results/{case}/ground/contact.nc") for case in ("binned", "base"))
+    shutil.copy(shared, own)
+    project.write(SETTINGS | {"cases": CASES | {"binned": {"statistics": {"gap_bins": 7}}}}, TABLE[:2])
+    run = project.run()
+    assert run.returncode == 0, run.stderr
+    assert shared.exists()
+    assert not own.exists()
+
+
 def test_braces_in_names_of_files_and_in_the_title_stay(project):
     """Snakemake would take them for wildcards: `{surface}.npy` is neither a mistake nor ground.npy."""
     rows = [

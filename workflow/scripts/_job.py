@@ -85,6 +85,14 @@ def earlier_cases() -> dict[str, str]:
     return {"files_of_cases": json.dumps(used, sort_keys=True)} if used else {}
 
 
+def remove_superseded(output: str) -> None:
+    """Remove files beside an output from before this result used those of an earlier case."""
+    for name in snakemake.input.keys() - {"sources"}:
+        path = Path(output).with_name(f"{name}.nc")
+        if snakemake.input[name] and str(path) not in {*snakemake.input, *snakemake.output}:
+            path.unlink(missing_ok=True)
+
+
 def say(text: str) -> None:
     """Write one line to the log, and to the screen unless that shows only a line for each surface."""
     _record(f"[{_NAME}] {text}\n")

@@ -3,7 +3,7 @@
 Of an earlier case with the same settings the solution, the error budget and the statistics are taken over.
 """
 
-from _job import check_sources, earlier_cases, progress, result_of_job, save, snakemake
+from _job import check_sources, earlier_cases, progress, remove_superseded, result_of_job, save, snakemake
 
 from roughcontact import pipeline
 from roughcontact.report.panel import write_panel
@@ -50,5 +50,6 @@ del window, statistics, complete, budget, for_budget
 case, _, surface = result_of_job().rpartition("/")
 drawn = {name: paths[name] for name in ("height", "levelled", "window")}
 drawn |= {"contact": solution, "statistics": output.statistics, "counter_face": paths.counter_height or None}
+remove_superseded(output.statistics)
 write_panel(output.panel, surface=surface, case=case or None, settings=settings, **drawn)
 check_sources()
