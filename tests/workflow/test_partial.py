@@ -145,6 +145,19 @@ def test_files_of_an_earlier_table_with_groups_and_pairs_do_not_stay_beside_it(d
     assert done.path("results/summary.csv").exists()
 
 
+def test_the_command_says_that_the_page_is_older_where_nothing_is_finished(done):
+    config = QUICK | {"contact": SETTINGS["contact"] | {"tolerance": 1e-5}}
+    run = subprocess.run(
+        [sys.executable, "-m", "roughcontact.command_line.unfinished"],
+        input=json.dumps({"config": config, "folders": ["."], "measured_in": ["."]}),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert run.stderr.startswith("Not finished: ground, turned.")
+    assert run.stderr.endswith("results/report.html and the tables beside it are of an earlier run.\n")
+
+
 def test_the_command_says_what_is_missing(done):
     done.path("logs/ground/contact.log").write_text("[contact ground] ERROR: killed; out of memory\n")
     done.path("results/ground/panel.html").unlink()

@@ -16,6 +16,8 @@ from roughcontact.configuration.study import read_study
 from roughcontact.errors import RoughContactError
 from snakemake_logger_plugin_roughcontact.screen import BAR, ERASE
 
+PAGE = Path("results/report.html")
+
 
 def start_partial_report(config: Mapping[str, Any], folders: Sequence[str | Path], root: Path) -> None:
     """Write the partial report by a process of its own: that of Snakemake imports nothing that computes.
@@ -61,6 +63,7 @@ def main() -> int:
         lines += [
             "A row of the table of surfaces that starts with # is ignored: run again without these rows for",
             "the report of the others; finished jobs are not repeated.",
+            *["results/report.html and the tables beside it are of an earlier run."] * PAGE.exists(),
         ]
     bar = ERASE if sys.stderr.isatty() or BAR in os.environ else ""  # which stands where they begin
     print(bar + "\n".join(lines), file=sys.stderr)
