@@ -15,6 +15,7 @@ from roughcontact.faces.positions import relative_positions
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.window.instrument import stated_instrument
 from roughcontact.window.periodic_window import periodic_window
 
 STEP = 1e-6
@@ -307,6 +308,14 @@ def test_both_files_and_the_position_are_recorded():
         assert found["missing_share"] == (0.25 if known else 0)
         assert found.get("row_jitter") == (0.1 if known else None)
     assert attrs["Sq"] == pytest.approx(float(np.std(together)))
+
+
+def test_the_noise_of_two_faces_is_that_of_their_sum():
+    faces = [rough(1).assign_attrs(instrument_noise=3e-9), rough(2).assign_attrs(instrument_noise=4e-9)]
+    stated = {"noise": 1e-9}
+    assert stated_instrument(composite(*faces), stated)["noise"] == pytest.approx(5e-9)
+    assert stated_instrument(composite(rough(1), rough(2)), stated)["noise"] == pytest.approx(2**0.5 * 1e-9)
+    assert stated_instrument(rough(1), stated)["noise"] == 1e-9
 
 
 def test_an_ensemble_of_positions():

@@ -179,6 +179,9 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
     steps = [
         attrs["quantisation_step"] for attrs in (lower_attrs, upper_attrs) if "quantisation_step" in attrs
     ]
+    noises = [
+        attrs["instrument_noise"] for attrs in (lower_attrs, upper_attrs) if "instrument_noise" in attrs
+    ]
     coarser = max((lower, upper), key=lambda face: reliable_wavelength(face.height)[0])
     return lower_attrs | {
         "units": "m",
@@ -197,4 +200,5 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
         "largest_hole": max(attrs.get("largest_hole", 0) for attrs in (lower_attrs, upper_attrs)),
         # each face lies within half of its step
         **({"quantisation_step": sum(steps)} if steps else {}),
+        **({"instrument_noise": math.hypot(*noises)} if noises else {}),
     }

@@ -1,5 +1,6 @@
 """What is stated of an instrument, and the arguments of the window where its map is corrected for it."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -77,6 +78,8 @@ def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None
     {'noise': 1e-09}
     """
     stated = dict(settings or {})
+    if stated.get("noise") and "counter_face" in levelled.attrs:  # of the sum of two heights
+        stated["noise"] *= math.sqrt(2)
     of_file = numerical_aperture(stored_instrument(levelled.attrs))
     optics = ("numerical_aperture", "resolution", "tip_radius")
     stated |= {
