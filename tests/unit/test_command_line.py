@@ -54,13 +54,19 @@ def said(capsys, *arguments):
 
 
 @pytest.mark.parametrize(
-    ("words", "unload"), [(["true"], []), (["false"], None), (["1MPa"], [1e6]), (["1MPa", "2e6"], [1e6, 2e6])]
+    ("words", "loads"), [(["1MPa"], [1e6]), (["1MPa", "2e6"], [1e6, 2e6]), (["null"], None)]
 )
-def test_a_list_of_settings_is_an_option_with_several_values(words, unload):
+def test_a_list_of_settings_is_an_option_with_several_values(words, loads):
     parser = argparse.ArgumentParser()
     add_settings(parser)
-    options = parser.parse_args(["--body", "steel", "--body", "steel", "--unload", *words])
-    assert chosen_settings(options)["contact"]["unload"] == unload
+    options = parser.parse_args(["--body", "steel", "--body", "steel", "--mean-pressure", *words])
+    assert chosen_settings(options)["contact"]["mean_pressure"] == loads
+
+
+def test_what_solve_does_not_do_is_no_option(capsys):
+    code, _, error = said(capsys, "solve", PERIODIC, "--body", "steel", "--body", "steel", "--unload", "true")
+    assert code == 2
+    assert "--unload" in error
 
 
 def test_inspect_says_in_words_what_is_in_a_file(capsys):
@@ -372,7 +378,7 @@ def test_every_setting_of_the_stages_is_an_option(capsys):
     main_help = said(capsys, "solve", "--help")[1]
     sections = {"": Contact, "level-": Level, "window-": Window, "uncertainty-": Uncertainty}
     for prefix, model in sections.items():
-        for key in set(model.model_fields) - {"bodies", "keep_fields"}:
+        for key in set(model.model_fields) - {"bodies", "keep_fields", "unload"}:
             assert f"--{prefix}{key.replace('_', '-')}" in main_help
 
 

@@ -116,6 +116,12 @@ def test_settings_are_refused_as_those_of_a_configuration(rough, sections, said)
         rc.evaluate(rough, **sections)
 
 
+def test_unloading_is_of_a_run(rough):
+    stated = {"contact_modulus": 1e9, "mean_pressure": 1e5, "hardness": 1e8, "unload": True}
+    with pytest.raises(rc.SettingsError, match=r"contact.unload: .* rc.unload, or leave it out"):
+        rc.evaluate(rough, contact=stated)
+
+
 def test_a_flat_map_under_a_relative_load_names_its_file():
     (settings,) = resolve({"contact": {"contact_modulus": 1e9, "relative_pressure": 0.1}}).values()
     flat = xr.DataArray(

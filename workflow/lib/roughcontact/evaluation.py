@@ -125,6 +125,9 @@ def evaluate(
         if values is not None
     }
     full = resolve(stated)[""]
+    if full["contact"]["unload"] is not None:
+        text = "contact.unload: is of a run; give the result of solve_contact to rc.unload, or leave it out"
+        raise SettingsError(text, keys=["contact.unload"])
     height = source if isinstance(source, xr.DataArray) else read_height_map(source, **file)
     if lay is not None:
         height = height.assign_attrs(lay=lay)

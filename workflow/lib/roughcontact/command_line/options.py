@@ -16,7 +16,7 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import SettingsError
 
 # settings for the workflow alone, or with an option of their own here
-_WITHOUT_OPTION = {"bodies", "keep_fields"}
+_WITHOUT_OPTION = {"bodies", "keep_fields", "unload"}
 _BODY = ("youngs_modulus", "poissons_ratio", "hardness")
 _LAYER = ("thickness", "youngs_modulus", "poissons_ratio")
 _LOADS = ("mean_pressure", "relative_pressure", "force")  # one or the other
@@ -126,7 +126,7 @@ def chosen_settings(options: Namespace) -> dict:
     """Return the full settings of a single case, as `resolve` does, from options of `add_settings`."""
     names = [f"{section}.{key}" for section, key, _, _ in _options()]
     chosen = {name: value for name in names if (value := getattr(options, name)) is not None}
-    literals: dict[str, Any] = {"null": None, "['[]']": []}  # as in a configuration
+    literals: dict[str, Any] = {"null": None, "['null']": None, "['[]']": []}  # as in a configuration
     config = {"contact": {}} | grouped(
         {name: literals.get(str(value), value) for name, value in chosen.items()}
     )
