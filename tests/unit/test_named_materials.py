@@ -108,6 +108,13 @@ def test_a_layer_has_a_name_and_its_hardness_is_that_of_the_surface():
     ] == min(2e9, copper["hardness"])
 
 
+def test_a_hardness_of_the_contact_goes_before_those_of_the_table():
+    stated = {"bodies": ["steel", {"material": "PEEK"}], "hardness": "1 GPa"}
+    contact = resolve({"contact": stated})[""]["contact"]
+    assert contact["hardness"] == 1e9
+    assert [body["hardness"] for body in contact["bodies"]] == [None, None]
+
+
 def test_a_layer_of_numbers_leaves_the_hardness_and_the_conductivities_of_its_base_out():
     layer = {"thickness": "2 um", "youngs_modulus": "180 GPa", "poissons_ratio": 0.2}
     bodies = resolve({"contact": {"bodies": [{"material": "steel", "layers": [layer]}, "copper"]}})

@@ -78,7 +78,12 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     stated_bodies = merged["contact"].get("bodies") if isinstance(merged["contact"], dict) else None
     try:
         if isinstance(stated_bodies, list):
-            merged["contact"]["bodies"] = named_bodies(stated_bodies)
+            # a hardness of the contact goes before those of the table
+            without = {"hardness": None} if merged["contact"].get("hardness") is not None else {}
+            bodies = [
+                body | without if isinstance(body, dict) else body for body in named_bodies(stated_bodies)
+            ]
+            merged["contact"]["bodies"] = bodies
     except SettingsError as error:
         return {}, [*mistakes, SettingsError(f"{where}.bodies: {error}", keys=["contact.bodies"])]
     try:
@@ -100,11 +105,11 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     mistakes += [SettingsError(text) for text in _mistakes_in_finite_bodies(settings)]
     bodies = settings["contact"]["bodies"]
     hardness, loads = settings["contact"]["hardness"], settings["contact"]["mean_pressure"] or ()
-    for key in ("mean_pressure", "relative_pressure", "force"):
+    for key in (*_ALTERNATIVES[1], "target_area", "target_gap", "target", "unload"):
         values = settings["contact"][key] or ()
         twice = next((value for i, value in enumerate(values) if value in values[:i]), None)
         if twice is not None:
-            text = f"{where}.{key}: {twice:g} occurs twice; state each load once"
+            text = f"{where}.{key}: {twice} occurs twice; state each load once"
             mistakes.append(SettingsError(text, keys=[f"contact.{key}"]))
     if hardness is not None and max(loads, default=0.0) >= hardness:
         text = (
