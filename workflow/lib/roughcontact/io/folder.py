@@ -1,11 +1,10 @@
 """Files of a folder that can be measurements."""
 
-import re
 from pathlib import Path
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.registry import recognised
-from roughcontact.io.text.missing import is_missing, joined
+from roughcontact.io.text.table import split_header
 
 _DOCUMENTS = {
     *(".md", ".rst", ".tex", ".bib", ".html", ".htm", ".pdf", ".doc", ".docx", ".odt", ".ppt", ".pptx"),
@@ -13,8 +12,6 @@ _DOCUMENTS = {
     *(".png", ".jpg", ".jpeg", ".gif", ".svg"),
 }
 _EXAMINED = 2**20  # bytes
-_CELL_ENDS = re.compile(r"[\s,;]+")
-_NUMBER = re.compile(r"[\d.:eE+-]*")
 
 
 def is_folder(path: str | Path) -> bool:
@@ -43,11 +40,8 @@ def _can_be_measured(path: Path) -> bool:
         return True
     with path.open("rb") as stream:
         text = stream.read(_EXAMINED).replace(b"\0", b"").decode("latin-1")  # also in UTF-16
-    return any(map(_is_row, text.split("\n")))
-
-
-def _is_row(line: str) -> bool:
-    """Return whether a line consists of numbers, at least one, and marks of missing points."""
-    if not any(map(str.isdecimal, line)):
+    try:
+        split_header(text.splitlines(), path)
+    except InputFileError:  # no table of numbers
         return False
-    return all(_NUMBER.fullmatch(cell) or is_missing(cell) for cell in _CELL_ENDS.split(joined(line).strip()))
+    return True

@@ -33,6 +33,7 @@ from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
+_FILM = "a film of high-speed AFM (asd) is not read: save a frame as text or GWY; "
 _BYTES_PER_BYTE = 8  # memory for each byte of a file: two-byte integers become double precision, twice
 
 
@@ -72,9 +73,10 @@ def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
             f"{path}: looks like {candidate}, but is damaged, cut off or of a kind that holds no map "
             f"({_message(reason)})"
         ) from reason
+    hint = _FILM if path.suffix.lower() == ".asd" else ""
     raise InputFileError(
         f"{path}: the format is not known, or the file is damaged (recognised by content, not by extension); "
-        f"{_hint(path)}export the map as X3P, SDF, netCDF or a text matrix with its size and units"
+        f"{hint}export the map as X3P, SDF, netCDF or a text matrix with its size and units"
     ) from (failures[0][2] if failures else None)
 
 
@@ -100,14 +102,6 @@ def _message(error: Exception) -> str:
     if isinstance(error, OSError) and error.errno is not None:
         return "it refers to a place outside the file"
     return brief(error)
-
-
-_HINTS = {".asd": "a film of high-speed AFM (asd) is not read: save a frame as text or GWY; "}
-
-
-def _hint(path: Path) -> str:
-    """Return advice on formats without a mark that use this extension."""
-    return _HINTS.get(path.suffix.lower(), "")
 
 
 @contextmanager
@@ -210,9 +204,9 @@ def _compared(info: Any, file_format: Format, path: Path) -> tuple[str, list[str
     header = _header(info)
     contradiction = file_format.contradiction(path, header)
     stated = stated_size(file_format.name, path, header, prod(info.nb_grid_pts))
-    if contradiction or stated is None or (stated.more and path.stat().st_size >= stated.size):
+    if contradiction or stated is None:
         return contradiction, []
-    return compare_size(path, stated.size)
+    return compare_size(path, stated)
 
 
 def _instrument(info: Any, file_format: Format, path: Path) -> dict:

@@ -8,7 +8,7 @@ import re
 import struct
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from roughcontact.io.instruments import nanoscope
 from roughcontact.io.instruments.containers import tiff_end
@@ -16,95 +16,89 @@ from roughcontact.io.instruments.containers import tiff_end
 Header = Mapping[str, Any]
 
 
-class Stated(NamedTuple):
-    """The size of a file as its header states it."""
-
-    size: int  # bytes up to the end of the last block that is counted
-    more: bool = False  # blocks that nothing counts follow
-
-
-def _metropro(data: mmap.mmap, header: Header, points: int) -> Stated:
+def _metropro(data: mmap.mmap, header: Header, points: int) -> int:
     """Count header, intensities (two bytes a point, in each bucket) and phases (four bytes)."""
     intensities = header["ac_n_buckets"] * header["ac_org_height"] * header["ac_org_width"]
-    return Stated(header["header_size"] + 2 * intensities + 4 * points)
+    return header["header_size"] + 2 * intensities + 4 * points
 
 
-def _nanofocus(data: mmap.mmap, header: Header, points: int) -> Stated:
+def _nanofocus(data: mmap.mmap, header: Header, points: int) -> int:
     """Count header and heights (two bytes), behind which lie whole images of a byte a point."""
     images = max(0, round((len(data) - 3468) / points) - 2)
-    return Stated(3468 + (2 + images) * points)
+    return 3468 + (2 + images) * points
 
 
-def _alicona(data: mmap.mmap, header: Header, points: int) -> Stated | None:
+def _alicona(data: mmap.mmap, header: Header, points: int) -> int | None:
     """Count up to the end of the texture, a byte a point in rows of a multiple of eight bytes."""
     start = int(header.get("TextureImageOffset") or 0)
     row = -(-int(header["Cols"]) // 8) * 8
     planes = int(header.get("NumberOfPlanes") or len(str(header.get("TexturePtr", "")).split(";")))
-    return Stated(start + planes * int(header["Rows"]) * row) if start else None
+    return start + planes * int(header["Rows"]) * row if start else None
 
 
-def _sensofar(data: mmap.mmap, header: Header, points: int) -> Stated:
+def _sensofar(data: mmap.mmap, header: Header, points: int) -> int:
     """Count the layers: their size, heights, extremes, and images of three bytes a point."""
     layout = header["measurement_configuration"]
     start = 500 if layout["area_type"] != 6 else 496
-    return Stated(start + layout["num_layers"] * (16 + points * (4 + 3 * layout["num_images"])), more=True)
+    counted = start + layout["num_layers"] * (16 + points * (4 + 3 * layout["num_images"]))
+    return max(counted, len(data))  # blocks that nothing counts follow
 
 
-def _wsxm(data: mmap.mmap, header: Header, points: int) -> Stated | None:
+def _wsxm(data: mmap.mmap, header: Header, points: int) -> int | None:
     """Count the header, whose size it states, and the points."""
     match = re.search(rb"Image header size:\s*(\d+)", data[:4096])
     data_type = header["General Info"].get("Image Data Type", "short")
     width = {"short": 2, "integer": 2, "float": 4, "double": 8}.get(data_type)
-    return Stated(int(match[1]) + width * points) if match and width else None
+    return int(match[1]) + width * points if match and width else None
 
 
-def _bcr(data: mmap.mmap, header: Header, points: int) -> Stated:
+def _bcr(data: mmap.mmap, header: Header, points: int) -> int:
     """Count a header of a stated number of characters, and the points."""
     file_format = str(header["fileformat"])
     characters = int(header.get("headersize", 2048))
     width = 4 if file_format.startswith("bcrf") else 2
-    return Stated(characters * (2 if file_format.endswith("unicode") else 1) + width * points)
+    return characters * (2 if file_format.endswith("unicode") else 1) + width * points
 
 
-def _molecular_imaging(data: mmap.mmap, header: Header, points: int) -> Stated | None:
+def _molecular_imaging(data: mmap.mmap, header: Header, points: int) -> int | None:
     """Count the header up to its last line, and all buffers."""
     last = re.search(rb"^data {10}(BINARY|BINARY_32)?\r?\n", data, re.MULTILINE)
     if last is None:
         return None
     buffers = len(re.findall(rb"^bufferLabel", data[: last.start()], re.MULTILINE))
-    return Stated(last.end() + buffers * points * (4 if last[1] == b"BINARY_32" else 2))
+    return last.end() + buffers * points * (4 if last[1] == b"BINARY_32" else 2)
 
 
-def _microprof(data: mmap.mmap, header: Header, points: int) -> Stated:
+def _microprof(data: mmap.mmap, header: Header, points: int) -> int:
     """Count the tagged blocks."""
     entry = struct.Struct("<HI" if data[12:16] == b"1.00" else "<HQ")
     (blocks,) = struct.unpack_from("<H", data, 16)
     offset = 18
     for _ in range(blocks):
         if offset + entry.size > len(data):
-            return Stated(offset + entry.size)
+            return offset + entry.size
         offset += entry.size + entry.unpack_from(data, offset)[1]
-    return Stated(offset)
+    return offset
 
 
-def _wyko(data: mmap.mmap, header: Header, points: int) -> Stated:
+def _wyko(data: mmap.mmap, header: Header, points: int) -> int:
     """Count the directory and the blocks that it lists."""
     entry = struct.Struct("<16shiH")
     size = 2 + entry.unpack_from(data, 2)[2]
     for offset in range(2 + entry.size, min(size, len(data) - entry.size + 1), entry.size):
         size += max(0, entry.unpack_from(data, offset)[2])
-    return Stated(size)
+    return size
 
 
-def _nanoscope(data: mmap.mmap, header: Header, points: int) -> Stated | None:
+def _nanoscope(data: mmap.mmap, header: Header, points: int) -> int | None:
     """Count up to the end of the last block that a section of the header places."""
     text = data[: max(0, data.find(nanoscope.END))]
     blocks = [block for block in nanoscope.sections(text) if "data offset" in block]
     ends = [int(block["data offset"]) + int(block["data length"]) for block in blocks]
-    return Stated(max(ends)) if ends else None
+    return max(ends) if ends else None
 
 
-def _nanosurf(data: mmap.mmap, header: Header, points: int) -> Stated | None:
+def _nanosurf(data: mmap.mmap, header: Header, points: int) -> int | None:
     """Count the header up to its mark, and every data set that it lists."""
     begin = data.find(b"\r\n#!")
     if begin < 0:
@@ -120,15 +114,15 @@ def _nanosurf(data: mmap.mmap, header: Header, points: int) -> Stated | None:
         statements = sections.get(name, {})
         if re.fullmatch(rb"Gr\d+-Ch\d+", key) and b"SaveBits" in statements:
             size += int(statements[b"Points"]) * int(statements[b"Lines"]) * int(statements[b"SaveBits"]) // 8
-    return Stated(size)
+    return size
 
 
-def _park(data: mmap.mmap, header: Header, points: int) -> Stated:
+def _park(data: mmap.mmap, header: Header, points: int) -> int:
     """Count up to the end of the last page, value or strip of the TIFF."""
-    return Stated(tiff_end(data))
+    return tiff_end(data)
 
 
-_SIZES: dict[str, Callable[[mmap.mmap, Header, int], Stated | None]] = {
+_SIZES: dict[str, Callable[[mmap.mmap, Header, int], int | None]] = {
     "al3d": _alicona,
     "bcr": _bcr,
     "di": _nanoscope,
@@ -144,7 +138,7 @@ _SIZES: dict[str, Callable[[mmap.mmap, Header, int], Stated | None]] = {
 }
 
 
-def stated_size(name: str, path: Path, header: Header, points: int) -> Stated | None:
+def stated_size(name: str, path: Path, header: Header, points: int) -> int | None:
     """Return the size of a file by the header that SurfaceTopography gives; None if its format has none."""
     count = _SIZES.get(name)
     if count is None:

@@ -11,30 +11,19 @@ from roughcontact.io.channels import NO_TOPOGRAPHY
 from roughcontact.io.text.header import Stated, statements
 from roughcontact.io.text.missing import is_missing
 from roughcontact.io.text.table import COMMENT_SIGNS, Rows, word_in_row
+from roughcontact.io.vocabulary import words
 from roughcontact.quantities import counted_noun
 
 _LENGTHS = {"length_x", "length_y", "dx", "dy", "step"}  # entries of a header with a decimal sign
-_MAX_LINES, _LONGEST_LINE = (
-    1000,
-    200,
-)  # lines above a table, and characters, that are searched for other statements
+_MAX_LINES = 1000  # lines above a table that are searched for other statements
+_LONGEST_LINE = 200  # characters of such a line
 _MIN_CELLS = 10  # cells with three digits behind the mark, of which fewer say nothing
 # statements of a header that may change the heights, beyond those that are understood
-_FACTOR = re.compile(
-    r"\bdz\b|lsb|quanti[sz]|multipl|\bcounts?\b|facteur z|calib\w* z\b|"
-    r"(?:\bz\b|height|vertical|höhe|bit|data|hauteur).*(?:scal|skal|factor|faktor|facteur|gain|calib|kalib|"
-    r"resolution|step|increment|digit|coeff|conver|ratio)",
-    re.IGNORECASE,
+_FACTOR, _MARKER, _TURNED = (
+    re.compile("|".join(words("aside")[matter]), re.IGNORECASE) for matter in ("factor", "marker", "turned")
 )
-_MARKER = re.compile(
-    r"bad|invalid|missing|undef|void|null|blank|no.?data|no.?value|\bnan\b|fill|mask|background|ungültig|fehl|"
-    r"manquant|measured|drop.?out",
-    re.IGNORECASE,
-)
-_TURNED = re.compile(
-    r"invert|bottom|lower.?left|transpos|mirror|flip|column.?major|downward|\bdown\b|polarity|^\W*sign\b|"
-    rf"axis.*\bup\b|positive|(?:data|signal|type|image|quantity)\W*[:=]\W*(?:{NO_TOPOGRAPHY.pattern})",
-    re.IGNORECASE,
+_NO_HEIGHTS = re.compile(
+    rf"(?:data|signal|type|image|quantity)\W*[:=]\W*(?:{NO_TOPOGRAPHY.pattern})", re.IGNORECASE
 )
 _NEGATIVE = re.compile(r"\b(?:no|none|false|off|nein|non|0)\W*$", re.IGNORECASE)
 _LAST_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?=\D*$)")
@@ -79,21 +68,21 @@ def not_understood(rows: Rows, stated: Stated, heights: np.ndarray, path: Path) 
     for number, line in enumerate(rows.heading[:_MAX_LINES], rows.first):
         if number in understood or len(line) > _LONGEST_LINE or not re.search(r"[:=\t]|\s[-+\d]", line):
             continue
-        words = f"line {number} says {line.strip()[:60]!r}"
+        where = f"line {number} says {line.strip()[:60]!r}"
         value = _LAST_NUMBER.search(line.replace(",", "."))
         if value and counts and _FACTOR.search(line) and float(value[0]) not in (0, 1):
             raise InputFileError(
-                f"{path}: {words}, and all heights are whole numbers, as counts are: state it as 'Z factor', "
+                f"{path}: {where}, and all heights are whole numbers, as counts are: state it as 'Z factor', "
                 "with the unit of the products, or delete that line if they are lengths"
             )
         if value and _MARKER.search(line) and (count := int(np.sum(measured == float(value[0])))):
             points = f"{counted_noun(count, 'point')} with that height"
             notes.append(
-                f"{words}, and there {'is' if count == 1 else 'are'} {points}: if missing, give missing_value"
+                f"{where}, and there {'is' if count == 1 else 'are'} {points}: if missing, give missing_value"
             )
-        elif _TURNED.search(line) and not _NEGATIVE.search(line):
+        elif (_TURNED.search(line) or _NO_HEIGHTS.search(line)) and not _NEGATIVE.search(line):
             notes.append(
-                f"{words}, which is not followed: check first_row, the sign, and whether these are heights"
+                f"{where}, which is not followed: check first_row, the sign, and whether these are heights"
             )
     return notes
 

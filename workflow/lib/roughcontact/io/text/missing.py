@@ -2,27 +2,14 @@
 
 import re
 
-from roughcontact.io.vocabulary import meanings
+from roughcontact.io.vocabulary import meanings, words
 
-# Words that are taken as missing, in lower case.
-_MARKERS = {
-    "",  # empty cell
-    *("nan", "inf", "+inf", "-inf", "infinity", "+infinity", "-infinity"),  # IEEE 754, as C, Java and Python
-    *("nan(ind)", "-nan(ind)", "nan(snan)", "-nan(snan)"),  # C library of Windows, from 2015
-    *("1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "1.#snan", "-1.#snan", "1.#inf", "-1.#inf"),  # before 2015
-    *("na", "<na>", "none", "null"),  # R; pandas; Python; JSON
-    r"\n",  # NULL of MySQL and PostgreSQL
-    *("#n/a", "n/a", "#null!", "#num!", "#div/0!", "#value!", "#ref!", "#name?"),  # Excel, in English
-    *("#nv", "#zahl!", "#wert!", "#bezug!"),  # Excel, in German
-    *("#nombre!", "#valeur!"),  # Excel, in French
-    *("bad", "nodata"),  # Wyko Vision; Zygo MetroPro ("No Data") and Arc/Info
-    *("void", "invalid"),  # exports of several programs, whose headers have no such words
-}
+_MARKERS = {"", *meanings("marker")}  # an empty cell too
+# taken as missing, with a warning: they may have another meaning
+_SPOKEN = set(words("missing")["spoken"])
 _FILLING = "-*?"  # characters that stand for a missing point, repeated any number of times
 _PHRASE = re.compile(
-    r"(?<![^\s;,])(?:no data|not measured|out of range|n\. def\.|keine daten|nicht gemessen|non valide"
-    r"|non mesuré|sin datos|non valido)(?=[\s;,]|$)",
-    re.IGNORECASE,
+    rf"(?<![^\s;,])(?:{'|'.join(map(re.escape, words('missing')['phrase']))})(?=[\s;,]|$)", re.IGNORECASE
 )
 
 
@@ -39,7 +26,7 @@ def is_missing(cell: str) -> bool:
 
 def is_spoken(cell: str) -> bool:
     """Return whether a cell is a word that may have another meaning beside that of a missing point."""
-    return cell.lower() in meanings("missing")
+    return cell.lower() in _SPOKEN
 
 
 def joined(line: str) -> str:
