@@ -104,10 +104,7 @@ def read(path: Path) -> MeasuredFile:
         files[-1].warnings += doubts
     file = files[0] if len(files) == 1 else _together(texts, files, path)
     if empty:
-        file.warnings.append(
-            f"{counted_noun(empty, 'line')} of empty cells beside the table are left out; write NaN "
-            "in those that are rows of the map"
-        )
+        file.warnings.append(_left_out(empty, "line"))
     first_values = texts[0].first_values
     stated = {label: first_values.get(key) for label, key in _INSTRUMENT.items()}
     file.instrument = instrument_metadata(stated)
@@ -154,15 +151,19 @@ def _parsed(
     if not {"length_x", "length_y", "nx", "ny"} & set(first_values):
         filled_columns = slice(table.empty_left, values.shape[1] - table.empty_right)
         if not columns and (empty := table.empty_left + table.empty_right):
-            doubts.append(
-                f"{counted_noun(empty, 'column')} of empty cells beside the table are left out; write NaN in "
-                "those that are columns of the map"
-            )
+            doubts.append(_left_out(empty, "column"))
         table = table._replace(values=values[:, filled_columns])
         columns = (
             columns[filled_columns] if columns else headed(rows.heading, table.values.shape[1], delimiter)
         )
     return _Text(path, rows, table, counts, delimiter, stated, first_values, columns), doubts
+
+
+def _left_out(count: int, lines: str) -> str:
+    """Return a warning about empty lines or columns beside a table."""
+    how = "is" if count == 1 else "are"
+    empty = f"{counted_noun(count, lines)} of empty cells beside the table {how} left out"
+    return f"{empty}; write NaN in those that are part of the map"
 
 
 def _together(texts: list[_Text], files: list[MeasuredFile], path: Path) -> MeasuredFile:
