@@ -120,6 +120,10 @@ def test_the_leak_rate_of_a_seal_stands_beside_the_answer():
     assert cell.details.replace("\N{NO-BREAK SPACE}", " ") == (
         "leak rate 3600 ml/(h m) (x); narrowest place 2.00 µm (x)"
     )
+    unsolved = numbers.assign(leak_rate_x=("load", [np.nan]))  # its flow did not converge
+    both = xr.concat([numbers, unsolved], "load", data_vars="minimal")
+    details = _seals(both, *glance_units([numbers]), 1).details
+    assert details.startswith("leak rate not known (x); narrowest place")
 
 
 def test_lengths_of_the_table_have_one_unit_and_pressures_that_of_the_material(maps):

@@ -1556,6 +1556,27 @@ def test_medians_of_many_surfaces_and_where_most_of_them_lie():
     assert areas == ["1.00 MPa", "5.00 % (1.00 to 9.00)", "10.0 % (2.00 to 18.0)", "100 % (100 to 100)"]
 
 
+def test_medians_hold_all_surfaces_that_share_a_load_wherever_it_stands():
+    """Targets differ from surface to surface, so that a stated load is not the same one of each."""
+
+    def surface(area, loads):
+        ones = {
+            n: ("load", [1.0] * len(loads)) for n in ("mean_contact_pressure", "max_pressure", "mean_gap")
+        }
+        areas = [area * load / 1e6 for load in loads]
+        return xr.Dataset({"mean_pressure": ("load", loads), "relative_contact_area": ("load", areas)} | ones)
+
+    surfaces = [
+        {"one": surface(0.1, [1e6, 3e6]), "two": surface(0.2, [1e6])},
+        {"one": surface(0.3, [5e5, 1e6]), "two": surface(0.6, [2e5, 1e6])},
+        {"one": surface(0.2, [1e6, 4e6]), "two": surface(0.4, [7e5, 1e6])},
+    ]
+    table = case_medians(surfaces)
+    assert table["surfaces"] == 3
+    row = table["groups"][0]["rows"][0]
+    assert row == ["1.00 MPa", "20.0 % (12.0 to 28.0)", "40.0 % (24.0 to 56.0)", "100 % (100 to 100)"]
+
+
 def test_medians_of_differences_end_at_a_hundredth_of_a_percent():
     surfaces = [
         {"one": load_case(1.0), "two": load_case(1.0, gap=1e-6 * (1 + k))} for k in (-3e-7, 2e-5, 0.1)

@@ -53,6 +53,20 @@ class Unit(NamedTuple):
         """
         return with_interval(value * self.factor, lower * self.factor, upper * self.factor)
 
+    def ends(self, lower: float, upper: float) -> str:
+        """Return an interval (SI) by its ends with this unit, a dash where neither is known.
+
+        Parameters
+        ----------
+        lower, upper : float
+
+        Returns
+        -------
+        str
+        """
+        text = self.interval(math.nan, lower, upper)
+        return text if text == "–" else f"{text} {self.symbol}"
+
 
 def prefix(value: float, unit: str) -> tuple[float, str]:
     """Return the SI prefix that brings a value between 1 and 1000, where there is one.

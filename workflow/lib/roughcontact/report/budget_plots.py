@@ -34,7 +34,6 @@ _BY_CUTOFF = (
 _CONVERGED = 0.03  # change over the shortest octave that counts as none
 _SMALLEST_SHARE = 0.01  # percent; less is not drawn
 _ROUNDING = 1e-9  # of a result
-_UNKNOWN = "–"
 
 
 def shown_budget(
@@ -167,7 +166,7 @@ def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
                 "–" if combined else str(row["evaluation_type"]),
                 _correction(float(row["correction"]), float(row["value"]), unit),
                 _both_sides(row, "standard_uncertainty", unit),
-                _ends(unit, row["lower"], row["upper"]) if combined else _both_sides(row, "one_sided", unit),
+                unit.ends(row["lower"], row["upper"]) if combined else _both_sides(row, "one_sided", unit),
             ]
         )
     one_sided = "one-sided, below / above; all together: interval"
@@ -197,22 +196,16 @@ def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str,
         )
         for index, load in enumerate(loads):
             pairs = zip(lower[:, index], upper[:, index], strict=True)
-            texts = [_ends(unit, *pair) for pair in pairs]
+            texts = [unit.ends(*pair) for pair in pairs]
             rows.append([f"{TITLES[name]} at {load}", unit.text(float(solved[index])), *texts])
     header = ["result", "as solved", *text.values()]
     lines = [
         f"{header[column].capitalize()}: {TITLES[_HEADLINE[0]]} "
         + ", ".join(f"{row[column]} at {load}" for row, load in zip(rows, loads, strict=False))
         for column in (3, 4, 5)
-        if rows[0][column] != _UNKNOWN
+        if rows[0][column] != "–"
     ]
     return lines, {"header": header, "rows": rows}
-
-
-def _ends(unit: Unit, lower: float, upper: float) -> str:
-    """Return an interval by its ends (SI) in a unit, a dash where neither is known."""
-    text = unit.interval(np.nan, lower, upper)
-    return text if text == _UNKNOWN else f"{text} {unit.symbol}"
 
 
 def _both_sides(row: Any, name: str, unit: Unit) -> str:

@@ -70,16 +70,23 @@ def _table(surfaces: Sequence[Cases], *, equal_loads: bool, as_medians: bool) ->
     """Return the table of the cases of one surface, or the medians of many."""
     shared = [_shared(surface, equal_loads=equal_loads) for surface in surfaces]
     first = next((loads for loads in shared if loads.rows), shared[0])
-    # those that share the same loads
-    retained = [index for index, loads in enumerate(shared) if loads[:2] == first[:2]]
-    compared, changes = [surfaces[index] for index in retained], [shared[index].changes for index in retained]
+    # those whose cases share as many loads; their indices differ where targets lie between
+    retained = [
+        (cases, loads)
+        for cases, loads in zip(surfaces, shared, strict=True)
+        if [row.keys() for row in loads.rows] == [row.keys() for row in first.rows]
+    ]
+    compared = [cases for cases, _ in retained]
     names, pairs = list(compared[0]), [pair for pair, indices in first.indices.items() if indices]
     middle = middle_of([cases[names[0]] for cases in compared])
     groups = []
     for name in _COMPARED if first.rows else ():
         unit, rows = unit_of(middle, UNITS[name]), []
-        for row in first.rows:
-            at_load = {case: [(cases[case], index) for cases in compared] for case, index in row.items()}
+        for number_of_row, row in enumerate(first.rows):
+            at_load = {
+                case: [(cases[case], loads.rows[number_of_row][case]) for cases, loads in retained]
+                for case in row
+            }
             cells = [
                 _value(at_load[case], name, unit, as_medians=as_medians) if case in row else "–"
                 for case in names
@@ -89,10 +96,10 @@ def _table(surfaces: Sequence[Cases], *, equal_loads: bool, as_medians: bool) ->
                 if indices not in first.indices[pair]:
                     cells.append("–")
                     continue
-                index = first.indices[pair].index(indices)
-                ratios = [_interval(of_surface[pair], name, index) for of_surface in changes]
+                position = first.indices[pair].index(indices)
+                ratios = [_interval(loads.changes[pair], name, position) for _, loads in retained]
                 cells.append(_change([at_load[case] for case in pair], name, ratios, as_medians=as_medians))
-            rows.append([_load(compared, row), *cells])
+            rows.append([_load(at_load), *cells])
         groups.append({"title": TITLES[name], "rows": rows})
     disjoint = [pair for pair, indices in first.indices.items() if not indices]
     return {
@@ -141,19 +148,14 @@ def _without_common_load(cases: Cases, pairs: Sequence[tuple[str, str]], *, alon
     )
 
 
-def _load(surfaces: Sequence[Cases], row: Row) -> str:
+def _load(at_load: Mapping[str, Sequence[Load]]) -> str:
     """Return the load that all surfaces share under the cases of a row, else the median pressure of each."""
-
-    def values_of(name: str) -> np.ndarray:
-        return np.array(
-            [[float(cases[case][name].values[index]) for cases in surfaces] for case, index in row.items()]
-        )
-
-    pressures, show = values_of("mean_pressure"), unit_of(surfaces[0][next(iter(row))], "Pa").text
+    pressures = np.array([_values(loads, "mean_pressure") for loads in at_load.values()])
+    show = unit_of(next(iter(at_load.values()))[0][0], "Pa").text
     if np.allclose(pressures, pressures[0, 0], rtol=1e-6):
         return show(float(pressures[0, 0]))
-    if all("relative_pressure" in cases[case] for cases in surfaces for case in row):
-        relative = values_of("relative_pressure")
+    if all("relative_pressure" in data for loads in at_load.values() for data, _ in loads):
+        relative = np.array([_values(loads, "relative_pressure") for loads in at_load.values()])
         if np.allclose(relative, relative[0, 0], rtol=1e-6):
             return f"{number(float(relative[0, 0]))} E* g"
     return " / ".join(show(float(median)) for median in np.median(pressures, axis=1))

@@ -32,6 +32,7 @@ _SIZE = 12.0  # of the text, in units of the chart (pixels where it is shown at 
 _SMALL = 11.0  # of legends
 _MOST_COLUMNS = 3  # of legends
 _LETTER_WIDTH = 0.56  # of a letter, on average, in units of the size of the text
+_DIGIT_WIDTH = 0.64  # of the wider fonts
 _MOST_POINTS = 1500  # of a line; of longer ones the extremes of each few points are drawn
 
 # outlines of the marks around (0, 0), for a radius of 1
@@ -478,7 +479,7 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float 
     components += [
         _text(edge + across, position(v) + 4, t, anchor=anchor) for v, t in zip(written, texts, strict=True)
     ]
-    longest = max(map(len, texts), default=1) * _LETTER_WIDTH * _SIZE
+    longest = max(map(len, texts), default=1) * _DIGIT_WIDTH * _SIZE
     label = edge - 18 - longest if side == "left" else edge + 22 + longest
     half = len(axis.label) * _LETTER_WIDTH * _SIZE / 2  # it must not be cut off above a low picture
     middle = max(top + height / 2, half)

@@ -209,7 +209,7 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
 def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> str:
     """Return a number of a load with its interval before its unit, joined by a no-break space."""
     text = units[name].interval(*interval_at(numbers, name, index))
-    return f"{text}\N{NO-BREAK SPACE}{units[name].symbol}"
+    return "not known" if text == "–" else f"{text}\N{NO-BREAK SPACE}{units[name].symbol}"
 
 
 def _yields(load: Mapping[str, Any]) -> Cell:

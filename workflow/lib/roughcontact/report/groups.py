@@ -163,9 +163,7 @@ def _mean(answer: xr.Dataset, name: str, units: Mapping[str, Unit], index: int) 
 
 def _range(answer: xr.Dataset, name: str, prefix: str, units: Mapping[str, Unit], index: int) -> str:
     """Return an interval by its ends."""
-    factor, unit_label = units[name]
-    low, high = (float(answer[f"{name}_{prefix}{end}"][index]) for end in ("lower", "upper"))
-    return "–" if np.isnan(low) else f"{with_interval(np.nan, low * factor, high * factor)} {unit_label}"
+    return units[name].ends(*(float(answer[f"{name}_{prefix}{end}"][index]) for end in ("lower", "upper")))
 
 
 def _scatter(load: xr.Dataset) -> Cell:
