@@ -261,6 +261,9 @@ def test_values_outside_their_valid_range_are_missing(tmp_path, kind, limits, pa
     expected[1, 0] = np.nan
     expected[1, 1] = np.nan if kind == "i2" else 8.0
     np.testing.assert_allclose(read_height_map(path).values, 1e-9 * expected, rtol=1e-12)
+    with netCDF4.Dataset(path, "a") as file:
+        file["z"].setncattr("valid_range", "5 to 9")
+    refuses("the valid_range, valid_min or valid_max of 'z' is no number", path)
 
 
 def gsf_bytes(**changed):

@@ -286,7 +286,8 @@ def test_statements_that_are_not_understood_are_said(read, line, words):
     assert re.search(words, notes(height))
     assert_heights(height, heights[::-1])
     assert not re.search(
-        "not followed|that height", notes(read("Bad pixels: 3\nInverted: no\n" + table(ONE), **GIVEN))
+        "not followed|that height",
+        notes(read("Bad pixels: 3\nInverted: no\nmeasured on: 1\n" + table(ONE), **GIVEN)),
     )
 
 

@@ -206,25 +206,26 @@ def _values(
         variable = dataset[name].isel(selection)
         check_points((1, prod(variable.shape)), path)
         values = as_heights(variable.transpose(*map_axes).values, str(path))[turned].copy()
-        low, high = _valid_range(variable)
+        low, high = _valid_range(variable, path)
         values[(values < low) | (values > high)] = np.nan
     return -values if positive_down else values
 
 
-def _valid_range(variable: Any) -> np.ndarray:
+def _valid_range(variable: Any, path: Path) -> np.ndarray:
     """Return the lowest and the highest value that is no missing point (NetCDF Users Guide, appendix A).
 
     Limits of the type of packed values are packed too; half a step of these is allowed for rounding.
     """
-    attributes, packing = variable.attrs, variable.encoding
-    stated = attributes.get("valid_range", (attributes.get("valid_min"), attributes.get("valid_max")))
-    limits = np.array(
-        [-np.inf if stated[0] is None else stated[0], np.inf if stated[1] is None else stated[1]]
-    )
-    if all(np.asarray(limit).dtype.kind == "f" for limit in stated if limit is not None):
-        return limits
+    stated, packing = variable.attrs, variable.encoding
+    with refusing(f"{path}: the valid_range, valid_min or valid_max of {variable.name!r} is no number"):
+        low, high = stated.get(
+            "valid_range", (stated.get("valid_min", -np.inf), stated.get("valid_max", np.inf))
+        )
+        limits = np.array([low, high], dtype=float)
     scale = packing.get("scale_factor", 1.0)
-    return np.sort(limits * scale + packing.get("add_offset", 0.0)) + np.abs(scale) * np.array([-0.5, 0.5])
+    if any(np.asarray(limit).dtype.kind in "iu" for limit in (low, high)):
+        limits = np.sort(limits * scale + packing.get("add_offset", 0.0))
+    return limits + np.array([-0.5, 0.5]) * (np.abs(scale) if "scale_factor" in packing else 0.0)
 
 
 def _maps(variable: Any) -> Iterator[tuple[tuple[str | None, str], dict[str, int]]]:

@@ -64,13 +64,13 @@ def not_understood(rows: Rows, stated: Stated, heights: np.ndarray, path: Path) 
     notes = []
     understood = {statement.line for repeated in stated.values() for statement in repeated}
     measured = heights[np.isfinite(heights)]
-    counts = "z_factor" not in stated and measured.size > 0 and bool(np.all(measured == np.rint(measured)))
     for number, line in enumerate(rows.heading[:_MAX_LINES], rows.first):
         if number in understood or len(line) > _LONGEST_LINE or not re.search(r"[:=\t]|\s[-+\d]", line):
             continue
         where = f"line {number} says {line.strip()[:60]!r}"
         value = _LAST_NUMBER.search(line.replace(",", "."))
-        if value and counts and _FACTOR.search(line) and float(value[0]) not in (0, 1):
+        factor = value and "z_factor" not in stated and _FACTOR.search(line) and float(value[0]) not in (0, 1)
+        if factor and measured.size and np.all(measured == np.rint(measured)):
             raise InputFileError(
                 f"{path}: {where}, and all heights are whole numbers, as counts are: state it as 'Z factor', "
                 "with the unit of the products, or delete that line if they are lengths"
