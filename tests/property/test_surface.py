@@ -164,7 +164,8 @@ def test_a_mirrored_or_transposed_map_has_the_same_contact(shape, seed, holes, m
 @quick
 @given(maps(), st.floats(1e-9, 1e9))
 def test_units_make_no_difference(height, unit):
-    levelled = level(height, outlier_threshold=None)
+    # without the record of the form that was removed, which a periodic map gets back
+    levelled = level(height, outlier_threshold=None).assign_attrs(form_removed="{}")
     scaled = height_map(levelled.values * unit, 1.0).assign_coords(y=height["y"] * unit, x=height["x"] * unit)
     a, b = periodic_window(levelled), periodic_window(scaled)
     np.testing.assert_allclose(b.values, a.values * unit, atol=1e-11 * unit)

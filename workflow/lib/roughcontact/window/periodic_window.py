@@ -227,7 +227,7 @@ def _centre(rectangle: np.ndarray, rows: int) -> int:
     if not odd:
         return margin
     steps = [np.sum((rectangle[first + rows - 1] - rectangle[first]) ** 2) for first in (margin, margin + 1)]
-    return margin + int(steps[1] < steps[0])
+    return margin + int(steps[1] < (1 - 1e-9) * steps[0])  # rounding does not decide
 
 
 def _made_periodic(
