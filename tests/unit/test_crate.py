@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 from roughcontact.command_line.program import main
+from roughcontact.errors import InputFileError
 from roughcontact.results.crate import write_crate
 from roughcontact.results.storage import provenance, write_dataset, write_text
 
@@ -63,6 +64,18 @@ def test_the_crate_names_files_sources_settings_and_program(results):
     packages = {found[entity["@id"]]["name"] for entity in program["softwareRequirements"]}
     assert {"numpy", "scipy", "netCDF4", "python"} <= packages
     assert root["conformsTo"]["@id"] == "https://w3id.org/ro/wfrun/process/0.5"
+
+
+def test_a_result_of_an_earlier_table_does_not_go_into_the_crate(results):
+    pytest.importorskip("rocrate")
+    write_text("", results / "hard/ground/panel.html")
+    bands = {"bands": json.dumps({"hard": {"ground": {}}})}
+    made = provenance(SETTINGS, stage="statistics")
+    write_dataset(xr.Dataset({"mean_gap": ("load", [2e-7])}, attrs=made | bands), results / "statistics.nc")
+    assert "hard/ground/panel.html" in described(results)
+    write_text("", results / "soft/ground/panel.html")
+    with pytest.raises(InputFileError, match="soft/ground: is of an earlier run, "):
+        write_crate(results)
 
 
 def test_the_crate_says_whose_it_is(results):

@@ -40,8 +40,8 @@ def check_writable(folder: Path) -> None:
             )
 
 
-def stale_results(results: Iterable[str]) -> list[str]:
-    """Return the folders with results in the working directory that are not among the `results` of this run.
+def stale_results(results: Iterable[str], root: str | Path = "results") -> list[str]:
+    """Return the folders with results below `root` that are not among the `results` of this run.
 
     Examples
     --------
@@ -53,8 +53,8 @@ def stale_results(results: Iterable[str]) -> list[str]:
     ...     stale_results(["ring"])
     ['results/seat']
     """
-    folders = {path.parent for depth in ("*", "*/*") for path in Path("results").glob(f"{depth}/panel.html")}
-    return sorted(folder.as_posix() for folder in folders - {Path("results", result) for result in results})
+    folders = {path.parent for depth in ("*", "*/*") for path in Path(root).glob(f"{depth}/panel.html")}
+    return sorted(folder.as_posix() for folder in folders - {Path(root, result) for result in results})
 
 
 def lost_records() -> bool:

@@ -11,6 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from roughcontact.configuration.places import stale_results
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.results.inputs import FOLDER as INPUTS
 from roughcontact.results.inputs import copy_inputs
@@ -61,6 +62,7 @@ def write_crate(
         raise SettingsError("the package rocrate is not installed: pip install 'roughcontact[crate]'")
     from rocrate.rocrate import ROCrate
 
+    _check_results(folder)
     files, inputs = sorted(_files(folder)), []
     # no other clock is read: an unchanged folder gives an unchanged crate
     ended = datetime.fromtimestamp(int(max(path.stat().st_mtime for path in files)), UTC).isoformat()
@@ -121,6 +123,18 @@ def write_crate(
         root["publisher"] = _add_named(crate, "Organization", publisher)
     write_text(json.dumps(crate.metadata.generate(), indent=2, sort_keys=True) + "\n", folder / _NAME)
     return folder / _NAME
+
+
+def _check_results(folder: Path) -> None:
+    """Raise an InputFileError where results of an earlier run would go into the crate."""
+    with opened_dataset(folder / "statistics.nc") as dataset:
+        bands = json.loads(dataset.attrs.get("bands", "{}"))
+    results = [str(Path(case, surface)) for case, surfaces in bands.items() for surface in surfaces]
+    if stale := stale_results(results, folder):
+        raise InputFileError(
+            f"{stale[0]}: is of an earlier run, statistics.nc does not have it; delete this folder, or name "
+            "the surface in the table and run again"
+        )
 
 
 def _files(folder: Path) -> Iterator[Path]:
