@@ -111,6 +111,13 @@ def test_ellipse(radius_x, radius_y):
     assert area == pytest.approx(np.pi * exact["major"] * exact["minor"], rel=4e-3)
 
 
+@pytest.mark.parametrize("longer", [1e6, 1e9, 1e14])
+def test_a_long_ellipse_is_a_cylinder(longer):
+    """Johnson (1985), section 4.2: p0 = E* b/(2 R); the ellipse differs by (b/a)^2 ln(a/b)."""
+    smooth = hertz_ellipse(1.0, (5e-3 * longer, 5e-3), 1e11)
+    assert smooth["max_pressure"] == pytest.approx(1e11 * smooth["minor"] / 0.01, rel=20 / longer + 1e-14)
+
+
 def test_flat_punch_with_edges():
     """F = 2 E* a δ (Sneddon 1965): the edges of a disc of pixels are half a pixel inside, about."""
     x, y = coordinates()

@@ -21,7 +21,7 @@ _Labelled = TypeVar("_Labelled", xr.DataArray, xr.Dataset)
 # base unit -> arguments, and keys of mappings among them, that may be text with a unit
 _NAMES = {
     "m": "s_filter l_filter shortest_wavelength longest_wavelength thickness shift seal.width "
-    "noise resolution wavelength tip_radius joint.temperature_jump joint.film_thickness",
+    "noise resolution wavelength tip_radius spacing joint.temperature_jump joint.film_thickness",
     "Pa": "contact_modulus mean_pressure peak_pressure hardness youngs_modulus yield_stress start "
     "seal.pressure_difference shear_strength",
     "N": "force",

@@ -82,19 +82,8 @@ def flash_temperature(
         carried = heat[1] / check_positive("thermal_diffusivity", thermal_diffusivity, unit="m2/s")
     conducts = still * np.sqrt(square) + sliding * np.sqrt(square + 1j * qx * carried)
     conducts[0, 0] = np.inf  # the mean flows away into the bodies
-    pressure = contact["pressure"].values
-    spectrum = scipy.fft.rfft2(heat[0] * heat[1] * pressure)
-    rise = scipy.fft.irfft2(spectrum / conducts, s=pressure.shape[1:])
-    touching = pressure > 0
-    mean = np.where(touching, rise, 0.0).sum(axis=(1, 2)) / np.maximum(touching.sum(axis=(1, 2)), 1)
-    fields = contact["pressure"]
-    return describe(
-        xr.Dataset(
-            {
-                "temperature_rise": (fields.dims, rise),
-                "mean_flash_temperature": ("load", mean),
-                "max_flash_temperature": ("load", rise.max(axis=(1, 2))),
-            },
-            coords=fields.coords,
-        )
-    )
+    pressure = contact["pressure"]
+    spectrum = scipy.fft.rfft2(heat[0] * heat[1] * pressure.values)
+    rise = pressure.copy(data=scipy.fft.irfft2(spectrum / conducts, s=pressure.shape[1:]))
+    fields = {"temperature_rise": rise, "mean_flash_temperature": rise.where(pressure > 0).mean(("y", "x"))}
+    return describe(xr.Dataset(fields | {"max_flash_temperature": rise.max(("y", "x"))}))

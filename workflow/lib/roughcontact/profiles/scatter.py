@@ -6,10 +6,7 @@ quantile of |e|/sqrt(s^2 + c^2) (split conformal prediction). `calibration.json`
 `benchmarks/profiles.py`.
 """
 
-import json
 from collections.abc import Iterator, Mapping
-from functools import cache
-from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -22,7 +19,7 @@ from roughcontact.profiles.finish import draw, finish_of, resampled
 from roughcontact.profiles.spectrum import ProfileFit
 from roughcontact.profiles.surface import profile_pieces, surface_from_profiles
 from roughcontact.quantities import counted_noun
-from roughcontact.uncertainty.calibration import at_area, entry
+from roughcontact.uncertainty.calibration import at_area, entry, table
 from roughcontact.uncertainty.discretisation import CORRECTED
 from roughcontact.uncertainty.ensemble import (
     SCATTER_TOLERANCE,
@@ -33,12 +30,6 @@ from roughcontact.uncertainty.ensemble import (
 )
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, at_all_loads, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
-
-
-@cache
-def table() -> dict[str, Any]:
-    """Return the content of `calibration.json`."""
-    return json.loads(resources.files(__package__).joinpath("calibration.json").read_text())
 
 
 def scatter_of_surfaces(
@@ -62,7 +53,7 @@ def scatter_of_surfaces(
     for name, result in values.items():
         mean, deviation = moments(name, ensemble[name][:, solved], result[solved], values[GAP][solved])
         deviation, mean = (at_all_loads(moment, solved, load) for moment in (deviation, mean))
-        calibrated = table()["quantities"][entry(name)]
+        calibrated = table(__package__)["quantities"][entry(name)]
         spread, quantile = at_area(calibrated, values[AREA], ("spread", "quantile"))
         width = quantile * np.hypot(deviation, spread)
         if name in CORRECTED:

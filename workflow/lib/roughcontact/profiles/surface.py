@@ -16,7 +16,7 @@ from roughcontact.maps import height_map, spacing
 from roughcontact.profiles.finish import Finish, correlation_length, draw, finish_of
 from roughcontact.profiles.spectrum import ProfileFit
 from roughcontact.quantities import counted_noun, number, percent, quantity
-from roughcontact.si import labelled_in_si, quantity_in
+from roughcontact.si import in_si, labelled_in_si
 from roughcontact.window.finite_body import solved_map
 from roughcontact.window.sides import friendly_sides
 
@@ -32,6 +32,7 @@ _STEP_SHARE = 0.2  # of the mean square slope in a single step between neighbour
 _LONG_SHARE = 0.2  # of the mean square height in waves that are longer than the surface
 
 
+@in_si
 def surface_from_profiles(
     profiles: Sequence[xr.DataArray],
     *,
@@ -98,12 +99,7 @@ def surface_from_profiles(
         raise SettingsError("lay = 'across': such profiles are ridges, and are solved as they are (evaluate)")
     stack = stacked(profiles)
     segments, pitch = profile_pieces(stack)
-    step = (
-        pitch
-        if spacing is None
-        else check_positive("spacing", quantity_in("m", "spacing", spacing), unit="m")
-    )
-    ratio = step / pitch
+    ratio = 1.0 if spacing is None else check_positive("spacing", spacing, unit="m") / pitch
     longest = min(segments.shape[1], _MOST_POINTS)
     side = int(friendly_sides(longest)[longest]) if points is None else points
     for key, value, least in (("points", side, 2), ("seed", seed, 0)):
@@ -161,9 +157,9 @@ def levelled_heights(height: xr.DataArray, options: Mapping[str, Any]) -> xr.Dat
             "by solve_contact"
         )
     if lay and 1 not in height.shape and "profiles" not in height.attrs:
-        ny, nx = height.shape
+        points = f"{height.shape[1]} x {height.shape[0]}"
         raise HeightMapError(
-            f"lay = {lay}: is of profiles, and this is a map of {nx} x {ny} points; leave it out"
+            f"lay = {lay}: is of profiles, and this is a map of {points} points; leave it out"
         )
     if lay != ISOTROPIC:
         return level(height, **options)

@@ -29,23 +29,24 @@ def hertz_ellipse(force: float, radii: tuple[float, float], contact_modulus: flo
     larger radius.
     """
     from scipy.optimize import brentq  # these imports take longer than a small contact
-    from scipy.special import ellipe, ellipk
+    from scipy.special import ellipe, ellipkm1
 
     larger, smaller = max(radii), min(radii)
     if larger / smaller - 1 < 1e-6:  # the elliptic integrals differ by rounding
         ball = hertz(force, larger, contact_modulus)
         return ball | {"major": ball["contact_radius"], "minor": ball["contact_radius"]}
 
-    def curvature_ratio(m: float) -> float:
-        """Return the ratio of the curvatures whose ellipse of contact has the parameter m."""
-        k, e = ellipk(m), ellipe(m)
-        return float((e / (1 - m) - k) / (k - e))
+    def excess(logarithm: float) -> float:
+        """Return ln of the ratio of the curvatures for ln (minor/major)^2, less that of the body."""
+        squared = np.exp(logarithm)
+        k, e = ellipkm1(squared), ellipe(1 - squared)
+        return float(np.log((e / squared - k) / (k - e)) - np.log(larger / smaller))
 
-    m = brentq(lambda m: curvature_ratio(m) - larger / smaller, 1e-9, 1 - 1e-12, xtol=1e-15)
-    k, e = float(ellipk(m)), float(ellipe(m))
+    squared = np.exp(brentq(excess, -690, -1e-9, xtol=1e-15))
+    m, k, e = 1 - squared, float(ellipkm1(squared)), float(ellipe(1 - squared))
     # 1/(2 R) of the larger radius is p0 b (K - E)/(E* m a²), with p0 = 3 F/(2 pi a b)
     major = (3 * force * larger * (k - e) / (np.pi * contact_modulus * m)) ** (1 / 3)
-    minor = major * (1 - m) ** 0.5
+    minor = major * squared**0.5
     pressure = 3 * force / (2 * np.pi * major * minor)
     approach = pressure * minor * k / contact_modulus
     return {"major": major, "minor": minor, "max_pressure": pressure, "approach": approach}

@@ -77,31 +77,30 @@ def _parameters(profile: np.ndarray, pitch: float, section: float | None) -> dic
     measured = np.flatnonzero(~np.isnan(profile))
     if measured.size < 2:
         raise HeightMapError("a profile has fewer than two measured points: leave its row out")
-    profile = profile[measured[0] : measured[-1] + 1] - np.nanmean(profile)
-    z, measured = profile[measured - measured[0]], measured - measured[0]
-    count = round(section / pitch) if section else profile.size
-    if not 0 < count <= profile.size:
+    z = np.ma.masked_invalid(profile[measured[0] : measured[-1] + 1])
+    z = z - z.mean()
+    count = round(section / pitch) if section else z.size
+    if not 0 < count <= z.size:
         raise HeightMapError(
-            f"l_filter = {section:g} m: the profile of {profile.size * pitch:g} m is shorter than one "
-            "section; filter with a smaller nesting index, or measure a longer profile"
+            f"l_filter = {section:g} m: the profile of {z.size * pitch:g} m is shorter than one section; "
+            "filter with a smaller nesting index, or measure a longer profile"
         )
-    sections = profile[: profile.size // count * count].reshape(-1, count)
-    sections = sections[~np.isnan(sections).all(axis=1)]
-    p, v = float(np.nanmax(sections, axis=1).mean()), float(-np.nanmin(sections, axis=1).mean())
+    sections = z[: z.size // count * count].reshape(-1, count)
+    p, v = float(sections.max(axis=1).mean()), float(-sections.min(axis=1).mean())
     q = math.sqrt(np.mean(z**2))
-    bearing = bearing_parameters(z)
-    bridged = np.interp(np.arange(profile.size), measured, z)
+    bearing = bearing_parameters(z.compressed())
+    bridged = np.interp(np.arange(z.size), measured - measured[0], z.compressed())
     return {
         "a": float(np.mean(np.abs(z))),
         "q": q,
         "p": p,
         "v": v,
         "z": p + v,
-        "t": float(np.ptp(z)),
+        "t": float(np.ma.ptp(z)),
         "sk": float(np.mean((z / q) ** 3)) if q > 0 else math.nan,
         "ku": float(np.mean((z / q) ** 4)) if q > 0 else math.nan,
         "sm": pitch * _element_width(bridged, _DISCRIMINATION * (p + v)),
-        "dq": math.sqrt(np.nanmean(np.diff(profile) ** 2)) / pitch,
+        "dq": math.sqrt(np.mean(np.ma.diff(z) ** 2)) / pitch,
     } | {name: bearing[areal] for name, areal in _CORE.items()}
 
 

@@ -11,7 +11,7 @@ from roughcontact.roughness.summits import summit_statistics
 from roughcontact.statistics.theory import greenwood_tripp
 
 THEORIES = ("area_persson", "area_xu", "area_bush_gibson_thomas", "area_greenwood_williamson")
-_PASSAGE = ("gap_percolates", "critical_constriction")
+_PASSAGES = [f"{passage}_{axis}" for passage in ("gap_percolates", "critical_constriction") for axis in "xy"]
 _STIFFNESS_TOLERANCE = 1e-3  # of a punch; the error of its stiffness is about the square of that
 
 
@@ -65,8 +65,7 @@ def of_finite_body(statistics: xr.Dataset, contact: xr.Dataset) -> xr.Dataset:
     if gas is not None and "joint_conductance" in before:  # of gas and film nothing is scaled
         film = 1 / (before["joint_conductance"] - gas) - before["thermal_resistance"]
         transport["joint_conductance"] = 1 / (transport["thermal_resistance"] + film) + gas
-    passages = [f"{passage}_{axis}" for passage in _PASSAGE for axis in "xy"]
-    undefined = {*before} & {*THEORIES, *passages, "loading_stiffness", *(transport if layers else ())}
+    undefined = {*before} & {*THEORIES, *_PASSAGES, "loading_stiffness", *(transport if layers else ())}
     blank = {name: xr.full_like(before[name], np.nan, dtype=float) for name in undefined}
     return statistics.assign(transport | blank | columns).assign_coords(force=("load", forces))
 

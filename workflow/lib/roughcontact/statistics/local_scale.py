@@ -19,8 +19,7 @@ def hertz_pressures(contact: Mapping[str, Any], radius: Sequence[float]) -> list
     """Return the largest nominal pressure (Pa) of a form, of one radius or two (m), under each force (N)."""
     smooth = hertz_ellipse(1.0, (radius[0], radius[-1]), contact["contact_modulus"])
     pressures = [smooth["max_pressure"] * force ** (1 / 3) for force in contact["force"]]
-    hardness = contact.get("hardness") or np.inf
-    if max(pressures) >= hardness:
+    if max(pressures) >= (hardness := contact.get("hardness") or np.inf):
         raise SettingsError(
             f"contact.force = {max(contact['force']):g} N: the smooth form has a pressure of "
             f"{max(pressures):.3g} Pa (Hertz), not below the hardness {hardness:g} Pa; stay below "

@@ -26,9 +26,9 @@ MAP_SCATTER = "map_scatter"  # attribute (load): standard deviation of the area 
 
 
 @cache
-def table() -> dict[str, Any]:
-    """Return the content of `calibration.json`."""
-    return json.loads(resources.files(__package__).joinpath("calibration.json").read_text())
+def table(package: str = __package__) -> dict[str, Any]:
+    """Return the content of `calibration.json` of a package."""
+    return json.loads(resources.files(package).joinpath("calibration.json").read_text())
 
 
 def entry(name: str) -> str:
