@@ -13,10 +13,9 @@ from roughcontact.checking import check_labelled, check_lay, warn_of_map
 from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import HeightMapWarning, SettingsError
 from roughcontact.io.read import read_height_map
-from roughcontact.maps import roughness_of
 from roughcontact.pipeline import run_chain
 from roughcontact.profiles.surface import ISOTROPIC, stacked
-from roughcontact.roughness.parameters import interior_rms_gradient, rms_gradient
+from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.si import labelled_in_si, listed
 from roughcontact.variables import describe
 
@@ -134,10 +133,7 @@ def evaluate(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HeightMapWarning)  # of every solution; said once below
         result = run_chain(height, full, threads=threads)
-    gradient = float(result.statistics["rms_gradient"])
-    if result.window.attrs.get("form_edges"):  # whose height is no slope that was measured
-        gradient = interior_rms_gradient(roughness_of(result.window))
-    warn_of_map(result.window.shape, gradient, stacklevel=3)
+    warn_of_map(result.window.shape, float(result.statistics["rms_gradient"]), stacklevel=3)
     return result.statistics
 
 

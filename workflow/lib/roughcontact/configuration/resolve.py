@@ -36,7 +36,7 @@ _NEEDS = (
 _OF_PERIODIC_MAPS = {
     "window": [key for key in Window.model_fields if key != "min_share"],
     "contact": ["zero_frequency", "precision"],
-    "statistics": ["seal"],
+    "statistics": ["seal", "work_of_adhesion"],
     "uncertainty": ["measurand"],
     "instrument": ["correct"],
 }

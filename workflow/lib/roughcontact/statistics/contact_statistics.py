@@ -16,7 +16,7 @@ from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.elasticity.layers import ConductingPair, LayeredPair, layered_pair
 from roughcontact.errors import SettingsError
 from roughcontact.kernels.waves import wave_power
-from roughcontact.maps import spacing
+from roughcontact.maps import roughness_of, spacing
 from roughcontact.named_materials import named_bodies
 from roughcontact.roughness.bearing import BEARING_PARAMETERS
 from roughcontact.roughness.parameters import roughness_parameters
@@ -230,8 +230,9 @@ def contact_statistics(
     columns |= theory_columns(
         mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient, summits=surface.summits
     )
-    # that of the solution, whose gradient is summed in another order
-    columns |= {name: contact[name].values for name in ("relative_pressure",) if name in contact}
+    # that of the solution, whose gradient is summed in another order; of a finite body it is that of the form
+    if "relative_pressure" in contact and not free:
+        columns["relative_pressure"] = contact["relative_pressure"].values
     if layers is not None:  # the theories are those of half-spaces
         columns |= {name: np.full(mean_pressure.shape, np.nan) for name in columns if name in THEORIES}
     # a number of the map, repeated for each load beside the other measures of reliability
@@ -421,16 +422,17 @@ def surface_numbers(
     >>> sorted(found.summits), "conforming_energy" in found.parameters
     (['density', 'height_std', 'mean_height', 'mean_radius'], True)
     """
-    power = wave_power(height.values)
-    parameters = surface_statistics(height, power) | adhesion_numbers(
-        height,
+    roughness = roughness_of(height)
+    power = wave_power(roughness.values)
+    parameters = surface_statistics(roughness, power) | adhesion_numbers(
+        roughness,
         contact_modulus=contact_modulus,
         work_of_adhesion=work_of_adhesion,
         power=power,
         layers=layers,
     )
     del power
-    return SurfaceNumbers(parameters, summit_statistics(height), float(np.ptp(height.values)))
+    return SurfaceNumbers(parameters, summit_statistics(roughness), float(np.ptp(height.values)))
 
 
 def statistics_function(
