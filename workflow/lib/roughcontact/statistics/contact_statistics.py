@@ -324,16 +324,16 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
         statistics = statistics.assign(max_pressure_over_modulus=relative.variable)
     complete = statistics.merge(budget, compat="override", join="override").assign_attrs(window_attrs)
     ends = _ends_in_other_units(complete) | _ends_of_the_leak(complete)
-    area = complete["relative_contact_area"]
-    solved = complete.get("relative_contact_area_as_solved", area)
+    area, solved = "relative_contact_area", "relative_contact_area_as_solved"
+    correction = complete[area] / complete[solved] if solved in complete else 1.0
     if "friction_coefficient" in complete and "relative_contact_area_lower" in complete:
-        by_area = complete["friction_coefficient"] / solved
+        by_area = complete["friction_coefficient"] * correction / complete[area]
         for end in ("", "_lower", "_upper"):
             ends[f"friction_coefficient{end}"] = by_area * complete[f"relative_contact_area{end}"]
     if "joint_conductance" in complete:  # its film has the resistance of the contact area
         spots, gas = complete["thermal_resistance"], complete["gas_conductance"]
         with np.errstate(divide="ignore"):  # full contact without a film
-            film = (1 / (complete["joint_conductance"] - gas) - spots) * solved / area
+            film = (1 / (complete["joint_conductance"] - gas) - spots) / correction
             ends["joint_conductance"] = 1 / (spots + film) + gas
     return complete.assign(ends)
 
