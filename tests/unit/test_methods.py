@@ -71,11 +71,32 @@ def test_a_body_of_finite_size_has_a_force_and_no_neighbours():
     )
     contact = {"bodies": ["steel", "steel"], "boundary": "free", "force": "1 mN"}
     text = methods_paragraph(evaluate(height, contact=contact, form={"radius": "1 mm"}))
+    assert "is the roughness of a body of finite size of radius 1.00 mm;" in text
     assert "under a prescribed force" in text
     assert "half-spaces without neighbours" in text
     assert "periodic" not in text
     assert "A force of 1.00 mN gives a true contact area of" in text
     assert "are for this body, also at other positions on its roughness" in text
+
+
+def test_a_wider_body_has_its_radius_and_the_force_of_each_pressure():
+    height = self_affine_surface(
+        (64, 64), 1e-6, hurst=0.8, rms_height=1e-8, shortest=4e-6, longest=1.6e-5, seed=5
+    )
+    contact = {"bodies": ["steel", "steel"], "force": "20 N"}
+    form = {"radius": "50 mm", "local_scale": True}
+    text = methods_paragraph(evaluate(height, contact=contact, form=form, uncertainty={"sources": []}))
+    assert "solved under Hertz's largest pressures on a body of finite size of radius 50.0 mm;" in text
+    assert "MPa, Hertz's largest under 20.0 N, gives a true contact area of" in text
+
+
+def test_the_paragraph_of_a_pair_names_both_files():
+    made = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=3.2e-5, rms_height=1e-7)
+    contact = {"contact_modulus": 1e9, "mean_pressure": 5e6}
+    statistics = evaluate(made, contact=contact, uncertainty={"sources": []})
+    text = methods_paragraph(statistics.assign_attrs(source_sha256=f"{'a1' * 32} + {'b2' * 32}"))
+    assert "heights (SHA-256 a1a1a1a1… and b2b2b2b2…) were" in text
+    assert "the two faces added at one of their relative positions." in text
 
 
 def test_of_profiles_the_paragraph_says_which_surfaces_were_solved():

@@ -46,7 +46,7 @@ def methods_paragraph(statistics: xr.Dataset) -> str:
     version = f"{versions['roughcontact']}{f' (commit {commit})' if commit else ''}"
     sentences = [
         _levelling(statistics, settings["level"]),
-        _window(statistics, settings["window"], free=settings["contact"].get("boundary") == "free"),
+        _window(statistics, settings["window"], settings.get("form") or {}),
         _contact(statistics, settings["contact"]),
         *_answers(statistics, settings["uncertainty"]),
         f"All was computed with roughcontact {version}; its CITATION.cff says how to cite it.",
@@ -56,8 +56,8 @@ def methods_paragraph(statistics: xr.Dataset) -> str:
 
 def _levelling(statistics: xr.Dataset, level: Mapping[str, Any]) -> str:
     """Return what was done to the heights."""
-    sha256 = str(statistics.attrs.get("source_sha256", ""))
-    source = f" (SHA-256 {sha256[:8]}…)" if sha256 else ""
+    sha256 = [f"{text[:8]}…" for text in str(statistics.attrs.get("source_sha256", "")).split(" + ") if text]
+    source = f" (SHA-256 {' and '.join(sha256)})" if sha256 else ""
     text = _FORMS.get(level["form"], f"were freed of a least-squares {level['form']}").format(**level)
     steps = [f"The measured heights{source} {text}"]
     if level["outlier_threshold"]:
@@ -70,10 +70,12 @@ def _levelling(statistics: xr.Dataset, level: Mapping[str, Any]) -> str:
     ]
     if level["fill"] != "none":
         steps.append(f"missing points filled ({level['fill']})")
+    if len(sha256) > 1 and "lay" not in statistics.attrs:  # not several profiles
+        steps.append("the two faces added at one of their relative positions")
     return f"{', '.join(steps)}."
 
 
-def _window(statistics: xr.Dataset, window: Mapping[str, Any], *, free: bool) -> str:
+def _window(statistics: xr.Dataset, window: Mapping[str, Any], form: Mapping[str, Any]) -> str:
     """Return the window that was solved, and its roughness."""
     lengths = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
     size = " × ".join(quantity(length, "m") for length in lengths if math.isfinite(length))
@@ -82,7 +84,14 @@ def _window(statistics: xr.Dataset, window: Mapping[str, Any], *, free: bool) ->
     periodisation = "was periodic as measured" if created == "none" else f"was made periodic ({created})"
     if statistics.attrs.get("lay") == ISOTROPIC:
         periodisation = f"was drawn at random from {surfaces_behind(statistics)}"
-    steps = [f"A {noun} of {size} {'is the roughness of a body of finite size' if free else periodisation}"]
+    radii = " and ".join(quantity(radius, "m") for radius in form.get("radius") or ())
+    body = f"a body of finite size{f' of radius {radii}' if radii else ''}"
+    if form.get("edges"):
+        body += " that ends with sharp edges where the map does"
+    local = form.get("local_scale")
+    steps = [f"A {noun} of {size} {periodisation if local or not form else f'is the roughness of {body}'}"]
+    if local:
+        steps.append(f"solved under Hertz's largest pressures on {body}")
     steps += [
         f"waves {side} than {quantity(window[key], 'm')} were removed"
         for side, key in (("shorter", "shortest_wavelength"), ("longer", "longest_wavelength"))
@@ -125,8 +134,11 @@ def _answers(statistics: xr.Dataset, uncertainty: Mapping[str, Any]) -> list[str
             factor, unit_label = (100.0, unit) if unit.startswith("%") else prefix(interval[0], unit)
             answers.append(f"{text} {with_interval(*(factor * end for end in interval))} {unit_label}")
         applied = f"mean pressure of {quantity(float(statistics['mean_pressure'][index]), 'Pa')}"
+        force = quantity(float(statistics["force"][index]), "N") if "force" in statistics else ""
+        if force:
+            applied += f", Hertz's largest under {force},"
         if free:
-            applied = f"force of {quantity(float(statistics['force'][index]), 'N')}"
+            applied = f"force of {force}"
             answers[0] = answers[0].replace("nominal area", "area of the map")
         sentences.append(f"A {applied} gives {', '.join(answers[:-1])} and {answers[-1]}.")
     if "relative_contact_area_lower" in statistics:
