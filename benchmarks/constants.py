@@ -23,16 +23,14 @@ import roughcontact as rc
 from roughcontact.contact.loads import plan_loads
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.uncertainty import ensemble
-from roughcontact.uncertainty.ensemble import solve_again
+from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, PEAK
 
 SIDE = 128  # points
 QUANTITIES = {AREA: "area", GAP: "gap", PEAK: "peak", CONDUCTANCE: "conductance"}
 # module, constant -> another value, and where else the name is bound
 CONSTANTS = {
-    ("ensemble", "CHANGE_TOLERANCE"): 3e-3,
-    ("ensemble", "SCATTER_TOLERANCE"): 3e-3,
-    ("headline", "_RESPONSE_TOLERANCE"): 1e-2,
+    ("ensemble", "TOLERANCE"): 3e-3,
     ("discretisation", "_REFINED_POINTS"): 64**2,
     ("discretisation", "_NOISE_PER_SWITCH"): 1.0,
     ("subwindows", "_MIN_POINTS_PER_SIDE"): 24,
@@ -49,8 +47,7 @@ CONSTANTS = {
     ("scales", "SMALLEST"): 1e-4,
 }
 BOUND_IN = {
-    "CHANGE_TOLERANCE": ("discretisation", "rejected"),
-    "SCATTER_TOLERANCE": ("subwindows", "magnification"),
+    "TOLERANCE": ("rejected",),
     "MARGIN": ("instrument", "unresolved", "discretisation"),
 }
 
@@ -102,7 +99,7 @@ def main() -> None:
         before, correct = getattr(bound[0], name), name == "_CORRECTION_UNCERTAINTY"
         for place in bound:
             setattr(place, name, value)
-        solve_again.__kwdefaults__["tolerance"] = ensemble.CHANGE_TOLERANCE
+        solve_member.__kwdefaults__["tolerance"] = ensemble.TOLERANCE
         changed = widths(heights, correct=correct)
         for place in bound:
             setattr(place, name, before)

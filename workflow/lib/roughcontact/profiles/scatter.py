@@ -22,7 +22,6 @@ from roughcontact.quantities import counted_noun
 from roughcontact.uncertainty.calibration import at_area, entry, table
 from roughcontact.uncertainty.discretisation import CORRECTED
 from roughcontact.uncertainty.ensemble import (
-    SCATTER_TOLERANCE,
     few_loads,
     loads_of,
     solve_member,
@@ -89,7 +88,7 @@ def isotropic_contact(profile: xr.DataArray, contact: Mapping[str, Any]) -> dict
         surface = surface_from_profiles([profile])
     except HeightMapError:
         return {}
-    return solve_member(surface, {**contact, "on_failure": "flag"}, tolerance=SCATTER_TOLERANCE, names=names)
+    return solve_member(surface, {**contact, "on_failure": "flag"}, names=names)
 
 
 def moments(

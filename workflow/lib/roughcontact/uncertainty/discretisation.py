@@ -21,7 +21,6 @@ from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
 from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.combination import Component, half_widths
 from roughcontact.uncertainty.ensemble import (
-    CHANGE_TOLERANCE,
     MARGIN,
     Values,
     few_loads,
@@ -53,7 +52,7 @@ def discretisation_error(
     region = window if free else _region_around(window, peak_index)
     solved = few_loads(load)
     coarse, fine = (
-        solve_member(grid, contact, tolerance=CHANGE_TOLERANCE, names=names, loads=solved)
+        solve_member(grid, contact, names=names, loads=solved)
         for grid in (region, _halved(region) if free else refined(region, 2))
     )
     errors = {}

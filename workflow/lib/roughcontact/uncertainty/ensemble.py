@@ -1,4 +1,4 @@
-"""Ensemble members: solutions to a wide tolerance, at few loads, of which only some quantities are kept."""
+"""Ensemble members: solutions to a wider tolerance, at few loads, of which only some quantities are kept."""
 
 import contextlib
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,9 +19,8 @@ from roughcontact.window.finite_body import finite_body
 Values = Mapping[str, np.ndarray]  # quantity -> array (load)
 _OF_BODIES = ("boundary", "contact_modulus", "bodies", "hardness", "influence", "threads")
 LOADS = 3  # at which a member is solved: both ends and the middle
-SCATTER_TOLERANCE = 1e-2  # of the pressure: 0.4 % of the area (rms), where subwindows differ by 5 % and more
 MARGIN = 0.25  # of a change that is computed, by which its truth may be larger
-CHANGE_TOLERANCE = 1e-3  # of the pressure, where the change from the result counts; in single precision
+TOLERANCE = 1e-3  # of the pressure of members, whose change or scatter counts; in single precision
 
 
 def loads_of(contact: Mapping[str, Any]) -> np.ndarray:
@@ -33,9 +32,9 @@ def solve_member(
     window: xr.DataArray,
     contact: Mapping[str, Any],
     *,
-    tolerance: float,
     names: Sequence[str],
     loads: np.ndarray | None = None,
+    tolerance: float = TOLERANCE,
 ) -> dict[str, np.ndarray]:
     """Return quantities of a window, each an array of the loads of the indices `loads`, by default all.
 
@@ -46,7 +45,7 @@ def solve_member(
     tolerance = max(tolerance, contact.get("tolerance", 0.0))
     if contact.get("boundary") == "free":
         return _solve_body(window, {**contact, "mean_pressure": pressures}, tolerance=tolerance, names=names)
-    single = tolerance >= CHANGE_TOLERANCE or contact.get("precision") == "single"
+    single = tolerance >= TOLERANCE or contact.get("precision") == "single"
     layered = elasticity(contact.get("contact_modulus"), contact.get("bodies"))[1] is not None
     values = {name: np.full(pressures.shape, np.nan) for name in names}
     for solution in solved_fields(
@@ -78,7 +77,7 @@ def solve_members(
     solved = few_loads(load)
     members = {name: np.full((number, load.size), np.nan) for name in names}
     for index, window in enumerate(windows):
-        member = solve_member(window, contact, tolerance=SCATTER_TOLERANCE, names=[*members], loads=solved)
+        member = solve_member(window, contact, names=[*members], loads=solved)
         for name, results in member.items():
             members[name][index, solved] = results
     return members
@@ -105,13 +104,11 @@ def _solve_body(
     return {name: np.array(numbers) for name, numbers in values.items()}
 
 
-def solve_again(
-    window: xr.DataArray, contact: Mapping[str, Any], values: Values, *, tolerance: float = CHANGE_TOLERANCE
-) -> dict[str, np.ndarray]:
+def solve_again(window: xr.DataArray, contact: Mapping[str, Any], values: Values) -> dict[str, np.ndarray]:
     """Return the results of a changed window, the change from `values` interpolated between few loads."""
     load = loads_of(contact)
     solved = few_loads(load)
-    solved_values = solve_member(window, contact, tolerance=tolerance, names=list(values), loads=solved)
+    solved_values = solve_member(window, contact, names=list(values), loads=solved)
     return {
         name: carried_to_all_loads(name, solved_values[name], solved, load, values[name]) for name in values
     }

@@ -15,8 +15,6 @@ from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.uncertainty import scales
 from roughcontact.uncertainty.scales import ANSWERS, CONSTRICTIONS, QUANTITIES
 
-_RESPONSE_TOLERANCE = 3e-2  # of the linear response; the error of the conductance is about its square
-
 
 def quantities_of(
     pressure: np.ndarray,
@@ -47,9 +45,7 @@ def quantities_of(
     if scales.PRESSURE in names:
         values[scales.PRESSURE] = float(pressure[touching].mean(dtype=float))
     if scales.CONDUCTANCE in names:
-        compliance = 0.0
-        if not layered:
-            compliance = linear_response(touching, steps, 1.0, _RESPONSE_TOLERANCE, influence=influence)
+        compliance = 0.0 if layered else linear_response(touching, steps, 1.0, influence=influence)
         values[scales.CONDUCTANCE] = 1 / compliance if compliance > 0 else np.nan
     if CONSTRICTIONS[0] in names:
         values |= percolation_columns(np.where(touching, 0.0, gap))

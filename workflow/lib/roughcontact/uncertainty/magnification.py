@@ -16,7 +16,7 @@ import xarray as xr
 from roughcontact.fourier import wavenumbers
 from roughcontact.maps import height_map, side_lengths, spacing
 from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.uncertainty.ensemble import SCATTER_TOLERANCE, loads_of, solve_again
+from roughcontact.uncertainty.ensemble import loads_of, solve_again
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.scales import AREA, PRESSURE
 
@@ -71,7 +71,7 @@ def magnification_curve(
     while side >= _MIN_WAVES_PER_SIDE * cutoff:
         maps.append(without_shortest_waves(window, cutoff))
         lengths.append(max(2 * np.pi / q[_passes(window, cutoff)].max(), lengths[0]))
-        levels.append(solve_again(maps[-1], contact, levels[0], tolerance=SCATTER_TOLERANCE))
+        levels.append(solve_again(maps[-1], contact, levels[0]))
         cutoff *= 2
     for level in levels:
         pressure = loads_of(contact) / level[AREA]

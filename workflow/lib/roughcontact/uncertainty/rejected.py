@@ -8,7 +8,7 @@ import xarray as xr
 
 from roughcontact.contact.fields import solved_fields
 from roughcontact.levelling.rejected import rejected_points, with_rejected_marked
-from roughcontact.uncertainty.ensemble import CHANGE_TOLERANCE, loads_of
+from roughcontact.uncertainty.ensemble import TOLERANCE, loads_of
 from roughcontact.window.periodic_window import periodic_window
 
 
@@ -32,7 +32,7 @@ def rejected_load_share(
     rejected = restored["filled"].values != 0
     if not rejected.any():
         return np.zeros(loads.shape)
-    share, tolerance = np.full(loads.shape, np.nan), max(CHANGE_TOLERANCE, contact.get("tolerance", 0.0))
+    share, tolerance = np.full(loads.shape, np.nan), max(TOLERANCE, contact.get("tolerance", 0.0))
     for solution in solved_fields(restored, contact, tolerance=tolerance):
         if solution.error_bound <= tolerance:
             pressure = solution.pressure
