@@ -18,7 +18,6 @@ from pathlib import Path
 import numpy as np
 from worker import Worker
 
-from roughcontact.contact import free_boundary
 from roughcontact.contact.free_boundary import FreeBody
 from roughcontact.elasticity import free_space
 from roughcontact.elasticity.halfspace import HalfSpace
@@ -71,7 +70,7 @@ def solved(heights: np.ndarray, force: float, tolerance: float, influence: str =
 
 def forget_kernels() -> None:
     """Remove the kernels that are kept between solves: each code sets up a solve anew."""
-    for kept in (free_boundary._free_symbol, free_space._transform_of_elements, free_space._cut_off):
+    for kept in (free_space.transform_of_pixels, free_space._cut_off):
         kept.cache_clear()
 
 

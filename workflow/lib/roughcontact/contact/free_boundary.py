@@ -8,7 +8,7 @@ shows that more of the map touches, it grows and is solved again.
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,14 +23,7 @@ from roughcontact.contact.nested_iteration import first_guess, nested_heights
 from roughcontact.contact.problem import nondimensionalise, on_host
 from roughcontact.contact.state import State
 from roughcontact.elasticity.energy import elastic_energy
-from roughcontact.elasticity.free_space import (
-    FADE,
-    TruncatedKernel,
-    change_by_layers,
-    distances,
-    even_transform,
-    love,
-)
+from roughcontact.elasticity.free_space import FADE, TruncatedKernel, transform_of_pixels
 from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.errors import ConvergenceError, HeightMapError, SettingsError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
@@ -101,10 +94,10 @@ def free_datasets(
     least = LEAST_FORCE * body.modulus * float(size * np.ptp(body.heights))
     for force in forces:
         if force < least:
-            raise SettingsError(
-                f"force {force:g} N: below {least:.2g} N the contact is lost in the rounding of the heights",
-                keys=("force",),
+            text = (
+                f"force {force:g} N: below {least:.2g} N the contact is lost in the rounding of the heights"
             )
+            raise SettingsError(text, keys=("force",))
         solution = body.solve(force, tolerance=tolerance)
         body.check_border(solution.pressure, force, radii)
         if give_up and solution.error_bound > tolerance:
@@ -280,15 +273,15 @@ class FreeBody:
         sizes = [2 * max(side.stop, n - side.start) for n, side in zip(pressure.shape, sides, strict=True)]
         shape = 2 * fft.next_fast_len(sizes[0] // 2), 2 * fft.next_fast_len(sizes[1] // 2)
         with fft.set_workers(self.threads):
-            spectrum = fft.rfft2(pressure[sides], shape) * _free_symbol(shape, self.spacing, self.layers)
-            displacement = fft.irfft2(spectrum, shape)
+            symbol = transform_of_pixels(shape, self.spacing, layers=self.layers)
+            displacement = fft.irfft2(fft.rfft2(pressure[sides], shape) * symbol, shape)
         displacement = np.roll(displacement, [side.start for side in sides], (0, 1))
         map_sides = tuple(slice(n) for n in pressure.shape)
         gap = displacement[map_sides] / self.modulus - self.heights + cell.approach
         gap[sides][region.mask] = cell.gap[region.mask]
         return gap
 
-    def check_border(self, pressure: np.ndarray, force: float, radii: Sequence[float]) -> None:
+    def check_border(self, pressure: np.ndarray, force: float, radii: Sequence[float] = ()) -> None:
         """Raise HeightMapError where the contact reaches the border of a map on a form of `radii` (m)."""
         if not (pressure[[0, -1]].any() or pressure[:, [0, -1]].any()):
             return
@@ -321,15 +314,3 @@ class FreeBody:
             return self.modulus
         q = np.geomspace(1e-3 / self.layers.thickest, 1e2 / self.layers.thinnest, 64)
         return self.modulus / max(1.0, float(self.layers.factor(q).max()))
-
-
-@lru_cache(maxsize=2)
-def _free_symbol(
-    shape: tuple[int, int], spacing: tuple[float, float], layers: LayeredPair | None
-) -> np.ndarray:
-    """Return the transform of Love's kernel, and of what layers change of it, exact up to half of a grid."""
-    quarter = shape[0] // 2 + 1, shape[1] // 2 + 1
-    response = love(quarter, spacing)
-    if layers is not None:
-        response += change_by_layers(layers, distances(quarter, spacing)) * spacing[0] * spacing[1]
-    return even_transform(response, shape)

@@ -85,11 +85,8 @@ def partial_slip(
     friction = check_positive("friction_coefficient", friction_coefficient, unit="relative terms")
     shares = check_loads("tangential_load", tangential_load, unit="mu times the normal load, 1 is full slip")
     if max(shares) > 1:
-        raise SettingsError(
-            f"tangential_load = {tangential_load!r}: is Q/(mu P), at most 1, which is full slip; "
-            "more the contact does not bear",
-            keys=["tangential_load"],
-        )
+        text = f"tangential_load = {max(shares):g}: is Q/(mu P), at most 1, which is full slip"
+        raise SettingsError(f"{text}; more the contact does not bear", keys=["tangential_load"])
     ratio = None if poissons_ratio is None else check_poissons_ratio("poissons_ratio", poissons_ratio)
     if contact.sizes["load"] != 1 or "hardness" in contact:
         property_ = "a hardness" if "hardness" in contact else f"{contact.sizes['load']} loads"

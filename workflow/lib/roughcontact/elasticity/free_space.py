@@ -39,16 +39,17 @@ class TruncatedKernel:
 
     def __call__(self, qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
         """Return the symbol; infinite at q = 0, whose displacement `mean_displacement` is."""
-        if self.layers is not None:
-            symbol = self._of_layers(qy, qx)
-        elif self.influence == "elements":
+        if self.layers is None and self.influence == "elements":
             width = qx.size > 1 and round(2 * np.pi / (float(qx[0, 1]) * spacing[1]))
-            symbol = _transform_of_elements((qy.size, int(width)), spacing, self.reach).copy()
+            symbol = transform_of_pixels((qy.size, int(width)), spacing, self.reach).copy()
         else:
             q: np.ndarray = np.hypot(qy.astype(float), qx.astype(float))
-            q[0, 0] = 1.0
-            last = 2.0 ** np.ceil(np.log2(q.max() * self.reach))
-            symbol = 2 / q * _cut_off(float(last))(q * self.reach)
+            q[0, 0] = highest = q.max()
+            if self.layers is not None:
+                symbol = self._of_layers(q, self.layers)
+            else:
+                last = 2.0 ** np.ceil(np.log2(highest * self.reach))
+                symbol = 2 / q * _cut_off(float(last))(q * self.reach)
         symbol[0, 0] = np.inf
         return symbol.astype(np.result_type(qy, qx))
 
@@ -58,17 +59,14 @@ class TruncatedKernel:
             symbol, farthest = _faded_layers(self.layers, self.reach)
             return float(symbol(0.0) + farthest * np.prod(shape) * np.prod(spacing))
         if self.influence == "elements":
-            return float(_transform_of_elements(shape, spacing, self.reach)[0, 0])
+            return float(transform_of_pixels(shape, spacing, self.reach)[0, 0])
         return (1 + FADE) * self.reach
 
-    def _of_layers(self, qy: np.ndarray, qx: np.ndarray) -> np.ndarray:
+    def _of_layers(self, q: np.ndarray, layers: LayeredPair) -> np.ndarray:
         """Return the symbol of bodies with layers, which has to be positive."""
-        assert self.layers is not None
-        q: np.ndarray = np.hypot(qy.astype(float), qx.astype(float))
-        q[0, 0] = q.max()
-        symbol = 2 / q * self.layers.factor(q)
+        symbol = 2 / q * layers.factor(q)
         long = q * self.reach < _LONG
-        symbol[long] = _faded_layers(self.layers, self.reach)[0](q[long] * self.reach)
+        symbol[long] = _faded_layers(layers, self.reach)[0](q[long] * self.reach)
         if symbol.min() <= 0:
             raise SettingsError(
                 "these layers on a body of finite size have no proven solution: their compliance within the "
@@ -128,12 +126,20 @@ def graded_panels(end: float, widest: float, finest: float) -> tuple[np.ndarray,
     return (edges[:-1, None] + half * (1 + points)).ravel(), (half * weights).ravel()
 
 
-@lru_cache(maxsize=1)
-def _transform_of_elements(shape: tuple[int, int], spacing: tuple[float, float], reach: float) -> np.ndarray:
-    """Return the symbol (ny, nx // 2 + 1) of Love's kernel, faded beyond the reach, kept for one grid."""
+@lru_cache(maxsize=2)
+def transform_of_pixels(
+    shape: tuple[int, int],
+    spacing: tuple[float, float],
+    reach: float = np.inf,
+    layers: LayeredPair | None = None,
+) -> np.ndarray:
+    """Return the symbol (ny, nx // 2 + 1) of Love's kernel, faded beyond the reach, and of layers with it."""
     quarter = shape[0] // 2 + 1, shape[1] // 2 + 1
-    fade = np.clip((FADE - distances(quarter, spacing) / reach) / (FADE - 1), 0, 1)
-    return even_transform(love(quarter, spacing) * fade, shape)
+    distance = distances(quarter, spacing)
+    response = love(quarter, spacing) * np.clip((FADE - distance / reach) / (FADE - 1), 0, 1)
+    if layers is not None:
+        response += change_by_layers(layers, distance) * spacing[0] * spacing[1]
+    return even_transform(response, shape)
 
 
 def distances(shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarray:
