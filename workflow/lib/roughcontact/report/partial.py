@@ -1,6 +1,7 @@
 """Partial results after failures: of the finished surfaces, with the reasons for the others."""
 
 import json
+import os
 import re
 import shutil
 import time
@@ -14,6 +15,9 @@ from roughcontact.io.checksums import checksum
 from roughcontact.report.gather import Finished, remove_earlier, write_results
 from roughcontact.results.collect import Failure
 from roughcontact.results.storage import read_arrays
+
+# older than the script that makes it: of a first report Snakemake has no record whose params it compares
+_LONG_AGO = 315_532_800  # 1980-01-01, s
 
 
 def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Failure]:
@@ -56,6 +60,7 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
     remove_earlier(folder)
     for path in staging.iterdir():
         path.replace(folder / path.name)
+    os.utime(folder / "uncertainty.csv", (_LONG_AGO, _LONG_AGO))
     staging.rmdir()
     return failures
 
