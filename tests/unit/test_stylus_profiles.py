@@ -365,6 +365,9 @@ def test_a_lay_is_of_profiles():
         rc.evaluate(rough(), lay="none", contact=CONTACT)
     with pytest.raises(SettingsError, match="have one answer where lay = 'none'"):
         rc.evaluate(rows(rough()), lay="across", contact=CONTACT)
+    contact = {"contact_modulus": 1e9, "boundary": "free", "force": 1.0}
+    with pytest.raises(HeightMapError, match="drawn at random: its ± on a body of finite size is unknown"):
+        rc.evaluate(rows(rough())[0] * 1e-6, lay="none", contact=contact, form={"radius": 1.0})
     with pytest.raises(SettingsError, match="shows nothing of the others"):
         rc.evaluate(rows(rough())[0], lay="along", contact=CONTACT)
 

@@ -172,6 +172,11 @@ def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, An
     """Return the map that is solved: of profiles without a lay the surface behind them."""
     if levelled.attrs.get("lay") != ISOTROPIC:
         return solved_map(levelled, settings)
+    if settings.get("contact", {}).get("boundary") == "free":
+        text = (
+            "its ± on a body of finite size is unknown; solve_contact takes the map of surface_from_profiles"
+        )
+        raise HeightMapError(f"the surface behind profiles is drawn at random: {text}")
     drawn = surface_from_profiles([levelled[[row]] for row in range(len(levelled))])
     facts = {key: levelled.attrs[key] for key in ("form", "form_removed")}
     # it is periodic without its form, and has no points that were rejected
