@@ -11,8 +11,8 @@ from roughcontact.checking import LARGEST, SMALLEST, check_labelled
 from roughcontact.errors import HeightMapError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision, like_array
 from roughcontact.kernels.choose import kernels_for
+from roughcontact.kernels.waves import gradient_of
 from roughcontact.maps import spacing
-from roughcontact.roughness.parameters import gradient_of
 
 _Labelled = TypeVar("_Labelled", xr.DataArray, xr.Variable)
 

@@ -1,11 +1,13 @@
-"""Power of each wave of a map, and iteration over all waves in blocks, to save memory."""
+"""Power of the waves of a map, their rms gradient, and iteration over all waves in blocks, to save memory."""
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from roughcontact import fourier
-from roughcontact.kernels.arrays import DOUBLE
+from roughcontact.kernels.arrays import DOUBLE, Array, count_of, like_array
+from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.fft import make_plan
 
 _BLOCK = 2**17  # waves per block: few enough to stay in the cache
@@ -37,6 +39,26 @@ def wave_power(field: np.ndarray) -> np.ndarray:
     power /= float(field.size) ** 2
     power[0, 0] = 0.0
     return power
+
+
+def gradient_of(heights: Array, steps: tuple[float, float], *, threads: int = 1) -> float:
+    """Return the rms gradient of heights (ny, nx) in float64, of any library, `steps` (dy, dx) apart.
+
+    Examples
+    --------
+    >>> import math
+    >>> import numpy as np
+    >>> gradient_of(np.array([[1.0, -1.0]]), (1.0, 1.0)) == math.pi
+    True
+    """
+    # the first height is taken off, which makes a flat map exactly zero
+    spectrum = make_plan(heights, DOUBLE, threads=threads).forward(heights, offset=float(heights[0, 0]))
+    qy, qx = fourier.wavevectors(heights.shape, steps)
+    factors = fourier.halfplane_weights(heights.shape)[0], qy[:, 0] ** 2, qx[0] ** 2
+    power = kernels_for(heights, threads=threads).slope_power(
+        spectrum, *(like_array(values, heights) for values in factors)
+    )
+    return math.sqrt(power) / count_of(heights)
 
 
 def over_waves(

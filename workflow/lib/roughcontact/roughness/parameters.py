@@ -11,10 +11,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact import fourier
-from roughcontact.kernels.arrays import DOUBLE, Array, count_of, like_array
-from roughcontact.kernels.choose import kernels_for
-from roughcontact.kernels.fft import make_plan
-from roughcontact.kernels.waves import over_waves, wave_power
+from roughcontact.kernels.waves import gradient_of, over_waves, wave_power
 from roughcontact.maps import spacing
 from roughcontact.si import in_si
 
@@ -72,24 +69,6 @@ def rms_gradient(height: xr.DataArray, *, threads: int = 1) -> float:
     """
     heights = np.require(height.values, dtype=float, requirements=["C", "A", "W"])
     return gradient_of(heights, spacing(height), threads=threads)
-
-
-def gradient_of(heights: Array, steps: tuple[float, float], *, threads: int = 1) -> float:
-    """Return `rms_gradient` of heights (ny, nx) in float64, of any library, on points `steps` (dy, dx) apart.
-
-    Examples
-    --------
-    >>> gradient_of(np.array([[1.0, -1.0]]), (1.0, 1.0)) == math.pi
-    True
-    """
-    # the first height is taken off, which makes a flat map exactly zero
-    spectrum = make_plan(heights, DOUBLE, threads=threads).forward(heights, offset=float(heights[0, 0]))
-    qy, qx = fourier.wavevectors(heights.shape, steps)
-    factors = fourier.halfplane_weights(heights.shape)[0], qy[:, 0] ** 2, qx[0] ** 2
-    power = kernels_for(heights, threads=threads).slope_power(
-        spectrum, *(like_array(values, heights) for values in factors)
-    )
-    return math.sqrt(power) / count_of(heights)
 
 
 @in_si
