@@ -32,15 +32,6 @@ def linear_response(
     `tolerance`, that of x in the energy norm. Points of `yielded` carry the hardness, and x is zero there:
     their overlap grows by s - G x, the mean of which over the window is taken off, with an error of first
     order. 0 for full contact.
-
-    Examples
-    --------
-    A wavy surface that touches along half of each wave, s = -2 lambda/(pi E*) ln sin(pi a):
-
-    >>> import numpy as np
-    >>> slope = linear_response(np.arange(512)[None, :] < 256, (1 / 512, 1 / 512), 1.0)
-    >>> print(f"{slope:.2f} {-2 / np.pi * np.log(np.sin(np.pi / 4)):.2f}")
-    0.22 0.22
     """
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
     touching = np.asarray(contact, dtype=bool)

@@ -6,13 +6,7 @@ from pathlib import Path
 
 @cache
 def words(used_in: str) -> dict[str, list[str]]:
-    """Return the words of each meaning in a `header`, a `column` or the like, as `words.tsv` lists them.
-
-    Examples
-    --------
-    >>> words("instrument")["vendor"]
-    ['vendor', 'manufacturer', 'instrumentmanufacturer']
-    """
+    """Return the words of each meaning in a `header`, a `column` or the like, as `words.tsv` lists them."""
     text = Path(__file__).with_name("words.tsv").read_text(encoding="utf-8")
     rows = (line.split("\t") for line in text.splitlines() if not line.startswith("#"))
     return {meaning: listed.split(", ") for user, meaning, listed in rows if user == used_in}

@@ -42,15 +42,7 @@ def wave_power(field: np.ndarray) -> np.ndarray:
 
 
 def gradient_of(heights: Array, steps: tuple[float, float], *, threads: int = 1) -> float:
-    """Return the rms gradient of heights (ny, nx) in float64, of any library, `steps` (dy, dx) apart.
-
-    Examples
-    --------
-    >>> import math
-    >>> import numpy as np
-    >>> gradient_of(np.array([[1.0, -1.0]]), (1.0, 1.0)) == math.pi
-    True
-    """
+    """Return the rms gradient of heights (ny, nx) in float64, of any library, `steps` (dy, dx) apart."""
     # the first height is taken off, which makes a flat map exactly zero
     spectrum = make_plan(heights, DOUBLE, threads=threads).forward(heights, offset=float(heights[0, 0]))
     qy, qx = fourier.wavevectors(heights.shape, steps)

@@ -38,17 +38,6 @@ def case_table(cases: Mapping[str, xr.Dataset], *, equal_loads: bool = False) ->
     The pairs of `case_pairs` are compared at `shared_loads`, in order where all cases ask for `equal_loads`,
     without what both share (`case_differences`). `groups` has `title` and `rows` of each quantity, `apart` a
     sentence on pairs that share no load.
-
-    Examples
-    --------
-    >>> one = xr.Dataset({name: ("load", [0.1]) for name in _COMPARED}).assign(
-    ...     mean_pressure=("load", [1e6])
-    ... )
-    >>> table = case_table({"soft": one, "hard": one * 2}, equal_loads=True)
-    >>> table["groups"][0]["rows"]
-    [['1.00 MPa / 2.00 MPa', '10.0 %', '20.0 %', '100 %']]
-    >>> case_table({"soft": one, "hard": one * 2})["apart"][:55]
-    'The cases have no load in common (soft: 1.00 MPa; hard:'
     """
     return _table([cases], equal_loads=equal_loads, as_medians=False) if len(cases) > 1 else None
 

@@ -51,16 +51,7 @@ def refuse_lost_row(
 
 
 def not_understood(rows: Rows, stated: Stated, heights: np.ndarray, path: Path) -> list[str]:
-    """Return notes on lines above a table that may concern its heights; refuse a factor above whole numbers.
-
-    Examples
-    --------
-    >>> rows = Rows(["Bad pixels: -1", "Sign: -1"], 1, ["1.5 -1", "2 3"], [3, 4])
-    >>> for note in not_understood(rows, {}, np.array([[1.5, -1], [2, 3]]), Path("map.txt")):
-    ...     print(note)
-    line 1 says 'Bad pixels: -1', and there is 1 point with that height: if missing, give missing_value
-    line 2 says 'Sign: -1', which is not followed: check first_row, the sign, and whether these are heights
-    """
+    """Return notes on lines above a table that may concern heights; refuse a factor above whole numbers."""
     notes = []
     understood = {statement.line for repeated in stated.values() for statement in repeated}
     measured = heights[np.isfinite(heights)]
