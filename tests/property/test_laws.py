@@ -157,7 +157,7 @@ STATED |= {
     "contact_stiffness": 1e-3,
     "conductance_per_conductivity": 1e-3,
 }
-STATED |= dict.fromkeys(("shear_flow_x", "shear_flow_y", "shear_flow_factor_x", "shear_flow_factor_y"), 3e-4)
+STATED |= dict.fromkeys(("shear_flow_x", "shear_flow_y", "shear_flow_factor_x", "shear_flow_factor_y"), 2e-4)
 STATED |= {"loading_stiffness": 1e-3, "thermal_conductance": 1e-3, "electrical_conductance": 1e-3}
 STATED |= {"thermal_resistance": 1e-3, "electrical_resistance": 1e-3}
 MODULUS = 1 / sum((1 - body["poissons_ratio"] ** 2) / body["youngs_modulus"] for body in BODIES)

@@ -83,3 +83,12 @@ def test_flash_temperatures_are_proportional_to_a_slow_speed():
 def test_stick_and_slip_of_bodies_that_flow_are_refused_before_the_solve():
     with pytest.raises(rc.SettingsError, match="stick and slip are of elastic bodies"):
         statistics_with({"coefficient": 0.2, "tangential_load": 0.5}, hardness="2 GPa")
+
+
+def test_stick_and_slip_of_coated_bodies_are_refused_before_the_solve():
+    film = {"thickness": 2e-6, "youngs_modulus": 3e9, "poissons_ratio": 0.3}
+    steel, coated = (
+        {"youngs_modulus": 1e9, "poissons_ratio": 0.3} | more for more in ({}, {"layers": [film]})
+    )
+    with pytest.raises(rc.SettingsError, match="those of half-spaces, without layers"):
+        statistics_with({"coefficient": 0.2, "tangential_load": 0.5}, bodies=[coated, steel])

@@ -130,6 +130,11 @@ def test_what_has_no_meaning_is_refused(rough):
     hard = rc.solve_contact(normal["height"], contact_modulus=1.0, mean_pressure=0.1, hardness=1.0)
     with pytest.raises(rc.SettingsError, match="the contact has a hardness"):
         rc.partial_slip(hard, friction_coefficient=0.3, tangential_load=0.5)
+    film = {"thickness": 0.02, "youngs_modulus": 3.0, "poissons_ratio": 0.3}
+    bodies = [{"youngs_modulus": 1.0, "poissons_ratio": 0.3, "layers": [film]}]
+    coated = rc.solve_contact(normal["height"], bodies=bodies, mean_pressure=0.1)
+    with pytest.raises(rc.SettingsError, match="the contact has layers"):
+        rc.partial_slip(coated, friction_coefficient=0.3, tangential_load=0.5)
 
 
 def test_the_rule_of_the_approach_makes_no_difference():

@@ -272,7 +272,7 @@ def test_a_dry_run_lists_the_jobs_with_their_files(folder, capfd):
     jobs = re.findall(r"^rule (\w+):\n    input: (.*)\n    output: (.*)$", listed, re.MULTILINE)
     files = {rule: (inputs.split(", "), outputs.split(", ")) for rule, inputs, outputs in jobs}
     prepared = [f"results/a/{name}.nc" for name in ("height", "levelled", "window")]
-    assert files["prepare"] == (["a.npy"], prepared)
+    assert files["prepare"] == (["a.npy", ".snakemake/roughcontact-records"], prepared)
     assert files["contact"][0] == prepared
     assert "results/report.html" in files["report"][1]
     assert main(["run", "-n", "--quiet", "rules"]) == 0

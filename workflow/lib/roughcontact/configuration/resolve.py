@@ -162,7 +162,9 @@ def _mistakes_in_statistics(settings: Mapping[str, Any]) -> Iterator[str]:
             yield f"statistics.{key}: {text}"
     if "seal" in stated and statistics["flow"] == "never":
         yield "statistics.seal: leaks by the flow, and statistics.flow = 'never'; leave one of them out"
-    if "friction.tangential_load" in stated and contact["hardness"] is not None:
+    if _SHEAR in stated and have_layers(contact["bodies"]):
+        yield f"statistics.{_SHEAR}: stick and slip are those of half-spaces, without layers; leave it out"
+    if _SHEAR in stated and contact["hardness"] is not None:
         yield (
             f"statistics.friction.tangential_load: stick and slip are of elastic bodies, and the hardness is "
             f"{contact['hardness']:g} Pa; leave tangential_load out, or give moduli without a hardness"

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -42,7 +41,7 @@ def partial_slip(
     Parameters
     ----------
     contact : Dataset
-        of `solve_contact` at one load, with its maps, without hardness.
+        of `solve_contact` at one load, with its maps, without hardness and layers.
     friction_coefficient : float
         mu, positive.
     tangential_load : float or sequence of float
@@ -93,15 +92,20 @@ def partial_slip(
         raise SettingsError(
             f"the contact has {property_}: give an elastic one at a single load, contact.isel(load=[0])"
         )
+    if layers_of(contact) is not None:
+        raise SettingsError(
+            "the contact has layers, whose tangential compliance is not in proportion to the normal one, as "
+            "the theorem needs it; give one of half-spaces"
+        )
     normal = contact.isel(load=0)
     load, height = float(normal["mean_pressure"]), contact["height"]
     pressure, modulus = normal["pressure"].values, float(contact["contact_modulus"])
     problem = problem_of(contact) | {"tolerance": contact.attrs["tolerance"], "threads": threads}
 
-    operator: dict[str, Any] = {"influence": influence_of(contact), "layers": layers_of(contact)}
+    influence = influence_of(contact)
 
     def energy(field: np.ndarray) -> float:
-        return elastic_energy(field, spacing(height), contact_modulus=modulus, **operator)
+        return elastic_energy(field, spacing(height), contact_modulus=modulus, influence=influence)
 
     rows = []
     total = energy(pressure)
@@ -131,7 +135,9 @@ def partial_slip(
             row["dissipated_energy"] = 4 * friction**2 * compliance * slipped
             row["tangential_stiffness"] = 0.0  # of full slip
             if stick.any():
-                response = linear_response(stick, spacing(height), modulus, threads=threads, **operator)
+                response = linear_response(
+                    stick, spacing(height), modulus, influence=influence, threads=threads
+                )
                 row["tangential_stiffness"] = 1 / (compliance * response) if response > 0 else math.inf
         rows.append(xr.Dataset(row, coords=height.coords))
     slip = xr.concat(rows, dim=xr.Variable("tangential_load", shares), coords="minimal", compat="override")
