@@ -207,7 +207,8 @@ def session(run):
     found = []
     for process in psutil.process_iter():
         try:
-            if os.getsid(process.pid) == run.pid:
+            # one that has ended, but is not reaped yet, has no command line
+            if os.getsid(process.pid) == run.pid and words(process):
                 found.append(process)
         except ProcessLookupError:
             continue
