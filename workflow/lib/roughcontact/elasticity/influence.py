@@ -1,8 +1,7 @@
 """Influence functions: how a pressure of wave vector q displaces the surface, u = S(q) p / E*.
 
-To add one, write (qy, qx, spacing, layers, like) -> S, positive, a length, in the library of the array
-`like`, and add its name to `INFLUENCE` and `roughcontact.choices`. Layers multiply 2/|q| by a factor of |q|
-alone (`roughcontact.elasticity.layers`).
+To add one, write (qy, qx, spacing, layers) -> S, positive, a length, and add its name to `INFLUENCE` and
+`roughcontact.choices`. Layers multiply 2/|q| by a factor of |q| alone (`roughcontact.elasticity.layers`).
 """
 
 import math
@@ -53,12 +52,8 @@ def sampled(
 
 
 def elements(
-    qy: np.ndarray,
-    qx: np.ndarray,
-    spacing: tuple[float, float],
-    layers: LayeredPair | None = None,
-    like: Array | None = None,
-) -> Array:
+    qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float], layers: LayeredPair | None = None
+) -> np.ndarray:
     """Return the symbol of pressures constant on every pixel, with displacements at their centres.
 
     It is the sum over the aliases Q = q + 2 pi (m/dy, n/dx) of S(Q) sinc(Q_y dy/2) sinc(Q_x dx/2), S that of
@@ -80,7 +75,7 @@ def elements(
     symbol *= element_transform.astype(symbol.dtype)
     for alias_term in alias_terms:
         symbol += (pixel * alias_term(row, column)[np.ix_(back_y, back_x)]).astype(symbol.dtype)
-    return symbol if like is None else like_array(symbol, like)
+    return symbol
 
 
 @lru_cache(maxsize=16)
@@ -137,7 +132,9 @@ def symbol(
 
     It is in the library and on the device of the array `like`, by default in NumPy.
     """
-    if callable(influence):
-        values = np.asarray(influence(qy, qx, spacing))
-        return values if like is None else like_array(values, like)
-    return INFLUENCE[influence](qy, qx, spacing, layers, like)
+    if influence == "sampled":  # made on the device; others are made by NumPy
+        return sampled(qy, qx, spacing, layers, like)
+    values = (
+        influence(qy, qx, spacing) if callable(influence) else INFLUENCE[influence](qy, qx, spacing, layers)
+    )
+    return np.asarray(values) if like is None else like_array(np.asarray(values), like)
