@@ -80,6 +80,21 @@ def test_flash_temperatures_are_proportional_to_a_slow_speed():
         assert (slow[name] > 0).all()
 
 
+@pytest.mark.parametrize("stated", [{}, {"coefficient": 0.2}])
+def test_sliding_of_a_shear_strength_heats_by_the_corrected_area(stated):
+    friction = {"shear_strength": "10 MPa", "speed": "1 m/s"} | stated
+    found = rc.evaluate(
+        rough_reference_surface(64),
+        contact={"bodies": [STEEL, COPPER], "relative_pressure": 0.1},
+        statistics={"friction": friction},
+        uncertainty={"sources": ["solver", "discretisation"]},  # which corrects the area
+    )
+    unit = statistics_with({"coefficient": 1.0, "speed": "1 m/s"}, relative_pressure=0.1)
+    coefficient = stated.get("coefficient", found["friction_coefficient"].values)
+    for name in ("mean_flash_temperature", "max_flash_temperature"):
+        np.testing.assert_allclose(found[name].values, coefficient * unit[name].values, rtol=1e-6)
+
+
 def test_stick_and_slip_of_bodies_that_flow_are_refused_before_the_solve():
     with pytest.raises(rc.SettingsError, match="stick and slip are of elastic bodies"):
         statistics_with({"coefficient": 0.2, "tangential_load": 0.5}, hardness="2 GPa")

@@ -86,6 +86,17 @@ def test_a_load_in_megapascal_is_asked_for(material, load):
     assert "write the unit" in question
 
 
+def test_a_force_over_an_area_is_judged_as_the_pressure_that_it_is():
+    steel = {"contact_modulus": "115 GPa"}
+    (question,) = lines(steel | {"force": "50 N", "area": 3})
+    assert question.startswith("contact.area = 3: force by area, 16.7 Pa is next to no load on")
+    assert "A bare number is in m2: write the unit" in question
+    (question,) = lines(steel | {"force": 30, "area": "3 m2"})
+    assert question.startswith("contact.force[0] = 30: force by area, 10.0 Pa is next to no load on")
+    assert "A bare number is in N: write the unit" in question
+    resolve({"contact": steel | {"force": "30 N", "area": "3 m2"}})
+
+
 def test_that_of_diamond_is_that_of_a_gel_with_the_wrong_poissons_ratio():
     stiffness, ratio, _ = REAL["diamond"]
     wrong = {"youngs_modulus": stiffness / 1e9, "poissons_ratio": ratio, "hardness": "100 GPa"}

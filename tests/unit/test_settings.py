@@ -414,6 +414,14 @@ def test_force_and_area_are_another_way_to_state_the_mean_pressure():
         {"contact": pressed, "cases": {"bolt": {"contact": {"force": "30 N", "area": "300 mm2"}}}}
     )
     assert cases["bolt"]["contact"]["mean_pressure"] == pytest.approx([1e5])
+    bolt = {"contact_modulus": "1 GPa", "force": "30 N", "area": "300 mm2"}
+    loads = [{"mean_pressure": "1 MPa"}, {"relative_pressure": 0.1}, {"force": "60 N"}]
+    cases = resolve(
+        {"contact": bolt, "cases": {f"case-{i}": {"contact": load} for i, load in enumerate(loads)}}
+    )
+    stated = [case["contact"] for case in cases.values()]
+    assert [case["mean_pressure"] for case in stated] == [[1e6], None, pytest.approx([2e5])]
+    assert [case["area"] for case in stated] == [None, None, pytest.approx(3e-4)]
 
 
 @pytest.mark.parametrize(

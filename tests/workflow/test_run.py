@@ -20,7 +20,7 @@ from small_project import ROOT, SETTINGS, TABLE, Project, counted, write_maps
 
 from roughcontact import evaluate, read_height_map
 from roughcontact.configuration.resolve import resolve
-from roughcontact.results.storage import read_dataset
+from roughcontact.results.storage import read_dataset, write_dataset
 
 EPSILON = np.finfo(float).eps
 EACH = ["height.nc", "levelled.nc", "window.nc", "contact.nc", "uncertainty.nc", "statistics.nc"]
@@ -150,6 +150,12 @@ def test_results_without_the_records_of_snakemake_are_made_again(finished, tmp_p
     assert copy.jobs() == FROM_PREPARE
     complete = shutil.copytree(finished.folder, tmp_path / "complete")
     assert Project(complete, checkout).jobs().keys() <= {"report"}  # whose panels are too large to compare
+    # those of another folder, copied over results that Snakemake has records of
+    statistics = complete / "results/ground/statistics.nc"
+    write_dataset(read_dataset(statistics).assign_attrs(settings="{}"), statistics)
+    run = Project(complete, checkout).run("--dry-run")
+    assert counted(run) == FROM_PREPARE
+    assert "the last run here has left (results/ground/statistics.nc differs): all results are" in run.stderr
 
 
 def test_a_run_that_ended_after_the_window_goes_on_whatever_the_dates(finished, tmp_path, checkout):

@@ -7,7 +7,13 @@ from snakemake.logging import logger
 
 from roughcontact.command_line.rule_arguments import RuleArguments
 from roughcontact.command_line.unfinished import start_partial_report
-from roughcontact.configuration.places import check_places, lost_records, stale_results
+from roughcontact.configuration.places import (
+    LEFT,
+    check_places,
+    lost_records,
+    note_results,
+    stale_results,
+)
 from roughcontact.configuration.plan import Plan
 from roughcontact.configuration.study import read_study
 from roughcontact.configuration.surfaces import find
@@ -71,10 +77,8 @@ if DEFAULTS and not os.path.isfile("config/config.yaml"):
         f"There is no config/config.yaml here: settings of {DEFAULT}, surfaces of {table} "
         f"({len(PLAN.measured)} maps)."
     )
-if lost_records():
-    logger.info(
-        "results/ came without .snakemake, which records the settings behind it: all results are made again."
-    )
+if reason := lost_records():
+    logger.info(f"results/ {reason}: all results are made again.")
 if stale := stale_results(PLAN.results):
     logger.info(
         f"Not in the table: {', '.join(stale[:5])}{' ...' if len(stale) > 5 else ''}. They stay as an earlier run left "

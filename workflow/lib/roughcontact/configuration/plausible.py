@@ -14,6 +14,7 @@ from roughcontact.quantities import quantity
 from roughcontact.units import carries_unit, in_base_unit
 
 Location = tuple[str | int, ...]
+_OF_FORCES: dict[str | int, str] = {"force": "N", "area": "m2"}
 _BARE_NUMBER_RULE = "A bare number is in {unit}: write the unit behind it, even if the number is correct"
 
 
@@ -79,7 +80,9 @@ def implausible_together(
 
     A number is not judged beside a modulus that is in doubt itself.
     """
-    loads, hardness = contact["mean_pressure"] or (), contact["hardness"]
+    loads, hardness, area = contact["mean_pressure"] or (), contact["hardness"], contact["area"]
+    if contact["force"] and area:
+        loads = [force / area for force in contact["force"]]
     doubts: list[tuple[Location, Doubt | None]] = []
     for index, body in enumerate(contact["bodies"] or ()):
         key: Location = ("bodies", index)
@@ -99,11 +102,16 @@ def implausible_together(
         if hardness is not None:
             doubts.append((("hardness",), materials.doubt_of_hardness(hardness, modulus)))
         for index, load in enumerate(loads):
-            doubts.append((("mean_pressure", index), materials.doubt_of_load(load, modulus)))
+            where = ("force", index) if area else ("mean_pressure", index)
+            if area and carries_unit(_value_at(stated, ("contact", *where))):
+                where = ("area",)
+            doubts.append((where, materials.doubt_of_load(load, modulus)))
     for where, doubt in doubts:
         location: Location = ("contact", *where)
         if doubt and not carries_unit(written := _value_at(stated, location)):
-            yield location, f" = {written!r}: {doubt.question()} {_BARE_NUMBER_RULE.format(unit='Pa')}"
+            unit = _OF_FORCES.get(where[0], "Pa")
+            question = doubt.question() if unit == "Pa" else f"force by area, {doubt.question()}"
+            yield location, f" = {written!r}: {question} {_BARE_NUMBER_RULE.format(unit=unit)}"
 
 
 def _value_at(section: Any, location: Location) -> Any:

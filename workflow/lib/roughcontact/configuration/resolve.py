@@ -325,6 +325,8 @@ def _merge(base: Any, overrides: Any) -> Any:
         if any(overrides.get(key) is not None for key in keys):
             for key in keys:
                 merged.pop(key, None)
+    if "force" in base and "force" not in merged and "force" not in overrides:
+        merged.pop("area", None)  # which carried the force
     for key, value in overrides.items():
         merged[key] = _merge(merged.get(key), value)
     return merged

@@ -37,20 +37,25 @@ def check_seal(path: str | Path) -> int:
     (0, None, 62, b'a6669d7d\n')
     """
     path = Path(path)
+    if not (stated := stated_seal(path)):
+        return 0
+    if (checksum := f"{_crc(path, path.stat().st_size - _LENGTH):08x}") != stated:
+        raise InputFileError(
+            f"{path}: damaged, or changed by another program, since it was written (its CRC-32 is "
+            f"{checksum}, it was {stated}); {WAY_OUT}"
+        )
+    return _LENGTH
+
+
+def stated_seal(path: Path) -> str:
+    """Return the checksum in the last line of a file, empty without one."""
     content = path.stat().st_size - _LENGTH
     if content < 0:
-        return 0
+        return ""
     with path.open("rb") as file:
         file.seek(content)
         stated = _PATTERN.fullmatch(file.read())
-    if stated is None:
-        return 0
-    if (checksum := _crc(path, content)) != int(stated[1], 16):
-        raise InputFileError(
-            f"{path}: damaged, or changed by another program, since it was written (its CRC-32 is "
-            f"{checksum:08x}, it was {stated[1].decode()}); {WAY_OUT}"
-        )
-    return _LENGTH
+    return stated[1].decode() if stated else ""
 
 
 def _crc(path: Path, size: int) -> int:

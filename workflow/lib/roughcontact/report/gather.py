@@ -56,6 +56,9 @@ def write_results(
     """
     folder = Path(folder)
     remove_earlier(folder)
+    for entry in finished:
+        if not entry.get("residual"):  # of an earlier run, with contact.unload
+            Path(entry["statistics"]).with_name("residual.nc").unlink(missing_ok=True)
     statistics = collect_statistics(finished)
     checksums = statistics.attrs["source_sha256"]
     attrs = provenance(settings_of_statistics, source_sha256=checksums, stage="statistics")

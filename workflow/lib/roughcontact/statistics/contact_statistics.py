@@ -330,6 +330,9 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
         by_area = complete["friction_coefficient"] * correction / complete[area]
         for end in ("", "_lower", "_upper"):
             ends[f"friction_coefficient{end}"] = by_area * complete[f"relative_contact_area{end}"]
+    if "flash_temperature_by" in complete.attrs:  # by that coefficient of friction
+        for name in ("mean_flash_temperature", "max_flash_temperature"):
+            ends[name] = complete[name] * correction
     if "joint_conductance" in complete:  # its film has the resistance of the contact area
         spots, gas = complete["thermal_resistance"], complete["gas_conductance"]
         with np.errstate(divide="ignore"):  # full contact without a film

@@ -63,6 +63,8 @@ def friction_statistics(
             thermal_diffusivity=thermal_diffusivity,
         )
         columns = columns.merge(_without_maps(warm))
+        if coefficient is None:
+            columns.attrs["flash_temperature_by"] = "shear_strength"
     return columns
 
 
