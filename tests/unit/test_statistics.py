@@ -19,7 +19,6 @@ from roughcontact.statistics.contact_statistics import (
     statistics_function,
     with_uncertainty,
 )
-from roughcontact.variables import describe
 from validation import closed_forms
 
 C = (np.pi - 1 + np.log(2)) / 24
@@ -362,7 +361,7 @@ def test_relative_numbers_do_not_depend_on_the_units():
     first, second = contact_statistics(contact), contact_statistics(other)
     powers = {"m": metre, "Pa": pascal, "m-1": 1 / metre, "Pa-1": 1 / pascal, "1": 1.0, "degree": 1.0}
     powers |= {"m2": metre**2, "m-2": metre**-2, "Pa m-1": pascal / metre, "J m-2": pascal * metre}
-    for name, variable in describe(first).data_vars.items():
+    for name, variable in first.data_vars.items():
         np.testing.assert_allclose(
             second[name], variable * powers[variable.attrs["units"]], rtol=1e-9, err_msg=name
         )
@@ -373,10 +372,14 @@ def test_solver_columns_are_handed_on_and_everything_is_described():
     contact["iterations"] = ("load", [4, 7])
     contact["error_bound"] = ("load", [1e-5, 2e-6])
     contact["converged"] = ("load", np.array([1, 0], np.int8))
-    stats = describe(contact_statistics(contact))
+    stats = contact_statistics(contact)
     for name in ("iterations", "error_bound", "converged"):
         np.testing.assert_array_equal(stats[name], contact[name])
     assert stats.attrs == contact.attrs
+    bounds = {f"{kind}_bin_bounds" for kind in ("pressure", "gap", "patch")}
+    assert {"units", "long_name"} <= set.intersection(
+        *(set(stats[name].attrs) for name in stats.variables if name not in bounds)
+    )
     assert not {"y", "x"} & set(stats.dims)
     assert stats["pressure_bin_centre"].attrs["bounds"] == "pressure_bin_bounds"
 

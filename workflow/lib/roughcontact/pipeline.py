@@ -32,7 +32,6 @@ from roughcontact.uncertainty.elastic_loads import elastic_loads
 from roughcontact.uncertainty.finite_body import finite_body_budget
 from roughcontact.uncertainty.improvement import with_halving
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
-from roughcontact.variables import describe
 from roughcontact.window.band import lateral_period_limit
 from roughcontact.window.instrument import stated_instrument, window_arguments
 
@@ -208,7 +207,7 @@ def solve_and_evaluate(
     loads = list(map(float, solution["mean_pressure"]))
     return Solved(
         solution[[*SOLUTION_COLUMNS, *({"hardness"} & {*solution})]],
-        describe(joined([statistics[load] for load in loads])),
+        joined([statistics[load] for load in loads]),
         joined([inputs[load] for load in loads]) if bounded else None,
     )
 

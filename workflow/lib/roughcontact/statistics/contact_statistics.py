@@ -55,6 +55,7 @@ from roughcontact.statistics.subsurface import (
     stress_columns,
     yield_stresses,
 )
+from roughcontact.variables import describe
 
 # variables of the solver, copied for each load
 SOLVER_COLUMNS = (
@@ -260,7 +261,7 @@ def contact_statistics(
         coords=coordinates,
         attrs=contact.attrs | ({} if body is None else {"stresses_of": strained_body_in_words(bodies or ())}),
     )
-    return _with_friction(statistics, contact, friction, bodies)
+    return describe(_with_friction(statistics, contact, friction, bodies))
 
 
 def _leaks(
