@@ -12,7 +12,7 @@ import pytest
 import sdfio
 import x3pio
 import xarray as xr
-from measured_files import GIVEN, gsf, refuses, repacked, saved, x3p
+from measured_files import GIVEN, gsf, refuses, repacked, saved, steps, x3p
 
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.inspection import inspect_file
@@ -118,6 +118,36 @@ def test_x3p_layers_profile_and_points(tmp_path):
     np.testing.assert_allclose(profile.values[0], HEIGHTS[0], rtol=1e-12)
     x3pio.write_points(tmp_path / "points.x3p", np.random.default_rng(0).random((10, 3)))
     refuses(r"point cloud.*resample = linear", tmp_path / "points.x3p")
+
+
+def stored_positions(x, y, heights):
+    """X3P whose main.xml has positions (ny, nx; m) beside the heights."""
+    data = iter(zip(x.ravel(), y.ravel(), heights.ravel(), strict=True))
+
+    def absolute(main):
+        axes, opening, numbers = main.partition(b"<MatrixDimension>")
+        axes = re.sub(rb"<AxisType>I(.*?<Increment>)[^<]*", rb"<AxisType>A\g<1>1.0", axes, flags=re.DOTALL)
+        points = (b";".join(str(float(value)).encode() for value in point) for point in data)
+        return axes + opening + re.sub(rb"(?<=<Datum>)[^<]*", lambda _: next(points), numbers)
+
+    return x3p(heights, storage=x3pio.DataStorage.XML, edit=absolute)
+
+
+def test_x3p_with_stored_positions(tmp_path):
+    heights = np.nan_to_num(HEIGHTS)
+    x, y = np.meshgrid(1e-5 + DX * np.arange(4), DY * np.arange(3))
+    for turned in (1, -1):  # rising and falling along both axes
+        positions = (axis[::turned, ::turned] for axis in (x, y))
+        height = read_height_map(saved(tmp_path, stored_positions(*positions, heights[::turned, ::turned])))
+        np.testing.assert_allclose(height.values, heights, rtol=1e-12)
+        assert steps(height) == pytest.approx([DX, DY], rel=1e-9)
+    uneven = {"not evenly spaced": 1e5 * x**2, "not lie on a rectangular grid": x + 0.2 * y}
+    for words, along in uneven.items():
+        path = saved(tmp_path, stored_positions(along, y, 0.1 * along))
+        refuses(f"{words}.*resample = linear", path)
+        plane = read_height_map(path, resample="linear")
+        assert np.isfinite(plane).any()
+        np.testing.assert_allclose((plane - 0.1 * plane.x).fillna(0), 0, atol=1e-15)
 
 
 @pytest.mark.parametrize("file_format", list(sdfio.FileFormat))

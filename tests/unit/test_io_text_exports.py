@@ -1,10 +1,11 @@
 """Text as programs and spreadsheets export it: headings, units, counts, empty cells, lines cut off."""
 
 import json
+import re
 
 import numpy as np
 import pytest
-from measured_files import GIVEN, refuses, saved, steps
+from measured_files import GIVEN, refuses, saved, steps, warnings_of
 from shared_data import DATA
 
 from roughcontact.io.inspection import inspect_file
@@ -264,6 +265,29 @@ def test_text_without_an_end_of_its_header(tmp_path):
         "without a table of numbers in its first 100000 lines",
         saved(tmp_path, "so it goes\n" * 100_002 + "1 2 3\n"),
     )
+
+
+@pytest.mark.parametrize("form", ["{:.2f}", "{:.5e}", "{:.4f}"])
+@pytest.mark.parametrize("columns", [5, 1])
+def test_a_file_that_ends_within_a_number_is_refused(tmp_path, form, columns):
+    heights = np.random.default_rng(2).normal(size=(6, columns)) + 5
+    if columns == 1:
+        heights = np.column_stack([np.arange(6), heights])
+    text = "".join(" ".join(map(form.format, row)) + "\n" for row in heights)
+    given = GIVEN if columns > 1 else {"unit": "um"}
+    for whole in (text, text[:-1], text[: text.rindex(" ")] + " NaN"):
+        assert read_height_map(saved(tmp_path, whole), **given).size == 6 * columns
+    for end in range(text.rindex(" ") + 2, len(text) - 1):
+        words = rf"line 6 ends the file in '{re.escape(text[text.rindex(' ') + 1 : end])}'.*it was cut off"
+        refuses(words, saved(tmp_path, text[:end]), **given)
+
+
+def test_a_last_number_shorter_than_all_others_is_doubted(tmp_path):
+    text = "1.5 2.25 3 4.25\n0.25 3.125 1 4.75\n2 5.5 0 60.5\n3 7.5 1 8.25\n4 9 1 1.25"
+    assert "ends the file" not in warnings_of(read_height_map(saved(tmp_path, text), **GIVEN))
+    cut = warnings_of(read_height_map(saved(tmp_path, text[:-2]), **GIVEN))
+    assert "line 5 ends the file in '1.', without the end of a line: if the file was cut off" in cut
+    assert "ends the file" not in warnings_of(read_height_map(saved(tmp_path, text[:-2] + "\n"), **GIVEN))
 
 
 @pytest.mark.shared_data

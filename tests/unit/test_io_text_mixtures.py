@@ -155,6 +155,24 @@ def test_unknown_names_are_no_map(read):
     read(worn, refused="which of the 3 columns 'unworn', 'worn'", resample="linear", height_unit="nm")
 
 
+@pytest.mark.parametrize(
+    ("heading", "columns"),
+    [
+        ("x (µm);z (nm)", (X, ONE[0], TWO[0])),
+        ("Index;x (µm);y (µm);z (nm)", (X, ONE[0], TWO[0])),
+        ("x y z i", (X, ONE[0], TWO[0])),
+        ("x (µm);y (µm);z (nm)", (X, ONE[0])),
+        ("x;y;z", (X, *ONE[:3])),
+        ("Profil 1;Profil 2", (X, *ONE[:2])),
+    ],
+)
+def test_a_heading_of_fewer_or_more_names_than_columns_is_refused(read, heading, columns):
+    text = heading + "\n" + table(*columns, separator=";" if ";" in heading else " ")
+    named = len(heading.replace(";", "\n").replace(" ", "" if ";" in heading else "\n").split())
+    read(text, refused=f"'{re.escape(heading)}' names {named} columns, .* line 2 on, has", **GIVEN)
+    assert read("Height profile\n" + table(ONE), **GIVEN).shape == ONE.shape
+
+
 def test_columns_of_points_in_several_units(read):
     text = "x [mm]\ty [um]\tz [nm]\tI\n" + table(
         X.repeat(8) / 1e3, np.tile(Y, 10), ONE.T.ravel(), ONE.T.ravel()
@@ -277,6 +295,9 @@ def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, line)
         ("Z inverted: yes", "'Z inverted: yes', which is not followed: check first_row, the sign"),
         ("Origin: bottom left", "which is not followed"),
         ("Data: Deflection", "which is not followed"),
+        ("Binning: 2x2", "'Binning: 2x2', which is not followed: check the steps dx and dy"),
+        ("Pixel size: 0.5 µm\nAspect ratio: 2", "line 2 .* which is not followed: check the steps"),
+        ("Spacing: 0.5 µm", "line 1 says 'Spacing: 0.5 µm': taken as the step along x and along y"),
         ("Channel: Phase", "channel 'Phase' is read as heights, which by its name it does not hold"),
     ],
 )
@@ -286,8 +307,8 @@ def test_statements_that_are_not_understood_are_said(read, line, words):
     assert re.search(words, notes(height))
     assert_heights(height, heights[::-1])
     assert not re.search(
-        "not followed|that height",
-        notes(read("Bad pixels: 3\nInverted: no\nmeasured on: 1\n" + table(ONE), **GIVEN)),
+        "not followed|that height|taken as",
+        notes(read("Bad pixels: 3\nInverted: no\nBinning: 1\nPixel size: 0.5 µm\n" + table(ONE), **GIVEN)),
     )
 
 

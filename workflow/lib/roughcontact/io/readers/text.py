@@ -29,8 +29,8 @@ from roughcontact.io.guards import check_memory
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.axes import are_points, axes_of, begins_anew, form_a_grid, uneven
-from roughcontact.io.text.columns import Column, headed, layout, of_a_map, unit_of_heights
-from roughcontact.io.text.doubts import not_understood, refuse_lost_row, thousands
+from roughcontact.io.text.columns import Column, headed, layout, miscounted, of_a_map, unit_of_heights
+from roughcontact.io.text.doubts import cut_number, not_understood, refuse_lost_row, thousands
 from roughcontact.io.text.header import Stated, Statement, contradiction, disagreeing, first_of, statements
 from roughcontact.io.text.lines import lines_of, looks_like_text
 from roughcontact.io.text.point_grid import points_on_grid
@@ -48,6 +48,7 @@ from roughcontact.io.text.table import (
 )
 from roughcontact.io.text.traces import are_traces, question, runs, turn
 from roughcontact.io.units import is_length, metres, same_length
+from roughcontact.io.vocabulary import words
 from roughcontact.quantities import counted_noun
 
 _MEMORY_PER_BYTE = 12  # bytes of memory per byte of text: lines, their cells, numbers
@@ -59,6 +60,7 @@ _DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that 
 _COMPUTED = re.compile(  # headings of heights that were multiplied, turned, or are others than heights
     rf"[*×·/^]|\bx\s?\d|^[-−]|\blog\b|invert|{NO_TOPOGRAPHY.pattern}", re.IGNORECASE
 )
+_SQUARE = re.compile("|".join(words("aside")["square"]), re.IGNORECASE)  # names of the step of both axes
 # key of `roughcontact.io.metadata` -> key of the header
 _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}
 _SCALE_ADVICE = "correct the file, or give dx, dy and unit"
@@ -92,6 +94,7 @@ def read(path: Path) -> MeasuredFile:
     check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text", path)
     header, body = unquoted(*split_header(lines_of(path), path))
     delimiter, decimal_comma = separators(body, path)
+    cut = cut_number(body, delimiter, path, len(header) + len(body))
     counts, rows = counted(body, delimiter)
     empty = sum(len([*takewhile(is_empty_row, reversed(lines))]) for lines in (header, body))
     first = len(header) + 1 + len(body) - len(rows)
@@ -103,6 +106,7 @@ def read(path: Path) -> MeasuredFile:
         files.append(_file(text))
         files[-1].warnings += doubts
     file = files[0] if len(files) == 1 else _together(texts, files, path)
+    file.warnings += cut
     if empty:
         file.warnings.append(_left_out(empty, "line"))
     first_values = texts[0].first_values
@@ -155,6 +159,12 @@ def _parsed(
         table = table._replace(values=values[:, filled_columns])
         columns = (
             columns[filled_columns] if columns else headed(rows.heading, table.values.shape[1], delimiter)
+        )
+    above = next((line for line in reversed(rows.heading) if line.strip()), "")
+    if not columns and (named := miscounted(above, values.shape[1], delimiter)):
+        raise InputFileError(
+            f"{path}: {above.strip()[:60]!r} names {named} columns, the table below it, from line "
+            f"{rows.lines[0]} on, has {values.shape[1]}: correct that line"
         )
     return _Text(path, rows, table, counts, delimiter, stated, first_values, columns), doubts
 
@@ -445,6 +455,8 @@ def _matrix(table: np.ndarray, text: _Text, positions: dict[str, float] | None =
         lengths = [first_values[f"length_{axis}"] or np.inf for axis in "xy"]
         roundings = [first_values[f"length_{axis}_rounding"] for axis in "xy"]
         channel.size_rounding = tuple(np.divide(roundings, lengths))
+    elif ny > 1 and _SIZES & {*first_values} == {"step"} and not _SQUARE.search(text.stated["step"][0].text):
+        channel.notes.append(f"{text.stated['step'][0]}: taken as the step along x and along y")
     assumed = not _SIZES & set(first_values)  # programs that write sizes begin at the top
     return MeasuredFile("text matrix", [channel], first_row="top", first_row_assumed=assumed)
 

@@ -77,6 +77,19 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
     return nearest
 
 
+def miscounted(line: str, count: int, delimiter: str | None) -> int:
+    """Return how many columns a line names, where the table below it has another `count`; or 0."""
+    delimited = delimiter is not None and delimiter in line
+    most = len(line.strip(" \r\n").split(delimiter if delimited else None))
+    for width in range(2, 1 if _ENTRY.search(line) or statements([line]) else most + 1):
+        columns = [_column(cell) for cell in _cells(line, width, delimiter) or ()]
+        known = [column for column in columns if column.role or column.unit]
+        positions = any(column.role in ("x", "y") for column in known)
+        if 2 * len(known) > width and len(known) > 1 and (positions or delimited):
+            return width if width != count else 0
+    return 0
+
+
 def layout(columns: Sequence[Column]) -> Layout | None:
     """Return which columns hold positions and heights; None where the headings do not say it.
 

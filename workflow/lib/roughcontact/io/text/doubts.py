@@ -19,14 +19,17 @@ _MAX_LINES = 1000  # lines above a table that are searched for other statements
 _LONGEST_LINE = 200  # characters of such a line
 _MIN_CELLS = 10  # cells with three digits behind the mark, of which fewer say nothing
 # statements of a header that may change the heights, beyond those that are understood
-_FACTOR, _MARKER, _TURNED = (
-    re.compile("|".join(words("aside")[matter]), re.IGNORECASE) for matter in ("factor", "marker", "turned")
+_FACTOR, _MARKER, _TURNED, _PIXELS = (
+    re.compile("|".join(words("aside")[matter]), re.IGNORECASE)
+    for matter in ("factor", "marker", "turned", "pixels")
 )
 _NO_HEIGHTS = re.compile(
     rf"(?:data|signal|type|image|quantity)\W*[:=]\W*(?:{NO_TOPOGRAPHY.pattern})", re.IGNORECASE
 )
 _NEGATIVE = re.compile(r"\b(?:no|none|false|off|nein|non|0)\W*$", re.IGNORECASE)
 _LAST_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?=\D*$)")
+_LAST_LINES = 50  # lines whose last numbers are compared with that at the end of a file
+_LEAST_OTHERS = 3
 _MAX_CELLS = 200_000  # cells that are compared column by column
 
 
@@ -48,6 +51,27 @@ def refuse_lost_row(
         f"{stray_word[:40]!r} in place of a number: correct it, write NaN for a missing point, or delete the "
         "line if it is no row of the map"
     )
+
+
+def cut_number(body: list[str], delimiter: str | None, path: Path, last_line: int) -> list[str]:
+    """Return a note where a file ends in a number shorter than all others, without the end of a line.
+
+    It is refused where all others have as many decimals and digits of the exponent.
+    """
+    with path.open("rb") as stream:
+        stream.seek(max(0, path.stat().st_size - 2))
+        if set(stream.read()) & set(b"\n\r"):
+            return []
+    *cells, last = (line.strip().split(delimiter)[-1].strip() for line in body[-_LAST_LINES:])
+    others = [cell for cell in cells if cell and not is_missing(cell)]
+    if len(others) < _LEAST_OTHERS or (is_missing(last) and last != "-"):
+        return []
+    forms = [tuple(map(len, re.split("[.,]|[eEdD][-+]?", cell)[1:])) for cell in (*others, last)]
+    wrong = f"line {last_line} ends the file in {last!r}, without the end of a line"
+    if len({*forms[:-1]}) == 1 and forms[0] and forms[-1] != forms[0]:
+        raise InputFileError(f"{path}: {wrong} and all digits of the others: it was cut off; complete it")
+    *digits, last_digits = (len(re.sub(r"\D", "", cell)) for cell in (*others, last))
+    return [f"{wrong}: if the file was cut off, complete that number"] if last_digits < min(digits) else []
 
 
 def not_understood(rows: Rows, stated: Stated, heights: np.ndarray, path: Path) -> list[str]:
@@ -75,6 +99,8 @@ def not_understood(rows: Rows, stated: Stated, heights: np.ndarray, path: Path) 
             notes.append(
                 f"{where}, which is not followed: check first_row, the sign, and whether these are heights"
             )
+        elif _PIXELS.search(line) and any(float(n) != 1 for n in re.findall(r"\d+\.?\d*", line)):
+            notes.append(f"{where}, which is not followed: check the steps dx and dy")
     return notes
 
 
