@@ -156,7 +156,7 @@ PAIR = {"face_pitches": [1e-6, 2e-6], "covered_share_of_larger": 0.25}
     ],
 )
 def test_faces_of_unlike_pixels_or_sizes_are_named(levelled, shortest, outcome, said):
-    (check,) = map_checks.faces(levelled, {"band_shortest": shortest})
+    check = map_checks.faces(levelled, {"band_shortest": shortest})
     assert check.outcome == outcome
     assert said in check.sentence
     assert ("window.shortest_wavelength: " in check.sentence) == ("coarser" in check.sentence)

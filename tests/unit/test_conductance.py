@@ -143,16 +143,16 @@ def test_small_spots_add_sharvins_resistance_to_holms(ratio, wexler):
 def test_the_mean_free_path_counts_for_spots_of_its_size():
     copper = 1.7e-8
     path = 7e-16 / copper  # 41 nm; measured and computed ones of copper: 39 nm
-    large, small = (mean_free_path(one_spot(radius, copper))[0] for radius in (100 * path, path))
+    large, small = (mean_free_path(one_spot(radius, copper)) for radius in (100 * path, path))
     assert (large.outcome, small.outcome) == ("passed", "review")
     assert "a radius of 41 nm at the least" in small.sentence
     assert "go 41 nm without a collision (Knudsen number 1.0), which adds up to 63.4 % to" in small.sentence
     # Sharvin: 4ρλ/(3πa²) over ρ/(2a)
     sharvin = 4 * copper * path / (3 * np.pi * path**2) / (copper / (2 * path))
     assert over_holms_resistance(1.0) - 1.83 / 2.33 == pytest.approx(sharvin)
-    assert mean_free_path(one_spot(path, copper).drop_vars("electrical_conductance")) == []
+    assert mean_free_path(one_spot(path, copper).drop_vars("electrical_conductance")) is None
     through_layers = one_spot(path, copper).assign(conductance_per_conductivity=("load", [np.nan]))
-    assert mean_free_path(through_layers) == []
+    assert mean_free_path(through_layers) is None
 
 
 def test_resistances_are_those_of_the_conductances_with_their_ends():

@@ -373,8 +373,8 @@ def test_a_lay_is_of_profiles():
 
 
 def test_the_check_names_what_is_wrong_with_the_profiles():
-    check = map_checks.lay(xr.Dataset(), {"lay": "none", "profile_warnings": '["Too short."]'})[0]
+    check = map_checks.lay(xr.Dataset(), {"lay": "none", "profile_warnings": '["Too short."]'})
     assert (check.outcome, check.sentence) == ("review", "Too short.")
     ridge = xr.Dataset({"window_length_x": 1.0, "window_length_y": np.nan})
-    assert map_checks.lay(ridge, {"lay": "across"})[0].outcome == "passed"
-    assert map_checks.lay(ridge.assign(window_length_y=1.0), {}) == []
+    assert map_checks.lay(ridge, {"lay": "across"}).outcome == "passed"
+    assert map_checks.lay(ridge.assign(window_length_y=1.0), {}) is None

@@ -82,42 +82,42 @@ def surface_checks(
         key: value for key, value in statistics.attrs.items() if str(key).startswith("instrument_")
     }
     window = {**stated_instrument, **window}  # the table of surfaces prevails over the settings
-    checks = [
-        contact_checks.units(statistics),
-        contact_checks.convergence(statistics),
-        contact_checks.contact_points(statistics, points),
-        contact_checks.resolution(statistics),
-        *contact_checks.layers(statistics, points),
-        *contact_checks.mean_free_path(statistics),
-        *contact_checks.local_scale(statistics),
-        instrument_checks.smoothed(window),
-        instrument_checks.noise(statistics, window),
-        instrument_checks.quantisation(window),
-        instrument_checks.isolated_peak(statistics, window),
-        map_checks.missing_points(statistics, height, levelled),
-        map_checks.outliers(statistics, levelled),
-        map_checks.scan_lines(levelled, statistics),
-        map_checks.form(levelled, window),
-        map_checks.periodicity(window),
-        map_checks.window_share(window),
-        *map_checks.faces(levelled, window),
-        map_checks.longest_wave(statistics),
-        map_checks.sample(statistics),
-        *map_checks.lay(statistics, window),
-        map_checks.band(window),
-        contact_checks.plasticity(statistics),
-        contact_checks.load_range(statistics),
-        map_checks.slope(statistics),
-        map_checks.steep_places(window),
-        instrument_checks.height_unit(height, window),
-        instrument_checks.pixel_size(height, window),
-        map_checks.reading(height, levelled),
-    ]
-    if statistics.attrs.get("boundary") == "free":
-        checks = [check for check in checks if check.name not in _OF_PERIODIC_MAPS]
+    checks: dict[str, Check | None] = {
+        CheckName.UNITS: contact_checks.units(statistics),
+        CheckName.SOLVER: contact_checks.convergence(statistics),
+        CheckName.POINTS_IN_CONTACT: contact_checks.contact_points(statistics, points),
+        CheckName.RESOLUTION: contact_checks.resolution(statistics),
+        CheckName.LAYERS: contact_checks.layers(statistics, points),
+        CheckName.MEAN_FREE_PATH: contact_checks.mean_free_path(statistics),
+        CheckName.LOCAL_SCALE: contact_checks.local_scale(statistics),
+        CheckName.SMOOTHED: instrument_checks.smoothed(window),
+        CheckName.NOISE: instrument_checks.noise(statistics, window),
+        CheckName.QUANTISATION: instrument_checks.quantisation(window),
+        CheckName.ISOLATED_PEAK: instrument_checks.isolated_peak(statistics, window),
+        CheckName.MISSING_POINTS: map_checks.missing_points(statistics, height, levelled),
+        CheckName.OUTLIERS: map_checks.outliers(statistics, levelled),
+        CheckName.SCAN_LINES: map_checks.scan_lines(levelled, statistics),
+        CheckName.FORM: map_checks.form(levelled, window),
+        CheckName.PERIODIC_WINDOW: map_checks.periodicity(window),
+        CheckName.WINDOW: map_checks.window_share(window),
+        CheckName.FACES: map_checks.faces(levelled, window),
+        CheckName.LONGEST_WAVE: map_checks.longest_wave(statistics),
+        CheckName.SAMPLE: map_checks.sample(statistics),
+        CheckName.LAY: map_checks.lay(statistics, window),
+        CheckName.BAND: map_checks.band(window),
+        CheckName.PLASTICITY: contact_checks.plasticity(statistics),
+        CheckName.LOAD_RANGE: contact_checks.load_range(statistics),
+        CheckName.SLOPES: map_checks.slope(statistics),
+        CheckName.STEEP_PLACES: map_checks.steep_places(window),
+        CheckName.HEIGHT_UNIT: instrument_checks.height_unit(height, window),
+        CheckName.PIXEL_SIZE: instrument_checks.pixel_size(height, window),
+        CheckName.READING: map_checks.reading(height, levelled),
+    }
+    left_out = _OF_PERIODIC_MAPS if statistics.attrs.get("boundary") == "free" else ()
     return [
-        _noted(check._replace(answers=_CONCERNS.get(check.name, check.answers)), statistics, window)
-        for check in checks
+        _noted(check._replace(name=name, answers=_CONCERNS.get(name, check.answers)), statistics, window)
+        for name, check in checks.items()
+        if check is not None and name not in left_out
     ]
 
 
@@ -156,21 +156,16 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
     for index in range(statistics.sizes["load"]):
         load = values_at_load(statistics, index)
         share = float(load["relative_contact_area_pixels"])
-        warnings = []
-        if not load["converged"]:
-            warnings.append("not converged")
-        if share * points < CONTACT_POINTS:
-            warnings.append("few contact points")
-        if share == 1:
-            warnings.append("full contact")
-        if overcount(load) > OVERCOUNT:
-            warnings.append("coarse patches")
-        if load["contact_on_filled_points"] > FILLED_IN_CONTACT[0]:
-            warnings.append("contact on filled points")
-        if load.get("rejected_load_share", 0.0) > REJECTED_LOAD:
-            warnings.append("rejected points carry load")
-        warnings += contact_checks.yield_flags(load)
-        flags.append(warnings)
+        words = {
+            "not converged": not load["converged"],
+            "few contact points": share * points < CONTACT_POINTS,
+            "full contact": share == 1,
+            "coarse patches": overcount(load) > OVERCOUNT,
+            "contact on filled points": load["contact_on_filled_points"] > FILLED_IN_CONTACT[0],
+            "rejected points carry load": load.get("rejected_load_share", 0.0) > REJECTED_LOAD,
+        }
+        stated = [word for word, applies in words.items() if applies]
+        flags.append(stated + contact_checks.yield_flags(load))
     return flags
 
 
@@ -238,13 +233,15 @@ def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> li
 
     The sentence is that of the check of all loads together; where that passes, that of the first load.
     """
-    reasons_ = []
+    reasons = []
     for check in together:
         # by name: a load may lack the check, as that of currents in full contact
-        of_loads = [
-            [counterpart for counterpart in checks if counterpart.name == check.name] for checks in by_load
-        ]
-        loads = [load for load, counterpart in enumerate(of_loads) if not_passed(counterpart)]
-        if doubts := not_passed([check, *(of_loads[load][0] for load in loads)]):
-            reasons_.append({"check": check.name, "loads": loads, "text": doubts[0].sentence})
-    return reasons_
+        doubted = {
+            load: counterpart
+            for load, checks in enumerate(by_load)
+            for counterpart in not_passed(checks)
+            if counterpart.name == check.name
+        }
+        if doubts := not_passed([check, *doubted.values()]):
+            reasons.append({"check": check.name, "loads": [*doubted], "text": doubts[0].sentence})
+    return reasons

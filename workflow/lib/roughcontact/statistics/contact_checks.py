@@ -12,7 +12,7 @@ from roughcontact import materials
 from roughcontact.contact.dataset import layers_of
 from roughcontact.quantities import number, percent, pressure_unit, quantity
 from roughcontact.statistics.conductance import over_holms_resistance
-from roughcontact.statistics.outcome import FAILED, NOT_MADE, NOTE, PASSED, REVIEW, Check, CheckName
+from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
 from roughcontact.variables import Numbers
 
 CONTACT_POINTS = 100  # fewer contact points are too few for statistics
@@ -37,34 +37,27 @@ def convergence(statistics: xr.Dataset) -> Check:
     >>> convergence(one).sentence
     'All loads converged: error bound at most 3.0×10⁻⁵, tolerance 1×10⁻⁴.'
     """
-    failed, loads = int((statistics["converged"] == 0).sum()), statistics.sizes["load"]
+    missed, loads = int((statistics["converged"] == 0).sum()), statistics.sizes["load"]
     bound = number(float(statistics["error_bound"].max()), digits=2)
     tolerance = number(float(statistics.attrs["tolerance"]), digits=1)
-    if failed:
-        text = (
-            f"{failed} of {loads} loads missed the tolerance of {tolerance}; the error bound reaches {bound}."
+    if missed:
+        return failed(
+            f"{missed} of {loads} loads missed the tolerance of {tolerance}; the error bound reaches {bound}."
         )
-        return Check(CheckName.SOLVER, FAILED, text)
-    return Check(
-        CheckName.SOLVER, PASSED, f"All loads converged: error bound at most {bound}, tolerance {tolerance}."
-    )
+    return passed(f"All loads converged: error bound at most {bound}, tolerance {tolerance}.")
 
 
 def contact_points(statistics: xr.Dataset, points: int) -> Check:
     """Check that more than a handful of the `points` of the window are in contact at every load."""
     counts = np.rint(statistics["relative_contact_area_pixels"].values * points).astype(int)
-    few_loads = int((counts < CONTACT_POINTS).sum())
-    if few_loads:
+    if few_loads := int((counts < CONTACT_POINTS).sum()):
         loads = f"At {few_loads} of {counts.size} loads fewer" if counts.size > 1 else "Fewer"
-        text = (
+        return review(
             f"{loads} than {CONTACT_POINTS} points are in contact (down to {counts.min()}): areas and "
-            "pressures are coarse there."
+            "pressures are coarse there.",
+            advice="Use higher loads or a finer map.",
         )
-        advice = "Use higher loads or a finer map."
-        return Check(CheckName.POINTS_IN_CONTACT, REVIEW, text, advice=advice)
-    return Check(
-        CheckName.POINTS_IN_CONTACT, PASSED, f"At least {counts.min()} points in contact at every load."
-    )
+    return passed(f"At least {counts.min()} points in contact at every load.")
 
 
 def overcount(statistics: Numbers) -> np.ndarray:
@@ -88,23 +81,20 @@ def resolution(statistics: xr.Dataset) -> Check:
     """Check that the contact patches are more than a few points across."""
     resolution = float(statistics["points_per_shortest_wavelength"][0])
     if np.isnan(resolution):
-        return Check(CheckName.RESOLUTION, PASSED, "The map is flat: there is no wave to resolve.")
+        return passed("The map is flat: there is no wave to resolve.")
     excess = overcount(statistics)
-    coarse = int((excess > OVERCOUNT).sum())
-    waves = f"The shortest wave of the map has {number(resolution, digits=2)} points"
-    if coarse:
+    waves = f"The shortest wave of the map has {number(resolution, digits=2)} points."
+    if coarse := int((excess > OVERCOUNT).sum()):
         loads = f"At {coarse} of {excess.size} loads the" if excess.size > 1 else "The"
-        text = (
+        return review(
             f"{loads} contact patches are only a few points across: counting points overstates the area by "
-            f"up to {percent(excess.max())}, and the correction is coarse."
+            f"up to {percent(excess.max())}, and the correction is coarse.",
+            explanation=waves,
+            advice="Measure with finer pixels.",
         )
-        return Check(
-            CheckName.RESOLUTION, REVIEW, text, explanation=f"{waves}.", advice="Measure with finer pixels."
-        )
-    text = (
-        f"Counting points overstates the area by at most {percent(excess.max())}; this is corrected. {waves}."
+    return passed(
+        f"Counting points overstates the area by at most {percent(excess.max())}; this is corrected. {waves}"
     )
-    return Check(CheckName.RESOLUTION, PASSED, text)
 
 
 def plasticity(statistics: xr.Dataset) -> Check:
@@ -131,28 +121,22 @@ def _against_hardness(statistics: xr.Dataset) -> Check:
     yielded = area_share > 0
     if not yielded.any():
         largest = percent(float(statistics["max_pressure"].max()) / hardness)
-        return Check(
-            CheckName.PLASTICITY, PASSED, f"No point carries {bears}: at most {largest} of it.{first}"
-        )
+        return passed(f"No point carries {bears}: at most {largest} of it.{first}")
     worst = int(np.argmax(load_share))
     index = modulus * float(statistics["rms_gradient"]) / hardness
-    text = (
+    return review(
         f"{_loads(yielded, statistics)} points carry {bears} and flow: up to {percent(load_share[worst])} of "
-        f"the load on {percent(area_share[worst])} of the contact area."
+        f"the load on {percent(area_share[worst])} of the contact area.",
+        explanation=f"The pressure is limited there, the shape after yielding is not known.{first} "
+        f"Plasticity index E* g / H = {number(index, digits=2)} (mostly elastic below 0.3, mostly plastic "
+        "above 3).",
     )
-    explanation = (
-        f"The pressure is limited there, the shape after yielding is not known.{first} Plasticity index "
-        f"E* g / H = {number(index, digits=2)} (mostly elastic below 0.3, mostly plastic above 3)."
-    )
-    return Check(CheckName.PLASTICITY, REVIEW, text, explanation=explanation)
 
 
 def _without_hardness(statistics: xr.Dataset) -> Check:
     """Return the check of the pressure where no hardness is stated, by classes of materials."""
-    mean, largest = (
-        statistics[name].values / float(statistics["contact_modulus"])
-        for name in ("mean_contact_pressure", "max_pressure")
-    )
+    modulus = float(statistics["contact_modulus"])
+    mean, largest = (statistics[name].values / modulus for name in ("mean_contact_pressure", "max_pressure"))
     figures = (
         f"the mean pressure in contact reaches {number(mean.max(), digits=2)} E*, the largest "
         f"{number(largest.max(), digits=2)} E*"
@@ -162,31 +146,30 @@ def _without_hardness(statistics: xr.Dataset) -> Check:
     state = "State the hardness (contact.hardness, or that of the bodies)."
     if rubber_like(statistics):
         if mean.max() > 1:
-            return Check(CheckName.PLASTICITY, REVIEW, f"More than rubber bears: {figures}.")
+            return review(f"More than rubber bears: {figures}.")
         text = f"{not_stated}: {figures}; rubber-like solids (E* below {_RUBBER}) bear that."
-        modulus = float(statistics["contact_modulus"])
-        if modulus < materials.GEL and (
-            mean.max() > materials.METALS[0] or largest.max() > materials.METALS[1]
-        ):
+        metals_flow = mean.max() > materials.METALS[0] or largest.max() > materials.METALS[1]
+        if modulus < materials.GEL and metals_flow:
             text = (
                 f"{not_stated}: {figures}; gels bear that, and E* = {quantity(modulus, 'Pa')} is that of "
                 f"one. If it was given in MPa, it is {quantity(1e6 * modulus, 'Pa')}, and metals flow there."
             )
-        return Check(CheckName.PLASTICITY, NOT_MADE, text)
+        return not_made(text)
     beyond_materials, flowing = mean > materials.HARDEST, beyond_metals(statistics).values
     if beyond_materials.any():
-        text = (
+        return failed(
             f"{_loads(beyond_materials, statistics)} the contact is beyond what any material bears, "
-            f"{materials.HARDEST:g} E*: {figures}."
+            f"{materials.HARDEST:g} E*: {figures}.",
+            explanation="An elastic result means nothing there.",
+            advice=state,
         )
-        explanation = "An elastic result means nothing there."
-        return Check(CheckName.PLASTICITY, FAILED, text, explanation=explanation, advice=state)
     if flowing.any():
-        text = f"{_loads(flowing, statistics)} metals would flow, which they do at {limits}: {figures}."
-        explanation = "No hardness is stated, and the result is elastic whatever the pressure."
-        return Check(CheckName.PLASTICITY, REVIEW, text, explanation=explanation, advice=state)
-    finding = f"{not_stated}: {figures}; metals flow at {limits}."
-    return Check(CheckName.PLASTICITY, NOT_MADE, finding, advice=state)
+        return review(
+            f"{_loads(flowing, statistics)} metals would flow, which they do at {limits}: {figures}.",
+            explanation="No hardness is stated, and the result is elastic whatever the pressure.",
+            advice=state,
+        )
+    return not_made(f"{not_stated}: {figures}; metals flow at {limits}.", advice=state)
 
 
 def rubber_like(statistics: Numbers) -> bool:
@@ -229,50 +212,45 @@ def yield_flags(load: Numbers) -> list[str]:
     return ["metals flow"] if beyond_metals(load) else []
 
 
-def layers(statistics: xr.Dataset, points: int) -> list[Check]:
+def layers(statistics: xr.Dataset, points: int) -> Check | None:
     """Check that layers are not thinner than the grid can tell, nor thicker than the window; none: no check.
 
     Examples
     --------
     >>> import json
     >>> import xarray as xr
-    >>> layers(xr.Dataset(), 4096)
-    []
+    >>> layers(xr.Dataset(), 4096) is None
+    True
     >>> sheet = {"thickness": 1e-6, "youngs_modulus": 3e6, "poissons_ratio": 0.5}
     >>> bodies = json.dumps([{"base": "rigid", "layers": [sheet]}])
     >>> sides = {"window_length_x": 64e-6, "window_length_y": 64e-6}
-    >>> [found] = layers(xr.Dataset(sides, attrs={"bodies": bodies}), 4096)
-    >>> found.sentence.split(":")[0]
+    >>> layers(xr.Dataset(sides, attrs={"bodies": bodies}), 4096).sentence.split(":")[0]
     'The thinnest layer (1.00 µm) is 1.0 pixels thick'
     """
     pair = layers_of(statistics)
     if pair is None:
-        return []
+        return None
     lengths = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
     sides = [side for side in lengths if np.isfinite(side)]  # a profile has one
     pixel = float(np.prod(sides) / points) ** (1 / len(sides))
-    thinnest, thickest = quantity(pair.thinnest, "m"), quantity(pair.thickest, "m")
     pixels = number(pair.thinnest / pixel, digits=2)
     share = number(pair.thickest / max(sides), digits=2)
     if pair.thinnest < LAYER_PIXELS * pixel:
-        text = (
-            f"The thinnest layer ({thinnest}) is {pixels} pixels thick: the area is corrected by the "
-            f"perimeter as on a half-space, which holds from {LAYER_PIXELS} pixels on."
+        return review(
+            f"The thinnest layer ({quantity(pair.thinnest, 'm')}) is {pixels} pixels thick: the area is "
+            f"corrected by the perimeter as on a half-space, which holds from {LAYER_PIXELS} pixels on.",
+            advice="Use a finer map, or take the difference to the pixels counted for the error.",
         )
-        advice = "Use a finer map, or take the difference to the pixels counted for the error."
-        return [Check(CheckName.LAYERS, REVIEW, text, advice=advice)]
     if pair.thickest > max(sides):
-        text = (
-            f"The layers ({thickest}) are {share} times as thick as the window is long: what longer waves do "
-            "to the base is left out."
+        return review(
+            f"The layers ({quantity(pair.thickest, 'm')}) are {share} times as thick as the window is long: "
+            "what longer waves do to the base is left out.",
+            advice="Use a larger map, or leave the base out.",
         )
-        advice = "Use a larger map, or leave the base out."
-        return [Check(CheckName.LAYERS, REVIEW, text, advice=advice)]
-    text = (
+    return passed(
         f"The thinnest layer is {pixels} pixels thick, all at most {share} of the window's length. Not "
         "judged with layers: theories."
     )
-    return [Check(CheckName.LAYERS, PASSED, text)]
 
 
 def units(statistics: xr.Dataset) -> Check:
@@ -280,22 +258,19 @@ def units(statistics: xr.Dataset) -> Check:
     modulus, loads = float(statistics["contact_modulus"]), statistics["mean_pressure"].values
     # a problem in units of its own, which cannot be checked
     if modulus == 1:
-        text = "Not made: the contact modulus is 1, so that pressures are in units of it."
-        return Check(CheckName.UNITS, NOT_MADE, text)
+        return not_made("Not made: the contact modulus is 1, so that pressures are in units of it.")
     if doubt := materials.doubt_of_modulus(modulus):
-        return Check(CheckName.UNITS, REVIEW, f"Contact modulus: {doubt.question().rstrip('.')}")
+        return review(f"Contact modulus: {doubt.question().rstrip('.')}")
+    stated = f"A contact modulus of {quantity(modulus, 'Pa')}"
     # loads that nobody stated have no unit to be wrong
     if statistics.attrs.get("loads") == "found":
-        text = f"A contact modulus of {quantity(modulus, 'Pa')} is that of real materials; no load is stated."
-        return Check(CheckName.UNITS, PASSED, text)
-    doubts = [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]
-    if doubts:
+        return passed(f"{stated} is that of real materials; no load is stated.")
+    if doubts := [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]:
         text = f"At {len(doubts)} of {loads.size} loads the mean pressure is implausible: "
-        return Check(CheckName.UNITS, REVIEW, text + doubts[0].question())
+        return review(text + doubts[0].question())
     low, high = (pressure_unit(modulus).text(float(f(loads))) for f in (np.min, np.max))
     span = low if low == high else f"{low} to {high}"
-    text = f"A contact modulus of {quantity(modulus, 'Pa')} and loads of {span} are those of real materials."
-    return Check(CheckName.UNITS, PASSED, text)
+    return passed(f"{stated} and loads of {span} are those of real materials.")
 
 
 def _loads(concerned: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
@@ -310,20 +285,20 @@ def _loads(concerned: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
 
 
 @np.errstate(invalid="ignore")  # full contact has no constriction
-def mean_free_path(statistics: xr.Dataset) -> list[Check]:
+def mean_free_path(statistics: xr.Dataset) -> Check | None:
     """Check that the spots that conduct a current are larger than the mean free path of the electrons.
 
     They count as round ones with the same ratio of Sharvin's resistance to that of the constriction. None of
     a contact that conducts no current, or through layers.
     """
     if "electrical_conductance" not in statistics:
-        return []
+        return None
     names = ("electrical_conductance", "conductance_per_conductivity", "relative_contact_area")
     conductance, of_constriction, area = (statistics[name].values for name in names)
     ratio = 4 / 3 * _RESISTIVITY_TIMES_PATH * conductance * (1 / area - 1)
     judged = np.isfinite(ratio) & np.isfinite(of_constriction) & (ratio > 0)
     if not judged.any():
-        return []
+        return None
     knudsen = 3 * np.pi / 8 * float(ratio[judged].max())
     path = _RESISTIVITY_TIMES_PATH * float((conductance / of_constriction)[judged].max())
     increase = float(over_holms_resistance(knudsen)) - 1
@@ -334,14 +309,14 @@ def mean_free_path(statistics: xr.Dataset) -> list[Check]:
         f"which adds up to {percent(increase)} to the resistance"
     )
     if increase < _BALLISTIC:
-        return [Check(CheckName.MEAN_FREE_PATH, PASSED, f"{text}.")]
-    return [Check(CheckName.MEAN_FREE_PATH, REVIEW, f"{text} and is not in the ±.", advice="Add it.")]
+        return passed(f"{text}.")
+    return review(f"{text} and is not in the ±.", advice="Add it.")
 
 
-def local_scale(statistics: xr.Dataset) -> list[Check]:
+def local_scale(statistics: xr.Dataset) -> Check | None:
     """Check that the rms height is below 0.05 of the approach of a form (Johnson 1985, section 13.5)."""
     if "local_contact_area" not in statistics:
-        return []
+        return None
     last = statistics.isel(load=int(statistics["force"].values.argmax()))
     ratio = float(statistics["rms_height"] / statistics["hertz_approach"].min())
     share = float(last["local_contact_area"] / (np.pi * last["hertz_radius"] ** 2))
@@ -351,15 +326,14 @@ def local_scale(statistics: xr.Dataset) -> list[Check]:
     )
     text = (
         "Each place of the smooth contact (Hertz) has the contact of this map under the nominal pressure "
-        f"there: at {force}, radius {radius}, {percent(share)} of the area and a mean "
-        f" gap of {gap}. Roughness has to be small against the form: its rms height is {percent(ratio)} "
-        "of the least approach."
+        f"there: at {force}, radius {radius}, {percent(share)} of the area and a mean gap of {gap}. "
+        f"Roughness has to be small against the form: its rms height is {percent(ratio)} of the least "
+        "approach."
     )
     lengths = [statistics[f"window_length_{axis}"] for axis in "xy"]
     if ratio <= _ROUGHNESS_OF_FORM and np.nanmax(lengths) < 2 * statistics["hertz_radius"].min():
-        return [Check(CheckName.LOCAL_SCALE, NOTE, text)]
-    advice = "Solve a map that is larger than the contact, with boundary: free."
-    return [Check(CheckName.LOCAL_SCALE, REVIEW, text, advice=advice)]
+        return noted(text)
+    return review(text, advice="Solve a map that is larger than the contact, with boundary: free.")
 
 
 def load_range(statistics: xr.Dataset) -> Check:
@@ -377,9 +351,6 @@ def load_range(statistics: xr.Dataset) -> Check:
     loads = statistics.sizes["load"]
     if full == loads:
         where = "Full contact at every load" if loads > 1 else "Full contact"
-        return Check(
-            CheckName.LOAD_RANGE, REVIEW, f"{where}.", advice="Lower loads would show how it comes about."
-        )
+        return review(f"{where}.", advice="Lower loads would show how it comes about.")
     low, high = (float(f(statistics["relative_contact_area"])) for f in (np.min, np.max))
-    text = f"The contact covers {percent(low)} to {percent(high)} of the area."
-    return Check(CheckName.LOAD_RANGE, PASSED, text)
+    return passed(f"The contact covers {percent(low)} to {percent(high)} of the area.")

@@ -16,7 +16,7 @@ from roughcontact.levelling.record import s_filter_of
 from roughcontact.quantities import number, percent, quantity
 from roughcontact.roughness.traces import STEEPEST
 from roughcontact.statistics.map_checks import Attributes
-from roughcontact.statistics.outcome import NOT_MADE, PASSED, REVIEW, Check, CheckName
+from roughcontact.statistics.outcome import Check, not_made, passed, review
 
 # Self-affine surfaces fall with an exponent of -2 to -4, those with a bounded curvature with -6; measured
 # maps that no filter touched reach -5.7. Filters, lenses and interpolation reach -8 to -20.
@@ -55,6 +55,7 @@ _SMOOTHED_MEANS = (
     "Contact areas are then too large, pressures and gaps too small, but not those of longer waves alone "
     "(level.s_filter, coarser pixels)"
 )
+_FEW_WAVES = "Not made: too few waves to judge the spectrum by."
 _PERIODIC_MAP = "Not made: the map is periodic as it is, as made ones are."
 
 
@@ -65,27 +66,23 @@ def smoothed(window: Attributes) -> Check:
     (lens), blunt peaks (stylus) and repeated heights (median filter) show that it was not.
     """
     if window.get("periodisation") == "none":
-        return Check(CheckName.SMOOTHED, NOT_MADE, _PERIODIC_MAP)
+        return not_made(_PERIODIC_MAP)
     if "spectrum_exponent" not in window:
-        return Check(CheckName.SMOOTHED, NOT_MADE, "Not made: too few waves to judge the spectrum by.")
-    looked_for = (_shape_of_spectrum(window), _blunt_peaks(window), _repeated_heights(window))
-    traces = [trace for trace in looked_for if trace]
-    if smoothing_traces := [trace for trace in traces if trace.remedies]:
-        remedies = ", or ".join(
-            dict.fromkeys(remedy for trace in smoothing_traces for remedy in trace.remedies)
-        )
-        first, *further = [f"{trace.sentence}." for trace in smoothing_traces]
-        return Check(
-            CheckName.SMOOTHED,
-            REVIEW,
+        return not_made(_FEW_WAVES)
+    traces = [
+        trace for look in (_shape_of_spectrum, _blunt_peaks, _repeated_heights) if (trace := look(window))
+    ]
+    if unstated := [trace for trace in traces if trace.remedies]:
+        remedies = ", or ".join(dict.fromkeys(remedy for trace in unstated for remedy in trace.remedies))
+        first, *further = [f"{trace.sentence}." for trace in unstated]
+        return review(
             first,
             explanation=" ".join([*further, f"{_SMOOTHED_MEANS}."]),
             advice=f"{remedies[0].upper()}{remedies[1:]}.",
         )
     if traces:
-        return Check(CheckName.SMOOTHED, PASSED, ". ".join(trace.sentence for trace in traces) + ".")
-    text = f"The spectrum reaches down to the pixels: its steepest fall is {_exponent(window)}."
-    return Check(CheckName.SMOOTHED, PASSED, text)
+        return passed(". ".join(trace.sentence for trace in traces) + ".")
+    return passed(f"The spectrum reaches down to the pixels: its steepest fall is {_exponent(window)}.")
 
 
 class _Trace(NamedTuple):
@@ -172,20 +169,17 @@ def _in_pixels(wavelength: float, window: Attributes) -> str:
 def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
     """Check that no single summit stands far above all others and carries a pressure far above the mean."""
     if "summit_chance" not in window:
-        return Check(CheckName.ISOLATED_PEAK, NOT_MADE, "Not made: the map has no summit.")
+        return not_made("Not made: the map has no summit.")
     over_mean = float((statistics["max_pressure"] / statistics["mean_contact_pressure"]).max())
     times = f"{number(over_mean, digits=2)} times the mean in contact"
     if not (over_mean > PEAK_OVER_MEAN and window["summit_chance"] < CHANCE):
-        text = f"The largest pressure is at most {times}, or not that of one summit alone."
-        return Check(CheckName.ISOLATED_PEAK, PASSED, text)
+        return passed(f"The largest pressure is at most {times}, or not that of one summit alone.")
     ratio_to_next = window["summit_over_next"]
     higher = f"{number(ratio_to_next, digits=2)} times as high above its surroundings as any other"
     if np.isinf(ratio_to_next):
         higher = "and no other summit does"
     where = " and ".join(f"{axis} = {quantity(window[f'summit_{axis}'], 'm')}" for axis in ("x", "y"))
-    return Check(
-        CheckName.ISOLATED_PEAK,
-        REVIEW,
+    return review(
         f"One summit stands out, {higher}, at {where}; the largest pressure is {times}.",
         explanation="Dust and burrs look like this; the largest pressure, and gaps at low loads, are theirs.",
         advice="Unless it belongs to the surface, clean and measure again, cut the map, or lower "
@@ -196,20 +190,19 @@ def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
 def noise(statistics: xr.Dataset, window: Attributes) -> Check:
     """Check that noise, `instrument_noise` (m) or a flat spectrum, makes up little of the gradient."""
     if "noise_floor" not in window:
-        return Check(CheckName.NOISE, NOT_MADE, "Not made: too few waves to judge the spectrum by.")
+        return not_made(_FEW_WAVES)
     share, stated_noise = float(window["noise_gradient_share"]), float(window.get("instrument_noise", 0.0))
     if stated_noise and window["noise_floor"] > 0:
         share *= (stated_noise / window["noise_floor"]) ** 2
         text = f"The stated noise of {quantity(stated_noise, 'm')} makes up {_share(share)} of the {_SQUARE}"
         if "corrected_for" in window:
-            return Check(CheckName.NOISE, PASSED, f"{text} as measured, for which the map is corrected.")
+            return passed(f"{text} as measured, for which the map is corrected.")
         return _judged_noise(
             text, share, advice="Average several maps, or remove short waves with level.s_filter."
         )
     if not _ends_flat(window):
-        exponent = f"q^{number(window['top_exponent'], digits=2)}"
-        text = f"The spectrum falls down to the pixels, as {exponent}: no white noise shows."
-        return Check(CheckName.NOISE, PASSED, text)
+        exponent = number(window["top_exponent"], digits=2)
+        return passed(f"The spectrum falls down to the pixels, as q^{exponent}: no white noise shows.")
     floor = quantity(window["noise_floor"], "m", digits=2)
     text = (
         f"The spectrum is flat at its end, as with a white noise of {floor} (rms), which would make up "
@@ -259,17 +252,11 @@ def _share(share: float) -> str:
 def _judged_noise(text: str, share: float, *, advice: str, explanation: str = "") -> Check:
     """Return the check of a share of the mean square gradient."""
     if share <= NOISE_SHARE:
-        return Check(CheckName.NOISE, PASSED, f"{text}.")
+        return passed(f"{text}.")
     # the area goes as 1 / g
     small = f"by up to {percent(1 - np.sqrt(1 - share))}" if share < 1 else "by an unknown factor"
     effect = f"Areas would be too small {small}, and pressures too large."
-    return Check(
-        CheckName.NOISE,
-        REVIEW,
-        f"{text}.",
-        explanation=" ".join(filter(None, (effect, explanation))),
-        advice=advice,
-    )
+    return review(f"{text}.", explanation=f"{effect} {explanation}".rstrip(), advice=advice)
 
 
 def coarse_step(window: Attributes) -> float:
@@ -306,68 +293,65 @@ def quantisation(window: Attributes) -> Check:
     'review'
     """
     if "quantisation_step" not in window:
-        return Check(CheckName.QUANTISATION, NOT_MADE, "Not made: the map was not levelled.")
+        return not_made("Not made: the map was not levelled.")
     step = float(window["quantisation_step"])
     if not step:
-        return Check(CheckName.QUANTISATION, PASSED, "The heights are not rounded to steps.")
+        return passed("The heights are not rounded to steps.")
     text = f"The heights are multiples of {quantity(step, 'm', digits=2)}"
     rms_height = float(window["Sq"])
     text += f", {percent(step / rms_height)} of the rms height" if rms_height else ""
     if not coarse_step(window):
-        return Check(CheckName.QUANTISATION, PASSED, f"{text}.")
-    text += (
-        ": steps between them add to the gradient, so that areas are too small, and pressures and gaps "
-        "too large."
+        return passed(f"{text}.")
+    return review(
+        f"{text}: steps between them add to the gradient, so that areas are too small, and pressures and "
+        "gaps too large.",
+        advice="Export the heights with more digits, or measure with a smaller range of heights.",
     )
-    advice = "Export the heights with more digits, or measure with a smaller range of heights."
-    return Check(CheckName.QUANTISATION, REVIEW, text, advice=advice)
 
 
 def height_unit(height: Attributes, window: Attributes) -> Check:
     """Check that the heights are not smaller than what an instrument can tell from noise."""
     if window.get("periodisation") == "none":
-        return Check(CheckName.HEIGHT_UNIT, NOT_MADE, _PERIODIC_MAP)
+        return not_made(_PERIODIC_MAP)
     if window.get("spectrum_exponent", -np.inf) < SPECTRUM_ENDS:
-        text = "Not made: the noise of the instrument does not show in a map that is smooth at its pixels."
-        return Check(CheckName.HEIGHT_UNIT, NOT_MADE, text)
+        return not_made(
+            "Not made: the noise of the instrument does not show in a map that is smooth at its pixels."
+        )
     rough = float(window["pixel_roughness"])
     probe = instrument_kind(height) is PROBE or window.get("pixel_pitch", 1.0) < _PROBE_PIXEL
-    quietest = QUIETEST_PROBE if probe else QUIETEST
+    quietest, instruments = (QUIETEST_PROBE, "probe microscopes") if probe else (QUIETEST, "profilers")
     text = f"Neighbouring points differ as with a noise of {quantity(rough, 'm', digits=2)}"
-    if rough < quietest:
-        text += (
-            f", less than that of the quietest {'probe microscopes' if probe else 'profilers'} "
-            f"({quantity(quietest, 'm', digits=1)})."
-        )
-        advice = "Check the unit of the heights: were µm read as nm?"
-        return Check(CheckName.HEIGHT_UNIT, REVIEW, text, advice=advice)
-    return Check(CheckName.HEIGHT_UNIT, PASSED, f"{text}: an instrument can measure that.")
+    if not rough < quietest:
+        return passed(f"{text}: an instrument can measure that.")
+    return review(
+        f"{text}, less than that of the quietest {instruments} ({quantity(quietest, 'm', digits=1)}).",
+        advice="Check the unit of the heights: were µm read as nm?",
+    )
 
 
 def pixel_size(height: Attributes, window: Attributes) -> Check:
     """Check that the instrument which the file names can have pixels of this size."""
     instrument, pixel = instrument_kind(height), float(window.get("pixel_pitch", 0.0))
     if instrument is UNKNOWN or not pixel:
-        return Check(
-            CheckName.PIXEL_SIZE, NOT_MADE, "Not made: the file does not name the kind of its instrument."
-        )
+        return not_made("Not made: the file does not name the kind of its instrument.")
     subject = f"Pixels of {quantity(pixel, 'm', digits=2)} are"
     low, high = instrument.step
     if not low <= pixel <= high:
-        text = f"{subject} not those of {instrument.words} ({quantity(low, 'm')} to {quantity(high, 'm')})."
-        return Check(CheckName.PIXEL_SIZE, REVIEW, text, advice="Check the lateral unit.")
+        return review(
+            f"{subject} not those of {instrument.words} ({quantity(low, 'm')} to {quantity(high, 'm')}).",
+            advice="Check the lateral unit.",
+        )
     times = _magnification(height)
     if not times:
-        return Check(CheckName.PIXEL_SIZE, PASSED, f"{subject} those of {instrument.words}.")
+        return passed(f"{subject} those of {instrument.words}.")
     camera = pixel * times
     lens = f"{instrument.words} with a lens of {number(times, digits=2)}×"
     if not _CAMERA[0] <= camera <= _CAMERA[1]:
-        text = (
-            f"{subject} not those of {lens}: they would be {quantity(camera, 'm', digits=2)} on its camera."
+        return review(
+            f"{subject} not those of {lens}: they would be {quantity(camera, 'm', digits=2)} on its camera.",
+            advice="Check the lateral unit, and whether the map was resampled.",
         )
-        advice = "Check the lateral unit, and whether the map was resampled."
-        return Check(CheckName.PIXEL_SIZE, REVIEW, text, advice=advice)
-    return Check(CheckName.PIXEL_SIZE, PASSED, f"{subject} those of {lens}.")
+    return passed(f"{subject} those of {lens}.")
 
 
 def instrument_kind(height: Attributes) -> Kind:

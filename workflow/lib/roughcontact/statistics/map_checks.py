@@ -13,7 +13,7 @@ import xarray as xr
 from roughcontact.checking import STEEPEST
 from roughcontact.levelling.record import rejected_by_kind
 from roughcontact.quantities import counted_noun, number, percent, quantity
-from roughcontact.statistics.outcome import FAILED, NOT_MADE, NOTE, PASSED, REVIEW, Check, CheckName
+from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
 
 FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points not measured: review, fail
 REJECTED_LOAD = 0.02  # share of the load that rejected points would carry if they were kept
@@ -39,23 +39,17 @@ Attributes = Mapping[str, Any]
 
 def missing_points(statistics: xr.Dataset, height: Attributes, levelled: Attributes) -> Check:
     """Check that hardly any contact lies on points that were not measured."""
-    missing, rejected = height.get("missing_share", 0.0), levelled.get("outliers_rejected", 0)
-    filled = levelled.get("filled_share", 0.0)
-    in_contact = float(statistics["contact_on_filled_points"].max())
-    review, fail = FILLED_IN_CONTACT
-    outcome = FAILED if in_contact > fail else REVIEW if in_contact > review else PASSED
+    missing, filled = height.get("missing_share", 0.0), levelled.get("filled_share", 0.0)
+    rejected = levelled.get("outliers_rejected", 0)
     if not (missing or rejected or filled):
-        return Check(CheckName.MISSING_POINTS, PASSED, "Every point was measured.")
-    measured = (
-        f"{percent(missing)} of the points were not measured" if missing else "Every point was measured"
-    )
-    points = f"{measured}; {rejected} were rejected as outliers; {percent(filled)} were filled in"
-    if outcome == PASSED:
-        text = f"{points}, and at most {percent(in_contact)} of the contact lies on them."
-        return Check(CheckName.MISSING_POINTS, outcome, text)
-    return Check(
-        CheckName.MISSING_POINTS,
-        outcome,
+        return passed("Every point was measured.")
+    in_contact = float(statistics["contact_on_filled_points"].max())
+    doubtful, wrong = FILLED_IN_CONTACT
+    measured = f"{percent(missing)} of the points were not" if missing else "Every point was"
+    points = f"{measured} measured; {rejected} were rejected as outliers; {percent(filled)} were filled in"
+    if not in_contact > doubtful:
+        return passed(f"{points}, and at most {percent(in_contact)} of the contact lies on them.")
+    return (failed if in_contact > wrong else review)(
         f"Up to {percent(in_contact)} of the contact lies on points that were filled in: "
         f"{points[0].lower()}{points[1:]}.",
         explanation="The contact there is that of the filling, not of the surface.",
@@ -75,24 +69,22 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
     """
     rejected = levelled.get("outliers_rejected", 0)
     if not rejected:
-        return Check(CheckName.OUTLIERS, PASSED, "No point was rejected.")
+        return passed("No point was rejected.")
+    they, was, noun, lie = ("they", "were", "outliers", "they lie")
+    if rejected == 1:
+        they, was, noun, lie = ("it", "was", "an outlier", "it lies")
     named = rejected_by_kind(levelled)
-    they, was, noun = ("it", "was", "an outlier") if rejected == 1 else ("they", "were", "outliers")
     text = f"{counted_noun(rejected, 'point')} {was} rejected as {noun}" + (f" ({named})" if named else "")
     shares = statistics["rejected_load_share"].values if "rejected_load_share" in statistics else np.nan
     if np.isnan(shares).all():
-        unknown = f"The load that {they} would carry if {they} were kept is not known."
-        return Check(CheckName.OUTLIERS, REVIEW, f"{text}. {unknown}")
+        return review(f"{text}. The load that {they} would carry if {they} were kept is not known.")
     share = float(np.nanmax(shares))
     text += f"; if {they} were kept, {they} would carry {percent(share)} of the load"
     text += " at most" if statistics.sizes["load"] > 1 else ""
     if share <= REJECTED_LOAD:
-        return Check(CheckName.OUTLIERS, PASSED, f"{text}.")
+        return passed(f"{text}.")
     are = "it is an error" if rejected == 1 else "they are errors"
-    lie = "it lies" if rejected == 1 else "they lie"
-    return Check(
-        CheckName.OUTLIERS,
-        REVIEW,
+    return review(
         f"{text}: the result depends on whether {are} of the measurement.",
         advice=f"See where {lie}; level.outlier_threshold: null keeps every point.",
     )
@@ -100,7 +92,7 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
 
 def scan_lines(levelled: Attributes, statistics: xr.Dataset | None = None) -> Check:
     """Check that rows are not shifted against one another, which a lay along them hides, or were aligned."""
-    jitter, evidence = levelled.get("row_jitter", 0.0), levelled.get("row_jitter_evidence", "none")
+    jitter, evidence = percent(levelled.get("row_jitter", 0.0)), levelled.get("row_jitter_evidence", "none")
     aligned = levelled.get("line_alignment", "none")
     if evidence == "none":
         finding = "No random shift of the rows against one another was found."
@@ -108,23 +100,22 @@ def scan_lines(levelled: Attributes, statistics: xr.Dataset | None = None) -> Ch
             finding += (
                 " The lay runs along the rows: beside grooves a few rows wide small shifts would not show."
             )
-        return Check(CheckName.SCAN_LINES, PASSED, finding)
-    text = f"The rows are shifted against one another, by {percent(jitter)} of the rms height (rms)"
+        return passed(finding)
+    text = f"The rows are shifted against one another, by {jitter} of the rms height (rms)"
     if evidence == "doubtful":
         text = (
-            f"The rows share shifts of {percent(jitter)} of the rms height (rms), which may be drift of the "
-            "scanner or a lay along the rows"
+            f"The rows share shifts of {jitter} of the rms height (rms), which may be drift of the scanner "
+            "or a lay along the rows"
         )
-    outcome, other_alignment = PASSED if jitter <= ROW_JITTER else REVIEW, "none"
+    if aligned != "none" and levelled.get("line_alignment_by") == "user":
+        return passed(f"{text}; they were aligned as asked ({aligned}).")
+    if levelled.get("row_jitter", 0.0) <= ROW_JITTER:
+        return passed(f"{text}." if aligned == "none" else f"{text}; they were aligned ({aligned}).")
     if aligned == "none":
-        text += ": it may carry much of the load" if outcome == REVIEW else ""
-        other_alignment = "jitter"
-    elif levelled.get("line_alignment_by") == "user":
-        text, outcome = f"{text}; they were aligned as asked ({aligned})", PASSED
-    else:
-        text += f"; they were aligned ({aligned})"
-    advice = f"Compare level.line_alignment: {other_alignment}." if outcome == REVIEW else ""
-    return Check(CheckName.SCAN_LINES, outcome, f"{text}.", advice=advice)
+        return review(
+            f"{text}: it may carry much of the load.", advice="Compare level.line_alignment: jitter."
+        )
+    return review(f"{text}; they were aligned ({aligned}).", advice="Compare level.line_alignment: none.")
 
 
 def _lay_along_rows(statistics: xr.Dataset) -> bool:
@@ -146,13 +137,11 @@ def form(levelled: Attributes, window: Attributes) -> Check:
         f"A bow (second-order polynomial) makes up {percent(share)} of the mean square height of the window"
     )
     if share <= FORM:
-        return Check(CheckName.FORM, PASSED, f"{text}.")
+        return passed(f"{text}.")
+    remedy = "Remove it with level.form: polynomial, unless it belongs to the contact."
     if levelled.get("form") in ("polynomial", "sphere", "cylinder"):
         remedy = "Compare another window.method: it came with the periodic window."
-    else:
-        remedy = "Remove it with level.form: polynomial, unless it belongs to the contact."
-    finding = f"{text}: form, not roughness, decides where the surfaces touch."
-    return Check(CheckName.FORM, REVIEW, finding, advice=remedy)
+    return review(f"{text}: form, not roughness, decides where the surfaces touch.", advice=remedy)
 
 
 def periodicity(window: Attributes) -> Check:
@@ -165,9 +154,7 @@ def periodicity(window: Attributes) -> Check:
     """
     method = window.get("periodisation", "none")
     if method == "none":
-        return Check(
-            CheckName.PERIODIC_WINDOW, PASSED, "The window was periodic already: nothing was changed."
-        )
+        return passed("The window was periodic already: nothing was changed.")
     before, after = window["rms_gradient_before"], window["rms_gradient_after"]
     # a correction, and waves removed afterwards, on request, are not due to periodisation
     removed = window.get("band_removed_rms_gradient", 0.0)
@@ -183,15 +170,9 @@ def periodicity(window: Attributes) -> Check:
         effects.append("Peak pressures follow the gradient.")
     if relative > HEIGHT_CHANGE:
         effects.append("Opposite edges do not match, and joining them moved the contact.")
-    if effects:
-        return Check(
-            CheckName.PERIODIC_WINDOW,
-            REVIEW,
-            text,
-            explanation=" ".join(effects),
-            advice="Compare another window.method.",
-        )
-    return Check(CheckName.PERIODIC_WINDOW, PASSED, text)
+    if not effects:
+        return passed(text)
+    return review(text, explanation=" ".join(effects), advice="Compare another window.method.")
 
 
 def window_share(window: Attributes) -> Check:
@@ -204,71 +185,59 @@ def window_share(window: Attributes) -> Check:
     """
     share = window.get("window_share", 1.0)
     text = f"The solved window covers {percent(share)} of the measured map."
-    if share < WINDOW_SHARE:
-        return Check(
-            CheckName.WINDOW,
-            REVIEW,
-            text,
-            explanation="The rest was cropped away.",
-            advice="See the frame on the levelled map.",
-        )
-    return Check(CheckName.WINDOW, PASSED, text)
+    if not share < WINDOW_SHARE:
+        return passed(text)
+    return review(text, explanation="The rest was cropped away.", advice="See the frame on the levelled map.")
 
 
-def faces(levelled: Attributes, window: Attributes) -> list[Check]:
+def faces(levelled: Attributes, window: Attributes) -> Check | None:
     """Check that two faces have about the same pixels and sizes; none for a single face.
 
     Examples
     --------
-    >>> faces({}, {})
-    []
+    >>> faces({}, {}) is None
+    True
     >>> pair = {"face_pitches": [1e-6, 3e-6], "covered_share_of_larger": 0.8}
-    >>> [faces(pair, {"band_shortest": limit})[0].outcome for limit in (2e-6, 6e-6)]
+    >>> [faces(pair, {"band_shortest": limit}).outcome for limit in (2e-6, 6e-6)]
     ['review', 'passed']
     """
     if "face_pitches" not in levelled:
-        return []
+        return None
     pitches, share = levelled["face_pitches"], float(levelled["covered_share_of_larger"])
     ratio, limit = max(pitches) / min(pitches), 2 * max(pitches)
     pixels = "The faces have pixels of " + " and ".join(quantity(float(pitch), "m") for pitch in pitches)
-    outcome, text, advice = PASSED, f"{pixels}, and {percent(share)} of the larger one is solved.", ""
     if ratio > FACE_PITCHES[0] and window.get("band_shortest", 0.0) < limit * (1 - 1e-6):
-        outcome = FAILED if ratio > FACE_PITCHES[1] else REVIEW
         too_large = percent(float(np.sqrt(2 / (1 + ratio**-0.4))) - 1)
-        text = (
+        return (failed if ratio > FACE_PITCHES[1] else review)(
             f"{pixels}: the coarser one has no wave shorter than {quantity(limit, 'm')}, so that areas are "
-            f"{too_large} or more too large if both are equally rough."
+            f"{too_large} or more too large if both are equally rough.",
+            advice="Check the unit of dx and dy, measure both alike, or solve the waves of both "
+            f"(window.shortest_wavelength: {quantity(limit, 'm')}).",
         )
-        advice = (
-            "Check the unit of dx and dy, measure both alike, or solve the waves of both "
-            f"(window.shortest_wavelength: {quantity(limit, 'm')})."
-        )
-    elif share < FACE_SHARE:
-        outcome = REVIEW
-        text = (
+    if share < FACE_SHARE:
+        return review(
             f"Only {percent(share)} of the larger face is solved, as far as the smaller one reaches: longer "
-            "waves, which make gaps larger, are missing."
+            "waves, which make gaps larger, are missing.",
+            advice="Check the unit of dx and dy, or measure more of it.",
         )
-        advice = "Check the unit of dx and dy, or measure more of it."
-    return [Check(CheckName.FACES, outcome, text, advice=advice)]
+    return passed(f"{pixels}, and {percent(share)} of the larger one is solved.")
 
 
 def longest_wave(statistics: xr.Dataset) -> Check:
     """Check that the window holds the longest waves of the surface."""
     length = float(statistics["Sal"])
-    sides = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
-    side = float(np.nanmin(sides))  # a profile has a length alone
     if np.isnan(length):
-        return Check(CheckName.LONGEST_WAVE, PASSED, "The map is flat: there is no wave.")
+        return passed("The map is flat: there is no wave.")
+    # a profile has a length alone
+    side = float(np.nanmin([float(statistics[f"window_length_{axis}"]) for axis in "xy"]))
     text = f"The window is {number(side / length, digits=2)} autocorrelation lengths (Sal) long"
-    if side < LENGTHS * length:
-        text += (
-            ": it is shorter than the longest waves of the surface, and another window would give other "
-            "numbers."
-        )
-        advice = "Measure a larger field, or remove long waves (level.l_filter)."
-        return Check(CheckName.LONGEST_WAVE, REVIEW, text, advice=advice)
-    return Check(CheckName.LONGEST_WAVE, PASSED, f"{text}: it holds the longest waves.")
+    if not side < LENGTHS * length:
+        return passed(f"{text}: it holds the longest waves.")
+    return review(
+        f"{text}: it is shorter than the longest waves of the surface, and another window would give other "
+        "numbers.",
+        advice="Measure a larger field, or remove long waves (level.l_filter).",
+    )
 
 
 def sample(statistics: xr.Dataset) -> Check:
@@ -281,25 +250,24 @@ def sample(statistics: xr.Dataset) -> Check:
     'review'
     """
     if "window_flag" not in statistics.attrs:
-        text = "Not made: the surface beyond the map is not in the error budget (uncertainty.sources)."
-        return Check(CheckName.SAMPLE, NOT_MADE, text)
+        return not_made(
+            "Not made: the surface beyond the map is not in the error budget (uncertainty.sources)."
+        )
     if flag := statistics.attrs["window_flag"]:
-        return Check(CheckName.SAMPLE, REVIEW, flag)
-    text = "The map gives no sign that the surface beyond it differs: see the sources of the ±."
-    return Check(CheckName.SAMPLE, PASSED, text)
+        return review(flag)
+    return passed("The map gives no sign that the surface beyond it differs: see the sources of the ±.")
 
 
-def lay(statistics: xr.Dataset, window: Attributes) -> list[Check]:
+def lay(statistics: xr.Dataset, window: Attributes) -> Check | None:
     """Check that it is stated of a profile whether it is one of ridges or of an isotropic surface."""
     if window.get("lay") == "none":
-        warnings = json.loads(window["profile_warnings"])
-        text = "No lay, as stated: the numbers are those of isotropic surfaces with this spectrum."
-        return [Check(CheckName.LAY, REVIEW if warnings else PASSED, " ".join(warnings) or text)]
+        if warnings := json.loads(window["profile_warnings"]):
+            return review(" ".join(warnings))
+        return passed("No lay, as stated: the numbers are those of isotropic surfaces with this spectrum.")
     if not np.isnan([statistics[f"window_length_{axis}"] for axis in "xy"]).any():
-        return []
+        return None
     if "lay" in window:
-        text = "The profile runs across a lay, as stated: its ridges are endless."
-        return [Check(CheckName.LAY, PASSED, text)]
+        return passed("The profile runs across a lay, as stated: its ridges are endless.")
     comparison = ""
     if "relative_contact_area_if_isotropic" in statistics:
         ridges, isotropic = (
@@ -309,9 +277,12 @@ def lay(statistics: xr.Dataset, window: Attributes) -> list[Check]:
         comparison = (
             f"Contact area of endless ridges, as shown: {ridges}; of an isotropic surface: {isotropic}."
         )
-    advice = "State lay = across (turned, ground: ridges) or lay = none (blasted, etched, lapped: isotropic)."
-    finding = "Nothing states the lay of the profile."
-    return [Check(CheckName.LAY, REVIEW, finding, explanation=comparison, advice=advice)]
+    return review(
+        "Nothing states the lay of the profile.",
+        explanation=comparison,
+        advice="State lay = across (turned, ground: ridges) or lay = none (blasted, etched, lapped: "
+        "isotropic).",
+    )
 
 
 def band(window: Attributes) -> Check:
@@ -326,13 +297,12 @@ def band(window: Attributes) -> Check:
     shortest, reliable = (window.get(name, 0.0) for name in ("band_shortest", "reliable_wavelength"))
     reason = window.get("reliable_reason", "two pixels")
     if reason == "two pixels":
-        text = "Not made: the file does not say which waves the instrument resolves (its numerical aperture)."
-        return Check(CheckName.BAND, NOT_MADE, text)
+        return not_made(
+            "Not made: the file does not say which waves the instrument resolves (its numerical aperture)."
+        )
     if shortest >= reliable * (1 - 1e-6):
-        return Check(CheckName.BAND, PASSED, "No wave is solved that the instrument is known not to resolve.")
-    return Check(
-        CheckName.BAND,
-        REVIEW,
+        return passed("No wave is solved that the instrument is known not to resolve.")
+    return review(
         f"Waves down to {quantity(shortest, 'm')} are solved; {reason} resolves {quantity(reliable, 'm')}.",
         explanation="Shorter waves are partly noise, and peaks are partly smoothed.",
         advice="Compare window.reliable_band.",
@@ -350,15 +320,17 @@ def slope(statistics: xr.Dataset) -> Check:
     """
     gradient = float(statistics["rms_gradient"])
     text = f"The rms gradient is {number(gradient)}"
-    if gradient > STEEPEST:
-        advice = "Check the units of heights and steps."
-        return Check(CheckName.SLOPES, FAILED, f"{text}: no rough surface is so steep.", advice=advice)
     approximate, rough = STEEP
+    if gradient > STEEPEST:
+        return failed(
+            f"{text}: no rough surface is so steep.", advice="Check the units of heights and steps."
+        )
     if gradient > approximate:
-        text += ": steep for a theory of small slopes, an error of the model that the ± leaves out."
-        advice = "Treat the numbers as estimates."
-        return Check(CheckName.SLOPES, REVIEW if gradient > rough else NOTE, text, advice=advice)
-    return Check(CheckName.SLOPES, PASSED, f"{text}: small, as the half-space theory assumes.")
+        return (review if gradient > rough else noted)(
+            f"{text}: steep for a theory of small slopes, an error of the model that the ± leaves out.",
+            advice="Treat the numbers as estimates.",
+        )
+    return passed(f"{text}: small, as the half-space theory assumes.")
 
 
 def steep_places(window: Attributes) -> Check:
@@ -372,16 +344,14 @@ def steep_places(window: Attributes) -> Check:
     share = window.get("steepest_share", 0.0)
     text = f"The steepest 1 % of the points make up {percent(share)} of the mean square gradient"
     if share <= STEEP_PLACES:
-        return Check(CheckName.STEEP_PLACES, PASSED, f"{text}.")
+        return passed(f"{text}.")
     threshold = window.get("outlier_threshold")
     spikes = (
         f"Spikes beyond {number(threshold, digits=2)} standard deviations are removed already."
         if threshold
         else "Remove spikes with level.outlier_threshold."
     )
-    return Check(
-        CheckName.STEEP_PLACES,
-        NOTE,
+    return noted(
         f"{text}: steps, defects or dust.",
         explanation="A load relative to the gradient is high for the rest of the surface.",
         advice=f"Give loads as mean_pressure. {spikes}",
@@ -392,7 +362,7 @@ def reading(height: Attributes, levelled: Attributes) -> Check:
     """Check that the file was read without a warning; what the user asked for is a note."""
     warnings = json.loads(height.get("ingest_warnings", "[]"))
     if not warnings:
-        return Check(CheckName.READING, PASSED, "Read without a warning.")
+        return passed("Read without a warning.")
     facts = set(json.loads(height.get("ingest_facts", "[]")))
     findings = dict(zip(warnings, warnings, strict=True))
     spikes = json.loads(height.get("ingest_spikes", "{}")) if levelled.get("outlier_threshold") else {}
@@ -406,4 +376,4 @@ def reading(height: Attributes, levelled: Attributes) -> Check:
         for finding in findings.values()
     )
     facts.update(spikes)
-    return Check(CheckName.READING, NOTE if facts.issuperset(warnings) else REVIEW, text)
+    return (noted if facts.issuperset(warnings) else review)(text)

@@ -3,6 +3,7 @@
 import textwrap
 from collections.abc import Iterable
 from enum import StrEnum
+from functools import partial
 from typing import NamedTuple
 
 from roughcontact.variables import ANSWERS
@@ -67,6 +68,12 @@ class Check(NamedTuple):
     def sentence(self) -> str:
         """Return all sentences."""
         return " ".join(filter(None, (self.finding, self.explanation, self.advice)))
+
+
+# a check by its outcome; `surface_checks` gives it its name, and the answers that it concerns
+passed, noted, review, failed, not_made = (
+    partial(Check, "", outcome) for outcome in (PASSED, NOTE, REVIEW, FAILED, NOT_MADE)
+)
 
 
 def verdict_of(checks: Iterable[Check], *answers: str) -> str:
