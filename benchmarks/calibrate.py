@@ -45,6 +45,7 @@ from roughcontact.errors import RoughContactError
 from roughcontact.maps import height_map, refined, spacing
 from roughcontact.statistics.precision import precision
 from roughcontact.uncertainty.calibration import MAP_SCATTER
+from roughcontact.uncertainty.discretisation import extrapolated
 from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.improvement import half_width_of_mean, median_of_chi
 from roughcontact.uncertainty.magnification import shortest_wave, without_shortest_waves
@@ -433,24 +434,25 @@ def shares(found: pd.DataFrame) -> dict[str, float]:
     }
 
 
-def discretisation_floor(bank: pd.DataFrame, quantity: str) -> float:
+def discretisation_floor(bank: pd.DataFrame, name: str) -> float:
     """Return the least half-width with which 95 % of the extrapolations to no pixels hold.
 
     The truth is extrapolated from pixels half and a quarter as large.
     """
+    quantity = SHORT[name]
     keys = {"narrowest": tuple(NARROWEST.values())}.get(quantity, (quantity,))
-    left, change = [], []
+    left, widths = [], []
     for key in keys:
         levels = [
             bank[bank["what"] == f"pixel / {factor}"].set_index(["map", "load"])[key] for factor in (1, 2, 4)
         ]
         first, second = levels[1] - levels[0], levels[2] - levels[1]
         truth = levels[2] + second / 3
-        taken = 0.0 if quantity in ("narrowest", "conductance") else 4 / 3
-        left.append((truth - levels[0] - taken * first).abs())
-        change.append((2.0 - (taken > 0)) * first.abs())
-    both = pd.DataFrame({"left": pd.concat(left), "change": pd.concat(change)}).dropna()
-    beyond = np.sqrt(np.maximum(both["left"] ** 2 - both["change"] ** 2, 0.0))
+        correction, width = extrapolated(name, first)
+        left.append((truth - levels[0] - correction).abs())
+        widths.append(width)
+    both = pd.DataFrame({"left": pd.concat(left), "width": pd.concat(widths)}).dropna()
+    beyond = np.sqrt(np.maximum(both["left"] ** 2 - both["width"] ** 2, 0.0))
     return float(np.quantile(beyond, COVERAGE))
 
 
@@ -471,7 +473,7 @@ def calibration(bank: pd.DataFrame) -> dict:
         ratio = octave["error"] / np.hypot(octave["octave"], 1.0)
         low, high = quantiles(ratio.to_numpy(), octave["weight"].to_numpy(), LEVEL)
         table["octave"][name] = {"down": -low, "up": high}
-        table["discretisation"][name] = discretisation_floor(bank, quantity)
+        table["discretisation"][name] = discretisation_floor(bank, name)
     table[MAP_SCATTER] = fitted_scatter(scatter_of_maps(bank)).to_dict()
     return rounded(table)
 

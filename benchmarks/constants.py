@@ -48,7 +48,7 @@ CONSTANTS = {
 }
 BOUND_IN = {
     "TOLERANCE": ("rejected",),
-    "MARGIN": ("instrument", "unresolved", "discretisation"),
+    "MARGIN": ("instrument", "unresolved"),
 }
 
 

@@ -4,7 +4,7 @@
   exponent d ln Q/d ln g leads back to g_true (simulation and extrapolation, Cook and Stefanski 1994). On 43
   maps with noise of 1 to 10 % of Sq the truth lay at 1.2 times this shift in the median, at twice in the
   outer tenth: it is doubled. A spectrum that is flat at its end may be noise, or folded waves: the shift is
-  added as a bound.
+  added as a bound. What stated noise does by chance, to both sides, is told by four draws of it.
 * A lens, a tip and rounding to a `coarse_step` are undone (`window.transfer`: `restored`, `eroded`,
   `unrounded`), and the window is solved once more.
 
@@ -23,11 +23,13 @@ from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.instrument_checks import coarse_step, suspected_noise
 from roughcontact.uncertainty.combination import Components, half_widths, one_sided
 from roughcontact.uncertainty.ensemble import MARGIN, Values, loads_of, solve_again
+from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import AREA, PEAK, PRESSURE, to_scale
 from roughcontact.window.instrument import check_instrument
 from roughcontact.window.transfer import restored, unrounded, with_noise
 
 _NOISE_MARGIN = 1.0  # of the shift by noise
+_DRAWS = 4  # of noise, whose scatter is what noise does by chance
 _MOST_NOISE = 0.95  # of g^2; a map with more noise says nothing of its surface
 _CORRECTION_UNCERTAINTY = 0.5  # of what a correction changes; of the single highest point all of it
 
@@ -56,7 +58,9 @@ def instrument_components(
         uncorrected[PRESSURE] = loads_of(contact) / uncorrected[AREA]
     elif noise:
         causes.append(_noise_shift(window, contact, values, noise, margin=_NOISE_MARGIN))
-    if not noise and (suspected := suspected_noise(window.attrs)):
+    if noise:
+        causes.append(_chance_of_noise(window, contact, values, noise))
+    elif suspected := suspected_noise(window.attrs):
         causes.append(_noise_shift(window, contact, values, suspected, margin=0.0))
     shifts = [_changes(values, solve_again(shape, contact, values)) for shape in true_shapes.values()]
     if step := coarse_step(window.attrs):
@@ -124,4 +128,21 @@ def _noise_shift(
         with np.errstate(invalid="ignore"):
             shift = np.where(change == 0, 0.0, -(1 + margin) * exponent_back * change)
         components[name] = one_sided(shift)
+    return components
+
+
+def _chance_of_noise(
+    window: xr.DataArray, contact: Mapping[str, Any], values: Values, noise: float
+) -> Components:
+    """Return what the noise (m, rms) of the map may do by chance: by Student's t, of other draws of it."""
+    draws = [
+        _changes(values, solve_again(with_noise(window, noise, seed=seed)[0], contact, values))
+        for seed in range(1, _DRAWS + 1)
+    ]
+    factor = student(np.array(_DRAWS - 1.0)) * math.sqrt(1 + 1 / _DRAWS)
+    components = {}
+    for name in values:
+        with np.errstate(invalid="ignore"):  # of a gap that closes
+            width = factor * np.std([draw[name] for draw in draws], axis=0, ddof=1)
+        components[name] = half_widths(*(np.where(np.isnan(width), np.inf, width),) * 2)
     return components

@@ -19,7 +19,6 @@ from roughcontact.window.band import LIGHT_WAVELENGTH
 
 CORRECTED = ("noise", "resolution", "numerical_aperture")  # what a map can be corrected for
 LEAST_TRANSFER = 0.2  # waves of which less is transmitted are hidden in noise and are not restored further
-_NOISE_SEED = 0
 _FINEST_SCALE, _COARSEST_SCALE = 1, 64  # points; distances at which curvatures are compared with a tip
 _BINOMIAL = np.array([1, 4, 6, 4, 1]) / 16
 _SMOOTHINGS = 5  # twenty change the rms gradient by less than 1 %
@@ -138,9 +137,9 @@ def undone(window: xr.DataArray, instrument: Mapping[str, Any]) -> dict[str, xr.
     return maps
 
 
-def with_noise(window: xr.DataArray, noise: float) -> tuple[xr.DataArray, float]:
+def with_noise(window: xr.DataArray, noise: float, *, seed: int = 0) -> tuple[xr.DataArray, float]:
     """Return a map plus white noise (m, rms), S-filtered as the map was, and the noise's rms gradient."""
-    added = noise * np.random.default_rng(_NOISE_SEED).standard_normal(window.shape)
+    added = noise * np.random.default_rng(seed).standard_normal(window.shape)
     if s_filter := s_filter_of(window.attrs):  # it transmits half at its nesting index (ISO 16610-61)
         frequency = wavenumbers(window.shape, spacing(window)) / (2 * np.pi)
         share = transfer(frequency, {"resolution": s_filter})
