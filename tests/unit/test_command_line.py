@@ -22,7 +22,8 @@ from roughcontact.command_line.program import main
 from roughcontact.configuration.models import Contact, Level, Uncertainty, Window
 from roughcontact.configuration.resolve import resolve
 from roughcontact.io.inspection import inspect_file
-from roughcontact.quantities import with_interval
+from roughcontact.maps import spacing
+from roughcontact.quantities import quantity, with_interval
 from roughcontact.references.synthetic import self_affine_surface
 
 ROOT = Path(__file__).parents[2]
@@ -250,6 +251,8 @@ def test_solve_says_how_far_the_numbers_may_be_off(capsys, small):
     _, out, _ = said(capsys, *options)
     assert f"{with_interval(area, *ends)} %" in out
     assert "over 3 times" in out
+    # as on the page, not the shortest diagonal wave of the grid
+    assert f"  waves             longer than {quantity(2 * spacing(window)[0], 'm')}" in out
     _, out, _ = said(capsys, *options, "--uncertainty-extent", "10")
     assert "over 10 times" in out
     _, out, _ = said(capsys, *options, "--uncertainty-sources")  # none of them

@@ -19,6 +19,7 @@ from roughcontact.statistics import checks
 from roughcontact.statistics.outcome import ANSWERS, VERDICTS, verdict_of
 from roughcontact.uncertainty.groups import group_statistics, is_range
 from roughcontact.variables import VARIABLES
+from roughcontact.window.band import shortest_reliable_wave
 
 # attributes of the levelled map on removed and filled points
 _LEVELLED = (
@@ -115,9 +116,7 @@ def _solved(
             "periodisation": window.attrs.get("periodisation", "none"),
             "share": float(window.attrs.get("window_share", 1.0)),
             "corrected_for": window.attrs.get("corrected_for"),
-            "shortest_wavelength": float(statistics["cutoff_wavelength"][0])
-            if "cutoff" in statistics.dims
-            else None,
+            "shortest_wavelength": shortest_reliable_wave(window) if "cutoff" in statistics.dims else None,
         },
         **_plain_numbers(
             statistics,

@@ -20,6 +20,7 @@ from roughcontact.roughness.profile_parameters import profile_parameters
 from roughcontact.roughness.texture import LAY
 from roughcontact.statistics.adhesion import adhesion_in_words
 from roughcontact.statistics.friction import slip_in_words
+from roughcontact.window.band import shortest_reliable_wave
 
 
 def surface_facts(
@@ -189,8 +190,8 @@ def waves_in_words(window: xr.DataArray) -> str:
     >>> waves_in_words(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(band))
     'waves longer than 3.30 µm'
     """
-    limits = [float(window.attrs.get(name, 0.0)) for name in ("band_shortest", "reliable_wavelength")]
-    text = f"waves longer than {quantity(max(limits), 'm')}" if max(limits) else ""
+    shortest = shortest_reliable_wave(window)
+    text = f"waves longer than {quantity(shortest, 'm')}" if shortest else ""
     if window.attrs.get("lay") == ISOTROPIC:
         text = ", ".join(filter(None, [surfaces_behind(window), text]))
     if corrected := window.attrs.get("corrected_for"):

@@ -57,6 +57,11 @@ def lateral_period_limit(aperture: float, light: float | None = None) -> float:
     return (light or LIGHT_WAVELENGTH) / (2 * aperture * _HALF_CONTRAST)
 
 
+def shortest_reliable_wave(window: xr.DataArray) -> float:
+    """Return the wavelength (m) from which the numbers of a window hold; 0 where its band is not known."""
+    return max(float(window.attrs.get(name, 0.0)) for name in ("band_shortest", "reliable_wavelength"))
+
+
 def limit_band(
     window: xr.DataArray, *, shortest: float | None, longest: float | None, reliable: bool
 ) -> xr.DataArray:
