@@ -112,8 +112,6 @@ NO_NUMBER |= {"group", "group_name", "map", "map_name", "part", "maps", "stands_
 NO_NUMBER |= {
     "force",
     "contact_area",
-    "local_contact_area",
-    "local_mean_gap",
     "contact_radius",
     "hertz_approach",
     "hertz_max_pressure",
@@ -130,6 +128,9 @@ NO_NUMBER |= {
 NO_NUMBER |= {"shear_traction", "stick", "stick_share", "tangential_load", "tangential_displacement"}
 NO_NUMBER |= {"tangential_error_bound", "tangential_stiffness", "friction_coefficient", "peak_pressure"}
 NO_NUMBER |= {"temperature_rise", "mean_flash_temperature", "max_flash_temperature", "loaded_radius"}
+NO_NUMBER |= {name for name in VARIABLES if name.startswith("local_")} | {
+    "hertz_conductance_per_conductivity"
+}
 NO_NUMBER |= {"gas_conductance", "joint_conductance"}  # of a gas whose jump distance is a length of its own
 NO_NUMBER |= {f"greenwood_tripp_{name}" for name in ("contact_area", "loaded_radius", "max_pressure")}
 NO_NUMBER |= {f"rms_{name}_before_load" for name in ("height", "gradient", "curvature")}

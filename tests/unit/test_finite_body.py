@@ -5,6 +5,8 @@ import re
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.interpolate import CubicSpline
+from scipy.special import ellipk
 
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
@@ -19,6 +21,8 @@ from roughcontact.report.map_plots import pressure_map
 from roughcontact.report.tables import number_tables
 from roughcontact.results.storage import read_dataset
 from roughcontact.statistics.finite_body import hertz_axes
+from roughcontact.uncertainty import local_scale
+from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP
 from roughcontact.window.finite_body import finite_body
 
 SEAL = {"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"}
@@ -353,10 +357,102 @@ def test_local_scale_of_a_smooth_map_is_the_contact_of_hertz():
     exact = np.pi * hertz(50.0, 0.05, 115e9)["contact_radius"] ** 2
     assert answer["local_contact_area"].item() == pytest.approx(exact, rel=1e-9)
     assert answer["local_mean_gap"].item() < 1e-15
+    holm = 2 * hertz(50.0, 0.05, 115e9)["contact_radius"]  # 1/(2 a k)
+    assert answer["local_conductance_per_conductivity"].item() == pytest.approx(holm, rel=1e-9)
+    assert "local_contact_area_lower" not in answer
     wider = rc.evaluate(
         ground(1e-8), contact={"contact_modulus": 115e9, "force": 5}, form=LOCAL, **WITHOUT_BUDGET
     )
     assert "larger than the contact, with boundary: free" in wider.attrs["reasons"]
+
+
+ROUGH = ground(1e-7, (96, 96))
+CONTACT = {"contact_modulus": 115e9, "tolerance": 1e-6}
+MEAN = {"form": "mean", "outlier_threshold": None}
+
+
+def test_ends_of_the_local_scale_are_those_of_the_map_over_the_pressures_of_hertz():
+    """The quadrature is that of SciPy over an interpolation between 9 loads, instead of six nodes."""
+    options = {
+        "level": MEAN,
+        "uncertainty": {"sources": ["solver", "discretisation", "window"], "windows": 4},
+    }
+    local = rc.evaluate(ROUGH, **options, contact=CONTACT | {"force": 40.0}, form=LOCAL)
+    smooth = hertz(40.0, 0.05, 115e9)
+    loads = smooth["max_pressure"] * np.geomspace(0.07, 1, 9)
+    curve = rc.evaluate(ROUGH, **options, contact=CONTACT | {"mean_pressure": loads.tolist()})
+
+    def over_hertz(values):
+        spline = CubicSpline(np.log(loads / loads[-1]), np.log(values))
+        return quad(lambda s: 2 * s * np.exp(spline(np.log(s))), 1e-2, 1)[0]
+
+    area = np.pi * smooth["contact_radius"] ** 2
+    for end in ("", "_lower", "_upper"):
+        of_map = {
+            name: over_hertz(curve[f"{name}{end}"])
+            for name in ("relative_contact_area", "mean_gap", "conductance_per_conductivity")
+        }
+        assert local[f"local_contact_area{end}"].item() == pytest.approx(
+            area * of_map["relative_contact_area"], rel=0.03
+        )
+        assert local[f"local_mean_gap{end}"].item() == pytest.approx(of_map["mean_gap"], rel=0.03)
+        if end != "_lower":  # by Thomson
+            series = 1 / (area * of_map["conductance_per_conductivity"]) + 1 / (2 * smooth["contact_radius"])
+            conductance = local[f"local_conductance_per_conductivity{end}"].item()
+            assert 1 / conductance == pytest.approx(series, rel=0.03)
+    for name, value in local.items():
+        if f"{name}_lower" in local and name.startswith("local_"):
+            assert local[f"{name}_lower"].item() < value.item() < local[f"{name}_upper"].item()
+
+
+@pytest.mark.parametrize(("stated", "changed"), [("contact_modulus", 1), ("mean_pressure", 0)])
+def test_material_of_the_local_scale_is_the_difference_of_two_solves(stated, changed):
+    options = {"level": MEAN, "form": LOCAL}
+    bodies = {"uncertainty": {"sources": ["material"]}}
+    known = CONTACT | {"force": 40.0}
+    local = rc.evaluate(ROUGH, **options, **bodies, contact=known | {f"{stated}_uncertainty": 0.1})
+    ends = [
+        rc.evaluate(
+            ROUGH,
+            **options,
+            uncertainty={"sources": []},
+            contact=known | ({"contact_modulus": 115e9 * by} if changed else {"force": 40.0 * by}),
+        )
+        for by in (0.9, 1.1)
+    ]
+    for name in ("local_contact_area", "local_mean_gap"):
+        two = sorted(end[name].item() for end in ends)
+        np.testing.assert_allclose(
+            [local[f"{name}_{end}"].item() for end in ("lower", "upper")], two, rtol=1e-4
+        )
+
+
+@pytest.mark.parametrize("power", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("biot", [0.1, 1.0, 30.0])
+def test_resistance_of_the_whole_contact_lies_between_rayleigh_and_thomson(power, biot):
+    """The flux q through spots h = (1 - r²)^power and a disc of a half-space solves an integral equation.
+
+    Rings have the potential (2/π) ∫ q(s) s/(r + s) K(4 r s/(r + s)²) ds per conductivity, here of two bodies.
+    """
+    edges = np.sin(np.linspace(0, np.pi / 2, 241))
+    middle, (nodes, weights) = (edges[1:] + edges[:-1]) / 2, np.polynomial.legendre.leggauss(24)
+    s = middle[:, None] + np.diff(edges)[:, None] / 2 * nodes
+    r = middle[:, None, None]
+    kernel = s / (r + s) * ellipk(np.clip(4 * r * s / (r + s) ** 2, 0, 1 - 1e-15))
+    rings = 4 / np.pi * (kernel * weights).sum(axis=2) * np.diff(edges) / 2
+    conductance = biot * (1 - middle**2) ** power
+    flux = np.linalg.solve(rings + np.diag(1 / conductance), np.ones(middle.size))
+    exact = 1 / (np.pi * np.diff(edges**2) @ flux)
+    shares, _ = local_scale._nodes()
+    smooth = {"area": np.array([np.pi]), "conductance": np.array([2.0])}
+    spots = dict.fromkeys((AREA, GAP), shares) | {CONDUCTANCE: biot * shares ** (2 * power)}
+    least, most = (
+        1
+        / local_scale._whole(spots, smooth, flux_as_pressure=by)["local_conductance_per_conductivity"].item()
+        for by in (False, True)
+    )
+    assert least < exact < most
+    assert least == pytest.approx(exact, rel=0.11)
 
 
 @pytest.mark.parametrize(

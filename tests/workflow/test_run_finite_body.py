@@ -43,6 +43,12 @@ def test_bodies_of_finite_size_go_from_the_settings_to_the_report(tmp_path, chec
     exact = [hertz(force, 1e-3, 1e9)["max_pressure"] for force in (1e-3, 2e-3)]
     np.testing.assert_allclose(local["mean_pressure"], exact)
     assert (local["local_contact_area"] < np.pi * local["hertz_radius"] ** 2).all()
+    assert (local["local_contact_area_lower"] < local["local_contact_area"]).all()
+    summary = project.path("results/summary.csv").read_text()
+    assert "local_contact_area_upper_m2" in summary
+    assert "local_conductance_per_conductivity_lower_m," in summary
     page = project.path("results/report.html").read_text()
     assert "Body of finite size" in page
     assert "on a body of finite size" in page
+    panel = project.path("results/local/ground/panel.html").read_text()
+    assert "Whole contact, each place as the map there" in panel

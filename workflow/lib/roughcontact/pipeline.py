@@ -21,7 +21,6 @@ from roughcontact.statistics.checks import with_verdicts
 from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statistics_function, with_uncertainty
 from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.instrument_checks import instrument_kind
-from roughcontact.statistics.local_scale import hertz_pressures, with_whole_contact
 from roughcontact.statistics.precision import with_precision
 from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import TARGETS, wanted_loads
@@ -31,6 +30,7 @@ from roughcontact.uncertainty.calibration import MAP_SCATTER
 from roughcontact.uncertainty.elastic_loads import elastic_loads
 from roughcontact.uncertainty.finite_body import finite_body_budget
 from roughcontact.uncertainty.improvement import with_halving
+from roughcontact.uncertainty.local_scale import hertz_pressures, whole_contact, with_whole_resistances
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.window.band import lateral_period_limit
 from roughcontact.window.instrument import stated_instrument, window_arguments
@@ -161,9 +161,11 @@ def bound_error(
     scatter_of: Callable[..., Scatter] = scatter_of_subwindows
     if levelled.attrs.get("lay") == ISOTROPIC:
         scatter_of, levelled = partial(scatter_of_surfaces, levelled), window
-    budget = error_budget(
-        levelled, window, chain_sections, **settings["uncertainty"], solved=solved, scatter_of=scatter_of
-    )
+    options = {**settings["uncertainty"], "scatter_of": scatter_of}
+    budget = error_budget(levelled, window, chain_sections, **options, solved=solved)
+    if radius := _radius_of_form(settings):
+        whole = {"forces": settings["contact"]["force"], "radius": radius}
+        budget = budget.assign(whole_contact(levelled, window, chain_sections, **whole, **options))
     if 1 not in window.shape or "lay" in window.attrs or not settings["uncertainty"]["sources"]:
         return budget
     isotropic = isotropic_contact(levelled, solver)
@@ -232,8 +234,8 @@ def complete_statistics(
     """
     yielding = with_first_yield(statistics, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
-    if radius := _radius_of_form(settings):
-        complete = with_whole_contact(complete, window, settings["contact"], radius, threads=threads)
+    if _radius_of_form(settings):
+        complete = with_whole_resistances(complete, settings["contact"]["bodies"])
     if "contact_area" in complete:  # of the corrected area, too
         ratio = complete["relative_contact_area"] / yielding["relative_contact_area"]
         corrected = {"contact_area": ratio, "contact_radius": ratio**0.5}

@@ -75,6 +75,7 @@ _DERIVED += [
     for property_name in ("thermal", "electrical")
     for quantity_name in ("conductance", "resistance")
 ]
+_DERIVED += [name for name in VARIABLES if name.startswith("local_")]
 VARIABLES |= {
     f"{name}_{end}": (VARIABLES[name][0], _OF_INTERVALS[end].format(name.replace("_", " ")))
     for name in _DERIVED

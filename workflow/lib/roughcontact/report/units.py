@@ -24,6 +24,8 @@ _FIXED = {
     "W m-2 K-1": Unit(1e-3, "kW/(m² K)"),
     "S m-2": Unit(1e-9, "GS/m²"),
     "m2 K W-1": Unit(1e6, "mm² K/W"),
+    "K W-1": Unit(1.0, "K/W"),
+    "Ohm": Unit(1e3, "mΩ"),
     "Ohm m2": Unit(1e12, "µΩ mm²"),
     "m2 s-1": Unit(3.6e9, "ml/(h m)"),
 }

@@ -73,7 +73,7 @@ def input_uncertainty(
         factors = (1 - width, 1 + width) if width else ()
         ends = [_end(source, factor, window, contact, solved) for factor in factors]
         for name, value in values.items():
-            below, above, secants[source, name] = _effect(value, ends, name)
+            below, above, secants[source, name] = effect(value, ends, name)
             if not np.isnan(above).all():
                 components[source][name] = component_from_units(name, value, half_widths(below, above))
             slope = (secants[source, name] - _EXPLICIT_POWER.get((source, name), 0.0)) / power
@@ -122,7 +122,7 @@ def _stiffer(bodies: Any, factor: float) -> Any:
     return bodies
 
 
-def _effect(
+def effect(
     value: np.ndarray, ends: list[tuple[np.ndarray, Values]], name: str
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return half-widths below and above a result, and the slope of its logarithm, from both ends."""

@@ -1,0 +1,181 @@
+"""The contact of a form that is wider than its map: each place as the map under Hertz's pressure there.
+
+All places have the same map: the ends of its intervals are integrated as they are. With another E* or force,
+where it is stated how well they are known, Hertz's contact changes, too: all of it is solved again.
+
+Heat and current take the spots and, in series, the constriction of Hertz's contact, 1/(2 a k) of a circle
+(Holm 1967, Electric Contacts; Greenwood 1966, Br. J. Appl. Phys. 17, 1621), in general E*/k dδ/dF. This is a
+lower bound (Rayleigh); a flux like the pressure, with 6/5 of that constriction, gives an upper (Thomson).
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import scipy
+import xarray as xr
+
+from roughcontact.choices import UncertaintySource
+from roughcontact.contact.solve import NEAR_HARDNESS, solve_contact
+from roughcontact.errors import SettingsError
+from roughcontact.references.closed_forms import hertz_ellipse
+from roughcontact.statistics.conductance import Bodies, conductance_columns, resistances_and_joint
+from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
+from roughcontact.uncertainty.budget_inputs import budget_inputs
+from roughcontact.uncertainty.combination import (
+    Component,
+    added_up,
+    component_from_units,
+    ends_of,
+    half_widths,
+)
+from roughcontact.uncertainty.ensemble import Values, solve_member
+from roughcontact.uncertainty.inputs import effect
+from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, to_scale
+
+_NODES = 6  # of Gauss and Jacobi, over the pressure
+_OF_MAP = (AREA, GAP, CONDUCTANCE)
+_CONDUCTANCE = f"local_{CONDUCTANCE}"
+_OPPOSITE = {"": "", "_lower": "_upper", "_upper": "_lower"}  # end of a number -> that of its inverse
+
+
+def hertz_pressures(contact: Mapping[str, Any], radius: Sequence[float]) -> list[float]:
+    """Return the largest nominal pressure (Pa) of a form, of one radius or two (m), under each force (N)."""
+    pressures = _hertz(contact["force"], radius, contact["contact_modulus"])["pressure"]
+    if (largest := pressures.max()) >= (hardness := contact.get("hardness") or np.inf):
+        force = max(contact["force"])
+        raise SettingsError(
+            f"contact.force = {force:g} N: the smooth form has a pressure of {largest:.3g} Pa (Hertz), not "
+            f"below the hardness {hardness:g} Pa; stay below {force * (hardness / largest) ** 3:.3g} N",
+            keys=["force", "hardness"],
+        )
+    return list(map(float, pressures))
+
+
+def whole_contact(
+    levelled: xr.DataArray,
+    window: xr.DataArray,
+    settings: Mapping[str, Mapping[str, Any]],
+    *,
+    forces: Sequence[float],
+    radius: Sequence[float],
+    sources: Sequence[UncertaintySource],
+    **options: Any,
+) -> dict[str, tuple[str, np.ndarray]]:
+    """Return variables (load) of the whole contact under forces (N), with the ends of their intervals.
+
+    `settings`, `sources` and `options` are those of the `error_budget` of the map at `hertz_pressures`.
+    """
+    contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
+    inputs = {"mean_pressure": np.asarray(forces, float), "contact_modulus": contact["contact_modulus"]}
+    smooth, at_places = _places(inputs, radius, contact)
+    curve = solve_contact(window, **at_places, reduce=budget_inputs)
+    of_map: list[UncertaintySource] = [source for source in sources if source != "material"]
+    budget = error_budget(
+        levelled, window, {**settings, "contact": at_places}, sources=of_map, solved=curve, **options
+    )
+    estimate, lower, upper = (
+        {name: budget.get(f"{name}_{kind}", curve[name]).values for name in _OF_MAP}
+        for kind in ("estimate", "lower", "upper")
+    )
+    # without an end in the interval nothing bounds it
+    upper = {
+        name: np.where(np.isnan(end) & ~np.isnan(lower[name]), np.inf, end) for name, end in upper.items()
+    }
+    values, below = _whole(estimate, smooth), _whole(lower, smooth, flux_as_pressure=True)
+    above, solved = _whole(upper, smooth), _whole({name: curve[name].values for name in _OF_MAP}, smooth)
+    components = {
+        name: [_component(value, value - below[name], above[name] - value)] for name, value in values.items()
+    }
+    for stated, name in MATERIAL_UNCERTAINTIES.items():
+        width = settings["contact"].get(stated) if "material" in sources else None
+        ends: list[tuple[np.ndarray, Values]] = []
+        for factor in (1 - width, 1 + width) if width else ():
+            changed, loads = _places(inputs | {name: factor * inputs[name]}, radius, contact)
+            again = solve_member(window, loads, names=_OF_MAP, tolerance=contact["tolerance"])
+            ends.append((np.log(factor), _whole(again, changed)))
+        for quantity in components if ends else ():
+            sides = effect(solved[quantity], ends, quantity)[:2]
+            components[quantity].append(_component(solved[quantity], *sides))
+    columns = {"force": inputs["mean_pressure"], "hertz_radius": np.sqrt(smooth["area"] / np.pi)}
+    columns |= {"hertz_approach": smooth["approach"], f"hertz_{CONDUCTANCE}": smooth["conductance"]}
+    for name, value in values.items():
+        combined = ends_of(GAP, to_scale(GAP, value), added_up(components[name]))
+        ends_by_name = zip(("_lower", "_upper"), combined, (below[name], above[name]), strict=True)
+        columns[name] = value
+        for end, total, of_map_alone in ends_by_name if sources else ():
+            known = np.where((value > 0) & (of_map_alone > 0), total, of_map_alone)
+            columns[f"{name}{end}"] = np.where(np.isinf(known), np.nan, known)
+    with np.errstate(divide="ignore"):
+        for end, other in _OPPOSITE.items():
+            if (area := columns.get(f"local_contact_area{other}")) is not None:
+                pressure = np.minimum(columns["force"] / area, contact.get("hardness") or np.inf)
+                columns[f"local_mean_contact_pressure{end}"] = np.where(area > 0, pressure, np.nan)
+    return {name: ("load", column) for name, column in columns.items()}
+
+
+def with_whole_resistances(statistics: xr.Dataset, bodies: Bodies | None) -> xr.Dataset:
+    """Return statistics with the resistances of the `whole_contact` of bodies of known properties."""
+    modulus = float(statistics["contact_modulus"])
+    columns: dict[str, tuple[str, np.ndarray]] = {}
+    for end, other in _OPPOSITE.items():
+        if (name := f"{_CONDUCTANCE}{other}") in statistics:
+            stiffness = modulus * statistics[name].values
+            by_area = conductance_columns(stiffness, contact_modulus=modulus, bodies=bodies)
+            columns |= {
+                f"local_{transport}{end}": ("load", np.where(np.isinf(values), np.nan, values))
+                for transport, values in resistances_and_joint(by_area, {}, None).items()
+                if transport.endswith("_resistance")
+            }
+    return statistics.assign(columns)
+
+
+def _places(
+    inputs: Mapping[str, Any], radius: Sequence[float], contact: Mapping[str, Any]
+) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """Return Hertz's contact (load) by inputs, and arguments of `solve_contact` for all of its places."""
+    modulus = inputs["contact_modulus"]
+    smooth = _hertz(inputs["mean_pressure"], radius, modulus)
+    pressures = np.outer(smooth["pressure"], _nodes()[0]).ravel()
+    largest = (1 - 2 * NEAR_HARDNESS) * (contact.get("hardness") or np.inf)
+    loads = np.minimum(pressures, largest).tolist()
+    return smooth, {**contact, "contact_modulus": modulus, "mean_pressure": loads}
+
+
+def _whole(curve: Values, smooth: Values, *, flux_as_pressure: bool = False) -> dict[str, np.ndarray]:
+    """Return the numbers (load) of the whole contact from those of the map (load and place)."""
+    shares, weights = _nodes()
+    area, gap, conductance = (curve[name].reshape(-1, shares.size) for name in _OF_MAP)
+    conductance = np.where(np.isnan(conductance) & (area >= 1), np.inf, conductance)  # of full contact
+    with np.errstate(divide="ignore"):
+        resistance = 1 / (smooth["area"] * (conductance @ weights)) + 1 / smooth["conductance"]
+        if flux_as_pressure:  # 3/2 s times its mean
+            of_spots = ((1.5 * shares) ** 2 / conductance) @ weights / smooth["area"]
+            resistance = of_spots + 1.2 / smooth["conductance"]
+    return {
+        "local_contact_area": smooth["area"] * (area @ weights),
+        "local_mean_gap": gap @ weights,
+        _CONDUCTANCE: 1 / resistance,
+    }
+
+
+def _nodes() -> tuple[np.ndarray, np.ndarray]:
+    """Return pressures s over the largest, and their shares 2 s ds of Hertz's ellipse, whatever its axes."""
+    roots, weights = scipy.special.roots_jacobi(_NODES, 0, 1)
+    return (1 + roots) / 2, weights / 2
+
+
+def _component(value: np.ndarray, below: np.ndarray, above: np.ndarray) -> Component:
+    """Return half-widths below and above a number of the whole contact on its scale, a logarithm."""
+    return component_from_units(GAP, value, half_widths(below, above))
+
+
+def _hertz(forces: Any, radius: Sequence[float], modulus: float) -> dict[str, np.ndarray]:
+    """Return pressure (Pa), area (m2), approach (m), conductance over conductivity (m) by force (load; N)."""
+    unit, scale = hertz_ellipse(1.0, (radius[0], radius[-1]), modulus), np.cbrt(np.asarray(forces, float))
+    return {
+        "pressure": unit["max_pressure"] * scale,
+        "area": np.pi * unit["major"] * unit["minor"] * scale**2,
+        "approach": unit["approach"] * scale**2,
+        "conductance": 1.5 * scale / (unit["approach"] * modulus),
+    }
