@@ -330,6 +330,45 @@ def test_the_contact_of_the_surface_behind_profiles(answers):
     assert (answers["across"]["relative_contact_area"] > 1.3 * true["relative_contact_area"]).all()
 
 
+@pytest.fixture(scope="module")
+def both():
+    """Return a surface with a lay, and its contact by profiles across the lay and along it."""
+    lay = rough(2, stretch=4.0).assign_coords(x=np.arange(SIDE) * 1e-6, y=np.arange(SIDE) * 1e-6) * 3e-7
+    across = [lay[[row]] for row in (20, 70, 120, 170, 220)]
+    along = [height_map(lay.values[:, column], 1e-6) for column in (40, 140, 240)]
+    options = {"contact": CONTACT, "lay": "across", "uncertainty": {"sources": ["solver", "window"]}}
+    return lay, rc.evaluate(across, along=along, **options), rc.evaluate(across[0], along=along[0], **options)
+
+
+def test_the_contact_of_the_surface_behind_profiles_of_both_directions(both):
+    lay, several, single = both
+    true = rc.evaluate(lay, contact=CONTACT, uncertainty={"sources": []})
+    for found in (several, single):
+        for quantity in ("relative_contact_area", "mean_gap"):
+            assert (found[f"{quantity}_lower"] < true[quantity]).all()
+            assert (true[quantity] < found[f"{quantity}_upper"]).all()
+    area = several["relative_contact_area"] / true["relative_contact_area"]
+    assert np.abs(area - 1).max() < 0.15
+    assert several.attrs["lay"] == "both"
+    assert "that 5 profiles across and 3 along the lay might have shown" in several.attrs["window_reason"]
+    reasons = {reason["check"]: reason["text"] for reason in json.loads(several.attrs["reasons"])}
+    assert "two directions" not in reasons.get("Lay", "")
+
+
+def test_the_scatter_of_both_directions_is_larger_by_that_of_the_stretch():
+    lay = rough(stretch=4.0).values
+    across, along = lay[:200:40], lay[:, :200:40].T
+    fit = ProfileFit(across, 1)
+    told = finish_of(across, fit, 4.0)
+    drawn = [finish.resampled(across, fit, told, np.random.default_rng(seed), along) for seed in range(30)]
+    stretches = np.log([each.stretch / 4.0 for each in drawn])
+    # the chance of the rms slope, from the mean square slopes of the pieces of both directions
+    pieces = [np.diff(profiles[:, :255].reshape(25, -1)) for profiles in (across, along)]
+    chances = [np.mean(piece**2, axis=1).std() / np.mean(piece**2) / 2 / np.sqrt(25) for piece in pieces]
+    assert stretches.std() == pytest.approx(np.hypot(*chances), rel=0.4)
+    assert abs(stretches.mean()) < np.hypot(*chances)
+
+
 def test_missing_points_of_a_profile_without_a_lay_are_filled_and_its_ends_left_out():
     options = {"lay": "none", "contact": CONTACT, "uncertainty": {"sources": ["solver"]}}
     profile = rough()[[20]].assign_coords(x=np.arange(SIDE) * 1e-6) * 3e-7
@@ -365,6 +404,13 @@ def test_a_lay_is_of_profiles():
         rc.evaluate(rough(), lay="none", contact=CONTACT)
     with pytest.raises(SettingsError, match="have one answer where lay = 'none'"):
         rc.evaluate(rows(rough()), lay="across", contact=CONTACT)
+    with pytest.raises(SettingsError, match="along: is of a surface with a lay, and lay = 'none'; state lay"):
+        rc.evaluate(rows(rough()), lay="none", along=rows(rough()), contact=CONTACT)
+    other = height_map(rough().values[:, 5], 2.0)
+    with pytest.raises(HeightMapError, match=r"have pitches of 1\.00 m, 2\.00 m; give profiles of one pitch"):
+        rc.evaluate(rows(rough())[0], lay="across", along=other, contact=CONTACT)
+    with pytest.raises(HeightMapError, match="lay = across: several profiles have one surface where"):
+        rc.evaluate(stacked(rows(rough())), lay="across", contact=CONTACT)
     contact = {"contact_modulus": 1e9, "boundary": "free", "force": 1.0}
     with pytest.raises(HeightMapError, match="drawn at random: its ± on a body of finite size is unknown"):
         rc.evaluate(rows(rough())[0] * 1e-6, lay="none", contact=contact, form={"radius": 1.0})

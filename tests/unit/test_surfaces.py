@@ -314,6 +314,31 @@ def test_repeats_in_a_group_are_of_one_part(table):
     assert [each.specimen for each in surfaces.values()] == ["left", "", ""]
 
 
+def test_profiles_across_a_lay_are_solved_with_those_along_it(table):
+    rows = ["x\tx.csv\tz1; z2\tturned\tacross", "y\ty.csv\t\tturned\talong", "z\tx.csv\tz3\tturned\talong"]
+    path = table("surface\tpath\tchannel\tgroup\tlay", *rows)
+    (single,) = read_surfaces(path).values()
+    along = [{"path": "y.csv", "lay": "across"}, {"path": "x.csv", "channel": "z3", "lay": "across"}]
+    assert single.read_arguments == {"channel": "z1; z2", "lay": "across", "along": along}
+    assert single.group == ""
+    more = read_surfaces(table("surface\tpath\tchannel\tgroup\tlay", *rows, "w\tw.csv\t\tturned\tacross"))
+    assert [(name, row.group) for name, row in more.items()] == [("x", "turned"), ("w", "turned")]
+    assert more["w"].read_arguments["along"] == along
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ("y\ty.csv\t\talong\t", "line 3, lay = along: a profile along the lay runs on one ridge"),
+        ("y\ty.csv\tground\talong\t", "give it the group of profiles with lay = across"),
+        ("y\ty.csv\tturned\talong\tx", "line 3, lay = along: y is not solved by itself; leave counter_face"),
+    ],
+)
+def test_profiles_along_a_lay_are_no_surfaces(table, row, said):
+    found = mistakes(table("surface\tpath\tgroup\tlay\trepeat_of", "x\tx.csv\tturned\tacross\t", row))
+    assert said in found
+
+
 def test_every_repeat_of_a_place_is_of_one_part(table):
     rows = ["a\ta.npy\t\tground", "b\tb.npy\ta\tground", "c\tc.npy\tb\tground", "d\td.npy\t\tground"]
     surfaces = read_surfaces(table("surface\tpath\trepeat_of\tgroup", *rows))

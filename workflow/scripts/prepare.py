@@ -10,15 +10,17 @@ from roughcontact.configuration.tiles import Tile, cut
 from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.repeats import noise_of_repeats
-from roughcontact.profiles.surface import levelled_heights
+from roughcontact.profiles.surface import levelled_heights, with_profiles_along
 from roughcontact.results.storage import read_dataset
 
 settings, row, output = snakemake.params.settings, snakemake.params.row, snakemake.output
 arguments = dict(settings["height"]["surface"])
 name, repeat = arguments.pop("name"), dict(arguments.pop("repeat", {}))
 try:
-    tile = arguments.pop("parts", None)
+    tile, along = arguments.pop("parts", None), arguments.pop("along", ())
     height = read_height_map(row["path"], **arguments)
+    if along:
+        height = with_profiles_along(height, [read_height_map(**profile) for profile in along])
     if tile:
         height = cut(height, Tile(*tile))
     if repeat and "instrument_noise" not in height.attrs:

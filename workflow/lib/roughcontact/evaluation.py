@@ -14,7 +14,7 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import HeightMapWarning, SettingsError
 from roughcontact.io.read import read_height_map
 from roughcontact.pipeline import run_chain
-from roughcontact.profiles.surface import ISOTROPIC, stacked
+from roughcontact.profiles.surface import ISOTROPIC, stacked, with_profiles_along
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.si import labelled_in_si, listed
 from roughcontact.variables import describe
@@ -29,6 +29,7 @@ def evaluate(
     source: str | Path | xr.DataArray | Sequence[xr.DataArray],
     *,
     lay: str | None = None,
+    along: xr.DataArray | Sequence[xr.DataArray] = (),
     level: Mapping[str, Any] | None = None,
     window: Mapping[str, Any] | None = None,
     contact: Mapping[str, Any] | None = None,
@@ -45,10 +46,12 @@ def evaluate(
     ----------
     source : str, Path or DataArray (y, x), m
         a measured file, or a height map as `read_height_map` or `height_map` returns it; or a list of
-        profiles of one isotropic finish, which have one answer.
+        profiles of one finish, which have one answer where it is isotropic or others are `along` its lay.
     lay : {"across", "none"}, optional
         of a profile: whether it was measured across a lay, and is solved as endless ridges, or the surface
         has none, and surfaces with its spectrum are solved (`surface_from_profiles`).
+    along : DataArray or sequence of DataArray (1, x), m, optional
+        with `lay` "across", profiles along the lay, of the same pitch: a surface with both is solved.
     level, window, contact, statistics, uncertainty, instrument, form : mapping, optional
         sections of the configuration, with numbers possibly as text with a unit ("115 GPa"); missing keys
         have their defaults. `contact` states the elasticity, as `contact_modulus` or `bodies`.
@@ -97,10 +100,10 @@ def evaluate(
     if isinstance(source, Sequence) and not isinstance(source, str):
         for profile in source:
             check_labelled(profile)
-        if lay != ISOTROPIC:
+        if lay != ISOTROPIC and not len(along):
             raise SettingsError(
-                f"lay = {lay!r}: several profiles have one answer where lay = 'none'; evaluate those "
-                "across a lay one by one, and join them by group_statistics"
+                f"lay = {lay!r}: several profiles have one answer where lay = 'none'; give others along the "
+                "lay as well, or evaluate those across it one by one, and join them by group_statistics"
             )
         source = stacked(source)
     elif not isinstance(source, str | PathLike):
@@ -130,6 +133,12 @@ def evaluate(
     height = source if isinstance(source, xr.DataArray) else read_height_map(source, **file)
     if lay is not None:
         height = height.assign_attrs(lay=lay)
+    if len(along):
+        if lay != "across":
+            raise SettingsError(
+                f"along: is of a surface with a lay, and lay = {lay!r}; state lay = 'across'", keys=["lay"]
+            )
+        height = with_profiles_along(height, [along] if isinstance(along, xr.DataArray) else along)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HeightMapWarning)  # of every solution; said once below
         result = run_chain(height, full, threads=threads)

@@ -15,7 +15,7 @@ from roughcontact.contact.dataset import joined
 from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
 from roughcontact.errors import HeightMapError
 from roughcontact.profiles.scatter import isotropic_contact, scatter_of_surfaces
-from roughcontact.profiles.surface import ISOTROPIC, levelled_heights, solved_window
+from roughcontact.profiles.surface import is_drawn, levelled_heights, solved_window
 from roughcontact.results.storage import provenance, written_load_by_load
 from roughcontact.statistics.checks import with_verdicts
 from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statistics_function, with_uncertainty
@@ -35,7 +35,7 @@ from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.window.band import lateral_period_limit
 from roughcontact.window.instrument import stated_instrument, window_arguments
 
-_BAND = ("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "profiles")
+_BAND = ("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "profiles", "profiles_along")
 _LOADS = ("mean_pressure", "relative_pressure", "force")
 
 SECTIONS = ("level", "window", "contact", "statistics", "uncertainty", "instrument")  # of the settings
@@ -159,7 +159,7 @@ def bound_error(
     chain_sections["window"] = window_arguments(levelled, settings)
     chain_sections["contact"] = {**solver, **stated}
     scatter_of: Callable[..., Scatter] = scatter_of_subwindows
-    if levelled.attrs.get("lay") == ISOTROPIC:
+    if is_drawn(levelled):
         scatter_of, levelled = partial(scatter_of_surfaces, levelled), window
     options = {**settings["uncertainty"], "scatter_of": scatter_of}
     budget = error_budget(levelled, window, chain_sections, **options, solved=solved)

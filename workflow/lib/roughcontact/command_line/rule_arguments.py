@@ -141,8 +141,9 @@ class RuleArguments:
         if not result:
             return 0
         row = self.plan.row(split(result)[1])
-        # of profiles without a lay a surface is solved
-        least_points = 2**18 if row.read_arguments.get("lay") == "none" else 0
+        # of profiles without a lay, or of both directions, a surface is solved
+        drawn = row.read_arguments.get("lay") == "none" or "along" in row.read_arguments
+        least_points = 2**18 if drawn else 0
         return max(estimate_points(row.path), least_points)
 
     def _code(self, script: str) -> str:

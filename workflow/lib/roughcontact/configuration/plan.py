@@ -167,12 +167,13 @@ class Plan:
         return first if first != case else ""
 
     def sources(self, rule: Rule, result: str) -> list[str]:
-        """Return the paths of the measured files that a job reads: a map and its repeat, or a finer map."""
+        """Return the paths of the measured files that a job reads: a map and others of it, or a finer map."""
         case, surface = split(result)
         if rule in ("prepare", "prepare_face"):
             row = self.measured[surface]
-            repeat = row.read_arguments.get("repeat")
-            return [str(row.path), *([repeat["path"]] if repeat else [])]
+            repeat, along = (row.read_arguments.get(key) for key in ("repeat", "along"))
+            others = [*([repeat] if repeat else []), *(along or [])]
+            return [*dict.fromkeys([str(row.path), *(other["path"] for other in others)])]
         finer = self.cases[case]["instrument"]["finer_spectrum"]
         return (
             [finer]

@@ -103,7 +103,7 @@ def _mistakes_in(row: Surface) -> list[str]:
     ]
     checks: dict[str, Callable[[Any], object]] = {
         "missing_value": marker_values,
-        "lay": check_lay,
+        "lay": lambda cell: check_lay("across" if cell == "along" else cell),  # of one group
         "resample": lambda cell: check_choice("resample", cell, Resampling),
         "checksum": lambda cell: check_choice("checksum", cell, Checksum),
         "first_row": lambda cell: check_choice("first_row", cell, FirstRow),

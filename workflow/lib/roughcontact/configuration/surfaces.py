@@ -3,7 +3,7 @@
 A row that names a `counter_face` is a pair: its files are read as `{surface}-face` and
 `{surface}-counter-face`, its placements `{surface}-1`, `{surface}-2` ... are solved. A row with `parts` (2x2)
 is a map that is cut: its tiles `{surface}-1-1`, `{surface}-2-1` ... (along x, along y) are surfaces of their
-own, in its group.
+own, in its group. Profiles along a lay are no surfaces: those across it in their group are solved with them.
 """
 
 import codecs
@@ -142,8 +142,9 @@ def read_surfaces(
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
     mistakes += _mistakes_in_areas(surfaces)
     mistakes += _mistakes_in_tiles(surfaces, cuts)
+    mistakes += _mistakes_in_profiles_along(surfaces)
     if not mistakes:
-        surfaces = _with_tiles(surfaces, cuts)
+        surfaces = _with_profiles_along(_with_tiles(surfaces, cuts))
     mistakes += _mistakes_in_groups(surfaces)
     if placements_each:
         mistakes += _names_of_faces(surfaces, placements(surfaces, placements_each))
@@ -340,10 +341,10 @@ def _mistakes_in_tiles(surfaces: Mapping[str, Surface], cuts: Mapping[str, str])
                 f"{origin}: {name} is the same place as another surface ({REPEAT}, {BEFORE}), which its "
                 "parts are not; compare the whole maps, or leave that cell empty"
             )
-        elif row.read_arguments.get("lay") == "none":
+        elif lay := row.read_arguments.get("lay"):
             mistakes.append(
-                f"{origin}: profiles with lay = none are solved together; leave the cell empty, or name some "
-                "of them in a row of its own"
+                f"{origin}: profiles with lay = {lay} are solved together; leave the cell empty, or name "
+                "some of them in a row of its own"
             )
         try:
             names_of_tiles = [f"{name}-{tile.column}-{tile.row}" for tile in tiles_of(text)]
@@ -380,6 +381,46 @@ def _with_tiles(surfaces: Mapping[str, Surface], cuts: Mapping[str, str]) -> dic
                 specimen=specimen,
             )
     return rows
+
+
+def _mistakes_in_profiles_along(surfaces: Mapping[str, Surface]) -> list[str]:
+    """Return what is wrong with profiles along a lay, which serve those across it alone."""
+    across = {row.group for row in surfaces.values() if row.read_arguments.get("lay") == "across"}
+    of_same_area = {name for pair in same_area_pairs(surfaces) for name in pair}
+    mistakes = []
+    for name, row in surfaces.items():
+        if row.read_arguments.get("lay") != "along":
+            continue
+        if not row.group or row.group not in across:
+            mistakes.append(
+                f"{_line(row)}, lay = along: a profile along the lay runs on one ridge and shows nothing of "
+                f"the others; give it the {GROUP} of profiles with lay = across"
+            )
+        if name in of_same_area or row.counter_face is not None:
+            mistakes.append(
+                f"{_line(row)}, lay = along: {name} is not solved by itself; leave {PAIR}, {REPEAT} and "
+                f"{BEFORE} out"
+            )
+    return mistakes
+
+
+def _with_profiles_along(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
+    """Return the rows without profiles along a lay, which those across it in their group are given."""
+    along: dict[str, list[dict[str, Any]]] = {}
+    solved = {}
+    for name, row in surfaces.items():
+        if row.read_arguments.get("lay") == "along":
+            arguments = row.read_arguments | {"path": str(row.path), "lay": "across"}
+            along.setdefault(row.group, []).append(arguments)
+        else:
+            solved[name] = row
+    sizes = Counter(row.group for row in solved.values())
+    for name, row in solved.items():
+        if row.group in along and row.read_arguments.get("lay") == "across":
+            arguments = row.read_arguments | {"along": along[row.group]}
+            group = row.group if sizes[row.group] > 1 else ""  # of a single surface there is no group
+            solved[name] = replace(row, read_arguments=arguments, group=group)
+    return solved
 
 
 def same_area_pairs(surfaces: Mapping[str, Surface]) -> list[tuple[str, str]]:

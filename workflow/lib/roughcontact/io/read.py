@@ -46,7 +46,7 @@ def read_height_map(
     path : str or Path
         An instrument file, X3P, SDF, text (matrix, list of points, profile), `.npy` or netCDF.
     channel : str, optional
-        Name of the channel; without it the first one that holds heights. Of profiles without a `lay` several
+        Name of the channel; without it the first one that holds heights. Of profiles with a `lay` several
         names, between semicolons: they become the rows of one array.
     dx, dy : float or str, optional
         Steps from point to point, in `unit`, or with a unit of their own: ``"1.5 um"``. They override the
@@ -116,7 +116,7 @@ def read_height_map(
 
     path = Path(path)
     request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, lay)
-    if request.lay == "none" and ";" in (request.channel or ""):
+    if request.lay and ";" in (request.channel or ""):
         return _together(path, request, instrument)
     with unchanged(path):
         file = open_file(path)

@@ -30,25 +30,42 @@ class Finish(NamedTuple):
     spectrum: Spectrum
     heights: np.ndarray  # (scores,), at `_SCORES`
     slopes: np.ndarray  # (classes of height, lowest first; ranks), of neighbouring points
+    stretch: float  # how many times as long waves are along y
 
 
-def finish_of(profiles: np.ndarray, fit: ProfileFit) -> Finish:
+def finish_of(profiles: np.ndarray, fit: ProfileFit, stretch: float = 1.0) -> Finish:
     """Return what levelled profiles (number, points; m) tell."""
-    return Finish(fit.spectrum(), _heights(profiles, independent_heights(profiles)), _slopes(profiles))
+    heights = _heights(profiles, independent_heights(profiles))
+    return Finish(fit.spectrum(), heights, _slopes(profiles), stretch)
 
 
-def resampled(profiles: np.ndarray, fit: ProfileFit, finish: Finish, rng: np.random.Generator) -> Finish:
+def resampled(
+    profiles: np.ndarray,
+    fit: ProfileFit,
+    finish: Finish,
+    rng: np.random.Generator,
+    along: np.ndarray | None = None,
+) -> Finish:
     """Return what other profiles of the same surface might tell, by pieces of these drawn with replacement.
 
-    The spectrum scatters as that of a Gaussian surface does, and with the mean square slope of the pieces.
+    The spectrum scatters as that of a Gaussian surface does, and with the mean square slope of the pieces,
+    the stretch with those of both directions.
     """
+    drawn, change = _redrawn(profiles, rng)
+    periodograms = fit.resampled(finish.spectrum, rng) * change
+    heights = _heights(drawn, independent_heights(profiles))
+    stretch = finish.stretch
+    if along is not None:
+        stretch *= np.sqrt(change / _redrawn(along, rng)[1])
+    return Finish(fit.spectrum(periodograms), heights, _slopes(drawn), stretch)
+
+
+def _redrawn(profiles: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, float]:
+    """Return pieces (number, points; m) drawn with replacement, their mean square slope over that of all."""
     length = profiles.shape[1] // _BLOCKS
     blocks = profiles[:, : length * _BLOCKS].reshape(-1, length)
     drawn = blocks[rng.integers(len(blocks), size=len(blocks))]
-    change = np.mean(np.diff(drawn) ** 2) / np.mean(np.diff(blocks) ** 2)
-    periodograms = fit.resampled(finish.spectrum, rng) * change
-    heights = _heights(drawn, independent_heights(profiles))
-    return Finish(fit.spectrum(periodograms), heights, _slopes(drawn))
+    return drawn, np.mean(np.diff(drawn) ** 2) / np.mean(np.diff(blocks) ** 2)
 
 
 def correlation_length(profiles: np.ndarray) -> int:
@@ -65,14 +82,9 @@ def independent_heights(profiles: np.ndarray) -> float:
     return profiles.size / (2 * correlation_length(profiles))
 
 
-def draw(
-    finish: Finish, points: int, ratio: float, rng: np.random.Generator, stretch: float = 1.0
-) -> np.ndarray:
-    """Return the heights (points, points; m) of a periodic surface of `ratio` times the profiles' pitch.
-
-    It is isotropic but for its waves along y, which are longer by `stretch`.
-    """
-    shape, full = (points, points), points**2
+def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) -> np.ndarray:
+    """Return the heights (points, points; m) of a periodic surface of `ratio` times the profiles' pitch."""
+    shape, full, stretch = (points, points), points**2, finish.stretch
     fx, fy = np.fft.rfftfreq(points), np.fft.fftfreq(points)[:, None]
     amplitude = full * np.sqrt(stretch * finish.spectrum.at(np.hypot(fx, fy * stretch) / ratio))
     amplitude /= points * ratio

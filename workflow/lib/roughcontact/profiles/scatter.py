@@ -17,8 +17,13 @@ from roughcontact.levelling.forms import form_order
 from roughcontact.maps import height_map, spacing
 from roughcontact.profiles.finish import draw, finish_of, resampled
 from roughcontact.profiles.spectrum import ProfileFit
-from roughcontact.profiles.surface import profile_pieces, surface_from_profiles
-from roughcontact.quantities import counted_noun
+from roughcontact.profiles.surface import (
+    by_direction,
+    counted_profiles,
+    profile_pieces,
+    stacked,
+    surface_from_profiles,
+)
 from roughcontact.uncertainty.calibration import at_area, entry, table
 from roughcontact.uncertainty.discretisation import CORRECTED
 from roughcontact.uncertainty.ensemble import (
@@ -59,10 +64,9 @@ def scatter_of_surfaces(
             arms[name], shift[name] = (width, width), mean
         else:
             arms[name] = np.maximum(width - mean, 0.0), np.maximum(width + mean, 0.0)
-    measured = counted_noun(len(profiles), "profile")
     reason = (
-        f"The ± is for surfaces with this spectrum: {number} surfaces that {measured} might have shown "
-        "were drawn and solved; what spectrum, heights and slopes do not hold is that of "
+        f"The ± is for surfaces with this spectrum: {number} surfaces that {counted_profiles(window)} might "
+        "have shown were drawn and solved; what spectrum, heights and slopes do not hold is that of "
         "maps that were cut into profiles."
     )
     missed = bool(np.isnan(ensemble[GAP][:, solved]).any())
@@ -71,13 +75,15 @@ def scatter_of_surfaces(
 
 def member_surfaces(profiles: xr.DataArray, window: xr.DataArray, number: int) -> Iterator[xr.DataArray]:
     """Yield so many surfaces of the size of a window that profiles (number, x; m) leave open."""
-    segments, pitch = profile_pieces(profiles)
+    across, along = by_direction(profiles)
+    segments, pitch = profile_pieces(stacked(across))
+    of_along = profile_pieces(stacked(along))[0] if along else None
     fit = ProfileFit(segments, max(1, form_order(profiles)))
-    finish = finish_of(segments, fit)
+    finish = finish_of(segments, fit, window.attrs["stretch"])
     step = spacing(window)[1]
     for index in range(number):
         rng = np.random.default_rng([index + 1, window.shape[1]])
-        redrawn = resampled(segments, fit, finish, rng)
+        redrawn = resampled(segments, fit, finish, rng, of_along)
         yield height_map(draw(redrawn, window.shape[1], step / pitch, rng), step)
 
 

@@ -20,7 +20,7 @@ from roughcontact.si import in_si, labelled_in_si
 from roughcontact.window.finite_body import solved_map
 from roughcontact.window.sides import friendly_sides
 
-ISOTROPIC = "none"  # the lay of an isotropic surface
+ISOTROPIC, BOTH = "none", "both"  # the lay of profiles that have a surface behind them: without, and of both
 _MOST_POINTS = 512  # per side of a surface, unless others are asked for
 _LONGEST_PIECE = 8192  # points of a profile: longer ones are cut
 _LEAST_POINTS = 64
@@ -106,19 +106,20 @@ def surface_from_profiles(
         if not (isinstance(value, Real) and value % 1 == 0 and value >= least):
             raise SettingsError(f"{key} = {value!r}: give a whole number of {least} or more", keys=[key])
     fit = ProfileFit(segments, max(1, form_order(stack)))
-    finish = finish_of(segments, fit)
+    stretch, doubts = _stretch(segments, pitch, along) if len(along) else (1.0, [])
+    finish = finish_of(segments, fit, stretch)
     spectra = {  # the last two measured values are mean squares
         "wavenumber": 2 * np.pi * fit.band / pitch,
         "profiles": fit.measured[:-2] * pitch,
         "fit": finish.spectrum.fitted[:-2] * pitch,
     }
-    stretch, doubts = _stretch(segments, pitch, along) if len(along) else (1.0, [])
-    heights = draw(finish, int(side), ratio, np.random.default_rng(int(seed)), stretch)
+    heights = draw(finish, int(side), ratio, np.random.default_rng(int(seed)))
     drawn = height_map(heights, pitch * ratio)
     warnings = doubts + _warnings(segments, pitch, finish, side * ratio / stretch)
     facts = {
-        "lay": ISOTROPIC,
+        "lay": BOTH if len(along) else ISOTROPIC,
         "profiles": stack.shape[0],
+        "profiles_along": len(along),
         "correlation_length": correlation_length(segments) * pitch,
         "stretch": stretch,
         "profile_warnings": json.dumps(warnings, ensure_ascii=False),
@@ -145,11 +146,36 @@ def stacked(profiles: Sequence[xr.DataArray]) -> xr.DataArray:
     values = np.full((len(rows), max(row.size for row in rows)), np.nan)
     for index, row in enumerate(rows):
         values[index, : row.size] = row.values.ravel()
-    return height_map(values, pitches[0]).assign_attrs(rows[0].attrs | {"profiles": len(rows)})
+    missing = sum(int(np.isnan(row).sum()) for row in rows)
+    facts = {"profiles": len(rows), "missing_points": missing, "missing_share": missing / values.size}
+    return height_map(values, pitches[0]).assign_attrs(rows[0].attrs | facts)
+
+
+def with_profiles_along(across: xr.DataArray, along: Sequence[xr.DataArray]) -> xr.DataArray:
+    """Return profiles across a lay (number, x; m) and, as the last rows, those along it."""
+    first, others = rows_of(across), [row for height in along for row in rows_of(height)]
+    return stacked([*first, *others]).assign_attrs(lay=BOTH, profiles_along=len(others))
+
+
+def rows_of(heights: xr.DataArray) -> list[xr.DataArray]:
+    """Return the profiles (1, x; m) of an array (number, x; m)."""
+    return [heights] if 1 in heights.shape else [heights[[row]] for row in range(len(heights))]
+
+
+def by_direction(stack: xr.DataArray) -> tuple[list[xr.DataArray], list[xr.DataArray]]:
+    """Return profiles, and those along a lay, of `with_profiles_along`."""
+    rows = rows_of(stack)
+    number_across = len(rows) - stack.attrs.get("profiles_along", 0)
+    return rows[:number_across], rows[number_across:]
+
+
+def is_drawn(height: xr.DataArray | xr.Dataset) -> bool:
+    """Return whether of profiles, or of what was made of them, a surface behind them is solved."""
+    return height.attrs.get("lay") in (ISOTROPIC, BOTH)
 
 
 def levelled_heights(height: xr.DataArray, options: Mapping[str, Any]) -> xr.DataArray:
-    """Return the levelled map; of profiles without a lay each row is levelled by itself."""
+    """Return the levelled map; of profiles with a surface behind them each row is levelled by itself."""
     lay = height.attrs.get("lay", "")
     if "stretch" in height.attrs:
         raise HeightMapError(
@@ -161,23 +187,27 @@ def levelled_heights(height: xr.DataArray, options: Mapping[str, Any]) -> xr.Dat
         raise HeightMapError(
             f"lay = {lay}: is of profiles, and this is a map of {points} points; leave it out"
         )
-    if lay != ISOTROPIC:
+    if not is_drawn(height):
+        if height.attrs.get("profiles", 1) > 1:
+            raise HeightMapError(
+                f"lay = {lay}: several profiles have one surface where lay = none, or with others along the "
+                "lay; name one profile, or those along the lay as well"
+            )
         return level(height, **options)
-    rows = height if height.shape[1] > 1 else stacked([height])
-    levelled = [level(_without_missing_ends(rows[[row]]), **options) for row in range(len(rows))]
-    return stacked(levelled).assign_attrs(lay=ISOTROPIC)
+    return stacked([level(_without_missing_ends(stacked([row])), **options) for row in rows_of(height)])
 
 
 def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, Any]]) -> xr.DataArray:
     """Return the map that is solved: of profiles without a lay the surface behind them."""
-    if levelled.attrs.get("lay") != ISOTROPIC:
+    if not is_drawn(levelled):
         return solved_map(levelled, settings)
     if settings.get("contact", {}).get("boundary") == "free":
         text = (
             "its ± on a body of finite size is unknown; solve_contact takes the map of surface_from_profiles"
         )
         raise HeightMapError(f"the surface behind profiles is drawn at random: {text}")
-    drawn = surface_from_profiles([levelled[[row]] for row in range(len(levelled))])
+    across, along = by_direction(levelled)
+    drawn = surface_from_profiles(across, along=along)
     facts = {key: levelled.attrs[key] for key in ("form", "form_removed")}
     # it is periodic without its form, and has no points that were rejected
     drawn = drawn.assign_attrs(form="none", form_removed="{}", outliers_rejected=0)
@@ -186,8 +216,15 @@ def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, An
 
 def surfaces_behind(drawn: xr.DataArray | xr.Dataset) -> str:
     """Return in words the surfaces of which a drawn one, or its statistics, is an example."""
-    number_of_profiles = counted_noun(drawn.attrs["profiles"], "profile")
-    return f"the surfaces with the spectrum, heights and slopes of {number_of_profiles}"
+    return f"the surfaces with the spectrum, heights and slopes of {counted_profiles(drawn)}"
+
+
+def counted_profiles(drawn: xr.DataArray | xr.Dataset) -> str:
+    """Return in words how many profiles a drawn surface is of."""
+    along = drawn.attrs["profiles_along"]
+    return counted_noun(drawn.attrs["profiles"], "profile") + (
+        f" across and {along} along the lay" if along else ""
+    )
 
 
 def profile_pieces(stack: xr.DataArray) -> tuple[np.ndarray, float]:

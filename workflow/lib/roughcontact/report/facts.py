@@ -12,7 +12,7 @@ import xarray as xr
 from roughcontact.io.metadata import labelled, stored_instrument
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.maps import side_lengths, spacing
-from roughcontact.profiles.surface import ISOTROPIC, surfaces_behind
+from roughcontact.profiles.surface import is_drawn, surfaces_behind
 from roughcontact.quantities import counted_noun, number, percent, quantity
 from roughcontact.report.tables import material_name
 from roughcontact.report.units import unit_of
@@ -143,7 +143,7 @@ def measured_caption(measured: xr.DataArray) -> str:
 
 def _is_profile(height: xr.DataArray) -> bool:
     """Return whether a map is a profile, or profiles of an isotropic surface in rows."""
-    return 1 in height.shape or height.attrs.get("lay") == ISOTROPIC
+    return 1 in height.shape or is_drawn(height)
 
 
 def levelled_caption(levelled: xr.DataArray) -> str:
@@ -192,7 +192,7 @@ def waves_in_words(window: xr.DataArray) -> str:
     """
     shortest = shortest_reliable_wave(window)
     text = f"waves longer than {quantity(shortest, 'm')}" if shortest else ""
-    if window.attrs.get("lay") == ISOTROPIC:
+    if is_drawn(window):
         text = ", ".join(filter(None, [surfaces_behind(window), text]))
     if corrected := window.attrs.get("corrected_for"):
         text = f"{text or 'the map'}, corrected for {corrected}"

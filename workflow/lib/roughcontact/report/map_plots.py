@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.maps import side_lengths
-from roughcontact.profiles.surface import ISOTROPIC
+from roughcontact.profiles.surface import is_drawn
 from roughcontact.quantities import Unit
 from roughcontact.report.charts import COLOURS, Axis, Chart
 from roughcontact.report.colours import colour_scale, coloured
@@ -48,7 +48,7 @@ def height_map(
     """
     is_simulated = "window_reason" in height.attrs  # a surface behind the profiles, not these
     profiles = [height.values.ravel()] if 1 in height.shape else []
-    if height.attrs.get("lay") == ISOTROPIC and not is_simulated:
+    if is_drawn(height) and not is_simulated:
         profiles = [*height.values]
     if profiles:
         coloured_profiles = zip(profiles, COLOURS, strict=False)  # no more than there are colours

@@ -8,7 +8,7 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.bodies import have_layers
-from roughcontact.profiles.surface import ISOTROPIC, surfaces_behind
+from roughcontact.profiles.surface import is_drawn, surfaces_behind
 from roughcontact.quantities import number, prefix, quantity, with_interval
 from roughcontact.report.asked import bodies_in_words
 from roughcontact.report.units import interval_at
@@ -82,7 +82,7 @@ def _window(statistics: xr.Dataset, window: Mapping[str, Any], form: Mapping[str
     noun = "window" if all(map(math.isfinite, lengths)) else "profile"
     created = statistics.attrs.get("periodisation", window["method"])
     periodisation = "was periodic as measured" if created == "none" else f"was made periodic ({created})"
-    if statistics.attrs.get("lay") == ISOTROPIC:
+    if is_drawn(statistics):
         periodisation = f"was drawn at random from {surfaces_behind(statistics)}"
     radii = " and ".join(quantity(radius, "m") for radius in form.get("radius") or ())
     body = f"a body of finite size{f' of radius {radii}' if radii else ''}"

@@ -10,7 +10,7 @@ import xarray as xr
 
 from roughcontact.bodies import have_layers
 from roughcontact.maps import side_lengths
-from roughcontact.profiles.surface import ISOTROPIC
+from roughcontact.profiles.surface import is_drawn
 from roughcontact.quantities import percent
 from roughcontact.report import captions, facts, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
@@ -240,7 +240,7 @@ def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, st
     """Return (title, image, caption) of the waves of a window that is not flat."""
     profile = 1 in window.shape
     pictures = [("Power spectrum", texture_plots.spectrum(window), facts.spectrum_caption(window, numbers))]
-    if window.attrs.get("lay") == ISOTROPIC:
+    if is_drawn(window):
         caption = "Of the profiles, and of such profiles of the surface that was fitted to them."
         pictures.insert(0, ("Spectrum of the profiles", texture_plots.fitted_spectrum(window), caption))
     if not profile:

@@ -260,9 +260,11 @@ def sample(statistics: xr.Dataset) -> Check:
 
 def lay(statistics: xr.Dataset, window: Attributes) -> Check | None:
     """Check that it is stated of a profile whether it is one of ridges or of an isotropic surface."""
-    if window.get("lay") == "none":
+    if "profile_warnings" in window:
         if warnings := json.loads(window["profile_warnings"]):
             return review(" ".join(warnings))
+        if window["lay"] == "both":
+            return passed(f"Waves along the lay are {number(window['stretch'])} times as long as across.")
         return passed("No lay, as stated: the numbers are those of isotropic surfaces with this spectrum.")
     if not np.isnan([statistics[f"window_length_{axis}"] for axis in "xy"]).any():
         return None
