@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from pydantic import ValidationError
 
 from roughcontact.configuration.generated import default_yaml, json_schema
 from roughcontact.configuration.models import Contact, Settings
@@ -300,6 +301,34 @@ def test_schema_is_json_and_knows_every_key():
     assert set(schema["properties"]) == set(Settings.model_fields)
     assert set(schema["$defs"]["Contact"]["properties"]) == set(Contact.model_fields)
     assert schema["$defs"]["Contact"]["additionalProperties"] is False
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "good", "bad"),
+    [
+        ("level", "order", 2, 0),
+        ("level", "outlier_threshold", 4.0, 0),
+        ("instrument", "numerical_aperture", 1.6, 1.7),
+        ("contact", "mean_pressure_uncertainty", 0.0, 1.0),
+        ("contact", "target_area", 0.1, 1.0),
+        ("contact", "target_area", [0.1, 0.2], [1.0]),
+        ("contact", "target", "percolation", "yield"),
+        ("contact", "target_gap", "0.2 um", -1),
+        ("contact", "unload", True, {}),
+        ("form", "radius", ["5 mm", 0.1], ["5 mm"] * 3),
+    ],
+)
+def test_an_editor_and_the_program_agree_on_what_is_admitted(section, key, good, bad):
+    jsonschema = pytest.importorskip("jsonschema")
+    validator = jsonschema.Draft202012Validator(json.loads(json_schema()))
+    for value, admitted in ((good, True), (bad, False)):
+        assert validator.is_valid({section: {key: value}}) == admitted
+        try:
+            Settings.model_validate({section: {key: value}})
+        except ValidationError:
+            assert not admitted
+        else:
+            assert admitted
 
 
 @pytest.mark.parametrize(

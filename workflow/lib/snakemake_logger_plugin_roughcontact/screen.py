@@ -20,6 +20,7 @@ BAR = "ROUGHCONTACT_BAR"  # tells a run that the bar is wanted though its screen
 ERASE = "\r\x1b[K"  # the line of the bar
 _PREAMBLE = ("Assuming unrestricted shared filesystem", "Building DAG of jobs", "host: ")
 _BAR = 20  # characters
+_PAGE = Path("results/report.html")  # which a run of single results leaves as it is
 _LAST = ("contact", "statistics")  # the rules whose job is the last one of a result
 
 
@@ -90,7 +91,10 @@ class Screen:
             self._finished(self.jobs.pop(fields["job_id"], {}), record.created)
         elif event == "progress" and fields["done"] == fields["total"]:
             taken = duration(record.created - self.clock.begin)
-            self._line(f"done in {taken}" + (f": {self.page}" if self.page else ""))
+            page = f": {self.page}" if self.page else ""
+            if self.done and not page and _PAGE.exists():
+                page = f"; {_PAGE} is of an earlier run: `roughcontact run` makes it anew"
+            self._line(f"done in {taken}{page}")
         if self.bar and self.clock.total:
             self._write(ERASE + self._bar(record.created))
 

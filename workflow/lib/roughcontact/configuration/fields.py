@@ -74,7 +74,7 @@ def base_of(field: FieldInfo) -> str:
     >>> base_of(Level.model_fields["s_filter"]), base_of(Level.model_fields["max_missing"])
     ('m', '')
     """
-    checks = [getattr(check, "func", None) for check in (*field.metadata, *_rules(field.annotation))]
+    checks = (*field.metadata, *_rules(field.annotation))
     return next((check.base for check in checks if isinstance(check, Range)), "")
 
 

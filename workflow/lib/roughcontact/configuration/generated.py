@@ -20,6 +20,8 @@ _HEAD = """\
 # key has its default. config/README.md explains settings and table of surfaces.
 """
 _QUOTED = re.compile(r"[,:#\[\]{}\"'&*!|>%@`]")  # in a text: it has a meaning in YAML
+# of JSON schema, by the names that pydantic leaves there for limits behind a validator
+_KEYWORDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
 _WIDTH = 112  # of a comment with its indentation
 # settings without a default that the shipped configuration sets for the samples, to their examples
 _SHIPPED = {
@@ -57,7 +59,10 @@ def default_yaml(*, head: str = _HEAD, stated: Mapping[str, Mapping[str, Any]] |
 
 def json_schema() -> str:
     """Return the JSON schema of the configuration, for editors that complete and check YAML."""
-    schema = Settings.model_json_schema()
+    text = json.dumps(Settings.model_json_schema())
+    schema = json.loads(
+        text, object_hook=lambda group: {_KEYWORDS.get(key, key): group[key] for key in group}
+    )
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     return json.dumps(schema, indent=2) + "\n"
 

@@ -8,6 +8,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core.core_schema import CoreSchema, no_info_before_validator_function
+
 from roughcontact import materials
 from roughcontact.materials import Doubt
 from roughcontact.quantities import quantity
@@ -63,6 +67,16 @@ class Range:
             f"{quantity(number, self.base)} is {reason} ({quantity(limit, self.base)})"
             f"{question if likely else '.'} {_BARE_NUMBER_RULE.format(unit=self.base)}"
         )
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Return the schema of the number, after its unit was taken into account."""
+        return no_info_before_validator_function(self, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Admit a text, the number with its unit, beside the number."""
+        return {"anyOf": [handler(schema), {"type": "string"}]}
 
 
 def bare_number(value: object) -> float:

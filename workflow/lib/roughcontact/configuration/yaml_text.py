@@ -36,8 +36,7 @@ def check_yaml(file: Path) -> None:
             raise SettingsError(f"{file}: is empty; `roughcontact init` writes one to change")
         if not isinstance(root, yaml.MappingNode):
             raise SettingsError(f"{file}: has no keys at its top level, such as `contact:`")
-        _check_nodes(file, root, duplicates="__use_yte__" in text)
-        _check_expansion(file, root)
+        _Document(file, duplicates="__use_yte__" in text).check(root, "")
         yaml.constructor.SafeConstructor().construct_document(root)
     except yaml.YAMLError as error:
         mark, problem = (getattr(error, key, None) for key in ("problem_mark", "problem"))
@@ -61,37 +60,6 @@ def _text(file: Path) -> str:
         return content.decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise SettingsError(f"{file}: is not UTF-8 text ({error}); save it as such") from error
-
-
-def _check_nodes(file: Path, root: "yaml.MappingNode", *, duplicates: bool) -> None:
-    """Raise an error for duplicate keys, unless admitted, and for wrong scalars."""
-    import yaml
-
-    waiting: list[tuple[yaml.Node, str]] = [(root, "")]
-    visited: set[int] = set()
-    while waiting:
-        node, where = waiting.pop()
-        if id(node) in visited:  # of an alias once
-            continue
-        visited.add(id(node))
-        origin = f"{file}, line {node.start_mark.line + 1}"
-        _check_tag(node, origin, where)
-        if isinstance(node, yaml.ScalarNode):
-            _check_scalar(node, origin, where)
-        elif isinstance(node, yaml.SequenceNode):
-            waiting += [(item, f"{where}[{number}]") for number, item in enumerate(node.value)]
-        else:
-            keys = Counter(key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode))
-            for key, value in node.value:
-                if not isinstance(key, yaml.ScalarNode):
-                    continue  # refused when it is constructed
-                if keys[key.value] > 1 and not duplicates:
-                    line = key.start_mark.line + 1
-                    raise SettingsError(
-                        f"{file}, line {line}: {key.value} occurs twice in the same group; delete one of them"
-                    )
-                name = f"{where}.{key.value}" if where else key.value
-                waiting += [(value, name), (key, name)]
 
 
 def _check_tag(node: "yaml.Node", origin: str, where: str) -> None:
@@ -139,29 +107,47 @@ def _check_scalar(node: "yaml.ScalarNode", origin: str, where: str) -> None:
         )
 
 
-def _check_expansion(file: Path, root: "yaml.Node") -> None:
-    """Raise an error for values in themselves, too many levels, or too many values with all aliases."""
-    sizes: dict[int, tuple[int, int]] = {}  # values and levels of the complete nodes
-    above: set[int] = set()
-    waiting = [(root, False)]
-    while waiting:
-        node, complete = waiting.pop()
-        origin = f"{file}, line {node.start_mark.line + 1}"
-        if id(node) in sizes:
-            continue
-        children = _children(node)
-        if not complete:
-            if id(node) in above:
+class _Document:
+    """Checks every node of a file once: in the order of the text an alias stands for what is known."""
+
+    def __init__(self, file: Path, *, duplicates: bool):
+        self.file, self.duplicates = file, duplicates
+        self.sizes: dict[int, tuple[int, int] | None] = {}  # values and levels of a node, None within it
+
+    def check(self, node: "yaml.Node", where: str) -> tuple[int, int]:
+        """Return how many values and levels a node has with all aliases; raise an error for what is wrong."""
+        import yaml
+
+        origin = f"{self.file}, line {node.start_mark.line + 1}"
+        if id(node) in self.sizes:
+            if size := self.sizes[id(node)]:
+                return size
+            raise SettingsError(
+                f"{origin}: a value contains an alias (*name) of itself; write out what is meant"
+            )
+        self.sizes[id(node)] = None
+        _check_tag(node, origin, where)
+        below: list[tuple[yaml.Node, str]] = []
+        if isinstance(node, yaml.ScalarNode):
+            _check_scalar(node, origin, where)
+        elif isinstance(node, yaml.SequenceNode):
+            below = [(item, f"{where}[{number}]") for number, item in enumerate(node.value)]
+        else:
+            keys = Counter(key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode))
+            twice = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode) and keys[key.value] > 1]
+            if twice and not self.duplicates:
                 raise SettingsError(
-                    f"{origin}: a value contains an alias (*name) of itself; write out what is meant"
+                    f"{self.file}, line {twice[0].start_mark.line + 1}: {twice[0].value} occurs twice in the "
+                    "same group; delete one of them"
                 )
-            above.add(id(node))
-            waiting.append((node, True))
-            waiting += [(child, False) for child in children]
-            continue
-        above.discard(id(node))
-        values = 1 + sum(sizes[id(child)][0] for child in children)
-        levels = 1 + max((sizes[id(child)][1] for child in children), default=0)
+            below = [
+                (one, f"{where}.{key.value}".removeprefix("."))
+                for key, value in node.value
+                for one in (key, value)
+            ]
+        sizes = [self.check(child, name) for child, name in below]
+        values = 1 + sum(size for size, _ in sizes)
+        levels = 1 + max((depth for _, depth in sizes), default=0)
         if values > MAX_VALUES:
             raise SettingsError(
                 f"{origin}: the configuration has more than {MAX_VALUES} values up to here: look for "
@@ -169,13 +155,5 @@ def _check_expansion(file: Path, root: "yaml.Node") -> None:
             )
         if levels > _MAX_LEVELS:
             raise SettingsError(f"{origin}: is nested too deeply; write fewer levels")
-        sizes[id(node)] = values, levels
-
-
-def _children(node: "yaml.Node") -> list["yaml.Node"]:
-    """Return keys and values of a mapping, the items of a sequence."""
-    import yaml
-
-    if isinstance(node, yaml.MappingNode):
-        return [node_of_pair for pair in node.value for node_of_pair in pair]
-    return node.value if isinstance(node, yaml.SequenceNode) else []
+        self.sizes[id(node)] = values, levels
+        return values, levels

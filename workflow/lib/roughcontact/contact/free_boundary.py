@@ -185,13 +185,14 @@ class FreeBody:
         shape = CELL_DIVISOR * next(tiles), CELL_DIVISOR * next(tiles)
         area = float(np.prod(shape) * dy * dx)
         unit_length, mean_pressure = float(np.sqrt(area)), force / area
-        if mean_pressure * np.prod(shape) >= self.hardness * region.mask.sum():
+        inside = heights[region.mask]
+        carrying = np.count_nonzero(inside > inside.min()) * dy * dx  # beyond edges nothing touches
+        if force >= self.hardness * carrying:
             raise SettingsError(
                 f"force {force:g} N is not below what the body carries at the hardness {self.hardness:g} Pa: "
-                f"stay below {self.hardness * region.mask.sum() * dy * dx:.3g} N",
+                f"stay below {self.hardness * carrying:.3g} N",
                 keys=("force",),
             )
-        inside = heights[region.mask]
         highest = float(inside.max())
         low = inside.min() - DEPTH * (np.ptp(inside) + force / (self.softest * region.reach))
         cell_heights = np.full(shape, low)
