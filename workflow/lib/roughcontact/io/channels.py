@@ -2,9 +2,8 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import prod
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -112,7 +111,7 @@ class MeasuredFile:
 
 
 def choose_channel(
-    file: MeasuredFile, requested: str | None, where: str, *, unit_given: bool = False
+    file: MeasuredFile, requested: str | None, *, unit_given: bool = False
 ) -> tuple[Channel, str]:
     """Return the channel of that name, else the first that holds heights, and a sentence on the choice.
 
@@ -124,16 +123,16 @@ def choose_channel(
     >>> names = {"Phase": "values in deg, no length", "Topography": "", "Topography back": ""}
     >>> channels = [Channel(name, (2, 2), lambda: None, no_height=why) for name, why in names.items()]
     >>> file = MeasuredFile("some format", channels, "top")
-    >>> choose_channel(file, None, "map.dat")[1]
+    >>> choose_channel(file, None)[1]
     "'Topography', the first height channel of 3"
-    >>> choose_channel(file, "topography BACK", "map.dat")[1]
+    >>> choose_channel(file, "topography BACK")[1]
     "'Topography back', named by the user"
     """
     names = [channel.name for channel in file.channels]
     listing = ", ".join(map(repr, names[:_LISTED])) + (", ..." if len(names) > _LISTED else "")
     if requested is None and file.question:
         raise InputFileError(
-            f"{where}: {file.question}; name one with channel (table of surfaces or argument), of {listing}; "
+            f"{file.question}; name one with channel (table of surfaces or argument), of {listing}; "
             "or all, in a row each, as repeats of one part of a group"
         )
     if requested is None:
@@ -146,14 +145,14 @@ def choose_channel(
             return channel, f"{channel.name!r}, {chosen}"
         reasons = "; ".join(f"{channel.name!r}: {channel.no_height}" for channel in file.channels)
         raise InputFileError(
-            f"{where}: no channel of this file holds heights ({reasons or 'it has none'}); if one does, "
+            f"no channel of this file holds heights ({reasons or 'it has none'}); if one does, "
             "name it with channel and give height_unit"
         )
     matches = [channel for channel in file.channels if channel.name == str(requested)]
     if not matches:
         matches = [c for c in file.channels if c.name.casefold() == str(requested).strip().casefold()]
     if len(matches) != 1:
-        raise InputFileError(f"{where}: no channel is named {str(requested)!r}; the file has {listing}")
+        raise InputFileError(f"no channel is named {str(requested)!r}; the file has {listing}")
     return matches[0], f"{matches[0].name!r}, named by the user"
 
 
@@ -166,28 +165,28 @@ def unreadable(message: str) -> Callable[[], np.ndarray]:
     return read
 
 
-def oversized(name: str, shape: tuple[int, ...], path: Path) -> Channel:
+def oversized(name: str, shape: tuple[int, ...]) -> Channel:
     """Return the channel of an array with more points than are read."""
     why = f"{' x '.join(map(str, shape))} points, more than the {MAX_POINTS} that are read; crop the map"
     doubt = f"variable {name!r} has {why}"
-    return Channel(name, (1, prod(shape)), unreadable(f"{path}: {doubt}"), no_height=why, doubt=doubt)
+    return Channel(name, (1, prod(shape)), unreadable(doubt), no_height=why, doubt=doubt)
 
 
-def as_heights(values: ArrayLike, where: str) -> np.ndarray:
+def as_heights(values: ArrayLike) -> np.ndarray:
     """Return real numbers, perhaps masked, as a float64 copy (ny, nx), NaN where missing.
 
     Missing are masked and infinite values, and numbers that programs write for them, beyond all heights.
 
     Examples
     --------
-    >>> as_heights([1, 2, 9.91e37], "map.dat")
+    >>> as_heights([1, 2, 9.91e37])
     array([[ 1.,  2., nan]])
     """
     mask = np.ma.getmaskarray(values) if isinstance(values, np.ma.MaskedArray) else None
     plain = np.asarray(np.ma.getdata(values))
     if plain.dtype.kind not in "iuf":
         raise InputFileError(
-            f"{where}: the values are of type {plain.dtype}, not real numbers; store heights as float64"
+            f"the values are of type {plain.dtype}, not real numbers; store heights as float64"
         )
     with np.errstate(all="ignore"):  # a NaN of single precision may be a signalling one
         heights = np.array(plain, dtype=float, ndmin=2)
@@ -249,17 +248,14 @@ def rounded_step(positions: ArrayLike) -> float | None:
 
 
 def scattered(
-    name: str, x: ArrayLike, y: ArrayLike | None, z: ArrayLike, error: UnevenPositionsError, **attributes: Any
+    channel: Channel, x: ArrayLike, y: ArrayLike | None, z: ArrayLike, error: UnevenPositionsError
 ) -> Channel:
-    """Return a channel of points (x, y, z; y None for a profile) that can be read only by resampling.
+    """Return a channel with points (x, y, z; y None for a profile) that can be read only by resampling.
 
-    Points without a height are left out; `attributes` are further ones of the channel.
+    Points without a height are left out.
     """
-    along_x, heights = (np.asarray(values, dtype=float).ravel() for values in (x, z))
-    along_y = None if y is None else np.asarray(y, dtype=float).ravel()
-    measured = np.isfinite(heights) & np.isfinite(along_x)
-    if along_y is not None:
-        measured &= np.isfinite(along_y)
-        along_y = along_y[measured]
-    points = Points(along_x[measured], along_y, heights[measured], str(error))
-    return Channel(name, (1, points.z.size), points.z[None, :].copy, points=points, **attributes)
+    columns = [np.asarray(each, dtype=float).ravel() for each in (x, z, *(() if y is None else (y,)))]
+    measured = np.isfinite(columns).all(axis=0)
+    along_x, heights, *along_y = (column[measured] for column in columns)
+    points = Points(along_x, along_y[0] if along_y else None, heights, str(error))
+    return replace(channel, shape=(1, heights.size), read=heights[None, :].copy, points=points)

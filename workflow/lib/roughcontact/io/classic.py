@@ -32,7 +32,7 @@ def check_header(path: Path) -> int | None:
     The NetCDF Classic Format Specification, appendix B of the NetCDF User's Guide (Unidata); the lists, axes
     and sizes of variables are checked, and that they lie in the file.
     """
-    with refusing(f"{path}: damaged or cut off netCDF file"), path.open("rb") as stream:
+    with refusing("damaged or cut off netCDF file"), path.open("rb") as stream:
         return _stated_size(_Header(stream, path.stat().st_size))
 
 

@@ -4,7 +4,6 @@ Every map is right-handed, the height towards the viewer, row 0 the bottom line 
 """
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -43,23 +42,21 @@ class Converted:
         )
 
 
-def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
-    """Return the map of a file that the user asks for, in metres; messages name `path`."""
-    channel, choice = choose_channel(
-        file, request.channel, str(path), unit_given=request.height_unit is not None
-    )
-    notes = file.warnings + channel.notes + _checksum_notes(file, request, path)
+def convert(file: MeasuredFile, request: Request) -> Converted:
+    """Return the map of a file that the user asks for, in metres."""
+    channel, choice = choose_channel(file, request.channel, unit_given=request.height_unit is not None)
+    notes = file.warnings + channel.notes + _checksum_notes(file, request)
     if channel.no_height:
         notes.append(f"channel {channel.name!r} is read as heights on request ({channel.no_height})")
     elif request.channel is None and NO_TOPOGRAPHY.search(channel.name):
         notes.append(f"channel {channel.name!r} is read as heights, which by its name it does not hold")
-    channel, settled = _settled(channel, request, path)
-    channel, marked = _without_markers(channel, request, path)
-    channel, request, resampling = on_even_grid(channel, request, path)
-    scale = decide_scale(channel, request, path)
+    channel, settled = _settled(channel, request)
+    channel, marked = _without_markers(channel, request)
+    channel, request, resampling = on_even_grid(channel, request)
+    scale = decide_scale(channel, request)
     with np.errstate(over="ignore"):  # infinite heights are refused below
-        heights = _checked(channel.read() * scale.height_factor, path)
-    first_row, assumed, turned = _first_row(file, channel, request, path)
+        heights = _checked(channel.read() * scale.height_factor)
+    first_row, assumed, turned = _first_row(file, channel, request)
     if first_row == "top":
         heights = np.ascontiguousarray(heights[::-1])
     facts = [*marked, *resampling, *scale.notes, *turned]
@@ -67,9 +64,9 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     return Converted(channel, choice, heights, scale.dx, scale.dy, notes, facts, first_row, assumed)
 
 
-def _without_markers(channel: Channel, request: Request, path: Path) -> tuple[Channel, list[str]]:
+def _without_markers(channel: Channel, request: Request) -> tuple[Channel, list[str]]:
     """Return a channel without the numbers that mark missing points by the user, and how often they occur."""
-    markers = marker_values(request.missing_value, f"{path}: missing_value")
+    markers = marker_values(request.missing_value)
     if not markers:
         return channel, []
     points = channel.points
@@ -84,14 +81,12 @@ def _without_markers(channel: Channel, request: Request, path: Path) -> tuple[Ch
     return replace(channel, read=lambda: values), [note]
 
 
-def _first_row(
-    file: MeasuredFile, channel: Channel, request: Request, path: Path
-) -> tuple[str, bool, list[str]]:
+def _first_row(file: MeasuredFile, channel: Channel, request: Request) -> tuple[str, bool, list[str]]:
     """Return where row 0 of the file lies, whether that is assumed, a note if the user overrides the file."""
     orientation, assumed = file.rows_of(channel)
     requested = request.first_row
     if requested is not None:
-        check_choice(f"{path}: first_row", requested, FirstRow)
+        check_choice("first_row", requested, FirstRow)
     if requested is None or channel.shape[0] == 1:  # a profile has only one row
         return orientation, assumed and channel.shape[0] > 1, []
     if assumed or requested == orientation:
@@ -100,22 +95,22 @@ def _first_row(
     return requested, False, [note]
 
 
-def _checksum_notes(file: MeasuredFile, request: Request, path: Path) -> list[str]:
+def _checksum_notes(file: MeasuredFile, request: Request) -> list[str]:
     """Refuse a file that differs from its checksum, or return a note where the user wants it read."""
     if request.checksum is not None:
-        check_choice(f"{path}: checksum", request.checksum, Checksum)
+        check_choice("checksum", request.checksum, Checksum)
     if not file.stale:
         return []
     if request.checksum is None:
         raise InputFileError(
-            f"{path}: {file.stale}: not readable as {file.format.partition(' (')[0]}, because "
+            f"{file.stale}: not readable as {file.format.partition(' (')[0]}, because "
             "it was changed or damaged after it was written; export it again, or, where you know the change, "
             "give checksum = ignore (table of surfaces or argument)"
         )
     return [f"{file.stale}: read nevertheless, as asked (checksum = ignore)"]
 
 
-def _settled(channel: Channel, request: Request, path: Path) -> tuple[Channel, list[str]]:
+def _settled(channel: Channel, request: Request) -> tuple[Channel, list[str]]:
     """Return the channel as map or as points, where its numbers may be both, and a note on the choice."""
     matrix = channel.otherwise
     if matrix is not None and request.dx is not None and request.resample is None:
@@ -124,20 +119,20 @@ def _settled(channel: Channel, request: Request, path: Path) -> tuple[Channel, l
             decision = f"the numbers are read as a map of {ny} rows of {nx}, because dx and dy are given"
             return matrix, [decision]
     if channel.doubt:
-        raise InputFileError(f"{path}: {channel.doubt}")
+        raise InputFileError(channel.doubt)
     return channel, []
 
 
-def _checked(heights: np.ndarray, path: Path) -> np.ndarray:
+def _checked(heights: np.ndarray) -> np.ndarray:
     """Return plausible heights (m), or raise an error that says why they are no measurement."""
     if heights.size == 1:
-        raise HeightMapError(f"{path}: the map has a single point; a map or a profile needs at least two")
+        raise HeightMapError("the map has a single point; a map or a profile needs at least two")
     if not np.isfinite(heights).any():
-        raise HeightMapError(f"{path}: all {heights.size} points of the map are missing; check the channel")
+        raise HeightMapError(f"all {heights.size} points of the map are missing; check the channel")
     largest = np.nanmax(np.abs(heights))
     if largest > _LARGEST_HEIGHT:
         raise HeightMapError(
-            f"{path}: heights up to {largest:.3g} m are no measurement: the height unit is wrong, the "
+            f"heights up to {largest:.3g} m are no measurement: the height unit is wrong, the "
             "number marks missing points (give it as missing_value), or the file is damaged (for instance a "
             "binary file whose line ends were converted)"
         )

@@ -41,7 +41,7 @@ def _can_be_measured(path: Path) -> bool:
     with path.open("rb") as stream:
         text = stream.read(_EXAMINED).replace(b"\0", b"").decode("latin-1")  # also in UTF-16
     try:
-        split_header(text.splitlines(), path)
+        split_header(text.splitlines())
     except InputFileError:  # no table of numbers
         return False
     return True

@@ -38,6 +38,17 @@ def brief(error: Exception) -> str:
 
 
 @contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Put the path before the messages of errors that do not begin with it."""
+    try:
+        yield
+    except RoughContactError as error:
+        if not str(error).startswith(str(path)[:60]):
+            error.args = (f"{path}: {error}",)
+        raise
+
+
+@contextmanager
 def refusing(message: str, way_out: str = "") -> Iterator[None]:
     """Raise errors of a library as `InputFileError` with a message and their own."""
     try:
@@ -58,24 +69,20 @@ def check_file(path: Path) -> None:
     try:
         path.stat()
     except PermissionError as error:
-        raise InputFileError(f"{path}: its folder may not be read by this user") from error
+        raise InputFileError("its folder may not be read by this user") from error
     except (OSError, ValueError):
         pass  # reported below
     if path.is_dir():
-        raise InputFileError(f"{path}: is a folder; name one file in it (roughcontact inspect lists them)")
+        raise InputFileError("is a folder; name one file in it (roughcontact inspect lists them)")
     if not path.exists():
-        raise InputFileError(
-            f"{path}: no such file; check the path (relative paths start at the working folder)"
-        )
+        raise InputFileError("no such file; check the path (relative paths start at the working folder)")
     if not path.is_file():
-        raise InputFileError(f"{path}: is no regular file")
+        raise InputFileError("is no regular file")
     size = path.stat().st_size
     if size == 0:
-        raise InputFileError(f"{path}: the file is empty")
+        raise InputFileError("the file is empty")
     if size > MAX_FILE_BYTES:
-        raise InputFileError(
-            f"{path}: {size} bytes, more than the {MAX_FILE_BYTES} that are read; crop the map"
-        )
+        raise InputFileError(f"{size} bytes, more than the {MAX_FILE_BYTES} that are read; crop the map")
 
 
 def sha256(path: Path) -> str:
@@ -101,27 +108,23 @@ def unchanged(path: Path) -> Iterator[None]:
         yield
     finally:
         if state_of(path) != before:
-            raise InputFileError(
-                f"{path}: changed while it was read; wait until it is complete, and read it again"
-            )
+            raise InputFileError("changed while it was read; wait until it is complete, and read it again")
 
 
-def check_points(shape: tuple[int, int], where: str | Path) -> None:
+def check_points(shape: tuple[int, int]) -> None:
     """Refuse a map (ny, nx) of more than 2²⁷ points, or than this computer can hold, before it is read."""
     ny, nx = shape
     if ny * nx > MAX_POINTS:
-        raise InputFileError(
-            f"{where}: {ny} x {nx} points, more than the {MAX_POINTS} that are read; crop the map"
-        )
-    check_memory(ny * nx * BYTES_PER_POINT, f"{ny} x {nx} points", where)
+        raise InputFileError(f"{ny} x {nx} points, more than the {MAX_POINTS} that are read; crop the map")
+    check_memory(ny * nx * BYTES_PER_POINT, f"{ny} x {nx} points")
 
 
-def check_memory(required: float, data_name: str, where: str | Path) -> None:
+def check_memory(required: float, data_name: str) -> None:
     """Refuse to read data that need more memory (bytes) than this computer has."""
     total = memory_bytes()
     if total is not None and required > total:
         raise InputFileError(
-            f"{where}: {data_name} need {required / 2**30:.1f} GiB of memory to be read, this computer has "
+            f"{data_name} need {required / 2**30:.1f} GiB of memory to be read, this computer has "
             f"{total / 2**30:.1f} GiB; crop the map, or read it on a larger computer"
         )
 
@@ -147,7 +150,7 @@ def check_line_ends(path: Path) -> None:
     # one byte in 256 of binary data is a line feed: no coincidence
     if feeds > 50 and feeds == data.count(b"\r\n"):
         raise InputFileError(
-            f"{path}: every line feed in this binary file follows a carriage return: it was transferred as "
+            "every line feed in this binary file follows a carriage return: it was transferred as "
             "text and is damaged; copy it again in binary mode"
         )
 
@@ -160,9 +163,7 @@ def check_archive(path: Path) -> None:
     if not zipfile.is_zipfile(path):
         with path.open("rb") as stream:
             if stream.read(4) == b"PK\x03\x04":
-                raise InputFileError(
-                    f"{path}: a ZIP archive (X3P, PLUX, ...) without its end: the file was cut off"
-                )
+                raise InputFileError("a ZIP archive (X3P, PLUX, ...) without its end: the file was cut off")
         return
     try:
         # sizes of the directory: `zipfile` never unpacks more of a member
@@ -171,30 +172,30 @@ def check_archive(path: Path) -> None:
             total = sum(entry.file_size for entry in entries)
             if total > MAX_UNPACKED_BYTES:
                 raise InputFileError(
-                    f"{path}: the archive would unpack to {total} bytes, more than the {MAX_UNPACKED_BYTES} "
+                    f"the archive would unpack to {total} bytes, more than the {MAX_UNPACKED_BYTES} "
                     "that are allowed"
                 )
             for entry in entries:
                 if entry.filename.lower().endswith(".xml"):
-                    _check_xml(archive, entry, path)
+                    _check_xml(archive, entry)
     except ARCHIVE_ERRORS as error:
         if isinstance(error, RuntimeError) and "password" in str(error):
-            raise InputFileError(f"{path}: the ZIP archive asks for a password; unpack it first") from error
-        raise InputFileError(f"{path}: the ZIP archive is damaged or encrypted ({brief(error)})") from error
+            raise InputFileError("the ZIP archive asks for a password; unpack it first") from error
+        raise InputFileError(f"the ZIP archive is damaged or encrypted ({brief(error)})") from error
 
 
-def _check_xml(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, path: Path) -> None:
+def _check_xml(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> None:
     """Refuse XML that is larger than 256 MiB or declares a document type or entities."""
     large = entry.file_size > _PROLOG * 16 and entry.file_size > _PADDED * entry.compress_size
     if entry.file_size > MAX_XML_BYTES or large:
         raise InputFileError(
-            f"{path}: {entry.filename} in the archive has {entry.file_size} bytes of XML, packed in "
+            f"{entry.filename} in the archive has {entry.file_size} bytes of XML, packed in "
             f"{entry.compress_size}: no description of a map is so long"
         )
     with archive.open(entry) as stream:
-        for declaration in _declarations(stream, f"{path}: {entry.filename} in the archive"):
+        for declaration in _declarations(stream, f"{entry.filename} in the archive"):
             raise InputFileError(
-                f"{path}: {entry.filename} in the archive declares {declaration}, which is "
+                f"{entry.filename} in the archive declares {declaration}, which is "
                 "refused because it can expand without limit or read other files; export the map again"
             )
 

@@ -29,7 +29,7 @@ def opened(path: Path) -> Iterator["h5py.File"]:
     """
     import h5py
 
-    with refusing(f"{path}: damaged or cut off HDF5 file"), h5py.File(path, "r") as file:
+    with refusing("damaged or cut off HDF5 file"), h5py.File(path, "r") as file:
         yield file
 
 
@@ -51,7 +51,7 @@ def datasets(path: Path) -> dict[str, tuple[int, ...]]:
     # heights must not be bytes of other files of this computer
     _check_heaps(path)
     with opened(path) as file:
-        return dict(_arrays(file, path))
+        return dict(_arrays(file))
 
 
 def _check_heaps(path: Path) -> None:
@@ -69,12 +69,12 @@ def _check_heaps(path: Path) -> None:
                 number, size = struct.unpack_from("<H6xQ", data, offset)
                 remaining -= 1
                 if remaining == 0 or (number == 0 and size == 0):
-                    raise InputFileError(f"{path}: damaged or cut off HDF5 file (a heap without an end)")
+                    raise InputFileError("damaged or cut off HDF5 file (a heap without an end)")
                 offset += _HEAP_HEAD + size + -size % 8 if number else size
             start = data.find(_HEAP, start + 1)
 
 
-def _arrays(file: "h5py.File", path: Path) -> Iterator[tuple[str, tuple[int, ...]]]:
+def _arrays(file: "h5py.File") -> Iterator[tuple[str, tuple[int, ...]]]:
     """Yield name and shape of every array; groups found twice are refused, as they may form a loop."""
     import h5py
 
@@ -85,7 +85,7 @@ def _arrays(file: "h5py.File", path: Path) -> Iterator[tuple[str, tuple[int, ...
         for name in group:
             link = group.get(name, getlink=True)
             if isinstance(link, h5py.ExternalLink):
-                raise _outside(path, f"{group.name.rstrip('/')}/{name} is a link into another file")
+                raise _outside(f"{group.name.rstrip('/')}/{name} is a link into another file")
             try:
                 entry = group[name]
             except (KeyError, OSError, RuntimeError):
@@ -95,39 +95,39 @@ def _arrays(file: "h5py.File", path: Path) -> Iterator[tuple[str, tuple[int, ...
             address = h5py.h5o.get_info(entry.id).addr
             if isinstance(entry, h5py.Group) and (address in visited or depth == _DEEPEST):
                 raise InputFileError(
-                    f"{path}: {group.name.rstrip('/')}/{name} is a group that occurs twice or lies more than "
+                    f"{group.name.rstrip('/')}/{name} is a group that occurs twice or lies more than "
                     f"{_DEEPEST} groups deep in this HDF5 file, which is refused: the file may have no end"
                 )
             if address in visited:
                 continue
             visited.add(address)
             if len(visited) > _MOST_OBJECTS:
-                raise InputFileError(f"{path}: more than {_MOST_OBJECTS} objects in this HDF5 file")
+                raise InputFileError(f"more than {_MOST_OBJECTS} objects in this HDF5 file")
             if isinstance(entry, h5py.Group):
                 groups.append((entry, depth + 1))
             elif isinstance(entry, h5py.Dataset):
-                _check_array(entry, path)
+                _check_array(entry)
                 yield entry.name, entry.shape or ()
 
 
-def _check_array(array: "h5py.Dataset", path: Path) -> None:
+def _check_array(array: "h5py.Dataset") -> None:
     """Refuse an array whose numbers lie in other files, and one on which the netCDF library crashes."""
     import h5py
 
     if array.external:
-        raise _outside(path, f"the numbers of {array.name} lie in another file")
+        raise _outside(f"the numbers of {array.name} lie in another file")
     if array.is_virtual:
-        raise _outside(path, f"{array.name} is put together from other files")
+        raise _outside(f"{array.name} is put together from other files")
     if array.shape == () and h5py.h5ds.is_scale(array.id):
         raise InputFileError(
-            f"{path}: {array.name} of this HDF5 file is the scale of an axis but a single number, so that "
+            f"{array.name} of this HDF5 file is the scale of an axis but a single number, so that "
             "nothing says where points lie; save the heights as .npy or netCDF"
         )
 
 
-def _outside(path: Path, description: str) -> InputFileError:
+def _outside(description: str) -> InputFileError:
     """Return the error for a file with data in other files."""
     return InputFileError(
-        f"{path}: {description}, which is refused: any file of this computer would be read as heights; copy "
+        f"{description}, which is refused: any file of this computer would be read as heights; copy "
         "the numbers into one file"
     )

@@ -8,7 +8,7 @@ import numpy as np
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import Channel
 from roughcontact.io.conversion import Converted, convert
-from roughcontact.io.guards import sha256
+from roughcontact.io.guards import naming, sha256
 from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
 from roughcontact.io.registry import open_file
 from roughcontact.io.request import Request
@@ -79,7 +79,8 @@ def inspect_file(
     problem, warnings, name, choice, measured = None, list(file.warnings), None, None, None
     rows, assumed = file.first_row, file.first_row_assumed
     try:
-        converted = convert(file, request, path)
+        with naming(path):
+            converted = convert(file, request)
     except (InputFileError, HeightMapError) as error:
         problem = str(error)
         if request.channel is None:
@@ -99,7 +100,7 @@ def inspect_file(
         "instrument": file.instrument,
         "channel": name,
         "channel_choice": choice,
-        "channels": [_described(listed, chosen=listed.name == name) for listed in file.channels],
+        "channels": [_described(listed, path, chosen=listed.name == name) for listed in file.channels],
         "map": measured,
         "problem": problem,
         "warnings": warnings,
@@ -126,7 +127,7 @@ def _measured(converted: Converted) -> dict:
     }
 
 
-def _described(channel: Channel, *, chosen: bool) -> dict:
+def _described(channel: Channel, path: Path, *, chosen: bool) -> dict:
     """Return properties of a channel, in the units of the file; large ones are read only if chosen."""
     described = {
         "name": channel.name,
@@ -142,7 +143,8 @@ def _described(channel: Channel, *, chosen: bool) -> dict:
     if channel.no_height or (prod(channel.shape) > _LARGE and not chosen):
         return described
     try:
-        values = channel.read()
+        with naming(path):
+            values = channel.read()
     except InputFileError as error:
         return described | {"reason": str(error)}
     if np.isfinite(values).any():

@@ -15,7 +15,7 @@ def compare_size(path: Path, required_size: int) -> tuple[str, list[str]]:
     size = path.stat().st_size
     if size < required_size:
         raise InputFileError(
-            f"{path}: {size} bytes where its header needs {required_size}: it was cut off, or lost bytes on "
+            f"{size} bytes where its header needs {required_size}: it was cut off, or lost bytes on "
             "the way; copy or export it again"
         )
     if size == required_size:

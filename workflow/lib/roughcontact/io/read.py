@@ -15,7 +15,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.conversion import convert
-from roughcontact.io.guards import sha256, unchanged
+from roughcontact.io.guards import naming, sha256, unchanged
 from roughcontact.io.plausibility import suspicions
 from roughcontact.io.registry import open_file
 from roughcontact.io.request import Request
@@ -118,9 +118,9 @@ def read_height_map(
     request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, lay)
     if request.lay and ";" in (request.channel or ""):
         return _together(path, request, instrument)
-    with unchanged(path):
+    with naming(path), unchanged(path):
         file = open_file(path)
-        converted = convert(file, request, path)
+        converted = convert(file, request)
         digest = sha256(path)
     notes, facts = list(converted.notes), list(converted.facts)
     if len(file.channels) > 1 and request.channel is None:

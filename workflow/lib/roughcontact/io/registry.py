@@ -5,7 +5,7 @@ from pathlib import Path
 from pkgutil import iter_modules
 
 from roughcontact.io.channels import MeasuredFile
-from roughcontact.io.guards import check_archive, check_file
+from roughcontact.io.guards import check_archive, check_file, naming
 from roughcontact.io.interface import Reader, head_of
 
 _READERS = "roughcontact.io.readers"
@@ -33,7 +33,7 @@ def recognised(path: Path) -> tuple[str, Reader]:
 
 def open_file(path: Path) -> MeasuredFile:
     """Open a measured file of any format, checked and recognised; its channels are in its own units."""
-    check_file(path)
-    check_archive(path)
-    _, reader = recognised(path)
-    return reader.read(path)
+    with naming(path):
+        check_file(path)
+        check_archive(path)
+        return recognised(path)[1].read(path)

@@ -4,7 +4,6 @@ Interpolation between points lowers slopes and with them the pressures, so it is
 """
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from roughcontact.io.units import is_length, metres
 _REACH = 2.0  # steps from the nearest point beyond which a grid point counts as not measured
 
 
-def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channel, Request, list[str]]:
+def on_even_grid(channel: Channel, request: Request) -> tuple[Channel, Request, list[str]]:
     """Return the channel on an even grid, the request less the steps used, and how it was resampled.
 
     The list of sentences is empty where it was not resampled.
@@ -31,17 +30,17 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
     if request.resample is None and channel.otherwise is not None:
         columns = channel.otherwise.shape[1]
         raise InputFileError(
-            f"{path}: {columns} columns of numbers without names: a map of {columns} columns, then "
+            f"{columns} columns of numbers without names: a map of {columns} columns, then "
             f"give dx, dy and unit; or points ({points.uneven}), then give resample = linear to interpolate "
             "to an even grid (table of surfaces or arguments)"
         )
     if request.resample is None:
         raise InputFileError(
-            f"{path}: {points.uneven}; give resample = linear (table of surfaces or argument) to "
+            f"{points.uneven}; give resample = linear (table of surfaces or argument) to "
             "interpolate to an even grid, or interpolate and export it with the instrument's software"
         )
-    check_choice(f"{path}: resample", request.resample, Resampling)
-    steps = given_steps(request, path)
+    check_choice("resample", request.resample, Resampling)
+    steps = given_steps(request)
     if any(steps):  # positions and steps in `unit`
         unit = request.unit or "m"
         factor = metres(channel.lateral_unit) / metres(unit) if is_length(channel.lateral_unit) else 1.0
@@ -49,12 +48,12 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
         points = points._replace(x=points.x * factor, y=y)
         steps = steps[0] and steps[0] / metres(unit), steps[1] and steps[1] / metres(unit)
         channel = replace(channel, lateral_unit=unit)
-    gridded, description = resampled(channel, points, steps, path)
+    gridded, description = resampled(channel, points, steps)
     return gridded, replace(request, dx=None, dy=None), [description]
 
 
 def resampled(
-    channel: Channel, points: Points, steps: tuple[float | None, float | None], where: str | Path
+    channel: Channel, points: Points, steps: tuple[float | None, float | None]
 ) -> tuple[Channel, str]:
     """Return a channel on an even grid of steps (dx, dy), in its units, and a sentence that says how.
 
@@ -67,14 +66,14 @@ def resampled(
     >>> x = np.array([0.0, 1.0, 3.0, 4.0])
     >>> points = Points(x, None, 10 * x, "the positions along x are not evenly spaced")
     >>> trace = Channel("height", (1, 4), lambda: None, points=points)
-    >>> gridded, done = resampled(trace, points, (2.0, None), "trace.txt")
+    >>> gridded, done = resampled(trace, points, (2.0, None))
     >>> gridded.read(), gridded.dx
     (array([[ 0., 20., 40.]]), 2.0)
     """
     x, y, z, uneven = points
     if z.size < (3 if y is None else 4):
-        raise HeightMapError(f"{where}: {z.size} points are too few to be resampled; measure again")
-    along_x, along_y, heights = (_profile if y is None else _map)(x, y, z, steps, where)
+        raise HeightMapError(f"{z.size} points are too few to be resampled; measure again")
+    along_x, along_y, heights = (_profile if y is None else _map)(x, y, z, steps)
     gridded = replace(
         channel,
         shape=heights.shape,
@@ -93,13 +92,13 @@ def resampled(
     )
 
 
-def _profile(x, _, z, steps, where):
+def _profile(x, _, z, steps):
     """Return the positions of the grid and the heights (1, nx) there, linear between neighbours."""
     order = np.argsort(x, kind="stable")
     x, z = x[order], z[order]
     step = steps[0] or (x[-1] - x[0]) / (x.size - 1)
-    grid = _grid(x, step, where)
-    check_points((1, grid.size), where)
+    grid = _grid(x, step)
+    check_points((1, grid.size))
     heights = np.interp(grid, x, z)
     nearest = np.clip(np.searchsorted(x, grid), 1, x.size - 1)
     away = np.minimum(np.abs(grid - x[nearest - 1]), np.abs(grid - x[nearest]))
@@ -107,26 +106,26 @@ def _profile(x, _, z, steps, where):
     return grid, None, heights[None, :]
 
 
-def _map(x, y, z, steps, where):
+def _map(x, y, z, steps):
     """Return the positions of the grid along x and y and the heights (ny, nx) there."""
     from scipy.interpolate import LinearNDInterpolator
     from scipy.spatial import QhullError, cKDTree
 
     area = np.ptp(x) * np.ptp(y)
     if not area > 0:
-        raise HeightMapError(f"{where}: all points lie on one line; give the file as a profile (x, z)")
+        raise HeightMapError("all points lie on one line; give the file as a profile (x, z)")
     dx, dy = steps
     dx = dx or dy or np.sqrt(area / z.size)
     dy = dy or dx
-    along_x, along_y = _grid(x, dx, where), _grid(y, dy, where)
-    check_points((along_y.size, along_x.size), where)
+    along_x, along_y = _grid(x, dx), _grid(y, dy)
+    check_points((along_y.size, along_x.size))
     # in steps from the middle: the triangulation matches the grid, and rounding errors are small
     scaled = np.column_stack([(x - x.mean()) / dx, (y - y.mean()) / dy])
     grid = np.meshgrid((along_x - x.mean()) / dx, (along_y - y.mean()) / dy)
     try:
         heights = LinearNDInterpolator(scaled, z)(*grid)
     except QhullError as error:
-        raise HeightMapError(f"{where}: all points lie on one line; give the file as a profile") from error
+        raise HeightMapError("all points lie on one line; give the file as a profile") from error
     distance, _ = cKDTree(scaled).query(
         np.column_stack([coordinates.ravel() for coordinates in grid]), workers=1
     )
@@ -134,10 +133,10 @@ def _map(x, y, z, steps, where):
     return along_x, along_y, heights
 
 
-def _grid(positions, step, where):
+def _grid(positions, step):
     """Return the points of an even grid within the positions, centred among them."""
     low, high = positions.min(), positions.max()
     intervals = int(np.floor((high - low) / step * (1 + 1e-9)))
     if intervals < 1:
-        raise HeightMapError(f"{where}: a step of {step:g} is longer than the field of {high - low:g}")
+        raise HeightMapError(f"a step of {step:g} is longer than the field of {high - low:g}")
     return (low + high) / 2 + step * (np.arange(intervals + 1) - intervals / 2)

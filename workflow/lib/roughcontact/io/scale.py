@@ -4,7 +4,6 @@ The user overrides the file, with a note where they differ. Missing values are n
 """
 
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
@@ -28,13 +27,13 @@ class Scale:
     notes: list[str] = field(default_factory=list)  # arguments of the user that contradict the file
 
 
-def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
+def decide_scale(channel: Channel, request: Request) -> Scale:
     """Return the scale of a channel on an even grid, from the arguments of the user and the file.
 
     Examples
     --------
     >>> said = Channel("height", (3, 4), lambda: None, height_unit="nm", dx=2.0, dy=2.0, lateral_unit="um")
-    >>> scale = decide_scale(said, Request(dx=5.0, unit="um"), Path("map.txt"))
+    >>> scale = decide_scale(said, Request(dx=5.0, unit="um"))
     >>> scale.dx, scale.dy, scale.height_factor
     (4.9999999999999996e-06, 2e-06, 1e-09)
     >>> scale.notes
@@ -42,36 +41,36 @@ def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
     """
     if channel.no_height and request.height_unit is None and not is_length(channel.height_unit):
         raise InputFileError(
-            f"{path}: channel {channel.name!r} holds no heights ({channel.no_height}); if it does, give "
+            f"channel {channel.name!r} holds no heights ({channel.no_height}); if it does, give "
             "height_unit, the length that a value of 1 stands for"
         )
     notes: list[str] = []
-    factor = _lateral_factor(channel, request, path, notes)
-    dx, dy = (_step(name, channel, request, factor, path, notes) for name in ("dx", "dy"))
+    factor = _lateral_factor(channel, request, notes)
+    dx, dy = (_step(name, channel, request, factor, notes) for name in ("dx", "dy"))
     if channel.shape[0] == 1 and dy is None:
         dy = dx
     if dx is None or dy is None:
-        raise InputFileError(_missing_steps_message(channel, path))
+        raise InputFileError(_missing_steps_message(channel))
     if not (_SHORTEST < dx < 1 / _SHORTEST and _SHORTEST < dy < 1 / _SHORTEST):
-        raise InputFileError(f"{path}: steps of {dx:g} m x {dy:g} m are impossible; give dx, dy and unit")
+        raise InputFileError(f"steps of {dx:g} m x {dy:g} m are impossible; give dx, dy and unit")
     if channel.size_rounding is not None and request.dx is None and request.dy is None:
-        _refuse_cut_matrix(channel.shape, dx, dy, sum(channel.size_rounding), path)
-    height_factor = _height_factor(channel, request, path, notes)
+        _refuse_cut_matrix(channel.shape, dx, dy, sum(channel.size_rounding))
+    height_factor = _height_factor(channel, request, notes)
     return Scale(dx, dy, height_factor, notes)
 
 
-def given_steps(request: Request, path: Path) -> tuple[float | None, float | None]:
+def given_steps(request: Request) -> tuple[float | None, float | None]:
     """Return the steps (dx, dy; m) that the user gives, None where there is none.
 
     Examples
     --------
-    >>> given_steps(Request(dx="1.5 um", dy=2.0, unit="mm"), Path("map.txt"))
+    >>> given_steps(Request(dx="1.5 um", dy=2.0, unit="mm"))
     (1.5e-06, 0.002)
     """
-    return _given_step("dx", request, path), _given_step("dy", request, path)
+    return _given_step("dx", request), _given_step("dy", request)
 
 
-def _given_step(name: str, request: Request, path: Path) -> float | None:
+def _given_step(name: str, request: Request) -> float | None:
     """Return a step from the user in m, with its own unit or in `unit`."""
     value = getattr(request, name)
     if value is None:
@@ -80,21 +79,21 @@ def _given_step(name: str, request: Request, path: Path) -> float | None:
         step = float(in_base_unit(value, "m"))  # type: ignore[arg-type]  # no number: refused below
     except (TypeError, ValueError) as error:
         reason = f": {error}" if carries_unit(value) else " must be a positive number"
-        raise SettingsError(f"{path}: {name} = {value!r}{reason}") from error
+        raise SettingsError(f"{name} = {value!r}{reason}") from error
     if not (np.isfinite(step) and step > 0) or isinstance(value, bool):
-        raise SettingsError(f"{path}: {name} = {value!r} must be a positive number")
+        raise SettingsError(f"{name} = {value!r} must be a positive number")
     if carries_unit(value):
         return step
     if request.unit is None:
-        raise SettingsError(f"{path}: {name} = {value} is given without a unit; append it, or give unit")
-    return step * metres(request.unit, where=f"{path}: unit", error=SettingsError)
+        raise SettingsError(f"{name} = {value} is given without a unit; append it, or give unit")
+    return step * metres(request.unit, where="unit", error=SettingsError)
 
 
 def _step(
-    name: str, channel: Channel, request: Request, factor: float | None, path: Path, notes: list[str]
+    name: str, channel: Channel, request: Request, factor: float | None, notes: list[str]
 ) -> float | None:
     """Return one step in m, None if unknown; add a note where file and user differ."""
-    step, stated = _given_step(name, request, path), getattr(channel, name)
+    step, stated = _given_step(name, request), getattr(channel, name)
     if step is None:
         return None if stated is None or factor is None else stated * factor
     stated_unit = channel.lateral_unit or request.unit
@@ -105,12 +104,12 @@ def _step(
     return step
 
 
-def _lateral_factor(channel: Channel, request: Request, path: Path, notes: list[str]) -> float | None:
+def _lateral_factor(channel: Channel, request: Request, notes: list[str]) -> float | None:
     """Return the metres per unit of the file's own steps, None if unknown or not needed."""
     stated, is_needed = channel.lateral_unit, request.dx is None or request.dy is None
     if request.unit is None:
-        return metres(stated, where=f"{path}: lateral unit") if stated is not None and is_needed else None
-    factor = metres(request.unit, where=f"{path}: unit", error=SettingsError)
+        return metres(stated, where="lateral unit") if stated is not None and is_needed else None
+    factor = metres(request.unit, where="unit", error=SettingsError)
     if is_needed and channel.dx is not None and _differs(stated, factor):
         notes.append(
             f"the steps are taken in {request.unit} as given by the user, where the file says {stated}"
@@ -118,11 +117,11 @@ def _lateral_factor(channel: Channel, request: Request, path: Path, notes: list[
     return factor
 
 
-def _height_factor(channel: Channel, request: Request, path: Path, notes: list[str]) -> float:
+def _height_factor(channel: Channel, request: Request, notes: list[str]) -> float:
     """Return the metres per unit of the file's heights."""
     stated = channel.height_unit
     if request.height_unit is not None:
-        factor = metres(request.height_unit, where=f"{path}: height_unit", error=SettingsError)
+        factor = metres(request.height_unit, where="height_unit", error=SettingsError)
         if _differs(stated, factor):
             notes.append(
                 f"the heights are taken in {request.height_unit} as given by the user, where the file says "
@@ -130,13 +129,13 @@ def _height_factor(channel: Channel, request: Request, path: Path, notes: list[s
             )
         return factor
     if stated is not None:
-        return metres(stated, where=f"{path}: height unit")
+        return metres(stated, where="height unit")
     if request.unit is None:
         raise InputFileError(
-            f"{path}: the file does not say the unit of its heights; give height_unit (or unit) "
+            "the file does not say the unit of its heights; give height_unit (or unit) "
             "in the table of surfaces or as an argument"
         )
-    return metres(request.unit, where=f"{path}: unit", error=SettingsError)
+    return metres(request.unit, where="unit", error=SettingsError)
 
 
 def _differs(stated: str | None, factor: float) -> bool:
@@ -144,7 +143,7 @@ def _differs(stated: str | None, factor: float) -> bool:
     return stated is not None and (not is_length(stated) or metres(stated) != factor)
 
 
-def _missing_steps_message(channel: Channel, path: Path) -> str:
+def _missing_steps_message(channel: Channel) -> str:
     """Return the error message for missing steps, with the arguments that the user must give."""
     ny, nx = channel.shape
     description = f"a profile of {nx} points" if ny == 1 else f"a map of {ny} x {nx} points"
@@ -152,12 +151,12 @@ def _missing_steps_message(channel: Channel, path: Path) -> str:
     stated = {"dx": channel.dx} if ny == 1 else {"dx": channel.dx, "dy": channel.dy}
     absent = [name for name, step in stated.items() if step is None]
     return (
-        f"{path}: {description} that does not say its {'size' if absent else 'lateral unit'}{height_note}; "
+        f"{description} that does not say its {'size' if absent else 'lateral unit'}{height_note}; "
         f"give {', '.join([*absent, 'unit'])} in the table of surfaces or as arguments"
     )
 
 
-def _refuse_cut_matrix(shape: tuple[int, int], dx: float, dy: float, rounding: float, path: Path) -> None:
+def _refuse_cut_matrix(shape: tuple[int, int], dx: float, dy: float, rounding: float) -> None:
     """Refuse a text matrix whose pixels would be square with more lines (`rounding`: of their ratio).
 
     Accepted are every second, third ... line, pixels of 3 : 2 and 4 : 3, numbers of lines that no square
@@ -176,6 +175,6 @@ def _refuse_cut_matrix(shape: tuple[int, int], dx: float, dy: float, rounding: f
     if ends or abs(square_rows - round(square_rows)) > 0.01 + slack:
         return
     raise InputFileError(
-        f"{path}: {ny} lines of {nx} numbers do not fit the size in the header: the pixels would be "
+        f"{ny} lines of {nx} numbers do not fit the size in the header: the pixels would be "
         f"{dx:.6g} m x {dy:.6g} m; the file seems to be cut off. If it is whole, give dx, dy and unit"
     )

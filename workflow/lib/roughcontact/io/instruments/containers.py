@@ -29,7 +29,7 @@ def check_tiff(path: Path) -> None:
     A page is a count of its tags (2 bytes), 12 bytes for each of them, and the position of the next page.
     """
     with path.open("rb") as stream:
-        for _ in _tiff_pages(stream, path):
+        for _ in _tiff_pages(stream):
             pass
 
 
@@ -47,7 +47,7 @@ class Tag(NamedTuple):
 
 def tiff_tags(stream: IO[bytes] | mmap.mmap) -> Iterator[Tag]:
     """Yield the tags of all pages of a TIFF that `check_tiff` has passed."""
-    for order, begin, count in _tiff_pages(stream, ""):
+    for order, begin, count in _tiff_pages(stream):
         for entry_offset in range(begin + 2, begin + 2 + 12 * count, 12):
             stream.seek(entry_offset)
             number, value_type, values, position = struct.unpack(order + "HHII", stream.read(12))
@@ -60,7 +60,7 @@ def tiff_tags(stream: IO[bytes] | mmap.mmap) -> Iterator[Tag]:
 
 def tiff_end(stream: IO[bytes] | mmap.mmap) -> int:
     """Return the end of the last page, value or strip of a TIFF that `check_tiff` has passed, bytes."""
-    ends = [begin + 6 + 12 * count for _, begin, count in _tiff_pages(stream, "")]
+    ends = [begin + 6 + 12 * count for _, begin, count in _tiff_pages(stream)]
     strips: dict[int, list[int]] = {_STRIPS: [], _STRIP_LENGTHS: []}
     for tag in tiff_tags(stream):
         ends.append(tag.place + tag.length)
@@ -71,7 +71,7 @@ def tiff_end(stream: IO[bytes] | mmap.mmap) -> int:
     return max([*ends, *map(sum, zip(*strips.values(), strict=False))])
 
 
-def _tiff_pages(stream: IO[bytes] | mmap.mmap, path: Path | str) -> Iterator[tuple[str, int, int]]:
+def _tiff_pages(stream: IO[bytes] | mmap.mmap) -> Iterator[tuple[str, int, int]]:
     """Yield byte order, position and number of tags of every page; errors name the path."""
     stream.seek(0, 2)
     size = stream.tell()  # a mapped file returns no position from seek
@@ -81,9 +81,7 @@ def _tiff_pages(stream: IO[bytes] | mmap.mmap, path: Path | str) -> Iterator[tup
     visited: set[int] = set()
     while position:
         if position in visited or len(visited) == _MOST_PAGES:
-            raise InputFileError(
-                f"{path}: damaged TIFF: its pages form a loop, or are more than {_MOST_PAGES}"
-            )
+            raise InputFileError(f"damaged TIFF: its pages form a loop, or are more than {_MOST_PAGES}")
         visited.add(position)
         stream.seek(min(position, size))
         tags = stream.read(2)
@@ -91,7 +89,7 @@ def _tiff_pages(stream: IO[bytes] | mmap.mmap, path: Path | str) -> Iterator[tup
         stream.seek(12 * count, 1)
         following = stream.read(4)
         if len(tags) < 2 or len(following) < 4:
-            raise InputFileError(f"{path}: damaged or cut off TIFF: a page lies outside the file")
+            raise InputFileError("damaged or cut off TIFF: a page lies outside the file")
         yield order, position, count
         position = _number(following, order + "I")
 

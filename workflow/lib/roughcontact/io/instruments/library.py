@@ -8,6 +8,7 @@ import logging
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -43,7 +44,7 @@ def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
     The formats are those whose mark the file has, or all formats without a mark.
     """
     size = path.stat().st_size
-    check_memory(size * _BYTES_PER_BYTE, f"{size} bytes of this format", path)
+    check_memory(size * _BYTES_PER_BYTE, f"{size} bytes of this format")
     check_line_ends(path)
     head = head_of(path)
     if head.startswith(containers.TIFF):
@@ -67,15 +68,15 @@ def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
                 failures.append((library.name(), format_, error))
     candidate, reason = _likeliest(failures, within)
     if reason is None and shared and (foreign_format := containers.foreign(path, head)):
-        raise InputFileError(f"{path}: this is {foreign_format}")
+        raise InputFileError(f"this is {foreign_format}")
     if reason is not None and any(format_.marks for format_ in formats):
         raise InputFileError(
-            f"{path}: looks like {candidate}, but is damaged, cut off or of a kind that holds no map "
+            f"looks like {candidate}, but is damaged, cut off or of a kind that holds no map "
             f"({_message(reason)})"
         ) from reason
     hint = _FILM if path.suffix.lower() == ".asd" else ""
     raise InputFileError(
-        f"{path}: the format is not known, or the file is damaged (recognised by content, not by extension); "
+        f"the format is not known, or the file is damaged (recognised by content, not by extension); "
         f"{hint}export the map as X3P, SDF, netCDF or a text matrix with its size and units"
     ) from (failures[0][2] if failures else None)
 
@@ -130,53 +131,52 @@ def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
     if not infos and file_format.marks == containers.TIFF:
         raise FileFormatMismatch  # a picture
     if not infos:
-        raise InputFileError(f"{path}: this {reader.name()} file holds no map")
+        raise InputFileError(f"this {reader.name()} file holds no map")
     if not file_format.is_plausible(_header(infos[0])):
         raise FileFormatMismatch
     notes = file_format.corrected(infos, path)
     # Heights are read once here: an incomplete channel shows that the file was cut off.
-    channels = [_channel(info, file_format, path) for info in infos]
+    channels = [_channel(info, file_format) for info in infos]
     stale, padding = _compared(infos[0], file_format, path)
     instrument = _instrument(infos[0], file_format, path)
     return MeasuredFile(reader.name(), channels, "top", instrument, notes + padding, stale)
 
 
-def _channel(info: Any, file_format: Format, path: Path) -> Channel:
+def _channel(info: Any, file_format: Format) -> Channel:
     """Return one channel of a file, with its heights already read."""
     from SurfaceTopography.Exceptions import CorruptFile
 
     shape = (1, info.nb_grid_pts[0]) if len(info.nb_grid_pts) == 1 else tuple(info.nb_grid_pts[::-1])
-    check_points(shape, path)
-    lateral_unit, height_unit, no_height = _units(info)
-    units: dict[str, Any] = {"height_unit": height_unit, "lateral_unit": lateral_unit, "no_height": no_height}
+    check_points(shape)
+    lateral_unit, unit, no_height = _units(info)
+    channel = Channel(
+        info.channel_id, shape, unreadable(""), unit, lateral_unit=lateral_unit, no_height=no_height
+    )
     try:
         topography = info.topography()
         values = topography.heights()
     except CorruptFile as error:
-        raise InputFileError(
-            f"{path}: channel {info.channel_id!r} is incomplete: the file was cut off"
-        ) from error
+        raise InputFileError(f"channel {info.channel_id!r} is incomplete: the file was cut off") from error
     except Exception as error:
-        refused = f"{path}: channel {info.channel_id!r} cannot be read ({brief(error)})"
+        refused = f"channel {info.channel_id!r} cannot be read ({brief(error)})"
         if not no_height:
             raise InputFileError(refused) from error
-        return Channel(info.channel_id, shape, unreadable(refused), **units)
+        return replace(channel, read=unreadable(refused))
     if isinstance(topography.unit, str):  # the library converts steps and heights to one unit
-        units["lateral_unit"] = topography.unit
-        units["height_unit"] = topography.unit if is_length(height_unit) else height_unit
+        channel.lateral_unit = topography.unit
+        channel.height_unit = topography.unit if is_length(unit) else unit
     if not topography.is_uniform:
         uneven = UnevenPositionsError("the positions along x are not evenly spaced")
-        return scattered(info.channel_id, topography.positions(), None, values, uneven, **units)
-    heights = as_heights(values, str(path))
+        return scattered(channel, topography.positions(), None, values, uneven)
+    heights = as_heights(values)
     if topography.dim == 2:
         heights = heights.T
     header = _header(info)
     not_measured = file_format.not_measured(header, heights)
     if not_measured is not None:
         heights[not_measured] = np.nan
-    dx, dy = _steps(topography, file_format, header)
-    notes = file_format.sign_notes(header)
-    return Channel(info.channel_id, heights.shape, lambda: heights, dx=dx, dy=dy, notes=notes, **units)
+    channel.dx, channel.dy = _steps(topography, file_format, header)
+    return replace(channel, read=lambda: heights, notes=file_format.sign_notes(header))
 
 
 def _units(info: Any) -> tuple[str | None, str | None, str]:

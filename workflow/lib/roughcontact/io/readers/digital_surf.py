@@ -85,29 +85,27 @@ def _objects(path: Path) -> list[_Object]:
             stream.seek(end)
             data = stream.read(_HEADER_BYTES)
             if len(data) < _HEADER_BYTES:
-                raise InputFileError(f"{path}: a header of this Digital Surf file is cut off")
+                raise InputFileError("a header of this Digital Surf file is cut off")
             header = np.frombuffer(data, _LAYOUT, 1)[0]
             nx, ny = map(int, header["shape"])
             if min(nx, ny) < 1 or nx * ny != header["points"] or header["bits"] not in (16, 32):
                 raise InputFileError(
-                    f"{path}: damaged Digital Surf file: a header states {header['points']} points of "
+                    f"damaged Digital Surf file: a header states {header['points']} points of "
                     f"{header['bits']} bits in {ny} rows of {nx}"
                 )
-            check_points((ny, nx), path)
+            check_points((ny, nx))
             begin = end + _HEADER_BYTES + int(header["sizes"].sum())
             end = begin + nx * ny * int(header["bits"]) // 8
             if end > size:
                 raise InputFileError(
-                    f"{path}: {size} bytes where its headers need {end}: it was cut off, or lost bytes on "
+                    f"{size} bytes where its headers need {end}: it was cut off, or lost bytes on "
                     "the way; copy or export it again"
                 )
             objects.append(_Object(header, begin, end))
             stream.seek(end)
     stated = int(objects[0].header["objects"])
     if objects[0].header["type"] in _SERIES and len(objects) < stated:
-        raise InputFileError(
-            f"{path}: {len(objects)} objects where its header states {stated}: it was cut off"
-        )
+        raise InputFileError(f"{len(objects)} objects where its header states {stated}: it was cut off")
     return objects
 
 
@@ -142,7 +140,7 @@ def _read(item: _Object, rows: slice, path: Path) -> np.ndarray:
     header = item.header
     nx, ny = map(int, header["shape"])
     counts = np.fromfile(path, f"<i{header['bits'] // 8}", nx * ny, offset=item.begin).reshape(ny, nx)
-    heights = as_heights(counts, str(path))
+    heights = as_heights(counts)
     if header["special_points"] == 1:
         heights[counts == int(header["lowest"]) + _MISSING] = np.nan
     inversion = int(header["inversion"])

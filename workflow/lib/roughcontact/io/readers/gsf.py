@@ -36,25 +36,24 @@ def read(path: Path) -> MeasuredFile:
             lengths = [float(statements[key]) if key in statements else None for key in ("XReal", "YReal")]
         except (KeyError, ValueError) as error:
             raise InputFileError(
-                f"{path}: looks like GSF, but is damaged: no size in its header ({error})"
+                f"looks like GSF, but is damaged: no size in its header ({error})"
             ) from error
         if (
             not zero
             or min(nx, ny) < 1
             or not all(length is None or 0 < length < np.inf for length in lengths)
         ):
-            raise InputFileError(f"{path}: looks like GSF, but its header is damaged or cut off")
-        check_points((ny, nx), path)
+            raise InputFileError("looks like GSF, but its header is damaged or cut off")
+        check_points((ny, nx))
         begin = len(text) + 4 - len(text) % 4
         stored = path.stat().st_size - begin
         if stored != 4 * nx * ny:
             raise InputFileError(
-                f"{path}: {stored} bytes of heights where its header needs {4 * nx * ny}: it was cut off or "
-                "changed"
+                f"{stored} bytes of heights where its header needs {4 * nx * ny}: it was cut off or changed"
             )
         stream.seek(begin)
         values = np.frombuffer(stream.read(stored), "<f4").reshape(ny, nx)
-    heights = as_heights(values, str(path))
+    heights = as_heights(values)
     length_x, length_y = lengths
     channel = Channel(
         statements.get("Title") or "height",

@@ -42,28 +42,28 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a file; points under a mask are missing."""
     size = path.stat().st_size
-    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of Gwyddion", path)
+    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of Gwyddion")
     check_line_ends(path)
-    with refusing(f"{path}: looks like Gwyddion, but is damaged or cut off"):
+    with refusing("looks like Gwyddion, but is damaged or cut off"):
         with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
             data.seek(len(_MARK))
             container = _object(data)
             required_size = data.tell()
         images = [match[1] for key in container if (match := re.fullmatch(r"/(\d+)/data", key))]
-        channels = [_channel(container, f"/{number}", path) for number in images]
+        channels = [_channel(container, f"/{number}") for number in images]
     if not channels:
-        raise InputFileError(f"{path}: this Gwyddion file holds no image")
+        raise InputFileError("this Gwyddion file holds no image")
     stale, notes = compare_size(path, required_size)
     meta = container.get(f"/{images[0]}/meta", {})
     instrument = instrument_metadata({"serial": meta.get("Instrument serial number 2")}, meta)
     return MeasuredFile("Gwyddion", channels, "top", instrument, notes, stale)
 
 
-def _channel(container: dict[str, Any], number: str, path: Path) -> Channel:
+def _channel(container: dict[str, Any], number: str) -> Channel:
     """Return one image with its mask."""
     image, mask = container[f"{number}/data"], container.get(f"{number}/mask")
     shape = int(image["yres"]), int(image["xres"])
-    check_points(shape, path)
+    check_points(shape)
     values = image["data"].reshape(shape)
     if mask is not None:
         values = np.ma.masked_array(values, mask["data"].reshape(shape) > 0.5)
@@ -73,7 +73,7 @@ def _channel(container: dict[str, Any], number: str, path: Path) -> Channel:
     return Channel(
         container.get(f"{number}/data/title", f"image {number[1:]}"),
         shape,
-        partial(as_heights, values, str(path)),
+        partial(as_heights, values),
         height_unit=unit or "no unit",
         dx=dx,
         dy=dy,

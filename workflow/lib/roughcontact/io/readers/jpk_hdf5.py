@@ -52,7 +52,7 @@ def read(path: Path) -> MeasuredFile:
                     channels += _frames(measurement[group], attrs_of_measurement, before, path)
             instrument = instrument or _instrument(attrs_of_measurement)
     if not channels:
-        raise InputFileError(f"{path}: this JPK file holds no map")
+        raise InputFileError("this JPK file holds no map")
     channels.sort(key=lambda ranked: ranked[0])
     required_size = hdf5.stated_size(path)
     stale, notes = ("", []) if required_size is None else compare_size(path, required_size)
@@ -67,14 +67,14 @@ def _frames(
     """Return a channel for each frame of a group, with its place in the order."""
     attributes = dict(group.attrs.items())
     nx, ny = int(attrs_of_measurement[_GRID + "ilength"]), int(attrs_of_measurement[_GRID + "jlength"])
-    check_points((ny, nx), path)
+    check_points((ny, nx))
     arrays = [name for name in group if name != "thumbnail"]
     if len(arrays) != 1:
-        raise InputFileError(f"{path}: {group.name} of this JPK file has {len(arrays)} arrays, not one")
+        raise InputFileError(f"{group.name} of this JPK file has {len(arrays)} arrays, not one")
     array = group[arrays[0]]
     if array.ndim != 2 or array.shape[0] != nx * ny or array.dtype.kind not in "iuf":
         raise InputFileError(
-            f"{path}: {array.name} has the shape {array.shape}, which is no {ny} x {nx} points of each frame"
+            f"{array.name} has the shape {array.shape}, which is no {ny} x {nx} points of each frame"
         )
     unit = _text(attributes.get(_SCALE + "unit.unit", ""))
     scale = float(attributes[_SCALE + "multiplier"]), float(attributes[_SCALE + "offset"])
@@ -108,7 +108,7 @@ def _read(
     """Return the values of one frame."""
     with hdf5.opened(path) as file:
         counts = file[name][:, frame]
-    return as_heights(counts.reshape(shape) * scale[0] + scale[1], str(path))
+    return as_heights(counts.reshape(shape) * scale[0] + scale[1])
 
 
 def _instrument(attrs_of_measurement: dict[str, Any]) -> dict[str, Any]:

@@ -33,7 +33,7 @@ def read(path: Path) -> MeasuredFile:
     """Open a file with a channel for each matrix, vector or page; only names and sizes are read."""
     from scipy.io import whosmat
 
-    with refusing(f"{path}: damaged or cut off MATLAB file"):
+    with refusing("damaged or cut off MATLAB file"):
         _check_unpacked_size(path)
         variables = whosmat(str(path))
     # those named height, heights or z come first
@@ -43,16 +43,14 @@ def read(path: Path) -> MeasuredFile:
             continue
         ny, nx = (1, max(shape[:2])) if min(shape[:2]) == 1 else shape[:2]
         if prod(shape) > MAX_POINTS:
-            channels.append(oversized(name, shape, path))
+            channels.append(oversized(name, shape))
             continue
         for index in range(*shape[2:]) if len(shape) == 3 else [None]:
             label = name if index is None else f"{name}(:,:,{index + 1})"
             channels.append(Channel(label, (ny, nx), partial(_read, path, name, (ny, nx), index)))
     if not channels:
         listed = ", ".join(f"{name} ({value_type})" for name, _, value_type in variables[:8])
-        raise InputFileError(
-            f"{path}: no matrix of real numbers in this MATLAB file; it has {listed or 'nothing'}"
-        )
+        raise InputFileError(f"no matrix of real numbers in this MATLAB file; it has {listed or 'nothing'}")
     channels.sort(key=lambda channel: channel.name.lower().partition("(")[0] not in _FIRST)
     return MeasuredFile("MATLAB matrix", channels, first_row="bottom", first_row_assumed=True)
 
@@ -61,11 +59,11 @@ def _read(path: Path, name: str, shape: tuple[int, int], index: int | None) -> n
     """Return one variable, or one matrix of it."""
     from scipy.io import loadmat
 
-    check_points(shape, path)
-    with refusing(f"{path}: variable {name!r} is damaged"):
+    check_points(shape)
+    with refusing(f"variable {name!r} is damaged"):
         values = np.asarray(loadmat(str(path), variable_names=[name])[name])
-    refuse_points(values, path)
-    return as_heights((values if index is None else values[:, :, index]).reshape(shape), str(path))
+    refuse_points(values)
+    return as_heights((values if index is None else values[:, :, index]).reshape(shape))
 
 
 def _check_unpacked_size(path: Path) -> None:
@@ -77,13 +75,11 @@ def _check_unpacked_size(path: Path) -> None:
             data_type, count = (int.from_bytes(field, order) for field in (tag[:4], tag[4:]))
             if data_type not in (_MATRIX, _COMPRESSED):
                 raise InputFileError(
-                    f"{path}: damaged MATLAB file: no variable begins {stream.tell() - 8} bytes from its "
+                    f"damaged MATLAB file: no variable begins {stream.tell() - 8} bytes from its "
                     "beginning, where the one before ends; copy or save it again"
                 )
             if stream.tell() + count > size:
-                raise InputFileError(
-                    f"{path}: the last variable of this MATLAB file is not whole: it was cut off"
-                )
+                raise InputFileError("the last variable of this MATLAB file is not whole: it was cut off")
             if data_type != _COMPRESSED:
                 stream.seek(count, 1)
                 continue
@@ -93,12 +89,11 @@ def _check_unpacked_size(path: Path) -> None:
                 packed = unpacker.unconsumed_tail
                 if total > MAX_UNPACKED_BYTES:
                     raise InputFileError(
-                        f"{path}: its variables unpack to more than the {MAX_UNPACKED_BYTES} bytes allowed"
+                        f"its variables unpack to more than the {MAX_UNPACKED_BYTES} bytes allowed"
                     )
         if tag:
             raise InputFileError(
-                f"{path}: damaged MATLAB file: {len(tag)} bytes follow its last variable; copy or save it "
-                "again"
+                f"damaged MATLAB file: {len(tag)} bytes follow its last variable; copy or save it again"
             )
 
 

@@ -36,7 +36,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> NoReturn:
     """Refuse a file by the name of its format, and say how to convert it."""
-    raise InputFileError(f"{path}: this is {_description(head_of(path))}")
+    raise InputFileError(f"this is {_description(head_of(path))}")
 
 
 READER = Reader(RecognisedBy.MARK, recognises, read)

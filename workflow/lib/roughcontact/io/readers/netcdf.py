@@ -30,7 +30,7 @@ from roughcontact.io.interface import Reader, RecognisedBy, head_of
 from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.seal import check_seal
-from roughcontact.io.units import is_length, same_length
+from roughcontact.io.units import same_length
 from roughcontact.si import unit_of
 
 _SCIPY = (b"CDF\x01", b"CDF\x02")  # read without the netCDF library
@@ -58,16 +58,16 @@ def read(path: Path) -> MeasuredFile:
     with _opened(path, engine, too_long) as dataset:
         opener = partial(_opened, path, engine, too_long)
         channels = [
-            _variable(dataset, name, axes, selection, path, opener)
+            _variable(dataset, name, axes, selection, opener)
             for name in dataset.data_vars
             for axes, selection in _maps(dataset[name])
         ]
         attributes = dict(dataset.attrs)
         height_attrs = dict(dataset["height"].attrs) if "height" in dataset else {}
         names = sorted(map(str, dataset.variables))
-    channels += [oversized(name, shape, path) for name, shape in too_long.items()]
+    channels += [oversized(name, shape) for name, shape in too_long.items()]
     if not channels:
-        raise InputFileError(_no_map_message(path, arrays, names))
+        raise InputFileError(_no_map_message(arrays, names))
     channels.sort(key=lambda channel: channel.name.partition("[")[0] not in ("height", "heights", "z"))
     return MeasuredFile(
         "netCDF",
@@ -85,7 +85,7 @@ def _opened(path: Path, engine: Any, left_out: Iterable[str]) -> Iterator[Any]:
     import xarray as xr
 
     with (
-        refusing(f"{path}: damaged or cut off netCDF file"),
+        refusing("damaged or cut off netCDF file"),
         xr.open_dataset(
             path, engine=engine, decode_times=False, decode_timedelta=False, drop_variables=list(left_out)
         ) as dataset,
@@ -97,12 +97,12 @@ def _oversized_variables(path: Path) -> dict[str, tuple[int, ...]]:
     """Return the shapes of variables above the size limit, since opening alone would read coordinates."""
     import netCDF4
 
-    with refusing(f"{path}: damaged or cut off netCDF file"), netCDF4.Dataset(path) as file:
+    with refusing("damaged or cut off netCDF file"), netCDF4.Dataset(path) as file:
         shapes = {name: tuple(variable.shape) for name, variable in file.variables.items()}
     return {name: shape for name, shape in shapes.items() if prod(shape) > MAX_POINTS}
 
 
-def _no_map_message(path: Path, arrays: dict[str, tuple[int, ...]], names: list[str]) -> str:
+def _no_map_message(arrays: dict[str, tuple[int, ...]], names: list[str]) -> str:
     """Return the error message for a file without a map."""
     if arrays:
         listed = ", ".join(
@@ -110,12 +110,12 @@ def _no_map_message(path: Path, arrays: dict[str, tuple[int, ...]], names: list[
         )
         remainder = f" and {len(arrays) - 5} more" if len(arrays) > 5 else ""
         return (
-            f"{path}: an HDF5 file, but neither netCDF nor one of Zygo's or JPK's, so that nothing says "
+            f"an HDF5 file, but neither netCDF nor one of Zygo's or JPK's, so that nothing says "
             f"which of its arrays are heights; it has {listed}{remainder}; save the heights as .npy or netCDF"
         )
     if not names:
-        return f"{path}: an empty netCDF or HDF5 file: it has no variable at all"
-    return f"{path}: no variable over two axes (y, x) in this netCDF file; it has {', '.join(names)}"
+        return "an empty netCDF or HDF5 file: it has no variable at all"
+    return f"no variable over two axes (y, x) in this netCDF file; it has {', '.join(names)}"
 
 
 def _instrument(height_attrs: Any, attributes: dict) -> dict:
@@ -132,7 +132,6 @@ def _variable(
     name: Any,
     dims: tuple[str | None, str],
     selection: dict[str, int],
-    path: Path,
     opener: Callable[[], Any],
 ) -> Channel:
     """Return one variable, at some index of its other axes, as a channel that is read on demand."""
@@ -141,83 +140,56 @@ def _variable(
         f"[{axis}={index}]" for axis, index in selection.items() if variable.sizes[axis] > 1
     )
     y, x = dims
-    ny, nx = variable.sizes[y] if y else 1, variable.sizes[x]
-    if ny * nx > MAX_POINTS:
-        return oversized(label, (ny, nx), path)
-    unit = unit_of(variable.attrs)
-    no_height = "" if variable.dtype.kind in "iuf" else f"values of type {variable.dtype}"
+    shape = variable.sizes[y] if y else 1, variable.sizes[x]
+    if prod(shape) > MAX_POINTS:
+        return oversized(label, shape)
     unit_x, unit_y = (unit_of(dataset[axis].attrs) if axis in dataset.coords else None for axis in (x, y))
     if unit_x and unit_y and not same_length(unit_x, unit_y):
-        raise InputFileError(f"{path}: the axes {x} and {y} have different units, {unit_x!r} and {unit_y!r}")
-    attributes: dict[str, Any] = {
-        "height_unit": unit,
-        "lateral_unit": unit_x or unit_y,
-        "no_height": no_height,
-    }
+        raise InputFileError(f"the axes {x} and {y} have different units, {unit_x!r} and {unit_y!r}")
+    positive_down = str(variable.attrs.get("positive", "")).lower() == "down"  # the CF convention for depths
+
+    def read(turned: Any = ...) -> np.ndarray:
+        """Return the values over the axes, with the sign of heights, and reversed axes flipped."""
+        with opener() as again:
+            stored = again[name].isel(selection)
+            check_points((1, prod(stored.shape)))
+            values = as_heights(stored.transpose(*filter(None, dims)).values)[turned].copy()
+            low, high = _valid_range(stored)
+            values[(values < low) | (values > high)] = np.nan
+        return -values if positive_down else values
+
+    channel = Channel(label, shape, read, unit_of(variable.attrs), lateral_unit=unit_x or unit_y)
+    positions = [axis for axis in "xy" if axis in dataset and dataset[axis].dims == variable.dims != (axis,)]
     if variable.dtype.kind not in "iuf":
-        refused = f"{path}: variable {name!r} holds {no_height}, not real numbers"
-        return Channel(label, (ny, nx), unreadable(refused), **attributes)
-    position_names = [
-        axis for axis in "xy" if axis in dataset and dataset[axis].dims == variable.dims != (axis,)
-    ]
-    if position_names and name not in position_names:
-        refused = (
-            f"the positions {' and '.join(position_names)} of {name!r} are variables over its axes; make "
+        channel.no_height = f"values of type {variable.dtype}"
+        channel.read = unreadable(f"variable {name!r} holds {channel.no_height}, not real numbers")
+        return channel
+    if positions and name not in positions:
+        channel.doubt = (
+            f"the positions {' and '.join(positions)} of {name!r} are variables over its axes; make "
             "them coordinates of a grid, or save the points as text x, y, z"
         )
-        return Channel(label, (ny, nx), unreadable(refused), doubt=refused, **attributes)
-    positive_down = str(variable.attrs.get("positive", "")).lower() == "down"  # the CF convention for depths
+        channel.read = unreadable(channel.doubt)
+        return channel
     if positive_down:
-        attributes["notes"] = [f"the file counts {name!r} positive downwards: its sign was changed"]
-    read = partial(_values, opener, name, dims, selection, path, positive_down)
+        channel.notes = [f"the file counts {name!r} positive downwards: its sign was changed"]
     try:
-        dx, first_x, backwards_x = _axis(dataset, x)
-        dy, first_y, backwards_y = _axis(dataset, y)
+        along_x, along_y = _axis(dataset, x), _axis(dataset, y)
     except UnevenPositionsError as error:
-        if unit is not None and not is_length(unit):
-            return Channel(label, (ny, nx), read, **attributes)
-        return _off_grid(dataset, label, dims, read(), error, path, attributes)
-    turned = np.s_[:: -1 if backwards_y else 1, :: -1 if backwards_x else 1]
-    return Channel(
-        label,
-        (ny, nx),
-        partial(read, turned),
-        dx=dx,
-        dy=dy,
-        first_x=first_x,
-        first_y=first_y,
-        first_row="" if first_y is not None else "bottom",  # assumed without positions
-        **attributes,
-    )
+        return channel if channel.no_height else _off_grid(dataset, dims, channel, error)
+    (channel.dx, channel.first_x, backwards_x), (channel.dy, channel.first_y, backwards_y) = along_x, along_y
+    channel.read = partial(read, np.s_[:: -1 if backwards_y else 1, :: -1 if backwards_x else 1])
+    channel.first_row = "" if channel.first_y is not None else "bottom"  # assumed without positions
+    return channel
 
 
-def _values(
-    opener: Callable[[], Any],
-    name: Any,
-    dims: tuple[str | None, str],
-    selection: dict[str, int],
-    path: Path,
-    positive_down: bool,
-    turned: Any = ...,
-) -> np.ndarray:
-    """Return the values of a variable over its axes, with the sign of heights, and reversed axes flipped."""
-    map_axes = [axis for axis in dims if axis is not None]
-    with opener() as dataset:
-        variable = dataset[name].isel(selection)
-        check_points((1, prod(variable.shape)), path)
-        values = as_heights(variable.transpose(*map_axes).values, str(path))[turned].copy()
-        low, high = _valid_range(variable, path)
-        values[(values < low) | (values > high)] = np.nan
-    return -values if positive_down else values
-
-
-def _valid_range(variable: Any, path: Path) -> np.ndarray:
+def _valid_range(variable: Any) -> np.ndarray:
     """Return the lowest and the highest value that is no missing point (NetCDF Users Guide, appendix A).
 
     Limits of the type of packed values are packed too; half a step of these is allowed for rounding.
     """
     stated, packing = variable.attrs, variable.encoding
-    with refusing(f"{path}: the valid_range, valid_min or valid_max of {variable.name!r} is no number"):
+    with refusing(f"the valid_range, valid_min or valid_max of {variable.name!r} is no number"):
         low, high = stated.get(
             "valid_range", (stated.get("valid_min", -np.inf), stated.get("valid_max", np.inf))
         )
@@ -255,21 +227,15 @@ def _maps(variable: Any) -> Iterator[tuple[tuple[str | None, str], dict[str, int
 
 
 def _off_grid(
-    dataset: Any,
-    name: str,
-    dims: tuple[str | None, str],
-    values: np.ndarray,
-    error: UnevenPositionsError,
-    path: Path,
-    attributes: dict[str, Any],
+    dataset: Any, dims: tuple[str | None, str], channel: Channel, error: UnevenPositionsError
 ) -> Channel:
-    """Return the points of a map whose coordinates are not evenly spaced."""
+    """Return a channel as the points of a map whose coordinates are not evenly spaced."""
     y, x = (dataset[axis].values if axis in dataset.coords else None for axis in dims)
     if x is None or (y is None and dims[0] is not None):
-        raise InputFileError(f"{path}: {error}, and the other axis has no positions") from error
+        raise InputFileError(f"{error}, and the other axis has no positions") from error
     if y is not None:
         y, x = np.meshgrid(y, x, indexing="ij")
-    return scattered(name, x, y, values, error, **attributes)
+    return scattered(channel, x, y, channel.read(), error)
 
 
 def _axis(dataset: Any, name: str | None) -> tuple[float | None, float | None, bool]:

@@ -20,21 +20,19 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a file of one real array, (ny, nx) or (nx,), without pickle; it has no steps and units."""
     way_out = "; save a plain float64 array with numpy.save"
-    with refusing(f"{path}: not readable as a NumPy array", way_out):
+    with refusing("not readable as a NumPy array", way_out):
         values = np.load(path, mmap_mode="r", allow_pickle=False)
     shape = (1, *values.shape) if values.ndim == 1 else values.shape
     if len(shape) != 2 or 0 in shape:
-        raise InputFileError(
-            f"{path}: an array of shape {values.shape}; a map has two axes (y, x), a profile one"
-        )
-    check_points(shape, path)
+        raise InputFileError(f"an array of shape {values.shape}; a map has two axes (y, x), a profile one")
+    check_points(shape)
     if values.dtype.kind in "iuf":
-        refuse_points(values, path)
+        refuse_points(values)
     stale, notes = compare_size(path, getattr(values, "offset", 0) + values.nbytes)
     if values.dtype.kind in "iuf" and values.ndim == 2 and (axes := axes_of(values, corner=False)):
         notes = [*notes, axes.note.replace("is taken as", "may be")]
     problem = "" if values.dtype.kind in "iuf" else f"values of type {values.dtype}, not real numbers"
-    channel = Channel("height", shape, lambda: as_heights(values, str(path)), no_height=problem)
+    channel = Channel("height", shape, lambda: as_heights(values), no_height=problem)
     return MeasuredFile(
         "NumPy array", [channel], first_row="bottom", warnings=notes, stale=stale, first_row_assumed=True
     )

@@ -35,15 +35,13 @@ def read(path: Path) -> MeasuredFile:
     import sdfio
 
     size = path.stat().st_size
-    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of SDF", path)
-    with refusing(f"{path}: not readable as SDF"):
+    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of SDF")
+    with refusing("not readable as SDF"):
         file = sdfio.read(io.BytesIO(_SOFTGAUGE.sub(rb"\1BCR-1.0", path.read_bytes(), count=1)))
     header = file.header
     if not header.z_scale or not np.isfinite(header.z_scale):
-        raise InputFileError(
-            f"{path}: Zscale = {header.z_scale}, the height of a count: correct it in the file"
-        )
-    check_points(file.data.shape, path)
+        raise InputFileError(f"Zscale = {header.z_scale}, the height of a count: correct it in the file")
+    check_points(file.data.shape)
     instrument = instrument_metadata(
         {
             "vendor": header.manufacturer_id,
@@ -54,7 +52,7 @@ def read(path: Path) -> MeasuredFile:
     channel = Channel(
         name="height",
         shape=file.data.shape,
-        read=lambda: as_heights(file.data, str(path)),
+        read=lambda: as_heights(file.data),
         height_unit="m",
         dx=_step(header.x_scale),
         dy=_step(header.y_scale) if file.data.shape[0] > 1 else None,
@@ -63,7 +61,7 @@ def read(path: Path) -> MeasuredFile:
     # behind the heights of a binary file lies text or nothing
     trailer = file.trailer if isinstance(file.trailer, bytes) else str(file.trailer or "").encode()
     if any(mark in trailer for mark in _MARKS):
-        raise InputFileError(f"{path}: a second SDF follows the first one; save each in a file of its own")
+        raise InputFileError("a second SDF follows the first one; save each in a file of its own")
     required_size = size - len(trailer) if trailer.translate(None, _TEXT) else size
     stale, notes = compare_size(path, required_size)
     return MeasuredFile("SDF (ISO 25178-71)", [channel], "bottom", instrument, notes, stale)

@@ -69,7 +69,6 @@ _SCALE_ADVICE = "correct the file, or give dx, dy and unit"
 class _Text(NamedTuple):
     """One table of a text, its rows, and what the lines above them state."""
 
-    path: Path
     rows: Rows
     table: Table
     counts: list[int]
@@ -77,10 +76,6 @@ class _Text(NamedTuple):
     stated: Stated
     first_values: dict[str, Any]
     columns: list[Column] | None
-
-    def refuse(self, text: str) -> InputFileError:
-        """Return the error for this table, which names the file."""
-        return InputFileError(f"{self.path}: {text}")
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -91,21 +86,21 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a text file as a matrix, a list of points or a profile, by its content; both readings: refused."""
     size = path.stat().st_size
-    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text", path)
-    header, body = unquoted(*split_header(lines_of(path), path))
-    delimiter, decimal_comma = separators(body, path)
+    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text")
+    header, body = unquoted(*split_header(lines_of(path)))
+    delimiter, decimal_comma = separators(body)
     cut = cut_number(body, delimiter, path, len(header) + len(body))
     counts, rows = counted(body, delimiter)
     empty = sum(len([*takewhile(is_empty_row, reversed(lines))]) for lines in (header, body))
     first = len(header) + 1 + len(body) - len(rows)
     texts: list[_Text] = []
     files: list[MeasuredFile] = []
-    for table in split_tables(header, rows, first, delimiter, decimal_comma, path):
-        text, doubts = _parsed(table, [] if texts else counts, delimiter, decimal_comma, path)
+    for table in split_tables(header, rows, first, delimiter, decimal_comma):
+        text, doubts = _parsed(table, [] if texts else counts, delimiter, decimal_comma)
         texts.append(text)
         files.append(_file(text))
         files[-1].warnings += doubts
-    file = files[0] if len(files) == 1 else _together(texts, files, path)
+    file = files[0] if len(files) == 1 else _together(texts, files)
     file.warnings += cut
     if empty:
         file.warnings.append(_left_out(empty, "line"))
@@ -116,38 +111,38 @@ def read(path: Path) -> MeasuredFile:
 
 
 def _parsed(
-    rows: Rows, counts: list[int], delimiter: str | None, decimal_comma: bool, path: Path
+    rows: Rows, counts: list[int], delimiter: str | None, decimal_comma: bool
 ) -> tuple[_Text, list[str]]:
     """Return one table with its statements, and warnings about its numbers."""
     labelled = below_a_label(rows, delimiter, decimal_comma)
     rows = labelled or rows
-    table = parse_table(rows.texts, rows.lines, delimiter, decimal_comma, path)
+    table = parse_table(rows.texts, rows.lines, delimiter, decimal_comma)
     if labelled:
         table = table._replace(empty_corner=True, short=True)
     sign = "," if decimal_comma else "." if any("." in line for line in rows.texts) else ""
     stated = statements(rows.heading, first=rows.first, sign=sign)
-    refuse_lost_row(rows.heading, table.values.shape[1], delimiter, decimal_comma, path, rows.first)
+    refuse_lost_row(rows.heading, table.values.shape[1], delimiter, decimal_comma, rows.first)
     doubts = [
         f"{marker!r} occurs in {counted_noun(count, 'cell')} of the table and is taken as missing: "
         "write NaN if the point is missing, or correct it"
         for marker, count in table.spoken.items()
     ]
     if wrong := disagreeing(stated):
-        raise InputFileError(f"{path}: {wrong}")
+        raise InputFileError(f"{wrong}")
     first_values = first_of(stated)
     table.values[np.abs(table.values) > LEAST_MARKER] = np.nan  # infinite ones too
-    doubts += thousands(rows.heading, rows.texts, delimiter, decimal_comma, path)
+    doubts += thousands(rows.heading, rows.texts, delimiter, decimal_comma)
     measured = table.values[
         np.isfinite(table.values) & ~np.isin(table.values, first_values.get("missing", []))
     ]
     span = np.ptp(measured) if measured.size else 0.0
     if abs(first_values.get("height_range", np.inf) - span) <= 0.01 * span:  # in the unit of the heights
         first_values.setdefault("height_unit", first_values.get("height_range_unit"))
-    doubts += not_understood(rows, stated, measured, path)
+    doubts += not_understood(rows, stated, measured)
     if unit := unit_of_heights(rows.heading):
         if is_length(first_values.get("height_unit")) and not same_length(unit, first_values["height_unit"]):
             raise InputFileError(
-                f"{path}: {stated['height_unit'][0]}, and a heading of the heights {unit!r}; correct one"
+                f"{stated['height_unit'][0]}, and a heading of the heights {unit!r}; correct one"
             )
         first_values.setdefault("height_unit", unit)
     values = table.values
@@ -163,10 +158,10 @@ def _parsed(
     above = next((line for line in reversed(rows.heading) if line.strip()), "")
     if not columns and (named := miscounted(above, values.shape[1], delimiter)):
         raise InputFileError(
-            f"{path}: {above.strip()[:60]!r} names {named} columns, the table below it, from line "
+            f"{above.strip()[:60]!r} names {named} columns, the table below it, from line "
             f"{rows.lines[0]} on, has {values.shape[1]}: correct that line"
         )
-    return _Text(path, rows, table, counts, delimiter, stated, first_values, columns), doubts
+    return _Text(rows, table, counts, delimiter, stated, first_values, columns), doubts
 
 
 def _left_out(count: int, lines: str) -> str:
@@ -176,12 +171,12 @@ def _left_out(count: int, lines: str) -> str:
     return f"{empty}; write NaN in those that are part of the map"
 
 
-def _together(texts: list[_Text], files: list[MeasuredFile], path: Path) -> MeasuredFile:
+def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:
     """Return the tables of one text as channels of one file."""
     stated = [bool(text.stated or text.columns) for text in texts]
     if not all(stated[1:]) and (stated[0] or not any(line.strip() for line in texts[0].rows.heading)):
         number = texts[1 + stated[1:].index(False)].rows.start
-        raise InputFileError(f"{path}: {_second_table(number)}, or give each a heading of its own")
+        raise InputFileError(f"{_second_table(number)}, or give each a heading of its own")
     channels = []
     titles = [text.first_values.get("channel") or _title(text) for text in texts]
     for number, file in enumerate(files):
@@ -229,7 +224,7 @@ def _file(text: _Text) -> MeasuredFile:
         if not (column_layout := layout(columns)) and not of_a_map(columns):
             names = [repr(f"{name} ({unit})" if unit else name) for name, unit, _ in columns if name]
             listing = ", ".join(names[:_LISTED]) + (", ..." if len(names) > _LISTED else "")
-            raise text.refuse(
+            raise InputFileError(
                 f"nothing says which of the {count} columns {listing} are positions and heights; name them "
                 "x, y and z, in the line above the table, or delete that line above the heights of a map"
             )
@@ -248,7 +243,7 @@ def _file(text: _Text) -> MeasuredFile:
         unnamed = columns or [Column("", None, "")] * count
         return _lists(text, unnamed, [[*range(count - 1)]], [count - 1], named=False)
     if text.rows.broken:
-        raise text.refuse(_second_table(text.rows.broken) + ", or write NaN where a row is missing")
+        raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a row is missing")
     return _matrix_beside(text)
 
 
@@ -257,30 +252,30 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
     values, first_values = text.table.values, text.first_values
     ny, nx = values.shape
     if row := begins_anew(values):
-        raise text.refuse(
+        raise InputFileError(
             f"positions begin anew at line {text.rows.lines[row]}: points, then name the columns in a line "
             "above them (x, y, z), or a second table, then leave one of them in the file"
         )
     cells = text.rows.texts[0].split(text.delimiter)[text.table.empty_left :]
     empty = [not cell.strip() and np.isnan(values[:, index]).all() for index, cell in enumerate(cells[:nx])]
     if begins_anew(values.T) or any(empty[1:-1]):
-        raise text.refuse(
+        raise InputFileError(
             f"line {text.rows.lines[0]} begins anew, or has an empty column: maps beside one another; leave "
             "one of them in the file, or write NaN where a column is missing"
         )
     axes = axes_of(values, corner=text.table.empty_corner and not text.table.empty_left)
     if are_points(values.T):
-        raise text.refuse(
+        raise InputFileError(
             f"line {text.rows.lines[0]} holds positions: write the points in columns, x, (y,) z"
         )
     if axes is None and (line := uneven(values)):
-        raise text.refuse(
+        raise InputFileError(
             f"the first {line} of the table, from line {text.rows.lines[0]} on, holds positions that are not "
             "even: delete it if it holds none, or write the points as a list x, y, z"
         )
     if axes is None or (first_values.get("ny"), first_values.get("nx")) == (ny, nx):
         if text.table.short:
-            raise text.refuse(f"line {text.rows.lines[0]} has {nx - 1} numbers where the others have {nx}")
+            raise InputFileError(f"line {text.rows.lines[0]} has {nx - 1} numbers where the others have {nx}")
         file = _matrix(values, text)
         file.warnings += [] if axes is None else [f"{axes.note.replace('is taken as', 'may be')}"]
         return file
@@ -406,14 +401,14 @@ def _refuse_cut_table(text: _Text) -> None:
     (rows, columns), counts = text.table.values.shape, text.counts
     if len(counts) == 2:
         if sorted(counts) != sorted((rows, columns)) and counts[0] * counts[1] != rows:
-            raise text.refuse(
+            raise InputFileError(
                 f"the line above the table says {counts[0]} and {counts[1]}, the table has {rows} rows of "
                 f"{columns} numbers; it was cut off or changed"
             )
         return
     stated = counts[0] if counts else text.first_values.get("count", 0)
     if stated > rows and stated not in (columns, rows * columns):
-        raise text.refuse(
+        raise InputFileError(
             f"the file says {stated:g} points, the table has {rows} rows; it was cut off or changed"
         )
 
@@ -422,9 +417,9 @@ def _one_column(values: np.ndarray, column: Column | None, text: _Text) -> Measu
     """Return one height per line: a profile, or a map of one column if the user gives both steps."""
     first_values = text.first_values
     if text.rows.broken:
-        raise text.refuse(_second_table(text.rows.broken) + ", or write NaN where a height is missing")
+        raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a height is missing")
     if {"length_y", "dy", "ny"} & {*first_values}:
-        raise text.refuse(
+        raise InputFileError(
             f"a column of {len(values)} numbers, where the header states a size along y: write each row of "
             "the map into one line"
         )
@@ -439,12 +434,12 @@ def _one_column(values: np.ndarray, column: Column | None, text: _Text) -> Measu
 def _matrix(table: np.ndarray, text: _Text, positions: dict[str, float] | None = None) -> MeasuredFile:
     """Return a matrix of heights, with steps or size from the header, or by the positions beside it."""
     ny, nx = table.shape
-    first_values, path = text.first_values, text.path
+    first_values = text.first_values
     _refuse_lost_lines(table.shape, text, "the file has")
     if ny == 1 and "length_y" in first_values:
-        raise text.refuse("the header gives a size along y, the file has one line; it was cut off")
+        raise InputFileError("the header gives a size along y, the file has one line; it was cut off")
     wrong = contradiction(text.stated, table.shape)
-    steps, lateral_unit = ({}, None) if wrong else _steps(first_values, {"x": nx, "y": ny}, path)
+    steps, lateral_unit = ({}, None) if wrong else _steps(first_values, {"x": nx, "y": ny})
     steps = {axis: step for axis in "xy" if (step := (positions or {}).get("d" + axis))} | steps
     dx, dy = steps.get("x"), steps.get("y") if ny > 1 else None
     channel = _channel(table, first_values, dx=dx, dy=dy, lateral_unit=lateral_unit)
@@ -467,14 +462,14 @@ def _profile(
     """Return a profile from positions that rise or fall, or several, where they begin anew."""
     if not np.isfinite(table[:, 0]).all():
         index = lines[int(np.argmin(np.isfinite(table[:, 0])))]
-        raise text.refuse(f"the point in line {index} has no position")
+        raise InputFileError(f"the point in line {index} has no position")
     monotonic_runs = runs(table[:, 0])
     several_traces = len(monotonic_runs) > 1 and are_traces(table[:, 0], monotonic_runs)
     if len(monotonic_runs) > 1 and not several_traces:
         wrong = f"{turn(table[:, 0], monotonic_runs, lines)}: the heights are no profile over x"
         matrix = _as_matrix(full_table, text.first_values)
         if matrix is None:
-            raise text.refuse(f"{wrong}; cut it there, or correct the positions")
+            raise InputFileError(f"{wrong}; cut it there, or correct the positions")
         channel = Channel("height", (1, len(lines)), unreadable(wrong), otherwise=matrix)
         channel.doubt = f"{wrong}, or a map of 2 columns, then give dx, dy and unit"
         return MeasuredFile("text profile (x, z)", [channel], first_row="bottom")
@@ -489,97 +484,73 @@ def _profile(
 
 
 def _trace(table: np.ndarray, units: list[str | None], text: _Text, full_table: np.ndarray | None) -> Channel:
-    """Return one profile from positions that rise, or fall."""
-    first_values = text.first_values
+    """Return one profile from positions that rise, or fall, evenly at least within their rounding."""
     x, z = table[:: -1 if table[0, 0] > table[-1, 0] else 1].T
     _refuse_lost_lines((1, x.size), text)
-    (lateral_unit, height_unit), _ = _units(units, first_values, text.path)
-    heights, attributes = _heights(z[None, :], first_values, height_unit)
-    attributes["lateral_unit"] = lateral_unit
+    (lateral_unit, height_unit), _ = _units(units, text.first_values)
+    channel = _channel(z[None, :], text.first_values, height_unit, lateral_unit=lateral_unit)
     try:
-        step, notes = _even_step(x)
+        step = even_step(x, "x")
     except UnevenPositionsError as error:
-        channel = scattered(x=x, y=None, z=heights, error=error, **attributes)
-        channel.otherwise = _as_matrix(full_table, first_values)
-        return channel
-    if wrong := _against(text, {"dx": step}, lateral_unit, heights.shape):
-        notes = [*notes, f"{wrong}; the positions are used"]
-    return Channel(
-        shape=heights.shape, read=lambda: heights, dx=step, first_x=float(x[0]), notes=notes, **attributes
-    )
-
-
-def _even_step(x: np.ndarray) -> tuple[float, list[str]]:
-    """Return the step of positions that are evenly spaced, at least within their rounding."""
-    try:
-        return even_step(x, "x"), []
-    except UnevenPositionsError:
-        step = rounded_step(x)
-        if step is None:
-            raise
-        note = "the positions are even up to the rounding of their last digit in the file, and taken as even"
-        return step, [note]
+        if (rounded := rounded_step(x)) is None:
+            matrix = _as_matrix(full_table, text.first_values)
+            return replace(scattered(channel, x, None, channel.read(), error), otherwise=matrix)
+        step = rounded
+        channel.notes.append(
+            "the positions are even up to the rounding of their last digit in the file, and taken as even"
+        )
+    if wrong := _against(text, {"dx": step}, lateral_unit, channel.shape):
+        channel.notes.append(f"{wrong}; the positions are used")
+    channel.dx, channel.first_x = step, float(x[0])
+    return channel
 
 
 def _points(
     table: np.ndarray, units: list[str | None], lines: list[int], text: _Text, full_table: np.ndarray | None
 ) -> MeasuredFile:
     """Return a list of points on the regular grid that it forms, or as an irregular list."""
-    first_values, path = text.first_values, text.path
-    (lateral_unit, height_unit), factor = _units(units, first_values, path)
-    x, y, z = table[:, 0], table[:, 1] * factor, table[:, 2]
-    z, attributes = _heights(z, first_values, height_unit)
-    attributes["lateral_unit"] = lateral_unit
+    (lateral_unit, height_unit), factor = _units(units, text.first_values)
+    channel = _channel(table[None, :, 2], text.first_values, height_unit, lateral_unit=lateral_unit)
+    x, y, z = table[:, 0], table[:, 1] * factor, channel.read()[0]
+    matrix = _as_matrix(full_table, text.first_values)
     try:
         if not np.isfinite(table[:, :2]).all():
-            raise InputFileError(f"{path}: a point of the list has no position")
-        _refuse_repeated(x, y, lines, text)
-        heights, steps, (first_x, first_y) = points_on_grid(x, y, z, path)
+            raise InputFileError("a point of the list has no position")
+        _refuse_repeated(x, y, lines)
+        heights, steps, (first_x, first_y) = points_on_grid(x, y, z)
         _refuse_lost_lines(heights.shape, text)
         stated_steps = {"d" + axis: step for axis, step in steps.items() if step}
-        wrong = _against(text, stated_steps, lateral_unit, heights.shape)
-        notes = [f"{wrong}; the positions are used"] if wrong else []
+        if wrong := _against(text, stated_steps, lateral_unit, heights.shape):
+            channel.notes.append(f"{wrong}; the positions are used")
         if not lateral_unit and set(steps.values()) == {1} and {first_x, first_y} <= {0, 1}:
-            notes.append(
+            channel.notes.append(
                 f"the positions count from {first_x:g} on: if they number the points, give dx and dy"
             )
-        channel = Channel(
-            shape=heights.shape,
-            read=lambda: heights,
-            dx=steps["x"],
-            dy=steps["y"],
-            first_x=first_x,
-            first_y=first_y,
-            notes=notes,
-            **attributes,
-        )
+        channel.shape, channel.read = heights.shape, lambda: heights
+        channel.dx, channel.dy, channel.first_x, channel.first_y = steps["x"], steps["y"], first_x, first_y
     except UnevenPositionsError as error:
         if full_table is not None and np.ptp(np.diff(x)) == 0 and abs(x[1] - x[0]) == 1:
             error = UnevenPositionsError(
                 f"{error}; the first column counts the rows: delete it if it is no x"
             )
-        channel = scattered(x=x, y=y, z=z, error=error, **attributes)
-        channel.otherwise = _as_matrix(full_table, first_values)
+        channel = replace(scattered(channel, x, y, z, error), otherwise=matrix)
     except InputFileError as error:
-        if (matrix := _as_matrix(full_table, first_values)) is None:
+        if matrix is None:
             raise
-        channel = Channel(
-            shape=matrix.shape,
-            read=unreadable(str(error)),
-            otherwise=matrix,
-            doubt=f"{str(error).removeprefix(f'{path}: ')}; if these are not points x, y, z but a map of "
-            f"{matrix.shape[1]} columns, give dx, dy and unit",
-            **attributes,
+        channel.shape, channel.read, channel.otherwise = matrix.shape, unreadable(str(error)), matrix
+        channel.doubt = (
+            f"{error}; if these are not points x, y, z but a map of {matrix.shape[1]} columns, give dx, dy "
+            "and unit"
         )
     return MeasuredFile("text list of points (x, y, z)", [channel], first_row="bottom")
 
 
-def _refuse_repeated(x: np.ndarray, y: np.ndarray, lines: list[int], text: _Text) -> None:
+def _refuse_repeated(x: np.ndarray, y: np.ndarray, lines: list[int]) -> None:
     """Refuse points with the position of one above."""
     _, first = np.unique(x + 1j * y, return_index=True)
     if first.size < x.size:
         index = int(np.setdiff1d(np.arange(x.size), first)[0])
-        raise text.refuse(
+        raise InputFileError(
             f"several points of the list have the same position, the first is that in line {lines[index]}; "
             "leave one map in the file"
         )
@@ -591,14 +562,14 @@ def _refuse_lost_lines(shape: tuple[int, ...], text: _Text, content: str = "the 
         stated = text.first_values.get(entry, count)
         more = stated > count and (name == "columns" or shape[0] > 1)
         if more if content == "the points make" else stated != count:
-            raise text.refuse(
+            raise InputFileError(
                 f"the header says {stated:g} {name}, {content} {count}; it was cut off or changed"
             )
 
 
 def _as_matrix(table: np.ndarray | None, first_values: dict[str, Any]) -> Channel | None:
     """Return a table as a matrix, in case its columns are not positions; None if it cannot be a matrix."""
-    if table is None:
+    if table is None or len(table) > _MAX_NARROW_ROWS:
         return None
     rows, columns = table.shape
     if columns == 2:
@@ -606,14 +577,12 @@ def _as_matrix(table: np.ndarray | None, first_values: dict[str, Any]) -> Channe
     else:  # each position along x and along y occurs several times: the lines of a scan
         along_x, along_y = (np.unique(table[:, index]).size for index in (0, 1))
         positions = max(along_x, along_y) <= rows / 2 <= along_x * along_y
-    if positions or rows > _MAX_NARROW_ROWS:
+    if positions:
         return None
     return _channel(table, first_values, lateral_unit=first_values.get("lateral_unit"), first_row="top")
 
 
-def _steps(
-    first_values: dict[str, Any], points: dict[str, int], path: Path
-) -> tuple[dict[str, float], str | None]:
+def _steps(first_values: dict[str, Any], points: dict[str, int]) -> tuple[dict[str, float], str | None]:
     """Return the steps in the header, by axis, and their unit."""
     steps, units = {}, []
     for axis, count in points.items():
@@ -629,19 +598,8 @@ def _steps(
     lateral_unit = next((unit for unit in units if unit), first_values.get("lateral_unit"))
     for axis, unit in zip(steps, units, strict=True):
         if unit and lateral_unit and unit != lateral_unit:  # x in µm, y in mm
-            steps[axis] *= metres(unit, where=str(path)) / metres(lateral_unit, where=str(path))
+            steps[axis] *= metres(unit) / metres(lateral_unit)
     return steps, lateral_unit
-
-
-def _heights(
-    numbers: np.ndarray, first_values: dict[str, Any], unit: str | None
-) -> tuple[np.ndarray, dict[str, Any]]:
-    """Return the heights and the arguments of their channel: name and unit."""
-    for marker in first_values.get("missing", []):
-        numbers[numbers == marker] = np.nan
-    if "z_factor" in first_values:  # the numbers are counts or phases; the factor makes them lengths
-        numbers, unit = numbers * first_values["z_factor"], first_values.get("z_factor_unit", unit)
-    return numbers, {"name": first_values.get("channel", "height"), "height_unit": unit}
 
 
 def _channel(
@@ -649,18 +607,22 @@ def _channel(
 ) -> Channel:
     """Return a channel of numbers in a unit, by default that of the header."""
     unit = unit or first_values.get("height_unit", first_values.get("unit"))
-    heights, named = _heights(numbers, first_values, unit)
-    return Channel(shape=heights.shape, read=lambda: heights, **named, **attributes)
+    for marker in first_values.get("missing", []):
+        numbers[numbers == marker] = np.nan
+    if "z_factor" in first_values:  # the numbers are counts or phases; the factor makes them lengths
+        numbers, unit = numbers * first_values["z_factor"], first_values.get("z_factor_unit", unit)
+    name = first_values.get("channel", "height")
+    return Channel(name, (len(numbers), numbers.shape[1]), lambda: numbers, unit, **attributes)
 
 
 def _units(
-    columns: list[str | None], first_values: dict[str, Any], path: Path
+    columns: list[str | None], first_values: dict[str, Any]
 ) -> tuple[tuple[str | None, str | None], float]:
     """Return lateral and height unit of a list with columns x (y) z, and the unit of y over that of x."""
     lateral = [unit for unit in columns[:-1] if unit]
     factor = 1.0
     if len(set(lateral)) > 1 and not same_length(*lateral):
-        factor = metres(lateral[1], where=f"{path}: y") / metres(lateral[0], where=f"{path}: x")
+        factor = metres(lateral[1], where="y") / metres(lateral[0], where="x")
     stated = (
         first_values.get("lateral_unit", first_values.get("unit")),
         first_values.get("height_unit", first_values.get("unit")),
@@ -668,11 +630,11 @@ def _units(
     for column_unit, key in ((lateral[0] if lateral else None, "lateral_unit"), (columns[-1], "height_unit")):
         if column_unit and first_values.get(key) and not same_length(column_unit, first_values[key]):
             wrong = f"a column is in {column_unit!r}, and the header says {first_values[key]!r}"
-            raise InputFileError(f"{path}: {wrong}; correct one of them")
+            raise InputFileError(f"{wrong}; correct one of them")
     factor_of_heights = first_values.get("z_factor"), first_values.get("z_factor_unit", columns[-1])
     if is_length(columns[-1]) and factor_of_heights not in ((None, columns[-1]), (1, columns[-1])):
         wrong = f"a column is in {columns[-1]!r}, and the header says a factor of the heights"
-        raise InputFileError(f"{path}: {wrong}; correct one of them")
+        raise InputFileError(f"{wrong}; correct one of them")
     return (lateral[0] if lateral else stated[0], columns[-1] or stated[1]), factor
 
 

@@ -35,7 +35,7 @@ def read(path: Path) -> MeasuredFile:
         fields = stream.read(_MAX_HEADER_BYTES).split(b"\0", 2)
         if len(fields) < 3 or not fields[0].removeprefix(_MARK).strip().startswith(_VERSION):
             raise InputFileError(
-                f"{path}: looks like TrueMap TMD, but is damaged or of another version than 2.0; export the "
+                "looks like TrueMap TMD, but is damaged or of another version than 2.0; export the "
                 "map again, as X3P or SDF where the software can"
             )
         comment = fields[1].decode("latin-1").strip()
@@ -45,16 +45,16 @@ def read(path: Path) -> MeasuredFile:
         required_size = begin + _HEADER.size
         if len(header) == _HEADER.size:
             nx, ny, length_x, length_y, *_ = _HEADER.unpack(header)
-            check_points((ny, nx), path)
+            check_points((ny, nx))
             required_size += 4 * nx * ny
         stale, notes = compare_size(path, required_size)
         if not nx * ny or not (0 < length_x < np.inf and 0 < length_y < np.inf):
             raise InputFileError(
-                f"{path}: looks like TrueMap TMD, but is damaged ({nx} x {ny} points on {length_x:g} mm x "
+                f"looks like TrueMap TMD, but is damaged ({nx} x {ny} points on {length_x:g} mm x "
                 f"{length_y:g} mm)"
             )
         values = np.frombuffer(stream.read(4 * nx * ny), "<f4").reshape(ny, nx)
-    heights = as_heights(values, str(path))
+    heights = as_heights(values)
     channel = Channel(
         "Default",
         (ny, nx),

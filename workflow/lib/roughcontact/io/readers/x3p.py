@@ -18,6 +18,7 @@ from roughcontact.io.channels import (
     as_heights,
     even_step,
     scattered,
+    unreadable,
 )
 from roughcontact.io.guards import brief, check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
@@ -36,13 +37,13 @@ def read(path: Path) -> MeasuredFile:
 
     There is one channel for each layer.
     """
-    with refusing(f"{path}: not readable as X3P"):
+    with refusing("not readable as X3P"):
         name = _main_xmls(path)[0]
         with zipfile.ZipFile(path) as archive:
             main = archive.read(name)
-        _check_claimed_size(main, path)
+        _check_claimed_size(main)
         file, stale = _parsed(path, name, main)
-    channels = _channels(file, path)
+    channels = _channels(file)
     for channel in channels:
         channel.notes += _rotation_notes(file.placement)
     return MeasuredFile(
@@ -87,11 +88,11 @@ def _depth(name: str) -> int:
     return name.replace("\\", "/").count("/")
 
 
-def _check_claimed_size(main: bytes, path: Path) -> None:
+def _check_claimed_size(main: bytes) -> None:
     """Refuse a map whose stated size is above the limit, before it is read."""
     sizes = [re.search(rb"<Size%s>\s*(\d{1,15})\s*<" % axis, main) for axis in (b"X", b"Y")]
     nx, ny = (int(size[1]) if size else 0 for size in sizes)
-    check_points((ny, nx), path)
+    check_points((ny, nx))
 
 
 def _normalised_archive(path: Path, name: str, main: bytes, *, verify: bool) -> Path | io.BytesIO:
@@ -131,41 +132,36 @@ def _check_md5(main: bytes, content: bytes) -> None:
         raise x3pio.X3pChecksumError("the checksum of main.xml does not match its content")
 
 
-def _channels(file: Any, path: Path) -> list[Channel]:
+def _channels(file: Any) -> list[Channel]:
     """Return the layers of a file."""
     import x3pio
 
-    units: dict[str, Any] = {"height_unit": "m", "lateral_unit": "m"}
     if isinstance(file, x3pio.PointCloud):
         cloud: Any = file.layer
         error = UnevenPositionsError("this X3P file holds a point cloud, not a map")
-        return [scattered("height", cloud.x, cloud.y, cloud.z, error, **units)]
-    names = [f"layer {number}" for number in range(1, len(file.layers) + 1)]
-    channels = []
-    for name, layer in zip(names if len(names) > 1 else ["height"], file.layers, strict=True):
-        z = np.atleast_2d(layer.z)
-        check_points(z.shape, path)
-        try:
-            dx = _step(layer.x, file.header.x, "x", z.shape)
-            dy = _step(layer.y, file.header.y, "y", z.shape) if z.shape[0] > 1 else None
-        except UnevenPositionsError as error:
-            x, y = (_positions(file, layer, axis, z.shape) for axis in ("x", "y"))
-            heights = as_heights(z, str(path))
-            channels.append(scattered(name, x, y if z.shape[0] > 1 else None, heights, error, **units))
-            continue
-        # A negative increment counts the columns or rows backwards.
-        flipped = z[:: -1 if dy is not None and dy < 0 else 1, :: -1 if dx < 0 else 1]
-        channels.append(
-            Channel(
-                name,
-                z.shape,
-                partial(as_heights, flipped, str(path)),
-                dx=abs(dx),
-                dy=None if dy is None else abs(dy),
-                **units,
-            )
-        )
-    return channels
+        channel = Channel("height", (1, 1), unreadable(str(error)), "m", lateral_unit="m")
+        return [scattered(channel, cloud.x, cloud.y, cloud.z, error)]
+    several = len(file.layers) > 1
+    return [
+        _channel(file, layer, f"layer {number}" if several else "height")
+        for number, layer in enumerate(file.layers, 1)
+    ]
+
+
+def _channel(file: Any, layer: Any, name: str) -> Channel:
+    """Return one layer; a negative increment counts the columns or rows backwards."""
+    z = np.atleast_2d(layer.z)
+    check_points(z.shape)
+    channel, is_map = Channel(name, z.shape, partial(as_heights, z), "m", lateral_unit="m"), z.shape[0] > 1
+    try:
+        dx = _step(layer.x, file.header.x, "x", z.shape)
+        dy = _step(layer.y, file.header.y, "y", z.shape) if is_map else 0.0
+    except UnevenPositionsError as error:
+        x, y = (_positions(file, layer, axis, z.shape) for axis in ("x", "y"))
+        return scattered(channel, x, y if is_map else None, channel.read(), error)
+    channel.read = partial(as_heights, z[:: -1 if dy < 0 else 1, :: -1 if dx < 0 else 1])
+    channel.dx, channel.dy = abs(dx), abs(dy) or None
+    return channel
 
 
 def _step(stored: np.ndarray | None, axis: Any, name: str, shape: tuple[int, ...]) -> float:

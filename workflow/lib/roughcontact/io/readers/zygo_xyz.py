@@ -33,18 +33,17 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a file of one map."""
     size = path.stat().st_size
-    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text", path)
+    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text")
     lines = [line.strip() for line in lines_of(path)]
     ends = [number for number, line in enumerate(lines) if line == "#"]
-    with refusing(f"{path}: looks like a Zygo XYZ data file, but is damaged"):
+    with refusing("looks like a Zygo XYZ data file, but is damaged"):
         nx, ny = map(int, lines[3].split()[2:4])
         pixel = float(lines[7].split()[6])
-        check_points((ny, nx), path)
+        check_points((ny, nx))
         points = [line.split()[:3] for line in lines[ends[0] + 1 : [*ends, None][1]]]
         if len(ends) != 2 or len(points) != nx * ny:
             raise InputFileError(
-                f"{path}: {len(points)} lines of points where the header needs {nx} x {ny}: "
-                "it was cut off or changed"
+                f"{len(points)} lines of points where the header needs {nx} x {ny}: it was cut off or changed"
             )
         x, y = np.array([point[:2] for point in points], dtype=int).T
         heights = np.full((ny, nx), np.nan)

@@ -1,6 +1,5 @@
 """Positions in the first row and column of a matrix, with or without a cell in the corner."""
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -112,10 +111,10 @@ def form_a_grid(x: np.ndarray, y: np.ndarray) -> bool:
     return min(lines) >= 3 and lines[0] * lines[1] == x.size
 
 
-def refuse_points(values: np.ndarray, path: Path) -> None:
+def refuse_points(values: np.ndarray) -> None:
     """Refuse an array of points, in columns or in rows, where heights are wanted."""
     if values.ndim == 2 and (are_points(values) or are_points(values.T)):
-        raise InputFileError(f"{path}: points, not heights; save the heights alone, or the points as text")
+        raise InputFileError("points, not heights; save the heights alone, or the points as text")
 
 
 def are_points(table: np.ndarray) -> bool:

@@ -34,7 +34,7 @@ _MAX_CELLS = 200_000  # cells that are compared column by column
 
 
 def refuse_lost_row(
-    header: list[str], width: int, delimiter: str | None, decimal_comma: bool, path: Path, first: int = 1
+    header: list[str], width: int, delimiter: str | None, decimal_comma: bool, first: int
 ) -> None:
     """Refuse a table of `width` columns below a line that is one of its rows except for a word."""
     number = next((index for index in reversed(range(len(header))) if header[index].strip()), None)
@@ -47,7 +47,7 @@ def refuse_lost_row(
     if width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS):
         return
     raise InputFileError(
-        f"{path}: line {first + number} has as many cells as the rows of the table below it, and "
+        f"line {first + number} has as many cells as the rows of the table below it, and "
         f"{stray_word[:40]!r} in place of a number: correct it, write NaN for a missing point, or delete the "
         "line if it is no row of the map"
     )
@@ -69,12 +69,12 @@ def cut_number(body: list[str], delimiter: str | None, path: Path, last_line: in
     forms = [tuple(map(len, re.split("[.,]|[eEdD][-+]?", cell)[1:])) for cell in (*others, last)]
     wrong = f"line {last_line} ends the file in {last!r}, without the end of a line"
     if len({*forms[:-1]}) == 1 and forms[0] and forms[-1] != forms[0]:
-        raise InputFileError(f"{path}: {wrong} and all digits of the others: it was cut off; complete it")
+        raise InputFileError(f"{wrong} and all digits of the others: it was cut off; complete it")
     *digits, last_digits = (len(re.sub(r"\D", "", cell)) for cell in (*others, last))
     return [f"{wrong}: if the file was cut off, complete that number"] if last_digits < min(digits) else []
 
 
-def not_understood(rows: Rows, stated: Stated, heights: np.ndarray, path: Path) -> list[str]:
+def not_understood(rows: Rows, stated: Stated, heights: np.ndarray) -> list[str]:
     """Return notes on lines above a table that may concern heights; refuse a factor above whole numbers."""
     notes = []
     understood = {statement.line for repeated in stated.values() for statement in repeated}
@@ -87,7 +87,7 @@ def not_understood(rows: Rows, stated: Stated, heights: np.ndarray, path: Path) 
         factor = value and "z_factor" not in stated and _FACTOR.search(line) and float(value[0]) not in (0, 1)
         if factor and measured.size and np.all(measured == np.rint(measured)):
             raise InputFileError(
-                f"{path}: {where}, and all heights are whole numbers, as counts are: state it as 'Z factor', "
+                f"{where}, and all heights are whole numbers, as counts are: state it as 'Z factor', "
                 "with the unit of the products, or delete that line if they are lengths"
             )
         if value and _MARKER.search(line) and (count := int(np.sum(measured == float(value[0])))):
@@ -104,9 +104,7 @@ def not_understood(rows: Rows, stated: Stated, heights: np.ndarray, path: Path) 
     return notes
 
 
-def thousands(
-    header: list[str], body: list[str], delimiter: str | None, decimal_comma: bool, path: Path
-) -> list[str]:
+def thousands(header: list[str], body: list[str], delimiter: str | None, decimal_comma: bool) -> list[str]:
     """Return a warning where all numbers have three digits behind a mark that may separate thousands.
 
     A number below one, with four digits in a row or other decimals, also in a length of the header, shows a
@@ -114,13 +112,13 @@ def thousands(
 
     Examples
     --------
-    >>> thousands([], ["1.250 2.500"] * 5, None, False, Path("map.txt"))[0][:60]
+    >>> thousands([], ["1.250 2.500"] * 5, None, False)[0][:60]
     "every number has three digits behind its '.', as in '1.250':"
-    >>> thousands([], ["0.250 2.500"] * 5, None, False, Path("map.txt"))
+    >>> thousands([], ["0.250 2.500"] * 5, None, False)
     []
     """
     if decimal_comma:
-        _refuse_both_marks(body, path)
+        _refuse_both_marks(body)
     sign = "," if decimal_comma else "."
     grouped = re.compile(rf"[-+]?[1-9]\d{{0,2}}{re.escape(sign)}\d{{3}}")
     below_thousand = re.compile(r"[-+]?[1-9]\d{0,2}")
@@ -142,7 +140,7 @@ def thousands(
     way_out = "write the numbers without separators of thousands"
     if mixed := columns[grouped].keys() & columns[below_thousand].keys():
         raise InputFileError(
-            f"{path}: {example!r} and {columns[below_thousand][min(mixed)]!r} in one table, with three "
+            f"{example!r} and {columns[below_thousand][min(mixed)]!r} in one table, with three "
             f"digits behind every {sign!r}: it separates thousands or decimals; {way_out}, or with four "
             "decimals"
         )
@@ -150,7 +148,7 @@ def thousands(
     return [f"{doubt} sign; if it separates thousands, {way_out}"]
 
 
-def _refuse_both_marks(body: list[str], path: Path) -> None:
+def _refuse_both_marks(body: list[str]) -> None:
     """Refuse points as separators of thousands, or decimals, in a table with decimal commas."""
     number = re.compile(r"(?<![\d.,])\d+([.,])(\d+)(?![\d.,eE])")
     if not any("." in line and number.search(line) for line in body):
@@ -160,6 +158,6 @@ def _refuse_both_marks(body: list[str], path: Path) -> None:
         matches[match[1]].append(match)
     if all(matches.values()) and any({len(match[2]) for match in matches[mark]} == {3} for mark in ".,"):
         raise InputFileError(
-            f"{path}: {matches[','][0][0]!r} and {matches['.'][0][0]!r} in one table: either mark may be the "
+            f"{matches[','][0][0]!r} and {matches['.'][0][0]!r} in one table: either mark may be the "
             "decimal sign or separate thousands; write the numbers without separators of thousands"
         )

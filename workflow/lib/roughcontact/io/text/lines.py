@@ -40,23 +40,23 @@ def _unmarked_utf16(head: bytes) -> str | None:
 
 def lines_of(path: Path) -> list[str]:
     """Return the lines of a text file, with plain signs for those of typography and East Asian keyboards."""
-    return _decode(path.read_bytes(), path).translate(_PLAIN_SIGNS).splitlines()
+    return _decode(path.read_bytes()).translate(_PLAIN_SIGNS).splitlines()
 
 
-def _decode(data: bytes, path: Path) -> str:
+def _decode(data: bytes) -> str:
     """Return the text by its byte order mark, else as UTF-8, else as Latin-1."""
     if len(data) > _MAX_BYTES:
-        raise InputFileError(f"{path}: {len(data)} bytes of text; convert the map to X3P, SDF or netCDF")
+        raise InputFileError(f"{len(data)} bytes of text; convert the map to X3P, SDF or netCDF")
     for mark, encoding in _BYTE_ORDER_MARKS.items():
         if data.startswith(mark):
             try:
                 return data.decode(encoding)
             except UnicodeDecodeError as error:
-                raise InputFileError(f"{path}: damaged {encoding} text ({error})") from error
+                raise InputFileError(f"damaged {encoding} text ({error})") from error
     if (code := _unmarked_utf16(data[:4096])) and len(data) % 2 == 0:
         return data.decode(code, "replace")
     if b"\0" in data:
-        raise InputFileError(f"{path}: starts as text but goes on as binary data; this format is not known")
+        raise InputFileError("starts as text but goes on as binary data; this format is not known")
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError:

@@ -1,7 +1,5 @@
 """Conversion of lists of points x, y, z to the regular grid that they form."""
 
-from pathlib import Path
-
 import numpy as np
 
 from roughcontact.errors import InputFileError
@@ -11,7 +9,7 @@ from roughcontact.io.guards import check_points
 
 @np.errstate(all="ignore")  # infinite positions form no grid
 def points_on_grid(
-    x: np.ndarray, y: np.ndarray, z: np.ndarray, path: Path
+    x: np.ndarray, y: np.ndarray, z: np.ndarray
 ) -> tuple[np.ndarray, dict[str, float | None], tuple[float, float]]:
     """Return the map that points (n,) in any order form, NaN if absent, its steps and first position (x, y).
 
@@ -21,7 +19,7 @@ def points_on_grid(
     Examples
     --------
     >>> x, y, z = np.array([[0, 0, 1], [2, 0, 2], [0, 3, 4], [2, 3, 5]]).T
-    >>> heights, steps, first = points_on_grid(x, y, z, Path("points.txt"))
+    >>> heights, steps, first = points_on_grid(x, y, z)
     >>> heights
     array([[1., 2.],
            [4., 5.]])
@@ -35,10 +33,10 @@ def points_on_grid(
         raise UnevenPositionsError(
             f"{z.size} points x y z do not form an even grid ({nx} different x, {ny} different y)"
         )
-    check_points((ny, nx), path)
+    check_points((ny, nx))
     if np.unique(row * nx + column).size != z.size:
-        raise InputFileError(f"{path}: several points of the list have the same position")
-    _refuse_cut_list(row, column, path)
+        raise InputFileError("several points of the list have the same position")
+    _refuse_cut_list(row, column)
     heights = np.full((ny, nx), np.nan)
     heights[row, column] = z
     lines = {"x": along_x, "y": along_y}
@@ -46,7 +44,7 @@ def points_on_grid(
     return heights, steps, (float(along_x[0]), float(along_y[0]))
 
 
-def _refuse_cut_list(row: np.ndarray, column: np.ndarray, path: Path) -> None:
+def _refuse_cut_list(row: np.ndarray, column: np.ndarray) -> None:
     """Refuse a list in which only the grid line that stands last in the file is incomplete, at its end."""
     for line, across in ((row, column), (column, row)):
         written_by_line = np.count_nonzero(np.diff(line)) == np.unique(line).size - 1
@@ -60,7 +58,7 @@ def _refuse_cut_list(row: np.ndarray, column: np.ndarray, path: Path) -> None:
             before = across[line != line[-1]][: other_counts[0]]
             if np.array_equal(across[line == line[-1]], before[: counts[line[-1]]]):
                 raise InputFileError(
-                    f"{path}: the list of points ends in the middle of a grid line: the file was cut off"
+                    "the list of points ends in the middle of a grid line: the file was cut off"
                 )
 
 

@@ -5,7 +5,6 @@ import re
 from array import array
 from collections import Counter
 from collections.abc import Mapping
-from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -63,7 +62,7 @@ class Rows(NamedTuple):
         return next(filled, self.lines[0])
 
 
-def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
+def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
     """Return the lines of the header and those of the table."""
     filled = 0
     for number, line in enumerate(lines):
@@ -76,7 +75,7 @@ def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
             break
     first = next((line.strip() for line in lines if line.strip()), "")
     within = f" in its first {_MAX_HEADER_LINES} lines" if filled > _MAX_HEADER_LINES else ""
-    raise InputFileError(f"{path}: text without a table of numbers{within}; it starts with {first[:60]!r}")
+    raise InputFileError(f"text without a table of numbers{within}; it starts with {first[:60]!r}")
 
 
 def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str]]:
@@ -113,7 +112,7 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
     return [entry or line for entry, line in zip(entries, lines, strict=False)], lines[len(header) :]
 
 
-def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
+def separators(body: list[str]) -> tuple[str | None, bool]:
     """Return the delimiter of the columns (None for white space), and whether the decimal sign is a comma."""
     sample = [line.strip() for line in body[:50] if is_row(line)]
     joined = "\n".join(sample)
@@ -133,7 +132,7 @@ def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
         return None, True
     if "." not in joined and (leading_zero or (one_comma and len(sample) > 1)):
         raise InputFileError(
-            f"{path}: the comma in {sample[0]!r} may be a decimal sign or a separator; "
+            f"the comma in {sample[0]!r} may be a decimal sign or a separator; "
             "write decimals with a point, or separate columns with a tab or a semicolon"
         )
     return ",", False
@@ -173,7 +172,7 @@ def _is_number(cell: str) -> bool:
 
 
 def split_tables(
-    header: list[str], body: list[str], first: int, delimiter: str | None, decimal_comma: bool, path: Path
+    header: list[str], body: list[str], first: int, delimiter: str | None, decimal_comma: bool
 ) -> list[Rows]:
     """Return the tables of a text, which end at headings between rows; `first` numbers the first line.
 
@@ -182,7 +181,7 @@ def split_tables(
     Examples
     --------
     >>> body = ["1 2", "3 4", "", "Phase", "5 6", "7 8"]
-    >>> [(table.heading, table.lines) for table in split_tables([], body, 1, None, False, Path("map.txt"))]
+    >>> [(table.heading, table.lines) for table in split_tables([], body, 1, None, False)]
     [([], [1, 2]), (['', 'Phase'], [5, 6])]
     """
     tables = [Rows(header, first - len(header), [], [])]
@@ -208,7 +207,7 @@ def split_tables(
             skipped.append(line)
     for number, line in enumerate(skipped, start=first + len(body) - len(skipped)):
         if line.strip(_CELL_SEPARATORS) and line.lstrip()[0] not in "#%":
-            raise _no_row(line, number, path)
+            raise _no_row(line, number)
     if alone and len(tables) == 1 and len(tables[0].lines) > 2:
         tables[0] = tables[0]._replace(broken=0)
     return tables
@@ -241,14 +240,12 @@ def _names_a_table(line: str) -> bool:
     return line.lstrip()[0] not in "#%" or bool(statements([line]))
 
 
-def parse_table(
-    rows: list[str], lines: list[int], delimiter: str | None, decimal_comma: bool, path: Path
-) -> Table:
+def parse_table(rows: list[str], lines: list[int], delimiter: str | None, decimal_comma: bool) -> Table:
     """Return the numbers of a table; `delimiter` None: white space; `lines` number the rows, for messages.
 
     Examples
     --------
-    >>> table = parse_table(["1,5;BAD;;", "2,5;3;;"], [1, 2], ";", True, Path("map.txt"))
+    >>> table = parse_table(["1,5;BAD;;", "2,5;3;;"], [1, 2], ";", True)
     >>> table.values
     array([[1.5, nan, nan],
            [2.5, 3. , nan]])
@@ -257,11 +254,11 @@ def parse_table(
     """
     closed = _ends_with_delimiter(rows, delimiter)
     try:
-        return _parse(rows, lines, delimiter, decimal_comma, path, closed)
+        return _parse(rows, lines, delimiter, decimal_comma, closed)
     except _UnequalRowsError:
         if closed:
             raise
-        return _parse(rows, lines, delimiter, decimal_comma, path, closed=True)
+        return _parse(rows, lines, delimiter, decimal_comma, closed=True)
 
 
 class _UnequalRowsError(InputFileError):
@@ -281,7 +278,7 @@ def _ends_with_delimiter(body: list[str], delimiter: str | None) -> bool:
 
 
 def _parse(
-    rows: list[str], lines: list[int], delimiter: str | None, decimal_comma: bool, path: Path, closed: bool
+    rows: list[str], lines: list[int], delimiter: str | None, decimal_comma: bool, closed: bool
 ) -> Table:
     """Return the numbers of a table, whose lines may end with a delimiter."""
     numbers, counts, spoken = array("d"), array("q"), Counter[str]()
@@ -299,7 +296,7 @@ def _parse(
         except ValueError as error:
             cells = zip(line.split(delimiter), text.split(delimiter), strict=False)
             raise _no_row(
-                next((cell for cell, read in cells if not _is_number(read)), line), number, path
+                next((cell for cell, read in cells if not _is_number(read)), line), number
             ) from error
         counts.append(len(numbers) - before)
         sides = empty if sides is None else (min(sides[0], empty[0]), min(sides[1], empty[1]))
@@ -307,13 +304,13 @@ def _parse(
     if len(counts) > _FEW_ROWS and counts[0] + 1 == min(counts[1:]) == max(counts[1:]):
         numbers.insert(0, np.nan)  # positions along x, without a cell in the corner
         counts[0], corner, sides, short = counts[1], True, (0, 0), True
-    _refuse_unequal_rows(counts, lines, path)
+    _refuse_unequal_rows(counts, lines)
     shape = len(counts), counts[0]
-    check_points(shape, path)
+    check_points(shape)
     return Table(np.array(numbers).reshape(shape), *(sides or (0, 0)), corner, spoken, short)
 
 
-def _no_row(cell: str, number: int, path: Path) -> InputFileError:
+def _no_row(cell: str, number: int) -> InputFileError:
     """Return the error for a line that is no row of a table, with the cell or line that is no number."""
     way_out = (
         "write NaN for a missing point, leave the table alone in the file, below lines of words, or export "
@@ -321,12 +318,10 @@ def _no_row(cell: str, number: int, path: Path) -> InputFileError:
     )
     if re.search(r"\d[.,'\s]\d{3}(?!\d)", cell):
         way_out = "write the numbers without separators of thousands"
-    return InputFileError(
-        f"{path}: line {number} is no row of numbers ({brief(ValueError(cell))}); {way_out}"
-    )
+    return InputFileError(f"line {number} is no row of numbers ({brief(ValueError(cell))}); {way_out}")
 
 
-def _refuse_unequal_rows(counts: array, lines: list[int], path: Path) -> None:
+def _refuse_unequal_rows(counts: array, lines: list[int]) -> None:
     """Refuse rows of different lengths."""
     widths = Counter(counts)
     if len(widths) > 1:
@@ -335,7 +330,7 @@ def _refuse_unequal_rows(counts: array, lines: list[int], path: Path) -> None:
         cut = "; the last line is incomplete: the file was cut off" if bad == len(counts) - 1 else ""
         number_count = counted_noun(counts[bad], "number")
         raise _UnequalRowsError(
-            f"{path}: row {bad + 1} has {number_count} where the others have {width} (line {lines[bad]}){cut}"
+            f"row {bad + 1} has {number_count} where the others have {width} (line {lines[bad]}){cut}"
         )
 
 
