@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from read_charts import read_chart
 from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 from scipy.special import ellipk
@@ -16,7 +17,8 @@ from roughcontact.pipeline import run_chain
 from roughcontact.references.closed_forms import hertz, hertz_ellipse
 from roughcontact.references.synthetic import westergaard_surface
 from roughcontact.report.budget_plots import shown_budget
-from roughcontact.report.glance import glance_rows
+from roughcontact.report.glance import Cell, glance_rows
+from roughcontact.report.load_plots import area_against_load
 from roughcontact.report.map_plots import pressure_map
 from roughcontact.report.tables import number_tables
 from roughcontact.results.storage import read_dataset
@@ -526,6 +528,10 @@ def test_the_page_of_a_body_shows_force_and_radius_and_no_empty_interval():
     cells = dict(zip(titles, table["rows"][1]["cells"], strict=True))
     assert cells["force F"] == "0.0500"
     assert float(cells["contact radius"]) == pytest.approx(1e6 * answer["contact_radius"][1].item(), rel=5e-3)
+    # theories and flow are of half-spaces under a uniform pressure
+    assert {row[4] for row in glance_rows(answer)} == {Cell("not judged", "a body of finite size")}
+    drawn = read_chart(area_against_load(answer, ground(1e-8, (64, 64))), log="xy")
+    assert set(drawn.legend) == {"solved, corrected", "solved, pixels counted"}
     budget = shown_budget(answer, [0, 1])
     assert not any("– " in line for line in budget["beyond"])
     assert not any("– " in cell for row in budget["intervals"]["rows"] for cell in row)

@@ -88,6 +88,23 @@ def test_a_surface_has_one_line_when_its_last_job_has_ended(tmp_path):
     assert run.lines[2:] == ["turned: done (2 of 2, about 27 s left)", "done in 2 min: results/report.html"]
 
 
+def test_a_run_of_one_result_says_that_the_page_is_older(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    endings = []
+    for is_there in (False, True):
+        if is_there:
+            (tmp_path / "results").mkdir()
+            (tmp_path / "results/report.html").touch()
+        run = Run()
+        run.tell(event="workflow_started")
+        run.tell("Job stats:", event="run_info", stats={"contact": 1, "total": 1})
+        run.job(2, 0, 10)
+        run.tell(event="progress", done=1, total=1, after=10)
+        endings.append(run.lines[-1].partition(" s")[2])
+    page = "results/report.html is of an earlier run: `roughcontact run` makes it anew"
+    assert endings == ["", f"; {page}"]
+
+
 def test_of_a_study_each_case_has_a_line():
     run = Run()
     run.begin()

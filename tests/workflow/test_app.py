@@ -7,6 +7,7 @@ import http.server
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -174,6 +175,8 @@ class TestFiveSteps:
             done = re.findall(r"(one|two|three): done", browser.text("#screen"))
             finished = [study / f"results/{name}/statistics.nc" for name in done]
             before = [path.stat().st_mtime_ns for path in finished]
+            # a result whose row is gone is not offered
+            shutil.copytree(study / "results" / done[0], study / "results/gone")
             click(browser, "#start")
             browser.wait("document.querySelector('#state').textContent === 'done'", seconds=300)
             assert browser.text("#screen").count(": done") == 3 - len(done)

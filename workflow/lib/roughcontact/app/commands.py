@@ -3,6 +3,7 @@
 import os
 import shlex
 import sys
+from collections.abc import Collection
 from pathlib import Path
 from subprocess import DEVNULL, STDOUT, Popen, run
 from typing import Any
@@ -50,15 +51,17 @@ class Run:
         return {"running": self.running(), "code": code, "lines": lines, "bar": bar}
 
 
-def results() -> dict[str, Summary]:
-    """Return the summary of each result of the study."""
-    panels = sorted(RESULTS.rglob("panel.json"))
-    return {panel.parent.relative_to(RESULTS).as_posix(): read_summary(panel) for panel in panels}
+def results(names: Collection[str] | None) -> dict[str, Summary]:
+    """Return the summary of each result that has one of some names; of any where these are not known."""
+    panels = {
+        panel.parent.relative_to(RESULTS).as_posix(): panel for panel in sorted(RESULTS.rglob("panel.json"))
+    }
+    return {name: read_summary(panel) for name, panel in panels.items() if names is None or name in names}
 
 
-def export(result: str, form: str, before: str) -> tuple[str, str]:
-    """Make one of `EXPORTS` of a result; return the command that does it, and what it says."""
-    if not {result, before} <= {*results()} or form not in EXPORTS:
+def export(result: str, form: str, before: str, *, names: Collection[str] | None) -> tuple[str, str]:
+    """Make one of `EXPORTS` of one of the results; return the command that does it, and what it says."""
+    if not {result, before} <= {*results(names)} or form not in EXPORTS:
         raise SettingsError(f"{result}, {before}, {form}: are no results of this study, or no form of them")
     names = {"folder": RESULTS / result, "before": RESULTS / before}
     arguments = EXPORTS[form][1].format(**names, output=f"exports/{result.replace('/', '-')}").split()

@@ -29,6 +29,7 @@ class Page:
         self.run = commands.Run()
         self.inspections: dict[str, dict] = {}
         self.messages = dict.fromkeys(("add", "write", "command", "look"), "")
+        self.of_study: list[str] | None = None  # names of results, where the form has no mistakes
         self.revision = 0  # of the rows: their fields are made anew where not the user has changed them
 
     def first(self, name: str) -> str:
@@ -63,8 +64,9 @@ class Page:
             self.run.cancel()
         elif action == "export":
             choices = [controls.get(name, "") for name in ("result", "form", "before")]
-            self.messages["command"], self.messages["look"] = commands.export(*choices)
+            self.messages["command"], self.messages["look"] = commands.export(*choices, names=self.of_study)
         checked = study.check({name: texts[name] for name in texts if name.split(".")[0] in config}, rows)
+        self.of_study = checked["results"] or self.of_study
         if action in ("write", "start"):
             if checked["mistakes"]:
                 raise SettingsError("nothing is written: correct first what stands under 3 Write")

@@ -11,6 +11,7 @@ import yaml
 
 from roughcontact.configuration.fields import field_at, grouped, is_list
 from roughcontact.configuration.models import Settings
+from roughcontact.configuration.plan import Plan
 from roughcontact.configuration.study import read_study
 from roughcontact.configuration.surfaces import read_table, table_text
 from roughcontact.configuration.yaml_text import check_yaml
@@ -68,7 +69,7 @@ def _value(name: str, text: str) -> Any:
 
 
 def check(texts: Mapping[str, str], rows: Sequence[Row]) -> dict[str, Any]:
-    """Return the files of a form, what a run would say of them by field, and the bodies with all numbers.
+    """Return the files of a form, mistakes by field, the bodies with all numbers, and the names of results.
 
     `texts` are those of the settings by dotted names.
     """
@@ -76,6 +77,7 @@ def check(texts: Mapping[str, str], rows: Sequence[Row]) -> dict[str, Any]:
     settings = yaml.dump(config, Dumper=_Dumper, **_STYLE) if config else ""
     table = Path(texts.get("surfaces") or _TABLE)
     files, message = {CONFIG: _HEAD + settings, table: _HEAD + table_text(rows)}, ""
+    results: list[str] = []
     with tempfile.TemporaryDirectory() as folder:
         drafts = {path: Path(folder, *path.parts[-2:]) for path in files}
         for path, draft in drafts.items():
@@ -84,14 +86,16 @@ def check(texts: Mapping[str, str], rows: Sequence[Row]) -> dict[str, Any]:
             if config:
                 check_yaml(drafts[CONFIG])
             loaded = (yaml.safe_load(settings) or {}) | {"surfaces": str(drafts[table])}
-            read_study(loaded, ["."], measured_in=["."], origin=str(CONFIG))
+            study = read_study(loaded, ["."], measured_in=["."], origin=str(CONFIG))
+            results = Plan(*study).results
         except SettingsError as error:
             message = str(error).replace(f"{folder}/", "")
     try:
         bodies = named_bodies(config["contact"]["bodies"])
     except (RoughContactError, LookupError, TypeError):  # none is stated, or one that does not exist
         bodies = []
-    return {"files": files, "mistakes": _by_field(message), "bodies": bodies}
+    mistakes = _by_field(message)
+    return {"files": files, "mistakes": mistakes, "bodies": bodies, "results": results}
 
 
 def write(files: Mapping[Path, str]) -> str:

@@ -186,7 +186,7 @@ class FreeBody:
         area = float(np.prod(shape) * dy * dx)
         unit_length, mean_pressure = float(np.sqrt(area)), force / area
         inside = heights[region.mask]
-        carrying = np.count_nonzero(inside > inside.min()) * dy * dx  # beyond edges nothing touches
+        carrying = (np.count_nonzero(inside > inside.min()) or inside.size) * dy * dx  # none beyond edges
         if force >= self.hardness * carrying:
             raise SettingsError(
                 f"force {force:g} N is not below what the body carries at the hardness {self.hardness:g} Pa: "

@@ -185,7 +185,8 @@ def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str,
     """Return lines on the contact area beyond band and map, and the table of all intervals."""
     if not numbers.sizes["load"] or f"{_HEADLINE[0]}_next_lower" not in numbers:
         return [], None
-    text = {"": "the ±", **beyond_the_map(extent), "map": "this map"}
+    beyond = beyond_the_map(extent)
+    text = {"": "the ±", **beyond, "map": "this map"}
     loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"].values]
     rows: list[list[str]] = []
     for name in _HEADLINE:
@@ -202,8 +203,8 @@ def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str,
     lines = [
         f"{header[column].capitalize()}: {TITLES[_HEADLINE[0]]} "
         + ", ".join(f"{row[column]} at {load}" for row, load in zip(rows, loads, strict=False))
-        for column in (3, 4, 5)
-        if rows[0][column] != "–"
+        for column, key in enumerate(beyond, start=3)
+        if np.isfinite([numbers[f"{_HEADLINE[0]}_{key}_{end}"][0] for end in ("lower", "upper")]).any()
     ]
     return lines, {"header": header, "rows": rows}
 

@@ -139,6 +139,10 @@ def _without_common_load(cases: Cases, pairs: Sequence[tuple[str, str]], *, alon
 
 def _load(at_load: Mapping[str, Sequence[Load]]) -> str:
     """Return the load that all surfaces share under the cases of a row, else the median pressure of each."""
+    if all("force" in data for loads in at_load.values() for data, _ in loads):
+        forces = np.array([_values(loads, "force") for loads in at_load.values()])
+        if np.allclose(forces, forces[0, 0], rtol=1e-6, atol=0):
+            return quantity(float(forces[0, 0]), "N")
     pressures = np.array([_values(loads, "mean_pressure") for loads in at_load.values()])
     show = unit_of(next(iter(at_load.values()))[0][0], "Pa").text
     if np.allclose(pressures, pressures[0, 0], rtol=1e-6):

@@ -14,7 +14,7 @@ from roughcontact.levelling.record import removed_and_filled
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.profiles.surface import is_drawn, surfaces_behind
 from roughcontact.quantities import counted_noun, number, percent, quantity
-from roughcontact.report.tables import material_name
+from roughcontact.report.tables import is_finite_body, material_name
 from roughcontact.report.units import unit_of
 from roughcontact.roughness.profile_parameters import profile_parameters
 from roughcontact.roughness.texture import LAY
@@ -67,7 +67,7 @@ def surface_facts(
 
 def _finite_body(numbers: xr.Dataset) -> str:
     """Return the contact of a body of finite size under its largest force, and Hertz's of the smooth body."""
-    if "contact_radius" not in numbers:
+    if not is_finite_body(numbers):
         return ""
     load = int(numbers["force"].values.argmax())
 
@@ -259,7 +259,7 @@ def _first_yield(numbers: xr.Dataset) -> str:
     if np.isnan(load):
         volumes = numbers["volume_above_yield"].values
         return f"{'below' if volumes[0] > 0 else 'above'} the loads solved"
-    if "contact_radius" in numbers:  # in proportion to the mean pressure over the map
+    if is_finite_body(numbers):  # in proportion to the mean pressure over the map
         return f"at {quantity(load * float((numbers['force'] / numbers['mean_pressure'])[0]), 'N')}"
     text = f"at {unit_of(numbers, 'Pa').text(load)} mean pressure"
     if "material_first_yield_pressure" not in numbers:
@@ -275,7 +275,7 @@ def _first_yield(numbers: xr.Dataset) -> str:
 def _closing(numbers: xr.Dataset) -> str:
     """Return between which loads the gap closes along each axis, nothing for a profile and for a flat map."""
     flat = not np.isfinite(numbers.get("Std", np.nan))
-    if "gap_percolates_x" not in numbers or "contact_radius" in numbers or flat:
+    if "gap_percolates_x" not in numbers or is_finite_body(numbers) or flat:
         return ""
     loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"]]
     result = {}

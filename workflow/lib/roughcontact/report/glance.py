@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, number, percent, quantity, with_interval
-from roughcontact.report.tables import UNITS, as_the_area, is_profile
+from roughcontact.report.tables import UNITS, as_the_area, is_finite_body, is_profile
 from roughcontact.report.units import interval_at, middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.outcome import FAILED, VERDICTS
@@ -184,7 +184,7 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
 def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return whether the gap is closed to a fluid, else leak rate and narrowest place."""
     if not _has_number(numbers, "gap_percolates_x"):
-        return Cell(NOT_JUDGED)
+        return Cell(NOT_JUDGED, "a body of finite size" if is_finite_body(numbers) else "")
     if is_profile(numbers):
         return Cell(NOT_JUDGED, "a profile does not tell")
     is_open = [axis for axis in ("x", "y") if float(numbers[f"gap_percolates_{axis}"][index])]
@@ -208,8 +208,10 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
 
 def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> str:
     """Return a number of a load with its interval before its unit, joined by a no-break space."""
-    text = units[name].interval(*interval_at(numbers, name, index))
-    return "not known" if text == "–" else f"{text}\N{NO-BREAK SPACE}{units[name].symbol}"
+    value, *ends = interval_at(numbers, name, index)
+    if not np.isfinite([value, *ends]).any():
+        return "not known"
+    return f"{units[name].interval(value, *ends)}\N{NO-BREAK SPACE}{units[name].symbol}"
 
 
 def _yields(load: Mapping[str, Any]) -> Cell:

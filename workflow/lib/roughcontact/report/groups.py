@@ -193,7 +193,8 @@ def _comparison(displayed: xr.Dataset, name: str, limited: Sequence[bool]) -> Ro
             continue
         ratio, low, high = (float(displayed[key][index]) for key in ("ratio", "ratio_lower", "ratio_upper"))
         text, *_ = with_interval(ratio, low, high, finest=_FINEST).split()
-        cells.append(Cell(text, with_interval(np.nan, low, high, finest=_FINEST).strip("–")))
+        known = np.isfinite([low, high]).any()
+        cells.append(Cell(text, with_interval(np.nan, low, high, finest=_FINEST) if known else ""))
         outcomes.append(str(outcome))
     equal = len(set(outcomes)) == 1
     return {"quantity": TITLES[name], "cells": cells, "outcomes": outcomes[:1] if equal else outcomes}

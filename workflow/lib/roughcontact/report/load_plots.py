@@ -19,6 +19,7 @@ from roughcontact.report.charts import (
     Chart,
     log_axis,
 )
+from roughcontact.report.tables import is_finite_body
 from roughcontact.report.units import unit_of
 from roughcontact.roughness.summits import summit_statistics
 from roughcontact.statistics import theory
@@ -49,7 +50,7 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
         label=f"mean pressure p̄ ({unit_label})",
         top=_relative_axis(statistics),
     )
-    if layers_of(statistics) is None:  # the theories are of half-spaces
+    if has_theories(statistics):
         line = _theory_lines(chart, relative, unit=unit * factor)
         if window is not None:
             modulus, summits = float(statistics["contact_modulus"]), summit_statistics(window)
@@ -61,6 +62,11 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
     chart.marks(load, 100 * counted, colour=COLOURS[0], filled=False, label="solved, pixels counted")
     chart.marks(load, 100 * corrected, colour=COLOURS[0], label="solved, corrected")
     return chart
+
+
+def has_theories(statistics: xr.Dataset) -> bool:
+    """Return whether the theories, which are of half-spaces, are of these bodies."""
+    return layers_of(statistics) is None and not is_finite_body(statistics)
 
 
 def compare_areas(

@@ -11,6 +11,7 @@ from roughcontact.bodies import have_layers
 from roughcontact.profiles.surface import is_drawn, surfaces_behind
 from roughcontact.quantities import number, prefix, quantity, with_interval
 from roughcontact.report.asked import bodies_in_words
+from roughcontact.report.tables import is_finite_body
 from roughcontact.report.units import interval_at
 from roughcontact.uncertainty.measurands import measurand_in_words
 
@@ -126,7 +127,7 @@ def _answers(statistics: xr.Dataset, uncertainty: Mapping[str, Any]) -> list[str
     """Return the answers at a few loads, and what their intervals are for."""
     rising = statistics["mean_pressure"].argsort().values.tolist()
     selected = [rising[0], rising[len(rising) // 2], rising[-1]] if len(rising) > _MOST_LOADS else rising
-    sentences, free = [], "contact_radius" in statistics
+    sentences, free = [], is_finite_body(statistics)
     for index in selected:
         answers = []
         for name, (text, unit) in _ANSWERS.items():

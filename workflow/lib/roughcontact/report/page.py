@@ -22,6 +22,7 @@ from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import comparison_rows, group_pictures, group_rows
 from roughcontact.report.load_plots import compare_areas, sample_of, spread_of_areas
 from roughcontact.report.summary import read_summary
+from roughcontact.report.tables import is_finite_body
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 from roughcontact.report.unloading import unloading_of
@@ -203,43 +204,47 @@ def _comparisons(
     # the panel of a single surface has the same
     if len(rough) < 2:
         return []
-    relative, pascals, areas = (
-        [data[name].values for data in rough.values()]
-        for name in ("relative_pressure", "mean_pressure", "relative_contact_area")
-    )
+    half_spaces = {key: data for key, data in rough.items() if not is_finite_body(data)}
     in_these_units = (
         "Over the pressure relative to E* times the rms gradient rough surfaces fall close together; the "
         "dark lines without marks are theories, in which the rms gradient alone stands for the surface."
     )
     if many:
         groups: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
-        for (_, case), *line in zip(rough, relative, areas, strict=True):
-            groups.setdefault(case or "", []).append((line[0], line[1]))
+        for (_, case), data in half_spaces.items():
+            line = data["relative_pressure"].values, data["relative_contact_area"].values
+            groups.setdefault(case or "", []).append(line)
         statements = f"Each surface is a faint line. {in_these_units}"
         return [
             (image, f"The same under {case}." if index else statements)
             for index, (case, image) in enumerate(spread_of_areas(groups).items())
         ]
-    names = [_name(*key) for key in rough]
-    over_relative, over_pascals = (
-        list(zip(names, loads, areas, strict=True)) for loads in (relative, pascals)
-    )
-    available = all("relative_contact_area_lower" in data for data in rough.values())
-    intervals = [
-        (data["relative_contact_area_lower"].values, data["relative_contact_area_upper"].values)
-        for data in rough.values()
-        if available
-    ]
     # that of the stiffest, where the cases differ in it
     pressure = min((unit_of(data, "Pa") for data in rough.values()), key=lambda unit: unit.factor)
-    categories = list(_line_styles(series, rough, grouped))
+    available = all("relative_contact_area_lower" in data for data in rough.values())
+    styles = dict(zip(rough, _line_styles(series, rough, grouped), strict=True))
     remarks = ["Bars: the ±."] if available else []
-    remarks += ["Surfaces are colours, cases are line styles."] if any(case for _, case in categories) else []
+    remarks += ["Surfaces are colours, cases are line styles."] if any(case for _, case in rough) else []
     remarks += ["The maps of a group have one colour."] if grouped else []
-    caption = " ".join([comparison_caption(over_pascals, pressure), *remarks]).strip()
-    image = compare_areas(over_pascals, intervals=intervals, pressure=pressure, styles=categories)
-    second = compare_areas(over_relative, intervals=intervals, styles=categories)
-    return [(image, caption), (second, f"{comparison_caption(over_relative)} {in_these_units}".strip())]
+    charts = []
+    for drawn, load, unit, text in (
+        (rough, "mean_pressure", pressure, " ".join(remarks)),
+        (half_spaces, "relative_pressure", None, in_these_units),
+    ):
+        if len(drawn) < 2:
+            continue
+        lines = [
+            (_name(*key), data[load].values, data["relative_contact_area"].values)
+            for key, data in drawn.items()
+        ]
+        ends = [
+            (data["relative_contact_area_lower"].values, data["relative_contact_area_upper"].values)
+            for data in drawn.values()
+            if available
+        ]
+        image = compare_areas(lines, intervals=ends, pressure=unit, styles=[styles[key] for key in drawn])
+        charts.append((image, f"{comparison_caption(lines, unit)} {text}".strip()))
+    return charts
 
 
 def _cases(

@@ -262,7 +262,8 @@ def _charts(
             "Contact area against load",
             load_plots.area_against_load(numbers, window).source(),
             captions.area_caption(numbers),
-            f"{bars('relative_contact_area')} Lines: theories, for comparison.",
+            bars("relative_contact_area")
+            + (" Lines: theories, for comparison." if load_plots.has_theories(numbers) else ""),
         ),
         (
             "Pressure against load",

@@ -92,6 +92,11 @@ def is_profile(numbers: Numbers) -> bool:
     return any(np.isnan(float(numbers.get(f"window_length_{axis}", 0.0))) for axis in "xy")
 
 
+def is_finite_body(numbers: Numbers) -> bool:
+    """Return whether numbers are those of a body of finite size."""
+    return "contact_radius" in numbers
+
+
 def _column(
     numbers: xr.Dataset, name: str, title: str, unit: str, *index: int
 ) -> tuple[tuple[str, str, str], list[str]]:
