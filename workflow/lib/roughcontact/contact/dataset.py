@@ -34,43 +34,51 @@ def as_dataset(
     overwritten. `load`, `modulus` and `hardness` are in Pa, `compliance`, mean displacement per mean
     pressure, in m/Pa.
     """
-    pressure_unit = unit_of_pressure(problem, modulus)
-    pressure, gap, contact, least_gap, total, yielded = fields_in_units(
-        solution, problem, modulus=modulus, hardness=hardness, threads=threads
-    )
     height_unit = problem.scale if not problem.flat else 1.0
-    per_load = {
-        "relative_pressure": load / pressure_unit if not problem.flat else np.inf,
-        "approach": problem.reference - solution.state.offset * height_unit - compliance * load,
-        "iterations": solution.steps,
-        "operator_applications": solution.applications,
-        "error_bound": solution.error_bound,
-        "rounding_floor": solution.floor,
-        "yielded_area": yielded,
-        "max_penetration": max(0.0, -least_gap),
-        "converged": np.int8(solution.error_bound <= attrs["tolerance"]),
-        "load_error": abs(total / pressure.size / load - 1),
-    }
-    maps = {"pressure": pressure, "gap": gap, "contact": contact}
-    loaded = {"mean_pressure": load}
-    return of_one_load(window, maps, per_load, loaded, modulus=modulus, hardness=hardness, attrs=attrs)
+    return of_one_load(
+        fields_in_units(solution, problem, modulus=modulus, hardness=hardness, threads=threads),
+        solution,
+        problem,
+        window,
+        approach=problem.reference - solution.state.offset * height_unit - compliance * load,
+        loaded={"mean_pressure": load},
+        modulus=modulus,
+        hardness=hardness,
+        attrs=attrs,
+    )
 
 
 def of_one_load(
+    fields: "FieldsInUnits",
+    solution: Any,
+    problem: Problem,
     window: xr.DataArray,
-    maps: Mapping[str, np.ndarray],
-    numbers: Mapping[str, Any],
-    loaded: Mapping[str, float],
     *,
+    approach: float,
+    loaded: Mapping[str, float],
     modulus: float,
     hardness: float | None,
     attrs: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Return maps (y, x) and numbers of one load, whose coordinates are `loaded`, with `load` of size 1."""
+    """Return fields (y, x) and numbers of one load, whose coordinates are `loaded`, with `load` of size 1."""
+    maps = {"pressure": fields.pressure, "gap": fields.gap, "contact": fields.contact}
+    mean = loaded["mean_pressure"]
+    per_load = {
+        "relative_pressure": mean / unit_of_pressure(problem, modulus) if not problem.flat else np.inf,
+        "approach": approach,
+        "iterations": solution.steps,
+        "operator_applications": solution.applications,
+        "error_bound": solution.error_bound,
+        "rounding_floor": solution.floor,
+        "yielded_area": fields.yielded,
+        "max_penetration": max(0.0, -fields.least_gap),
+        "converged": np.int8(solution.error_bound <= attrs["tolerance"]),
+        "load_error": abs(fields.total / fields.pressure.size / mean - 1),
+    }
     of_load: dict[str, Any] = {name: ("load", [value]) for name, value in loaded.items()}
     return xr.Dataset(
         {name: (("load", "y", "x"), field[None]) for name, field in maps.items()}
-        | {name: ("load", [value]) for name, value in numbers.items()}
+        | {name: ("load", [value]) for name, value in per_load.items()}
         | {"height": window.variable, "contact_modulus": modulus}
         | ({} if hardness is None else {"hardness": hardness}),
         # with the indexes that are there

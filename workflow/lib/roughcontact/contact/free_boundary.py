@@ -8,25 +8,19 @@ shows that more of the map touches, it grows and is solved again.
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.choices import Influence
-from roughcontact.contact.certificate import rounding_floor
-from roughcontact.contact.dataset import of_one_load, unit_of_pressure
-from roughcontact.contact.grid import Grid
-from roughcontact.contact.iteration import solve_on_grid
-from roughcontact.contact.nested_iteration import first_guess, nested_heights
-from roughcontact.contact.problem import nondimensionalise, on_host
-from roughcontact.contact.state import State
+from roughcontact.contact.dataset import FieldsInUnits, of_one_load
+from roughcontact.contact.problem import Problem, nondimensionalise, on_host
+from roughcontact.contact.sweep import sweep
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.elasticity.free_space import FADE, TruncatedKernel, transform_of_pixels
 from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.errors import ConvergenceError, HeightMapError, SettingsError
-from roughcontact.kernels.arrays import DOUBLE, SINGLE
 
 COARSEST = 64  # points along the longer side of the map that shows where the contact is
 COARSE_TOLERANCE = 0.03
@@ -109,23 +103,19 @@ def free_datasets(
         pressure, mean = solution.pressure, force / float(window.size * np.prod(problem.spacing))
         yielded = pressure >= limit
         gap = np.where(yielded, 0.0, solution.gap)
-        numbers = {
-            "relative_pressure": mean / unit_of_pressure(problem, body.modulus)
-            if not problem.flat
-            else np.inf,
-            "approach": solution.approach,
-            "iterations": solution.steps,
-            "operator_applications": solution.applications,
-            "error_bound": solution.error_bound,
-            "rounding_floor": solution.floor,
-            "yielded_area": float(yielded.mean()),
-            "max_penetration": max(0.0, -float(gap.min())),
-            "converged": np.int8(solution.error_bound <= tolerance),
-            "load_error": abs(float(pressure.mean()) / mean - 1),
-        }
-        maps = {"pressure": pressure, "gap": gap, "contact": (pressure > 0).astype(np.int8)}
-        loaded = {"mean_pressure": mean, "force": force}
-        yield of_one_load(window, maps, numbers, loaded, modulus=body.modulus, hardness=hardness, attrs=attrs)
+        contact, total = (pressure > 0).astype(np.int8), float(pressure.sum())
+        fields = FieldsInUnits(pressure, gap, contact, float(gap.min()), total, float(yielded.mean()))
+        yield of_one_load(
+            fields,
+            solution,
+            problem,
+            window,
+            approach=solution.approach,
+            loaded={"mean_pressure": mean, "force": force},
+            modulus=body.modulus,
+            hardness=hardness,
+            attrs=attrs,
+        )
 
 
 @dataclass(frozen=True)
@@ -143,10 +133,10 @@ class FreeBody:
     def solve(self, force: float, *, tolerance: float) -> FreeSolution:
         """Return the contact under a force (N)."""
         region, ratio = self._first_region(force)
-        start, cell_tolerance, steps, applications = None, tolerance / ratio, 0, 0.0
+        cell_tolerance, steps, applications = tolerance / ratio, 0, 0.0
         for passes in range(1, MAX_PASSES + 1):
-            cell = self._solve_region(region, force, start, tolerance=cell_tolerance)
-            start = pressure = np.zeros(self.heights.shape)
+            cell = self._solve_region(region, force, tolerance=cell_tolerance)
+            pressure = np.zeros(self.heights.shape)
             pressure[region.rows, region.columns] = cell.pressure
             steps, applications = steps + cell.steps, applications + cell.applications
             ratio = cell.norm / self._periodic_norm(pressure)
@@ -164,69 +154,56 @@ class FreeBody:
                     pressure, gap, cell.approach, bound, floor, steps, applications, passes, ratio
                 )
             else:
-                cell_tolerance *= SAFETY * tolerance / bound
+                cell_tolerance = SAFETY * tolerance / ratio
         raise HeightMapError(f"the region of contact still grows after {MAX_PASSES} solutions")
 
-    def _solve_region(
-        self, region: Region, force: float, start: np.ndarray | None, *, tolerance: float
-    ) -> FreeSolution:
-        """Return the contact of a region in a cell where no image acts on it, `start` a pressure of the map.
+    def _solve_region(self, region: Region, force: float, *, tolerance: float) -> FreeSolution:
+        """Return the contact of a region in a periodic cell where no image acts on it.
 
-        Without one it starts from coarser grids. The unit of pressure is its mean in the cell.
+        The unit of pressure is its mean in the cell.
         """
         from scipy import fft
 
         heights = self.heights[region.rows, region.columns]
-        (ny, nx), (dy, dx) = heights.shape, self.spacing
-        tiles = (
-            fft.next_fast_len(int(np.ceil((n + FADE * region.reach / d + 1) / CELL_DIVISOR)))
-            for n, d in ((ny, dy), (nx, dx))
-        )
-        shape = CELL_DIVISOR * next(tiles), CELL_DIVISOR * next(tiles)
-        area = float(np.prod(shape) * dy * dx)
-        unit_length, mean_pressure = float(np.sqrt(area)), force / area
-        inside = heights[region.mask]
+        inside, (ny, nx), (dy, dx) = heights[region.mask], heights.shape, self.spacing
         carrying = (np.count_nonzero(inside > inside.min()) or inside.size) * dy * dx  # none beyond edges
-        if force >= self.hardness * carrying:
+        most = self.hardness * carrying
+        if force >= most:
             raise SettingsError(
                 f"force {force:g} N is not below what the body carries at the hardness {self.hardness:g} Pa: "
-                f"stay below {self.hardness * carrying:.3g} N",
+                f"stay below {most:.3g} N",
                 keys=("force",),
             )
-        highest = float(inside.max())
+        shape = tuple(
+            CELL_DIVISOR * fft.next_fast_len(int(np.ceil((n + FADE * region.reach / d + 1) / CELL_DIVISOR)))
+            for n, d in ((ny, dy), (nx, dx))
+        )
+        lengths = shape[0] * dy, shape[1] * dx
+        unit = float(np.sqrt(lengths[0] * lengths[1]))
+        mean_pressure, highest = force / unit**2, float(inside.max())
         low = inside.min() - DEPTH * (np.ptp(inside) + force / (self.softest * region.reach))
-        cell_heights = np.full(shape, low)
-        cell_heights[:ny, :nx] = np.where(region.mask, heights, low)
-        unit = mean_pressure / self.modulus * unit_length
-        scaled = self.layers and self.layers.scaled(unit_length)
-        kernel = TruncatedKernel(self.influence, region.reach / unit_length, scaled)
-        pitches = dy / unit_length, dx / unit_length
-        lengths, cap = (shape[0] * pitches[0], shape[1] * pitches[1]), self.hardness / mean_pressure
-        grid_of = partial(Grid, lengths=lengths, cap=cap, influence=kernel, threads=self.threads)
-        finest = grid_of(cell_heights, reference=highest, unit=unit)
-        steps, applications = 0, 0.0
-        if start is None:
-            nested = nested_heights(finest.heights_in(SINGLE), lengths)
-            grids = [finest, *(grid_of(coarse_heights) for _, coarse_heights in nested)]
-            fluctuation = grids[-1].halfspace.pressure(grids[-1].heights_in(SINGLE))
-            guess, steps = first_guess(grids, [factors for factors, _ in nested], 1.0, fluctuation)
-            applications = sum(grid.halfspace.applications * np.prod(grid.shape) for grid in grids[1:])
-        else:
-            guess = np.zeros(shape)
-            guess[:ny, :nx] = start[region.rows, region.columns] / mean_pressure
-        solution = solve_on_grid(finest, guess, 1.0, tolerance=tolerance, finish=DOUBLE)
-        state: State = solution.state
-        applications += finest.halfspace.applications * np.prod(shape)
+        cell = np.full(shape, low)
+        cell[:ny, :nx] = np.where(region.mask, heights, low)
+        scaled, gradient = (lengths[0] / unit, lengths[1] / unit), mean_pressure / self.modulus
+        problem = Problem(cell, scaled, unit, reference=highest, gradient=gradient, spacing=self.spacing)
+        layers = self.layers and self.layers.scaled(unit)
+        kernel = TruncatedKernel(self.influence, region.reach / unit, layers)
+        cap = self.hardness / mean_pressure
+        (solution,) = sweep(
+            problem, [1.0], tolerance=tolerance, cap=cap, influence=kernel, threads=self.threads
+        )
+        state = solution.state
+        displaced = state.offset + kernel.mean_displacement(shape, (dy / unit, dx / unit))
         return FreeSolution(
             pressure=state.pressure[:ny, :nx] * mean_pressure,
-            gap=state.gap[:ny, :nx] * unit,
-            approach=highest - unit * (state.offset + kernel.mean_displacement(shape, pitches)),
+            gap=state.gap[:ny, :nx] * problem.scale,
+            approach=highest - problem.scale * displaced,
             error_bound=solution.error_bound,
-            floor=rounding_floor(finest.halfspace, state),
-            steps=steps + solution.steps,
-            applications=float(applications / self.heights.size),
+            floor=solution.floor,
+            steps=solution.steps,
+            applications=solution.applications * cell.size / self.heights.size,
             passes=1,
-            norm=state.norm * float(np.sqrt(force * unit)),
+            norm=state.norm * float(np.sqrt(force * problem.scale)),
         )
 
     def _first_region(self, force: float) -> tuple[Region, float]:

@@ -13,6 +13,7 @@ from roughcontact.contact.iteration import solve_on_grid
 from roughcontact.contact.nested_iteration import first_guess, nested_heights
 from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, scale_to_load
+from roughcontact.elasticity.influence import InfluenceFunction
 from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision, namespace, precision_of
 
@@ -39,7 +40,7 @@ def sweep(
     *,
     tolerance: float,
     cap: float = np.inf,
-    influence: Influence = "sampled",
+    influence: Influence | InfluenceFunction = "sampled",
     layers: LayeredPair | None = None,
     precision: str = DOUBLE,
     give_up: bool = False,
