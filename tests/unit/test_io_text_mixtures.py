@@ -362,6 +362,11 @@ def test_positions_without_a_corner(read):
     closed = "y/x\t" + (table(X[None]) + table(Y, ONE)).replace("\n", "\t\n")
     assert_heights(read(closed, **NM), ONE)
     assert_heights(read(closed.replace("\t\n", "\n", 1), **NM), ONE)
+    rows = [["y/x", *(f"{x:.3f}" for x in X)]] + [
+        [f"{y:.3f}", *(f"{z:.6f}" for z in line)] for y, line in zip(Y, ONE, strict=True)
+    ]
+    german = "\n".join(";".join(row) for row in rows).replace(".", ",")
+    assert_heights(read(german, **NM), ONE)
     read(text.replace("1.5", "9", 1), refused="line 1 has 10 numbers where the others have 11", **NM)
     uneven = "the first row of the table, from line 1 on, holds positions that are not even"
     read(text.replace("1.5", "1.9", 1), refused=uneven, **NM)

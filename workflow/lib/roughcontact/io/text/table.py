@@ -217,15 +217,16 @@ def below_a_label(rows: Rows, delimiter: str | None, decimal_comma: bool) -> Row
     """Return rows with the line above them, where that has a word in its corner and positions beside it."""
     if not rows.heading or not rows.heading[-1].strip():
         return None
-    line = rows.heading[-1].replace(",", ".") if decimal_comma else rows.heading[-1]
+    line = rows.heading[-1]
     around = " \r\f" if delimiter else None
     label, *cells = line.strip(around).removesuffix(delimiter or "").split(delimiter)
     first_row = rows.texts[0].strip(around)
     closing = delimiter if delimiter and first_row.endswith(delimiter) else ""
     width = len(first_row.removesuffix(closing).split(delimiter))
-    if _is_number(label) or not _FEW_ROWS <= len(cells) == width - 1 or not all(map(_is_number, cells)):
+    positions = [cell.replace(",", ".") if decimal_comma else cell for cell in cells]
+    if _is_number(label) or not _FEW_ROWS <= len(cells) == width - 1 or not all(map(_is_number, positions)):
         return None
-    steps = np.diff([_number(cell) for cell in cells])
+    steps = np.diff([_number(position) for position in positions])
     even = steps.any() and np.ptp(steps) <= _UNEVEN * abs(steps.mean())  # also no missing point
     if not even or statements([line]) or line.lstrip()[0] in COMMENT_SIGNS:
         return None
