@@ -234,13 +234,14 @@ def contact_statistics(
     # that of the solution, whose gradient is summed in another order; of a finite body it is that of the form
     if "relative_pressure" in contact and not free:
         columns["relative_pressure"] = contact["relative_pressure"].values
-    if layers is not None:  # the theories are those of half-spaces
+    if layers is not None or free:  # the theories are those of endless half-spaces
         columns |= {name: np.full(mean_pressure.shape, np.nan) for name in columns if name in THEORIES}
     # a number of the map, repeated for each load beside the other measures of reliability
     columns["points_per_shortest_wavelength"] = np.full(
         mean_pressure.shape, parameters.pop("points_per_shortest_wavelength")
     )
-    coordinates = {"mean_pressure": ("load", mean_pressure)} | _bins(edges)
+    loads = [name for name in ("mean_pressure", "force") if name in contact]
+    coordinates = _bins(edges) | {name: ("load", contact[name].values) for name in loads}
     if body is not None:
         coordinates["depth"] = ("depth", profile_depths(height.shape, steps, body))
         if body.get("layers"):
@@ -574,7 +575,7 @@ def theory_columns(
 def _with_friction(
     statistics: xr.Dataset, contact: xr.Dataset, friction: Mapping[str, Any] | None, bodies: Bodies | None
 ) -> xr.Dataset:
-    """Return the statistics with the friction of each load, where it is asked for, and of a finite body."""
+    """Return the statistics with the friction of each load, where it is asked for."""
     if friction is not None:
         areas = statistics["relative_contact_area"].values
         sheared = [
@@ -583,7 +584,7 @@ def _with_friction(
         ]
         if sheared[0].variables:  # a coefficient alone adds nothing
             statistics = statistics.merge(joined(sheared)).assign_attrs(sheared[0].attrs)
-    return statistics if contact.attrs.get("boundary") != "free" else of_finite_body(statistics, contact)
+    return statistics
 
 
 def _one_load(
@@ -634,7 +635,7 @@ def _one_load(
         passage |= gas_columns(open_gap, **gas)
     del open_gap
     patches = region_sizes(touching) * _point_area(touching.shape, steps)
-    return {
+    columns = {
         "relative_contact_area": relative_contact_area(touching),
         "relative_contact_area_pixels": points / touching.size,
         "contact_perimeter": contact_perimeter(touching, steps),
@@ -656,6 +657,7 @@ def _one_load(
         "gap_density": gap_density,
         **bearing,
     }
+    return of_finite_body(columns, contact, load) if free else columns
 
 
 def _point_area(shape: tuple[int, ...], steps: tuple[float, float]) -> float:
