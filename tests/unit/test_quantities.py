@@ -93,6 +93,7 @@ def test_plus_minus(value, half_width, text):
         (0.5, 0.5, 0.5, "0.500"),
         (238.3, 238.3, 238.3 * (1 + 1e-15), "238"),  # an end that rounding has moved
         (300.0, 291.7, 300.0 * (1 + 1e-15), "300.0 −8.3"),
+        (238.3, 238.3 * (1 - 1e-15), 238.3, "238"),
         (np.inf, np.nan, np.nan, "∞"),
         (np.inf, 5.0, np.nan, "∞ (5.0 or more)"),  # full contact: only the lower end is known
         (1.7, 1.2, np.nan, "1.70 (1.20 or more)"),

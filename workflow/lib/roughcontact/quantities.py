@@ -258,7 +258,7 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
     zero = value == below == 0.0 and above > _NEGLIGIBLE  # has no digits that an end could carry
     even = narrower < 0 or narrower >= (1 - _AS_FAR) * wider
     carried = max(wider if even else max(narrower or wider, _UNEVEN * wider), finest)
-    if 0 < lower < value and wider < math.inf:  # would read as 0, and is not
+    if lower > 0 and below > 0 and wider < math.inf:  # would read as 0, and is not
         zero = lower < 10.0 ** -_decimal_places(max(carried, below))
     if math.isfinite(lower) != math.isfinite(upper) or above > _BY_ENDS * value > 0 or zero:
         carried = max(below if math.isfinite(lower) else above, finest)
