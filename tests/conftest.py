@@ -24,6 +24,19 @@ def pytest_collection_modifyitems(items):
 
 
 @pytest.fixture
+def read(tmp_path):
+    """A function that reads the content of a file, or requires that it is refused in such words."""
+
+    from measured_files import read_height_map, refuses, saved  # which other tests need not wait for
+
+    def _read(content, refused="", *, name="map.dat", encoding="utf-8", **arguments):
+        path = saved(tmp_path, content, name, encoding)
+        return refuses(refused, path, **arguments) if refused else read_height_map(path, **arguments)
+
+    return _read
+
+
+@pytest.fixture
 def disk(tmp_path):
     """A function that mounts a disk of a size at a new folder; as `remount` it changes the options of one."""
     mounted = []

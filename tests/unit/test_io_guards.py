@@ -8,7 +8,7 @@ import zipfile
 import numpy as np
 import pytest
 import x3pio
-from measured_files import GIVEN, labelled, refuses, saved, x3p
+from measured_files import GIVEN, labelled, refuses, x3p
 
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.faces.composite import composite
@@ -23,54 +23,54 @@ from roughcontact.statistics.instrument_checks import quantisation
 HEIGHTS = np.arange(12.0).reshape(3, 4) * 1e-6
 
 
-def test_what_is_no_file(tmp_path):
+def test_what_is_no_file(read, tmp_path):
     refuses("no such file", tmp_path / "absent.x3p")
     refuses("is a folder", tmp_path)
-    refuses("the file is empty", saved(tmp_path, b""))
+    read(b"", "the file is empty")
     os.mkfifo(tmp_path / "pipe")
     refuses("no regular file", tmp_path / "pipe")
 
 
 @pytest.mark.parametrize("size", [1, 64, 512, 2 * 64 * 64, 2 * 128 * 128, 8 * 100 * 100])
 @pytest.mark.parametrize("kind", ["zeros", "ones", "random"])
-def test_rubbish_is_never_a_map(tmp_path, size, kind):
+def test_rubbish_is_never_a_map(read, size, kind):
     data = {"zeros": bytes(size), "ones": b"\xff" * size, "random": np.random.default_rng(size).bytes(size)}[
         kind
     ]
     with pytest.raises(InputFileError) as caught:
-        read_height_map(saved(tmp_path, data, "map.hgt"), **GIVEN)
+        read(data, name="map.hgt", **GIVEN)
     assert len(str(caught.value)) < 400
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
-def test_entities_are_refused(tmp_path, encoding):
+def test_entities_are_refused(read, encoding):
     bomb = '<?xml version="1.0"?><!DOCTYPE a [<!ENTITY x "ha"><!ENTITY y "&x;&x;&x;">]><a>&y;</a>'
-    refuses("DOCTYPE, which is refused", saved(tmp_path, x3p(HEIGHTS, edit=lambda _: bomb.encode(encoding))))
+    read(x3p(HEIGHTS, edit=lambda _: bomb.encode(encoding)), "DOCTYPE, which is refused")
 
 
-def test_zip_bomb_is_refused_before_it_unpacks(tmp_path, monkeypatch):
+def test_zip_bomb_is_refused_before_it_unpacks(read, monkeypatch):
     monkeypatch.setattr(guards, "MAX_UNPACKED_BYTES", 10**6)
     stream = io.BytesIO(x3p(HEIGHTS))
     with zipfile.ZipFile(stream, "a", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("vendor/one.bin", bytes(12 * 10**5))
     bomb = stream.getvalue()
     assert len(bomb) < 10**5
-    refuses("the archive would unpack to", saved(tmp_path, bomb))
-    assert read_height_map(saved(tmp_path, x3p(HEIGHTS))).shape == (3, 4)
+    read(bomb, "the archive would unpack to")
+    assert read(x3p(HEIGHTS)).shape == (3, 4)
 
 
-def test_claimed_size_is_checked_before_reading(tmp_path):
+def test_claimed_size_is_checked_before_reading(read):
     claim = x3p(HEIGHTS, edit=lambda main: main.replace(b"<SizeX>4<", b"<SizeX>400000000<"))
-    refuses("more than the 134217728 that are read", saved(tmp_path, claim))
+    read(claim, "more than the 134217728 that are read")
 
 
-def test_cut_archive_and_other_archives(tmp_path):
+def test_cut_archive_and_other_archives(read):
     data = x3p(HEIGHTS)
-    refuses("without its end", saved(tmp_path, data[: int(0.6 * len(data))]))
+    read(data[: int(0.6 * len(data))], "without its end")
     stream = io.BytesIO()
     np.savez(stream, a=np.ones((4, 4)))
-    refuses(r"map\.", saved(tmp_path, stream.getvalue(), "map.npz"), **GIVEN)
+    read(stream.getvalue(), r"map\.", name="map.npz", **GIVEN)
 
 
 def rough(n=64, seed=0):
@@ -88,10 +88,6 @@ def words(height, dx=1e-6, dy=1e-6, kind=instrument_kinds.UNKNOWN):
 
 def test_a_sound_map_raises_no_suspicion():
     assert suspicions(rough(), 1e-6, 1e-6) == []
-
-
-def test_heights_larger_than_the_field():
-    assert "more than the field" in words(1e3 * rough())
 
 
 def test_pixels_that_are_not_square():
@@ -113,37 +109,38 @@ def test_long_pixels_are_named_whatever_their_ratio(ratio, tmp_path):
     assert sum(said in note for note in json.loads(pair.attrs["ingest_warnings"])) == 2
 
 
-def test_sentinels_and_spikes():
+def changed(place, value):
     height = rough()
-    height[10, 20] = -1e-3 * 0.05
-    assert "1 point lies far below all others (down to −50.0 µm" in words(height)
-    height = rough()
-    height[5, 5:8] = 4e-5
-    assert "3 points lie far above all others" in words(height)
+    height[place] = value(height) if callable(value) else value
+    return height
 
 
-def test_saturation_and_quantisation():
-    assert "exactly the highest height" in words(np.minimum(rough(), 1.5e-6))
-    assert "exactly the lowest height" in words(np.maximum(rough(), -1.5e-6))
-    steps = np.round(rough() / 2e-7)
-    assert "different heights occur" not in words(2e-7 * steps)  # they have a step, which is judged later
-    assert "different heights occur, at odd distances" in words(2e-6 * np.exp(steps / 5))
+@pytest.mark.parametrize(
+    ("height", "said"),
+    [
+        (1e3 * rough(), "more than the field"),
+        (changed((10, 20), -5e-5), "1 point lies far below all others (down to −50.0 µm"),
+        (changed((5, slice(5, 8)), 4e-5), "3 points lie far above all others"),
+        (np.minimum(rough(), 1.5e-6), "exactly the highest height"),
+        (np.maximum(rough(), -1.5e-6), "exactly the lowest height"),
+        (2e-6 * np.exp(np.round(rough() / 2e-7) / 5), "different heights occur, at odd distances"),
+        (changed([7, 30], 0.0), "2 of 64 rows are constant"),
+        (
+            changed(np.s_[:, 12], lambda height: height[:, 11]),
+            "1 of 64 columns repeat the one before exactly",
+        ),
+        (np.vstack([rough()[:8]] * 2), "second half of the rows repeats the first exactly"),
+        (1e-7 * np.random.default_rng(5).standard_normal((64, 64)), "neighbouring points are unrelated"),
+        (np.zeros((8, 8)), "all heights are equal"),
+        (changed(np.s_[20:28, 30:36], np.mean), "1.17 % of the points have exactly the height"),
+    ],
+)
+def test_what_looks_wrong_is_said(height, said):
+    assert said in words(height)
 
 
-def test_lost_lines():
-    height = rough()
-    height[[7, 30]] = 0.0
-    assert "2 of 64 rows are constant" in words(height)
-    height = rough()
-    height[:, 12] = height[:, 11]
-    assert "1 of 64 columns repeat the one before exactly" in words(height)
-    assert "second half of the rows repeats the first exactly" in words(np.vstack([height[:8], height[:8]]))
-
-
-def test_noise_and_flatness():
-    noise = np.random.default_rng(5).standard_normal((64, 64)) * 1e-7
-    assert "neighbouring points are unrelated" in words(noise)
-    assert "all heights are equal" in words(np.zeros((8, 8)))
+def test_levels_of_one_step_are_judged_later():
+    assert "different heights occur" not in words(2e-7 * np.round(rough() / 2e-7))
 
 
 def test_absurd_heights_are_refused(tmp_path):
@@ -247,19 +244,13 @@ def test_quantisation_is_compared_with_the_roughness_and_not_with_the_tilt():
     assert check.sentence.startswith("The heights are multiples of 2.0 nm, 2")
 
 
-def test_a_plateau_between_the_extremes():
-    height = rough()
-    height[20:28, 30:36] = height.mean()
-    assert "1.17 % of the points have exactly the height" in words(height)
-
-
-def test_memory_is_asked_for_before_reading(tmp_path, monkeypatch):
+def test_memory_is_asked_for_before_reading(read, tmp_path, monkeypatch):
     monkeypatch.setattr(guards, "memory_bytes", lambda: 2.0**17)
     np.save(tmp_path / "map.npy", rough(128))
     refuses(r"128 x 128 points need 0.0 GiB of memory to be read", tmp_path / "map.npy", **GIVEN)
-    refuses(r"bytes of text need", saved(tmp_path, b"1.5 2.5\n" * 2000, "map.txt"), **GIVEN)
-    refuses(r"bytes of SDF need", saved(tmp_path, b"aISO-1.0" + bytes(20000), "map.sdf"))
-    refuses(r"bytes of this format need", saved(tmp_path, b"AliconaImaging\0" + bytes(20000), "map.al3d"))
+    read(b"1.5 2.5\n" * 2000, r"bytes of text need", name="map.txt", **GIVEN)
+    read(b"aISO-1.0" + bytes(20000), r"bytes of SDF need", name="map.sdf")
+    read(b"AliconaImaging\0" + bytes(20000), r"bytes of this format need", name="map.al3d")
     monkeypatch.undo()
     assert guards.memory_bytes() > 2**20
     assert read_height_map(tmp_path / "map.npy", **GIVEN).shape == (128, 128)

@@ -8,7 +8,7 @@ import x3pio
 import xarray as xr
 from measured_files import refuses, steps
 
-from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.errors import HeightMapError, InputFileError, SettingsError
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
 
@@ -107,32 +107,15 @@ def test_an_even_grid_is_left_as_it_is(tmp_path):
     assert height.attrs["ingest_warnings"] == read_height_map(path, unit="um").attrs["ingest_warnings"]
 
 
-def test_points_that_make_no_map(tmp_path):
-    line = np.arange(20.0) ** 2
-    refuses(
-        "on one line",
-        points_file(tmp_path / "a.txt", line, 2 * line, line),
-        error=HeightMapError,
-        unit="um",
-        resample="linear",
-    )
-    refuses(
-        "too few",
-        points_file(tmp_path / "b.txt", X[:3], Y[:3], Z[:3]),
-        error=HeightMapError,
-        unit="um",
-        resample="linear",
-    )
-    refuses(
-        "longer than the field",
-        points_file(tmp_path / "c.txt"),
-        error=HeightMapError,
-        dx=500,
-        unit="um",
-        resample="linear",
-    )
-    refuses(
-        "several points of the list have the same position",
-        points_file(tmp_path / "d.txt", X.repeat(2), Y.repeat(2), Z.repeat(2)),
-        unit="um",
-    )
+@pytest.mark.parametrize(
+    ("words", "columns", "arguments"),
+    [
+        ("on one line", np.outer((1, 2, 1), np.arange(20.0) ** 2), {"resample": "linear"}),
+        ("too few", np.array([X[:3], Y[:3], Z[:3]]), {"resample": "linear"}),
+        ("longer than the field", np.array([X, Y, Z]), {"resample": "linear", "dx": 500}),
+        ("several points of the list have the same position", np.array([X, Y, Z]).repeat(2, axis=1), {}),
+    ],
+)
+def test_points_that_make_no_map(tmp_path, words, columns, arguments):
+    error = HeightMapError if arguments else InputFileError
+    refuses(words, points_file(tmp_path / "a.txt", *columns), error=error, unit="um", **arguments)

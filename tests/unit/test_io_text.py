@@ -21,9 +21,9 @@ def matrix(heights=HEIGHTS, separator="\t", comma=False):
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-8-sig"])
-def test_header_as_gwyddion_writes_it(tmp_path, encoding):
+def test_header_as_gwyddion_writes_it(read, encoding):
     header = "# Channel: Topo\n# Width: 4.00 µm\n# Height: 3,00 µm\n# Value units: nm\n"
-    height = read_height_map(saved(tmp_path, header + matrix(), encoding))
+    height = read(header + matrix(), encoding=encoding)
     np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-9, rtol=1e-15)
     np.testing.assert_allclose(height.x, [0.5e-6, 1.5e-6, 2.5e-6, 3.5e-6], rtol=1e-12)
     np.testing.assert_allclose(height.y, [0.5e-6, 1.5e-6, 2.5e-6], rtol=1e-12)
@@ -33,22 +33,22 @@ def test_header_as_gwyddion_writes_it(tmp_path, encoding):
     assert height.attrs["missing_points"] == 0
 
 
-def test_conversion_factor_and_counts_in_the_header(tmp_path):
+def test_conversion_factor_and_counts_in_the_header(read):
     header = "h=3 w=4\npixel size=3.5e-007 m\ndata unit=rad\nheight conversion factor (-> m)=2.5e-008\n"
-    height = read_height_map(saved(tmp_path, header + matrix(separator=" ")))
+    height = read(header + matrix(separator=" "))
     np.testing.assert_allclose(height.values[::-1], HEIGHTS * 2.5e-8, rtol=1e-15)
     assert steps(height) == pytest.approx([3.5e-7, 3.5e-7], rel=1e-12)
 
 
-def test_counts_with_their_value_in_nanometres(tmp_path):
+def test_counts_with_their_value_in_nanometres(read):
     header = "# x-pixels = 4\n# y-pixels = 3\n# x-length = 2000\n# y-length = 1500\n# Bit2nm = 0.01\n"
-    height = read_height_map(saved(tmp_path, header + matrix()), unit="nm")
+    height = read(header + matrix(), unit="nm")
     np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-11, rtol=1e-15)
 
 
-def test_missing_points_become_nan_and_are_counted(tmp_path):
+def test_missing_points_become_nan_and_are_counted(read):
     text = "ncols 4\nnrows 2\ncellsize 2\nNODATA_value -9999\n1 2 -9999 4\nBAD 6 nan 8.5\n"
-    height = read_height_map(saved(tmp_path, text), unit="mm", height_unit="um")
+    height = read(text, unit="mm", height_unit="um")
     expected = np.array([[1, 2, np.nan, 4], [np.nan, 6, np.nan, 8.5]]) * 1e-6
     np.testing.assert_allclose(height.values[::-1], expected, rtol=1e-15)
     assert height.attrs["missing_points"] == 3
@@ -65,24 +65,24 @@ GAPS = (
 
 @pytest.mark.parametrize("gap", GAPS.split())
 @pytest.mark.parametrize("place", [0, 5])
-def test_what_programs_write_for_a_missing_point(tmp_path, gap, place):
+def test_what_programs_write_for_a_missing_point(read, gap, place):
     heights = HEIGHTS.astype(object)
     heights.flat[place] = gap
     text = "\n".join("\t".join(map(str, row)) for row in heights)
-    height = read_height_map(saved(tmp_path, text), **GIVEN)
+    height = read(text, **GIVEN)
     expected = HEIGHTS * 1e-6
     expected.flat[place] = np.nan
     np.testing.assert_allclose(height.values[::-1], expected, rtol=1e-15)
 
 
-def test_a_line_drawn_below_headings_is_no_row_of_the_map(tmp_path):
+def test_a_line_drawn_below_headings_is_no_row_of_the_map(read):
     text = "a      b      c     d\n------ ------ ----- -----\n" + matrix(separator=" ")
-    assert read_height_map(saved(tmp_path, text), **GIVEN).shape == HEIGHTS.shape
+    assert read(text, **GIVEN).shape == HEIGHTS.shape
 
 
-def test_exponents_of_fortran(tmp_path):
+def test_exponents_of_fortran(read):
     text = "\n".join(" ".join(f"{v:.3E}".replace("E", "D") for v in row) for row in HEIGHTS)
-    height = read_height_map(saved(tmp_path, text), **GIVEN)
+    height = read(text, **GIVEN)
     np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-6, rtol=1e-15)
 
 
@@ -91,27 +91,27 @@ def headed_points(heading):
     return heading + "\n" + "\n".join(rows) + "\n"
 
 
-def test_two_spellings_of_one_unit(tmp_path):
-    height = read_height_map(saved(tmp_path, headed_points("x (µm),y (micron),z (nm)")))
+def test_two_spellings_of_one_unit(read):
+    height = read(headed_points("x (µm),y (micron),z (nm)"))
     np.testing.assert_allclose(height.values, HEIGHTS * 1e-9, rtol=1e-15)
-    converted = read_height_map(saved(tmp_path, headed_points("x (µm),y (mm),z (nm)")))
+    converted = read(headed_points("x (µm),y (mm),z (nm)"))
     np.testing.assert_allclose(converted.y, 1e3 * height.y, rtol=1e-12)
     np.testing.assert_allclose(converted.x, height.x, rtol=1e-12)
 
 
-def test_a_column_of_depths_is_named(tmp_path):
-    height = read_height_map(saved(tmp_path, headed_points("x (µm),y (µm),Depth (nm)")))
+def test_a_column_of_depths_is_named(read):
+    height = read(headed_points("x (µm),y (µm),Depth (nm)"))
     np.testing.assert_allclose(height.values, HEIGHTS * 1e-9, rtol=1e-15)
     assert re.search("'Depth'.*change their sign", warnings_of(height))
-    height = read_height_map(saved(tmp_path, headed_points("x (µm),y (µm),z (nm)")))
+    height = read(headed_points("x (µm),y (µm),z (nm)"))
     assert "change their sign" not in warnings_of(height)
 
 
-def test_points_with_a_fourth_column_are_no_map(tmp_path):
+def test_points_with_a_fourth_column_are_no_map(read, tmp_path):
     rows = [f"{i} {j} {HEIGHTS[j, i]} {7 * i + j}" for j in range(3) for i in range(4)]
     path = saved(tmp_path, "\n".join(rows))
     refuses(r"begin anew at line 5.*name the columns", path, **GIVEN)
-    height = read_height_map(saved(tmp_path, "x y z intensity\n" + "\n".join(rows)), unit="um")
+    height = read("x y z intensity\n" + "\n".join(rows), unit="um")
     np.testing.assert_allclose(height.values, HEIGHTS * 1e-6, rtol=1e-15)
 
 
@@ -156,38 +156,29 @@ def test_values_that_are_no_lengths_are_refused(tmp_path):
     refuses(r"no channel of this file holds heights .*values in V, no length", path)
 
 
-def test_cut_matrices_are_refused(tmp_path):
+def test_cut_matrices_are_refused(read):
     rng = np.random.default_rng(3)
     square = rng.standard_normal((20, 20))
     text = "# Width: 20 µm\n# Height: 20 µm\n# Value units: nm\n" + matrix(square)
-    whole = read_height_map(saved(tmp_path, text))
+    whole = read(text)
     assert whole.shape == (20, 20)
-    refuses("the file was cut off", saved(tmp_path, text[: int(0.6 * len(text))]))
+    read(text[: int(0.6 * len(text))], "the file was cut off")
     lines = text.splitlines(keepends=True)
-    refuses(
-        r"seems to be cut off\. If it is whole, give dx, dy and unit",
-        saved(tmp_path, "".join(lines[: 3 + 12])),
-    )
-    kept = read_height_map(saved(tmp_path, "".join(lines[: 3 + 12])), **GIVEN)
+    read("".join(lines[: 3 + 12]), r"seems to be cut off\. If it is whole, give dx, dy and unit")
+    kept = read("".join(lines[: 3 + 12]), **GIVEN)
     assert kept.shape == (12, 20)
-    refuses(
-        "header says 5 rows, the file has 3",
-        saved(tmp_path, "ncols 4\nnrows 5\ncellsize 1\n" + matrix(separator=" ")),
-    )
+    read("ncols 4\nnrows 5\ncellsize 1\n" + matrix(separator=" "), "header says 5 rows, the file has 3")
 
 
-def test_ragged_rows_and_words_name_the_line(tmp_path):
-    refuses("row 2 has 3 numbers where the others have 4", saved(tmp_path, "1 2 3 4\n1 2 3\n1 2 3 4\n"))
-    refuses(
-        r"line 3 is no row of numbers \(x\); write NaN",
-        saved(tmp_path, "1 2 3 4\n1 2 3 4\n1 2 x 4\n1 2 3 4\n"),
-    )
+def test_ragged_rows_and_words_name_the_line(read):
+    read("1 2 3 4\n1 2 3\n1 2 3 4\n", "row 2 has 3 numbers where the others have 4")
+    read("1 2 3 4\n1 2 3 4\n1 2 x 4\n1 2 3 4\n", r"line 3 is no row of numbers \(x\); write NaN")
 
 
-def test_ambiguous_comma_is_refused(tmp_path):
+def test_ambiguous_comma_is_refused(read):
     text = "1,5\n2,5\n3\n4,5\n"
-    refuses("may be a decimal sign or a separator", saved(tmp_path, text), dx=1, unit="um")
-    assert read_height_map(saved(tmp_path, text + "4,05\n"), dx=1, unit="um").shape == (
+    read(text, "may be a decimal sign or a separator", dx=1, unit="um")
+    assert read(text + "4,05\n", dx=1, unit="um").shape == (
         1,
         5,
     )  # no number is 05
@@ -203,43 +194,43 @@ def points(order="row", scale=1.0):
     return [(scale * (2 + 0.5 * i), scale * (1 + 0.25 * j), HEIGHTS[j, i]) for j, i in indices]
 
 
-def test_list_of_points_with_named_columns_and_a_hole(tmp_path):
+def test_list_of_points_with_named_columns_and_a_hole(read):
     lines = ["X (mm);Y (mm);Z (µm)"] + [f"{x:g};{y:g};{z:g}" for x, y, z in points()]
     del lines[6]
-    height = read_height_map(saved(tmp_path, "\n".join(lines).replace(".", ",")))
+    height = read("\n".join(lines).replace(".", ","))
     expected = HEIGHTS * 1e-6
     expected[1, 1] = np.nan
     np.testing.assert_allclose(height.values, expected, rtol=1e-15)
     assert height.attrs["missing_points"] == 1
 
 
-def test_rounded_positions_are_even(tmp_path):
+def test_rounded_positions_are_even(read):
     x = np.round(np.arange(30) / 3, 3)
     text = "".join(f"{a:.3f},{b:.3f},{a * b + a:.4f}\n" for b in x for a in x)
-    height = read_height_map(saved(tmp_path, text), unit="um")
+    height = read(text, unit="um")
     assert height.shape == (30, 30)
     assert height.attrs["missing_points"] == 0
     assert float(height.x[1] - height.x[0]) == pytest.approx(1e-6 / 3, rel=1e-4)
 
 
-def test_uneven_points_are_refused_with_a_way_out(tmp_path):
+def test_uneven_points_are_refused_with_a_way_out(read):
     x = np.array([0.0, 1.0, 2.3, 3.0, 4.0])
     text = "".join(f"{a} {b} {a * b + 1}\n" for b in range(4) for a in x)
-    refuses(r"even.*resample = linear", saved(tmp_path, text), unit="um")
+    read(text, r"even.*resample = linear", unit="um")
     scattered = np.random.default_rng(1).random((50, 3))
     text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in scattered)
-    refuses(r"even.*resample = linear", saved(tmp_path, text), unit="um")
+    read(text, r"even.*resample = linear", unit="um")
     doubled = "".join(f"{a} {b} 1.5\n" for b in (0, 1, 1) for a in range(4))
-    refuses("several points of the list have the same position", saved(tmp_path, doubled), unit="um")
+    read(doubled, "several points of the list have the same position", unit="um")
 
 
 @pytest.mark.parametrize("order", ["row", "column"])
-def test_cut_list_of_points_is_refused(tmp_path, order):
+def test_cut_list_of_points_is_refused(read, order):
     text = "".join("{:g} {:g} {:g}\n".format(*point) for point in points(order)[:-1])
-    refuses("ends in the middle of a grid line", saved(tmp_path, text), unit="mm")
+    read(text, "ends in the middle of a grid line", unit="mm")
 
 
-def test_profile_with_unit_in_the_column_name(tmp_path):
+def test_profile_with_unit_in_the_column_name(read, tmp_path):
     text = "X_(microns),y1\n" + "".join(
         f"{0.5 * i:.4f},{z}\n" for i, z in enumerate(HEIGHTS.ravel(), start=1)
     )
@@ -250,26 +241,18 @@ def test_profile_with_unit_in_the_column_name(tmp_path):
     np.testing.assert_allclose(height.values[0], HEIGHTS.ravel() * 1e-9, rtol=1e-15)
     np.testing.assert_allclose(height.x, 0.5e-6 * np.arange(1, 13), rtol=1e-12)
     uneven = text.replace("2.5000,", "2.7000,")
-    refuses("not evenly spaced", saved(tmp_path, uneven), height_unit="nm")
+    read(uneven, "not evenly spaced", height_unit="nm")
 
 
-def test_one_line_is_a_profile_and_one_number_no_map(tmp_path):
-    height = read_height_map(saved(tmp_path, "1.5 2.5 3.5 7\n"), dx=1, unit="um")
+def test_one_line_is_a_profile_and_one_number_no_map(read):
+    height = read("1.5 2.5 3.5 7\n", dx=1, unit="um")
     assert height.shape == (1, 4)
-    refuses("single point", saved(tmp_path, "1.5\n"), error=HeightMapError, **GIVEN)
-    refuses(
-        "all 6 points of the map are missing",
-        saved(tmp_path, "nan nan nan\nnan nan nan\n"),
-        error=HeightMapError,
-        **GIVEN,
-    )
+    read("1.5\n", "single point", error=HeightMapError, **GIVEN)
+    read("nan nan nan\nnan nan nan\n", "all 6 points of the map are missing", error=HeightMapError, **GIVEN)
 
 
-def test_text_without_numbers(tmp_path):
-    refuses(
-        r"text without a table of numbers; it starts with 'Dear all'",
-        saved(tmp_path, "Dear all\nhere is the map\n"),
-    )
+def test_text_without_numbers(read):
+    read("Dear all\nhere is the map\n", r"text without a table of numbers; it starts with 'Dear all'")
 
 
 def test_inspect_says_what_is_missing(tmp_path):

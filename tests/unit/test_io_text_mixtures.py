@@ -5,10 +5,8 @@ import re
 
 import numpy as np
 import pytest
-from measured_files import refuses, saved
 
 from roughcontact.io.inspection import inspect_file
-from roughcontact.io.read import read_height_map
 
 RNG = np.random.default_rng(3)
 ONE, TWO = (np.round(RNG.normal(size=(8, 10)), 3) for _ in range(2))  # nm
@@ -24,16 +22,6 @@ def table(*columns, separator="\t"):
 
 def grid(heights):
     return np.tile(X, 8), np.repeat(Y, 10), heights.ravel()
-
-
-@pytest.fixture
-def read(tmp_path):
-    def _read(text, refused="", **arguments):
-        if refused:
-            return refuses(refused, saved(tmp_path, text), **arguments)
-        return read_height_map(saved(tmp_path, text), **arguments)
-
-    return _read
 
 
 def notes(height):

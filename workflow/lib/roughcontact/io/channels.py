@@ -88,6 +88,7 @@ class MeasuredFile:
     instrument: dict[str, Any] = field(default_factory=dict)  # keys of `roughcontact.io.metadata`
     warnings: list[str] = field(default_factory=list)  # about the file as a whole
     stale: str = ""  # which stated checksum or size differs from the content
+    required_size: int | None = None  # bytes by the header; readers leave the comparison to `open_file`
     first_row_assumed: bool = False  # stated neither by file nor format
     question: str = ""  # what there are several of, where the user has to name one
 

@@ -6,6 +6,7 @@ from enum import IntEnum
 from pathlib import Path
 
 from roughcontact.io.channels import MeasuredFile
+from roughcontact.io.text.lines import looks_like_text
 
 HEAD_BYTES = 4096
 
@@ -62,3 +63,25 @@ def head_of(path: Path) -> bytes:
     """
     with path.open("rb") as stream:
         return stream.read(HEAD_BYTES)
+
+
+def begins_with(*marks: bytes, in_text: bool = True) -> Callable[[Path, bytes], bool]:
+    r"""Return a function that tells by its first bytes whether a file begins with one of some marks.
+
+    Parameters
+    ----------
+    *marks : bytes
+    in_text : bool
+        Whether a text that begins so is of that format, too.
+
+    Returns
+    -------
+    callable (path, head) -> bool
+
+    Examples
+    --------
+    >>> recognises = begins_with(b"GWYP", in_text=False)
+    >>> recognises(Path("map.dat"), b"GWYPGwyContainer\0"), recognises(Path("map.txt"), b"GWYP 1 2 3")
+    (True, False)
+    """
+    return lambda path, head: head.startswith(marks) and (in_text or not looks_like_text(head))

@@ -7,6 +7,7 @@ from pkgutil import iter_modules
 from roughcontact.io.channels import MeasuredFile
 from roughcontact.io.guards import check_archive, check_file, naming
 from roughcontact.io.interface import Reader, head_of
+from roughcontact.io.lengths import compare_size
 
 _READERS = "roughcontact.io.readers"
 
@@ -36,4 +37,8 @@ def open_file(path: Path) -> MeasuredFile:
     with naming(path):
         check_file(path)
         check_archive(path)
-        return recognised(path)[1].read(path)
+        file = recognised(path)[1].read(path)
+        if file.required_size is not None and not file.stale:
+            file.stale, notes = compare_size(path, file.required_size)
+            file.warnings += notes
+    return file

@@ -30,7 +30,6 @@ from roughcontact.io.instruments import containers
 from roughcontact.io.instruments.formats import Format, Header
 from roughcontact.io.instruments.sizes import stated_size
 from roughcontact.io.interface import head_of
-from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
@@ -137,9 +136,13 @@ def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
     notes = file_format.corrected(infos, path)
     # Heights are read once here: an incomplete channel shows that the file was cut off.
     channels = [_channel(info, file_format) for info in infos]
-    stale, padding = _compared(infos[0], file_format, path)
+    header, points = _header(infos[0]), prod(infos[0].nb_grid_pts)
+    stale, required = (
+        file_format.contradiction(path, header),
+        stated_size(file_format.name, path, header, points),
+    )
     instrument = _instrument(infos[0], file_format, path)
-    return MeasuredFile(reader.name(), channels, "top", instrument, notes + padding, stale)
+    return MeasuredFile(reader.name(), channels, "top", instrument, notes, stale, required)
 
 
 def _channel(info: Any, file_format: Format) -> Channel:
@@ -197,16 +200,6 @@ def _steps(topography: Any, file_format: Format, header: Header) -> tuple[float 
     steps = np.asarray(topography.physical_sizes, dtype=float) / np.asarray(topography.nb_grid_pts)
     steps = file_format.steps(header, steps)
     return float(steps[0]), float(steps[1]) if steps.size > 1 else None
-
-
-def _compared(info: Any, file_format: Format, path: Path) -> tuple[str, list[str]]:
-    """Compare a file with the size and the checksum that its header states, as `compare_size` does."""
-    header = _header(info)
-    contradiction = file_format.contradiction(path, header)
-    stated = stated_size(file_format.name, path, header, prod(info.nb_grid_pts))
-    if contradiction or stated is None:
-        return contradiction, []
-    return compare_size(path, stated)
 
 
 def _instrument(info: Any, file_format: Format, path: Path) -> dict:

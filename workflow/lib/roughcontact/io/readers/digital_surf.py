@@ -17,8 +17,7 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_line_ends, check_points
 from roughcontact.io.instruments.formats import IMPRINT, INVERTED
-from roughcontact.io.interface import Reader, RecognisedBy
-from roughcontact.io.lengths import compare_size
+from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length, metres, same_length
 
@@ -58,22 +57,17 @@ class _Object(NamedTuple):
     end: int
 
 
-def recognises(path: Path, head: bytes) -> bool:
-    r"""Return whether a file begins with Digital Surf's mark."""
-    return head.startswith(_MARK + b"\0")
-
-
 def read(path: Path) -> MeasuredFile:
     """Open a file; each object is a channel, in a series of profiles each row."""
     check_line_ends(path)
     objects = _objects(path)
     first = objects[0].header
-    stale, notes = compare_size(path, objects[-1].end) if first["type"] in _COMPLETE else ("", [])
     channels = [channel for item in objects for channel in _channels(item, path)]
     if len(channels) > 1:
         for number, channel in enumerate(channels, 1):
             channel.name = f"{_text(first['object_name']) or 'object'} {number}"
-    return MeasuredFile("Digital Surf SUR", channels, "top", _instrument(first), notes, stale)
+    end = objects[-1].end if first["type"] in _COMPLETE else None
+    return MeasuredFile("Digital Surf SUR", channels, "top", _instrument(first), required_size=end)
 
 
 def _objects(path: Path) -> list[_Object]:
@@ -176,4 +170,4 @@ def _text(data: bytes) -> str:
         return data.decode("latin-1")
 
 
-READER = Reader(RecognisedBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, begins_with(_MARK + b"\0"), read)

@@ -17,26 +17,13 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_line_ends, check_memory, check_points, refusing
-from roughcontact.io.interface import Reader, RecognisedBy
-from roughcontact.io.lengths import compare_size
+from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
-from roughcontact.io.text.lines import looks_like_text
 
 _MARK = b"GWYP"
 _TYPES = {"b": "?", "c": "i1", "i": "<i4", "q": "<i8", "d": "<f8"}  # of numbers; arrays have capital letters
 _MEMORY_PER_BYTE = 4
 _MASKED = "the mask in the file was applied: the points under it are missing"
-
-
-def recognises(path: Path, head: bytes) -> bool:
-    r"""Return whether a file begins with the mark.
-
-    Examples
-    --------
-    >>> recognises(Path("map.dat"), b"GWYPGwyContainer\0"), recognises(Path("map.txt"), b"GWYP 1 2 3")
-    (True, False)
-    """
-    return head.startswith(_MARK) and not looks_like_text(head)
 
 
 def read(path: Path) -> MeasuredFile:
@@ -53,10 +40,9 @@ def read(path: Path) -> MeasuredFile:
         channels = [_channel(container, f"/{number}") for number in images]
     if not channels:
         raise InputFileError("this Gwyddion file holds no image")
-    stale, notes = compare_size(path, required_size)
     meta = container.get(f"/{images[0]}/meta", {})
     instrument = instrument_metadata({"serial": meta.get("Instrument serial number 2")}, meta)
-    return MeasuredFile("Gwyddion", channels, "top", instrument, notes, stale)
+    return MeasuredFile("Gwyddion", channels, "top", instrument, required_size=required_size)
 
 
 def _channel(container: dict[str, Any], number: str) -> Channel:
@@ -120,4 +106,4 @@ def _count(data: mmap.mmap) -> int:
     return struct.unpack("<I", data.read(4))[0]
 
 
-READER = Reader(RecognisedBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, begins_with(_MARK, in_text=False), read)

@@ -16,7 +16,6 @@ from roughcontact.io import hdf5, instrument_kinds
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_points
 from roughcontact.io.interface import Reader, RecognisedBy
-from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
@@ -54,10 +53,12 @@ def read(path: Path) -> MeasuredFile:
     if not channels:
         raise InputFileError("this JPK file holds no map")
     channels.sort(key=lambda ranked: ranked[0])
-    required_size = hdf5.stated_size(path)
-    stale, notes = ("", []) if required_size is None else compare_size(path, required_size)
     return MeasuredFile(
-        "JPK (HDF5)", [channel for _, channel in channels], "bottom", instrument, notes, stale
+        "JPK (HDF5)",
+        [channel for _, channel in channels],
+        "bottom",
+        instrument,
+        required_size=hdf5.stated_size(path),
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, oversized
 from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, check_points, refusing
-from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.text.axes import refuse_points
 
 _MARK = b"MATLAB 5.0 MAT-file"
@@ -22,11 +22,6 @@ _HEADER_BYTES = 128
 _FIRST = ("height", "heights", "z")
 _MATRIX, _COMPRESSED = 14, 15  # types of a variable
 _NUMBERS = ("double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
-
-
-def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins with MATLAB's mark."""
-    return head.startswith(_MARK)
 
 
 def read(path: Path) -> MeasuredFile:
@@ -97,4 +92,4 @@ def _check_unpacked_size(path: Path) -> None:
             )
 
 
-READER = Reader(RecognisedBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, begins_with(_MARK), read)

@@ -26,20 +26,13 @@ from roughcontact.io.channels import (
     unreadable,
 )
 from roughcontact.io.guards import MAX_POINTS, check_points, refusing
-from roughcontact.io.interface import Reader, RecognisedBy, head_of
-from roughcontact.io.lengths import compare_size
+from roughcontact.io.interface import Reader, RecognisedBy, begins_with, head_of
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.seal import check_seal
 from roughcontact.io.units import same_length
 from roughcontact.si import unit_of
 
 _SCIPY = (b"CDF\x01", b"CDF\x02")  # read without the netCDF library
-_MARKS = (*classic.MARKS, hdf5.MARK)
-
-
-def recognises(path: Path, head: bytes) -> bool:
-    r"""Return whether a file begins as netCDF does; other HDF5 is recognised before, by its contents."""
-    return head.startswith(_MARKS)
 
 
 def read(path: Path) -> MeasuredFile:
@@ -51,7 +44,6 @@ def read(path: Path) -> MeasuredFile:
     head = head_of(path)
     sealed = check_seal(path)
     required_size = classic.check_header(path) if head.startswith(classic.MARKS) else hdf5.stated_size(path)
-    stale, notes = ("", []) if required_size is None else compare_size(path, required_size + sealed)
     arrays = hdf5.datasets(path) if head.startswith(hdf5.MARK) else {}
     engine = "scipy" if head.startswith(_SCIPY) else "netcdf4"
     too_long = {} if engine == "scipy" else _oversized_variables(path)
@@ -74,8 +66,7 @@ def read(path: Path) -> MeasuredFile:
         channels,
         first_row="bottom",
         instrument=_instrument(height_attrs.get("instrument"), attributes),
-        warnings=notes,
-        stale=stale,
+        required_size=None if required_size is None else required_size + sealed,
     )
 
 
@@ -249,4 +240,4 @@ def _axis(dataset: Any, name: str | None) -> tuple[float | None, float | None, b
     return abs(step), float(min(positions[0], positions[-1])), step < 0
 
 
-READER = Reader(RecognisedBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, begins_with(*classic.MARKS, hdf5.MARK), read)

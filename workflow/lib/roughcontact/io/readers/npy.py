@@ -7,14 +7,8 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_points, refusing
-from roughcontact.io.interface import Reader, RecognisedBy
-from roughcontact.io.lengths import compare_size
+from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.text.axes import axes_of, refuse_points
-
-
-def recognises(path: Path, head: bytes) -> bool:
-    r"""Return whether a file begins with NumPy's mark."""
-    return head.startswith(b"\x93NUMPY")
 
 
 def read(path: Path) -> MeasuredFile:
@@ -26,16 +20,16 @@ def read(path: Path) -> MeasuredFile:
     if len(shape) != 2 or 0 in shape:
         raise InputFileError(f"an array of shape {values.shape}; a map has two axes (y, x), a profile one")
     check_points(shape)
-    if values.dtype.kind in "iuf":
-        refuse_points(values)
-    stale, notes = compare_size(path, getattr(values, "offset", 0) + values.nbytes)
-    if values.dtype.kind in "iuf" and values.ndim == 2 and (axes := axes_of(values, corner=False)):
-        notes = [*notes, axes.note.replace("is taken as", "may be")]
-    problem = "" if values.dtype.kind in "iuf" else f"values of type {values.dtype}, not real numbers"
-    channel = Channel("height", shape, lambda: as_heights(values), no_height=problem)
-    return MeasuredFile(
-        "NumPy array", [channel], first_row="bottom", warnings=notes, stale=stale, first_row_assumed=True
-    )
+    channel = Channel("height", shape, lambda: as_heights(values))
+    file = MeasuredFile("NumPy array", [channel], first_row="bottom", first_row_assumed=True)
+    file.required_size = getattr(values, "offset", 0) + values.nbytes
+    if values.dtype.kind not in "iuf":
+        channel.no_height = f"values of type {values.dtype}, not real numbers"
+        return file
+    refuse_points(values)
+    if values.ndim == 2 and (axes := axes_of(values)):
+        file.warnings.append(axes.note.replace("is taken as", "may be"))
+    return file
 
 
-READER = Reader(RecognisedBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, begins_with(b"\x93NUMPY"), read)

@@ -10,7 +10,6 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_memory, check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
-from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
 
 _MARKS = (b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"\xef\xbb\xbfaISO-")
@@ -63,8 +62,7 @@ def read(path: Path) -> MeasuredFile:
     if any(mark in trailer for mark in _MARKS):
         raise InputFileError("a second SDF follows the first one; save each in a file of its own")
     required_size = size - len(trailer) if trailer.translate(None, _TEXT) else size
-    stale, notes = compare_size(path, required_size)
-    return MeasuredFile("SDF (ISO 25178-71)", [channel], "bottom", instrument, notes, stale)
+    return MeasuredFile("SDF (ISO 25178-71)", [channel], "bottom", instrument, required_size=required_size)
 
 
 def _step(value: float | None) -> float | None:

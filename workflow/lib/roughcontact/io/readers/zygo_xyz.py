@@ -12,22 +12,11 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile
 from roughcontact.io.guards import check_memory, check_points, refusing
 from roughcontact.io.instrument_kinds import OPTICAL
-from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.text.lines import lines_of
 
 _MARK = b"Zygo XYZ Data File - Format 1"
 _MEMORY_PER_BYTE = 12  # lines, their cells, numbers
-
-
-def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins with the mark.
-
-    Examples
-    --------
-    >>> recognises(Path("map.xyz"), b"Zygo XYZ Data File - Format 1"), recognises(Path("map.xyz"), b"Zygo")
-    (True, False)
-    """
-    return head.startswith(_MARK)
 
 
 def read(path: Path) -> MeasuredFile:
@@ -55,4 +44,4 @@ def read(path: Path) -> MeasuredFile:
     return MeasuredFile("Zygo XYZ", [channel], "bottom", {"kind": OPTICAL.name, "vendor": "Zygo"})
 
 
-READER = Reader(RecognisedBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, begins_with(_MARK), read)
