@@ -362,6 +362,11 @@ def test_local_scale_of_a_smooth_map_is_the_contact_of_hertz():
     holm = 2 * hertz(50.0, 0.05, 115e9)["contact_radius"]  # 1/(2 a k)
     assert answer["local_conductance_per_conductivity"].item() == pytest.approx(holm, rel=1e-9)
     assert "local_contact_area_lower" not in answer
+    contact = {"contact_modulus": 115e9, "force": 50, "contact_modulus_uncertainty": 0.05}
+    bounded = rc.evaluate(flat, contact=contact, form=LOCAL)
+    lower, upper = (bounded[f"local_conductance_per_conductivity_{end}"].item() for end in ("lower", "upper"))
+    # a flux like the pressure, and 2 a, are changed by the modulus as its cube root
+    assert [lower, upper] == pytest.approx([holm / 1.2, holm / 0.95 ** (1 / 3)], rel=1e-3)
     wider = rc.evaluate(
         ground(1e-8), contact={"contact_modulus": 115e9, "force": 5}, form=LOCAL, **WITHOUT_BUDGET
     )

@@ -78,15 +78,17 @@ def whole_contact(
         {name: budget.get(f"{name}_{kind}", curve[name]).values for name in _OF_MAP}
         for kind in ("estimate", "lower", "upper")
     )
-    # without an end in the interval nothing bounds it
+    # nothing bounds what has no end, nor the conductance of full contact
     upper = {
         name: np.where(np.isnan(end) & ~np.isnan(lower[name]), np.inf, end) for name, end in upper.items()
     }
+    lower[CONDUCTANCE] = np.where(estimate[AREA] >= 1, np.inf, lower[CONDUCTANCE])
     values, below = _whole(estimate, smooth), _whole(lower, smooth, flux_as_pressure=True)
     above, solved = _whole(upper, smooth), _whole({name: curve[name].values for name in _OF_MAP}, smooth)
     components = {
         name: [_component(value, value - below[name], above[name] - value)] for name, value in values.items()
     }
+    bounded = bool(of_map)
     for stated, name in MATERIAL_UNCERTAINTIES.items():
         width = settings["contact"].get(stated) if "material" in sources else None
         ends: list[tuple[np.ndarray, Values]] = []
@@ -94,6 +96,7 @@ def whole_contact(
             changed, loads = _places(inputs | {name: factor * inputs[name]}, radius, contact)
             again = solve_member(window, loads, names=_OF_MAP, tolerance=contact["tolerance"])
             ends.append((np.log(factor), _whole(again, changed)))
+        bounded |= bool(ends)
         for quantity in components if ends else ():
             sides = effect(solved[quantity], ends, quantity)[:2]
             components[quantity].append(_component(solved[quantity], *sides))
@@ -103,7 +106,7 @@ def whole_contact(
         combined = ends_of(GAP, to_scale(GAP, value), added_up(components[name]))
         ends_by_name = zip(("_lower", "_upper"), combined, (below[name], above[name]), strict=True)
         columns[name] = value
-        for end, total, of_map_alone in ends_by_name if sources else ():
+        for end, total, of_map_alone in ends_by_name if bounded else ():
             known = np.where((value > 0) & (of_map_alone > 0), total, of_map_alone)
             columns[f"{name}{end}"] = np.where(np.isinf(known), np.nan, known)
     with np.errstate(divide="ignore"):
