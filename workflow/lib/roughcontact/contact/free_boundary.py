@@ -35,11 +35,10 @@ CELL_DIVISOR = 16  # of the points along a cell, for coarser grids of whole cell
 class Region(NamedTuple):
     """A disc within a rectangle of the map: the points that may touch.
 
-    `rows`, `columns`: slices of the map; `mask` (rows, columns): of the disc; `reach` in m: its diameter.
+    `sides`: slices of the map; `mask` (rows, columns): of the disc; `reach` in m: its diameter.
     """
 
-    rows: slice
-    columns: slice
+    sides: tuple[slice, slice]
     mask: np.ndarray
     reach: float
 
@@ -137,7 +136,7 @@ class FreeBody:
         for passes in range(1, MAX_PASSES + 1):
             cell = self._solve_region(region, force, tolerance=cell_tolerance)
             pressure = np.zeros(self.heights.shape)
-            pressure[region.rows, region.columns] = cell.pressure
+            pressure[region.sides] = cell.pressure
             steps, applications = steps + cell.steps, applications + cell.applications
             ratio = cell.norm / self._periodic_norm(pressure)
             bound = cell.error_bound * ratio
@@ -145,7 +144,7 @@ class FreeBody:
             # what touches at the rim of the region may touch beyond it
             touching = (pressure > 0) | (gap < 0)
             outside = touching.copy()
-            outside[region.rows, region.columns] &= ~region.mask
+            outside[region.sides] &= ~region.mask
             if outside.any():
                 region = self._region(touching, MIN_MARGIN)
             elif bound <= tolerance or cell.error_bound > cell_tolerance:
@@ -164,7 +163,7 @@ class FreeBody:
         """
         from scipy import fft
 
-        heights = self.heights[region.rows, region.columns]
+        heights = self.heights[region.sides]
         inside, (ny, nx), (dy, dx) = heights[region.mask], heights.shape, self.spacing
         carrying = (np.count_nonzero(inside > inside.min()) or inside.size) * dy * dx  # none beyond edges
         most = self.hardness * carrying
@@ -227,14 +226,14 @@ class FreeBody:
             first, last = int(line.min()), int(line.max())
             widening = max(margin, int(MARGIN * (last - first))) if margin else 0
             ends.append((max(first - widening, 0), min(last + widening + 1, n)))
-        (top, bottom), (left, right) = ends
+        sides = slice(*ends[0]), slice(*ends[1])
         y, x = (
             (np.arange(*pair) - 0.5 * (sum(pair) - 1)) * d for pair, d in zip(ends, self.spacing, strict=True)
         )
         distance = np.hypot(y[:, None], x)
-        radius = float(distance[touching[top:bottom, left:right]].max()) + margin * max(self.spacing)
+        radius = float(distance[touching[sides]].max()) + margin * max(self.spacing)
         mask = distance <= radius * (1 + MARGIN)
-        return Region(slice(top, bottom), slice(left, right), mask, 2 * float(distance[mask].max()))
+        return Region(sides, mask, 2 * float(distance[mask].max()))
 
     def _periodic_norm(self, pressure: np.ndarray) -> float:
         """Return the root of twice the elastic energy (J) of a pressure (Pa) on the periodic map."""
@@ -246,17 +245,18 @@ class FreeBody:
         """Return the gap (ny, nx) in m: that of the solution in the region, that of Love's pixels beyond."""
         from scipy import fft  # imported late: solves of periodic maps need nothing of scipy
 
-        sides = region.rows, region.columns
         # each offset between a loaded point and one of the map has its own element of the transform
-        sizes = [2 * max(side.stop, n - side.start) for n, side in zip(pressure.shape, sides, strict=True)]
+        sizes = [
+            2 * max(side.stop, n - side.start) for n, side in zip(pressure.shape, region.sides, strict=True)
+        ]
         shape = 2 * fft.next_fast_len(sizes[0] // 2), 2 * fft.next_fast_len(sizes[1] // 2)
         with fft.set_workers(self.threads):
             symbol = transform_of_pixels(shape, self.spacing, layers=self.layers)
-            displacement = fft.irfft2(fft.rfft2(pressure[sides], shape) * symbol, shape)
-        displacement = np.roll(displacement, [side.start for side in sides], (0, 1))
+            displacement = fft.irfft2(fft.rfft2(pressure[region.sides], shape) * symbol, shape)
+        displacement = np.roll(displacement, [side.start for side in region.sides], (0, 1))
         map_sides = tuple(slice(n) for n in pressure.shape)
         gap = displacement[map_sides] / self.modulus - self.heights + cell.approach
-        gap[sides][region.mask] = cell.gap[region.mask]
+        gap[region.sides][region.mask] = cell.gap[region.mask]
         return gap
 
     def check_border(self, pressure: np.ndarray, force: float, radii: Sequence[float] = ()) -> None:

@@ -133,27 +133,16 @@ def transform_of_pixels(
     reach: float = np.inf,
     layers: LayeredPair | None = None,
 ) -> np.ndarray:
-    """Return the symbol (ny, nx // 2 + 1) of Love's kernel, faded beyond the reach, and of layers with it."""
-    quarter = shape[0] // 2 + 1, shape[1] // 2 + 1
-    distance = distances(quarter, spacing)
-    response = love(quarter, spacing) * np.clip((FADE - distance / reach) / (FADE - 1), 0, 1)
-    if layers is not None:
-        response += change_by_layers(layers, distance) * spacing[0] * spacing[1]
-    return even_transform(response, shape)
-
-
-def distances(shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarray:
-    """Return the distances (ny, nx) of points from the first of them."""
-    rows, columns = np.ogrid[: shape[0], : shape[1]]
-    return np.hypot(rows * spacing[0], columns * spacing[1])
-
-
-def even_transform(quarter: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Return the transform (ny, nx // 2 + 1) of a field even along both axes, of even sides, by a quarter."""
+    """Return the symbol (ny, nx // 2 + 1), of even sides, of Love's kernel, faded beyond the reach."""
     from scipy import fft
 
+    y, x = (np.arange(n // 2 + 1) * d for n, d in zip(shape, spacing, strict=True))
+    distance = np.hypot(y[:, None], x)
+    response = love(distance.shape, spacing) * np.clip((FADE - distance / reach) / (FADE - 1), 0, 1)
+    if layers is not None:
+        response += change_by_layers(layers, distance) * spacing[0] * spacing[1]
     rows = np.arange(shape[0])
-    return np.asarray(fft.dctn(quarter, type=1)[np.minimum(rows, shape[0] - rows)])
+    return np.asarray(fft.dctn(response, type=1)[np.minimum(rows, shape[0] - rows)])
 
 
 def love(shape: tuple[int, ...], spacing: tuple[float, float]) -> np.ndarray:
@@ -174,10 +163,6 @@ def _cut_off(last: float) -> "CubicSpline":
     from scipy.special import itj0y0, j1
 
     z: np.ndarray = np.arange(_STEP, last + 2 * _STEP, _STEP)
-
-    def integral(upper: np.ndarray) -> np.ndarray:
-        """Return the integral of F from 0."""
-        return np.asarray(upper * itj0y0(upper)[0] - upper * j1(upper))
-
-    factor = (integral(FADE * z) - integral(z)) / ((FADE - 1) * z)
-    return CubicSpline(np.concatenate([[0.0], z]), np.concatenate([[0.0], factor]))
+    ends = np.outer([1.0, FADE], z)
+    start, end = ends * itj0y0(ends)[0] - ends * j1(ends)  # the integral of F from 0
+    return CubicSpline(np.append(0.0, z), np.append(0.0, (end - start) / ((FADE - 1) * z)))
