@@ -1,8 +1,10 @@
 """From the content of a YAML file to checked settings of each case, or one error that lists all mistakes."""
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
+from itertools import chain
 from typing import Any
 
 from pydantic import ValidationError
@@ -55,13 +57,12 @@ def resolve(config: Mapping[str, Any], *, origin: str = "the settings") -> dict[
     base = {key: {} if value is None else value for key, value in config.items()}
     base.setdefault("contact", {})
     cases = base.pop("cases", {})
-    mistakes = [SettingsError(text) for text in _mistakes_in_cases(cases)]
+    mistakes = [*map(_error, _mistakes_in_cases(cases))]
     if mistakes or not cases:
         cases = {"": {}}
     resolved = {}
     for name, overrides in cases.items():
-        settings, errors = _resolve_case(name, base, overrides)
-        resolved[name] = settings
+        resolved[name], errors = _resolve_case(name, base, overrides)
         mistakes += errors
     if mistakes:
         distinct = {str(error): error for error in mistakes}
@@ -70,80 +71,72 @@ def resolve(config: Mapping[str, Any], *, origin: str = "the settings") -> dict[
     return resolved
 
 
+def _error(text: str) -> SettingsError:
+    """Return the error of a sentence that begins with its setting."""
+    return SettingsError(text, keys=re.findall(r"^(?:cases\.[^.:]*\.)?((?!cases\.)\w+\.\w+)", text))
+
+
 def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any], list[SettingsError]]:
     """Return the settings of one case, and the mistakes in them."""
     merged = _merge(base, overrides)
     where = f"cases.{name}.contact" if "contact" in overrides else "contact"
-    mistakes = [SettingsError(text) for text in _mistakes_in_alternatives(merged, where)]
-    stated_bodies = merged["contact"].get("bodies") if isinstance(merged["contact"], dict) else None
+    mistakes = [*map(_error, _mistakes_in_alternatives(merged, where))]
+    stated = merged["contact"] if isinstance(merged["contact"], dict) else {}
+    stated_bodies = stated.get("bodies")
     try:
         if isinstance(stated_bodies, list):
             # a hardness of the contact goes before those of the table
-            without = {"hardness": None} if merged["contact"].get("hardness") is not None else {}
-            bodies = [
+            without = {"hardness": None} if stated.get("hardness") is not None else {}
+            stated["bodies"] = [
                 body | without if isinstance(body, dict) else body for body in named_bodies(stated_bodies)
             ]
-            merged["contact"]["bodies"] = bodies
     except SettingsError as error:
-        return {}, [*mistakes, SettingsError(f"{where}.bodies: {error}", keys=["contact.bodies"])]
+        return {}, [*mistakes, _error(f"{where}.bodies: {error}")]
     try:
         settings = Settings.model_validate(merged).model_dump(mode="json", exclude={"cases"})
     except ValidationError as error:
         return {}, [*mistakes, *(mistake(name, overrides, detail) for detail in error.errors())]
+    contact = settings["contact"]
     try:
-        _check_layers(settings["contact"]["bodies"], where)
+        _check_layers(contact["bodies"], where)
     except SettingsError as error:
         return settings, [*mistakes, error]
     if not mistakes:
-        together = implausible_together(merged, settings["contact"])
-        mistakes += [named(name, overrides, *doubtful) for doubtful in together]
-    mistakes += [SettingsError(text) for text in _mistakes_in_bodies(settings["contact"]["bodies"], where)]
-    if settings["statistics"]["stress"] == "always" and not settings["contact"]["bodies"]:
-        text = "statistics.stress = 'always': needs contact.bodies, for their Poisson's ratios"
-        mistakes.append(SettingsError(text, keys=["statistics.stress"]))
-    _derive(settings["contact"], stated_bodies or ())
-    mistakes += [SettingsError(text) for text in _mistakes_in_finite_bodies(settings)]
-    bodies = settings["contact"]["bodies"]
-    hardness, loads = settings["contact"]["hardness"], settings["contact"]["mean_pressure"] or ()
+        mistakes += [named(name, overrides, *doubt) for doubt in implausible_together(merged, contact)]
+    _derive(contact, stated_bodies or ())
+    further = (
+        _mistakes_in_bodies(contact["bodies"], where),
+        _mistakes_in_finite_bodies(settings),
+        _mistakes_in_loads(contact, where),
+        _mistakes_in_statistics(settings),
+    )
+    return settings, [*mistakes, *map(_error, chain(*further))]
+
+
+def _mistakes_in_loads(contact: Mapping[str, Any], where: str) -> Iterator[str]:
+    """Yield what is wrong with the loads, those that are to be found, and the one that is taken off."""
+    hardness, unload = contact["hardness"], contact["unload"]
     for key in (*_ALTERNATIVES[1], "target_area", "target_gap", "target", "unload"):
-        values = settings["contact"][key] or ()
-        twice = next((value for i, value in enumerate(values) if value in values[:i]), None)
-        if twice is not None:
-            text = f"{where}.{key}: {twice} occurs twice; state each load once"
-            mistakes.append(SettingsError(text, keys=[f"contact.{key}"]))
-    if hardness is not None and max(loads, default=0.0) >= hardness:
-        text = (
-            f"{where}.mean_pressure {max(loads):g} Pa is not below the hardness {hardness:g} Pa: no contact "
-            "carries it"
-        )
-        mistakes.append(SettingsError(text, keys=["contact.mean_pressure"]))
-    if settings["contact"]["unload"] is not None:
-        texts = _mistakes_in_unload(settings["contact"], where)
-        mistakes += [SettingsError(text, keys=["contact.unload"]) for text in texts]
-    mistakes += [SettingsError(text, keys=[text.split(":")[0]]) for text in _mistakes_in_statistics(settings)]
-    limits = [settings["contact"]["hardness"]]
-    limits += [
-        material["yield_stress"] for body in bodies or () for material in (body, *(body["layers"] or ()))
-    ]
-    if "first_yield" in (settings["contact"]["target"] or ()) and not any(limits):
-        text = f"{where}.target: first_yield needs the yield_stress of a body, or a hardness"
-        mistakes.append(SettingsError(text, keys=["contact.target"]))
-    return settings, mistakes
-
-
-def _mistakes_in_unload(contact: Mapping[str, Any], where: str) -> Iterator[str]:
-    """Yield why the load cannot be taken off."""
+        values = contact[key] or ()
+        if twice := [value for i, value in enumerate(values) if value in values[:i]]:
+            yield f"{where}.{key}: {twice[0]} occurs twice; state each load once"
+        if key in ("mean_pressure", "unload") and hardness and max(values, default=0.0) >= hardness:
+            yield (
+                f"{where}.{key} {max(values):g} Pa is not below the hardness {hardness:g} Pa: no contact "
+                "carries it"
+            )
+    materials = [material for body in contact["bodies"] or () for material in (body, *(body["layers"] or ()))]
+    yields = hardness or any(material["yield_stress"] for material in materials)
+    if "first_yield" in (contact["target"] or ()) and not yields:
+        yield f"{where}.target: first_yield needs the yield_stress of a body, or a hardness"
+    if unload is None:
+        return
     if contact["boundary"] == "free":
         yield f"{where}.unload: is for periodic maps, and boundary = free; leave unload out"
-    if contact["hardness"] is None:
+    if hardness is None:
         yield (
             f"{where}.unload: needs a hardness, since an elastic contact is unloaded the way it was loaded; "
             "state contact.hardness, or that of a body, or leave unload out"
-        )
-    elif max(contact["unload"], default=0.0) >= contact["hardness"]:
-        yield (
-            f"{where}.unload {max(contact['unload']):g} Pa is not below the hardness {contact['hardness']:g} "
-            "Pa: no contact carries it"
         )
     if not contact["keep_fields"]:
         yield f"{where}.unload: needs the maps of the contact; leave keep_fields at true, or unload out"
@@ -160,6 +153,8 @@ def _mistakes_in_statistics(settings: Mapping[str, Any]) -> Iterator[str]:
     for key, required, text in _NEEDS:
         if key in stated and not stated & {*required}:
             yield f"statistics.{key}: {text}"
+    if statistics["stress"] == "always" and not contact["bodies"]:
+        yield "statistics.stress = 'always': needs contact.bodies, for their Poisson's ratios"
     if "seal" in stated and statistics["flow"] == "never":
         yield "statistics.seal: leaks by the flow, and statistics.flow = 'never'; leave one of them out"
     if _SHEAR in stated and have_layers(contact["bodies"]):
@@ -183,111 +178,95 @@ def _derive(contact: dict[str, Any], stated_bodies: Sequence[Any]) -> None:
         contact["mean_pressure"] = [force / contact["area"] for force in contact["force"]]
 
 
-def _mistakes_in_cases(cases: Any) -> list[str]:
-    """Return the mistakes in the mapping of cases itself, whatever the settings in it."""
+def _mistakes_in_cases(cases: Any) -> Iterator[str]:
+    """Yield the mistakes in the mapping of cases itself, whatever the settings in it."""
     if not isinstance(cases, dict):
-        return [f"cases = {cases!r}: must be a mapping from names to settings"]
-    mistakes = []
+        yield f"cases = {cases!r}: must be a mapping from names to settings"
+        return
     small = Counter(str(name).lower() for name in cases)
     for name, overrides in cases.items():
         if small[str(name).lower()] > 1:
-            mistakes.append(f"cases.{name}: another case has this name but for capitals; rename one")
+            yield f"cases.{name}: another case has this name but for capitals; rename one"
         if wrong := name_mistake(str(name)):
-            mistakes.append(f"cases.{name}: {wrong}")
+            yield f"cases.{name}: {wrong}"
         if not isinstance(name, str):
-            mistakes.append(f"cases.{name}: a name is text, put it in quotes")
+            yield f"cases.{name}: a name is text, put it in quotes"
         if not isinstance(overrides, dict):
-            mistakes.append(
-                f"cases.{name} = {overrides!r}: must be a group of settings that differ from those above"
-            )
+            yield f"cases.{name} = {overrides!r}: must be a group of settings that differ from those above"
             continue
-        mistakes += [
-            f"cases.{name}.{key}: is common to all cases, set it at the top"
-            for key in _COMMON
-            if key in overrides
-        ]
-    return mistakes
+        for key in _COMMON:
+            if key in overrides:
+                yield f"cases.{name}.{key}: is common to all cases, set it at the top"
 
 
-def _mistakes_in_alternatives(settings: Mapping[str, Any], where: str) -> list[str]:
-    """Return the mistakes in settings of the contact that exclude one another."""
+def _mistakes_in_alternatives(settings: Mapping[str, Any], where: str) -> Iterator[str]:
+    """Yield the mistakes in settings of the contact, not checked yet, that exclude one another."""
     contact, form = settings["contact"], settings.get("form")
     if not isinstance(contact, dict):
-        return []
-    from_form = isinstance(form, dict) and form.get("local_scale")  # pressures follow from form and force
-    elasticity, loads = ([key for key in keys if contact.get(key) is not None] for keys in _ALTERNATIVES)
-    mistakes = []
+        return
+    stated = {key for key, value in contact.items() if value is not None}
+    elasticity, loads = ([key for key in keys if key in stated] for keys in _ALTERNATIVES)
     if len(elasticity) != 1:
-        text = (
+        yield (
             f"{where}: {' and '.join(elasticity) or 'no elasticity'} given; give either contact_modulus "
             "(E* in Pa) or bodies (two of a material's name, or youngs_modulus in Pa and poissons_ratio)"
-        )
-        mistakes.append(text if elasticity else f"{text}: {_BODIES}")
+        ) + ("" if elasticity else f": {_BODIES}")
     if len(loads) > 1:
         units = {"mean_pressure": "Pa", "relative_pressure": "no unit", "force": "N"}
         loads_text = " and ".join(f"{key} ({units[key]})" for key in loads)
-        mistakes.append(f"{where}: {loads_text} given; give one of them or neither")
+        yield f"{where}: {loads_text} given; give one of them or neither"
     if contact.get("boundary") == "free":
-        periodic = ("mean_pressure", "relative_pressure", "area", "target_area", "target_gap", "target")
-        mistakes += [
-            f"{where}.{key}: is of periodic maps; a body of finite size (boundary: free) takes a force in N"
-            for key in periodic
-            if contact.get(key) is not None
-        ]
-        if contact.get("force") is None:
-            mistakes.append(
-                f"{where}.force: missing, though boundary is free; give the force on the body in N"
-            )
-    elif not from_form and (contact.get("force") is None) != (contact.get("area") is None):
-        missing, present = ("area", "force") if contact.get("area") is None else ("force", "area")
-        mistakes.append(
-            f"{where}.{missing}: missing, though {present} is given; mean pressure is force by area"
+        for key in ("mean_pressure", "relative_pressure", "area", "target_area", "target_gap", "target"):
+            if key in stated:
+                yield (
+                    f"{where}.{key}: is of periodic maps; a body of finite size (boundary: free) takes a "
+                    "force in N"
+                )
+        if "force" not in stated:
+            yield f"{where}.force: missing, though boundary is free; give the force on the body in N"
+    elif len(stated & {"force", "area"}) == 1 and not (isinstance(form, dict) and form.get("local_scale")):
+        missing, present = ("area", "force") if "force" in stated else ("force", "area")
+        yield f"{where}.{missing}: missing, though {present} is given; mean pressure is force by area"
+    bodies = contact["bodies"] if isinstance(contact.get("bodies"), list) else []
+    if "hardness" in stated and any(
+        isinstance(body, dict) and body.get("hardness") is not None for body in bodies
+    ):
+        yield (
+            f"{where}: hardness given of the contact and of a body; give it of the bodies (the softer "
+            "counts) or of the contact"
         )
-    bodies = contact.get("bodies")
-    if contact.get("hardness") is not None and isinstance(bodies, list):
-        stated = [body for body in bodies if isinstance(body, dict) and body.get("hardness") is not None]
-        if stated:
-            mistakes.append(
-                f"{where}: hardness given of the contact and of a body; give it of the bodies (the softer "
-                "counts) or of the contact"
-            )
-    return mistakes
 
 
-def _mistakes_in_finite_bodies(settings: Mapping[str, Any]) -> list[str]:
-    """Return what is asked of a body of finite size, or of its form, although it is not solved."""
-    form, contact = settings["form"], settings["contact"]
+def _mistakes_in_finite_bodies(settings: Mapping[str, Any]) -> Iterator[str]:
+    """Yield what is asked of a body of finite size, or of its form, although it is not solved."""
+    form, contact, statistics = settings["form"], settings["contact"], settings["statistics"]
+    free, layered = contact["boundary"] == "free", have_layers(contact["bodies"])
     if form["local_scale"]:
-        periodic = [contact[key] for key in ("area", "target_area", "target_gap", "target")]
-        unfit = (
-            form["edges"] or contact["boundary"] == "free" or have_layers(contact["bodies"]) or any(periodic)
-        )
-        text = (
-            "form.local_scale = true: takes form.radius and contact.force of a periodic map; leave out "
-            "form.edges, contact.boundary = free, contact.area, targets and layers"
-        )
-        return [text] if unfit or not form["radius"] or not contact["force"] else []
-    if contact["boundary"] != "free":
-        stated = [key for key in form if form[key]]
-        return [f"form.{key} = {form[key]!r}: is of contact.boundary = free; set that, too" for key in stated]
-    mistakes = []
-    if have_layers(contact["bodies"]):
-        if contact["influence"] != "sampled":
-            mistakes.append(
-                "contact.influence: layers of a finite body are solved with 'sampled'; leave it out"
+        periodic = (contact[key] for key in ("area", "target_area", "target_gap", "target"))
+        unfit = form["edges"] or free or layered or any(periodic)
+        if unfit or not form["radius"] or not contact["force"]:
+            yield (
+                "form.local_scale = true: takes form.radius and contact.force of a periodic map; leave out "
+                "form.edges, contact.boundary = free, contact.area, targets and layers"
             )
-        if settings["statistics"]["stress"] == "always":
-            mistakes.append("statistics.stress = 'always': stresses in layers are those of periodic maps")
-    friction = settings["statistics"]["friction"] or {}
+        return
+    if not free:
+        for key, value in form.items():
+            if value:
+                yield f"form.{key} = {value!r}: is of contact.boundary = free; set that, too"
+        return
+    if layered and contact["influence"] != "sampled":
+        yield "contact.influence: layers of a finite body are solved with 'sampled'; leave it out"
+    if layered and statistics["stress"] == "always":
+        yield "statistics.stress = 'always': stresses in layers are those of periodic maps"
+    friction = statistics["friction"] or {}
     if names := [key for key in ("speed", "tangential_load") if friction.get(key)]:
-        mistakes.append(f"statistics.friction: {' and '.join(names)} {_PERIODIC}")
+        yield f"statistics.friction: {' and '.join(names)} {_PERIODIC}"
     defaults = Settings().model_dump()
-    return mistakes + [
-        f"{section}.{key} = {settings[section][key]!r}: {_PERIODIC}{_FILTERS if 'wave' in key else ''}"
-        for section, keys in _OF_PERIODIC_MAPS.items()
-        for key in keys
-        if settings[section][key] != defaults[section][key]
-    ]
+    for section, keys in _OF_PERIODIC_MAPS.items():
+        for key in keys:
+            if (value := settings[section][key]) != defaults[section][key]:
+                yield f"{section}.{key} = {value!r}: {_PERIODIC}{_FILTERS if 'wave' in key else ''}"
 
 
 def _mistakes_in_bodies(bodies: Sequence[Mapping[str, Any]] | None, where: str) -> list[str]:
