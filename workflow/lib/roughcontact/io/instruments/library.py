@@ -137,11 +137,8 @@ def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
     # Heights are read once here: an incomplete channel shows that the file was cut off.
     channels = [_channel(info, file_format) for info in infos]
     header, points = _header(infos[0]), prod(infos[0].nb_grid_pts)
-    stale, required = (
-        file_format.contradiction(path, header),
-        stated_size(file_format.name, path, header, points),
-    )
-    instrument = _instrument(infos[0], file_format, path)
+    required = stated_size(file_format.name, path, header, points)
+    stale, instrument = file_format.contradiction(path, header), _instrument(infos[0], file_format, path)
     return MeasuredFile(reader.name(), channels, "top", instrument, notes, stale, required)
 
 

@@ -35,6 +35,7 @@ from roughcontact.io.text.header import Stated, Statement, contradiction, disagr
 from roughcontact.io.text.lines import lines_of, looks_like_text
 from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import (
+    Dialect,
     Rows,
     Table,
     below_a_label,
@@ -63,6 +64,7 @@ _COMPUTED = re.compile(  # headings of heights that were multiplied, turned, or 
 _SQUARE = re.compile("|".join(words("aside")["square"]), re.IGNORECASE)  # names of the step of both axes
 # key of `roughcontact.io.metadata` -> key of the header
 _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}
+_NAMED, _LENGTH, _UNKNOWN, _NO_HEIGHT = range(4)  # ranks of columns of heights
 _SCALE_ADVICE = "correct the file, or give dx, dy and unit"
 
 
@@ -88,15 +90,15 @@ def read(path: Path) -> MeasuredFile:
     size = path.stat().st_size
     check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text")
     header, body = unquoted(*split_header(lines_of(path)))
-    delimiter, decimal_comma = separators(body)
-    cut = cut_number(body, delimiter, path, len(header) + len(body))
-    counts, rows = counted(body, delimiter)
+    dialect = separators(body)
+    cut = cut_number(body, dialect.delimiter, path, len(header) + len(body))
+    counts, rows = counted(body, dialect.delimiter)
     empty = sum(len([*takewhile(is_empty_row, reversed(lines))]) for lines in (header, body))
     first = len(header) + 1 + len(body) - len(rows)
     texts: list[_Text] = []
     files: list[MeasuredFile] = []
-    for table in split_tables(header, rows, first, delimiter, decimal_comma):
-        text, doubts = _parsed(table, [] if texts else counts, delimiter, decimal_comma)
+    for table in split_tables(header, rows, first, dialect):
+        text, doubts = _parsed(table, [] if texts else counts, dialect)
         texts.append(text)
         files.append(_file(text))
         files[-1].warnings += doubts
@@ -110,18 +112,16 @@ def read(path: Path) -> MeasuredFile:
     return file
 
 
-def _parsed(
-    rows: Rows, counts: list[int], delimiter: str | None, decimal_comma: bool
-) -> tuple[_Text, list[str]]:
+def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> tuple[_Text, list[str]]:
     """Return one table with its statements, and warnings about its numbers."""
-    labelled = below_a_label(rows, delimiter, decimal_comma)
+    labelled = below_a_label(rows, dialect)
     rows = labelled or rows
-    table = parse_table(rows.texts, rows.lines, delimiter, decimal_comma)
+    table = parse_table(rows.texts, rows.lines, dialect)
     if labelled:
         table = table._replace(empty_corner=True, short=True)
-    sign = "," if decimal_comma else "." if any("." in line for line in rows.texts) else ""
+    sign = "," if dialect.decimal_comma else "." if any("." in line for line in rows.texts) else ""
     stated = statements(rows.heading, first=rows.first, sign=sign)
-    refuse_lost_row(rows.heading, table.values.shape[1], delimiter, decimal_comma, rows.first)
+    refuse_lost_row(rows, table.values.shape[1], dialect)
     doubts = [
         f"{marker!r} occurs in {counted_noun(count, 'cell')} of the table and is taken as missing: "
         "write NaN if the point is missing, or correct it"
@@ -131,7 +131,7 @@ def _parsed(
         raise InputFileError(f"{wrong}")
     first_values = first_of(stated)
     table.values[np.abs(table.values) > LEAST_MARKER] = np.nan  # infinite ones too
-    doubts += thousands(rows.heading, rows.texts, delimiter, decimal_comma)
+    doubts += thousands(rows.heading, rows.texts, dialect)
     measured = table.values[
         np.isfinite(table.values) & ~np.isin(table.values, first_values.get("missing", []))
     ]
@@ -146,22 +146,24 @@ def _parsed(
             )
         first_values.setdefault("height_unit", unit)
     values = table.values
-    columns = headed(rows.heading, values.shape[1], delimiter)
+    columns = headed(rows.heading, values.shape[1], dialect.delimiter)
     if not {"length_x", "length_y", "nx", "ny"} & set(first_values):
         filled_columns = slice(table.empty_left, values.shape[1] - table.empty_right)
         if not columns and (empty := table.empty_left + table.empty_right):
             doubts.append(_left_out(empty, "column"))
         table = table._replace(values=values[:, filled_columns])
         columns = (
-            columns[filled_columns] if columns else headed(rows.heading, table.values.shape[1], delimiter)
+            columns[filled_columns]
+            if columns
+            else headed(rows.heading, table.values.shape[1], dialect.delimiter)
         )
     above = next((line for line in reversed(rows.heading) if line.strip()), "")
-    if not columns and (named := miscounted(above, values.shape[1], delimiter)):
+    if not columns and (named := miscounted(above, values.shape[1], dialect.delimiter)):
         raise InputFileError(
             f"{above.strip()[:60]!r} names {named} columns, the table below it, from line "
             f"{rows.lines[0]} on, has {values.shape[1]}: correct that line"
         )
-    return _Text(rows, table, counts, delimiter, stated, first_values, columns), doubts
+    return _Text(rows, table, counts, dialect.delimiter, stated, first_values, columns), doubts
 
 
 def _left_out(count: int, lines: str) -> str:
@@ -321,9 +323,10 @@ def _lists(
     named: bool = True,
 ) -> MeasuredFile:
     """Return lists of points or profiles: one for each column of heights, and each trace in it."""
-    values, first_values = text.table.values, text.first_values
+    values, usual_name = text.table.values, text.first_values.get("channel", "height")
     valid = [index for index, column in enumerate(columns) if column.role == "valid"]
-    files, chosen = [], []
+    matrix = None if named or text.rows.broken else values
+    files: list[tuple[int, MeasuredFile]] = []  # with their ranks
     for indices, height in zip(positions, heights, strict=True):
         listed = values[:, [*indices, height]]
         for index in valid:
@@ -331,47 +334,38 @@ def _lists(
         has_values = ~np.isnan(listed).all(axis=1)
         units = [columns[index].unit for index in (*indices, height)]
         lines = [line for line, has_value in zip(text.rows.lines, has_values, strict=True) if has_value]
-        matrix = None if named or text.rows.broken else values
         if indices:
-            file = (_points if len(indices) == 2 else _profile)(
-                listed[has_values], units, lines, text, matrix
-            )
+            of_kind = _points if len(indices) == 2 else _profile
+            file = of_kind(listed[has_values], units, lines, text, matrix)
         else:
             file = _one_column(listed[has_values], columns[height], text)
         name = columns[height].name
         for channel in file.channels:
             if len(heights) > 1:
-                channel.name = (
-                    name
-                    if channel.name == first_values.get("channel", "height")
-                    else f"{name}, {channel.name}"
-                )
+                channel.name = name if channel.name == usual_name else f"{name}, {channel.name}"
+            as_they_are = f"the heights are those of the column {name!r}, as they are"
             if name.lower().startswith(_DEPTHS):
-                channel.notes.append(
-                    f"the heights are those of the column {name!r}, as they are; if it counts downwards, "
-                    "change their sign"
-                )
+                channel.notes.append(f"{as_they_are}; if it counts downwards, change their sign")
             elif _COMPUTED.search(name):
-                channel.notes.append(f"the heights are those of the column {name!r}, as they are")
-        files.append(file)
-        if not all(channel.no_height for channel in file.channels):
-            chosen.append((columns[height], file))
-    if len(files) == 1:
-        return files[0]
-    by_name = [listed_file for column, listed_file in chosen if column.role == "z"]
-    likely = [listed_file for column, listed_file in chosen if column.role == "z" or is_length(column.unit)]
-    likely = likely or [listed_file for _, listed_file in chosen]
-    file = (by_name or likely or files)[0]
-    ordered = [file, *(listed_file for listed_file in files if listed_file is not file)]
+                channel.notes.append(as_they_are)
+        files.append((_rank(columns[height], file), file))
+    (rank, file), *others = sorted(files, key=lambda ranked: ranked[0])
+    if not others:
+        return file
     question_text = file.question
-    if len(likely) > 1:
+    if others[0][0] <= max(rank, _LENGTH) < _NO_HEIGHT:
         names = ", ".join(repr(columns[height].name) for height in heights)
         question_text = f"{counted_noun(len(heights), 'column')} that may be heights: {names}"
-    return replace(
-        file,
-        channels=[channel for listed_file in ordered for channel in listed_file.channels],
-        question=question_text,
-    )
+    ordered = [file, *(listed_file for _, listed_file in files if listed_file is not file)]
+    channels = [channel for listed_file in ordered for channel in listed_file.channels]
+    return replace(file, channels=channels, question=question_text)
+
+
+def _rank(column: Column, file: MeasuredFile) -> int:
+    """Return the rank of a column of heights: by its name, its unit, neither, or none of heights."""
+    if all(channel.no_height for channel in file.channels):
+        return _NO_HEIGHT
+    return _NAMED if column.role == "z" else _LENGTH if is_length(column.unit) else _UNKNOWN
 
 
 def _is_stated_matrix(values: np.ndarray, first_values: dict[str, Any]) -> bool:

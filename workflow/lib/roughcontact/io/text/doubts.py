@@ -10,7 +10,7 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.channels import NO_TOPOGRAPHY
 from roughcontact.io.text.header import Stated, statements
 from roughcontact.io.text.missing import is_missing
-from roughcontact.io.text.table import COMMENT_SIGNS, Rows, word_in_row
+from roughcontact.io.text.table import COMMENT_SIGNS, Dialect, Rows, word_in_row
 from roughcontact.io.vocabulary import words
 from roughcontact.quantities import counted_noun
 
@@ -33,21 +33,19 @@ _LEAST_OTHERS = 3
 _MAX_CELLS = 200_000  # cells that are compared column by column
 
 
-def refuse_lost_row(
-    header: list[str], width: int, delimiter: str | None, decimal_comma: bool, first: int
-) -> None:
+def refuse_lost_row(rows: Rows, width: int, dialect: Dialect) -> None:
     """Refuse a table of `width` columns below a line that is one of its rows except for a word."""
-    number = next((index for index in reversed(range(len(header))) if header[index].strip()), None)
+    number = next((n for n in reversed(range(len(rows.heading))) if rows.heading[n].strip()), None)
     if number is None:
         return
-    line = header[number]
-    stray_word = word_in_row(line, width, delimiter, decimal_comma)
+    line = rows.heading[number]
+    stray_word = word_in_row(line, width, dialect)
     if stray_word is None or re.search(r"[^\W\d]\s*[:=]", line) or statements([line]):
         return
     if width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS):
         return
     raise InputFileError(
-        f"line {first + number} has as many cells as the rows of the table below it, and "
+        f"line {rows.first + number} has as many cells as the rows of the table below it, and "
         f"{stray_word[:40]!r} in place of a number: correct it, write NaN for a missing point, or delete the "
         "line if it is no row of the map"
     )
@@ -104,7 +102,7 @@ def not_understood(rows: Rows, stated: Stated, heights: np.ndarray) -> list[str]
     return notes
 
 
-def thousands(header: list[str], body: list[str], delimiter: str | None, decimal_comma: bool) -> list[str]:
+def thousands(header: list[str], body: list[str], dialect: Dialect) -> list[str]:
     """Return a warning where all numbers have three digits behind a mark that may separate thousands.
 
     A number below one, with four digits in a row or other decimals, also in a length of the header, shows a
@@ -112,18 +110,18 @@ def thousands(header: list[str], body: list[str], delimiter: str | None, decimal
 
     Examples
     --------
-    >>> thousands([], ["1.250 2.500"] * 5, None, False)[0][:60]
+    >>> thousands([], ["1.250 2.500"] * 5, Dialect(None, False))[0][:60]
     "every number has three digits behind its '.', as in '1.250':"
-    >>> thousands([], ["0.250 2.500"] * 5, None, False)
+    >>> thousands([], ["0.250 2.500"] * 5, Dialect(None, False))
     []
     """
-    if decimal_comma:
+    if dialect.decimal_comma:
         _refuse_both_marks(body)
-    sign = "," if decimal_comma else "."
+    sign = "," if dialect.decimal_comma else "."
     grouped = re.compile(rf"[-+]?[1-9]\d{{0,2}}{re.escape(sign)}\d{{3}}")
     below_thousand = re.compile(r"[-+]?[1-9]\d{0,2}")
     columns: dict[re.Pattern, dict[int, str]] = {grouped: {}, below_thousand: {}}  # with an example of each
-    cells = (cell for line in body for cell in enumerate(line.strip().split(delimiter)))
+    cells = (cell for line in body for cell in enumerate(line.strip().split(dialect.delimiter)))
     count = 0
     for column, cell in islice(cells, _MAX_CELLS):
         text = cell.strip()

@@ -30,6 +30,17 @@ _FEW_ROWS = 3  # that show what a first row with one cell less is
 _FEW_CELLS = 32  # at the beginning of a line, which tell a row with words from a heading
 
 
+class Dialect(NamedTuple):
+    """How a text writes a table; the delimiter of its columns is None for white space."""
+
+    delimiter: str | None
+    decimal_comma: bool
+
+    def plain(self, line: str) -> str:
+        """Return a line with decimal points."""
+        return line.replace(",", ".") if self.decimal_comma else line
+
+
 class Table(NamedTuple):
     """The numbers of a table; NaN for missing points and empty cells."""
 
@@ -112,30 +123,30 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
     return [entry or line for entry, line in zip(entries, lines, strict=False)], lines[len(header) :]
 
 
-def separators(body: list[str]) -> tuple[str | None, bool]:
-    """Return the delimiter of the columns (None for white space), and whether the decimal sign is a comma."""
+def separators(body: list[str]) -> Dialect:
+    """Return the delimiter of the columns, and whether the decimal sign is a comma."""
     sample = [line.strip() for line in body[:50] if is_row(line)]
     joined = "\n".join(sample)
     for sign in ";\t":
         if sign in joined:
             doubled = all(line.count(sign) == 2 * line.count(2 * sign) > 0 for line in sample)
-            return 2 * sign if doubled else sign, any(map(re.compile(r"\d,|,\d").search, body))
+            return Dialect(2 * sign if doubled else sign, any(map(re.compile(r"\d,|,\d").search, body)))
     if "," not in joined:
-        return None, False
+        return Dialect(None, False)
     tokens = [line.split() for line in sample]
     separating = re.search(r",\S*,|,(?:\s|\Z)", joined) or ("." in joined and re.search(r"\s,", joined))
     if any(len(row) > 1 for row in tokens) and not separating:
-        return None, True
+        return Dialect(None, True)
     one_comma = max(line.count(",") for line in sample) == 1
     leading_zero = re.search(r"(?<!\d)0\d", joined)  # only decimals begin so
     if "." not in joined and one_comma and leading_zero:
-        return None, True
+        return Dialect(None, True)
     if "." not in joined and (leading_zero or (one_comma and len(sample) > 1)):
         raise InputFileError(
             f"the comma in {sample[0]!r} may be a decimal sign or a separator; "
             "write decimals with a point, or separate columns with a tab or a semicolon"
         )
-    return ",", False
+    return Dialect(",", False)
 
 
 def is_empty_row(line: str) -> bool:
@@ -171,9 +182,7 @@ def _is_number(cell: str) -> bool:
     return True
 
 
-def split_tables(
-    header: list[str], body: list[str], first: int, delimiter: str | None, decimal_comma: bool
-) -> list[Rows]:
+def split_tables(header: list[str], body: list[str], first: int, dialect: Dialect) -> list[Rows]:
     """Return the tables of a text, which end at headings between rows; `first` numbers the first line.
 
     Empty lines and comments without entries are no headings.
@@ -181,7 +190,7 @@ def split_tables(
     Examples
     --------
     >>> body = ["1 2", "3 4", "", "Phase", "5 6", "7 8"]
-    >>> [(table.heading, table.lines) for table in split_tables([], body, 1, None, False)]
+    >>> [(table.heading, table.lines) for table in split_tables([], body, 1, Dialect(None, False))]
     [([], [1, 2]), (['', 'Phase'], [5, 6])]
     """
     tables = [Rows(header, first - len(header), [], [])]
@@ -190,10 +199,8 @@ def split_tables(
     for number, line in enumerate(body, start=first):
         comment = line.lstrip()[:1] in ("#", "%")
         ruled = not any(map(str.isalnum, line)) and any(text.strip() for text in skipped)
-        if (is_row(line) and not ruled) or (
-            comment and word_in_row(line, width, delimiter, decimal_comma) is not None
-        ):
-            width = width or len(line.strip().split(delimiter))
+        if (is_row(line) and not ruled) or (comment and word_in_row(line, width, dialect) is not None):
+            width = width or len(line.strip().split(dialect.delimiter))
             heads = [text for text in skipped if text.strip(_CELL_SEPARATORS)]
             if tables[-1].lines and any(_names_a_table(text) for text in heads):
                 tables.append(Rows(skipped, number - len(skipped), [], []))
@@ -213,17 +220,18 @@ def split_tables(
     return tables
 
 
-def below_a_label(rows: Rows, delimiter: str | None, decimal_comma: bool) -> Rows | None:
+def below_a_label(rows: Rows, dialect: Dialect) -> Rows | None:
     """Return rows with the line above them, where that has a word in its corner and positions beside it."""
     if not rows.heading or not rows.heading[-1].strip():
         return None
     line = rows.heading[-1]
+    delimiter = dialect.delimiter
     around = " \r\f" if delimiter else None
     label, *cells = line.strip(around).removesuffix(delimiter or "").split(delimiter)
     first_row = rows.texts[0].strip(around)
     closing = delimiter if delimiter and first_row.endswith(delimiter) else ""
     width = len(first_row.removesuffix(closing).split(delimiter))
-    positions = [cell.replace(",", ".") if decimal_comma else cell for cell in cells]
+    positions = [*map(dialect.plain, cells)]
     if _is_number(label) or not _FEW_ROWS <= len(cells) == width - 1 or not all(map(_is_number, positions)):
         return None
     steps = np.diff([_number(position) for position in positions])
@@ -241,25 +249,25 @@ def _names_a_table(line: str) -> bool:
     return line.lstrip()[0] not in "#%" or bool(statements([line]))
 
 
-def parse_table(rows: list[str], lines: list[int], delimiter: str | None, decimal_comma: bool) -> Table:
-    """Return the numbers of a table; `delimiter` None: white space; `lines` number the rows, for messages.
+def parse_table(rows: list[str], lines: list[int], dialect: Dialect) -> Table:
+    """Return the numbers of a table; `lines` number the rows, for messages.
 
     Examples
     --------
-    >>> table = parse_table(["1,5;BAD;;", "2,5;3;;"], [1, 2], ";", True)
+    >>> table = parse_table(["1,5;BAD;;", "2,5;3;;"], [1, 2], Dialect(";", True))
     >>> table.values
     array([[1.5, nan, nan],
            [2.5, 3. , nan]])
     >>> table.empty_right
     1
     """
-    closed = _ends_with_delimiter(rows, delimiter)
+    closed = _ends_with_delimiter(rows, dialect.delimiter)
     try:
-        return _parse(rows, lines, delimiter, decimal_comma, closed)
+        return _parse(rows, lines, dialect, closed)
     except _UnequalRowsError:
         if closed:
             raise
-        return _parse(rows, lines, delimiter, decimal_comma, closed=True)
+        return _parse(rows, lines, dialect, closed=True)
 
 
 class _UnequalRowsError(InputFileError):
@@ -278,17 +286,14 @@ def _ends_with_delimiter(body: list[str], delimiter: str | None) -> bool:
     return all(ends) or not any(ends[:-1])
 
 
-def _parse(
-    rows: list[str], lines: list[int], delimiter: str | None, decimal_comma: bool, closed: bool
-) -> Table:
+def _parse(rows: list[str], lines: list[int], dialect: Dialect, closed: bool) -> Table:
     """Return the numbers of a table, whose lines may end with a delimiter."""
     numbers, counts, spoken = array("d"), array("q"), Counter[str]()
+    delimiter = dialect.delimiter
     sides: tuple[int, int] | None = None
     corner = short = False
     for number, line in zip(lines, rows, strict=True):
-        text = line.strip(" \r\f" if delimiter == "\t" else None)
-        if decimal_comma:
-            text = text.replace(",", ".")
+        text = dialect.plain(line.strip(" \r\f" if delimiter == "\t" else None))
         if delimiter is not None and closed:
             text = text.removesuffix(delimiter)
         before = len(numbers)
@@ -335,12 +340,12 @@ def _refuse_unequal_rows(counts: array, lines: list[int]) -> None:
         )
 
 
-def word_in_row(line: str, width: int, delimiter: str | None, decimal_comma: bool) -> str | None:
+def word_in_row(line: str, width: int, dialect: Dialect) -> str | None:
     """Return the first word in a line that is a row of a table of that `width` but for it, or None."""
     if not width or len(line) > width * _MAX_CELL:
         return None
     text = joined(line.strip(" \r\f\n"))
-    cells = [cell.strip() for cell in (text.replace(",", ".") if decimal_comma else text).split(delimiter)]
+    cells = [cell.strip() for cell in dialect.plain(text).split(dialect.delimiter)]
     while len(cells) > width and not cells[-1]:
         cells.pop()
     comment = bool(cells[0]) and cells[0][0] in COMMENT_SIGNS
