@@ -91,7 +91,7 @@ def test_the_norm_that_the_bound_takes_is_that_of_a_residual_that_certifies():
     grid = Grid(rough(), LENGTHS)
     state, _ = grid.evaluate(scale_to_load(np.random.default_rng(0).random(grid.shape) - 0.5, 0.2))
     residual = grid.residual(state, precision=DOUBLE)
-    interpolated = grid._workspace_in(DOUBLE).field.copy()
+    interpolated = grid.interpolation_in(DOUBLE).field.copy()
     assert np.sqrt(residual.energy) == pytest.approx(energy_norm(interpolated, inverse=True), rel=1e-10)
     allowed = np.where(state.pressure > 0, state.gap, np.minimum(interpolated, state.gap))
     found = error_bound(grid, state, residual) * state.norm
@@ -425,7 +425,7 @@ def test_a_residual_that_leaves_points_out_certifies_nothing():
     start = np.random.default_rng(0).random(grid.shape)
     iterate = Iterate(grid, start, 0.1, tolerance=1.0, finish=SINGLE)
     plain = grid.residual(iterate.state, precision=SINGLE)
-    values = grid._workspace_in(SINGLE).values
+    values = grid.interpolation_in(SINGLE).values
     active = np.count_nonzero(values)
     whole = error_bound(grid, iterate.state, plain)
     iterate.measure(0)
@@ -452,7 +452,7 @@ def test_the_contact_that_is_predicted_is_nearer_to_the_true_one():
     wrong = []
     for predict in (False, True):
         grid.residual(state, precision=DOUBLE, predict=predict)
-        wrong.append(np.count_nonzero((grid._workspace_in(DOUBLE).values != 0) != contact))
+        wrong.append(np.count_nonzero((grid.interpolation_in(DOUBLE).values != 0) != contact))
     assert wrong[1] < 0.75 * wrong[0]
 
 

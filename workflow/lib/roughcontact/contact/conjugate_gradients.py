@@ -25,10 +25,7 @@ def conjugate_gradients(
         field *= inside
         return field
 
-    current_residual, z = (
-        centred(xp.asarray(residual, copy=True)),
-        centred(xp.asarray(preconditioned, copy=True)),
-    )
+    current_residual, z = (centred(xp.asarray(field, copy=True)) for field in (residual, preconditioned))
     del residual, preconditioned
     direction, solution = z, xp.zeros_like(current_residual)
     rz = mean_product(current_residual, z)

@@ -34,13 +34,12 @@ def as_dataset(
     overwritten. `load`, `modulus` and `hardness` are in Pa, `compliance`, mean displacement per mean
     pressure, in m/Pa.
     """
-    height_unit = problem.scale if not problem.flat else 1.0
     return of_one_load(
         fields_in_units(solution, problem, modulus=modulus, hardness=hardness, threads=threads),
         solution,
         problem,
         window,
-        approach=problem.reference - solution.state.offset * height_unit - compliance * load,
+        approach=problem.reference - solution.state.offset * problem.scale - compliance * load,
         loaded={"mean_pressure": load},
         modulus=modulus,
         hardness=hardness,
@@ -111,14 +110,13 @@ def fields_in_units(
     Points at the hardness have yielded until the gap was closed: it is zero there.
     """
     state = solution.state
-    height_unit = problem.scale if not problem.flat else 1.0
     # in place: the dimensionless fields are not used again
     pressure, gap = (to_numpy(field) for field in (state.pressure, state.separation))
     contact = empty(pressure, "int8")
     pressure_unit = unit_of_pressure(problem, modulus)
     at_hardness = None if hardness is None else pressure >= pressure.dtype.type(hardness / pressure_unit)
     least_gap, total = kernels_for(pressure, threads=threads).restore_units(
-        pressure, gap, state.offset, pressure_unit, height_unit, contact
+        pressure, gap, state.offset, pressure_unit, problem.scale, contact
     )
     yielded = 0.0
     if at_hardness is not None:

@@ -86,7 +86,7 @@ class Grid:
         self.kernels = kernels_for(heights, threads=threads)
         self._given, self._reference, self._unit = heights, reference, unit
         self._single: Array | None = None
-        self._workspaces: dict[str, Workspace] = {}
+        self._interpolations: dict[str, Interpolation] = {}
         self._line_axis: int | None = None  # of the lines that are contacts of their own
         if has_separate_lines(hierarchy(heights.shape, lengths)):
             self._line_axis = 0 if lengths[0] / heights.shape[0] < lengths[1] / heights.shape[1] else 1
@@ -139,13 +139,13 @@ class Grid:
         `predict` leaves out points that are predicted to lose contact: for a first guess, whose contact is
         too large.
         """
-        workspace = self._workspace_in(precision)
-        interpolation, values, field = workspace.interpolation, workspace.values, workspace.field
+        interpolation = self.interpolation_in(precision)
+        values, field = interpolation.values, interpolation.field
         cells = interpolation.factors, interpolation.share, interpolation.cell_means
         self.kernels.masked_residual(state.pressure, state.separation, state.offset, self.cap, values, *cells)
         if interpolation.bends:
-            self._foresee_violations(state, workspace)
-        self._interpolate(workspace, share_known=not interpolation.bends)
+            self._foresee_violations(state, interpolation)
+        interpolation.interpolate(share_known=not interpolation.bends)
         # a stencil of neighbours predicts too little where pixels are far longer than wide
         predict = predict and not self._elongated
         if predict:
@@ -153,22 +153,22 @@ class Grid:
             self.kernels.predict_active(
                 state.pressure, field, weights, STIFFNESS_SHARE * stiffness, self.cap, values, *cells
             )
-            self._interpolate(workspace, share_known=True)
+            interpolation.interpolate(share_known=True)
         spectrum, energy = self.halfspace.pressure_spectrum(field)
         return Residual(spectrum, precision, energy, certifies=not predict)
 
     def precondition(self, residual: Residual) -> PreconditionedResidual:
         """Return M r for the last `residual`: the other half of the application."""
-        workspace = self._workspace_in(residual.precision)
-        field, scratch = workspace.field, self.halfspace.scratch(residual.precision)
+        interpolation = self.interpolation_in(residual.precision)
+        field, scratch = interpolation.field, self.halfspace.scratch(residual.precision)
         self.halfspace.field_of(residual.spectrum, residual.precision, out=field)
         if self._line_axis is None:
             # P keeps a constant, so that the sum of P^T is that of the field, whose mean is zero
-            coarse, mean = workspace.interpolation.restricted_to_coarse(field, scratch), 0.0
+            coarse, mean = interpolation.restricted_to_coarse(field, scratch), 0.0
         else:
-            active = int(namespace(field).count_nonzero(workspace.values))
-            mean = workspace.interpolation.restrict(field, scratch) / max(active, 1)
-            coarse = workspace.interpolation.share
+            active = int(namespace(field).count_nonzero(interpolation.values))
+            mean = interpolation.restrict(field, scratch) / max(active, 1)
+            coarse = interpolation.share
             coarse[...], scratch[...] = 0, 0
         return PreconditionedResidual(field, scratch, coarse, mean, residual.energy)
 
@@ -187,8 +187,8 @@ class Grid:
         the projected gradient. The field of the correction is overwritten.
         """
         kernels, cap = self.kernels, self.cap
-        workspace = self._workspace_in(precision_of(correction.field))
-        interpolation, removed_load, values = workspace.interpolation, correction.field, workspace.values
+        interpolation, removed_load = self.interpolation_in(precision_of(correction.field)), correction.field
+        values = interpolation.values
         safe = 0.0
         if cap < np.inf:  # half the stiffness of the residual, <r, M r> / <r, r>, while that is there
             square = mean_product(values, values)
@@ -232,7 +232,7 @@ class Grid:
 
         The residual is zero outside it.
         """
-        interpolation = self._workspace_in(precision_of(residual)).interpolation
+        interpolation = self.interpolation_in(precision_of(residual))
         interpolation.set_active(in_precision(contact, precision_of(residual)))
         return self.precondition_on_last_set(residual)
 
@@ -241,18 +241,19 @@ class Grid:
 
         The residual is zero outside that set.
         """
-        workspace = self._workspace_in(precision_of(residual))
-        workspace.interpolation.prolong(residual, workspace.field)
-        self.halfspace.pressure(workspace.field, out=workspace.field)
-        self._restrict(workspace)
-        return workspace.field
+        interpolation = self.interpolation_in(precision_of(residual))
+        field = interpolation.field
+        interpolation.prolong(residual, field)
+        self.halfspace.pressure(field, out=field)
+        interpolation.restrict(field, self.halfspace.scratch(precision_of(field)))
+        return field
 
     def residual_norm(self, state: State, residual: Residual) -> float:
         """Return a bound of ||r||_{G^-1} for the residual that certifies `state`, overwritten by it.
 
         It is that of the interpolated residual, projected onto those that the certificate admits.
         """
-        interpolated = self._workspace_in(residual.precision).field
+        interpolated = self.interpolation_in(residual.precision).field
         norm_of_interpolated = float(np.sqrt(residual.energy))
         squares = self.kernels.project_residual(
             state.pressure, state.separation, state.offset, self.cap, interpolated
@@ -292,7 +293,7 @@ class Grid:
         The last residual and all arrays in these workspaces become invalid.
         """
         self._single = None
-        self._workspaces.clear()
+        self._interpolations.clear()
         self.halfspace.release()
 
     def _local_stiffness(self) -> tuple[Weights, float]:
@@ -309,31 +310,18 @@ class Grid:
         factor = 1.0 if layers is None else float(layers.factor(np.array([np.pi / pitch]))[0])
         return weights, 0.5 * np.pi / pitch / (4 * across + 8 * diagonal) / factor
 
-    def _interpolate(self, workspace: "Workspace", *, share_known: bool) -> None:
-        """Put P of the workspace's values, zero at the inactive points, into its field.
-
-        `known`: their shares and means are in the interpolation already.
-        """
-        workspace.interpolation.set_active(workspace.values, share_known=share_known)
-        workspace.interpolation.prolong(workspace.values, workspace.field, cell_means_known=share_known)
-
-    def _foresee_violations(self, state: State, workspace: "Workspace") -> None:
+    def _foresee_violations(self, state: State, interpolation: Interpolation) -> None:
         """Put the points of a bound into the active set that a correction makes violate it."""
-        values, unloaded, at_cap = workspace.values, state.pressure <= 0, state.pressure >= self.cap
+        values, unloaded, at_cap = interpolation.values, state.pressure <= 0, state.pressure >= self.cap
         xp = namespace(values)
         values[...] = xp.where(unloaded | at_cap, xp.zeros_like(values), values)
-        self._interpolate(workspace, share_known=False)
+        interpolation.interpolate(share_known=False)
         gap = in_precision(state.gap, precision_of(values), copy=False)
         gap = xp.where(gap == 0, xp.full_like(gap, CLOSED), gap)
         # a stiff film a little too low overlaps far and wide, and lifts off: points without pressure that
         # will overlap, points at the cap whose gap will open
-        foreseen = (unloaded & (gap < workspace.field)) | (at_cap & (gap > workspace.field))
+        foreseen = (unloaded & (gap < interpolation.field)) | (at_cap & (gap > interpolation.field))
         values[...] = xp.where(foreseen, gap, values)
-
-    def _restrict(self, workspace: "Workspace") -> float:
-        """Put P^T of the workspace's field, zero at the inactive points, into it; return its sum."""
-        field = workspace.field
-        return workspace.interpolation.restrict(field, self.halfspace.scratch(precision_of(field)))
 
     def _restore_line_loads(self, pressure: Array, line_loads: Array) -> None:
         """Scale every line of `pressure` to the load that it had; points at the cap stay there."""
@@ -351,22 +339,10 @@ class Grid:
         xp = namespace(field)
         return xp.sum(field, axis=self._line_axis, keepdims=True, dtype=xp.float64)
 
-    def _workspace_in(self, precision: str) -> "Workspace":
-        if precision not in self._workspaces:
-            like = self._given
-            interpolation = Interpolation(
-                like, precision, self.halfspace.lengths, self.kernels, self.halfspace.layers
+    def interpolation_in(self, precision: str) -> Interpolation:
+        """Return the interpolation in a precision, with its workspace."""
+        if precision not in self._interpolations:
+            self._interpolations[precision] = Interpolation(
+                self._given, precision, self.halfspace.lengths, self.kernels, self.halfspace.layers
             )
-            self._workspaces[precision] = Workspace(
-                interpolation, *(empty(like, precision) for _ in range(2))
-            )
-        return self._workspaces[precision]
-
-
-@dataclass(frozen=True)
-class Workspace:
-    """Work memory of an application of M = P^T G^-1 P: P, the residual, and M of it."""
-
-    interpolation: Interpolation
-    values: Array
-    field: Array
+        return self._interpolations[precision]

@@ -53,7 +53,7 @@ class Interpolation:
     """The linear map P from fields (ny, nx) that are zero outside the active set C to the whole grid.
 
     The rows of P on C are those of the identity; `layers` are in the unit of the `lengths` (Ly, Lx) of the
-    periodic cell.
+    periodic cell. `values` and `field` are workspace for a field and P of it.
     """
 
     def __init__(
@@ -65,6 +65,7 @@ class Interpolation:
         layers: LayeredPair | None = None,
     ):
         self.kernels, xp = kernels, namespace(like)
+        self.values, self.field = (empty(like, precision) for _ in range(2))
         self.active: Array = None
         pitches = pitches_of(like.shape, lengths)
         self.weights = stencil(pitches, like.shape)
@@ -108,6 +109,14 @@ class Interpolation:
         self._sweep_work = [empty(like, precision, coarsest) for _ in range(2)]
         single_grids = has_separate_lines(plan) or self.bends
         self._small = None if single_grids else kernels.small_grids(self.grids, stores, ends)
+
+    def interpolate(self, *, share_known: bool) -> None:
+        """Put P of `values`, zero at the inactive points, into `field`.
+
+        `share_known`: a kernel has written the shares and means of the cells.
+        """
+        self.set_active(self.values, share_known=share_known)
+        self.prolong(self.values, self.field, cell_means_known=share_known)
 
     def set_active(self, active: Array, *, share_known: bool = False) -> None:
         """Let C be the points where `active` is not zero; that array must not change while C is used.

@@ -33,8 +33,8 @@ class Problem:
 
     @property
     def scale(self) -> float:
-        """The unit of height g L, m; zero for a flat map."""
-        return self.gradient * self.unit_length
+        """The unit of height g L, m; 1 of a flat map."""
+        return self.gradient * self.unit_length or 1.0
 
     @property
     def lengths_in_metres(self) -> tuple[float, float]:

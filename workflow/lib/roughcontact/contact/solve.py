@@ -311,25 +311,18 @@ def _periodic_datasets(
         threads=threads,
     )
     for load in loads:
-        solution = next(solutions)
-        if solution.error_bound > tolerance and on_failure == "raise":
-            raise ConvergenceError(_missed(load, solution, tolerance=tolerance, precision=precision))
-        # in a list, so that no name here keeps its maps while the next load is solved
-        load_dataset = [
-            as_dataset(
-                solution,
-                problem,
-                window,
-                load=load,
-                modulus=modulus,
-                compliance=compliance,
-                hardness=hardness,
-                attrs=attrs,
-                threads=threads,
-            )
-        ]
-        del solution
-        yield load_dataset.pop()
+        # nothing here keeps the maps of a load while the next one is solved
+        yield as_dataset(
+            _reached(next(solutions), load, tolerance=tolerance, precision=precision, on_failure=on_failure),
+            problem,
+            window,
+            load=load,
+            modulus=modulus,
+            compliance=compliance,
+            hardness=hardness,
+            attrs=attrs,
+            threads=threads,
+        )
 
 
 def _check_free(
@@ -369,16 +362,20 @@ def _reduced(load_dataset: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset
     return describe(reduced)
 
 
-def _missed(load: float, solution: Solution, *, tolerance: float, precision: Precision) -> str:
-    """Return the error message for a load that misses the tolerance."""
+def _reached(
+    solution: Solution, load: float, *, tolerance: float, precision: Precision, on_failure: OnFailure
+) -> Solution:
+    """Return the solution of a load (Pa), or raise ConvergenceError where it misses the tolerance."""
+    if solution.error_bound <= tolerance or on_failure == "flag":
+        return solution
     precision_hint = ", take precision: double" if precision == "single" else ""
     remedies = f"raise the tolerance{precision_hint} or set on_failure: flag"
     if solution.floor > tolerance:
-        return (
+        raise ConvergenceError(
             f"mean pressure {load:g} Pa: rounding in {precision} precision allows no error bound below "
             f"{solution.floor:.2g} here, the tolerance is {tolerance:g}: {remedies}"
         )
-    return (
+    raise ConvergenceError(
         f"mean pressure {load:g} Pa: the error bound stopped at {solution.error_bound:.2g} after "
         f"{solution.steps} iterations, above the tolerance {tolerance:g}; rounding in {precision} "
         f"precision allows {solution.floor:.1g} here: {remedies}"

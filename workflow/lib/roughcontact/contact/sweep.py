@@ -97,15 +97,7 @@ def sweep(
         if large:
             for grid in grids:
                 grid.release()
-        solutions = [
-            Solution(
-                state=state,
-                error_bound=bound,
-                steps=steps,
-                applications=work + _applications(grids),
-                floor=floor,
-            )
-        ]
+        solutions = [Solution(state, bound, steps, work + _applications(grids), floor)]
         del state  # so that its memory is free for the use of the solution and for the next load
         yield solutions.pop()
 

@@ -279,13 +279,12 @@ def _of_base(base: Material | None, shape: tuple[int, ...]) -> np.ndarray:
 
 def _through(compliance: np.ndarray, x: np.ndarray, material: Material) -> tuple[np.ndarray, np.ndarray]:
     """Return C of the upper face of a layer, x = |q| t, of that of its lower face, and T through it."""
-    thin, result = x < _THIN, (np.empty(np.shape(compliance)), np.empty(np.shape(compliance)))
+    thin, (upper, transmitted) = x < _THIN, np.empty((2, *compliance.shape))
     for chosen, propagate in ((thin, _by_transfer), (~thin, _by_reflection)):
         if chosen.any():
-            result[0][..., chosen], result[1][..., chosen] = propagate(
-                compliance[..., chosen], x[chosen], material
-            )
-    return result
+            through = propagate(compliance[..., chosen], x[chosen], material)
+            upper[..., chosen], transmitted[..., chosen] = through
+    return upper, transmitted
 
 
 def _by_transfer(compliance: np.ndarray, x: np.ndarray, material: Material) -> tuple[np.ndarray, np.ndarray]:
@@ -317,13 +316,9 @@ def _by_reflection(
         """Return displacements and tractions (2, 2, ...) of two waves at the depth s, less exp(-sign s)."""
         ones, k = np.ones_like(s), 3 - 4 * nu
         displaced = np.array([[ones, s], [sign * ones, sign * s + k]])
-        traction = np.array(
-            [
-                [-2 * sign * ones, -2 * sign * s - 2 * (1 - 2 * nu)],
-                [-2 * ones, -2 * s - 4 * sign * (1 - nu)],
-            ]
-        )
-        return displaced, mu * traction
+        shear = [-2 * sign * ones, -2 * sign * s - 2 * (1 - 2 * nu)]
+        normal = [-2 * ones, -2 * s - 4 * sign * (1 - nu)]
+        return displaced, mu * np.array([shear, normal])
 
     (decaying, decaying_traction), (growing, growing_traction) = waves(x, 1.0), waves(x, -1.0)
     reflected = -_times(

@@ -3,6 +3,7 @@
 import json
 import math
 from collections import Counter
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
@@ -105,10 +106,7 @@ def composite(
     v, u = np.meshgrid(*(p - s for p, s in zip(positions, shift, strict=True)), indexing="ij")
     cosine, sine = turn
     face_positions = np.meshgrid(*positions, indexing="ij"), (v * cosine - u * sine, -(u * cosine + v * sine))
-    lower_values, upper_values = (
-        side.at(*position) for side, position in zip((lower, upper), face_positions, strict=True)
-    )
-    values = lower_values[0] + upper_values[0]
+    values, filled = _sum_at((lower, upper), face_positions)
     measured = np.isfinite(values)
     if np.count_nonzero(measured) < 2:
         raise HeightMapError(
@@ -118,7 +116,7 @@ def composite(
     coordinates = [p + c for p, c in zip(positions, lower.middle, strict=True)]
     form, removed = fit_polynomial(values, coordinates, order=0 if period else 1)
     values = values - form
-    filled = (lower_values[1] | upper_values[1]) & measured
+    filled &= measured
     attrs = _attributes(lower, upper, filled)
     covered = float(measured.mean() * covered_share(lower, positions))
     axes = [axis for axis, n in enumerate(lower.shape) if n > 1]
@@ -141,15 +139,22 @@ def composite(
         "filled": (("y", "x"), filled.astype(np.int8)),
     }
     if any("rejected_height" in side.height.coords for side in (lower, upper)):
-        rejected_heights = [
-            Face(with_rejected_marked(side.height)).at(*position)
-            for side, position in zip((lower, upper), face_positions, strict=True)
-        ]
-        rejected = (rejected_heights[0][1] | rejected_heights[1][1]) & measured
-        heights = np.where(rejected, rejected_heights[0][0] + rejected_heights[1][0] - form, np.nan)
+        restored = [Face(with_rejected_marked(side.height)) for side in (lower, upper)]
+        with_rejected, rejected = _sum_at(restored, face_positions)
+        heights = np.where(rejected & measured, with_rejected - form, np.nan)
         coords["rejected_height"] = (("y", "x"), heights, {"units": "m"})
     result = xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs)
     return result.assign_attrs(height_parameters(result))
+
+
+def _sum_at(
+    faces: Sequence[Face], positions: Sequence[Sequence[np.ndarray]]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the sum of the heights of both faces at positions on each, and which depend on marked points."""
+    (lower, marked), (upper, also_marked) = (
+        face.at(*position) for face, position in zip(faces, positions, strict=True)
+    )
+    return lower + upper, marked | also_marked
 
 
 def _orientation_warnings(face: Face) -> list[str]:
@@ -164,9 +169,7 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
     """Return the attributes of the face, combined with those of the counter-face where applicable."""
     lower_attrs, upper_attrs = lower.height.attrs, upper.height.attrs
     kinds: Counter[str] = Counter()
-    warnings: list[str] = []
-    facts: list[str] = []
-    spikes: dict[str, str] = {}
+    warnings, facts, spikes = list[str](), list[str](), dict[str, str]()
     for face in (lower, upper):
         attrs, name = face.height.attrs, face.name
         stated = {key: json.loads(attrs.get(key, empty)) for key, empty in _RECORDS.items()}
@@ -175,29 +178,27 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
         warnings += [f"{name}: {warning}" for warning in texts]
         facts += [f"{name}: {fact}" for fact in stated["ingest_facts"]]
         spikes |= {f"{name}: {spike}": f"{name}: {text}" for spike, text in stated["ingest_spikes"].items()}
-    shifted = max((lower_attrs, upper_attrs), key=lambda attrs: attrs.get("row_jitter", 0.0))
-    steps = [
-        attrs["quantisation_step"] for attrs in (lower_attrs, upper_attrs) if "quantisation_step" in attrs
-    ]
-    noises = [
-        attrs["instrument_noise"] for attrs in (lower_attrs, upper_attrs) if "instrument_noise" in attrs
-    ]
+    both = lower_attrs, upper_attrs
+    shifted = max(both, key=lambda attrs: attrs.get("row_jitter", 0.0))
+    steps, noises = (
+        [attrs[name] for attrs in both if name in attrs] for name in ("quantisation_step", "instrument_noise")
+    )
     coarser = max((lower, upper), key=lambda face: reliable_wavelength(face.height)[0])
     return lower_attrs | {
         "units": "m",
         "counter_face": upper.name,
-        "source_sha256": " + ".join(attrs.get("source_sha256", "") for attrs in (lower_attrs, upper_attrs)),
+        "source_sha256": " + ".join(attrs.get("source_sha256", "") for attrs in both),
         "instrument": coarser.height.attrs.get("instrument", "{}"),
         "ingest_warnings": json.dumps(warnings, ensure_ascii=False),
         "ingest_facts": json.dumps(facts, ensure_ascii=False),
         "ingest_spikes": json.dumps(spikes, ensure_ascii=False),
-        "missing_share": max(attrs.get("missing_share", 0.0) for attrs in (lower_attrs, upper_attrs)),
-        "outliers_rejected": sum(attrs.get("outliers_rejected", 0) for attrs in (lower_attrs, upper_attrs)),
+        "missing_share": max(attrs.get("missing_share", 0.0) for attrs in both),
+        "outliers_rejected": sum(attrs.get("outliers_rejected", 0) for attrs in both),
         "outlier_kinds": json.dumps(kinds),
         **{name: shifted[name] for name in _ROW_ATTRIBUTES if name in shifted},
         "filled_points": int(filled.sum()),
         "filled_share": float(filled.mean()),
-        "largest_hole": max(attrs.get("largest_hole", 0) for attrs in (lower_attrs, upper_attrs)),
+        "largest_hole": max(attrs.get("largest_hole", 0) for attrs in both),
         # each face lies within half of its step
         **({"quantisation_step": sum(steps)} if steps else {}),
         **({"instrument_noise": math.hypot(*noises)} if noises else {}),

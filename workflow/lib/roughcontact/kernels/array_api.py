@@ -59,8 +59,7 @@ def inverse_root(along_y: Array, along_x: Array, out: Array) -> None:
     """
     xp = namespace(out)
     square = along_y[:, None] + along_x
-    root = xp.sqrt(xp.where(square == 0, xp.ones_like(square), square))
-    out[...] = xp.where(square == 0, xp.full_like(square, float("inf")), 2 / root)
+    out[...] = xp.where(square == 0, xp.full_like(square, float("inf")), 2 / xp.sqrt(_or_one(xp, square)))
 
 
 def slope_power(spectrum: Array, weights: Array, along_y: Array, along_x: Array) -> float:
@@ -197,12 +196,11 @@ def advance(
     """
     xp = namespace(pressure)
     active, full = values != 0, pressure >= cap
-    shared = repeat(coarse, factors, pressure.shape) / (factors[0] * factors[1])
-    full_correction = correction + (passed + shared)
+    full_correction = correction + (passed + _distributed(coarse, factors, pressure.shape))
     moved = xp.astype(pressure, out.dtype)
     moved[full] = cap
     moved -= xp.where(active, length * (full_correction - mean), xp.zeros_like(full_correction))
-    projected = xp.clip(moved, 0, None if cap == float("inf") else cap)
+    projected = _clipped(xp, moved, cap)
     projected = xp.where(active | full, projected, xp.zeros_like(projected))
     out[...] = projected
     values[...] = xp.astype((projected > 0) & (projected < cap), values.dtype)
@@ -219,9 +217,9 @@ def redistribute(
     onto this interval.
     """
     xp = namespace(field)
-    shared = repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
-    field += xp.astype((passed + shared) * (1 - _zeros_of(free)), field.dtype)
-    projected = xp.clip(field, 0, None if cap == float("inf") else cap)
+    received = passed + _distributed(coarse, factors, field.shape)
+    field += xp.astype(received * (1 - _zeros_of(free)), field.dtype)
+    projected = _clipped(xp, field, cap)
     return _sum(xp, xp.abs(field - projected)), _sum(xp, projected)
 
 
@@ -233,7 +231,7 @@ def project(
     `free` becomes 1 between the bounds and 0 elsewhere, `share` its mean over blocks of `factors` cells.
     """
     xp = namespace(field)
-    projected = xp.clip(field, 0, None if cap == float("inf") else cap)
+    projected = _clipped(xp, field, cap)
     removed_load[...] = xp.astype(field - projected, removed_load.dtype)
     free[...] = xp.astype((projected > 0) & (projected < cap), free.dtype)
     field[...] = projected
@@ -243,7 +241,7 @@ def project(
 def rescale(field: Array, factor: float, cap: float) -> float:
     """Project `field` in place onto [0, `cap`] and multiply it by `factor`; return its sum."""
     xp = namespace(field)
-    field[...] = xp.clip(field, 0, None if cap == float("inf") else cap) * factor
+    field[...] = _clipped(xp, field, cap) * factor
     return _sum(xp, field)
 
 
@@ -324,7 +322,7 @@ def weigh(
         root_share, perimeter = xp.sqrt(share), fine_share * count**0.5
         clusters = perimeter / (1 + perimeter - root_share)
         weight = clusters if arrangement == Arrangement.SCATTERED else xp.sqrt(root_share * clusters)
-    gain[...] = weight / xp.where(fine_share > 0, fine_share, xp.ones_like(fine_share))
+    gain[...] = weight / _or_one(xp, fine_share)
     empty[...] = 1 - weight
     block_mean(weight, next_factors, next_parts)
     block_mean(share, next_factors, next_share)
@@ -387,7 +385,7 @@ def empty_from(
 
 def spread(field: Array, gain: Array, coarse: Array, factors: Factors) -> None:
     """Add `coarse`, distributed over its fine cells, to `field`, and multiply the sum by `gain`."""
-    field += repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
+    field += _distributed(coarse, factors, field.shape)
     field *= gain
 
 
@@ -397,8 +395,8 @@ def finish_restriction(field: Array, passed: Array, coarse: Array, factors: Fact
     The field becomes zero elsewhere.
     """
     xp = namespace(field)
-    shared = repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
-    field[...] = (field + (passed + shared)) * (1 - _zeros_of(active))
+    received = passed + _distributed(coarse, factors, field.shape)
+    field[...] = (field + received) * (1 - _zeros_of(active))
     return _sum(xp, field)
 
 
@@ -431,12 +429,12 @@ def refine(
             blocks[:, ky, :, kx] = xp.sqrt(xp.clip(_shifted(xp, along_x, at_y, 0), 0, None))
     total = xp.sum(blocks, axis=(1, 3))
     load = fy * fx * coarse
-    blocks *= (load / xp.where(total == 0, xp.ones_like(total), total))[:, None, :, None]
+    blocks *= (load / _or_one(xp, total))[:, None, :, None]
     blocks += detail
     blocks -= _level(xp, blocks, load)
     blocks *= xp.astype(blocks > (NEGLIGIBLE_LOAD * load)[:, None, :, None], blocks.dtype)
     total = xp.sum(blocks, axis=(1, 3))
-    blocks *= (load / xp.where(total == 0, xp.ones_like(total), total))[:, None, :, None]
+    blocks *= (load / _or_one(xp, total))[:, None, :, None]
     lost = xp.where(total == 0, coarse, xp.zeros_like(coarse))  # where rounding leaves no load
     blocks += lost[:, None, :, None]
     if cap < float("inf"):
@@ -451,8 +449,7 @@ def _level(xp: Any, blocks: Array, load: Array) -> Array:
     for _ in range(blocks.shape[1] * blocks.shape[3]):  # each round excludes the lowest parts
         above = xp.astype(blocks > level, blocks.dtype)
         count = xp.sum(above, axis=(1, 3))
-        safe_count = xp.where(count == 0, xp.ones_like(count), count)
-        candidate = (xp.sum(above * blocks, axis=(1, 3)) - load) / safe_count
+        candidate = (xp.sum(above * blocks, axis=(1, 3)) - load) / _or_one(xp, count)
         level = xp.where((count > 0)[:, None, :, None], candidate[:, None, :, None], level)
     return level
 
@@ -466,11 +463,8 @@ def _limit_to_cap(xp: Any, blocks: Array, load: Array, cap: float) -> Array:
         remaining_load = xp.clip(load - cap * (count - number), 0, None)
         free_load = xp.sum(xp.where(below, blocks, xp.zeros_like(blocks)), axis=(1, 3))
         factor = remaining_load / xp.where(free_load > 0, free_load, xp.ones_like(free_load))
-        even = xp.where(
-            free_load > 0,
-            xp.zeros_like(remaining_load),
-            remaining_load / xp.where(number > 0, number, xp.ones_like(number)),
-        )
+        share = remaining_load / _or_one(xp, number)
+        even = xp.where(free_load > 0, xp.zeros_like(share), share)
         shared = blocks * factor[:, None, :, None] + even[:, None, :, None]
         blocks = xp.where(below, shared, xp.full_like(blocks, cap))
         if not xp.any(blocks > cap):
@@ -489,7 +483,7 @@ def _continued(xp: Any, square: Array) -> Array:
                 guess = xp.where(second_neighbour > 0, 2 * neighbour - second_neighbour, -neighbour)
                 total += xp.where(neighbour > 0, guess, xp.zeros_like(neighbour))
                 count += xp.astype(neighbour > 0, square.dtype)
-    extrapolated = xp.clip(total / xp.where(count == 0, xp.ones_like(count), count), None, 0)
+    extrapolated = xp.clip(total / _or_one(xp, count), None, 0)
     return xp.where(square > 0, square, extrapolated)
 
 
@@ -512,6 +506,21 @@ def active_set(pressure: Array, gap: Array, cap: float) -> Array:
     """
     unloaded, at_cap = pressure <= 0, pressure >= cap
     return (unloaded & (gap < 0)) | (at_cap & (gap > 0)) | ~(unloaded | at_cap)
+
+
+def _distributed(coarse: Array, factors: Factors, shape: tuple[int, ...]) -> Array:
+    """Return the load of coarse cells, shared evenly by their fine cells."""
+    return repeat(coarse, factors, shape) / (factors[0] * factors[1])
+
+
+def _clipped(xp: Any, pressure: Array, cap: float) -> Array:
+    """Return a pressure projected onto [0, `cap`]."""
+    return xp.clip(pressure, 0, None if cap == float("inf") else cap)
+
+
+def _or_one(xp: Any, field: Array) -> Array:
+    """Return a divisor: `field`, and 1 where it is zero."""
+    return xp.where(field == 0, xp.ones_like(field), field)
 
 
 def _zeros_of(field: Array) -> Array:

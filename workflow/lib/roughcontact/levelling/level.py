@@ -1,6 +1,8 @@
 """Levelling of a height map, with a record of every step."""
 
 import json
+from collections import Counter
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -109,28 +111,26 @@ def level(
     (8, '9.7e-10 m')
     """
     _check_options(form, order, line_alignment, fill, max_missing)
-    _check_positive(
-        outlier_threshold=outlier_threshold,
-        scar_threshold=scar_threshold,
-        s_filter=s_filter,
-        l_filter=l_filter,
-    )
+    thresholds = {"outlier_threshold": outlier_threshold, "scar_threshold": scar_threshold}
+    nesting_indices = {"s_filter": s_filter, "l_filter": l_filter}
+    _check_positive(thresholds | nesting_indices)
     values = check_map(height)
     step = spacing(height)
-    _check_nesting_indices(height, s_filter=s_filter, l_filter=l_filter)
+    _check_nesting_indices(height, **nesting_indices)
 
-    outlier_kinds: dict[str, int] = {}
+    outlier_kinds: Counter[str] = Counter()
     if outlier_threshold is not None:
-        values = _without_outliers(values, outlier_threshold, outlier_kinds)
+        _reject_outliers(values, outlier_threshold, outlier_kinds)
     jitter, applied_alignment, offsets = _alignment(values, height, line_alignment)
     if applied_alignment != "none":
         values = values - offsets[:, None]
         if outlier_threshold is not None:  # outliers that the shifts of the lines masked
-            values = _without_outliers(values, outlier_threshold, outlier_kinds)
-    if scar_threshold is not None:
-        values = _without_scars(values, scar_threshold, outlier_kinds)
+            _reject_outliers(values, outlier_threshold, outlier_kinds)
+    if scar_threshold is not None and (scars := find_scars(values, threshold=scar_threshold)).any():
+        outlier_kinds["scar"] = int(scars.sum())
+        values[scars] = np.nan
     missing = np.isnan(values)
-    _check_missing(missing, height, outlier_kinds, max_missing)
+    _check_missing(missing, height, outlier_kinds.total(), max_missing)
     # positions and heights of rejected points only: memory may not hold another copy of a large map
     rejected = missing & np.isfinite(height.values)
     rejected_heights = height.values[rejected].astype(float)
@@ -143,10 +143,11 @@ def level(
         values = without_form(values, surface)
         del surface
     if rejected_heights.size and (s_filter or l_filter):
-        rejected_heights = _filter(
-            _with_points(values.copy(), rejected, rejected_heights), step, s_filter, l_filter
-        )[0][rejected]
-    values, filters = _filter(values, step, s_filter, l_filter)
+        restored = values.copy()
+        restored[rejected] = rejected_heights
+        rejected_heights = _filter(restored, step, nesting_indices)[0][rejected]
+        del restored
+    values, filters = _filter(values, step, nesting_indices)
     parameters = height_parameters(height.copy(data=values))
 
     labels, sizes = find_holes(missing)
@@ -160,7 +161,7 @@ def level(
         "form": form,
         "form_removed": json.dumps(removed),
         "outlier_threshold": float(outlier_threshold or 0.0),
-        "outliers_rejected": int(sum(outlier_kinds.values())),
+        "outliers_rejected": outlier_kinds.total(),
         "outlier_kinds": json.dumps(outlier_kinds),
         "line_alignment": applied_alignment,
         "line_alignment_by": "default" if line_alignment == "auto" else "user",
@@ -179,10 +180,9 @@ def level(
     if applied_alignment != "none":
         coords["line_offset"] = ("y", offsets)
     if rejected_heights.size:
-        coords["rejected_height"] = (
-            ("y", "x"),
-            _with_points(np.full(values.shape, np.nan), rejected, rejected_heights),
-        )
+        restored = np.full(values.shape, np.nan)
+        restored[rejected] = rejected_heights
+        coords["rejected_height"] = (("y", "x"), restored)
     return xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs | parameters)
 
 
@@ -197,20 +197,16 @@ def _check_options(form: str, order: int, line_alignment: str, fill: str, max_mi
         raise SettingsError(f"level.max_missing = {max_missing!r}: give a share from 0 to 1")
 
 
-def _check_positive(**options: float | None) -> None:
+def _check_positive(options: Mapping[str, float | None]) -> None:
     """Raise SettingsError for an option that is neither positive nor None."""
-    instead = {
-        "outlier_threshold": "null to keep every point",
-        "scar_threshold": "null to keep every point",
-        "s_filter": "null to keep the short waves",
-        "l_filter": "null to keep the long waves",
-    }
+    kept = {"s_filter": "the short waves", "l_filter": "the long waves"}
     for name, value in options.items():
-        if value is None:
-            continue
         # bool is a subclass of int
-        if isinstance(value, bool) or not (np.isreal(value) and 0 < value < np.inf):
-            raise SettingsError(f"level.{name} = {value!r}: give a positive number, or {instead[name]}")
+        if value is not None and (isinstance(value, bool) or not (np.isreal(value) and 0 < value < np.inf)):
+            raise SettingsError(
+                f"level.{name} = {value!r}: give a positive number, or null to keep "
+                f"{kept.get(name, 'every point')}"
+            )
 
 
 def _check_nesting_indices(height: xr.DataArray, **nesting_indices: float | None) -> None:
@@ -249,22 +245,11 @@ def _relative_jitter(jitter: float, rms_height: float, *, aligned: bool) -> floa
     return jitter / rms_without_jitter if rms_without_jitter > 0 else 0.0
 
 
-def _without_outliers(values: np.ndarray, threshold: float, outlier_kinds: dict[str, int]) -> np.ndarray:
-    """Return the heights with outliers set to NaN, in place; their counts are added to `kinds`."""
+def _reject_outliers(values: np.ndarray, threshold: float, outlier_kinds: Counter[str]) -> None:
+    """Set outliers to NaN, in place, and add their numbers to `outlier_kinds`."""
     outliers, counts = find_outliers(values, threshold=threshold)
-    for outlier_kind, count in counts.items():
-        outlier_kinds[outlier_kind] = outlier_kinds.get(outlier_kind, 0) + count
+    outlier_kinds.update(counts)
     values[outliers] = np.nan
-    return values
-
-
-def _without_scars(values: np.ndarray, threshold: float, outlier_kinds: dict[str, int]) -> np.ndarray:
-    """Return the heights with scars set to NaN; their count is added to `kinds`."""
-    scars = find_scars(values, threshold=threshold)
-    if not scars.any():
-        return values
-    outlier_kinds["scar"] = int(scars.sum())
-    return np.where(scars, np.nan, values)
 
 
 def _fit(
@@ -289,25 +274,18 @@ def _fit(
         raise HeightMapError(f"{height.attrs.get('source_file') or 'the map'}: {error}") from error
 
 
-def _with_points(heights: np.ndarray, where: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return a map with the heights of some points replaced, in place."""
-    heights[where] = points
-    return heights
-
-
 def _filter(
-    values: np.ndarray, step: tuple[float, float], s_filter: float | None, l_filter: float | None
+    values: np.ndarray, step: tuple[float, float], nesting_indices: Mapping[str, float | None]
 ) -> tuple[np.ndarray, dict[str, dict]]:
     """Return the filtered heights, and a record of what was removed: nesting index and rms, in m."""
     removed = {}
-    for name, index in (("s_filter", s_filter), ("l_filter", l_filter)):
+    for name, index in nesting_indices.items():
         if index is None:
             continue
-        long = [d for n, d in zip(values.shape, step, strict=True) if n > 1]
-        if name == "l_filter" and index < 2 * max(long):
+        pixels = 2 * max(d for n, d in zip(values.shape, step, strict=True) if n > 1)
+        if name == "l_filter" and index < pixels:
             raise HeightMapError(
-                f"level.l_filter = {index:g} m is less than two pixels ({2 * max(long):g} m): no wave would "
-                "remain"
+                f"level.l_filter = {index:g} m is less than two pixels ({pixels:g} m): no wave would remain"
             )
         smooth = gaussian_mean_surface(values, step, index)
         retained, difference = (smooth, values - smooth) if name == "s_filter" else (values - smooth, smooth)
@@ -320,15 +298,12 @@ def _filter(
     return values, removed
 
 
-def _check_missing(
-    missing: np.ndarray, height: xr.DataArray, outlier_kinds: dict[str, int], max_missing: float
-) -> None:
+def _check_missing(missing: np.ndarray, height: xr.DataArray, rejected: int, max_missing: float) -> None:
     """Raise HeightMapError where too many points are missing."""
     share = missing.mean()
     if share <= max_missing and not missing.all():
         return
     name = height.attrs.get("source_file") or "the map"
-    rejected = sum(outlier_kinds.values())
     also = f" ({rejected} of them rejected as outliers or scars)" if rejected else ""
     raise HeightMapError(
         f"{name}: {100 * share:.1f} % of the points are missing{also}, more than level.max_missing = "

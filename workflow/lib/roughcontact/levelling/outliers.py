@@ -3,6 +3,8 @@
 Ridges, steps, pits and scratches are kept, however high, because the highest points carry the load.
 """
 
+from collections import Counter
+
 import numpy as np
 
 from roughcontact.levelling.polynomial import fit_polynomial
@@ -37,7 +39,7 @@ def find_outliers(
     * `dead_line`: rows or columns of one single value among others that vary, farther from their neighbours
       than usual.
     """
-    counts: dict[str, int] = {}
+    counts: Counter[str] = Counter()
     outliers = np.zeros(values.shape, dtype=bool)
     # repeatedly: an extreme spike may mask a smaller one by widening the spread around it
     for _ in range(_MAX_ROUNDS):
@@ -49,7 +51,7 @@ def find_outliers(
         ):
             new = finder(values, outliers)
             if new.any():
-                counts[outlier_kind] = counts.get(outlier_kind, 0) + int(new.sum())
+                counts[outlier_kind] += int(new.sum())
                 outliers |= new
         if counts == before:
             break
@@ -127,13 +129,12 @@ def _spikes(values: np.ndarray, rejected: np.ndarray, threshold: float, *, bumps
     from scipy import ndimage
 
     result = np.zeros(values.shape, dtype=bool)
-    profile = min(values.shape) == 1
     if max(values.shape) <= 2 * _MEDIAN_HALF_WIDTH or (rejected | np.isnan(values)).all():
         return result
-    median_half_widths = [min(_MEDIAN_HALF_WIDTH, n - 1) for n in values.shape]
-    ring_half_widths = [
-        min(_PROFILE_RING_HALF_WIDTH if profile else _RING_HALF_WIDTH, n - 1) for n in values.shape
-    ]
+    ring_half_width = _PROFILE_RING_HALF_WIDTH if min(values.shape) == 1 else _RING_HALF_WIDTH
+    median_half_widths, ring_half_widths = (
+        [min(half_width, n - 1) for n in values.shape] for half_width in (_MEDIAN_HALF_WIDTH, ring_half_width)
+    )
     # memory may not hold more than is needed of a large map: arrays are deleted or reused early
     residual = _without_tilt(_without_rejected(values, rejected))
     missing = np.isnan(residual)

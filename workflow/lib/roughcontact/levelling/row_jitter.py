@@ -55,9 +55,8 @@ def find_row_jitter(values: np.ndarray, *, scanned: bool = False) -> RowJitter:
     limit = _CLIP * (robust_scale(measured - middle, overwrite=True) or float(measured.std()))
     del measured  # memory may not hold more than is needed of a large map
     np.clip(second_differences, middle - limit, middle + limit, out=second_differences)
-    block_means = np.stack(
-        [_row_means(block) for block in np.array_split(second_differences, _BLOCKS, axis=1)], axis=1
-    )
+    blocks = np.array_split(second_differences, _BLOCKS, axis=1)
+    block_means = np.stack([_row_means(block) for block in blocks], axis=1)
     variance, evidence = _shared_variance(block_means, scanned=scanned)
     rms = float(np.sqrt(variance))
     if evidence == "none" or rms <= _MIN_RELATIVE_RMS * float(values[~np.isnan(values)].std()):
@@ -103,13 +102,10 @@ def _shared_variance(block_means: np.ndarray, *, scanned: bool) -> tuple[float, 
         products = [waves[:, k] * waves[:, second].conj() for k, second in pairs]
         return np.asarray(np.mean(products, axis=0).real)
 
-    distant_power, adjacent_power, block_power = (
-        power(range(blocks // 2, blocks)),
-        power(range(1, 2)),
-        power(range(1)),
-    )
+    distant = range(blocks // 2, blocks)
+    distant_power, adjacent_power, block_power = (power(d) for d in (distant, range(1, 2), range(1)))
     # two thirds of the tapered waves are independent, times the number of pairs of distant pieces
-    independent = np.count_nonzero(short) / 1.5 * sum(blocks - d for d in range(blocks // 2, blocks))
+    independent = np.count_nonzero(short) / 1.5 * sum(blocks - d for d in distant)
     coherence = np.mean(distant_power[short] / np.maximum(block_power[short], np.finfo(float).tiny))
     # of the shifts themselves, not of their second differences
     variance = float(np.mean(distant_power[short] / transfer[short]))

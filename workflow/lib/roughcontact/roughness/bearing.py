@@ -51,13 +51,9 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     enters, leaves = (_ratio_of(height, ratio, curve) for height in (upper, lower))
     peaks = _material(enters, ratio, curve)
     dales = _void(leaves, ratio, curve)
-    material = {
-        material_ratio: _material(material_ratio, ratio, curve)
-        for material_ratio in (_PEAK_RATIO, _DALE_RATIO)
-    }
-    void = {
-        material_ratio: _void(material_ratio, ratio, curve) for material_ratio in (_PEAK_RATIO, _DALE_RATIO)
-    }
+    bounds = _PEAK_RATIO, _DALE_RATIO
+    peak_material, core_material = (_material(bound, ratio, curve) for bound in bounds)
+    core_void, dale_void = (_void(bound, ratio, curve) for bound in bounds)
     extreme, middle = np.interp([_EXTREME_RATIO, _MIDDLE_RATIO], ratio, curve)
     return {
         "Sk": upper - lower,
@@ -69,10 +65,10 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
         "Sak2": dales,
         "Smr1": enters,
         "Smr2": leaves,
-        "Vmp": material[_PEAK_RATIO],
-        "Vmc": material[_DALE_RATIO] - material[_PEAK_RATIO],
-        "Vvc": void[_PEAK_RATIO] - void[_DALE_RATIO],
-        "Vvv": void[_DALE_RATIO],
+        "Vmp": peak_material,
+        "Vmc": core_material - peak_material,
+        "Vvc": core_void - dale_void,
+        "Vvv": dale_void,
         "Sdc": float(extreme - middle),
     }
 

@@ -88,9 +88,7 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
         "spectrum_end": float(2 * max(pitches) / wavelengths[fall]),
         "spectrum_bend": _bend(bands),
         "rounded_peaks": float(np.mean([_roundness(curvature) for curvature in curvatures])),
-        "sharpest_peak_radius": float(
-            -1 / np.mean([np.quantile(curvature, _TAIL) for curvature in curvatures])
-        ),
+        "sharpest_peak_radius": float(-1 / np.mean([np.quantile(c, _TAIL) for c in curvatures])),
         "top_exponent": top - profile,
         "noise_floor": float(np.sqrt(floor * values.size)),
         "noise_gradient_share": white / gradient,
@@ -136,9 +134,8 @@ def _bands(power: np.ndarray, frequency: np.ndarray) -> _Bands:
     )
     stride = max(1, power.size // _SAMPLE)
     sampled_band, values = band[::stride], waves[::stride]
-    median = np.array(
-        [np.median(values[sampled_band == k]) if (sampled_band == k).any() else np.nan for k in range(number)]
-    )
+    in_bands = [values[sampled_band == k] for k in range(number)]
+    median = np.array([np.median(in_band) if in_band.size else np.nan for in_band in in_bands])
     sufficient = np.where(count >= _WAVES, 1.0, np.nan)
     mean = total / np.maximum(count, 1)
     # a few strong waves, as of a texture, tell little of the others

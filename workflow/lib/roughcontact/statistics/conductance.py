@@ -100,12 +100,11 @@ def conductors(bodies: Bodies | None) -> dict[str, ConductingPair]:
     >>> list(conductors([{"thermal_conductivity": 50.0, "layers": [film]}, {"thermal_conductivity": 50.0}]))
     ['thermal_conductance']
     """
-    conducting = {
-        f"{transport}_conductance": conducting_pair(bodies or (), f"{transport}_{property_name}")
-        for transport, property_name in (("thermal", "conductivity"), ("electrical", "resistivity"))
-        if bodies and have_layers(bodies)
-    }
-    return {name: pair for name, pair in conducting.items() if pair is not None}
+    if not bodies or not have_layers(bodies):
+        return {}
+    properties = {"thermal": "thermal_conductivity", "electrical": "electrical_resistivity"}
+    pairs = {transport: conducting_pair(bodies, name) for transport, name in properties.items()}
+    return {_TRANSPORTS[transport]: pair for transport, pair in pairs.items() if pair is not None}
 
 
 def over_holms_resistance(knudsen: npt.ArrayLike) -> np.ndarray:

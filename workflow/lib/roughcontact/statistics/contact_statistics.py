@@ -25,36 +25,14 @@ from roughcontact.roughness.texture import texture_parameters
 from roughcontact.sealing.connectivity import region_sizes
 from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.si import in_si
-from roughcontact.statistics import theory
+from roughcontact.statistics import conductance, densities, subsurface, theory
 from roughcontact.statistics.adhesion import adhesion_numbers
 from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers, carrying
-from roughcontact.statistics.conductance import (
-    Bodies,
-    conductance_columns,
-    conductors,
-    gas_columns,
-    gas_of,
-    resistances_and_joint,
-)
+from roughcontact.statistics.conductance import Bodies
 from roughcontact.statistics.contact_geometry import contact_perimeter, relative_contact_area
-from roughcontact.statistics.densities import (
-    GAP_DECADES,
-    PATCH_BINS,
-    PATCH_DECADES,
-    PRESSURE_DECADES,
-    density,
-    logarithmic_edges,
-)
+from roughcontact.statistics.densities import density, logarithmic_edges
 from roughcontact.statistics.finite_body import THEORIES, of_finite_body
 from roughcontact.statistics.friction import friction_statistics
-from roughcontact.statistics.subsurface import (
-    interface_depths,
-    profile_depths,
-    strained_body,
-    strained_body_in_words,
-    stress_columns,
-    yield_stresses,
-)
 from roughcontact.variables import describe
 
 # variables of the solver, copied for each load
@@ -84,13 +62,13 @@ FLOW_POINTS = 65536
 _OF_LOADING = 1e-3
 
 _FURTHER_DIM = {  # of variables, beside the load
-    "pressure_density": "pressure_bin",
-    "gap_density": "gap_bin",
-    "patch_area_density": "patch_bin",
-    **{f"{quantity}_share_above_ratio": "hardness_over_modulus" for quantity in ("load", "area")},
-    **{f"material_von_mises_{quantity}": "material" for quantity in ("stress", "depth")},
-    **{f"interface_{component}_stress": "interface" for component in ("shear", "normal")},
-    "von_mises_profile": "depth",
+    "pressure_density": ("pressure_bin",),
+    "gap_density": ("gap_bin",),
+    "patch_area_density": ("patch_bin",),
+    **{f"{quantity}_share_above_ratio": ("hardness_over_modulus",) for quantity in ("load", "area")},
+    **{f"material_von_mises_{quantity}": ("material",) for quantity in ("stress", "depth")},
+    **{f"interface_{component}_stress": ("interface",) for component in ("shear", "normal")},
+    "von_mises_profile": ("depth",),
 }
 
 
@@ -194,37 +172,25 @@ def contact_statistics(
     gradient = parameters["rms_gradient"]
     # a flat map has neither gradient nor heights to set the scale of the bins
     edges = {
-        "pressure": (modulus * gradient or modulus) * logarithmic_edges(PRESSURE_DECADES, pressure_bins),
-        "gap": (surface.peak_to_valley or steps[1]) * logarithmic_edges(GAP_DECADES, gap_bins),
-        "patch": _point_area(height.shape, steps) * logarithmic_edges(PATCH_DECADES, PATCH_BINS),
+        "pressure": (modulus * gradient or modulus)
+        * logarithmic_edges(densities.PRESSURE_DECADES, pressure_bins),
+        "gap": (surface.peak_to_valley or steps[1]) * logarithmic_edges(densities.GAP_DECADES, gap_bins),
+        "patch": _point_area(height.shape, steps)
+        * logarithmic_edges(densities.PATCH_DECADES, densities.PATCH_BINS),
     }
-    filled = height["filled"].values != 0 if "filled" in height.coords else None
-    hardness = float(contact["hardness"]) if "hardness" in contact else None
     small_or_sealing = height.size <= FLOW_POINTS or seal is not None
     with_flow = not free and (flow == "always" or (flow == "auto" and small_or_sealing))
-    conducting = conductors(bodies)
+    conducting, gas = conductance.conductors(bodies), conductance.gas_of(joint)
     rows = [
-        _one_load(
-            contact,
-            load,
-            filled=filled,
-            edges=edges,
-            with_flow=with_flow,
-            body=body,
-            conducting=conducting,
-            gas=gas_of(joint),
-        )
+        _one_load(contact, load, edges, with_flow=with_flow, body=body, conducting=conducting, gas=gas)
         for load in range(mean_pressure.size)
     ]
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     columns |= {name: contact[name].values for name in SOLVER_COLUMNS if name in contact}
-    columns |= resistances_and_joint(
-        conductance_columns(
-            columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies, layered=layers is not None
-        ),
-        columns,
-        joint,
+    conductances = conductance.conductance_columns(
+        columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies, layered=layers is not None
     )
+    columns |= conductance.resistances_and_joint(conductances, columns, joint)
     if seal is not None and with_flow:
         leaks, parameters["leak_rate_by_cube"] = _leaks(columns, seal)
         columns |= leaks
@@ -242,26 +208,19 @@ def contact_statistics(
     )
     loads = [name for name in ("mean_pressure", "force") if name in contact]
     coordinates = _bins(edges) | {name: ("load", contact[name].values) for name in loads}
+    attrs = dict(contact.attrs)
     if body is not None:
-        coordinates["depth"] = ("depth", profile_depths(height.shape, steps, body))
+        coordinates["depth"] = ("depth", subsurface.profile_depths(height.shape, steps, body))
         if body.get("layers"):
-            coordinates["interface_depth"] = ("interface", interface_depths(body))
+            coordinates["interface_depth"] = ("interface", subsurface.interface_depths(body))
         for axis in ("x", "y"):  # a profile has no position across it
             columns[f"max_von_mises_{axis}"] += height[axis].values[0] if height[axis].size > 1 else np.nan
-    variables: dict[str, object] = {
-        name: (("load", _FURTHER_DIM[name]) if name in _FURTHER_DIM else "load", values)
-        for name, values in columns.items()
-    }
-    material = {"contact_modulus": modulus}
-    if hardness is not None:
-        material["hardness"] = hardness
-    else:
+        attrs["stresses_of"] = subsurface.strained_body_in_words(bodies or ())
+    if "hardness" not in contact:
         coordinates["hardness_over_modulus"] = ("hardness_over_modulus", np.array(HARDNESS_OVER_MODULUS))
-    statistics = xr.Dataset(
-        variables | parameters | material,
-        coords=coordinates,
-        attrs=contact.attrs | ({} if body is None else {"stresses_of": strained_body_in_words(bodies or ())}),
-    )
+    variables = {name: (("load", *_FURTHER_DIM.get(name, ())), values) for name, values in columns.items()}
+    material = {name: float(contact[name]) for name in ("contact_modulus", "hardness") if name in contact}
+    statistics = xr.Dataset(variables | parameters | material, coordinates, attrs)
     return describe(_with_friction(statistics, contact, friction, bodies))
 
 
@@ -318,7 +277,9 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     """
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
-    window_attrs = {key: budget.attrs[key] for key in ("window_reason", "window_flag") if key in budget.attrs}
+    window_attrs = {
+        key: value for key, value in budget.attrs.items() if key in ("window_reason", "window_flag")
+    }
     corrected = [str(name).removesuffix("_as_solved") for name in budget if str(name).endswith("_as_solved")]
     statistics = statistics.assign({name: budget[f"{name}_estimate"].variable for name in corrected})
     if "max_pressure" in corrected and "max_pressure_over_modulus" in statistics:
@@ -555,17 +516,15 @@ def theory_columns(
     >>> f"p' = {found['relative_pressure'][0]:g}, Persson {found['area_persson'][0]:.4f}"
     "p' = 0.2, Persson 0.3108"
     """
-    if rms_gradient > 0:
-        relative = mean_pressure / (contact_modulus * rms_gradient)
-    else:
-        relative = np.full(mean_pressure.shape, np.inf)
-    low_load = theory.bush_gibson_thomas_area(relative)
+    with np.errstate(divide="ignore"):  # of a flat map
+        relative = mean_pressure / np.float64(contact_modulus * rms_gradient)
+    asperities = np.nan if 1 in height.shape else 1.0  # a single row or column has ridges and no summits
     summits = summit_statistics(height) if summits is None else summits
     return {
         "relative_pressure": relative,
         "area_persson": theory.persson_area(relative),
         "area_xu": theory.xu_area(relative),
-        "area_bush_gibson_thomas": np.full(relative.shape, np.nan) if 1 in height.shape else low_load,
+        "area_bush_gibson_thomas": asperities * theory.bush_gibson_thomas_area(relative),
         "area_greenwood_williamson": theory.greenwood_williamson_area(
             mean_pressure, summits, contact_modulus=contact_modulus
         ),
@@ -590,25 +549,25 @@ def _with_friction(
 def _one_load(
     contact: xr.Dataset,
     load: int,
+    edges: Mapping[str, np.ndarray],
     *,
-    filled: np.ndarray | None,
-    edges: dict[str, np.ndarray],
     with_flow: bool,
     body: Mapping[str, Any] | None,
     conducting: Mapping[str, ConductingPair],
     gas: Mapping[str, float] | None,
 ) -> dict[str, object]:
     """Return all numbers of one load; of an open file no more than one of its maps is in memory at a time."""
-    contact_modulus, steps = float(contact["contact_modulus"]), spacing(contact["height"])
+    height, free = contact["height"], contact.attrs.get("boundary") == "free"
+    contact_modulus, steps = float(contact["contact_modulus"]), spacing(height)
     hardness = float(contact["hardness"]) if "hardness" in contact else None
     operator: dict[str, Any] = {"influence": influence_of(contact), "layers": layers_of(contact)}
-    free = contact.attrs.get("boundary") == "free"
+    filled = height["filled"].values != 0 if "filled" in height.coords else np.False_
     pressure = contact["pressure"].isel(load=load).values
     touching = pressure > 0
     carried = pressure[touching]
     points = carried.size
     of_pressure = {
-        **({} if body is None else stress_columns(pressure, steps, free=free, **body)),
+        **({} if body is None else subsurface.stress_columns(pressure, steps, free=free, **body)),
         "elastic_energy": elastic_energy(pressure, steps, contact_modulus=contact_modulus, **operator),
         "pressure_density": density(carried, edges["pressure"]),
     }
@@ -632,7 +591,7 @@ def _one_load(
 
         passage |= flow_columns(open_gap, steps)
     if gas is not None:
-        passage |= gas_columns(open_gap, **gas)
+        passage |= conductance.gas_columns(open_gap, **gas)
     del open_gap
     patches = region_sizes(touching) * _point_area(touching.shape, steps)
     columns = {
@@ -641,7 +600,7 @@ def _one_load(
         "contact_perimeter": contact_perimeter(touching, steps),
         "contact_clusters": patches.size,
         "largest_patch_area": patches.max(initial=0.0),
-        "contact_on_filled_points": 0.0 if filled is None else np.count_nonzero(touching & filled) / points,
+        "contact_on_filled_points": np.count_nonzero(touching & filled) / points,
         **of_carried,
         "mean_gap": mean_gap,
         **_stiffness(touching, yielded, steps, contact_modulus=contact_modulus, **operator),
@@ -695,11 +654,10 @@ def _inverse(compliance: float) -> float:
 
 def _body_to_strain(stress: Extra, bodies: Bodies | None, free: bool) -> Mapping[str, Any] | None:
     """Return the body whose stresses below the surface are computed; None where they are not wanted."""
-    body = strained_body(check_bodies(bodies) if bodies and have_layers(bodies) else bodies) or {}
+    body = subsurface.strained_body(check_bodies(bodies) if bodies and have_layers(bodies) else bodies) or {}
     deformable = body.get("poissons_ratio") is not None or bool(body.get("layers"))
     if stress == "always" and not deformable:
         raise SettingsError("stress = 'always' needs bodies, for their Poisson's ratios", keys=["stress"])
-    limited = bool(body) and min(yield_stresses(body)) < np.inf
     layered = free and bool(body.get("layers"))
     if stress == "always" and layered:
         raise SettingsError(
@@ -707,6 +665,7 @@ def _body_to_strain(stress: Extra, bodies: Bodies | None, free: bool) -> Mapping
             "size",
             keys=["stress"],
         )
+    limited = bool(body) and min(subsurface.yield_stresses(body)) < np.inf
     required = stress == "always" or (stress == "auto" and deformable and limited and not layered)
     return body if required else None
 

@@ -48,14 +48,13 @@ def friction_statistics(
     if speed is not None:
         if coefficient is None and shear_strength is None:
             raise _missing("speed", "coefficient or shear_strength")
-        conductivities = [
-            body["thermal_conductivity"] for body in bodies or () if body.get("thermal_conductivity")
-        ]
+        stated = [body.get("thermal_conductivity") for body in bodies or ()]
+        conductivities = [conductivity for conductivity in stated if conductivity]
         if len(conductivities) != 2:
             raise _missing("speed", "thermal_conductivity of both bodies")
         warm = flash_temperature(
             contact,
-            friction_coefficient=float(columns["friction_coefficient"].item())
+            friction_coefficient=columns["friction_coefficient"].item()
             if coefficient is None
             else coefficient,
             speed=speed,

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -227,10 +227,8 @@ def _in_material(
             maps = [*maps[1 - _FITTED :], equivalent]
             volume += _volume_above(limit, maps, depths, index)
     for closer in (_middles, _vertex):
-        midpoints = {
-            depth for name in ("von_mises", "tresca") for depth in _near_peaks(largest, name, closer)
-        }
-        for depth in sorted(midpoints):
+        closer_depths = (_near_peaks(largest, name, closer) for name in ("von_mises", "tresca"))
+        for depth in sorted({*chain.from_iterable(closer_depths)}):
             stress = stress_at(depth - face)
             largest.append(_largest(depth, stress, von_mises(stress)))
     return largest, volume

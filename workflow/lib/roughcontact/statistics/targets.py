@@ -88,9 +88,8 @@ def target_loads(
         return -1.0 if percolates((pressure == 0) & (gap > 0))[axis] else 1.0
 
     loads = []
-    for target_value in (
-        [] if target_area is None else check_loads("target_area", target_area, unit="shares of the area")
-    ):
+    areas = [] if target_area is None else check_loads("target_area", target_area, unit="shares of the area")
+    for target_value in areas:
         if target_value >= 1:
             raise SettingsError(
                 f"target_area = {target_value:g}: must be less than 1, all of the area", keys=["target_area"]
@@ -118,9 +117,8 @@ def target_loads(
             crossings = (crossing(partial(closed, axis), 0.25 * unit, steady=False) for axis in (1, 0))
             loads += dict.fromkeys(load for load in crossings if load is not None)
         else:
-            loads.append(
-                _first_yield(window, modulus, hardness=hardness, body=strained_body(bodies) or {}, **solver)
-            )
+            body = strained_body(bodies) or {}
+            loads.append(_first_yield(window, modulus, hardness=hardness, body=body, **solver))
     return loads
 
 
@@ -154,12 +152,7 @@ def _state(window: xr.DataArray, load: float, **solver: Any) -> tuple[np.ndarray
 
 
 def _first_yield(
-    window: xr.DataArray,
-    modulus: float,
-    *,
-    hardness: float | None,
-    body: Body,
-    **solver: Any,
+    window: xr.DataArray, modulus: float, *, hardness: float | None, body: Body, **solver: Any
 ) -> float:
     """Return the load of first yield, below the surface where a yield stress is known."""
     limit = min(yield_stresses(body))

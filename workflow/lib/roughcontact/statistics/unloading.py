@@ -84,9 +84,8 @@ def unload(
     hardness = float(contact["hardness"])
     solved = sorted(contact["mean_pressure"].values.tolist(), reverse=True)
     top = solved[0] if peak_pressure is None else check_loads("peak_pressure", peak_pressure, unit="Pa")[0]
-    if mean_pressure is None:
-        loads = [top, *(load for load in solved if load < top)]
-    else:
+    loads = [top, *(load for load in solved if load < top)]
+    if mean_pressure is not None:
         loads = check_loads("mean_pressure", mean_pressure, unit="Pa")
     if max(loads) > top:
         raise SettingsError(

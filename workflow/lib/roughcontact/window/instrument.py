@@ -45,8 +45,8 @@ def window_arguments(levelled: xr.DataArray, settings: Mapping[str, Mapping[str,
 
 def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> None:
     """Refuse statements about an instrument that cannot be true of a map (y, x; m)."""
-    length = max(n * step for n, step in zip(window.shape, spacing(window), strict=True) if n > 1)
-    pixel = max(step for n, step in zip(window.shape, spacing(window), strict=True) if n > 1)
+    sides = [(n * step, step) for n, step in zip(window.shape, spacing(window), strict=True) if n > 1]
+    length, pixel = (max(values) for values in zip(*sides, strict=True))
     rms_height = float(window.std())
     for key, value in instrument.items():
         if key != "finer_spectrum" and value is not None and not value >= 0:
@@ -82,11 +82,8 @@ def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None
         stated["noise"] *= math.sqrt(2)
     of_file = numerical_aperture(stored_instrument(levelled.attrs))
     optics = ("numerical_aperture", "resolution", "tip_radius")
-    stated |= {
-        str(key).removeprefix(_STATED): value
-        for key, value in levelled.attrs.items()
-        if str(key).startswith(_STATED)
-    }
+    in_table = {str(key): value for key, value in levelled.attrs.items() if str(key).startswith(_STATED)}
+    stated |= {key.removeprefix(_STATED): value for key, value in in_table.items()}
     if of_file and not any(stated.get(key) for key in optics):
         stated["numerical_aperture"] = of_file
     return {key: value for key, value in stated.items() if value is not None and key != "correct"}

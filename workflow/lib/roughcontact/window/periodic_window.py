@@ -1,8 +1,9 @@
 """The periodic window: the part of a levelled map that is made periodic and solved."""
 
 import json
+import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -25,6 +26,19 @@ from roughcontact.window.sides import band_points, friendly_sides
 from roughcontact.window.transfer import corrected
 
 _BLENDING_METHODS = ("smooth-cross-fade", "cross-fade")  # need a band in addition to the window
+
+
+class _Cut(NamedTuple):
+    """The part of a map that becomes its window, in points along y and x."""
+
+    start: list[int]
+    sides: list[int]
+    band: list[int]  # beyond the sides, over which both ends are blended
+    shortened: bool  # to whole periods
+
+    @property
+    def used(self) -> list[int]:
+        return [side + band for side, band in zip(self.sides, self.band, strict=True)]
 
 
 @in_si
@@ -115,30 +129,26 @@ def periodic_window(
         return unchanged
 
     fade = width if method in _BLENDING_METHODS else 0.0
-    whole_periods = placement == "whole-periods"
-    start, sides, band, shortened = _largest_window(
-        levelled, values, fade, min_share, whole_periods=whole_periods
-    )
+    cut = _largest_cut(levelled, values, fade, min_share, whole_periods=placement == "whole-periods")
     missing = bool(np.isnan(values).any())
     del values  # memory may not hold more than is needed of a large map
-    used, before, blended = _cut_out(levelled, start, sides, band, method=method, width=width)
-    after = blended.values
-    change = _rms_difference(after[: before.shape[0], : before.shape[1]], before.values)
+    before, blended = _cut_out(levelled, cut, method=method, width=width)
+    change = blended.values[: before.shape[0], : before.shape[1]] - before.values
     return _record(
         blended.assign_attrs(levelled.attrs),
         waves,
         correct_for,
         method=method,
-        change=change,
+        change=float(np.sqrt(np.mean(np.square(change, out=change)))),
         gradient_before=interior_rms_gradient(before),
-        offset=[(s + b // 2) * d for s, b, d in zip(start, band, spacing(levelled), strict=True)],
-        share=used[0] * used[1] / levelled.size,
-        reason=_reason(levelled.shape, used, after.shape, method, missing=missing, shortened=shortened),
+        offset=[(s + b // 2) * d for s, b, d in zip(cut.start, cut.band, spacing(levelled), strict=True)],
+        share=math.prod(cut.used) / levelled.size,
+        reason=_reason(levelled.shape, cut, blended.shape, method, missing=missing),
     )
 
 
 def subwindow(
-    cut: xr.DataArray,
+    part: xr.DataArray,
     *,
     method: WindowMethod = "smooth-cross-fade",
     width: float = 0.1,
@@ -153,39 +163,34 @@ def subwindow(
     The options are those of `periodic_window`, of which placement and least share do not count.
     """
     fade = width if method in _BLENDING_METHODS else 0.0
-    start, sides, band, _ = _largest_window(cut, cut.values, fade, 0.0)
-    _, _, blended = _cut_out(cut, start, sides, band, method=method, width=width)
-    blended = blended.assign_attrs(cut.attrs)
+    _, blended = _cut_out(part, _largest_cut(part, part.values, fade, 0.0), method=method, width=width)
+    blended = blended.assign_attrs(part.attrs)
     if correct_for:
         blended = corrected(blended, correct_for)
-    if shortest_wavelength or longest_wavelength or reliable_band:
-        blended = limit_band(
-            blended, shortest=shortest_wavelength, longest=longest_wavelength, reliable=reliable_band
-        )
-    return blended
+    waves: dict[str, Any] = {
+        "shortest": shortest_wavelength,
+        "longest": longest_wavelength,
+        "reliable": reliable_band,
+    }
+    return limit_band(blended, **waves) if any(waves.values()) else blended
 
 
 def _cut_out(
-    levelled: xr.DataArray,
-    start: Sequence[int],
-    sides: Sequence[int],
-    band: list[int],
-    *,
-    method: WindowMethod,
-    width: float,
-) -> tuple[list[int], xr.DataArray, xr.DataArray]:
-    """Return the points used along each axis, the cut-out without its bands, and it made periodic."""
-    step = spacing(levelled)
-    used = [side + b for side, b in zip(sides, band, strict=True)]
-    cut = levelled.isel({d: slice(s, s + u) for d, s, u in zip("yx", start, used, strict=True)})
-    before = cut.isel({d: slice(b // 2, b // 2 + side) for d, b, side in zip("yx", band, sides, strict=True)})
-    heights, flags = _made_periodic(cut, method, band, width, step)
+    levelled: xr.DataArray, cut: _Cut, *, method: WindowMethod, width: float
+) -> tuple[xr.DataArray, xr.DataArray]:
+    """Return the cut-out without its bands, and it made periodic."""
+    step, band = spacing(levelled), cut.band
+    part = levelled.isel({d: slice(s, s + u) for d, s, u in zip("yx", cut.start, cut.used, strict=True)})
+    before = part.isel(
+        {d: slice(b // 2, b // 2 + side) for d, b, side in zip("yx", band, cut.sides, strict=True)}
+    )
+    heights, flags = _made_periodic(part, method, band, width, step)
     coords = {
-        d: xr.Variable(d, before[d].values[0] + s * np.arange(n), cut[d].attrs)
+        d: xr.Variable(d, before[d].values[0] + s * np.arange(n), part[d].attrs)
         for d, s, n in zip("yx", step, heights.shape, strict=True)
     }
     filled = {"filled": (("y", "x"), flags)}
-    return used, before, xr.DataArray(heights, dims=("y", "x"), coords=coords | filled, name="height")
+    return before, xr.DataArray(heights, dims=("y", "x"), coords=coords | filled, name="height")
 
 
 def _filled_points(levelled: xr.DataArray) -> np.ndarray:
@@ -195,27 +200,21 @@ def _filled_points(levelled: xr.DataArray) -> np.ndarray:
     return np.zeros(levelled.shape, dtype=np.int8)
 
 
-def _largest_window(
-    levelled: xr.DataArray,
-    values: np.ndarray,
-    fade: float,
-    min_share: float,
-    *,
-    whole_periods: bool = False,
-) -> tuple[tuple[int, int], tuple[int, int], list[int], bool]:
-    """Return start, sides and bands of the window in the largest rectangle, and whether it was shortened."""
+def _largest_cut(
+    levelled: xr.DataArray, values: np.ndarray, fade: float, min_share: float, *, whole_periods: bool = False
+) -> _Cut:
+    """Return the window in the largest rectangle."""
     fitting = friendly_sides(max(values.shape), fade=fade)
     y0, x0, height, breadth = largest_rectangle(~np.isnan(values), fitting)
     rectangle = values[y0 : y0 + height, x0 : x0 + breadth]
-    longest = sides = int(fitting[height]), int(fitting[breadth])
+    longest = sides = [int(fitting[height]), int(fitting[breadth])]
     if whole_periods:
-        ny, nx = (side_of_whole_periods(n, lay_period(rectangle, axis)) for axis, n in enumerate(longest))
-        sides = ny, nx
+        sides = [side_of_whole_periods(n, lay_period(rectangle, axis)) for axis, n in enumerate(longest)]
     band = [band_points(side, fade, within=n) for side, n in zip(sides, (height, breadth), strict=True)]
-    used = [side + b for side, b in zip(sides, band, strict=True)]
-    _check_window(levelled, used, used[0] * used[1] / values.size, min_share)
-    start = y0 + _centre(rectangle, used[0]), x0 + _centre(rectangle.T, used[1])
-    return start, sides, band, sides != longest
+    cut = _Cut([y0, x0], sides, band, sides != longest)
+    _check_window(levelled, cut.used, min_share)
+    centred = [_centre(lines, n) for lines, n in zip((rectangle, rectangle.T), cut.used, strict=True)]
+    return cut._replace(start=[y0 + centred[0], x0 + centred[1]])
 
 
 def _centre(rectangle: np.ndarray, rows: int) -> int:
@@ -231,10 +230,10 @@ def _centre(rectangle: np.ndarray, rows: int) -> int:
 
 
 def _made_periodic(
-    cut: xr.DataArray, method: str, band: list[int], width: float, step: tuple[float, float]
+    part: xr.DataArray, method: str, band: list[int], width: float, step: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the heights of a cut-out made periodic, and the mask of those that depend on filled points."""
-    heights, flags = np.asarray(cut.values, dtype=float), _filled_points(cut)
+    heights, flags = np.asarray(part.values, dtype=float), _filled_points(part)
     if method == "mirror":
         return periodisation.mirror(heights), periodisation.mirror(flags)
     if method == "taper":
@@ -310,9 +309,9 @@ def _record(
     return window
 
 
-def _check_window(levelled: xr.DataArray, used: Sequence[int], share: float, min_share: float) -> None:
+def _check_window(levelled: xr.DataArray, used: Sequence[int], min_share: float) -> None:
     """Raise HeightMapError where the largest rectangle is empty or smaller than requested."""
-    name = levelled.attrs.get("source_file") or "the map"
+    name, share = levelled.attrs.get("source_file") or "the map", math.prod(used) / levelled.size
     if used[0] * used[1] < 2:
         raise HeightMapError(f"{name}: no two neighbouring points are measured: fill it with level.fill")
     if share < min_share:
@@ -323,34 +322,19 @@ def _check_window(levelled: xr.DataArray, used: Sequence[int], share: float, min
         )
 
 
-def _rms_difference(first: np.ndarray, second: np.ndarray) -> float:
-    """Return the root mean square difference of two maps."""
-    difference = first - second
-    return float(np.sqrt(np.mean(np.square(difference, out=difference))))
-
-
-def _reason(
-    shape: Sequence[int],
-    used: Sequence[int],
-    solved: Sequence[int],
-    method: str,
-    *,
-    missing: bool,
-    shortened: bool,
-) -> str:
+def _reason(shape: Sequence[int], cut: _Cut, solved: Sequence[int], method: str, *, missing: bool) -> str:
     """Return a sentence on the part of the map that is used, the reason, and the periodisation."""
-    ny, nx = shape
-    if (ny, nx) == tuple(used):
+    (ny, nx), used = shape, cut.used
+    if [ny, nx] == used:
         text = f"The whole map of {nx} × {ny} points is used"
     else:
-        if shortened:
+        why = "sides that transform and halve well"
+        if cut.shortened:
             why = "a whole number of periods of its texture"
         elif missing:
-            why = "the largest rectangle without missing points, with sides that transform and halve well"
-        else:
-            why = "sides that transform and halve well"
+            why = f"the largest rectangle without missing points, with {why}"
         text = f"{used[1]} × {used[0]} of {nx} × {ny} points are used: {why}"
     text += f"; made periodic by {method}" if method != "raw" else "; its edges are left as they are"
-    if tuple(solved) != tuple(used):
+    if [*solved] != used:
         text += f", which leaves {solved[1]} × {solved[0]} points"
     return text + "."

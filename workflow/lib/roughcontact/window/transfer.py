@@ -58,12 +58,9 @@ def shortest_transmitted(instrument: Mapping[str, Any]) -> float:
     >>> f"{shortest_transmitted({'resolution': 1e-6}):.3g}"
     '6.57e-07'
     """
-    scale = max(
-        (instrument.get("wavelength") or LIGHT_WAVELENGTH) / instrument["numerical_aperture"]
-        if instrument.get("numerical_aperture")
-        else 0.0,
-        instrument.get("resolution") or 0.0,
-    )
+    scale = instrument.get("resolution") or 0.0
+    if aperture := instrument.get("numerical_aperture"):
+        scale = max((instrument.get("wavelength") or LIGHT_WAVELENGTH) / aperture, scale)
     if not scale:
         return 0.0
     frequency = np.linspace(0.0, 4 / scale, 4001)
