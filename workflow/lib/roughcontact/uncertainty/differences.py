@@ -210,6 +210,7 @@ def compare_maps(
 
 def _at_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[xr.Dataset]:
     """Return what comparisons need of two maps, loads rising, at the mean pressures that both reach."""
+    maps = [data.sortby("mean_pressure") for data in maps]
     loads = common_loads(" and ".join(names), names, maps)
     tables = []
     for data in maps:
@@ -244,14 +245,15 @@ class _Compared(NamedTuple):
 
     table: xr.Dataset
     p_value: np.ndarray
-    spread: np.ndarray  # standard deviation of a part (a pair of maps, where they are paired), on the scale
-    shared: np.ndarray  # half-width, on the scale, that more maps would not make smaller
-    largest_shared: np.ndarray  # index of the source with the largest part in it
-    mean: np.ndarray  # of the first group, on the scale
-    maps: int  # or parts, of the smaller group; 0 for two maps, of which more would not tell
-    noun: str  # what more of would tell
-    paired: bool
     load_correlations: list[np.ndarray]  # of each quantity, of the scatter (load, load), at least
+    # all that follows is of groups alone
+    paired: bool = True
+    maps: int = 0  # or parts, of the smaller group
+    noun: str = ""  # what more of would tell
+    spread: np.ndarray = np.empty(0)  # standard deviation of a part (of a pair of maps), on the scale
+    shared: np.ndarray = np.empty(0)  # half-width, on the scale, that more maps would not make smaller
+    largest_shared: np.ndarray = np.empty(0)  # index of the source with the largest part in it
+    mean: np.ndarray = np.empty(0)  # of the first group, on the scale
 
 
 def _of_two(first: xr.Dataset, second: xr.Dataset) -> _Compared:
@@ -271,21 +273,8 @@ def _of_two(first: xr.Dataset, second: xr.Dataset) -> _Compared:
         towards_none = np.where(after > before, *unshared) / student(np.array(np.inf))
         p_values.append(p_value(after - before, towards_none, zeros + np.inf))
     table = _table(names, first_data["mean_pressure"].values, rows)
-    shaped = np.reshape(p_values, (len(names), loads))
     # nothing is known of how the errors at two loads go together
-    load_correlations, no_difference = [np.eye(loads)] * len(names), np.zeros(shaped.shape)
-    return _Compared(
-        table,
-        shaped,
-        no_difference,
-        no_difference,
-        no_difference,
-        no_difference,
-        maps=0,
-        noun="",
-        paired=True,
-        load_correlations=load_correlations,
-    )
+    return _Compared(table, np.reshape(p_values, (len(names), loads)), [np.eye(loads)] * len(names))
 
 
 def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compared:
@@ -327,10 +316,8 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
         (first_values, shared), (second_values, second_shared) = (
             _scaled_numbers(name, data, loads) for data in groups
         )
-        first_effects, second_effects = (
-            random_effects(first_values, part_names[0]),
-            random_effects(second_values, part_names[1]),
-        )
+        first_effects = random_effects(first_values, part_names[0])
+        second_effects = random_effects(second_values, part_names[1])
         if paired:
             change = random_effects(second_values - first_values, part_names[0])
             deviations = change.deviations
@@ -339,14 +326,9 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
         else:
             difference, error, freedom = welch(first_effects, second_effects)
             deviations = np.concatenate([first_effects.deviations, second_effects.deviations])
-            spread = np.sqrt(
-                (
-                    first_effects.error**2 * first_effects.units
-                    + second_effects.error**2 * second_effects.units
-                )
-                / 2
-            )
-            count = min(first_effects.units, second_effects.units)
+            both = first_effects, second_effects
+            spread = np.sqrt(np.mean([effects.error**2 * effects.units for effects in both], axis=0))
+            count = min(effects.units for effects in both)
         width, unshared = student(freedom) * error, _unshared_half_widths(shared, second_shared, correlation)
         load_correlations.append(correlation_at_least(deviations, len(deviations) - (1 if paired else 2)))
         rows.append(_ratios(name, first_effects.mean, difference, width, unshared))
@@ -360,22 +342,9 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
         )
     nested = any(1 < len(set(data["part"].values)) < data.sizes["map"] for data in groups)
     table = _table(names, loads, rows)
-    p_values, spreads, half_widths, sources, averages = (
-        np.reshape([column[row] for column in columns], (len(names), loads.size)) for row in range(5)
-    )
+    p_values, *numbers = np.moveaxis(np.reshape(columns, (len(names), 5, loads.size)), 1, 0)
     noun = "part" if nested else "map"
-    return _Compared(
-        table,
-        p_values,
-        spreads,
-        half_widths,
-        sources,
-        averages,
-        maps=count,
-        noun=noun,
-        paired=paired,
-        load_correlations=load_correlations,
-    )
+    return _Compared(table, p_values, load_correlations, paired, count, noun, *numbers)
 
 
 def _with_test_results(comparisons: Sequence[_Compared], relevant: float) -> list[xr.Dataset]:
@@ -420,13 +389,13 @@ def _outcomes(comparison: _Compared, p_values: np.ndarray, relevant: float) -> n
 
 def _what_decides(comparison: _Compared, index: tuple[int, ...], relevant: float) -> str:
     """Return what would show a difference that matters: more maps, or a smaller error that all maps share."""
+    if not comparison.maps:
+        ratio, upper = (float(comparison.table[key].values[index]) for key in ("ratio", "ratio_upper"))
+        return f"errors that differ are up to {percent(upper / ratio - 1)}; measure several places of each"
     name = str(comparison.table["quantity"].values[index[0]])
     mean = comparison.mean[index]
     ends = to_scale(name, from_scale(name, mean) * np.array([1 - relevant, 1 + relevant]))
     target = float(np.nanmin(np.abs(ends - mean)))
-    if not comparison.maps:
-        ratio, upper = (float(comparison.table[key].values[index]) for key in ("ratio", "ratio_upper"))
-        return f"errors that differ are up to {percent(upper / ratio - 1)}; measure several places of each"
     if comparison.shared[index] >= target:
         advice = ADVICE.get(SOURCES[int(comparison.largest_shared[index])], "state what they share")
         return f"all maps share errors above {percent(relevant)}; {advice}"

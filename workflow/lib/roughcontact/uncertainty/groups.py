@@ -9,7 +9,7 @@ without waves longer than a map.
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,15 +19,20 @@ import xarray as xr
 from roughcontact.errors import SettingsError
 from roughcontact.io.instrument_kinds import of_name
 from roughcontact.quantities import quantity
-from roughcontact.uncertainty.combination import SOURCES, component_from_units
+from roughcontact.uncertainty.combination import (
+    SOURCES,
+    Ends,
+    added_up,
+    component_from_units,
+    ends_of,
+    half_widths,
+    limited,
+)
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.random_effects import grubbs_outliers, random_effects, student
 from roughcontact.uncertainty.scales import (
     ANSWERS,
-    AREA,
     CONSTRICTIONS,
-    PEAK,
-    PRESSURE,
     QUANTITIES,
     from_scale,
     to_scale,
@@ -45,16 +50,16 @@ _GRID = "the grid"  # `band_reason` where no setting limits the band
 _SAME_BAND = {"shortest": 1.1, "longest": 2.0}
 _ENDS = ("lower", "upper")
 _FURTHER = ("next_lower", "next_upper", "next_part_lower", "next_part_upper")
-# ends of intervals of pressures, which are at least the load and at most the hardness, and of the area
-_LIMITED = {f"{name}_{end}" for name in (AREA, PRESSURE, PEAK) for end in (*_ENDS, *_FURTHER)}
 
 
 class Scaled(NamedTuple):
-    """A quantity of several maps on its scale."""
+    """A quantity of several maps on its scale, at the loads (Pa) of their group."""
 
     values: np.ndarray  # (map, load)
-    # (map, load, source, component): half-widths and one-sided shifts, down and up, by `SOURCES`
+    # (load, source, component), mean of the maps: half-widths and shifts, down and up, by `SOURCES`
     shared: np.ndarray
+    load: np.ndarray
+    hardness: float | None  # Pa
 
 
 def needed_for_groups(names: Iterable[str]) -> list[str]:
@@ -163,8 +168,11 @@ def group_statistics(
     quantities = [name for name in quantities_in(datasets[0]) if all(name in data for data in datasets)]
     columns: dict[str, tuple] = {}
     is_outlier = np.zeros((len(datasets), loads.size), bool)
+    hardness = float(datasets[0].get("hardness", np.nan))
     for name in quantities:
-        scaled = scaled_at(name, datasets, loads)
+        of_maps, shared = zip(*(scaled_at(name, data, loads) for data in datasets), strict=True)
+        limit = hardness if np.isfinite(hardness) else None
+        scaled = Scaled(np.stack(of_maps), np.mean(shared, axis=0), loads, limit)
         if len(datasets) == 1:
             columns |= _columns_of_map(name, datasets[0], scaled)
             continue
@@ -173,8 +181,6 @@ def group_statistics(
         is_outlier |= apart
         if placements and len(datasets) < MIN_FOR_INTERVAL:
             columns |= _hull(name, datasets, loads)
-    hardness = float(datasets[0].get("hardness", np.nan))
-    columns |= _limited({name: columns[name] for name in columns if name in _LIMITED}, loads, hardness)
     columns["stands_off"] = (("map", "load"), is_outlier.astype(np.int8))
     columns["contact_modulus"] = ((), float(datasets[0].get("contact_modulus", np.nan)))
     if np.isfinite(hardness):
@@ -208,8 +214,8 @@ def is_range(answer: xr.Dataset) -> bool:
 
 
 def _without_padding(data: xr.Dataset) -> xr.Dataset:
-    """Return a map without what only others of its run have: loads, and a budget (all of it is NaN)."""
-    data = data.isel(load=np.isfinite(data["mean_pressure"].values))
+    """Return a map, loads rising, without what only others of its run have: loads, and a budget of NaN."""
+    data = data.isel(load=np.isfinite(data["mean_pressure"].values)).sortby("mean_pressure")
     no_budget = [name for name in quantities_in(data) if np.isnan(data.get(f"{name}_lower", 0.0)).all()]
     padding = [f"{name}_{key}" for name in no_budget for key in (*_ENDS, "components")]
     return data.drop_vars(padding, errors="ignore")
@@ -220,8 +226,7 @@ def _content(dataset: xr.Dataset) -> str:
     if "rms_height" not in dataset:
         return ""
     names = ["rms_height", "mean_pressure", *(name for name in quantities_in(dataset) if name in dataset)]
-    data = dataset[names].sortby("mean_pressure")
-    digits = " ".join(f"{value:.8e}" for name in names for value in data[name].values.flat)
+    digits = " ".join(f"{value:.8e}" for name in names for value in dataset[name].values.flat)
     return hashlib.sha256(digits.encode()).hexdigest()[:16]
 
 
@@ -231,7 +236,6 @@ def _columns_of_maps(
     """Return the columns of a quantity of several maps, and which of these stand off (map, load)."""
     effects = random_effects(scaled.values, part_names)
     sources = SHARED_BY_PLACEMENTS if placements else SHARED
-    shared = scaled.shared.mean(axis=0)
     undefined = np.full(effects.mean.shape, np.nan)
     columns = {"": from_scale(name, effects.mean), **dict.fromkeys(_FURTHER, undefined)}
     if effects.units < MIN_FOR_INTERVAL:
@@ -246,55 +250,39 @@ def _columns_of_maps(
             "next_part_": (student(effects.freedom) * effects.next_part,) * 2,
         }
     for key, widths_of_interval in widths.items():
-        ends = _ends(name, effects.mean, widths_of_interval, shared, sources)
+        ends = _ends(name, effects.mean, widths_of_interval, scaled, sources)
         columns |= {f"{key}{end}": values for end, values in zip(_ENDS, ends, strict=True)}
     columns |= {"between": effects.between, "within": effects.within}
     return _named(name, columns, scaled), grubbs_outliers(scaled.values)
-
-
-def _limited(ends: Mapping[str, tuple], loads: np.ndarray, hardness: float) -> dict[str, tuple]:
-    """Return ends of intervals of pressures within load and hardness; an unbounded one ends at the hardness.
-
-    The area is at least the load over the hardness, which is NaN where none is stated.
-    """
-    limited = {}
-    for name, (dim, values) in ends.items():
-        lower = ends[name.replace("upper", "lower")][1]  # NaN where there is no interval
-        least, most = (loads / hardness, 1.0) if name.startswith(AREA) else (loads, hardness)
-        ends_at = np.where(np.isnan(values), most, np.fmax(values, least))
-        limited[name] = (dim, np.fmin(ends_at, most) + 0 * lower)
-    return limited
 
 
 def _hull(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> dict[str, tuple]:
     """Return the range of the intervals of maps: from the lowest end to the highest."""
     columns = {}
     for end, outermost in (("lower", np.min), ("upper", np.max)):
-        of_maps = []
-        for dataset in datasets:
-            order = np.argsort(dataset["mean_pressure"].values)
-            ends = dataset.get(f"{name}_{end}", dataset[name]).values[order]
-            of_maps.append(at_loads(dataset["mean_pressure"].values[order], loads, ends))
+        of_maps = [
+            at_loads(data["mean_pressure"].values, loads, data.get(f"{name}_{end}", data[name]).values)
+            for data in datasets
+        ]
         columns[f"{name}_{end}"] = ("load", outermost(of_maps, axis=0))
     return columns
 
 
 def _columns_of_map(name: str, dataset: xr.Dataset, scaled: Scaled) -> dict[str, tuple]:
     """Return the columns of a quantity of a single map: what it was."""
-    order = np.argsort(dataset["mean_pressure"].values)
-    undefined = np.full(order.size, np.nan)
-    columns = {"": dataset[name].values[order]}
-    columns |= {end: dataset.get(f"{name}_{end}", dataset[name] * np.nan).values[order] for end in _ENDS}
+    undefined = np.full(dataset.sizes["load"], np.nan)
+    columns = {"": dataset[name].values}
+    columns |= {end: dataset.get(f"{name}_{end}", dataset[name] * np.nan).values for end in _ENDS}
     return _named(name, columns | dict.fromkeys((*_FURTHER, "between", "within"), undefined), scaled)
 
 
 def _named(name: str, columns: dict[str, np.ndarray], scaled: Scaled) -> dict[str, tuple]:
     """Return the columns of a quantity under their names, with what they come from."""
-    shared = scaled.shared.mean(axis=0)
+    shared = np.where(np.isinf(scaled.shared), np.nan, scaled.shared)
     return {
         **{f"{name}_{key}" if key else name: ("load", column) for key, column in columns.items()},
         f"{name}_of_maps": (("map", "load"), from_scale(name, scaled.values)),
-        f"{name}_shared": (("load", "source", "component"), np.where(np.isinf(shared), np.nan, shared)),
+        f"{name}_shared": (("load", "source", "component"), shared),
     }
 
 
@@ -302,18 +290,15 @@ def _ends(
     name: str,
     mean: np.ndarray,
     widths: tuple[np.ndarray, np.ndarray],
-    shared: np.ndarray,
+    scaled: Scaled,
     sources: Sequence[str],
-) -> tuple[np.ndarray, np.ndarray]:
+) -> Ends:
     """Return both ends of an interval of half-widths, with what the maps share; NaN where not bounded."""
-    of_sources = shared[:, [SOURCES.index(source) for source in sources]]
-    *sides, shift_down, shift_up = np.moveaxis(of_sources, 2, 0)
-    below, above = (
-        np.sqrt(map_loads**2 + np.sum(side**2, axis=1)) for map_loads, side in zip(widths, sides, strict=True)
-    )
-    upper = mean + above + shift_up.sum(axis=1)
-    lower = from_scale(name, mean - below - shift_down.sum(axis=1))
-    return lower, np.where(np.isinf(upper), np.nan, from_scale(name, upper))
+    components = np.moveaxis(scaled.shared, 0, 2)[[SOURCES.index(source) for source in sources]]
+    ends = ends_of(name, mean, added_up([half_widths(*widths), *components]))
+    value = from_scale(name, mean)
+    limits = limited(name, ends, value=value, load=scaled.load, hardness=scaled.hardness)
+    return limits[0] + 0 * widths[0], limits[1] + 0 * widths[1]  # NaN without an interval
 
 
 def scaled_components(name: str, dataset: xr.Dataset) -> np.ndarray:
@@ -322,28 +307,19 @@ def scaled_components(name: str, dataset: xr.Dataset) -> np.ndarray:
     They are half-widths, infinite where unbounded, and shifts, a known bias among them, down and up.
     """
     values = dataset[name].values.astype(float)
-    components = np.zeros((values.size, len(SOURCES), 4))
     if f"{name}_components" not in dataset:
-        return components
-    in_units = (
-        dataset[f"{name}_components"].transpose("load", "source", "component").values[:, : len(SOURCES)]
-    )
+        return np.zeros((values.size, len(SOURCES), 4))
+    in_units = dataset[f"{name}_components"].transpose("source", "component", "load").values[: len(SOURCES)]
     # an unbounded half-width is NaN in the file
-    sides = np.moveaxis(np.where(np.isnan(in_units), np.inf, in_units), 2, 0)
-    for index in range(len(SOURCES)):
-        components[:, index] = component_from_units(name, values, sides[:, :, index]).T
-    return components
+    components = [component_from_units(name, values, np.nan_to_num(side, nan=np.inf)) for side in in_units]
+    return np.stack(components).transpose(2, 0, 1)
 
 
-def scaled_at(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> Scaled:
-    """Return a quantity of several maps on its scale at some loads (Pa)."""
-    values, shared = [], []
-    for dataset in datasets:
-        order = np.argsort(dataset["mean_pressure"].values)
-        map_loads = dataset["mean_pressure"].values[order]
-        values.append(at_loads(map_loads, loads, to_scale(name, dataset[name].values)[order]))
-        shared.append(at_loads(map_loads, loads, scaled_components(name, dataset)[order]))
-    return Scaled(np.stack(values), np.stack(shared))
+def scaled_at(name: str, dataset: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a quantity of a map and its components on its scale at some loads (Pa)."""
+    of_map = to_scale(name, dataset[name].values), scaled_components(name, dataset)
+    values, components = (at_loads(dataset["mean_pressure"].values, loads, numbers) for numbers in of_map)
+    return values, components
 
 
 def at_loads(map_loads: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -371,7 +347,7 @@ def at_loads(map_loads: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np
 
 def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> np.ndarray:
     """Return the loads (Pa, rising) at which all maps are known, some of them by interpolation."""
-    map_loads = [np.sort(data["mean_pressure"].values.astype(float)) for data in datasets]
+    map_loads = [data["mean_pressure"].values.astype(float) for data in datasets]
     low, high = max(value[0] for value in map_loads), min(value[-1] for value in map_loads)
     if low > high * (1 + SAME_LOAD):
         first, last = (
@@ -458,10 +434,7 @@ def _remarks(
             f"All maps are of the part {part_names[0]}: the interval says nothing of other parts."
         )
     map_loads = [data["mean_pressure"].values for data in datasets]
-    if any(
-        value.size != loads.size or not np.allclose(np.sort(value), loads, rtol=SAME_LOAD)
-        for value in map_loads
-    ):
+    if any(value.size != loads.size or not np.allclose(value, loads, rtol=SAME_LOAD) for value in map_loads):
         sentences.append(
             f"The maps were solved at different loads: they are compared from {quantity(loads[0], 'Pa')} to "
             f"{quantity(loads[-1], 'Pa')}, which all of them reach, and interpolated there."

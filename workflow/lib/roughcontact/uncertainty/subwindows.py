@@ -111,16 +111,13 @@ def _gradient_variances(heights: np.ndarray, steps: tuple[float, float]) -> dict
             squares += slope[: squares.shape[0], : squares.shape[1]] ** 2
     variances = {}
     for cuts in _CUTS:
-        rows, columns = (cuts if n > 1 else 1 for n in squares.shape)
         if any(1 < n < cuts * _MIN_POINTS_PER_SIDE - 1 for n in squares.shape):
             continue
-        blocks = [
-            block
-            for band in np.array_split(squares, rows, axis=0)
-            for block in np.array_split(band, columns, axis=1)
-        ]
-        logarithms = [0.5 * math.log(max(block.mean(), 1e-300)) for block in blocks]
-        variances[len(blocks)] = float(np.var(logarithms, ddof=1))
+        pieces = [squares]
+        for axis in (axis for axis, n in enumerate(squares.shape) if n > 1):
+            pieces = [half for piece in pieces for half in np.array_split(piece, cuts, axis=axis)]
+        logarithms = [0.5 * math.log(max(piece.mean(), 1e-300)) for piece in pieces]
+        variances[len(pieces)] = float(np.var(logarithms, ddof=1))
     return variances
 
 
