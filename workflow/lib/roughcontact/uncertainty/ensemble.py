@@ -1,13 +1,13 @@
 """Ensemble members: solutions to a wider tolerance, at few loads, of which only some quantities are kept."""
 
 import contextlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.fields import solved_fields
+from roughcontact.contact.fields import LoadFields, solved_fields
 from roughcontact.contact.solve import elasticity, solve_contact
 from roughcontact.errors import ConvergenceError, HeightMapError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
@@ -43,29 +43,31 @@ def solve_member(
     """
     pressures = loads_of(contact) if loads is None else loads_of(contact)[loads]
     tolerance = max(tolerance, contact.get("tolerance", 0.0))
+    contact, steps, unit = {**contact, "mean_pressure": pressures}, spacing(window), 1.0
     if contact.get("boundary") == "free":
-        return _solve_body(window, {**contact, "mean_pressure": pressures}, tolerance=tolerance, names=names)
-    single = tolerance >= TOLERANCE or contact.get("precision") == "single"
+        rim = max(1, round(RIM * contact["pitch"] / steps[1]))
+        window = finite_body(window, **contact["form"], rim=rim)
+        solutions = _fields_of_body(window, contact, tolerance=tolerance)
+        unit = window.size * steps[0] * steps[1] / contact["area"]  # the area counts over that of the map
+    else:
+        single = tolerance >= TOLERANCE or contact.get("precision") == "single"
+        precision = SINGLE if single else DOUBLE
+        solutions = solved_fields(window, contact, tolerance=tolerance, precision=precision)
     layered = elasticity(contact.get("contact_modulus"), contact.get("bodies"))[1] is not None
     values = {name: np.full(pressures.shape, np.nan) for name in names}
-    for solution in solved_fields(
-        window,
-        {**contact, "mean_pressure": pressures},
-        tolerance=tolerance,
-        precision=SINGLE if single else DOUBLE,
-    ):
+    for solution in solutions:
         if solution.error_bound > tolerance:
             continue
         quantities = quantities_of(
             solution.pressure,
             solution.gap,
             names,
-            steps=spacing(window),
+            steps=steps,
             influence=contact.get("influence", "sampled"),
             layered=layered,
         )
         for name in names:
-            values[name][solution.load_index] = quantities[name]
+            values[name][solution.load_index] = quantities[name] * (unit if name == AREA else 1.0)
     return values
 
 
@@ -83,25 +85,16 @@ def solve_members(
     return members
 
 
-def _solve_body(
-    roughness: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float, names: Sequence[str]
-) -> dict[str, np.ndarray]:
-    """Return quantities (load) of a body with this roughness; NaN where its contact leaves the map."""
-    rim = max(1, round(RIM * contact["pitch"] / spacing(roughness)[1]))
-    body = finite_body(roughness, **contact["form"], rim=rim)
-    steps, kwargs = spacing(body), {key: contact[key] for key in _OF_BODIES if key in contact}
-    # the area counts over that of the map as it is
-    units = {AREA: body.size * steps[0] * steps[1] / contact["area"]}
-    values: dict[str, list[float]] = {name: [] for name in names}
-    for load in contact["mean_pressure"]:
-        quantities = dict.fromkeys(names, np.nan)
+def _fields_of_body(
+    body: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float
+) -> Iterator[LoadFields]:
+    """Yield the `solved_fields` of a body of finite size whose contact does not leave the map."""
+    chosen = {key: contact[key] for key in _OF_BODIES if key in contact}
+    for index, load in enumerate(contact["mean_pressure"]):
         with contextlib.suppress(HeightMapError, ConvergenceError):
-            solution = solve_contact(body, force=load * contact["area"], tolerance=tolerance, **kwargs)
+            solution = solve_contact(body, force=load * contact["area"], tolerance=tolerance, **chosen)
             fields = solution["pressure"].values[0], solution["gap"].values[0]
-            quantities = quantities_of(*fields, names, steps=steps, layered=bool(contact.get("bodies")))
-        for name in names:
-            values[name].append(units.get(name, 1.0) * quantities[name])
-    return {name: np.array(numbers) for name, numbers in values.items()}
+            yield LoadFields(index, *fields, float(solution["error_bound"][0]))
 
 
 def solve_again(window: xr.DataArray, contact: Mapping[str, Any], values: Values) -> dict[str, np.ndarray]:
