@@ -427,12 +427,6 @@ def test_cases_after_one_that_is_none_are_checked_as_well():
     ]
 
 
-def test_a_source_of_older_files_is_named_with_the_way_out():
-    line = mistakes({"uncertainty": {"sources": ["solver", "processing"]}})[-1]
-    assert line.startswith("uncertainty.sources = ['solver', 'processing']: processing is a source no more")
-    assert "leave it out" in line
-
-
 def test_force_and_area_are_another_way_to_state_the_mean_pressure():
     contact = resolve(
         {"contact": {"contact_modulus": "1 GPa", "force": ["30 N", "1.5 kN"], "area": "3 cm2"}}

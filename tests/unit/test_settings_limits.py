@@ -377,14 +377,6 @@ def test_a_count_is_a_whole_number(key):
             ["solver", "windows"],
             "uncertainty.sources[1] = 'windows': unknown choice, did you mean window? (list of",
         ),
-        (
-            "validation.finest_grid",
-            256,
-            (
-                "validation: is no setting but a command of the checkout: `python3 run.py validation "
-                "--finest-grid 256`; leave the key out"
-            ),
-        ),
     ],
 )
 def test_every_rule_has_its_sentence(key, value, line):

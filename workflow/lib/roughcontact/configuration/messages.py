@@ -15,12 +15,6 @@ _LONGEST_NAME = 64
 # at the end of a name: Snakemake refuses twenty, of which the ending of a member of a pair may be one
 _REPETITIONS = 19
 
-# keys of settings that are commands of the checkout instead
-_COMMANDS = {
-    "crosscheck": "run.py crosscheck results/SURFACE --python PYTHON",
-    "validation": "run.py validation --finest-grid 256",
-}
-
 # the rule behind a mistake, by its name in pydantic
 _RULES = {
     "greater_than": "must be greater than {gt:g}",
@@ -120,8 +114,6 @@ def reason(detail: ErrorDetails) -> str:
     if detail["type"] == "extra_forbidden":
         key, valid = str(location[-1]), fields_at(location[:-1])
         symbol = _SYMBOLS.get(key.lower())
-        if command := _COMMANDS.get(_dotted(location)):
-            return f": is no setting but a command of the checkout: `python3 {command}`; leave the key out"
         hint = f"did you mean {symbol}?" if symbol in valid else nearest(key, valid)
         return f": unknown key, {hint}"
     if detail["type"] == "missing":

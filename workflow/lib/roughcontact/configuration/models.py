@@ -15,11 +15,9 @@ from pydantic import (
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
-    field_validator,
     model_validator,
 )
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import PydanticCustomError
 from pydantic_core.core_schema import CoreSchema, no_info_before_validator_function
 
 from roughcontact.choices import (
@@ -469,17 +467,6 @@ class Uncertainty(Section):
     """what the ± is for: the surface, in the band of waves of the map, or a longer one"""
     extent: Annotated[Number, Field(ge=1)] = 3.0
     """length of the surface of the longer interval, over that of the map"""
-
-    @field_validator("sources", mode="before")
-    @classmethod
-    def _without_processing(cls, sources: Any) -> Any:
-        """Name the way out for a source that older files list."""
-        if isinstance(sources, list) and "processing" in sources:
-            raise PydanticCustomError(
-                "no_processing",
-                "processing is a source no more: the calibration of window includes it; leave it out",
-            )
-        return sources
 
 
 class Instrument(Section):

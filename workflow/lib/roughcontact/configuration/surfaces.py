@@ -10,7 +10,7 @@ import codecs
 import math
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -35,19 +35,8 @@ INSTRUMENT = tuple(
 REPEAT = "repeat_of"  # the same place measured with nothing done in between: the noise of both follows
 BEFORE = "before"  # the same place before something was done to it: their difference is the result
 GROUP, SPECIMEN, TILES = "group", "part", "parts"
-COLUMNS = (
-    *REQUIRED,
-    GROUP,
-    SPECIMEN,
-    TILES,
-    PAIR,
-    PAIR_FIRST_ROW,
-    BEFORE,
-    REPEAT,
-    *TEXTS,
-    *NUMBERS,
-    *INSTRUMENT,
-)
+_OWN = (GROUP, SPECIMEN, TILES, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT)
+COLUMNS = (*REQUIRED, *_OWN, *TEXTS, *NUMBERS, *INSTRUMENT)
 
 
 @dataclass(frozen=True)
@@ -100,7 +89,7 @@ def read_surfaces(
     """
     table = Path(table)
     header, rows = read_table(table)
-    mistakes = _mistakes_in_header(header)
+    mistakes = [*_mistakes_in_header(header)]
     readable = {*REQUIRED} <= {*header} and len({*header}) == len(header)
     if not mistakes and not rows:
         mistakes.append("has no row; add one line with the name and the path of each surface")
@@ -112,34 +101,28 @@ def read_surfaces(
         row = dict(zip(header, cells, strict=False))
         if any(cells[len(header) :]):
             mistakes.append(f"line {line}: {len(cells)} cells, the header has {len(header)}")
-        mistakes += _mistakes_in_row(row, line, before)
+        wrong = [*_mistakes_in_row(row, before)]
+        stated = _instrument(row, wrong)
         read_arguments: dict[str, Any] = {key: row[key] for key in TEXTS if row.get(key)}
-        stated, wrong = _instrument(row, line)
-        mistakes += wrong
         read_arguments |= {"instrument": stated} if stated else {}
         read_arguments |= {
-            key: row[key] if carries_unit(row[key]) else _number(row[key]) for key in NUMBERS if row.get(key)
+            key: row[key] if carries_unit(row[key]) else _length(row[key]) for key in NUMBERS if row.get(key)
         }
         path, counter_face = (
             (find(row[key], folders) or Path(row[key])) if row.get(key) else None for key in ("path", PAIR)
         )
-        name = row.get("surface", "")
-        surfaces[name] = Surface(
-            name,
+        surface = Surface(
+            row.get("surface", ""),
             path or Path(),
             f"{table}, line {line}",
             read_arguments,
             counter_face,
-            row.get(PAIR_FIRST_ROW, ""),
-            row.get(GROUP, ""),
-            row.get(SPECIMEN, ""),
-            row.get(REPEAT, ""),
-            row.get(BEFORE, ""),
+            *(row.get(key, "") for key in (PAIR_FIRST_ROW, GROUP, SPECIMEN, REPEAT, BEFORE)),
         )
-        before[name.lower()] = surfaces[name]
+        surfaces[surface.name] = before[surface.name.lower()] = surface
         if row.get(TILES):
-            cuts[name] = row[TILES]
-        mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
+            cuts[surface.name] = row[TILES]
+        mistakes += [f"line {line}, {text}" for text in (*wrong, *(check(surface) if check else ()))]
     mistakes += _mistakes_in_areas(surfaces)
     mistakes += _mistakes_in_tiles(surfaces, cuts)
     mistakes += _mistakes_in_profiles_along(surfaces)
@@ -162,13 +145,11 @@ def measured(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
         if row.counter_face is None:
             files[name] = row
             continue
-        common = {key: value for key, value in row.read_arguments.items() if key != "first_row"}
-        first_row = {"first_row": row.counter_face_first_row} if row.counter_face_first_row else {}
-        for side, path, read_arguments in (
-            ("face", row.path, row.read_arguments),
-            ("counter-face", row.counter_face, common | first_row),
-        ):
-            files[f"{name}-{side}"] = Surface(f"{name}-{side}", path, row.origin, read_arguments)
+        counter = {key: value for key, value in row.read_arguments.items() if key != "first_row"}
+        counter |= {"first_row": row.counter_face_first_row} if row.counter_face_first_row else {}
+        face, counter_face = f"{name}-face", f"{name}-counter-face"
+        files[face] = Surface(face, row.path, row.origin, row.read_arguments)
+        files[counter_face] = Surface(counter_face, row.counter_face, row.origin, counter)
     return files
 
 
@@ -184,22 +165,20 @@ def placements(surfaces: Mapping[str, Surface], count: int) -> dict[str, Placeme
 
 def _names_of_faces(
     surfaces: Mapping[str, Surface], placements_of_pairs: Mapping[str, Placement]
-) -> list[str]:
-    """Return the mistakes of surfaces and groups that have the name of a member or of a face of a pair."""
-    reserved = {name.lower(): placement.pair for name, placement in placements_of_pairs.items()}
-    reserved |= {
-        side.lower(): placement.pair
-        for placement in placements_of_pairs.values()
-        for side in (placement.face, placement.counter_face)
+) -> Iterator[str]:
+    """Yield the mistakes of surfaces and groups that have the name of a member or of a face of a pair."""
+    reserved = {
+        needed.lower(): placement.pair
+        for name, placement in placements_of_pairs.items()
+        for needed in (name, placement.face, placement.counter_face)
     }
-    named = [("surface", name, row) for name, row in surfaces.items()]
-    named += [(GROUP, name, row) for name, row in first_rows(surfaces).items()]
-    return [
-        f"{_line(row)}, {column} = {name}: the pair {reserved[name.lower()]} needs this name for one of its "
-        "parts; rename one"
-        for column, name, row in named
-        if name.lower() in reserved
-    ]
+    for column, rows in (("surface", surfaces), (GROUP, first_rows(surfaces))):
+        for name, row in rows.items():
+            if pair := reserved.get(name.lower()):
+                yield (
+                    f"{_line(row)}, {column} = {name}: the pair {pair} needs this name for one of its "
+                    "parts; rename one"
+                )
 
 
 def read_table(table: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
@@ -249,36 +228,34 @@ def table_text(rows: Sequence[Mapping[str, str]]) -> str:
     return "".join("\t".join(line) + "\n" for line in lines)
 
 
-def _mistakes_in_header(header: Sequence[str]) -> list[str]:
-    """Return the mistakes in the column names."""
+def _mistakes_in_header(header: Sequence[str]) -> Iterator[str]:
+    """Yield the mistakes in the column names."""
     if len(header) == 1 and any(mark in header[0] for mark in ",; "):
-        return [f"header {header[0]!r}: columns are separated by tabs, nothing else"]
-    mistakes = [
+        yield f"header {header[0]!r}: columns are separated by tabs, nothing else"
+        return
+    yield from (
         f"column {name!r}: unknown, {nearest(name, COLUMNS)}" for name in header if name not in COLUMNS
-    ]
-    mistakes += [f"column {name!r}: missing, the header needs it" for name in REQUIRED if name not in header]
-    return mistakes + [
-        f"column {name!r}: occurs twice" for name in dict.fromkeys(header) if list(header).count(name) > 1
-    ]
+    )
+    yield from (f"column {name!r}: missing, the header needs it" for name in REQUIRED if name not in header)
+    yield from (f"column {name!r}: occurs twice" for name, count in Counter(header).items() if count > 1)
 
 
-def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Surface]) -> list[str]:
-    """Return the mistakes in the cells of one row; `before` has the rows above by name in small letters."""
+def _mistakes_in_row(row: Mapping[str, str], before: Mapping[str, Surface]) -> Iterator[str]:
+    """Yield the mistakes in the cells of one row; `before` has the rows above by name in small letters."""
     name = row.get("surface", "")
-    mistakes = [
-        f"line {line}, {key} = {row[key]!r}: must be a number greater than 0 (decimal point), in `unit` or "
-        "with its own unit behind it (1.5 um)"
-        for key in NUMBERS
-        if row.get(key) and not 0 < _length(row[key]) < math.inf
-    ]
+    for key in NUMBERS:
+        if row.get(key) and not 0 < _length(row[key]) < math.inf:
+            yield (
+                f"{key} = {row[key]!r}: must be a number greater than 0 (decimal point), in `unit` or "
+                "with its own unit behind it (1.5 um)"
+            )
     if wrong := name_mistake(name):
-        mistakes.append(f"line {line}, surface = {name!r}: {wrong}")
+        yield f"surface = {name!r}: {wrong}"
     if first := before.get(name.lower()):  # names that differ in capitals are one folder on macOS and Windows
         how = "" if first.name == name else f" but for capitals, as {first.name}"
-        mistakes.append(f"line {line}, surface = {name}: occurs twice{how} (also {first.origin}); rename one")
+        yield f"surface = {name}: occurs twice{how} (also {first.origin}); rename one"
     if not row.get("path"):
-        mistakes.append(f"line {line}, path: is empty; give the file of surface {name}")
-    return mistakes
+        yield f"path: is empty; give the file of surface {name}"
 
 
 def first_rows(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
@@ -290,74 +267,65 @@ def first_rows(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
     return rows
 
 
-def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> list[str]:
-    """Return what is wrong with the groups of maps, a sentence for each group, and each part without one."""
+def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> Iterator[str]:
+    """Yield what is wrong with the groups of maps, and each part without one."""
     groups: dict[str, list[Surface]] = {}
-    mistakes = []
     for row in surfaces.values():
-        origin = _line(row)
         if row.group:
             groups.setdefault(row.group, []).append(row)
         elif row.specimen:
-            mistakes.append(
-                f"{origin}, {SPECIMEN} = {row.specimen}: is in no group; name its {GROUP} as well"
-            )
+            yield f"{_line(row)}, {SPECIMEN} = {row.specimen}: is in no group; name its {GROUP} as well"
     for name, rows in groups.items():
         origin = f"{_line(rows[0])}, {GROUP} = {name}"
         if wrong := name_mistake(name):
-            mistakes.append(f"{origin}: {wrong}")
+            yield f"{origin}: {wrong}"
         if name in surfaces:
-            mistakes.append(f"{origin}: a surface has this name as well; rename one")
+            yield f"{origin}: a surface has this name as well; rename one"
         read: dict[str, Surface] = {}
         for row in rows:
             first = read.setdefault(f"{row.path} {row.counter_face} {row.read_arguments}", row)
             if first is not row:
-                mistakes.append(
-                    f"{origin}: {first.name} and {row.name} are the same file, {row.path}; leave one out"
-                )
+                yield f"{origin}: {first.name} and {row.name} are the same file, {row.path}; leave one out"
         if len(rows) == 1 and rows[0].counter_face is None:
-            mistakes.append(
+            yield (
                 f"{origin}: has {rows[0].name} alone; name further maps of the finish, or leave the cell "
                 "empty"
             )
-    return mistakes
 
 
-def _mistakes_in_tiles(surfaces: Mapping[str, Surface], cuts: Mapping[str, str]) -> list[str]:
-    """Return what is wrong with the maps that are cut, a sentence each; `cuts` has their cells `parts`."""
-    mistakes = []
+def _mistakes_in_tiles(surfaces: Mapping[str, Surface], cuts: Mapping[str, str]) -> Iterator[str]:
+    """Yield what is wrong with the maps that are cut; `cuts` has their cells `parts`."""
     of_same_area = {name for pair in same_area_pairs(surfaces) for name in pair}
     small = {name.lower(): name for name in surfaces}
     for name, text in cuts.items():
         row = surfaces[name]
         origin = f"{_line(row)}, {TILES} = {text}"
         if row.counter_face is not None:
-            mistakes.append(
+            yield (
                 f"{origin}: {name} is a pair of faces ({PAIR}), which has several placements instead "
                 "(composite.shifts); leave one of the two cells empty"
             )
         elif name in of_same_area:
-            mistakes.append(
+            yield (
                 f"{origin}: {name} is the same place as another surface ({REPEAT}, {BEFORE}), which its "
                 "parts are not; compare the whole maps, or leave that cell empty"
             )
         elif lay := row.read_arguments.get("lay"):
-            mistakes.append(
+            yield (
                 f"{origin}: profiles with lay = {lay} are solved together; leave the cell empty, or name "
                 "some of them in a row of its own"
             )
         try:
-            names_of_tiles = [f"{name}-{tile.column}-{tile.row}" for tile in tiles_of(text)]
+            tiles = tiles_of(text)
         except SettingsError as error:
-            mistakes.append(f"{_line(row)}, {error}")
+            yield f"{_line(row)}, {error}"
             continue
-        mistakes += [
-            f"{_line(surfaces[namesake])}, surface = {namesake}: {name} needs this name for one of its parts "
-            f"({TILES} = {text}); rename one"
-            for namesake in (small.get(tile.lower()) for tile in names_of_tiles)
-            if namesake is not None
-        ]
-    return mistakes
+        for tile in tiles:
+            if namesake := small.get(f"{name}-{tile.column}-{tile.row}".lower()):
+                yield (
+                    f"{_line(surfaces[namesake])}, surface = {namesake}: {name} needs this name for one of "
+                    f"its parts ({TILES} = {text}); rename one"
+                )
 
 
 def _with_tiles(surfaces: Mapping[str, Surface], cuts: Mapping[str, str]) -> dict[str, Surface]:
@@ -383,25 +351,23 @@ def _with_tiles(surfaces: Mapping[str, Surface], cuts: Mapping[str, str]) -> dic
     return rows
 
 
-def _mistakes_in_profiles_along(surfaces: Mapping[str, Surface]) -> list[str]:
-    """Return what is wrong with profiles along a lay, which serve those across it alone."""
+def _mistakes_in_profiles_along(surfaces: Mapping[str, Surface]) -> Iterator[str]:
+    """Yield what is wrong with profiles along a lay, which serve those across it alone."""
     across = {row.group for row in surfaces.values() if row.read_arguments.get("lay") == "across"}
     of_same_area = {name for pair in same_area_pairs(surfaces) for name in pair}
-    mistakes = []
     for name, row in surfaces.items():
         if row.read_arguments.get("lay") != "along":
             continue
         if not row.group or row.group not in across:
-            mistakes.append(
+            yield (
                 f"{_line(row)}, lay = along: a profile along the lay runs on one ridge and shows nothing of "
                 f"the others; give it the {GROUP} of profiles with lay = across"
             )
         if name in of_same_area or row.counter_face is not None:
-            mistakes.append(
+            yield (
                 f"{_line(row)}, lay = along: {name} is not solved by itself; leave {PAIR}, {REPEAT} and "
                 f"{BEFORE} out"
             )
-    return mistakes
 
 
 def _with_profiles_along(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
@@ -503,30 +469,22 @@ def _with_repeats(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
     return linked
 
 
-def _instrument(row: Mapping[str, str], line: int) -> tuple[dict[str, float], list[str]]:
-    """Return what a row says of its instrument, in SI units, and what is wrong with it."""
+def _instrument(row: Mapping[str, str], mistakes: list[str]) -> dict[str, float]:
+    """Return what a row says of its instrument, in SI units, and add what is wrong with it to `mistakes`."""
     cells = {key: row[key] for key in INSTRUMENT if row.get(key)}
     try:
-        return Instrument.model_validate(cells).model_dump(include={*cells}), []
+        return Instrument.model_validate(cells).model_dump(include={*cells})
     except ValidationError as error:
-        return {}, [
-            f"line {line}, {key}{reason({**detail, 'loc': ('instrument', key), 'input': cells[str(key)]})}"
-            for detail in error.errors()
-            for key in detail["loc"][:1]
-        ]
+        for detail in error.errors():
+            key = str(detail["loc"][0])
+            where: Any = {"loc": ("instrument", key), "input": cells[key]}
+            mistakes.append(f"{key}{reason({**detail, **where})}")
+        return {}
 
 
 def _length(text: str) -> float:
     """Return a length in `unit`, or in m if it has its own unit; NaN for any other text."""
     try:
-        return _number(str(in_base_unit(text, "m")))
-    except ValueError:
-        return math.nan
-
-
-def _number(text: str) -> float:
-    """Return a number, NaN for any other text."""
-    try:
-        return float(text)
+        return float(in_base_unit(text, "m"))  # type: ignore[arg-type]
     except ValueError:
         return math.nan
