@@ -344,6 +344,11 @@ def test_units_do_not_matter():
     assert second == pytest.approx(first, rel=1e-9)
 
 
+def test_a_gap_of_single_precision_has_the_same_flow():
+    gap = rough_gap(64, closed=0.2)
+    assert flow_columns(gap.astype(np.float32), SQUARE) == pytest.approx(flow_columns(gap, SQUARE), rel=1e-5)
+
+
 def test_leak_rate_of_a_seal():
     """Poiseuille: a slit of width b lets b h³ Δp/(12 η w) through."""
     found = leak_columns(

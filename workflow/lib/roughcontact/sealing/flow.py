@@ -26,6 +26,7 @@ def flow_columns(gap: np.ndarray, steps: tuple[float, float], *, tolerance: floa
     constant height conduct in series, exact for channels along the axes; where paths are a pixel wide the
     factors are correct only to an order of magnitude.
     """
+    gap = np.asarray(gap, float)  # that of a single precision is too coarse for the tolerance
     region, around = connected_regions(gap > 0)
     axes = np.flatnonzero(around.any(axis=0))
     factors, driven = np.zeros((2, 2)), np.zeros(2)
