@@ -248,8 +248,8 @@ def test_memory_is_asked_for_before_reading(read, tmp_path, monkeypatch):
     monkeypatch.setattr(guards, "memory_bytes", lambda: 2.0**17)
     np.save(tmp_path / "map.npy", rough(128))
     refuses(r"128 x 128 points need 0.0 GiB of memory to be read", tmp_path / "map.npy", **GIVEN)
-    read(b"1.5 2.5\n" * 2000, r"bytes of text need", name="map.txt", **GIVEN)
-    read(b"aISO-1.0" + bytes(20000), r"bytes of SDF need", name="map.sdf")
+    read(b"1.5 2.5\n" * 2000, r"bytes of this format need", name="map.txt", **GIVEN)
+    read(b"aISO-1.0" + bytes(20000), r"bytes of this format need", name="map.sdf")
     read(b"AliconaImaging\0" + bytes(20000), r"bytes of this format need", name="map.al3d")
     monkeypatch.undo()
     assert guards.memory_bytes() > 2**20

@@ -112,7 +112,10 @@ def locked(packed):
         (picture("TIFF"), "a TIFF picture, but none of Park Systems, JPK or Olympus LEXT"),
         (archive("a.txt", "b/c.001"), r"none of the formats that are known .*it holds 'a\.txt', 'b/c\.001'"),
         (archive("[Content_Types].xml", "xl/workbook.xml"), "Mitutoyo"),
-        (archive("[Content_Types].xml", "xl/other.xml"), "an Excel workbook.*save the sheet as CSV"),
+        (
+            archive("[Content_Types].xml", "xl/other.xml"),
+            "an Excel workbook.*save the sheet with the heights as CSV",
+        ),
         (archive("word/document.xml"), "an Office document"),
         (archive("z.npy"), r"NumPy arrays \(npz\); save the array of heights alone"),
         (

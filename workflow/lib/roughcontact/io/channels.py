@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import instrument_kinds
-from roughcontact.io.guards import MAX_POINTS
+from roughcontact.io.guards import MAX_POINTS, listed
 from roughcontact.io.units import is_length
 
 LEAST_MARKER = 1e36  # no unit makes a height so large
@@ -24,7 +24,6 @@ _MARKERS = (
     9.9e37,  # SCPI-99, volume 1, 7.2.1: infinity, with either sign
     9.96921e36,  # netCDF, netcdf.h: NC_FILL_FLOAT and NC_FILL_DOUBLE
 )
-_LISTED = 8  # names in a message
 _LONGEST = 1e100  # of positions, whose squares must be finite
 
 
@@ -130,7 +129,7 @@ def choose_channel(
     "'Topography back', named by the user"
     """
     names = [channel.name for channel in file.channels]
-    listing = ", ".join(map(repr, names[:_LISTED])) + (", ..." if len(names) > _LISTED else "")
+    listing = listed(names)
     if requested is None and file.question:
         raise InputFileError(
             f"{file.question}; name one with channel (table of surfaces or argument), of {listing}; "

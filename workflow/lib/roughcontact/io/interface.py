@@ -43,11 +43,15 @@ class Reader:
     read : callable (path) -> MeasuredFile
         Opens a file that it recognised. It raises `InputFileError` for a file that is damaged, cut off,
         refers to other files or holds no map, and guesses nothing that the file does not state.
+    memory_per_byte, binary : int, bool
+        Memory for each byte of a file; whether line ends show that it was transferred as text.
     """
 
     recognised_by: RecognisedBy
     recognises: Callable[[Path, bytes], bool]
     read: Callable[[Path], MeasuredFile]
+    memory_per_byte: int = 0
+    binary: bool = False
 
 
 def head_of(path: Path) -> bytes:

@@ -5,7 +5,7 @@ from pathlib import Path
 from pkgutil import iter_modules
 
 from roughcontact.io.channels import MeasuredFile
-from roughcontact.io.guards import check_archive, check_file, naming
+from roughcontact.io.guards import check_archive, check_file, check_line_ends, check_memory, naming
 from roughcontact.io.interface import Reader, head_of
 from roughcontact.io.lengths import compare_size
 
@@ -37,7 +37,11 @@ def open_file(path: Path) -> MeasuredFile:
     with naming(path):
         check_file(path)
         check_archive(path)
-        file = recognised(path)[1].read(path)
+        reader, size = recognised(path)[1], path.stat().st_size
+        check_memory(size * reader.memory_per_byte, f"{size} bytes of this format")
+        if reader.binary:
+            check_line_ends(path)
+        file = reader.read(path)
         if file.required_size is not None and not file.stale:
             file.stale, notes = compare_size(path, file.required_size)
             file.warnings += notes

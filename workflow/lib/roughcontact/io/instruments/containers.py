@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import IO, NamedTuple
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.guards import ARCHIVE_ERRORS
+from roughcontact.io.guards import ARCHIVE_ERRORS, listed
 
 TIFF = (b"II*\0", b"MM\0*")
 ZIP = (b"PK\x03\x04",)
@@ -116,37 +116,32 @@ def foreign(path: Path, head: bytes) -> str:
         )
     if head.startswith(OLE) and "Workbook".encode("utf-16-le") in path.read_bytes():
         return "an Excel workbook; save the sheet as CSV or text"
-    if sheets := _sheets(path):
-        named = ", ".join(map(repr, sheets[:5])) + (", ..." if len(sheets) > 5 else "")
+    return _archive(path) if head.startswith(ZIP) else ""
+
+
+def _archive(path: Path) -> str:
+    """Return the kind of an archive by the files in it, and how to convert it."""
+    names = _entry_names(path)
+    if any(name.startswith("xl/") for name in names):
+        sheets = _sheets(path) if "xl/workbook.xml" in names else []
         return (
             "an Excel workbook, but not one of Mitutoyo's profiles; save the sheet with the heights as CSV "
-            f"or text (its sheets: {named})"
+            "or text" + (f" (its sheets: {listed(sheets, 5)})" if sheets else "")
         )
-    return _archive(_entry_names(path)) if head.startswith(ZIP) else ""
-
-
-def _archive(names: list[str]) -> str:
-    """Return the kind of an archive with these files, and how to convert it."""
-    if any(name.startswith("xl/") for name in names):
-        return "an Excel workbook, but not one of Mitutoyo's profiles; save the sheet as CSV or text"
     if any(name.startswith(("word/", "ppt/")) for name in names):
         return "an Office document; export the map itself as X3P, SDF or text"
     if names and all(name.endswith(".npy") for name in names):
         return "an archive of NumPy arrays (npz); save the array of heights alone with numpy.save"
-    listed = ", ".join(repr(name) for name in names[:4]) + (", ..." if len(names) > 4 else "")
     return (
         "a ZIP archive of none of the formats that are known (X3P, PLUX, NMM, POIR, QEP, Mitutoyo); it holds "
-        f"{listed or 'nothing'}; if one of these is the measured file, unpack it"
+        f"{listed(names, 4) or 'nothing'}; if one of these is the measured file, unpack it"
     )
 
 
 def _sheets(path: Path) -> list[str]:
-    """Return the names of the sheets of an Excel workbook; none for other files."""
-    try:
-        with zipfile.ZipFile(path) as archive, archive.open("xl/workbook.xml") as stream:
-            text = stream.read(_WORKBOOK).decode("utf-8", "replace")
-    except (KeyError, *ARCHIVE_ERRORS):
-        return []
+    """Return the names of the sheets of an Excel workbook."""
+    with zipfile.ZipFile(path) as archive, archive.open("xl/workbook.xml") as stream:
+        text = stream.read(_WORKBOOK).decode("utf-8", "replace")
     return [html.unescape(name) for name in re.findall(r"<(?:\w+:)?sheet\s[^>]*?name=\"([^\"]*)\"", text)]
 
 

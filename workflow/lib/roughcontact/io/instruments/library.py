@@ -25,7 +25,7 @@ from roughcontact.io.channels import (
     scattered,
     unreadable,
 )
-from roughcontact.io.guards import brief, check_line_ends, check_memory, check_points
+from roughcontact.io.guards import brief, check_points
 from roughcontact.io.instruments import containers
 from roughcontact.io.instruments.formats import Format, Header
 from roughcontact.io.instruments.sizes import stated_size
@@ -34,7 +34,7 @@ from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
 _FILM = "a film of high-speed AFM (asd) is not read: save a frame as text or GWY; "
-_BYTES_PER_BYTE = 8  # memory for each byte of a file: two-byte integers become double precision, twice
+BYTES_PER_BYTE = 8  # memory for each byte of a file: two-byte integers become double precision, twice
 
 
 def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
@@ -42,9 +42,6 @@ def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
 
     The formats are those whose mark the file has, or all formats without a mark.
     """
-    size = path.stat().st_size
-    check_memory(size * _BYTES_PER_BYTE, f"{size} bytes of this format")
-    check_line_ends(path)
     head = head_of(path)
     if head.startswith(containers.TIFF):
         containers.check_tiff(path)

@@ -5,7 +5,7 @@ from pathlib import Path
 from roughcontact.io import hdf5
 from roughcontact.io.channels import MeasuredFile
 from roughcontact.io.instruments.formats import marked
-from roughcontact.io.instruments.library import read_as
+from roughcontact.io.instruments.library import BYTES_PER_BYTE, read_as
 from roughcontact.io.interface import Reader, RecognisedBy, head_of
 
 
@@ -23,4 +23,4 @@ def read(path: Path) -> MeasuredFile:
     return read_as(path, marked(head_of(path)))
 
 
-READER = Reader(RecognisedBy.CONTENTS, recognises, read)
+READER = Reader(RecognisedBy.CONTENTS, recognises, read, memory_per_byte=BYTES_PER_BYTE, binary=True)

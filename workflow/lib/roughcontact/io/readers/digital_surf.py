@@ -15,7 +15,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import check_line_ends, check_points
+from roughcontact.io.guards import check_points
 from roughcontact.io.instruments.formats import IMPRINT, INVERTED
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
@@ -59,7 +59,6 @@ class _Object(NamedTuple):
 
 def read(path: Path) -> MeasuredFile:
     """Open a file; each object is a channel, in a series of profiles each row."""
-    check_line_ends(path)
     objects = _objects(path)
     first = objects[0].header
     channels = [channel for item in objects for channel in _channels(item, path)]
@@ -170,4 +169,4 @@ def _text(data: bytes) -> str:
         return data.decode("latin-1")
 
 
-READER = Reader(RecognisedBy.MARK, begins_with(_MARK + b"\0"), read)
+READER = Reader(RecognisedBy.MARK, begins_with(_MARK + b"\0"), read, binary=True)

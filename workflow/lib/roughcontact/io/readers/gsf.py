@@ -10,7 +10,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import check_line_ends, check_points
+from roughcontact.io.guards import check_points
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 
 _MARK = b"Gwyddion Simple Field 1.0\n"
@@ -19,7 +19,6 @@ _MAX_HEADER_BYTES = 2**20  # bytes of the header
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one map; lengths and units that the header omits stay unknown."""
-    check_line_ends(path)
     with path.open("rb") as stream:
         text, zero, _ = stream.read(_MAX_HEADER_BYTES).partition(b"\0")
     lines = text.removeprefix(_MARK).decode("utf-8", "replace").splitlines()
@@ -48,4 +47,4 @@ def read(path: Path) -> MeasuredFile:
     return MeasuredFile("Gwyddion Simple Field", [channel], "top", required_size=begin + 4 * nx * ny)
 
 
-READER = Reader(RecognisedBy.MARK, begins_with(_MARK.rstrip()), read)
+READER = Reader(RecognisedBy.MARK, begins_with(_MARK.rstrip()), read, binary=True)

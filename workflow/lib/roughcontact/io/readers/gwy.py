@@ -16,21 +16,17 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import check_line_ends, check_memory, check_points, refusing
+from roughcontact.io.guards import check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
 
 _MARK = b"GWYP"
 _TYPES = {"b": "?", "c": "i1", "i": "<i4", "q": "<i8", "d": "<f8"}  # of numbers; arrays have capital letters
-_MEMORY_PER_BYTE = 4
 _MASKED = "the mask in the file was applied: the points under it are missing"
 
 
 def read(path: Path) -> MeasuredFile:
     """Open a file; points under a mask are missing."""
-    size = path.stat().st_size
-    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of Gwyddion")
-    check_line_ends(path)
     with refusing("looks like Gwyddion, but is damaged or cut off"):
         with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
             data.seek(len(_MARK))
@@ -106,4 +102,4 @@ def _count(data: mmap.mmap) -> int:
     return struct.unpack("<I", data.read(4))[0]
 
 
-READER = Reader(RecognisedBy.MARK, begins_with(_MARK, in_text=False), read)
+READER = Reader(RecognisedBy.MARK, begins_with(_MARK, in_text=False), read, memory_per_byte=4, binary=True)

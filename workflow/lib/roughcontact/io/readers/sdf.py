@@ -8,33 +8,19 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import check_memory, check_points, refusing
-from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.guards import check_points, refusing
+from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
 
 _MARKS = (b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"\xef\xbb\xbfaISO-")
 _SOFTGAUGE = re.compile(rb"\A([ab])NPL-(V?\d\.\d)")  # of NPL's softgauges: as BCR-1.0, but for the name
 _TEXT = bytes([*b"\t\n\r", *range(32, 127)])
-_MEMORY_PER_BYTE = 12  # memory for each byte of a file: numbers as text, their pieces, in double precision
-
-
-def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins with one of the revisions of the format.
-
-    Examples
-    --------
-    >>> recognises(Path("map.dat"), b"aISO-1.0"), recognises(Path("map.sdf"), b"1.0 2.0")
-    (True, False)
-    """
-    return head.startswith(_MARKS) or _SOFTGAUGE.match(head) is not None
 
 
 def read(path: Path) -> MeasuredFile:
     """Open an SDF file with sdfio: ASCII and binary, the BCR and ISO revisions, bad points as missing."""
     import sdfio
 
-    size = path.stat().st_size
-    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of SDF")
     with refusing("not readable as SDF"):
         file = sdfio.read(io.BytesIO(_SOFTGAUGE.sub(rb"\1BCR-1.0", path.read_bytes(), count=1)))
     header = file.header
@@ -61,7 +47,7 @@ def read(path: Path) -> MeasuredFile:
     trailer = file.trailer if isinstance(file.trailer, bytes) else str(file.trailer or "").encode()
     if any(mark in trailer for mark in _MARKS):
         raise InputFileError("a second SDF follows the first one; save each in a file of its own")
-    required_size = size - len(trailer) if trailer.translate(None, _TEXT) else size
+    required_size = path.stat().st_size - len(trailer) if trailer.translate(None, _TEXT) else None
     return MeasuredFile("SDF (ISO 25178-71)", [channel], "bottom", instrument, required_size=required_size)
 
 
@@ -70,4 +56,4 @@ def _step(value: float | None) -> float | None:
     return float(value) if value and np.isfinite(value) and value > 0 else None
 
 
-READER = Reader(RecognisedBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, begins_with(*_MARKS, b"aNPL-", b"bNPL-"), read, memory_per_byte=12)

@@ -25,7 +25,7 @@ from roughcontact.io.channels import (
     scattered,
     unreadable,
 )
-from roughcontact.io.guards import check_memory
+from roughcontact.io.guards import listed
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.axes import are_points, axes_of, begins_anew, form_a_grid, uneven
@@ -52,9 +52,7 @@ from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.io.vocabulary import words
 from roughcontact.quantities import counted_noun
 
-_MEMORY_PER_BYTE = 12  # bytes of memory per byte of text: lines, their cells, numbers
 _SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # header entries on the size of a map
-_LISTED = 8  # names in a message
 _MANY_PROFILES = 10  # columns; fewer beside a first one of positions may be profiles
 _MAX_NARROW_ROWS = 1000  # rows of two or three columns that may be a map
 _DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that may be positive downwards
@@ -87,8 +85,6 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a text file as a matrix, a list of points or a profile, by its content; both readings: refused."""
-    size = path.stat().st_size
-    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text")
     header, body = unquoted(*split_header(lines_of(path)))
     dialect = separators(body)
     cut = cut_number(body, dialect.delimiter, path, len(header) + len(body))
@@ -224,8 +220,7 @@ def _file(text: _Text) -> MeasuredFile:
     column_layout = None
     if columns is not None and any(column.name for column in columns):
         if not (column_layout := layout(columns)) and not of_a_map(columns):
-            names = [repr(f"{name} ({unit})" if unit else name) for name, unit, _ in columns if name]
-            listing = ", ".join(names[:_LISTED]) + (", ..." if len(names) > _LISTED else "")
+            listing = listed([f"{name} ({unit})" if unit else name for name, unit, _ in columns if name])
             raise InputFileError(
                 f"nothing says which of the {count} columns {listing} are positions and heights; name them "
                 "x, y and z, in the line above the table, or delete that line above the heights of a map"
@@ -632,4 +627,4 @@ def _units(
     return (lateral[0] if lateral else stated[0], columns[-1] or stated[1]), factor
 
 
-READER = Reader(RecognisedBy.TEXT, recognises, read)
+READER = Reader(RecognisedBy.TEXT, recognises, read, memory_per_byte=12)

@@ -11,7 +11,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import check_line_ends, check_points
+from roughcontact.io.guards import check_points
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
 
@@ -23,7 +23,6 @@ _MAX_HEADER_BYTES = 4096  # bytes of mark and comment
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one map; other versions are refused."""
-    check_line_ends(path)
     with path.open("rb") as stream:
         fields = stream.read(_MAX_HEADER_BYTES).split(b"\0", 2)
         if len(fields) < 3 or not fields[0].removeprefix(_MARK).strip().startswith(_VERSION):
@@ -58,4 +57,4 @@ def read(path: Path) -> MeasuredFile:
     return MeasuredFile("TrueMap TMD", [channel], "top", instrument, required_size=begin + 4 * nx * ny)
 
 
-READER = Reader(RecognisedBy.MARK, begins_with(_MARK, in_text=False), read)
+READER = Reader(RecognisedBy.MARK, begins_with(_MARK, in_text=False), read, binary=True)

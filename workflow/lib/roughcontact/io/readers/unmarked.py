@@ -4,7 +4,7 @@ from pathlib import Path
 
 from roughcontact.io.channels import MeasuredFile
 from roughcontact.io.instruments.formats import FORMATS, marked
-from roughcontact.io.instruments.library import read_as
+from roughcontact.io.instruments.library import BYTES_PER_BYTE, read_as
 from roughcontact.io.interface import Reader, RecognisedBy, head_of
 
 
@@ -20,4 +20,4 @@ def read(path: Path) -> MeasuredFile:
     return read_as(path, formats)
 
 
-READER = Reader(RecognisedBy.NOTHING, recognises, read)
+READER = Reader(RecognisedBy.NOTHING, recognises, read, memory_per_byte=BYTES_PER_BYTE, binary=True)

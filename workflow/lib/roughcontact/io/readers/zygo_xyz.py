@@ -10,19 +10,16 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile
-from roughcontact.io.guards import check_memory, check_points, refusing
+from roughcontact.io.guards import check_points, refusing
 from roughcontact.io.instrument_kinds import OPTICAL
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.text.lines import lines_of
 
 _MARK = b"Zygo XYZ Data File - Format 1"
-_MEMORY_PER_BYTE = 12  # lines, their cells, numbers
 
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one map."""
-    size = path.stat().st_size
-    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text")
     lines = [line.strip() for line in lines_of(path)]
     ends = [number for number, line in enumerate(lines) if line == "#"]
     with refusing("looks like a Zygo XYZ data file, but is damaged"):
@@ -44,4 +41,4 @@ def read(path: Path) -> MeasuredFile:
     return MeasuredFile("Zygo XYZ", [channel], "bottom", {"kind": OPTICAL.name, "vendor": "Zygo"})
 
 
-READER = Reader(RecognisedBy.MARK, begins_with(_MARK), read)
+READER = Reader(RecognisedBy.MARK, begins_with(_MARK), read, memory_per_byte=12)
