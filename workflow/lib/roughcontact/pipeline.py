@@ -35,7 +35,10 @@ from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.window.band import lateral_period_limit
 from roughcontact.window.instrument import stated_instrument, window_arguments
 
-_BAND = ("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "profiles", "profiles_along")
+_OF_WINDOW = (  # what a group of maps has to have in common, and where a summit stands out
+    *("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "profiles", "profiles_along"),
+    *("summit_x", "summit_y"),
+)
 _LOADS = ("mean_pressure", "relative_pressure", "force")
 
 SECTIONS = ("level", "window", "contact", "statistics", "uncertainty", "instrument")  # of the settings
@@ -240,22 +243,23 @@ def complete_statistics(
         ratio = complete["relative_contact_area"] / yielding["relative_contact_area"]
         corrected = {"contact_area": ratio, "contact_radius": ratio**0.5}
         complete = complete.assign({name: complete[name] * factor for name, factor in corrected.items()})
+    judged = with_verdicts(with_precision(complete).assign_attrs(_properties(window, settings)), window)
+    if "contact_area" in judged:  # a longer map does not bring the positions nearer to one another
+        return judged
+    return with_halving(judged, budget.attrs.get(MAP_SCATTER))
+
+
+def _properties(window: xr.DataArray, settings: Settings) -> dict[str, Any]:
+    """Return what checks, reports and groups have to know of a solved map: its instrument, band and loads."""
     stated = stated_instrument(window, settings.get("instrument"))
     properties: dict[str, Any] = {
         f"instrument_{key}": value for key, value in stated.items() if isinstance(value, float)
     }
     if aperture := stated.get("numerical_aperture"):
-        properties["instrument_lateral_period_limit"] = lateral_period_limit(
-            aperture, stated.get("wavelength")
-        )
-    # what a group of maps has to have in common
-    properties |= {key: window.attrs[key] for key in _BAND if key in window.attrs}
+        limit = lateral_period_limit(aperture, stated.get("wavelength"))
+        properties["instrument_lateral_period_limit"] = limit
     if not any(settings["contact"].get(key) for key in _LOADS):
         properties["loads"] = "found"  # planned, or for a target
     properties["periodisation"] = window.attrs.get("periodisation", "none")
     properties["measured_by"] = instrument_kind(window.attrs).name
-    properties |= {key: window.attrs[key] for key in ("summit_x", "summit_y") if key in window.attrs}
-    judged = with_verdicts(with_precision(complete).assign_attrs(properties), window)
-    if "contact_area" in judged:  # a longer map does not bring the positions nearer to one another
-        return judged
-    return with_halving(judged, budget.attrs.get(MAP_SCATTER))
+    return properties | {key: window.attrs[key] for key in _OF_WINDOW if key in window.attrs}

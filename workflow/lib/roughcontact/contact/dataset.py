@@ -16,37 +16,6 @@ from roughcontact.kernels.arrays import empty, to_numpy
 from roughcontact.kernels.choose import kernels_for
 
 
-def as_dataset(
-    solution: Solution,
-    problem: Problem,
-    window: xr.DataArray,
-    *,
-    load: float,
-    modulus: float,
-    compliance: float,
-    hardness: float | None,
-    attrs: dict,
-    threads: int,
-) -> xr.Dataset:
-    """Return one dimensionless solution as a dataset in SI units, with a dimension `load` of size 1.
-
-    Its variables are those of contact.nc, over (load, y, x) or (load); its fields are those of the solution,
-    overwritten. `load`, `modulus` and `hardness` are in Pa, `compliance`, mean displacement per mean
-    pressure, in m/Pa.
-    """
-    return of_one_load(
-        fields_in_units(solution, problem, modulus=modulus, hardness=hardness, threads=threads),
-        solution,
-        problem,
-        window,
-        approach=problem.reference - solution.state.offset * problem.scale - compliance * load,
-        loaded={"mean_pressure": load},
-        modulus=modulus,
-        hardness=hardness,
-        attrs=attrs,
-    )
-
-
 def of_one_load(
     fields: "FieldsInUnits",
     solution: Any,
@@ -59,7 +28,10 @@ def of_one_load(
     hardness: float | None,
     attrs: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Return fields (y, x) and numbers of one load, whose coordinates are `loaded`, with `load` of size 1."""
+    """Return the solution of one load as a dataset in SI units, with a dimension `load` of size 1.
+
+    Its variables are those of contact.nc, over (load, y, x) or (load); `loaded` are its coordinates.
+    """
     maps = {"pressure": fields.pressure, "gap": fields.gap, "contact": fields.contact}
     mean = loaded["mean_pressure"]
     per_load = {
@@ -126,7 +98,7 @@ def fields_in_units(
 
 
 def joined(load_datasets: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Return the datasets of the loads, from `as_dataset`, as one."""
+    """Return the datasets of the loads, from `of_one_load`, as one."""
     if len(load_datasets) == 1:
         return load_datasets[0]
     return xr.concat(

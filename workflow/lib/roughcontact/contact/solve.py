@@ -11,7 +11,7 @@ import xarray as xr
 from roughcontact.bodies import check_bodies
 from roughcontact.checking import check_choice, check_positive, warn_of_map
 from roughcontact.choices import SMALLEST_TOLERANCE, Boundary, Influence, OnFailure, Precision, ZeroFrequency
-from roughcontact.contact.dataset import as_dataset, joined, unit_of_pressure
+from roughcontact.contact.dataset import fields_in_units, joined, of_one_load, unit_of_pressure
 from roughcontact.contact.free_boundary import free_datasets
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.problem import nondimensionalise, on_host
@@ -310,19 +310,25 @@ def _periodic_datasets(
         give_up=on_failure == "raise",
         threads=threads,
     )
-    for load in loads:
-        # nothing here keeps the maps of a load while the next one is solved
-        yield as_dataset(
-            _reached(next(solutions), load, tolerance=tolerance, precision=precision, on_failure=on_failure),
+
+    def dataset_of(solution: Solution, load: float) -> xr.Dataset:
+        """Return the dataset of a load (Pa), or raise ConvergenceError where it misses the tolerance."""
+        if solution.error_bound > tolerance and on_failure == "raise":
+            raise ConvergenceError(_missed(load, solution, tolerance=tolerance, precision=precision))
+        return of_one_load(
+            fields_in_units(solution, problem, modulus=modulus, hardness=hardness, threads=threads),
+            solution,
             problem,
             window,
-            load=load,
+            approach=problem.reference - solution.state.offset * problem.scale - compliance * load,
+            loaded={"mean_pressure": load},
             modulus=modulus,
-            compliance=compliance,
             hardness=hardness,
             attrs=attrs,
-            threads=threads,
         )
+
+    for load in loads:  # no name here keeps the maps of one while the next one is solved
+        yield dataset_of(next(solutions), load)
 
 
 def _check_free(
@@ -362,20 +368,16 @@ def _reduced(load_dataset: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset
     return describe(reduced)
 
 
-def _reached(
-    solution: Solution, load: float, *, tolerance: float, precision: Precision, on_failure: OnFailure
-) -> Solution:
-    """Return the solution of a load (Pa), or raise ConvergenceError where it misses the tolerance."""
-    if solution.error_bound <= tolerance or on_failure == "flag":
-        return solution
+def _missed(load: float, solution: Solution, *, tolerance: float, precision: Precision) -> str:
+    """Return the error message for a load that misses the tolerance."""
     precision_hint = ", take precision: double" if precision == "single" else ""
     remedies = f"raise the tolerance{precision_hint} or set on_failure: flag"
     if solution.floor > tolerance:
-        raise ConvergenceError(
+        return (
             f"mean pressure {load:g} Pa: rounding in {precision} precision allows no error bound below "
             f"{solution.floor:.2g} here, the tolerance is {tolerance:g}: {remedies}"
         )
-    raise ConvergenceError(
+    return (
         f"mean pressure {load:g} Pa: the error bound stopped at {solution.error_bound:.2g} after "
         f"{solution.steps} iterations, above the tolerance {tolerance:g}; rounding in {precision} "
         f"precision allows {solution.floor:.1g} here: {remedies}"

@@ -41,26 +41,26 @@ def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[floa
         return values.copy()
     if min(values.shape) == 1:
         return _fill_profile(values, inside)
+    from scipy import ndimage
+
     # heights and weights are scaled to avoid underflow
     offset, scale = np.nanmin(values), np.ptp(values[~np.isnan(values)]) or 1.0
     wy, wx = (min(spacing) / np.asarray(spacing)) ** 2
     filled = values - offset
     filled /= scale
-    wide_holes = _wide_holes(inside, labels)
+    # with points farther from their rim
+    wide_holes = np.unique(labels[ndimage.binary_erosion(inside, iterations=_WIDE_HOLE_RADIUS)])
     is_wide = np.zeros(labels.max() + 1, dtype=bool)
     is_wide[wide_holes] = True
     narrow = inside & ~is_wide[labels]
     if narrow.any():
         filled[narrow] = _solve_narrow(filled, narrow, (wy, wx))
-    if wide_holes.size:
-        from scipy import ndimage
-
-        boxes = ndimage.find_objects(labels)
-        for hole in wide_holes:
-            # one row and column more on each side: the rim
-            box = tuple(slice(s.start - 1, s.stop + 1) for s in boxes[hole - 1])
-            subarray, mask = filled[box], labels[box] == hole
-            subarray[mask] = _solve_wide(subarray, mask, (wy, wx))
+    boxes = ndimage.find_objects(labels) if wide_holes.size else []
+    for hole in wide_holes:
+        # one row and column more on each side: the rim
+        box = tuple(slice(s.start - 1, s.stop + 1) for s in boxes[hole - 1])
+        subarray, mask = filled[box], labels[box] == hole
+        subarray[mask] = _solve_wide(subarray, mask, (wy, wx))
     filled *= scale
     filled += offset
     np.copyto(filled, values, where=~inside)
@@ -75,14 +75,6 @@ def _fill_profile(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
     filled = flat.copy()
     filled[inside] = np.interp(where[inside], where[measured], flat[measured])
     return filled.reshape(values.shape)
-
-
-def _wide_holes(inside: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """Return the labels of holes with points farther than `_WIDE_HOLE_RADIUS` pixels from their rim."""
-    from scipy import ndimage
-
-    core = ndimage.binary_erosion(inside, iterations=_WIDE_HOLE_RADIUS)
-    return np.unique(labels[core])
 
 
 def _right_hand_side(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) -> np.ndarray:

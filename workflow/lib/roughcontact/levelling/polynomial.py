@@ -62,8 +62,8 @@ def without_form(values: np.ndarray, form: np.ndarray) -> np.ndarray:
     return residual
 
 
-def share_of_form(values: np.ndarray, coordinates: Sequence[np.ndarray], *, order: int = 2) -> float:
-    """Return the share (0 to 1) of a polynomial form in the mean square height, about the mean; 0 if flat.
+def share_of_form(values: np.ndarray, coordinates: Sequence[np.ndarray]) -> float:
+    """Return the share (0 to 1) of a second-order polynomial in the mean square height; 0 if flat.
 
     Examples
     --------
@@ -77,7 +77,7 @@ def share_of_form(values: np.ndarray, coordinates: Sequence[np.ndarray], *, orde
     total = float(np.mean(rough**2))
     if total == 0:
         return 0.0
-    form, _ = fit_polynomial(rough, coordinates, order=order)
+    form, _ = fit_polynomial(rough, coordinates, order=2)
     return float(np.mean(form**2)) / total
 
 

@@ -25,12 +25,11 @@ _MIN_RELATIVE_RMS = 2e-3  # of the rms height; smaller shifts are negligible
 
 
 class RowJitter(NamedTuple):
-    """Random shifts of the rows of a map, 0 without evidence, and one realisation of their error."""
+    """Random shifts of the rows of a map, 0 without evidence."""
 
     rms: float  # root mean square of the shifts, m
     evidence: Evidence  # `doubtful`: the common part of the rows could also be a lay or a drift
     offsets: np.ndarray  # (ny,), m
-    residual_offsets: np.ndarray  # (ny,), m
 
 
 def find_row_jitter(values: np.ndarray, *, scanned: bool = False) -> RowJitter:
@@ -44,7 +43,7 @@ def find_row_jitter(values: np.ndarray, *, scanned: bool = False) -> RowJitter:
     which keeps the long waves of the surface.
     """
     ny, nx = values.shape
-    no_jitter = RowJitter(0.0, "none", np.zeros(ny), np.zeros(ny))
+    no_jitter = RowJitter(0.0, "none", np.zeros(ny))
     if ny < _MIN_ROWS or nx < _BLOCKS * _MIN_BLOCK_POINTS:
         return no_jitter
     second_differences = values[:-2] - 2 * values[1:-1] + values[2:]
@@ -68,7 +67,7 @@ def find_row_jitter(values: np.ndarray, *, scanned: bool = False) -> RowJitter:
     number = np.arange(ny) - (ny - 1) / 2
     tilt = float(number @ profile / (number @ number))
     row_means = np.concatenate([[first - tilt], row_means, [last + tilt]])
-    return RowJitter(rms, evidence, *_estimate(row_means, variance))
+    return RowJitter(rms, evidence, _estimate(row_means, variance))
 
 
 def _end_step(step: np.ndarray, limit: float) -> float:
@@ -120,8 +119,8 @@ def _shared_variance(block_means: np.ndarray, *, scanned: bool) -> tuple[float, 
     return 0.0, "none"
 
 
-def _estimate(second_differences: np.ndarray, variance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the shifts and a random realisation of their error, from the second differences of all rows.
+def _estimate(second_differences: np.ndarray, variance: float) -> np.ndarray:
+    """Return the shifts from the second differences of all rows.
 
     The first and the last are the steps to the neighbouring row, as for a map reflected at its ends.
     """
@@ -133,15 +132,9 @@ def _estimate(second_differences: np.ndarray, variance: float) -> tuple[np.ndarr
     transfer = 2 - 2 * np.cos(np.pi * np.arange(rows) / rows)
     waves[1:] /= -transfer[1:]
     power, scatter = _smooth_power(waves[1:] ** 2)
-    # a wave is attributed to shifts unless its power is significantly larger; the error has no such margin
-    gain, sure = (
-        variance / (variance + np.maximum(power - variance * (1 + margin), 0.0))
-        for margin in (2 * scatter, 0.0)
-    )
-    waves[1:] *= gain
-    remaining = np.zeros(rows)
-    remaining[1:] = np.sqrt(variance * (1 - sure)) * np.random.default_rng(0).standard_normal(rows - 1)
-    return idct(waves, norm="ortho"), idct(remaining, norm="ortho")
+    # a wave is attributed to shifts unless its power is significantly larger
+    waves[1:] *= variance / (variance + np.maximum(power - variance * (1 + 2 * scatter), 0.0))
+    return idct(waves, norm="ortho")
 
 
 def _smooth_power(power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
