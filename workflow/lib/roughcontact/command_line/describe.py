@@ -162,6 +162,7 @@ def _channel(channel: Mapping[str, Any]) -> str:
 def solution(result: Mapping[str, Any]) -> str:
     """Return the headline numbers of a result of `solve_file` as a table, and checks that did not pass."""
     surface, window, contact = result["surface"], result["window"], result["settings"]["contact"]
+    rising = sorted(result["loads"], key=lambda load: load["mean_pressure"])
     lengths = [quantity(surface[f"window_length_{axis}"], "m") for axis in ("x", "y")]
     size = f"{window['nx']} × {window['ny']} points, {' × '.join(lengths)}"
     if 1 in (window["nx"], window["ny"]):
@@ -180,9 +181,9 @@ def solution(result: Mapping[str, Any]) -> str:
         *_lines_of_hardness(surface),
         *_lines_of_finite_body(result["loads"]),
         "",
-        *_table(result["loads"]),
-        *_precision(result["loads"]),
-        *_about(result),
+        *_table(rising),
+        *_precision(rising),
+        *_about(result, rising),
         "",
         _line("verdict", _verdict(result)),
         *([_line("to halve the ±", result["halve"])] if result["halve"] else []),
@@ -265,12 +266,11 @@ def _lines_of_hardness(surface: Mapping[str, Any]) -> list[str]:
 
 def _precision(loads: Iterable[Mapping[str, Any]]) -> list[str]:
     """Return a line for each number with an interval, how well it is known at the loads, which rise."""
-    rising = sorted(loads, key=lambda load: load["mean_pressure"])
     lines = []
     for name, heading, unit in _COLUMNS[1:]:
         percent = Unit(100.0, "%") if unit == "%" else None
         sentences = []
-        for load in rising:
+        for load in loads:
             value, lower, upper = (load.get(f"{name}{end}", math.nan) for end in ("", "_lower", "_upper"))
             unit_shown = percent or Unit(*prefix(upper if upper > 0 else value, unit))
             sentences.append(precision_in_words(value, lower, upper, unit_shown) or "–")
@@ -279,7 +279,7 @@ def _precision(loads: Iterable[Mapping[str, Any]]) -> list[str]:
     return ["", *lines] if lines else []
 
 
-def _about(result: Mapping[str, Any]) -> list[str]:
+def _about(result: Mapping[str, Any], loads: Iterable[Mapping[str, Any]]) -> list[str]:
     """Return the lines with the waves that the numbers hold for, and the range of validity of the ±."""
     lines = [""]
     if shortest := result["window"].get("shortest_wavelength"):
@@ -295,15 +295,14 @@ def _about(result: Mapping[str, Any]) -> list[str]:
         extent = uncertainty["extent"]
         longer = uncertainty["measurand"] == "longer"
         lines.append(_line("±", f"for {measurand_in_words(extent if longer else None)}"))
-        lines += _wider_intervals(result["loads"], extent)
+        lines += _wider_intervals(loads, extent)
     return lines if lines[1:] else []
 
 
 def _wider_intervals(loads: Iterable[Mapping[str, Any]], extent: float) -> list[str]:
     """Return the intervals of the area for what lies beyond band or map: a line each, loads rising."""
-    area, rising = "relative_contact_area", sorted(loads, key=lambda load: load["mean_pressure"])
     ends_of = {
-        text: [_ends(load, f"{area}_{key}", "%") for load in rising]
+        text: [_ends(load, f"relative_contact_area_{key}", "%") for load in loads]
         for key, text in beyond_the_map(extent).items()
     }
     return [_line("A/A0", f"{', '.join(ends)} {text}") for text, ends in ends_of.items() if {*ends} != {"–"}]
@@ -320,10 +319,9 @@ def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:
 
 def _table(loads: Iterable[Mapping[str, Any]]) -> list[str]:
     """Return the lines of the table of numbers, loads rising."""
-    rising = sorted(loads, key=lambda load: load["mean_pressure"])
     rows = [[heading for _, heading, _ in _COLUMNS]]
-    rows += [[_cell(load, name, unit) for name, _, unit in _COLUMNS] for load in rising]
-    flags = ["", *(", ".join(load["flags"]) for load in rising)]
+    rows += [[_cell(load, name, unit) for name, _, unit in _COLUMNS] for load in loads]
+    flags = ["", *(", ".join(load["flags"]) for load in loads)]
     lines = zip(_aligned(rows), flags, strict=True)
     return [f"{numbers}  {text}".rstrip() for numbers, text in lines]
 

@@ -9,7 +9,7 @@ import errno
 import os
 import sys
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -110,14 +110,19 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
         metavar="inspect | solve | init | run | app | methods | table | compare | export | crate",
     )
 
-    inspect = verbs.add_parser("inspect", help="describe the contents of a file, or of all in a folder")
+    def verb_of(name: str, run: Callable[[argparse.Namespace], int], text: str) -> argparse.ArgumentParser:
+        """Return the parser of one verb, which `run` carries out."""
+        subparser = verbs.add_parser(name, help=text)
+        subparser.set_defaults(run=run)
+        return subparser
+
+    inspect = verb_of("inspect", _inspect, "describe the contents of a file, or of all in a folder")
     inspect.add_argument(
         "files", nargs="+", metavar="FILE", help="measured height maps, any format, or folders of them"
     )
     _add_file_options(inspect)
-    inspect.set_defaults(run=_inspect)
 
-    solve = verbs.add_parser("solve", help="read, level, make periodic and solve maps; print the numbers")
+    solve = verb_of("solve", _solve, "read, level, make periodic and solve maps; print the numbers")
     solve.add_argument(
         "files",
         nargs="+",
@@ -125,7 +130,6 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
         help="a measured height map, any format; of several maps of a finish the numbers of all together",
     )
     _add_file_options(solve)
-    solve.set_defaults(run=_solve)
     if verb == "solve":
         solve.add_argument(
             "-o",
@@ -138,9 +142,8 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
 
         add_settings(solve)
 
-    init = verbs.add_parser("init", help="write settings and a table of surfaces, to change and to run")
+    init = verb_of("init", _init, "write settings and a table of surfaces, to change and to run")
     init.add_argument("files", nargs="*", metavar="FILE", help="measured height maps, or folders of them")
-    init.set_defaults(run=_init)
     if verb == "init":
         from roughcontact.command_line.options import add_body
 
@@ -158,76 +161,7 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
         description=_RUN,
     )
 
-    _add_app(verbs)
-
-    methods = verbs.add_parser("methods", help=f"print {saving.EXPORTS['methods'][0]}")
-    methods.add_argument(
-        "files",
-        nargs="+",
-        metavar="RESULT",
-        help="statistics.nc of a surface, result.nc of solve, or results/",
-    )
-    methods.set_defaults(run=_methods)
-
-    table = verbs.add_parser("table", help=f"print {saving.EXPORTS['table'][0]}")
-    table.add_argument("file", metavar="RESULT", help="statistics.nc of a surface (statistics.flow: always)")
-    table.add_argument("-o", "--output", type=Path, metavar="TABLE", help="write it, as .csv or .nc")
-    table.set_defaults(run=_table)
-
-    compare = verbs.add_parser("compare", help=f"list {saving.EXPORTS['compare'][0]}")
-    compare.add_argument("before", metavar="BEFORE", help="statistics.nc of one run")
-    compare.add_argument("after", metavar="AFTER", help="statistics.nc of the other run")
-    compare.add_argument(
-        "--share",
-        type=float,
-        metavar="NUMBER",
-        help="compare every number, and allow a relative change by this share: 0.01 is 1 %%",
-    )
-    _add_json(compare)
-    compare.set_defaults(run=_compare)
-
-    export = verbs.add_parser("export", help="write a result of a finished run as another kind of file")
-    export.add_argument("folder", type=Path, metavar="RESULT", help="folder of the result: results/SURFACE")
-    export.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", required=True, help=_endings(saving.EXPORTED_BY_ENDING)
-    )
-    export.set_defaults(run=_export)
-
-    crate = verbs.add_parser("crate", help=f"write {saving.EXPORTS['crate'][0]}")
-    crate.add_argument(
-        "folder", metavar="FOLDER", help="the results of the run; ro-crate-metadata.json goes there"
-    )
-    crate.add_argument(
-        "--configfile",
-        metavar="FILE",
-        help="the settings of the run: they, the table and the measured files go into the crate, which then "
-        "repeats the run",
-    )
-    crate.add_argument(
-        "--license",
-        metavar="TEXT",
-        help="address of the licence under which others may use the results, or its text",
-    )
-    crate.add_argument("--author", metavar="TEXT", help='who made the run: "Name <address of the ORCID>"')
-    crate.add_argument(
-        "--publisher", metavar="TEXT", help='the organisation that publishes it: "Name <address of the ROR>"'
-    )
-    crate.set_defaults(run=_crate)
-    return parser
-
-
-def _endings(content: Mapping[str, str]) -> str:
-    """Return what files with each ending hold, in a sentence."""
-    return (
-        f"its ending says what it holds. {'; '.join(f'{ending}: {text}' for ending, text in content.items())}"
-    )
-
-
-def _add_app(verbs: argparse._SubParsersAction) -> None:
-    """Add the command that opens the page."""
-    app = verbs.add_parser(
-        "app", help="open a page that sets up, runs and shows a study, for use by clicking"
-    )
+    app = verb_of("app", _app, "open a page that sets up, runs and shows a study, for use by clicking")
     app.add_argument(
         "folder",
         nargs="?",
@@ -242,7 +176,65 @@ def _add_app(verbs: argparse._SubParsersAction) -> None:
     app.add_argument(
         "--no-browser", action="store_true", help="print the address of the page, and open no browser"
     )
-    app.set_defaults(run=_app)
+
+    methods = verb_of("methods", _methods, f"print {saving.EXPORTS['methods'][0]}")
+    methods.add_argument(
+        "files",
+        nargs="+",
+        metavar="RESULT",
+        help="statistics.nc of a surface, result.nc of solve, or results/",
+    )
+
+    table = verb_of("table", _table, f"print {saving.EXPORTS['table'][0]}")
+    table.add_argument("file", metavar="RESULT", help="statistics.nc of a surface (statistics.flow: always)")
+    table.add_argument("-o", "--output", type=Path, metavar="TABLE", help="write it, as .csv or .nc")
+
+    compare = verb_of("compare", _compare, f"list {saving.EXPORTS['compare'][0]}")
+    compare.add_argument("before", metavar="BEFORE", help="statistics.nc of one run")
+    compare.add_argument("after", metavar="AFTER", help="statistics.nc of the other run")
+    compare.add_argument(
+        "--share",
+        type=float,
+        metavar="NUMBER",
+        help="compare every number, and allow a relative change by this share: 0.01 is 1 %%",
+    )
+    _add_json(compare)
+
+    export = verb_of("export", _export, "write a result of a finished run as another kind of file")
+    export.add_argument("folder", type=Path, metavar="RESULT", help="folder of the result: results/SURFACE")
+    export.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", required=True, help=_endings(saving.EXPORTED_BY_ENDING)
+    )
+
+    crate = verb_of("crate", _crate, f"write {saving.EXPORTS['crate'][0]}")
+    crate.add_argument(
+        "folder", metavar="FOLDER", help="the results of the run; ro-crate-metadata.json goes there"
+    )
+    crate.add_argument(
+        "--configfile",
+        dest="configuration",
+        metavar="FILE",
+        help="the settings of the run: they, the table and the measured files go into the crate, which then "
+        "repeats the run",
+    )
+    crate.add_argument(
+        "--license",
+        dest="terms",
+        metavar="TEXT",
+        help="address of the licence under which others may use the results, or its text",
+    )
+    crate.add_argument("--author", metavar="TEXT", help='who made the run: "Name <address of the ORCID>"')
+    crate.add_argument(
+        "--publisher", metavar="TEXT", help='the organisation that publishes it: "Name <address of the ROR>"'
+    )
+    return parser
+
+
+def _endings(content: Mapping[str, str]) -> str:
+    """Return what files with each ending hold, in a sentence."""
+    return (
+        f"its ending says what it holds. {'; '.join(f'{ending}: {text}' for ending, text in content.items())}"
+    )
 
 
 def _add_file_options(parser: argparse.ArgumentParser) -> None:
@@ -488,11 +480,7 @@ def _crate(options: argparse.Namespace) -> int:
     """Write the description of a run, and print its path."""
     from roughcontact.results.crate import write_crate
 
-    properties = {
-        "configuration": options.configfile,
-        "terms": options.license,
-        "author": options.author,
-        "publisher": options.publisher,
-    }
-    print(write_crate(options.folder, **{name: text for name, text in properties.items() if text}))
+    names = ("configuration", "terms", "author", "publisher")
+    stated = {name: text for name in names if (text := getattr(options, name))}
+    print(write_crate(options.folder, **stated))
     return 0

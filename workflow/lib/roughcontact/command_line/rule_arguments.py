@@ -24,6 +24,21 @@ def _with_signature(function: Callable[..., Any]) -> Callable[..., Any]:
     return function
 
 
+def _of_result(function: Callable[[str], Any]) -> Callable[[Any], Any]:
+    """Return a function of the wildcards from one of the result."""
+
+    @_with_signature
+    def of_wildcards(wildcards: Any) -> Any:
+        return function(wildcards.result)
+
+    return of_wildcards
+
+
+def _checksums(paths: list[str]) -> dict[str, str]:
+    """Return the checksum of each file."""
+    return {path: checksum(path) for path in paths}
+
+
 class RuleArguments:
     """The arguments of the rules of one run, from its plan and the folder of the scripts."""
 
@@ -41,67 +56,56 @@ class RuleArguments:
         if not self.plan.placements and len(self.plan.cases) == 1:
             return [] if earlier or name == "counter_height" else f"results/{{result}}/{name}.nc"
 
-        @_with_signature
-        def file(wildcards: Any) -> list[str] | str:
-            is_own = earlier and not self.plan.other_case(name, wildcards.result)
-            return [] if is_own else self.plan.file(name, wildcards.result) or []
+        def file(result: str) -> list[str] | str:
+            is_own = earlier and not self.plan.other_case(name, result)
+            return [] if is_own else self.plan.file(name, result) or []
 
-        return file
+        return _of_result(file)
 
     def sources_of(self, rule: Rule, local: Callable[[str], str]) -> InputFunction | list[str]:
         """Return the input function of measured files, `local` ones even where results have a prefix."""
         if not self._reads(rule):
             return []
 
-        @_with_signature
-        def files(wildcards: Any) -> list[str]:
+        def files(result: str) -> list[str]:
             time_now = time.time()
             # left out, but counted by checksum: files from the future, by a wrong clock, and braces, which
             # mark wildcards
-            paths = [path for path in self.plan.sources(rule, wildcards.result) if "{" not in path]
+            paths = [path for path in self.plan.sources(rule, result) if "{" not in path]
             paths += [str(RECORDS)] * RECORDS.exists()
             return [local(path) for path in paths if Path(path).stat().st_mtime <= time_now]
 
-        return files
+        return _of_result(files)
 
     def params_of(self, rule: Rule) -> dict[str, Any]:
         """Return the params of a job: settings of its files, checksums of the measured files and of its code.
 
         A change of these runs it again, but for the row of the table, which depends on `input`.
         """
+        plan = self.plan
         if rule == "report":  # a function, in whose result braces stay
-            arguments = self.plan.report_arguments()
+            arguments = plan.report_arguments()
             return {
-                "results": self.plan.results,
+                "results": plan.results,
                 "arguments": lambda wildcards: arguments,
                 "code": self.code(rule),
                 "partial": PARTIAL.read_text("utf-8") if PARTIAL.exists() else "",
             }
 
         @_with_signature
-        def settings(wildcards: Any) -> dict[str, Any]:
-            return {stage: self.plan.settings(stage, wildcards.result) for stage in STAGES[rule]}
-
-        @_with_signature
-        def sources(wildcards: Any) -> dict[str, str]:
-            return {path: checksum(path) for path in self.plan.sources(rule, wildcards.result)}
-
-        # of files made before: by dates alone a copy of a run that was killed may look complete
-        @_with_signature
-        def measured(wildcards: Any) -> dict[str, str]:
-            return {path: checksum(path) for path in self.plan.all_sources(wildcards.result)}
-
-        @_with_signature
         def row(wildcards: Any, input: Any) -> dict[str, str]:  # noqa: A002 - a name of Snakemake
-            measured = self.plan.measured.get(split(wildcards.result)[1])
+            measured = plan.measured.get(split(wildcards.result)[1])
             return {"path": str(measured.path), "origin": measured.origin} if measured else {}
 
-        params: dict[str, Any] = {
-            "settings": settings,
-            "sources": sources if self._reads(rule) else {},
-            "code": self.code(rule),
-        }
-        params |= {} if rule.startswith("prepare") else {"measured": measured}
+        def settings(result: str) -> dict[str, Any]:
+            return {stage: plan.settings(stage, result) for stage in STAGES[rule]}
+
+        params: dict[str, Any] = {"settings": _of_result(settings), "sources": {}, "code": self.code(rule)}
+        if self._reads(rule):
+            params["sources"] = _of_result(lambda result: _checksums(plan.sources(rule, result)))
+        if not rule.startswith("prepare"):
+            # of files made before: by dates alone a copy of a run that was killed may look complete
+            params["measured"] = _of_result(lambda result: _checksums(plan.all_sources(result)))
         return params | ({} if rule in ("superpose", "unload") else {"row": row})
 
     def resources_of(self, rule: Rule) -> dict[str, Callable[..., int] | None]:
@@ -110,26 +114,21 @@ class RuleArguments:
         No job writes temporary files; for the folder of these Snakemake would ask once more for each job.
         """
 
-        @_with_signature
-        def mem_mb(wildcards: Any, attempt: int) -> int:
-            result = wildcards.get("result", "")
-            return round(attempt * self.plan.memory(rule, result, points=self.points(result)))
+        def growing(number: Callable[..., float], least: int = 0) -> Callable[..., int]:
+            """Return the function of a number that a job asks for again after each failure."""
 
-        @_with_signature
-        def runtime(wildcards: Any, attempt: int) -> int:
-            result = wildcards.get("result", "")
-            return round(5 + attempt * self.plan.minutes(rule, result, points=self.points(result)))
+            @_with_signature
+            def of_wildcards(wildcards: Any, attempt: int) -> int:
+                result = wildcards.get("result", "")
+                return round(least + attempt * number(rule, result, points=self.points(result)))
 
-        return {"mem_mb": mem_mb, "runtime": runtime, "tmpdir": None}
+            return of_wildcards
+
+        return {"mem_mb": growing(self.plan.memory), "runtime": growing(self.plan.minutes, 5), "tmpdir": None}
 
     def threads_of(self) -> Callable[[Any], int]:
         """Return the function of the threads of the solver."""
-
-        @_with_signature
-        def threads(wildcards: Any) -> int:
-            return self.plan.threads(wildcards.result)
-
-        return threads
+        return _of_result(self.plan.threads)
 
     def _reads(self, rule: Rule) -> bool:
         """Return whether any job of a rule reads files from outside."""
