@@ -145,14 +145,10 @@ def error_budget(
     load = loads_of(contact)
     # a load that does not converge gives NaN instead of ending the job
     lenient = {**contact, "on_failure": "flag"}
-    columns: dict[str, tuple] = {
-        "rejected_load_share": (
-            "load",
-            rejected_load_share(levelled, window=settings["window"], contact=lenient),
-        )
-    }
+    rejected = rejected_load_share(levelled, window=settings["window"], contact=lenient)
+    columns: dict[str, tuple] = {"rejected_load_share": ("load", rejected)}
     if not sources:
-        return xr.Dataset(columns, coords={"mean_pressure": ("load", load)})
+        return xr.Dataset(columns, {"mean_pressure": ("load", load)})
     if solved is None:
         solved = solve_contact(window, **contact, reduce=budget_inputs)
     as_solved = {name: solved[name].values for name in quantities_in(solved)}
@@ -165,15 +161,14 @@ def error_budget(
     if "solver" in sources:
         components["solver"] = _of_solver(solved)
     if "discretisation" in sources:
-        errors = discretisation_error(
+        correction, components["discretisation"] = discretisation_error(
             window,
             contact=lenient,
             values=values,
             pixel_share=load / as_solved[PRESSURE],
             peak_index=int(solved["index_of_the_peak"].values[-1]),
         )
-        components["discretisation"] = {name: component for name, (_, component) in errors.items()}
-        middle = {name: centre + errors[name][0] for name, centre in middle.items()}
+        middle = {name: centre + correction[name] for name, centre in middle.items()}
     if "window" in sources:
         scatter = scatter_of(
             levelled, window, contact=lenient, arguments=settings["window"], values=values, number=windows
@@ -198,7 +193,8 @@ def error_budget(
         window,
         contact=lenient,
         solved=solved,
-        stated=_stated_widths(sources, settings["contact"], instrument),
+        stated=(_of_material(settings["contact"]) if "material" in sources else {})
+        | (instrument if "instrument" in sources else {}),
     )
     columns |= {f"{name}_sensitivity": (("load", "input"), slopes) for name, slopes in sensitivities.items()}
     true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
@@ -234,7 +230,7 @@ def error_budget(
         measurand=measurand,
     )
     labels = {"source": [*SOURCES, COMBINED], "component": [*SIDES], "input": [*INPUTS]}
-    return xr.Dataset(columns, coords={"mean_pressure": ("load", load), **labels}, attrs=attrs)
+    return xr.Dataset(columns, {"mean_pressure": ("load", load), **labels}, attrs)
 
 
 def _check_arguments(
@@ -263,25 +259,15 @@ def _check_arguments(
         raise SettingsError(f"extent = {extent!r}: give a number of 1 or more")
 
 
+def _of_material(contact: Mapping[str, Any]) -> dict[str, float | None]:
+    """Return modulus and load -> the relative uncertainty that the settings state, if any."""
+    return {key: contact.get(name) for name, key in MATERIAL_UNCERTAINTIES.items()}
+
+
 def _of_solver(solved: xr.Dataset) -> Components:
     """Return the components of the solver, whose half-widths are in the unit of each quantity."""
-    components = {}
-    for name in CORRECTED:
-        width = solved[f"{name}_uncertainty"].values
-        components[name] = component_from_units(name, solved[name].values, half_widths(width, width))
-    return components
-
-
-def _stated_widths(
-    sources: Sequence[UncertaintySource], stated: Mapping[str, Any], instrument: Mapping[str, Any]
-) -> dict[str, Any]:
-    """Return input -> its stated relative uncertainty, if any, as far as the sources ask for it."""
-    widths: dict[str, Any] = {}
-    if "material" in sources:
-        widths |= {key: stated.get(name) for name, key in MATERIAL_UNCERTAINTIES.items()}
-    if "instrument" in sources:
-        widths |= {key: instrument.get(key) for key in AMPLIFICATIONS}
-    return widths
+    widths = {name: half_widths(*(solved[f"{name}_uncertainty"].values,) * 2) for name in CORRECTED}
+    return {name: component_from_units(name, solved[name].values, width) for name, width in widths.items()}
 
 
 def _summed(causes: Iterable[Components]) -> Components:

@@ -36,8 +36,8 @@ def discretisation_error(
     values: Values,
     pixel_share: np.ndarray,
     peak_index: int,
-) -> dict[str, tuple[np.ndarray, Component]]:
-    """Return for each quantity the correction (load) to no pixels, and the component of what stays uncertain.
+) -> tuple[dict[str, np.ndarray], dict[str, Component]]:
+    """Return the correction (load) of each quantity to no pixels, and the component of what stays uncertain.
 
     Both are on its scale; those not in `CORRECTED` have the change in their half-width. `pixel_share` (load)
     is the share of pixels in contact, `peak_index` the point of the highest pressure, row by row.
@@ -49,7 +49,7 @@ def discretisation_error(
         solve_member(grid, contact, names=names, loads=solved)
         for grid in (region, _halved(region) if free else refined(region, 2))
     )
-    errors = {}
+    corrections, components = {}, {}
     for name in names:
         change = to_scale(name, fine[name]) - to_scale(name, coarse[name])
         if name in CONSTRICTIONS:  # a length, as the gap beside it
@@ -57,14 +57,14 @@ def discretisation_error(
                 change = change * values[GAP][solved] / coarse[GAP]
         # full contact: nothing is open, nothing changes
         change = at_all_loads(np.where(np.isfinite(change), change, 0.0), solved, load)
-        correction, width = extrapolated(name, change)
+        corrections[name], width = extrapolated(name, change)
         # the floor of a length would be one in metres
         floor = 0.0 if name in CONSTRICTIONS else calibration.discretisation_floor(name)
         width = np.hypot(width, floor)
         if name == AREA:
             width = np.hypot(width, _edge_noise(values[AREA], pixel_share, region.size))
-        errors[name] = correction, half_widths(width, width)
-    return errors
+        components[name] = half_widths(width, width)
+    return corrections, components
 
 
 def extrapolated(name: str, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

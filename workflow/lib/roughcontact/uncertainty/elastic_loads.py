@@ -37,8 +37,8 @@ def elastic_loads(window: xr.DataArray, loads: Sequence[float], contact: Mapping
         values=values,
         pixel_share=values[AREA],
         peak_index=int(window.values.argmax()),
-    )[AREA]
-    area = from_scale(AREA, to_scale(AREA, values[AREA]) + correction)
+    )
+    area = from_scale(AREA, to_scale(AREA, values[AREA]) + correction[AREA])
     excess = np.log(pressure / area / (HARDEST * modulus))
     elastic = np.flatnonzero(excess < math.log(_MARGIN[0]))
     fine = np.linspace(0, np.log(pressure[-1] / pressure[0]), 200)

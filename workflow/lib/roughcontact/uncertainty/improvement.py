@@ -98,15 +98,10 @@ def _slope(area: float) -> float:
 
 def _relative_widths(at_load: xr.Dataset, value: float) -> dict[str, float]:
     """Return the half-width of each source over the value; infinite where nothing bounds it."""
-    widths: dict[str, float] = {}
-    components = at_load[f"{AREA}_components"].transpose("source", "component").values
-    half_widths = at_load[f"{AREA}_uncertainty"].values
-    for row, source in enumerate(map(str, at_load["source"].values)):
-        if source in SOURCES and np.isnan(components[row]).any():
-            widths[source] = math.inf
-        elif source in SOURCES and np.isfinite(half_widths[row]):
-            widths[source] = float(half_widths[row]) / value
-    return widths
+    unbounded = at_load[f"{AREA}_components"].isnull().any("component").values
+    widths = np.where(unbounded, np.inf, at_load[f"{AREA}_uncertainty"].values / value)
+    by_source = dict(zip(at_load["source"].values, map(float, widths), strict=True))
+    return {source: by_source[source] for source in SOURCES if not math.isnan(by_source[source])}
 
 
 def _more_places(scatter: float, half_width: float, shared: float, widths: dict[str, float]) -> str:

@@ -14,6 +14,7 @@ lengths).
 import json
 import math
 from collections.abc import Mapping
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -62,7 +63,7 @@ def input_uncertainty(
     if STIFFNESS in solved:
         np.divide(-solved[_LOAD].values, values[GAP], out=load_slopes[GAP], where=values[GAP] > 0)
         load_slopes[GAP] /= solved[STIFFNESS].values
-    secants = {}
+    secants: dict[tuple[str, str], np.ndarray] = {}
     components: dict[str, dict[str, Component]] = {source: {} for source in INPUTS}
     for source, power in _POWER_IN_LOAD.items():
         width = float(stated.get(source) or 0.0)
@@ -70,8 +71,9 @@ def input_uncertainty(
             raise SettingsError(
                 f"uncertainty of {source} = {width:g}: give a relative one, from 0 to below 1, such as 0.05"
             )
-        factors = (1 - width, 1 + width) if width else ()
-        ends = [_end(source, factor, window, contact, solved) for factor in factors]
+        if not width:
+            continue
+        ends = [_end(source, factor, window, contact, solved) for factor in (1 - width, 1 + width)]
         for name, value in values.items():
             below, above, secants[source, name] = effect(value, ends, name)
             if not np.isnan(above).all():
@@ -80,10 +82,11 @@ def input_uncertainty(
             usable = similar[source] & np.isnan(load_slopes[name]) & np.isfinite(slope)
             load_slopes[name] = np.where(usable, slope, load_slopes[name])
     sensitivities = {name: np.empty((elastic.size, len(INPUTS))) for name in values}
-    for (source, name), secant in secants.items():
+    for name, (column, source) in product(values, enumerate(INPUTS)):
         law = _EXPLICIT_POWER.get((source, name), 0.0) + _POWER_IN_LOAD[source] * load_slopes[name]
-        slope = np.where(np.isfinite(secant), secant, np.where(similar[source], law, np.nan))
-        sensitivities[name][:, INPUTS.index(source)] = slope
+        law = np.where(similar[source], law, np.nan)
+        secant = secants.get((source, name), law)
+        sensitivities[name][:, column] = np.where(np.isfinite(secant), secant, law)
     return sensitivities, components
 
 
@@ -126,8 +129,6 @@ def effect(
     value: np.ndarray, ends: list[tuple[np.ndarray, Values]], name: str
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return half-widths below and above a result, and the slope of its logarithm, from both ends."""
-    if not ends:
-        return (np.full(value.shape, np.nan),) * 3
     (low, lower), (high, upper) = ((change, values[name]) for change, values in ends)
     changes = np.stack([lower - value, upper - value, np.zeros(value.shape)])
     # an end that could not be solved bounds nothing

@@ -83,22 +83,10 @@ def interval_columns(
     `measurand` is that of `_lower` and `_upper`.
     """
     shorter = {name: centre + octave[name][0] for name, centre in middle.items()} if octave else middle
-    if limits.hardness is not None:  # by the edges of its pixels alone the area may be too small for the load
-        least_area = to_scale(AREA, limits.load / limits.hardness)
-        middle, shorter = (
-            {**centres, AREA: np.fmax(centres[AREA], least_area)} for centres in (middle, shorter)
-        )
+    middle, shorter = (_consistent(centres, limits) for centres in (middle, shorter))
     beyond = _with_pressure({name: pair[1] for name, pair in (octave or {}).items()}, shorter[AREA])
     components = {source: _with_pressure(causes, middle[AREA]) for source, causes in components.items()}
     windows = {key: _with_pressure(component, middle[AREA]) for key, component in windows.items()}
-    middle, shorter = (
-        {**centres, PRESSURE: np.log(limits.load) - np.log(from_scale(AREA, centres[AREA]))}
-        for centres in (middle, shorter)
-    )
-    # where few points touch, the pixels of the area and of the peak are corrected one without the other
-    for centres in (middle, shorter):
-        if PEAK in centres:
-            centres[PEAK] = np.fmax(centres[PEAK], centres[PRESSURE])
     columns: dict[str, tuple] = {}
     for name, result in as_solved.items():
         value = _in_its_unit(name, middle[name], result, limits.hardness)
@@ -106,15 +94,14 @@ def interval_columns(
             value = np.where(as_solved[AREA] >= 1, result, value)
         sources = {source: causes[name] for source, causes in components.items() if name in causes}
         window = {key: [causes[name]] if name in causes else [] for key, causes in windows.items()}
-        headline = [*sources.values(), *window[measurand]]
-        ends = {"": _ends(name, middle[name], value, headline, limits)}
-        for key in MEASURANDS[1:]:
+        ends = {}
+        for prefix, key in ({"": measurand} | {f"{key}_": key for key in MEASURANDS[1:]}).items():
             causes = [*sources.values(), *window[key]] if key in window else []
-            ends[f"{key}_"] = _ends(name, middle[name], value, causes, limits)
+            ends[prefix] = _ends(name, middle[name], value, causes, limits)
         ends["octave_"] = ends[""]  # where the settings chose the band
         if name in beyond or octave is None:
             moved = _in_its_unit(name, shorter[name], result, limits.hardness)
-            causes = [*headline, beyond[name]] if octave else []
+            causes = [*sources.values(), *window[measurand], beyond[name]] if octave else []
             ends["octave_"] = _ends(name, shorter[name], moved, causes, limits)
         for key, pair in ends.items():
             columns |= {f"{name}_{key}{end}": ("load", pair[i]) for i, end in enumerate(("lower", "upper"))}
@@ -124,6 +111,18 @@ def interval_columns(
             sources["window"] = window[measurand][0]
         columns |= columns_of_components(name, value, sources, ends[""])
     return columns
+
+
+def _consistent(middle: Values, limits: Limits) -> dict[str, np.ndarray]:
+    """Return results on their scales with the pressure in contact, each as large as the others ask for."""
+    middle = dict(middle)
+    if limits.hardness is not None:  # by the edges of its pixels alone the area may be too small for the load
+        middle[AREA] = np.fmax(middle[AREA], to_scale(AREA, limits.load / limits.hardness))
+    middle[PRESSURE] = np.log(limits.load) - np.log(from_scale(AREA, middle[AREA]))
+    # where few points touch, the pixels of the area and of the peak are corrected one without the other
+    if PEAK in middle:
+        middle[PEAK] = np.fmax(middle[PEAK], middle[PRESSURE])
+    return middle
 
 
 def _with_pressure(components: Components, area: np.ndarray) -> Components:

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import scipy
 import xarray as xr
 
 from roughcontact.io.read import read_height_map
@@ -157,16 +158,9 @@ def _line_spectra(height: xr.DataArray, *, periodic: bool) -> list[tuple[np.ndar
     """Return for each axis with lines the wavenumbers and their contributions to the mean square slope."""
     spectra = []
     for axis, step in enumerate(spacing(height)):
-        points = height.shape[axis]
-        if points < 8:
-            continue
-        lines = np.moveaxis(height.values, axis, -1).reshape(-1, points)
-        lines = lines - lines.mean(axis=1, keepdims=True)
-        if not periodic:
-            taper = np.hanning(points)
-            lines = lines * taper / math.sqrt(np.mean(taper**2))
-        power = np.mean(np.abs(np.fft.rfft(lines, axis=1)) ** 2, axis=0) / points**2
-        power[1 : (points + 1) // 2] *= 2
-        q = 2 * np.pi * np.fft.rfftfreq(points, step)
-        spectra.append((q, power * q**2))
+        if (points := height.shape[axis]) >= 8:
+            taper = np.ones(points) if periodic else np.hanning(points)
+            _, density = scipy.signal.periodogram(height.values, 1 / step, taper, axis=axis)
+            q = 2 * np.pi * np.fft.rfftfreq(points, step)
+            spectra.append((q, density.mean(axis=1 - axis) / (points * step) * q**2))
     return spectra
