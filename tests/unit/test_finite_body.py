@@ -362,6 +362,16 @@ def test_local_scale_of_a_smooth_map_is_the_contact_of_hertz():
     holm = 2 * hertz(50.0, 0.05, 115e9)["contact_radius"]  # 1/(2 a k)
     assert answer["local_conductance_per_conductivity"].item() == pytest.approx(holm, rel=1e-9)
     assert "local_contact_area_lower" not in answer
+    # 1/(4 a k) on either side (Carslaw and Jaeger 1959, section 8.2), ρ/(4 a) by Holm
+    conductors = [
+        {"thermal_conductivity": k, "electrical_resistivity": rho} for k, rho in ((400, 2e-8), (50, 2e-7))
+    ]
+    bodies = [{"youngs_modulus": 2e11, "poissons_ratio": 0.3} | properties for properties in conductors]
+    joined = rc.evaluate(flat, contact={"bodies": bodies, "force": 50}, form=LOCAL, **WITHOUT_BUDGET)
+    radius = joined["hertz_radius"].item()
+    heat, current = (1 / 400 + 1 / 50) / (4 * radius), 2.2e-7 / (4 * radius)
+    assert joined["local_thermal_resistance"].item() == pytest.approx(heat)
+    assert joined["local_electrical_resistance"].item() == pytest.approx(current)
     contact = {"contact_modulus": 115e9, "force": 50, "contact_modulus_uncertainty": 0.05}
     bounded = rc.evaluate(flat, contact=contact, form=LOCAL)
     lower, upper = (bounded[f"local_conductance_per_conductivity_{end}"].item() for end in ("lower", "upper"))

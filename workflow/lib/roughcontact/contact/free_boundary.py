@@ -33,14 +33,11 @@ CELL_DIVISOR = 16  # of the points along a cell, for coarser grids of whole cell
 
 
 class Region(NamedTuple):
-    """A disc within a rectangle of the map: the points that may touch.
+    """A disc within a rectangle of the map: the points that may touch."""
 
-    `sides`: slices of the map; `mask` (rows, columns): of the disc; `reach` in m: its diameter.
-    """
-
-    sides: tuple[slice, slice]
-    mask: np.ndarray
-    reach: float
+    sides: tuple[slice, slice]  # of the rectangle
+    mask: np.ndarray  # of the disc in it
+    reach: float  # diameter of the disc, m
 
 
 class FreeSolution(NamedTuple):
@@ -157,10 +154,7 @@ class FreeBody:
         raise HeightMapError(f"the region of contact still grows after {MAX_PASSES} solutions")
 
     def _solve_region(self, region: Region, force: float, *, tolerance: float) -> FreeSolution:
-        """Return the contact of a region in a periodic cell where no image acts on it.
-
-        The unit of pressure is its mean in the cell.
-        """
+        """Return the contact of a region in a cell without images, whose mean pressure is the unit."""
         from scipy import fft
 
         heights = self.heights[region.sides]

@@ -29,6 +29,15 @@ from roughcontact.variables import describe
 LEAST_LOAD, MOST_LOAD = 1e-10, 1e10
 NEAR_HARDNESS = 1e-6  # relative distance from the hardness that a search in single precision resolves
 
+_NOT_FREE = {
+    "mean_pressure": "a finite body has no mean pressure; give its force in N",
+    "force": "missing: give the force on the finite body in N",
+    "influence": "layers of a finite body are solved with 'sampled'; leave it out",
+    "zero_frequency": "the approach of a finite body is absolute; leave it out",
+    "precision": "finite bodies are solved in double precision; leave it out",
+    "arrays": "finite bodies are solved by NumPy; leave it out",
+}
+
 # keyword arguments of `solve_contact` that a section of settings may hold
 SOLVER_SETTINGS = ("tolerance", "hardness", "influence", "zero_frequency", "precision", "on_failure")
 
@@ -167,7 +176,14 @@ def solve_contact(
     check_choice("boundary", boundary, Boundary)
     free = boundary == "free"
     if free:
-        _check_free(mean_pressure, force, layers, influence, zero_frequency, precision, arrays)
+        _check_free(
+            mean_pressure=mean_pressure is not None,
+            force=force is None,
+            influence=layers is not None and influence != "sampled",
+            zero_frequency=zero_frequency != "zero",
+            precision=precision != "double",
+            arrays=arrays is not None,
+        )
         loads = check_loads("force", force, unit="N")
     elif force is not None:
         raise SettingsError(
@@ -331,31 +347,10 @@ def _periodic_datasets(
         yield dataset_of(next(solutions), load)
 
 
-def _check_free(
-    mean_pressure: Any,
-    force: Any,
-    layers: LayeredPair | None,
-    influence: Influence,
-    zero_frequency: ZeroFrequency,
-    precision: Precision,
-    arrays: Any,
-) -> None:
-    """Raise SettingsError for what is not solved with, or lacks for, free boundaries."""
-    reasons = {
-        "mean_pressure": mean_pressure is not None
-        and "a finite body has no mean pressure; give its force in N",
-        "force": force is None and "missing: give the force on the finite body in N",
-        "influence": layers is not None
-        and influence != "sampled"
-        and "layers of a finite body are solved with 'sampled'; leave it out",
-        "zero_frequency": zero_frequency != "zero"
-        and "the approach of a finite body is absolute; leave it out",
-        "precision": precision != "double" and "finite bodies are solved in double precision; leave it out",
-        "arrays": arrays is not None and "finite bodies are solved by NumPy; leave it out",
-    }
-    for name, reason in reasons.items():
-        if reason:
-            raise SettingsError(f"{name}, boundary 'free': {reason}", keys=(name,))
+def _check_free(**wrong: bool) -> None:
+    """Raise SettingsError for the first argument that is `wrong` with free boundaries."""
+    for name in filter(wrong.get, wrong):
+        raise SettingsError(f"{name}, boundary 'free': {_NOT_FREE[name]}", keys=(name,))
 
 
 def _reduced(load_dataset: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset]) -> xr.Dataset:

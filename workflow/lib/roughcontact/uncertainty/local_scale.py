@@ -1,11 +1,10 @@
 """The contact of a form that is wider than its map: each place as the map under Hertz's pressure there.
 
-All places have the same map: the ends of its intervals are integrated as they are. With another E* or force,
-where it is stated how well they are known, Hertz's contact changes, too: all of it is solved again.
-
-Heat and current take the spots and, in series, the constriction of Hertz's contact, 1/(2 a k) of a circle
-(Holm 1967, Electric Contacts; Greenwood 1966, Br. J. Appl. Phys. 17, 1621), in general E*/k dδ/dF. This is a
-lower bound (Rayleigh); a flux like the pressure, with 6/5 of that constriction, gives an upper (Thomson).
+All places have the same map: the ends of its intervals are integrated as they are. With a stated uncertainty
+of E* or force Hertz's contact is another, and all of it is solved again. Resistances are those of the spots
+and, in series, of Hertz's contact, 1/(2 a k) of a circle, else E*/k dδ/dF (Holm 1967, Electric Contacts;
+Greenwood 1966, Br. J. Appl. Phys. 17, 1621): a lower bound by Rayleigh; a flux in proportion to the pressure,
+with 6/5 of the second, gives an upper one (Thomson).
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,7 +18,7 @@ from roughcontact.choices import UncertaintySource
 from roughcontact.contact.solve import NEAR_HARDNESS, solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.references.closed_forms import hertz_ellipse
-from roughcontact.statistics.conductance import Bodies, conductance_columns, resistances_and_joint
+from roughcontact.statistics.conductance import Bodies, conductance_columns
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.combination import (
@@ -119,17 +118,15 @@ def whole_contact(
 
 def with_whole_resistances(statistics: xr.Dataset, bodies: Bodies | None) -> xr.Dataset:
     """Return statistics with the resistances of the `whole_contact` of bodies of known properties."""
-    modulus = float(statistics["contact_modulus"])
-    columns: dict[str, tuple[str, np.ndarray]] = {}
+    columns: dict[str, xr.DataArray] = {}
     for end, other in _OPPOSITE.items():
-        if (name := f"{_CONDUCTANCE}{other}") in statistics:
-            stiffness = modulus * statistics[name].values
-            by_area = conductance_columns(stiffness, contact_modulus=modulus, bodies=bodies)
-            columns |= {
-                f"local_{transport}{end}": ("load", np.where(np.isinf(values), np.nan, values))
-                for transport, values in resistances_and_joint(by_area, {}, None).items()
-                if transport.endswith("_resistance")
-            }
+        if (conductance := statistics.get(f"{_CONDUCTANCE}{other}")) is not None:
+            conductances = conductance_columns(conductance.values, contact_modulus=1.0, bodies=bodies)
+            del conductances[CONDUCTANCE]
+            for name, values in conductances.items():
+                resistance = 1 / conductance.copy(data=values)
+                kind = name.replace("conductance", "resistance")
+                columns[f"local_{kind}{end}"] = resistance.where(np.isfinite(resistance))
     return statistics.assign(columns)
 
 
