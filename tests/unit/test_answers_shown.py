@@ -173,7 +173,7 @@ def test_distributions_have_an_area_of_one(maps, name):
     contact = rc.solve_contact(maps[2], contact_modulus=4e9, mean_pressure=[2e7, 2e8])
     numbers = rc.contact_statistics(contact)
     draw = {"gap": load_plots.gap_distribution, "patch": load_plots.patch_distribution}[name]
-    svg = ElementTree.fromstring(unquote(draw(numbers, [0, 1]).partition(",")[2]))
+    svg = ElementTree.fromstring(unquote(draw(numbers, [0, 1]).source().partition(",")[2]))
     axes = next(box for box in svg.iter("{http://www.w3.org/2000/svg}svg") if box.get("x"))
     width, height = (float(axes.get(side)) for side in ("width", "height"))
     lines = [p for p in axes if p.get("stroke") in COLOURS and not p.get("stroke-dasharray")]

@@ -19,6 +19,7 @@ from roughcontact.references.synthetic import westergaard_surface
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.glance import Cell, glance_rows
 from roughcontact.report.load_plots import area_against_load
+from roughcontact.report.map_plots import height_map as height_map_chart
 from roughcontact.report.map_plots import pressure_map
 from roughcontact.report.tables import number_tables
 from roughcontact.results.storage import read_dataset
@@ -246,6 +247,13 @@ def test_ellipse_of_hertz_on_the_map_of_pressure():
     pressure = contact["pressure"].values[0]
     outline = max(pressure_map(body, pressure, ellipse=(a, b)).source().split("%3C"), key=len)
     assert outline != max(pressure_map(body, pressure).source().split("%3C"), key=len)
+
+
+def test_the_colours_of_a_punch_are_those_of_its_face():
+    face = ground(1e-7, (64, 64))
+    _, low, high, *_ = height_map_chart(finite_body(face, edges=True)).reading["value"]
+    expected = 1e6 * np.percentile(face.values - face.values.mean(), [0.1, 99.9])
+    np.testing.assert_allclose([low, high], expected, rtol=1e-6)
 
 
 def test_hardness_limits_the_pressure_of_a_study():

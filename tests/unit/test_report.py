@@ -1275,8 +1275,9 @@ def test_cases_are_compared_with_their_difference():
     assert case_table({"one": first}) is None
     # on bodies of finite size the force is what both share
     bodies = {name: data.assign(force=("load", [1.0, 2.0])) for name, data in (("a", first), ("b", second))}
-    areas, *_ = case_table(bodies, equal_loads=True)["groups"]
-    assert [row[0] for row in areas["rows"]] == ["1.00 N", "2.00 N"]
+    table = case_table(bodies, equal_loads=True)
+    assert table["load"] == "load"
+    assert [row[0] for row in table["groups"][0]["rows"]] == ["1.00 N", "2.00 N"]
 
 
 def test_differences_of_cases_reach_as_far_as_the_ends_of_both_intervals():

@@ -239,8 +239,9 @@ def _drawn(chart: Chart, ax: "Axes | None") -> "Axes":
         ends = [axis.low, axis.high, *limits]
         ax.set(**{f"{name}scale": "log" if axis.log else "linear", f"{name}lim": (min(ends), max(ends))})
         _write_ticks({"x": ax.xaxis, "y": ax.yaxis}[name], axis)
-    for method, arguments in chart.steps:
-        _METHODS[method](ax, chart, **arguments)
+    for kind, step in chart.steps:
+        if kind in _METHODS:
+            _METHODS[kind](ax, chart, **step)
     if chart.top is not None:
         ratio = chart.top.low / chart.x.low
         conversions: Any = partial(_times, ratio), partial(_times, 1 / ratio)
@@ -272,21 +273,23 @@ def _write_ticks(ticks: Any, axis: Axis) -> None:
         ticks.set_minor_formatter(NullFormatter())
 
 
-def _line(ax: "Axes", _: Chart, *, x: Any, y: Any, colour: str, width: float, dash: str, label: str) -> None:
+def _line(
+    ax: "Axes", _: Chart, *, x: Any, y: Any, colour: str, width: float, dash: str, label: str, **_rest: Any
+) -> None:
     """Draw a line."""
     style: Any = (0, tuple(float(dash_length) / width for dash_length in dash.split())) if dash else "-"
     ax.plot(x, y, color=colour, linewidth=width * _POINTS, linestyle=style, label=label or None)
 
 
 def _marks(
-    ax: "Axes", _: Chart, *, x: Any, y: Any, colour: str, marker: str, filled: bool, label: str
+    ax: "Axes", _: Chart, *, x: Any, y: Any, colour: str, marker: str, filled: bool, label: str, **_rest: Any
 ) -> None:
     """Draw marks."""
     face = colour if filled else "none"
     ax.plot(x, y, marker, color=colour, markerfacecolor=face, markersize=5, label=label or None)
 
 
-def _bars(ax: "Axes", chart: Chart, *, x: Any, lower: Any, upper: Any, colour: str) -> None:
+def _bars(ax: "Axes", chart: Chart, *, x: Any, lower: Any, upper: Any, colour: str, **_rest: Any) -> None:
     """Draw error bars; one that leaves the axes ends beyond their edge, without an upper end by an arrow."""
     axis: Axis = chart.y
     ends = (axis.low / 2, axis.high * 2) if axis.log else (2 * axis.low, 2 * axis.high)

@@ -138,11 +138,11 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
 
 def _note_on_open_ends(numbers: xr.Dataset) -> list[str]:
     """Return a sentence on upper ends that are not known."""
-    unknown = []
-    for name in _HEADLINE:
-        lower, upper = (numbers[f"{name}_{end}"].values for end in ("lower", "upper"))
-        if (np.isfinite(lower) & np.isnan(upper)).any():
-            unknown.append(TITLES[name])
+    unknown = [
+        TITLES[name]
+        for name in _HEADLINE
+        if (numbers[f"{name}_lower"].notnull() & numbers[f"{name}_upper"].isnull()).any()
+    ]
     if not unknown:
         return []
     text = (
@@ -220,19 +220,15 @@ def _note_on_convergence(numbers: xr.Dataset) -> str:
     """Return a sentence on the results that still change over the shortest octave of waves."""
     if "cutoff_wavelength" not in numbers or numbers.sizes["cutoff"] < 2:
         return ""
-    moving, settled = [], []
+    changes = {}
     for name in _BY_CUTOFF:
-        if f"{name}_at_cutoff" not in numbers:
-            continue
-        fine, coarse = numbers[f"{name}_at_cutoff"].values.T[:2]
-        usable = np.isfinite(fine) & (coarse > 0)
-        if not usable.any():  # not judged: of full contact, or of bodies with layers
-            continue
-        change = float(np.max(np.abs(fine[usable] / coarse[usable] - 1), initial=0.0))
-        if change > _CONVERGED:
-            moving.append(f"{TITLES[name]} (by up to {percent(change)})")
-        else:
-            settled.append(TITLES[name])
+        if f"{name}_at_cutoff" in numbers:
+            fine, coarse = numbers[f"{name}_at_cutoff"].values.T[:2]
+            usable = np.isfinite(fine) & (coarse > 0)
+            if usable.any():  # else not judged: of full contact, or of bodies with layers
+                changes[TITLES[name]] = float(np.abs(fine[usable] / coarse[usable] - 1).max())
+    moving = [f"{title} (by up to {percent(by)})" for title, by in changes.items() if by > _CONVERGED]
+    settled = [title for title, by in changes.items() if by <= _CONVERGED]
     result = []
     if moving:
         result.append(

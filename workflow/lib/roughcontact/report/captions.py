@@ -3,7 +3,7 @@
 They are taken from the statistics of one surface, with its loads rising.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import xarray as xr
@@ -15,29 +15,24 @@ from roughcontact.report.units import unit_of
 
 def area_caption(numbers: xr.Dataset) -> str:
     """Return the contact area at the lowest and at the highest load."""
-    areas, xu = numbers["relative_contact_area"].values, numbers.get("area_xu")
-    first, last = (percent(float(area)) for area in (areas[0], areas[-1]))
-    text = _at_extreme_loads(numbers, [f"{first} of the area touch", last])
-    if xu is not None and np.isfinite(xu.values[-1]):
-        text += f"; the theory of Xu et al. says {percent(float(xu[-1]))} there"
+    text = _at_extreme_loads(numbers, "relative_contact_area", "{} of the area touch", percent)
+    if "area_xu" in numbers and np.isfinite(xu := _last(numbers, "area_xu")):
+        text += f"; the theory of Xu et al. says {percent(xu)} there"
     return f"{text}."
 
 
 def gap_caption(numbers: xr.Dataset) -> str:
     """Return the mean gap at the lowest and at the highest load."""
     gaps, rms = numbers["mean_gap"].values, float(numbers["rms_height"])
-    first, last = (unit_of(numbers, "m").text(float(gap)) for gap in (gaps[0], gaps[-1]))
-    text = _at_extreme_loads(numbers, [f"The mean gap is {first}", last])
+    text = _at_extreme_loads(numbers, "mean_gap", "The mean gap is {}", unit_of(numbers, "m").text)
     shares = " and ".join(dict.fromkeys(number(float(gap) / rms) for gap in (gaps[0], gaps[-1])))
     return f"{text}: {shares} of the rms height."
 
 
 def pressure_caption(numbers: xr.Dataset) -> str:
     """Return mean and largest pressure at the lowest and highest load, and where the hardness is reached."""
-    averages, largest = (numbers[name].values for name in ("mean_contact_pressure", "max_pressure"))
-    pressure = unit_of(numbers, "Pa").text
-    first, last = (pressure(float(mean)) for mean in (averages[0], averages[-1]))
-    text = _at_extreme_loads(numbers, [f"Mean pressure in contact {first}", last])
+    largest, pressure = numbers["max_pressure"].values, unit_of(numbers, "Pa").text
+    text = _at_extreme_loads(numbers, "mean_contact_pressure", "Mean pressure in contact {}", pressure)
     limited = [index for index in range(largest.size) if is_limited(numbers, index)]
     peak = limited[0] if limited else int(largest.argmax())
     load, maximum = (pressure(float(values[peak])) for values in (numbers["mean_pressure"].values, largest))
@@ -146,9 +141,9 @@ def _last_load(numbers: xr.Dataset) -> str:
     return unit_of(numbers, "Pa").text(_last(numbers, "mean_pressure"))
 
 
-def _at_extreme_loads(numbers: xr.Dataset, sentences: list[str]) -> str:
-    """Return the statements `said` with the lowest and the highest load; one where there is one load."""
-    loads = numbers["mean_pressure"].values
-    extreme_loads = [unit_of(numbers, "Pa").text(float(load)) for load in (loads[0], loads[-1])]
-    pairs = [f"{text} at {load}" for text, load in zip(sentences, extreme_loads, strict=True)]
-    return ", ".join(pairs if loads.size > 1 else pairs[:1])
+def _at_extreme_loads(numbers: xr.Dataset, name: str, sentence: str, show: Callable[[float], str]) -> str:
+    """Return a `sentence` on a number at the lowest load, and that at the highest where there are two."""
+    values, loads = numbers[name].values, numbers["mean_pressure"].values
+    pressure = unit_of(numbers, "Pa").text
+    text = f"{sentence.format(show(float(values[0])))} at {pressure(float(loads[0]))}"
+    return text if loads.size == 1 else f"{text}, {show(float(values[-1]))} at {pressure(float(loads[-1]))}"

@@ -93,6 +93,7 @@ def _table(surfaces: Sequence[Cases], *, equal_loads: bool, as_medians: bool) ->
     disjoint = [pair for pair, indices in first.indices.items() if not indices]
     return {
         "cases": names,
+        "load": "load" if any("force" in data for data in compared[0].values()) else "mean pressure p̄",
         "differences": [f"{second} against {first}" for first, second in pairs],
         "groups": groups,
         "apart": _without_common_load(compared[0], disjoint, alone=not pairs) if disjoint else "",
@@ -139,19 +140,18 @@ def _without_common_load(cases: Cases, pairs: Sequence[tuple[str, str]], *, alon
 
 def _load(at_load: Mapping[str, Sequence[Load]]) -> str:
     """Return the load that all surfaces share under the cases of a row, else the median pressure of each."""
-    if all("force" in data for loads in at_load.values() for data, _ in loads):
-        forces = np.array([_values(loads, "force") for loads in at_load.values()])
-        if np.allclose(forces, forces[0, 0], rtol=1e-6, atol=0):
-            return quantity(float(forces[0, 0]), "N")
-    pressures = np.array([_values(loads, "mean_pressure") for loads in at_load.values()])
-    show = unit_of(next(iter(at_load.values()))[0][0], "Pa").text
-    if np.allclose(pressures, pressures[0, 0], rtol=1e-6):
-        return show(float(pressures[0, 0]))
-    if all("relative_pressure" in data for loads in at_load.values() for data, _ in loads):
-        relative = np.array([_values(loads, "relative_pressure") for loads in at_load.values()])
-        if np.allclose(relative, relative[0, 0], rtol=1e-6):
-            return f"{number(float(relative[0, 0]))} E* g"
-    return " / ".join(show(float(median)) for median in np.median(pressures, axis=1))
+    of_pressure = unit_of(next(iter(at_load.values()))[0][0], "Pa").text
+    for name, show in (
+        ("force", lambda force: quantity(force, "N")),
+        ("mean_pressure", of_pressure),
+        ("relative_pressure", lambda pressure: f"{number(pressure)} E* g"),
+    ):
+        if all(name in data for loads in at_load.values() for data, _ in loads):
+            values = np.array([_values(loads, name) for loads in at_load.values()])
+            if np.allclose(values, values[0, 0], rtol=1e-6, atol=0):
+                return show(float(values[0, 0]))
+    pressures = [_values(loads, "mean_pressure") for loads in at_load.values()]
+    return " / ".join(of_pressure(float(median)) for median in np.median(pressures, axis=1))
 
 
 def _value(loads: Sequence[Load], name: str, unit: Unit, *, as_medians: bool) -> str:

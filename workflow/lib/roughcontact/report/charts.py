@@ -8,15 +8,16 @@ import html
 import json
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cache, partial
+from functools import cache
 from typing import Any
 from urllib.parse import quote
 
 import numpy as np
 
 from roughcontact.quantities import number
+from roughcontact.report.template import template
 
 # Okabe and Ito (2008): eight colours that colour-blind people can tell apart (yellow left out: too pale for
 # lines)
@@ -26,8 +27,6 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 INK = "#222222"
 GREY = "#444444"  # of lines for comparison
 DASHED, DOTTED, DASH_DOTTED = "6 3", "2 2.5", "7 3 2 3"
-_GRID = "#dddddd"
-_FONT = "system-ui,'Segoe UI','DejaVu Sans',sans-serif"
 _SIZE = 12.0  # of the text, in units of the chart (pixels where it is shown at its own size)
 _SMALL = 11.0  # of legends
 _MOST_COLUMNS = 3  # of legends
@@ -154,10 +153,8 @@ class Chart:
     margins: Rectangle | None = None  # room around the axes (left, top, right, bottom); None: for labels
     grid: bool = True  # lines go through from the ticks
     reading: dict[str, Any] = field(default_factory=dict)  # what a script needs to read values of a picture
-    steps: list[tuple[str, dict[str, Any]]] = field(default_factory=list)
-    _drawn: list[str] = field(default_factory=list)
-    _colour_bar_svg: list[str] = field(default_factory=list)
-    _legend: list[tuple[str, Callable[[float, float], str]]] = field(default_factory=list)
+    steps: list[tuple[str, dict[str, Any]]] = field(default_factory=list)  # what is drawn, in this order
+    bar: dict[str, Any] | None = None  # of colours
 
     @property
     def area(self) -> Rectangle:
@@ -181,11 +178,8 @@ class Chart:
 
         `label` stands in the legend (empty: not listed); `read`: values can be read from it.
         """
-        self.note("line", x=x, y=y, colour=colour, width=width, dash=dash, label=label)
-        style = _stroke(colour, width, dash)
-        name = f' data-of="{html.escape(label)}"' if read else ""
-        self._drawn.append(f'<path{name} d="{self._path(x, y)}" fill="none" {style}/>')
-        self._list(label, lambda start, upper: f'<path d="M{start:g} {upper:g}h26" fill="none" {style}/>')
+        style = {"colour": colour, "width": width, "dash": dash, "label": label, "read": read}
+        self.note("line", x=x, y=y, path=self._path(x, y), **style)
 
     def marks(
         self,
@@ -206,14 +200,9 @@ class Chart:
         """
         if joined:
             self.line(x, y, colour=colour, width=joined, dash=dash, read=False)
-        self.note("marks", x=x, y=y, colour=colour, marker=marker, filled=filled, label=label)
-        left, top = self._pixels(x, y)
-        glyph = partial(_mark, marker=marker, colour=colour, filled=filled)
-        glyphs = [glyph(*index) for index in zip(left, top, strict=True) if np.isfinite(index).all()]
-        if glyphs:
-            self._drawn.append(f'<g data-of="{html.escape(label)}">{"".join(glyphs)}</g>')
-        if listed:
-            self.key(label, colour=colour, marker=marker, filled=filled, width=joined, dash=dash)
+        places = [place for place in zip(*self._pixels(x, y), strict=True) if np.isfinite(place).all()]
+        style = {"colour": colour, "marker": marker, "filled": filled, "width": joined, "dash": dash}
+        self.note("marks", x=x, y=y, places=places, label=label, listed=listed, **style)
 
     def series(self, index: int, x: np.ndarray, y: np.ndarray, *, label: str) -> None:
         """Draw one of several lines with marks, in its own colour and mark."""
@@ -230,19 +219,14 @@ class Chart:
         dash: str = "",
     ) -> None:
         """List a line, with a mark in its middle or without, in the legend."""
-        through = f'<path d="M{{0:g}} {{1:g}}h26" {_stroke(colour, width, dash)}/>' if width else ""
-        mark = partial(_mark, marker=marker, colour=colour, filled=filled)
-        self._list(
-            label,
-            lambda start, upper: through.format(start, upper) + (mark(start + 13, upper) if marker else ""),
-        )
+        style = {"colour": colour, "marker": marker, "filled": filled, "width": width, "dash": dash}
+        self.note("key", label=label, **style)
 
     def bars(self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray, *, colour: str) -> None:
         """Draw error bars, which may be asymmetric; one that leaves the axes ends at their edge.
 
         One without an upper end (NaN beside a known lower one) reaches the edge and has an arrow there.
         """
-        self.note("bars", x=x, lower=lower, upper=upper, colour=colour)
         left, low = self._pixels(x, lower)
         high = self._pixels(x, upper)[1]
         height = self.area[3]
@@ -256,8 +240,7 @@ class Chart:
             for a, b, c, arrow in zip(left, low, high, unbounded, strict=True)
             if np.isfinite([a, b, c]).all()
         )
-        if path:
-            self._drawn.append(f'<path d="{path}" fill="none" {_stroke(colour, 1.1, "")}/>')
+        self.note("bars", x=x, lower=lower, upper=upper, colour=colour, path=path)
 
     def shade(self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray, *, colour: str) -> None:
         """Fill the band between two lines below all that is drawn, to the edge where it has no upper end."""
@@ -265,8 +248,7 @@ class Chart:
         available = np.isfinite([x, lower, upper]).all(axis=0)
         if available.sum() > 1:
             around = np.r_[x[available], x[available][::-1]], np.r_[lower[available], upper[available][::-1]]
-            path = f'<path d="{self._path(*around)}z" fill="{colour}" fill-opacity=".18"/>'
-            self._drawn.insert(0, path)
+            self.note("shade", path=self._path(*around), colour=colour)
 
     def across(
         self, *, x: float | None = None, y: float | None = None, label: str = "", **style: str
@@ -280,26 +262,15 @@ class Chart:
     def band(self, low: float, high: float, *, label: str = "") -> None:
         """Shade the range between two values of x."""
         left, right = np.clip(self.x.position(np.array([low, high])), 0, 1) * self.area[2]
-        self._drawn.insert(
-            0, f'<path d="M{left:.1f} 0H{right:.1f}V{self.area[3]:.1f}H{left:.1f}z" fill="#e4e4e4"/>'
-        )
-        self._list(
-            label, lambda start, upper: f'<path d="M{start:g} {upper - 5:g}h26v10h-26z" fill="#e4e4e4"/>'
-        )
+        self.note("band", left=left, right=right, label=label)
 
     def write(self, left: float, low: float, text: str) -> None:
         """Write a text from a place (pixels) within the axes on, legible across lines."""
-        halo = '<g paint-order="stroke" stroke="#fff" stroke-width="5" stroke-linejoin="round">'
-        self._drawn.append(f"{halo}{_text(left, low, text)}</g>")
+        self.note("write", left=left, low=low, words=text)
 
     def picture(self, source: str, *, smooth: bool) -> None:
         """Lay a picture (data URI) over the area between the axes, with points as rectangles or `smooth`."""
-        rendering = "" if smooth else ' image-rendering="pixelated"'
-        width, height = self.area[2:]
-        self._drawn.append(
-            f'<image width="{width:.1f}" height="{height:.1f}" preserveAspectRatio="none" '
-            f'href="{source}"{rendering}/>'
-        )
+        self.note("picture", source=source, smooth=smooth)
 
     def colour_bar(
         self, axis: Axis, colours: Sequence[str], *, below: bool = False, above: bool = False
@@ -309,62 +280,41 @@ class Chart:
         An arrow shows that there are values `below` or `above` those of the colours.
         """
         left, top, width, height = self.area
-        bar = left + width + 10, top, 12.0, height
-        last = len(colours) - 1
-        stops = "".join(f'<stop offset="{k / last:.3f}" stop-color="{c}"/>' for k, c in enumerate(colours))
-        x, x_end, middle = bar[0], bar[0] + bar[2], bar[0] + bar[2] / 2
-        tips = [
-            f'<path d="M{x:.1f} {end:.1f}H{x_end:.1f}L{middle:.1f} {end + reach:.1f}z" fill="{colour}"/>'
-            for requested, end, reach, colour in (
-                (below, top + height, 9, colours[0]),
-                (above, top, -9, colours[-1]),
-            )
-            if requested
-        ]
-        self._colour_bar_svg += [
-            f'<linearGradient id="c" x1="0" y1="1" x2="0" y2="0">{stops}</linearGradient>',
-            f'<path d="M{x:.1f} {top:.1f}H{x_end:.1f}v{height:.1f}H{x:.1f}z" fill="url(#c)"/>',
-            *tips,
-            *_ticks(axis, "right", bar, grid=False, within=self.size[0]),
-        ]
+        place = left + width + 10, top, 12.0, height
+        bottom = top + height
+        ends = ((below, bottom, bottom + 9, colours[0]), (above, top, top - 9, colours[-1]))
+        self.bar = {
+            "area": place,
+            "colours": colours,
+            "tips": [tip for is_needed, *tip in ends if is_needed],
+            "ticks": _ticks(axis, "right", place, grid=False, within=self.size[0]),
+        }
 
     def source(self) -> str:
         """Return the chart as a data URI, with its legend below it."""
-        left, top, width, height = area = self.area
-        total = self.size[1]
-        components = [
-            *_ticks(self.x, "bottom", area, grid=self.grid),
-            *_ticks(self.y, "left", area, grid=self.grid),
-            *(_ticks(self.top, "top", area, grid=False) if self.top else ()),
-        ]
-        if self.title:
-            components.append(_text(left + width / 2, 18, self.title, anchor="middle", size=13))
-        inside = "".join(self._drawn)
-        components += [
-            f'<svg x="{left:.1f}" y="{top:.1f}" width="{width:.1f}" height="{height:.1f}">{inside}</svg>',
-            *self._colour_bar_svg,
-        ]
-        if self._legend:
-            details, rows = self._legend_below()
-            components += details
-            total += rows
+        area = self.area
+        sides = [(self.x, "bottom", self.grid), (self.y, "left", self.grid)]
+        sides += [(self.top, "top", False)] if self.top else []
+        legend, rows = self._legend_below()
         axes = {"x": self.x.reading(), "y": self.y.reading(), "area": [round(side, 1) for side in area]}
         reading = html.escape(json.dumps(axes | self.reading, ensure_ascii=False), quote=False)
-        reading = reading.replace("'", "&#39;")  # the double quotes of JSON take less room as they are
-        return data_uri(
-            f"<svg xmlns=\"http://www.w3.org/2000/svg\" data-reading='{reading}' "
-            f'viewBox="0 0 {self.size[0]:g} {total:g}" width="{self.size[0]:g}" height="{total:g}" '
-            f'font-family="{_FONT}" font-size="{_SIZE:g}" fill="{INK}">{"".join(components)}</svg>'
+        svg = template("chart.svg").render(
+            axes=[_ticks(axis, side, area, grid=grid) for axis, side, grid in sides],
+            title=self.title,
+            area=area,
+            size=(self.size[0], self.size[1] + rows),
+            steps=self.steps,
+            bar=self.bar,
+            legend=legend,
+            outlines=_OUTLINES,
+            # the double quotes of JSON take less room as they are
+            reading=reading.replace("'", "&#39;"),
         )
+        return data_uri(svg.replace("\n", ""))
 
     def note(self, method: str, **arguments: Any) -> None:
-        """Take note of what is drawn, for another program."""
+        """Take note of what is drawn: for the template, and for another program."""
         self.steps.append((method, arguments))
-
-    def _list(self, label: str, glyph: Callable[[float, float], str]) -> None:
-        """Add a line to the legend."""
-        if label:
-            self._legend.append((label, glyph))
 
     def _pixels(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return where points lie within the area, from its upper left corner."""
@@ -383,19 +333,25 @@ class Chart:
                 fragments.append("M" + "L".join(f"{a:g} {b:g}" for a, b in points))
         return "".join(fragments)
 
-    def _legend_below(self) -> tuple[list[str], float]:
-        """Return the legend below the chart, in columns as wide as its labels, and its height."""
+    def _legend_below(self) -> tuple[list[tuple[float, float, str, str, dict[str, Any]]], float]:
+        """Return place, label and sample of each line of the legend below the chart, and its height.
+
+        Its columns are as wide as its labels.
+        """
+        listed = [(kind, step) for kind, step in self.steps if step.get("label") and step.get("listed", True)]
+        if not listed:
+            return [], 0.0
         across, letter = self.size[0] - 24, _LETTER_WIDTH * _SMALL
-        longest = 38 + letter * max(len(label) for label, _ in self._legend)
+        longest = 38 + letter * max(len(step["label"]) for _, step in listed)
         columns = min(max(int(across / longest), 1), _MOST_COLUMNS)
         room = int((across - 38) / letter)
-        components = []
-        for index, (label, glyph) in enumerate(self._legend):
+        lines = []
+        for index, (kind, step) in enumerate(listed):
             row, column = divmod(index, columns)
-            x, middle = round(12 + across / columns * column, 1), self.size[1] + 9 + 18 * row
-            short = label if len(label) <= room else f"{label[: room - 1]}…"
-            components += [glyph(x, middle), _text(x + 32, middle + 4, short, size=_SMALL)]
-        return components, 18.0 * -(-len(self._legend) // columns) + 6
+            label = step["label"] if len(step["label"]) <= room else f"{step['label'][: room - 1]}…"
+            place = round(12 + across / columns * column, 1), self.size[1] + 9 + 18 * row
+            lines.append((*place, label, kind, step))
+        return lines, 18.0 * -(-len(listed) // columns) + 6
 
 
 _NOT_IN_URI = re.compile(r"[^\w =:/+;,'()!*@?$~.-]+", re.ASCII)
@@ -414,34 +370,11 @@ def data_uri(svg: str) -> str:
     return "data:image/svg+xml," + _NOT_IN_URI.sub(lambda match: _quoted(match[0]), svg)
 
 
-def _stroke(colour: str, width: float, dash: str) -> str:
-    """Return the SVG attributes of a line."""
-    dashes = f' stroke-dasharray="{dash}"' if dash else ""
-    return f'stroke="{colour}" stroke-width="{width:g}" stroke-linejoin="round"{dashes}'
+def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float = math.inf) -> dict[str, Any]:
+    """Return the lines and the texts of an axis at a side of an area; its label ends within a width.
 
-
-def _mark(x: float, y: float, *, marker: str, colour: str, filled: bool) -> str:
-    """Return a mark at a place, 7 pixels across."""
-    fill = colour if filled else "none"
-    return (
-        f'<path transform="translate({x:.1f} {y:.1f})scale(3.4)" d="{_OUTLINES[marker]}" fill="{fill}" '
-        f'stroke="{colour}" stroke-width=".35"/>'
-    )
-
-
-def _text(
-    x: float, y: float, text: str, *, anchor: str = "start", size: float = _SIZE, turned: bool = False
-) -> str:
-    """Return a text at a place, upright or turned by a quarter."""
-    where = f'transform="translate({x:.1f} {y:.1f})rotate(-90)"' if turned else f'x="{x:.1f}" y="{y:.1f}"'
-    category = (f' text-anchor="{anchor}"' if anchor != "start" else "") + (
-        f' font-size="{size:g}"' if size != _SIZE else ""
-    )
-    return f"<text {where}{category}>{html.escape(text, quote=False)}</text>"
-
-
-def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float = math.inf) -> list[str]:
-    """Return an axis at a side of an area: its line, ticks, values and label, which ends within a width."""
+    A text has its place, the words, anchor, size (empty: the usual one), and whether it is turned.
+    """
     left, top, width, height = area
     flat = side in ("bottom", "top")
     edge = {"bottom": top + height, "top": top, "left": left, "right": left + width}[side]
@@ -452,39 +385,30 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float 
         share = float(axis.position(value))
         return left + share * width if flat else top + (1 - share) * height
 
-    def stub(value: float, length: float) -> str:
-        return (
-            f"M{position(value):.1f} {edge:.1f}v{length:g}"
-            if flat
-            else f"M{edge:.1f} {position(value):.1f}h{length:g}"
-        )
+    def stubs(values: list[float], length: float) -> str:
+        form = "M{0:.1f} {1:.1f}v{2:g}" if flat else "M{1:.1f} {0:.1f}h{2:g}"
+        return "".join(form.format(position(value), edge, length) for value in values)
 
-    components = []
-    if grid and written:
-        through = -sign * (height if flat else width)
-        lines = "".join(stub(value, through) for value in written)
-        components.append(f'<path d="{lines}" stroke="{_GRID}" stroke-width=".8" fill="none"/>')
-    line = f"M{left:.1f} {edge:.1f}h{width:.1f}" if flat else f"M{edge:.1f} {top:.1f}v{height:.1f}"
-    stubs = "".join(stub(v, 4.5 * sign) for v in written) + "".join(stub(v, 2.5 * sign) for v in interior)
-    components.append(f'<path d="{line}{stubs}" stroke="{INK}" stroke-width=".9" fill="none"/>')
     texts = [tick_text(value) for value in written]
+    name: tuple[Any, ...]
     if flat:
-        lower = 18.0 if side == "bottom" else -9.0
-        components += [
-            _text(position(v), edge + lower, t, anchor="middle") for v, t in zip(written, texts, strict=True)
-        ]
-        label = edge + (37 if side == "bottom" else -27)
-        return [*components, _text(left + width / 2, label, axis.label, anchor="middle")]
-    anchor, across = ("end", -8.0) if side == "left" else ("start", 8.0)
-    components += [
-        _text(edge + across, position(v) + 4, t, anchor=anchor) for v, t in zip(written, texts, strict=True)
-    ]
-    longest = max(map(len, texts), default=1) * _DIGIT_WIDTH * _SIZE
-    label = edge - 18 - longest if side == "left" else edge + 22 + longest
-    half = len(axis.label) * _LETTER_WIDTH * _SIZE / 2  # it must not be cut off above a low picture
-    middle = max(top + height / 2, half)
-    label = min(max(label, 12.0), within - 4)
-    return [*components, _text(label, middle, axis.label, anchor="middle", turned=True)]
+        lower, far, anchor = (18.0, 37.0, "middle") if side == "bottom" else (-9.0, -27.0, "middle")
+        places = [(position(value), edge + lower) for value in written]
+        name = left + width / 2, edge + far, axis.label, "middle"
+    else:
+        anchor, across = ("end", -8.0) if side == "left" else ("start", 8.0)
+        places = [(edge + across, position(value) + 4) for value in written]
+        longest = max(map(len, texts), default=1) * _DIGIT_WIDTH * _SIZE
+        far = edge - 18 - longest if side == "left" else edge + 22 + longest
+        half = len(axis.label) * _LETTER_WIDTH * _SIZE / 2  # it must not be cut off above a low picture
+        middle = max(top + height / 2, half)
+        name = min(max(far, 12.0), within - 4), middle, axis.label, "middle", "", True
+    line = f"M{left:.1f} {edge:.1f}h{width:.1f}" if flat else f"M{edge:.1f} {top:.1f}v{height:.1f}"
+    return {
+        "grid": stubs(written, -sign * (height if flat else width)) if grid else "",
+        "line": line + stubs(written, 4.5 * sign) + stubs(interior, 2.5 * sign),
+        "texts": [*((*place, text, anchor) for place, text in zip(places, texts, strict=True)), name],
+    }
 
 
 def _extremes(values: np.ndarray) -> np.ndarray:

@@ -15,11 +15,13 @@ from roughcontact.maps import side_lengths, spacing
 from roughcontact.profiles.surface import is_drawn, surfaces_behind
 from roughcontact.quantities import counted_noun, number, percent, quantity
 from roughcontact.report.tables import is_finite_body, material_name
+from roughcontact.report.template import sentence
 from roughcontact.report.units import unit_of
 from roughcontact.roughness.profile_parameters import profile_parameters
 from roughcontact.roughness.texture import LAY
 from roughcontact.statistics.adhesion import adhesion_in_words
 from roughcontact.statistics.friction import slip_in_words
+from roughcontact.variables import values_at_load
 from roughcontact.window.band import shortest_reliable_wave
 
 
@@ -32,23 +34,24 @@ def surface_facts(
     instrument_text = ", ".join(f"{label} {text}" for label, text in instrument)
     source = [str(measured.attrs.get(key, "")) for key in ("source_file", "source_format")]
     resolution = float(numbers["points_per_shortest_wavelength"][0])
+    length = unit_of(numbers, "m").text
     facts = [
         ("File", " · ".join(filter(None, source))),
-        ("First row", _first_row(measured)),
+        ("First row", sentence("first_row", measured.attrs)),
         ("Channel", str(measured.attrs.get("channel", ""))),
         ("Instrument", textwrap.shorten(instrument_text, 160, placeholder=" …")),
         ("Map", f"{_size(measured)} of {pitch}"),
         ("Missing points", percent(measured.attrs.get("missing_share", 0.0))),
-        ("Counter-face", _counter_face(levelled)),
+        ("Counter-face", sentence("counter_face", levelled.attrs)),
         ("Removed form", _removed(levelled, numbers)),
-        ("Scan lines", _lines(levelled, numbers)),
-        ("Filters", _filters(levelled, numbers)),
+        ("Scan lines", sentence("scan_lines", levelled.attrs, length)),
+        ("Filters", sentence("filters", json.loads(levelled.attrs.get("filters_removed", "{}")), length)),
         ("Corrected for", str(window.attrs.get("corrected_for", ""))),
-        *_parameters(levelled, unit_of(numbers, "m").text),
+        *_parameters(levelled, length),
         ("Window", _size(window)),
         ("Periodisation", str(window.attrs.get("periodisation", "none"))),
         ("Sal, Str, lay", _texture(numbers)),
-        ("rms height", unit_of(numbers, "m").text(float(numbers["rms_height"]))),
+        ("rms height", length(float(numbers["rms_height"]))),
         ("rms gradient g", number(float(numbers["rms_gradient"]))),
         ("rms curvature", f"{number(float(numbers['rms_curvature']) * 1e-3)} mm⁻¹"),
         ("Nayak parameter", number(float(numbers["nayak_parameter"]))),
@@ -70,34 +73,7 @@ def _finite_body(numbers: xr.Dataset) -> str:
     if not is_finite_body(numbers):
         return ""
     load = int(numbers["force"].values.argmax())
-
-    def text(name: str, unit: str) -> str:
-        return quantity(float(numbers[name][load]), unit)
-
-    loaded = f", of the loaded circle {text('loaded_radius', 'm')}" if "bodies" not in numbers.attrs else ""
-    contact = (
-        f"radius of the area in contact {text('contact_radius', 'm')}{loaded}, "
-        f"largest pressure {text('max_pressure', 'Pa')}"
-    )
-    if "hertz_radius" in numbers:
-        contact += (
-            f", that of the smooth body (Hertz) {text('hertz_radius', 'm')} with a largest pressure of "
-            f"{text('hertz_max_pressure', 'Pa')} and an approach of {text('hertz_approach', 'm')}"
-        )
-    if "greenwood_tripp_loaded_radius" in numbers:
-        contact += (
-            f"; independent summits on the ball (Greenwood and Tripp): loaded circle "
-            f"{text('greenwood_tripp_loaded_radius', 'm')}, largest nominal pressure "
-            f"{text('greenwood_tripp_max_pressure', 'Pa')}"
-        )
-    return f"{contact}, at {text('force', 'N')}"
-
-
-def _first_row(measured: xr.DataArray) -> str:
-    """Return the assumed orientation of a map, empty where its file or its format states it."""
-    if not measured.attrs.get("first_row_assumed"):
-        return ""
-    return f"at the {measured.attrs['first_row']}, assumed: the file does not say (first_row in the table)"
+    return sentence("finite_body", values_at_load(numbers, load), "bodies" in numbers.attrs)
 
 
 def date_of(measured: xr.DataArray) -> str:
@@ -300,18 +276,6 @@ def _size(height: xr.DataArray) -> str:
     return f"{lengths}, {points} points"
 
 
-def _counter_face(levelled: xr.DataArray) -> str:
-    """Return the position of the other face of a pair on this one, nothing where there is a single face."""
-    attrs = levelled.attrs
-    if "counter_face" not in attrs:
-        return ""
-    shift = ", ".join(quantity(attrs[f"shift_{axis}"], "m") for axis in ("x", "y"))
-    return (
-        f"{attrs['counter_face']}, its middle at {shift} (x, y) from that of the face, turned by "
-        f"{attrs['rotation']:g}°, on {percent(attrs['covered_share'])} of the face"
-    )
-
-
 def _removed(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
     """Return the form that levelling removed."""
     removed = json.loads(levelled.attrs.get("form_removed", "{}"))
@@ -334,23 +298,6 @@ def _removed_part(name: str, entry: Mapping[str, Any], levelled: xr.DataArray, n
     if name.startswith("mean"):
         return unit_of(numbers, "m").text(value)
     return quantity(value, entry["units"].replace("m-1", "m⁻¹"))
-
-
-def _lines(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
-    """Return the alignment of the scan lines, nothing where they were not aligned."""
-    method = levelled.attrs.get("line_alignment", "none")
-    if method == "none":
-        return ""
-    return f"aligned ({method}), shifts of {unit_of(numbers, 'm').text(levelled.attrs['line_shift_rms'])} rms"
-
-
-def _filters(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
-    """Return the waves that the filters of levelling removed, nothing where there was no filter."""
-    return "; ".join(
-        f"{name[0].upper()}-filter {quantity(entry['nesting_index']['value'], 'm')}, "
-        f"{unit_of(numbers, 'm').text(entry['rms_removed']['value'])} rms removed"
-        for name, entry in json.loads(levelled.attrs.get("filters_removed", "{}")).items()
-    )
 
 
 def _parameters(levelled: xr.DataArray, length: Callable[[float], str]) -> list[tuple[str, str]]:

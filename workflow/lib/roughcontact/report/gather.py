@@ -124,7 +124,7 @@ def remove_earlier(folder: Path) -> None:
 
 
 def group_answers(
-    solved: Mapping[tuple[str, str], xr.Dataset], groups: Mapping[str, tuple[Mapping[str, str], bool]]
+    solved: Mapping[str, Mapping[str, xr.Dataset]], groups: Mapping[str, tuple[Mapping[str, str], bool]]
 ) -> tuple[list[NamedGroup], list[str]]:
     """Return the answer of each group under each case, and a sentence for each that has none.
 
@@ -132,8 +132,8 @@ def group_answers(
     """
     answers, omitted = [], []
     for name, (components, placements) in groups.items():
-        for case in dict.fromkeys(case for case, _ in solved):
-            selected = {map_: solved[case, map_] for map_ in components if (case, map_) in solved}
+        for case, of_case in solved.items():
+            selected = {map_: of_case[map_] for map_ in components if map_ in of_case}
             if not selected:
                 continue
             try:
@@ -175,7 +175,7 @@ def comparisons(
 
 
 def _shared_maps(
-    solved: Mapping[tuple[str, str], xr.Dataset],
+    solved: Mapping[str, Mapping[str, xr.Dataset]],
     groups: Mapping[str, tuple[Mapping[str, str], bool]],
     same_area_pairs: Sequence[Sequence[str]],
 ) -> dict[tuple[str, str], tuple[xr.Dataset, xr.Dataset]]:
@@ -184,11 +184,11 @@ def _shared_maps(
     for first, *remaining in (list(components) for components, placements in groups.values() if placements):
         pairs += [(first, second) for second in remaining]
     shared = {}
-    for case in dict.fromkeys(case for case, _ in solved):
-        for first, second in pairs:
-            if (case, first) in solved and (case, second) in solved:
-                labels = tuple(f"{name} · {case}" if case else name for name in (first, second))
-                shared[labels[0], labels[1]] = _rising(solved[case, first]), _rising(solved[case, second])
+    for case, of_case in solved.items():
+        for pair in pairs:
+            if of_case.keys() >= {*pair}:
+                first, second = (f"{name} · {case}" if case else name for name in pair)
+                shared[first, second] = _rising(of_case[pair[0]]), _rising(of_case[pair[1]])
     return shared
 
 
@@ -198,23 +198,16 @@ def _rising(result: xr.Dataset) -> xr.Dataset:
     return result.isel(load=np.argsort(loads)[: np.isfinite(loads).sum()])
 
 
-def _by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[tuple[str, str], xr.Dataset]:
+def _by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[str, dict[str, xr.Dataset]]:
     """Return what groups and differences need of some solved maps, by case ("" without cases) and name."""
     bands = json.loads(statistics.attrs["bands"])
-    dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
-    required = needed_for_groups(map(str, statistics.variables))
-    variables = {name: statistics[name].transpose(*dims, ...).variable for name in required}
-    result = {}
-    for index in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
-        *cases, surface = (str(statistics[dim].values[place]) for dim, place in zip(dims, index, strict=True))
-        case = cases[0] if cases else ""
-        if surface in names and surface in bands[case]:
-            selected = {
-                name: (variable.dims[len(dims) :], variable.values[index])
-                for name, variable in variables.items()
-            }
-            result[case, surface] = xr.Dataset(selected, attrs=bands[case][surface])
-    return result
+    needed = statistics[needed_for_groups(map(str, statistics.variables))].drop_attrs(deep=False)
+    solved: dict[str, dict[str, xr.Dataset]] = {}
+    for labels, result in solved_results(needed):
+        case, surface = labels.get("case", ""), labels["surface"]
+        if surface in names:
+            solved.setdefault(case, {})[surface] = result.assign_attrs(bands[case][surface])
+    return solved
 
 
 def budget_table(statistics: xr.Dataset) -> pd.DataFrame:

@@ -96,14 +96,13 @@ def comparison_rows(
         displayed = result.isel(load=shown_loads(area))
         loads = displayed["mean_pressure"].values.tolist()
         limited = [all(_limited_at(answers[name], load) for name in (first, second)) for load in loads]
-        free = [False] * len(loads)
         rows.append(
             {
                 "first": first,
                 "second": second,
                 "loads": [pressure.text(load) for load in loads],
                 "rows": [
-                    _comparison(displayed.sel(quantity=name), name, limited if name == _PEAK else free)
+                    _comparison(displayed.sel(quantity=name), name, limited)
                     for name in _COMPARED
                     if name in result["quantity"].values
                 ],
@@ -184,10 +183,8 @@ def _comparison(displayed: xr.Dataset, name: str, limited: Sequence[bool]) -> Ro
     `limited` says at which loads it is the hardness of both, so that nothing is compared.
     """
     cells, outcomes = [], []
-    for index, (outcome, identical) in enumerate(
-        zip(displayed["outcome"].values.tolist(), limited, strict=True)
-    ):
-        if identical:
+    for index, outcome in enumerate(displayed["outcome"].values.tolist()):
+        if name == _PEAK and limited[index]:
             cells.append(Cell("–"))
             outcomes.append("both the hardness")
             continue

@@ -291,7 +291,7 @@ def _against_load(
     return chart
 
 
-def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
+def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart:
     """Draw the distribution of the contact pressure at the loads of these indices, contact points only.
 
     The share of the contact per factor e of pressure, p P(p), so that equal areas are equal shares.
@@ -301,7 +301,7 @@ def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
     return _distribution(statistics, loads, "pressure", unit="Pa", labels=labels, dotted=dotted)
 
 
-def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
+def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart:
     """Draw the distribution of the gap at the loads of these indices, points out of contact only."""
     open_share, gap = 1 - statistics["relative_contact_area_pixels"].values, statistics["mean_gap"].values
     labels = "gap u", "u P(u), share of the open area per factor e"
@@ -310,7 +310,7 @@ def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
     return _distribution(statistics, loads, "gap", unit="m", labels=labels, dotted=dotted)
 
 
-def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
+def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart:
     """Draw the distribution of the contact over the areas of its patches, at the loads of these indices.
 
     The share of the contact per factor e of the area a of a patch, a² P(a)/⟨a⟩, pixels counted.
@@ -333,7 +333,7 @@ def _distribution(
     unit: str,
     labels: tuple[str, str],
     dotted: tuple[str, np.ndarray],
-) -> str:
+) -> Chart:
     """Draw shares per factor e over a logarithmic axis at a few loads, dotted lines at `dotted`."""
     bounds = statistics[f"{name}_bin_bounds"].values
     shares = statistics[f"{name}_density"].fillna(0.0).values * np.diff(bounds, axis=1).ravel()
@@ -354,4 +354,4 @@ def _distribution(
         chart.line(edges, steps, colour=COLOURS[index], label=label)
         text = dotted[0] if load == loads[-1] else ""
         chart.across(x=float(dotted[1][load]) * factor, colour=COLOURS[index], dash=DOTTED, label=text)
-    return chart.source()
+    return chart

@@ -21,18 +21,18 @@ _LONGEST_ASPECT = 4.0  # longer pictures are drawn out of scale
 Frame = tuple[float, float, float, float]  # x, y, length x, length y
 
 
-class _Field(NamedTuple):
+class Field(NamedTuple):
     """What a map shows, and how: its colours, the colour of points without a value and what they are."""
 
     label: str
     colours: str
-    bad: str
-    bad_word: str
+    bad: str = "#ffffff"
+    bad_word: str = ""
 
 
-_HEIGHT = _Field("height", "viridis", "#ff4fa3", "not measured")
-_PRESSURE = _Field("pressure", "viridis", "#e4e4e4", "no contact")
-_GAP = _Field("gap", "cividis", "#ffffff", "contact")
+_HEIGHT = Field("height", "viridis", "#ff4fa3", "not measured")
+_PRESSURE = Field("pressure", "viridis", "#e4e4e4", "no contact")
+_GAP = Field("gap", "cividis", "#ffffff", "contact")
 
 
 def height_map(
@@ -60,8 +60,13 @@ def height_map(
     if rectangle is not None:
         x, y, width, depth = rectangle
         outline = np.array([x, x + width, x + width, x, x]), np.array([y, y, y + depth, y + depth, y])
-    values = height.values - np.nanmean(height.values)
-    lowest, highest = np.nanpercentile(values, [0.1, 99.9])  # a few spikes must not take up the colour scale
+    face = height.values
+    if "form_edges" in height.attrs:  # what lies beyond the edges has no part in the colours
+        face = face[face > np.nanmin(face)]
+    mean = np.nanmean(face)
+    # a few spikes must not take up the colour scale
+    lowest, highest = (float(end) for end in np.nanpercentile(face - mean, [0.1, 99.9]))
+    values = height.values - mean
     limits, extend = (lowest, highest), (True, True)
     return _map(_HEIGHT, height, values, limits, extend, unit=unit, outline=outline, along=along)
 
@@ -125,20 +130,17 @@ def gap_map(
 
 
 def framed(
+    field: Field,
     x: Axis,
     y: Axis,
     values: np.ndarray,
     *,
     bar: Axis,
-    colours: str,
-    bad: str = "#ffffff",
-    bad_word: str = "",
     extend: tuple[bool, bool] = (False, False),
 ) -> Chart:
     """Return values (ny, nx; first row at the bottom) as a picture between axes, with a colour bar.
 
-    `bad` is the colour of NaN, `bad_word` its meaning; `extend` says whether values lie below and above the
-    colours. Pictures of one shape come out alike.
+    `extend` says whether values lie below and above the colours. Pictures of one shape come out alike.
     """
     aspect = abs(y.high - y.low) / abs(x.high - x.low)
     in_scale = 1 / _LONGEST_ASPECT <= aspect <= _LONGEST_ASPECT
@@ -149,21 +151,22 @@ def framed(
     margins = (72.0, 14.0, _WIDTH - width + 94.0, 46.0)
     size = (72.0 + _WIDTH + 94.0, width * aspect + 60.0)
     chart = Chart(x, y, size=size, margins=margins, grid=False)
-    source, coarse = coloured(values[::-1], (bar.low, bar.high), colours, bad=bad)  # y grows upwards
+    colours = colour_scale(field.colours)
+    source, coarse = coloured(values[::-1], (bar.low, bar.high), field.colours, bad=field.bad)  # y upwards
     chart.picture(source, smooth=not coarse)
     chart.reading = {
         "value": bar.reading(),
-        "colours": colour_scale(colours),
-        "bad": [bad, bad_word],
+        "colours": colours,
+        "bad": [field.bad, field.bad_word],
         "points": list(values.shape[::-1]),
     }
-    chart.note("values", values=values, bar=bar, colours=colours, bad=bad)
-    chart.colour_bar(bar, colour_scale(colours), below=extend[0], above=extend[1])
+    chart.note("values", values=values, bar=bar, colours=field.colours, bad=field.bad)
+    chart.colour_bar(bar, colours, below=extend[0], above=extend[1])
     return chart
 
 
 def _map(
-    field: _Field,
+    field: Field,
     height: xr.DataArray,
     values: np.ndarray,
     limits: tuple[float, float],
@@ -179,14 +182,12 @@ def _map(
     ly, lx = (length * factor for length in lengths)
     low, high = (limit * unit.factor for limit in limits)
     chart = framed(
+        field,
         Axis(f"x ({of_lengths})", 0.0, lx),
         Axis(f"y ({of_lengths})", 0.0, ly),
         values * unit.factor,
         bar=Axis(f"{field.label} ({unit.symbol})", low, high if high > low else low + 1e-6 * unit.factor),
         extend=extend,
-        colours=field.colours,
-        bad=field.bad,
-        bad_word=field.bad_word,
     )
     if outline is not None:
         x, y = (coordinate * factor for coordinate in outline)

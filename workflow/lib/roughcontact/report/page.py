@@ -80,25 +80,21 @@ def write_report(
     styles = _line_styles(series, series, grouped)
     units, indices = glance_units(results), loads_to_compare(results)
     by_name = dict(zip(available, zip(series, styles, units, indices, strict=True), strict=True))
-    summaries = [read_summary(panel) for panel in panels]
     rows: list[dict[str, Any]] = []
-    for panel in summaries:
-        name, data = panel["name"], available[panel["name"]]
-        (surface, case), style, of_surface, index = by_name[name]
+    for path_of_panel in panels:
+        panel = read_summary(path_of_panel)
+        data = available[panel["name"]]
+        (surface, case), style, of_surface, index = by_name[panel["name"]]
         rows.append(
             {
                 **panel,
+                "panel": path_of_panel,
                 "glance": glance_rows(data, of_surface, panel["loads"]),
-                "loads": data.sizes["load"],
-                "reason": panel["main_reason"],
-                "others": max(len(panel["reasons"]) - 1, 0),
                 "numbers": _compared(data, of_surface, index) if indexed else [],
                 "case": case,
                 "sample": sample_of(*style),
                 "group": grouped.get(surface, ""),
                 "rank": len(VERDICTS) - list(VERDICTS).index(panel["verdict"]),
-                "doubts": ", ".join(panel["doubts"]),
-                "link": f"pages/{surface}.html#surface-{panel['identifier']}",
             }
         )
     causes: dict[tuple[str, str], list[str | None]] = {}
@@ -109,21 +105,19 @@ def write_report(
         for (name, reason), cases in causes.items()
     ]
     cases = [*(case for _, case in series), *(failure["case"] for failure in failures)]
-    head = {"title": title, "asked_of_run": describe_problem(settings, changed), "version": __version__}
+    head: dict[str, Any] = {"title": title, "version": __version__, "asked": HEADINGS, "words": VERDICTS}
+    head["asked_of_run"] = describe_problem(settings, changed)
     equal = same_loads(settings)
     if indexed:
-        page_folder = folder / "pages"
-        pages = Path(path).parent / "pages"
-        _write_pages(pages, rows, panels, by_surface, named, equal_loads=equal, head=head, folder=page_folder)
+        written_to, place = Path(path).parent / "pages", folder / "pages"
+        _write_pages(written_to, rows, by_surface, named, equal_loads=equal, head=head, folder=place)
     html = template("report.html").render(
         rows=rows,
         headings=_HEADINGS,
-        asked=HEADINGS,
         download=None if indexed else _as_download(summary),
-        words=VERDICTS,
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in VERDICTS},
         many=indexed,
-        doubts=Counter(doubt for summary in summaries for doubt in summary["doubts"]).most_common(),
+        doubts=Counter(doubt for row in rows for doubt in row["doubts"]).most_common(),
         surfaces=len(by_surface),
         cases_of_run=[*filter(None, dict.fromkeys(cases))],
         light=planned_in_words(
@@ -137,7 +131,7 @@ def write_report(
             unloading_of(_name(*key), series[key], residual, folder)
             for key, residual in (residuals or {}).items()
         ],
-        parts=[] if indexed else [_panel_html(panel, folder) for panel in panels],
+        parts=[] if indexed else [_panel_html(row, folder) for row in rows],
         failures=named,
         groups=group_rows(groups, {(row["surface"], row["case"]): VERDICTS[row["verdict"]] for row in rows}),
         group_headings=GROUP_HEADINGS,
@@ -146,7 +140,7 @@ def write_report(
         compared=comparison_rows(compared or {}, groups, available),
         folded=bool(grouped) and by_surface.keys() <= grouped.keys(),
         **head,
-        measured=measured_in_words({result["surface"]: result["measured"] for result in summaries}),
+        measured=measured_in_words({row["surface"]: row["measured"] for row in rows}),
         settings=json.dumps(settings, indent=1, sort_keys=True),
     )
     write_text(html, path)
@@ -154,8 +148,7 @@ def write_report(
 
 def _write_pages(
     written_to: Path,
-    summaries: Sequence[Mapping[str, Any]],
-    panels: Sequence[str | Path],
+    rows: Sequence[Mapping[str, Any]],
     by_surface: Mapping[str, Mapping[str, xr.Dataset]],
     failures: Sequence[Mapping[str, Any]],
     *,
@@ -167,28 +160,26 @@ def _write_pages(
 
     `equal_loads` is as of `case_table`.
     """
-    names = list(dict.fromkeys(summary["surface"] for summary in summaries))
-    for position, name in enumerate(names):
-        selected = [index for index, summary in enumerate(summaries) if summary["surface"] == name]
+    names = list(dict.fromkeys(row["surface"] for row in rows))
+    for before, name, after in zip([None, *names], names, [*names[1:], None], strict=False):
+        selected = [row for row in rows if row["surface"] == name]
         html = template("surface.html").render(
-            **head,
-            measured=measured_in_words({name: summaries[selected[0]]["measured"]}),
+            head,
+            measured=measured_in_words({name: selected[0]["measured"]}),
             name=name,
-            before=names[position - 1] if position else None,
-            after=names[position + 1] if position + 1 < len(names) else None,
+            before=before,
+            after=after,
             cases=case_table(by_surface[name], equal_loads=equal_loads),
-            rows=[summaries[index] for index in selected],
-            asked=HEADINGS,
-            words=VERDICTS,
+            rows=selected,
             failures=[failure for failure in failures if failure["surface"] == name],
-            parts=[_panel_html(panels[index], folder) for index in selected],
+            parts=[_panel_html(row, folder) for row in selected],
         )
         write_text(html, written_to / f"{name}.html")
 
 
-def _panel_html(panel: str | Path, folder: Path) -> str:
+def _panel_html(row: Mapping[str, Any], folder: Path) -> str:
     """Return the part of a surface as it stands on a page of `folder`."""
-    return from_page(Path(panel).read_text(encoding="utf-8"), panel, folder)
+    return from_page(Path(row["panel"]).read_text(encoding="utf-8"), row["panel"], folder)
 
 
 def _as_download(text: str) -> str:

@@ -26,9 +26,6 @@ from roughcontact.results.storage import opened_dataset, read_dataset, write_tex
 from roughcontact.statistics import checks
 from roughcontact.statistics.finite_body import hertz_axes
 from roughcontact.statistics.outcome import (
-    NOT_MADE,
-    NOTE,
-    PASSED,
     VERDICTS,
     by_importance,
     concerns,
@@ -78,8 +75,6 @@ def write_panel(
     judged = checks_of(numbers.isel(load=displayed)) if numbers.attrs.get("loads") == "found" else outcome
     verdict = verdict_of(judged)
     doubts = by_importance(not_passed(outcome))
-    notes = [check for check in outcome if check.outcome == NOTE]
-    not_judged = [check for check in outcome if check.outcome == NOT_MADE]
     bodies = settings["contact"].get("bodies")
     available = facts.surface_facts(measured, plane, solved, numbers)
     maps = _maps(measured, plane, solved, numbers, counter_face)
@@ -96,9 +91,7 @@ def write_panel(
         verdict=verdict,
         verdict_words=VERDICTS[verdict],
         doubts=doubts,
-        notes=notes,
-        not_judged=not_judged,
-        sound=[check for check in outcome if check.outcome == PASSED],
+        checks=outcome,
         facts=available,
         stack=stack_of_layers(bodies, solved) if have_layers(bodies) else None,
         maps=maps,
@@ -108,7 +101,9 @@ def write_panel(
         drawn=displayed,
         loads=json.dumps(_each_load(numbers, displayed if fields else []), ensure_ascii=False),
         waves=_waves(solved, numbers) if rough else [],
-        charts=_charts(numbers, solved, displayed) if rough else [],
+        charts=_charts(numbers, solved, displayed) if rough else {},
+        bars=partial(captions.reading_of, numbers),
+        theories=load_plots.has_theories(numbers),
         budget=shown_budget(numbers, displayed, extent=settings["uncertainty"]["extent"]),
         tables=tables.number_tables(numbers, checks.load_flags(numbers, solved.size)),
         outcomes=[outcome_of(numbers, index) for index in range(numbers.sizes["load"])],
@@ -253,44 +248,15 @@ def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, st
 
 def _charts(
     numbers: xr.Dataset, window: xr.DataArray, displayed: Sequence[int]
-) -> list[tuple[str, str, str, str]]:
-    """Return (title, image, result, reading) of the charts of a window that is not flat."""
-    bars = partial(captions.reading_of, numbers)
-    of_contact = "Equal areas below a line are equal shares of the contact."
-    charts = [
-        (
-            "Contact area against load",
-            load_plots.area_against_load(numbers, window).source(),
-            captions.area_caption(numbers),
-            bars("relative_contact_area")
-            + (" Lines: theories, for comparison." if load_plots.has_theories(numbers) else ""),
-        ),
-        (
-            "Pressure against load",
-            load_plots.pressure_against_load(numbers).source(),
-            captions.pressure_caption(numbers),
-            bars("mean_contact_pressure", "max_pressure"),
-        ),
-        (
-            "Mean gap against load",
-            load_plots.gap_against_load(numbers).source(),
-            captions.gap_caption(numbers),
-            bars("mean_gap"),
-        ),
-        (
-            "Distribution of the contact pressure",
-            load_plots.pressure_distribution(numbers, displayed),
-            captions.distribution_caption(numbers),
-            of_contact,
-        ),
-        (
-            "Distribution of the gap",
-            load_plots.gap_distribution(numbers, displayed),
-            captions.open_caption(numbers),
-            "Equal areas below a line are equal shares of what is apart.",
-        ),
-    ]
+) -> dict[str, tuple[str, str]]:
+    """Return {name: (image, caption)} of the charts of a window that is not flat."""
+    charts = {
+        "area": (load_plots.area_against_load(numbers, window), captions.area_caption),
+        "pressure": (load_plots.pressure_against_load(numbers), captions.pressure_caption),
+        "gap": (load_plots.gap_against_load(numbers), captions.gap_caption),
+        "pressures": (load_plots.pressure_distribution(numbers, displayed), captions.distribution_caption),
+        "gaps": (load_plots.gap_distribution(numbers, displayed), captions.open_caption),
+    }
     if 1 not in window.shape:  # the patches of a profile have no area
-        patches, caption = load_plots.patch_distribution(numbers, displayed), captions.patch_caption(numbers)
-        charts.append(("Sizes of the contact patches", patches, caption, of_contact))
-    return charts
+        charts["patches"] = load_plots.patch_distribution(numbers, displayed), captions.patch_caption
+    return {name: (chart.source(), caption(numbers)) for name, (chart, caption) in charts.items()}

@@ -5,16 +5,29 @@ import hashlib
 import re
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import jinja2
 from markupsafe import Markup
+
+from roughcontact.quantities import number, percent, quantity
 
 _TEMPLATES = Path(__file__).with_name("templates")
 
 
 def template(name: str, *, folder: Path | None = None) -> jinja2.Template:
-    """Return one of the package's templates, HTML escaped; a missing variable is an error."""
+    """Return one of the package's templates, those in HTML escaped; a missing variable is an error."""
     return _environment(folder).get_template(name)
+
+
+def sentence(name: str, *values: Any) -> str:
+    """Return a sentence of `sentences.txt` with these values."""
+    return paragraph(getattr(template("sentences.txt").module, name)(*values))
+
+
+def paragraph(text: str) -> str:
+    """Return a text of a template as one line."""
+    return re.sub(r"[ \n]+", " ", text).strip()
 
 
 @cache
@@ -23,12 +36,12 @@ def _environment(folder: Path | None) -> jinja2.Environment:
     folders = [_TEMPLATES] if folder is None else [folder, _TEMPLATES]
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(folders),
-        autoescape=True,
+        autoescape=jinja2.select_autoescape(("html", "svg")),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["digests"] = _digests
+    environment.filters |= {"digests": _digests, "number": number, "percent": percent, "quantity": quantity}
     return environment
 
 

@@ -12,7 +12,7 @@ from contourpy import contour_generator
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.quantities import Unit
 from roughcontact.report.charts import COLOURS, DASHED, DOTTED, Axis, Chart, log_axis
-from roughcontact.report.map_plots import framed
+from roughcontact.report.map_plots import Field, framed
 from roughcontact.report.units import length_unit
 from roughcontact.roughness import parameters
 from roughcontact.roughness.spectrum import areal_spectrum, isotropic_spectrum
@@ -106,7 +106,7 @@ def directional_spectrum(window: xr.DataArray) -> str:
     x = _centred(f"q along x (rad/{length})", qx[columns] * unit_q)
     y = _centred(f"q along y (rad/{length})", qy[rows] * unit_q)
     bar = Axis(f"log₁₀ C ({_HEIGHT.symbol}² {length}²)", displayed.max() - _DECADES, displayed.max())
-    return framed(x, y, displayed, bar=bar, colours="magma").source()
+    return framed(Field(bar.label, "magma"), x, y, displayed, bar=bar).source()
 
 
 def autocorrelation_map(window: xr.DataArray) -> str:
@@ -130,7 +130,7 @@ def autocorrelation_map(window: xr.DataArray) -> str:
         return chart.source()
     bar = Axis("autocorrelation", min(float(displayed.min()), 0.0), 1.0)
     axes = _centred(f"shift along x ({unit})", x), _centred(f"shift along y ({unit})", y)
-    chart = framed(*axes, displayed, bar=bar, colours="viridis")
+    chart = framed(Field(bar.label, "viridis"), *axes, displayed, bar=bar)
     chart.line(*_contour(x, y, displayed, DECAY), colour="#ffffff")
     return chart.source()
 

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, percent, quantity
+from roughcontact.quantities import quantity
 from roughcontact.report.charts import COLOURS, DASHED, Chart, log_axis
 from roughcontact.report.tables import TITLES, UNITS
+from roughcontact.report.template import sentence
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import read_dataset
 
@@ -35,7 +36,7 @@ def unloading_of(name: str, loaded: xr.Dataset, residual: str | Path, folder: Pa
         TITLES[name]: _loading_and_unloading(loaded, unloadings, name) for name in (*_DRAWN, *_LEAK_RATES)
     }
     images = {label: chart.source() for label, chart in charts.items() if chart}
-    sentences = [_sentence(loaded, unloading) for unloading in unloadings]
+    sentences = [_lowered(loaded, unloading) for unloading in unloadings]
     return {"name": name, "images": images, "sentences": sentences, "link": link}
 
 
@@ -60,23 +61,14 @@ def _loading_and_unloading(loaded: xr.Dataset, unloadings: Sequence[xr.Dataset],
     return chart
 
 
-def _sentence(loaded: xr.Dataset, unloading: xr.Dataset) -> str:
-    """Return what was lowered by how much, and the area of both ways at the lowest load."""
-    mean, largest = (
-        quantity(float(unloading[f"{measure}_plastic_depth"]), "m") for measure in ("mean", "max")
-    )
-    volume = number(float(unloading["plastic_volume"]) * 1e18)
-    peak = quantity(float(unloading["peak_pressure"]), "Pa")
-    heights = [quantity(float(unloading[f"rms_height{time}"]), "m") for time in ("_before_load", "")]
-    gradients = [number(float(unloading[f"rms_gradient{time}"])) for time in ("_before_load", "")]
+def _lowered(loaded: xr.Dataset, unloading: xr.Dataset) -> str:
+    """Return what flow has lowered by how much, and the area of both ways at the lowest load, in words."""
     lightest = unloading.isel(load=int(np.argmin(unloading["mean_pressure"].values)))
     loads, areas = (loaded.sortby("mean_pressure")[name].values for name in ("mean_pressure", _AREA))
     load = float(lightest["mean_pressure"])
     ways = {"on loading": np.interp(load, loads, areas, left=np.nan), "on unloading": lightest[_AREA]}
-    shares = [f"{percent(float(area))} {way}" for way, area in ways.items() if np.isfinite(area)]
-    return (
-        f"After {peak}: flow has lowered the heights by {mean} in the mean and {largest} at most "
-        f"({volume} µm³), the rms height from {heights[0]} to {heights[1]}, the rms gradient from "
-        f"{gradients[0]} to {gradients[1]}. At {quantity(load, 'Pa')} the contact area "
-        f"as solved is {', '.join(shares)}."
-    )
+    known = {way: float(area) for way, area in ways.items() if np.isfinite(area)}
+    once = {
+        str(name): number.values.item() for name, number in unloading.variables.items() if not number.dims
+    }
+    return sentence("flow_has_lowered", once, load, known)
