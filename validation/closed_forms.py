@@ -189,6 +189,40 @@ def westergaard_stiffness(
     return full / (amplitude * -np.log(load_ratio)) if load_ratio < 1 else np.inf
 
 
+def westergaard_under_hertz(load_ratio: float) -> tuple[float, float]:
+    """Return means over Hertz's contact, each place of it the wave under the pressure there.
+
+    The share 2s ds of the contact is under s times the largest pressure. With u = √r, asin averages to
+
+        (4/(π r²)) [r²/2 asin u - 3/16 asin u + u √(1 - r) (3/16 + r/8)],
+
+    and 1/ln(1/(rs)) to (2/r²) E₁(-2 ln r): `westergaard_contact_share`, `westergaard_stiffness`.
+
+    Parameters
+    ----------
+    load_ratio : float
+        r = p₀/p* of Hertz's largest pressure, between 0 and 1.
+
+    Returns
+    -------
+    tuple of float
+        share in contact, stiffness over p*/D.
+
+    Examples
+    --------
+    >>> [round(value, 3) for value in westergaard_under_hertz(0.5)]
+    [0.387, 0.949]
+    """
+    from scipy.special import exp1
+
+    root = np.sqrt(load_ratio)
+    inner = (load_ratio**2 / 2 - 3 / 16) * np.arcsin(root)
+    inner += root * np.sqrt(1 - load_ratio) * (3 / 16 + load_ratio / 8)
+    return float(4 / (np.pi * load_ratio**2) * inner), 2 / load_ratio**2 * float(
+        exp1(-2 * np.log(load_ratio))
+    )
+
+
 def westergaard_energy(
     amplitude: float, wavelength: float, contact_modulus: float, load_ratio: float
 ) -> float:

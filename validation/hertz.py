@@ -5,8 +5,10 @@ from typing import Any
 import numpy as np
 
 from roughcontact.contact.solve import solve_contact
+from roughcontact.evaluation import evaluate
 from roughcontact.maps import height_map
 from roughcontact.references.closed_forms import hertz_ellipse
+from roughcontact.references.synthetic import westergaard_surface
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from validation import closed_forms
 from validation.lines import Section
@@ -39,6 +41,7 @@ def add_lines(section: Section, *, finest_grid: int) -> None:
         n=across,
     )
     _bodies_of_finite_size(section, points)
+    _wider_than_its_map(section, points)
 
 
 def _bodies_of_finite_size(section: Section, points: int) -> None:
@@ -66,3 +69,26 @@ def _bodies_of_finite_size(section: Section, points: int) -> None:
     radius = float(np.sqrt(inside.mean() / np.pi))
     stiffness = 1e-3 / -float(punch["approach"][0])
     section.compare("free_punch", stiffness, 2 * radius, 0.15 / (radius * points), n=radius * points)
+
+
+def _wider_than_its_map(section: Section, points: int) -> None:
+    """Add the lines of ridges on a ball that is wider (form.local_scale), half closed in the middle."""
+    force, radius, ratio = 50.0, 0.05, 0.5
+    smooth = closed_forms.hertz(force, radius, 1e11)
+    a = wavelength = smooth["contact_radius"]  # so that the spots count, too
+    amplitude = smooth["max_pressure"] / ratio * wavelength / (np.pi * 1e11)
+    answer = evaluate(
+        westergaard_surface((4, points), wavelength / points, amplitude=amplitude, wavelength=wavelength),
+        level={"form": "mean", "outlier_threshold": None},
+        window={"method": "raw"},
+        contact={"contact_modulus": 1e11, "force": force, "tolerance": 1e-7},
+        form={"radius": [radius], "local_scale": True},
+        uncertainty={"sources": []},
+    )
+    share, stiffness = closed_forms.westergaard_under_hertz(ratio)
+    spots = np.pi * a**2 * stiffness * np.pi / wavelength  # p*/(D E*) = π/λ
+    area, conductance = (
+        answer[f"local_{name}"].item() for name in ("contact_area", "conductance_per_conductivity")
+    )
+    section.compare("local_area", area / (np.pi * a**2), share, 4 / points, n=points)
+    section.compare("local_conductance", conductance / a, 1 / (a / spots + 1 / 2), 4 / points, n=points)

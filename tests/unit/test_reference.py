@@ -326,3 +326,12 @@ def test_the_energy_of_a_cycle_at_small_loads_is_that_of_johnson():
     share, ratio = 1e-3, 0.3
     energy = closed_forms.mindlin_deresiewicz_energy(share, 1.0, 1.0, shear_modulus=1.0, poissons_ratio=ratio)
     assert energy == pytest.approx((2 - ratio) / 18 * share**3, rel=0.01)
+
+
+@pytest.mark.parametrize("ratio", [0.05, 0.5, 0.95])
+def test_westergaards_ridges_under_hertz_by_quadrature(ratio):
+    share = quad(lambda s: 2 * s * closed_forms.westergaard_contact_share(ratio * s), 0, 1)[0]
+    stiffness = quad(lambda s: 2 * s * closed_forms.westergaard_stiffness(1.0, np.pi, 1.0, ratio * s), 0, 1)[
+        0
+    ]
+    np.testing.assert_allclose(closed_forms.westergaard_under_hertz(ratio), (share, stiffness), rtol=1e-8)
