@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import socket
 import subprocess
 import sys
@@ -17,6 +18,7 @@ import yaml
 from roughcontact.command_line import running
 from roughcontact.command_line.program import main
 from roughcontact.command_line.run_lock import run_lock
+from roughcontact.configuration import places
 from roughcontact.configuration.messages import name_mistake
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import read_surfaces
@@ -262,6 +264,24 @@ def test_a_run_says_which_settings_it_takes_and_what_an_earlier_table_left(folde
     assert f"no config/config.yaml here: settings of {CHECKOUT / 'config/config.yaml'}, surfaces of " in said
     assert f"{CHECKOUT / 'config/surfaces.tsv'} (5 maps)." in said
     assert "Not in the table: results/seat, results/soft/seat. They stay" in said  # ground is
+
+
+def test_results_of_another_folder_are_known_by_what_the_last_run_has_left(folder):
+    result = folder / "results/soft/seat/statistics.nc"
+    write_dataset(height_map(np.eye(16), 1e-6), result)
+    assert places.lost_records().startswith("came without .snakemake")
+    places.note_results()
+    assert places.lost_records() == ""
+    shutil.copytree(folder, folder.with_name("moved"))
+    begun = places.RECORDS.read_text()
+    write_dataset(height_map(np.ones((16, 16)), 1e-6), result)
+    assert "results/soft/seat/statistics.nc differs" in places.lost_records()
+    assert places.RECORDS.read_text() != begun, "of which Snakemake makes all results again"
+    for unknown in ("{", "{}"):  # as an interrupted run leaves it
+        places.LEFT.write_text(unknown)
+        assert places.lost_records() == ""
+    os.chdir(folder.with_name("moved"))
+    assert places.lost_records() == ""
 
 
 def test_a_dry_run_lists_the_jobs_with_their_files(folder, capfd):

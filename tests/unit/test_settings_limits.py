@@ -371,6 +371,11 @@ def test_a_count_is_a_whole_number(key):
             ),
         ),
         ("level.fill", "HARMONIC", "level.fill = 'HARMONIC': unknown choice, did you mean harmonic? (how"),
+        (
+            "contact.target",
+            ["yield"],
+            "contact.target[0] = 'yield': unknown choice, did you mean first_yield? (further",
+        ),
         ("level.fill", "xyz", "level.fill = 'xyz': unknown choice, valid are harmonic, none (how missing"),
         (
             "uncertainty.sources",

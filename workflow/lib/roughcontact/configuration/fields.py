@@ -1,8 +1,7 @@
 """Properties of a setting, read from its model: the section below it, its choices, its description."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from types import UnionType
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
@@ -12,8 +11,8 @@ from roughcontact.configuration.plausible import Range
 
 def section_of(field: FieldInfo) -> type[Section] | None:
     """Return the section that a setting holds, alone or in a list; None for a plain value."""
-    types = _leaf_types(field.annotation)
-    return next((type_ for type_ in types if isinstance(type_, type) and issubclass(type_, Section)), None)
+    types = (type_ for type_ in _types(field.annotation) if isinstance(type_, type))
+    return next((type_ for type_ in types if issubclass(type_, Section)), None)
 
 
 def choices_of(field: FieldInfo) -> list[str]:
@@ -27,13 +26,13 @@ def choices_of(field: FieldInfo) -> list[str]:
     >>> choices_of(Level.model_fields["order"])
     []
     """
-    types = _leaf_types(field.annotation)
-    return [choice for type_ in types if get_origin(type_) is Literal for choice in get_args(type_)]
+    literals = (type_ for type_ in _types(field.annotation) if get_origin(type_) is Literal)
+    return [choice for literal in literals for choice in get_args(literal)]
 
 
 def is_list(annotation: Any) -> bool:
     """Return whether a setting of this type takes a list."""
-    return get_origin(annotation) is list or any(map(is_list, get_args(annotation)))
+    return any(get_origin(type_) is list for type_ in _types(annotation))
 
 
 def grouped(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -74,8 +73,8 @@ def base_of(field: FieldInfo) -> str:
     >>> base_of(Level.model_fields["s_filter"]), base_of(Level.model_fields["max_missing"])
     ('m', '')
     """
-    checks = (*field.metadata, *_rules(field.annotation))
-    return next((check.base for check in checks if isinstance(check, Range)), "")
+    noted = (*field.metadata, *_types(field.annotation))
+    return next((range_.base for range_ in noted if isinstance(range_, Range)), "")
 
 
 def fields_at(location: Sequence[str | int]) -> dict[str, FieldInfo]:
@@ -94,13 +93,7 @@ def fields_at(location: Sequence[str | int]) -> dict[str, FieldInfo]:
 
 
 def field_at(location: Sequence[str | int]) -> FieldInfo | None:
-    """Return the field at a location, as in `fields_at`; None where there is no such setting.
-
-    Examples
-    --------
-    >>> field_at(("contact", "mean_pressure", 3)).description[:21]
-    'nominal pressure, Pa,'
-    """
+    """Return the field at a location, as in `fields_at`; None where there is no such setting."""
     *above, key = _keys(location)
     return fields_at(above).get(key)
 
@@ -110,15 +103,8 @@ def _keys(location: Sequence[str | int]) -> list[str]:
     return [key for key in location if isinstance(key, str) and not key.isdecimal()]
 
 
-def _rules(annotation: Any) -> Iterator[Any]:
-    """Yield what is noted with the types within an annotation, lists included."""
-    yield from getattr(annotation, "__metadata__", ())
+def _types(annotation: Any) -> Iterator[Any]:
+    """Yield an annotation, all types within it, and what is noted with them."""
+    yield annotation
     for argument in get_args(annotation):
-        yield from _rules(argument)
-
-
-def _leaf_types(annotation: Any) -> list[Any]:
-    """Return the types within an annotation, unions and lists taken apart."""
-    if get_origin(annotation) in (Union, UnionType, list):
-        return [type_ for argument in get_args(annotation) for type_ in _leaf_types(argument)]
-    return [annotation]
+        yield from _types(argument)

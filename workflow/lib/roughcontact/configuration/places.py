@@ -45,34 +45,21 @@ def check_writable(folder: Path) -> None:
 
 
 def stale_results(results: Iterable[str], root: str | Path = "results") -> list[str]:
-    """Return the folders with results below `root` that are not among the `results` of this run.
-
-    Examples
-    --------
-    >>> import contextlib, tempfile
-    >>> with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-    ...     for name in ("seat", "ring"):
-    ...         Path("results", name).mkdir(parents=True)
-    ...         Path("results", name, "panel.html").touch()
-    ...     stale_results(["ring"])
-    ['results/seat']
-    """
+    """Return the folders with results below `root` that are not among the `results` of this run."""
     folders = {path.parent for depth in ("*", "*/*") for path in Path(root).glob(f"{depth}/panel.html")}
     return sorted(folder.as_posix() for folder in folders - {Path(root, result) for result in results})
 
 
 def lost_records() -> str:
     """Return why Snakemake's records are not of the results, which begin anew then; empty where they are."""
-    reason = ""
+    reason, left = "", {}
+    with suppress(OSError, ValueError):
+        left = json.loads(LEFT.read_text("utf-8"))
     if not RECORDS.exists():
         if any(Path("results").glob("*/*.nc")) or any(Path("results").glob("*/*/*.nc")):
             reason = "came without .snakemake, which records the settings behind it"
-    elif LEFT.exists():
-        left, present = json.loads(LEFT.read_text("utf-8")), _seals()
-        replaced = [
-            path for path in present if present[path] and present[path] != left.get(path, present[path])
-        ]
-        reason = f"is not what the last run here has left ({replaced[0]} differs)" if replaced else ""
+    elif left and (replaced := [path for path, seal in _seals().items() if seal != left.get(path, seal)]):
+        reason = f"is not what the last run here has left ({replaced[0]} differs)"
     if reason or not RECORDS.exists():
         with suppress(OSError):
             RECORDS.parent.mkdir(exist_ok=True)
@@ -88,9 +75,12 @@ def note_results() -> None:
 
 
 def _seals() -> dict[str, str]:
-    """Return the seal of the statistics of each result."""
-    paths = [path for depth in ("*", "*/*") for path in Path("results").glob(f"{depth}/statistics.nc")]
-    return {path.as_posix(): stated_seal(path) for path in paths}
+    """Return the seal of the statistics of each result, as far as they can be read and have one."""
+    seals: dict[str, str] = {}
+    for path in (path for depth in ("*", "*/*") for path in Path("results").glob(f"{depth}/statistics.nc")):
+        with suppress(OSError):
+            seals[path.as_posix()] = stated_seal(path)
+    return {path: seal for path, seal in seals.items() if seal}
 
 
 def check_dates(paths: Iterable[str]) -> None:

@@ -306,13 +306,7 @@ class Plan:
 
 
 def split(result: str) -> tuple[str, str]:
-    """Return the case, empty where there are none, and the surface of a result.
-
-    Examples
-    --------
-    >>> split("soft/ground"), split("ground")
-    (('soft', 'ground'), ('', 'ground'))
-    """
+    """Return the case, empty where there are none, and the surface of a result: of "soft/ground" both."""
     case, _, surface = result.rpartition("/")
     return case, surface
 

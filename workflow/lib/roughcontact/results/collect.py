@@ -108,25 +108,14 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     }
     for name, pick in picked.items():
         with suppress(KeyError):  # of files without verdicts
-            collected.attrs[name] = _of_files(attributes, pick)
+            by_case = {
+                case: {surface: pick(attrs) for surface, attrs in by_surface.items()}
+                for case, by_surface in attributes.items()
+            }
+            collected.attrs[name] = json.dumps(by_case, default=float, ensure_ascii=False)
     if cases == [None]:
         return collected.isel(case=0)
     return collected.assign_coords(_labels("case", cases))
-
-
-def _of_files(
-    attributes: Mapping[str, Mapping[str, Mapping[str, Any]]],
-    pick: Callable[[Mapping[str, Any]], Any],
-) -> str:
-    """Return as JSON what is picked from the attributes of each file, by case and surface."""
-    return json.dumps(
-        {
-            case: {surface: pick(attrs) for surface, attrs in by_surface.items()}
-            for case, by_surface in attributes.items()
-        },
-        default=float,
-        ensure_ascii=False,
-    )
 
 
 def _labels(dim: str, names: Sequence[str | None]) -> dict[str, Any]:
@@ -275,18 +264,11 @@ def solved_results(statistics: xr.Dataset) -> Iterator[tuple[dict[str, str], xr.
 
 def with_failures(summary: pd.DataFrame, failures: Sequence[Failure]) -> pd.DataFrame:
     """Return the table with a last row for each failure, of verdict "failed" and without numbers."""
-    rows = pd.DataFrame(
-        [
-            {
-                "surface": failure["surface"],
-                **({"case": failure["case"]} if "case" in summary else {}),
-                "verdict": "failed",
-                "reasons": failure["reason"],
-            }
-            for failure in failures
-        ]
-    )
-    return pd.concat([summary, rows], ignore_index=True) if failures else summary
+    if not failures:
+        return summary
+    rows = pd.DataFrame(failures).rename(columns={"reason": "reasons"}).assign(verdict="failed")
+    rows = rows if "case" in summary else rows.drop(columns="case")
+    return pd.concat([summary, rows], ignore_index=True)
 
 
 def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame:
