@@ -41,8 +41,8 @@ class Reader:
         is called for files of every format: so it imports nothing large before the mark agrees, and raises
         `InputFileError` only for a container (HDF5) that is damaged beyond recognition.
     read : callable (path) -> MeasuredFile
-        Opens a file that it recognised. It raises `InputFileError` for a file that is damaged, cut off,
-        refers to other files or holds no map, and guesses nothing that the file does not state.
+        Opens a file that it recognised. It raises `InputFileError`, without the path, for a file that is
+        damaged, cut off, refers to others or holds no map, and guesses nothing that the file does not state.
     memory_per_byte, binary : int, bool
         Memory for each byte of a file; whether line ends show that it was transferred as text.
     """

@@ -66,7 +66,7 @@ def read(path: Path) -> MeasuredFile:
         channels,
         first_row="bottom",
         instrument=_instrument(height_attrs.get("instrument"), attributes),
-        required_size=None if required_size is None else required_size + sealed,
+        required_size=required_size and required_size + sealed,
     )
 
 

@@ -124,7 +124,7 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> tuple[_Text, lis
         for marker, count in table.spoken.items()
     ]
     if wrong := disagreeing(stated):
-        raise InputFileError(f"{wrong}")
+        raise InputFileError(wrong)
     first_values = first_of(stated)
     table.values[np.abs(table.values) > LEAST_MARKER] = np.nan  # infinite ones too
     doubts += thousands(rows.heading, rows.texts, dialect)
@@ -148,11 +148,8 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> tuple[_Text, lis
         if not columns and (empty := table.empty_left + table.empty_right):
             doubts.append(_left_out(empty, "column"))
         table = table._replace(values=values[:, filled_columns])
-        columns = (
-            columns[filled_columns]
-            if columns
-            else headed(rows.heading, table.values.shape[1], dialect.delimiter)
-        )
+        width = table.values.shape[1]
+        columns = columns[filled_columns] if columns else headed(rows.heading, width, dialect.delimiter)
     above = next((line for line in reversed(rows.heading) if line.strip()), "")
     if not columns and (named := miscounted(above, values.shape[1], dialect.delimiter)):
         raise InputFileError(

@@ -138,9 +138,8 @@ def thousands(header: list[str], body: list[str], dialect: Dialect) -> list[str]
     way_out = "write the numbers without separators of thousands"
     if mixed := columns[grouped].keys() & columns[below_thousand].keys():
         raise InputFileError(
-            f"{example!r} and {columns[below_thousand][min(mixed)]!r} in one table, with three "
-            f"digits behind every {sign!r}: it separates thousands or decimals; {way_out}, or with four "
-            "decimals"
+            f"{example!r} and {columns[below_thousand][min(mixed)]!r} in one table, with three digits behind "
+            f"every {sign!r}: it separates thousands or decimals; {way_out}, or with four decimals"
         )
     doubt = f"every number has three digits behind its {sign!r}, as in {example!r}: it is read as the decimal"
     return [f"{doubt} sign; if it separates thousands, {way_out}"]
