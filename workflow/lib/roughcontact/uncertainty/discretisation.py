@@ -52,15 +52,15 @@ def discretisation_error(
     corrections, components = {}, {}
     for name in names:
         change = to_scale(name, fine[name]) - to_scale(name, coarse[name])
+        unit = np.ones(load.size)
         if name in CONSTRICTIONS:  # a length, as the gap beside it
+            unit = values[GAP]
             with np.errstate(divide="ignore", invalid="ignore"):
-                change = change * values[GAP][solved] / coarse[GAP]
+                change = change * unit[solved] / coarse[GAP]
         # full contact: nothing is open, nothing changes
         change = at_all_loads(np.where(np.isfinite(change), change, 0.0), solved, load)
         corrections[name], width = extrapolated(name, change)
-        # the floor of a length would be one in metres
-        floor = 0.0 if name in CONSTRICTIONS else calibration.discretisation_floor(name)
-        width = np.hypot(width, floor)
+        width = np.hypot(width, unit * calibration.discretisation_floor(name))
         if name == AREA:
             width = np.hypot(width, _edge_noise(values[AREA], pixel_share, region.size))
         components[name] = half_widths(width, width)
