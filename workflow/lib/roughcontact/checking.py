@@ -182,7 +182,7 @@ def check_lay(lay: object) -> None:
     if lay == "along":
         raise SettingsError(
             "lay = 'along': a profile along the lay runs on one ridge and shows nothing of the others, which "
-            "carry the load; measure across the lay, and state lay = across",
+            "carry the load; give it as one of `along` beside those across the lay (in a table in one group)",
             keys=["lay"],
         )
     check_choice("lay", lay, Lay)

@@ -14,7 +14,7 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import HeightMapWarning, SettingsError
 from roughcontact.io.read import read_height_map
 from roughcontact.pipeline import run_chain
-from roughcontact.profiles.surface import ISOTROPIC, stacked, with_profiles_along
+from roughcontact.profiles.surface import stacked, with_profiles_along
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.si import labelled_in_si, listed
 from roughcontact.variables import describe
@@ -98,13 +98,6 @@ def evaluate(
     if lay is not None:
         check_lay(lay)
     if isinstance(source, Sequence) and not isinstance(source, str):
-        for profile in source:
-            check_labelled(profile)
-        if lay != ISOTROPIC and not len(along):
-            raise SettingsError(
-                f"lay = {lay!r}: several profiles have one answer where lay = 'none'; give others along the "
-                "lay as well, or evaluate those across it one by one, and join them by group_statistics"
-            )
         source = stacked(source)
     elif not isinstance(source, str | PathLike):
         source = labelled_in_si(check_labelled(source))
@@ -138,7 +131,7 @@ def evaluate(
             raise SettingsError(
                 f"along: is of a surface with a lay, and lay = {lay!r}; state lay = 'across'", keys=["lay"]
             )
-        height = with_profiles_along(height, [along] if isinstance(along, xr.DataArray) else along)
+        height = with_profiles_along(height, along)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HeightMapWarning)  # of every solution; said once below
         result = run_chain(height, full, threads=threads)

@@ -36,7 +36,7 @@ from roughcontact.window.band import lateral_period_limit
 from roughcontact.window.instrument import stated_instrument, window_arguments
 
 _OF_WINDOW = (  # what a group of maps has to have in common, and where a summit stands out
-    *("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "profiles", "profiles_along"),
+    *("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "profiles"),
     *("summit_x", "summit_y"),
 )
 _LOADS = ("mean_pressure", "relative_pressure", "force")

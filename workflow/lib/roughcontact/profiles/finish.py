@@ -30,7 +30,7 @@ class Finish(NamedTuple):
     spectrum: Spectrum
     heights: np.ndarray  # (scores,), at `_SCORES`
     slopes: np.ndarray  # (classes of height, lowest first; ranks), of neighbouring points
-    stretch: float  # how many times as long waves are along y
+    stretch: float = 1.0  # how many times as long waves are along y
 
 
 def finish_of(profiles: np.ndarray, fit: ProfileFit, stretch: float = 1.0) -> Finish:
@@ -52,12 +52,10 @@ def resampled(
     the stretch with those of both directions.
     """
     drawn, change = _redrawn(profiles, rng)
-    periodograms = fit.resampled(finish.spectrum, rng) * change
+    spectrum = fit.spectrum(fit.resampled(finish.spectrum, rng) * change)
+    stretch = 1.0 if along is None else np.sqrt(change / _redrawn(along, rng)[1])
     heights = _heights(drawn, independent_heights(profiles))
-    stretch = finish.stretch
-    if along is not None:
-        stretch *= np.sqrt(change / _redrawn(along, rng)[1])
-    return Finish(fit.spectrum(periodograms), heights, _slopes(drawn), stretch)
+    return Finish(spectrum, heights, _slopes(drawn), finish.stretch * stretch)
 
 
 def _redrawn(profiles: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, float]:
@@ -68,13 +66,17 @@ def _redrawn(profiles: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray
     return drawn, np.mean(np.diff(drawn) ** 2) / np.mean(np.diff(blocks) ** 2)
 
 
+def autocorrelation(values: np.ndarray) -> np.ndarray:
+    """Return the mean autocorrelation (points,) of rows (number, points), times their points."""
+    points = values.shape[1]
+    return np.fft.irfft(np.mean(np.abs(np.fft.rfft(values, 2 * points)) ** 2, axis=0))[:points]
+
+
 def correlation_length(profiles: np.ndarray) -> int:
     """Return the number of points within which the correlation of profiles (number, points) falls to 0.2."""
-    points = profiles.shape[1]
-    power = np.mean(np.abs(np.fft.rfft(profiles, 2 * points, axis=1)) ** 2, axis=0)
-    correlation = np.fft.irfft(power)[:points]
+    correlation = autocorrelation(profiles)
     below = np.flatnonzero(correlation < _CORRELATION * correlation[0])
-    return int(below[0]) if below.size else points
+    return int(below[0]) if below.size else correlation.size
 
 
 def independent_heights(profiles: np.ndarray) -> float:

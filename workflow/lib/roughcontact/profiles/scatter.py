@@ -17,21 +17,11 @@ from roughcontact.levelling.forms import form_order
 from roughcontact.maps import height_map, spacing
 from roughcontact.profiles.finish import draw, finish_of, resampled
 from roughcontact.profiles.spectrum import ProfileFit
-from roughcontact.profiles.surface import (
-    by_direction,
-    counted_profiles,
-    profile_pieces,
-    stacked,
-    surface_from_profiles,
-)
+from roughcontact.profiles.surface import by_direction, profile_pieces, stacked, surface_from_profiles
+from roughcontact.quantities import counted_noun
 from roughcontact.uncertainty.calibration import at_area, entry, table
 from roughcontact.uncertainty.discretisation import CORRECTED
-from roughcontact.uncertainty.ensemble import (
-    few_loads,
-    loads_of,
-    solve_member,
-    solve_members,
-)
+from roughcontact.uncertainty.ensemble import few_loads, loads_of, solve_member, solve_members
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, at_all_loads, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
@@ -64,8 +54,9 @@ def scatter_of_surfaces(
             arms[name], shift[name] = (width, width), mean
         else:
             arms[name] = np.maximum(width - mean, 0.0), np.maximum(width + mean, 0.0)
+    measured = counted_noun(len(profiles), "profile")
     reason = (
-        f"The ± is for surfaces with this spectrum: {number} surfaces that {counted_profiles(window)} might "
+        f"The ± is for surfaces with this spectrum: {number} surfaces that {measured} might "
         "have shown were drawn and solved; what spectrum, heights and slopes do not hold is that of "
         "maps that were cut into profiles."
     )

@@ -35,7 +35,6 @@ class Spectrum(NamedTuple):
 
     frequency: np.ndarray  # (hats,)
     density: np.ndarray  # (hats,), m^2 points^2; times frequency^3 it is linear in ln f
-    band: np.ndarray  # (bands,), of the mean periodograms
     fitted: np.ndarray  # (bands + 2,), periodograms, mean squares of steps and heights
 
     def at(self, frequency: np.ndarray) -> np.ndarray:
@@ -95,7 +94,7 @@ class ProfileFit:
     def spectrum(self, measured: np.ndarray | None = None) -> Spectrum:
         """Return the spectrum, of the profiles or of others with the measured values (bands + 2,)."""
         factors = self._solve(self.measured if measured is None else measured, self._damping)
-        return Spectrum(self._frequency, factors * self._reference, self.band, self._matrix @ factors)
+        return Spectrum(self._frequency, factors * self._reference, self._matrix @ factors)
 
     def resampled(self, spectrum: Spectrum, rng: np.random.Generator) -> np.ndarray:
         """Return the measured values (bands + 2,) of other profiles of a surface of some spectrum."""

@@ -13,7 +13,7 @@ from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.levelling.forms import form_order
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map, spacing
-from roughcontact.profiles.finish import Finish, correlation_length, draw, finish_of
+from roughcontact.profiles.finish import Finish, autocorrelation, correlation_length, draw, finish_of
 from roughcontact.profiles.spectrum import ProfileFit
 from roughcontact.quantities import counted_noun, number, percent, quantity
 from roughcontact.si import in_si, labelled_in_si
@@ -118,8 +118,7 @@ def surface_from_profiles(
     warnings = doubts + _warnings(segments, pitch, finish, side * ratio / stretch)
     facts = {
         "lay": BOTH if len(along) else ISOTROPIC,
-        "profiles": stack.shape[0],
-        "profiles_along": len(along),
+        "profiles": len(stack) + len(along),
         "correlation_length": correlation_length(segments) * pitch,
         "stretch": stretch,
         "profile_warnings": json.dumps(warnings, ensure_ascii=False),
@@ -130,10 +129,11 @@ def surface_from_profiles(
     return drawn.assign_attrs(stack.attrs | facts)
 
 
-def stacked(profiles: Sequence[xr.DataArray]) -> xr.DataArray:
-    """Return profiles as the rows of one array (number, x; m), NaN beyond their ends."""
+def stacked(profiles: xr.DataArray | Sequence[xr.DataArray]) -> xr.DataArray:
+    """Return profiles, or arrays of these, as the rows of one array (number, x; m), NaN beyond their ends."""
     listed = [profiles] if isinstance(profiles, xr.DataArray) else profiles
     rows = [labelled_in_si(check_labelled(profile)) for profile in listed]
+    rows = [row for array in rows for row in (_rows(array) if "profiles" in array.attrs else [array])]
     if not rows or any(1 not in row.shape for row in rows):
         shapes = ", ".join(f"{row.shape[1]} x {row.shape[0]}" for row in rows) or "no"
         raise HeightMapError(f"profiles: have {shapes} points; give one-row maps, one or more")
@@ -151,22 +151,22 @@ def stacked(profiles: Sequence[xr.DataArray]) -> xr.DataArray:
     return height_map(values, pitches[0]).assign_attrs(rows[0].attrs | facts)
 
 
-def with_profiles_along(across: xr.DataArray, along: Sequence[xr.DataArray]) -> xr.DataArray:
+def with_profiles_along(across: xr.DataArray, along: xr.DataArray | Sequence[xr.DataArray]) -> xr.DataArray:
     """Return profiles across a lay (number, x; m) and, as the last rows, those along it."""
-    first, others = rows_of(across), [row for height in along for row in rows_of(height)]
-    return stacked([*first, *others]).assign_attrs(lay=BOTH, profiles_along=len(others))
-
-
-def rows_of(heights: xr.DataArray) -> list[xr.DataArray]:
-    """Return the profiles (1, x; m) of an array (number, x; m)."""
-    return [heights] if 1 in heights.shape else [heights[[row]] for row in range(len(heights))]
+    others = stacked(along)
+    return stacked([across, others]).assign_attrs(lay=BOTH, profiles_along=len(others))
 
 
 def by_direction(stack: xr.DataArray) -> tuple[list[xr.DataArray], list[xr.DataArray]]:
-    """Return profiles, and those along a lay, of `with_profiles_along`."""
-    rows = rows_of(stack)
+    """Return the profiles (1, x; m) of a stack, and those of them that are along a lay."""
+    rows = _rows(stack)
     number_across = len(rows) - stack.attrs.get("profiles_along", 0)
     return rows[:number_across], rows[number_across:]
+
+
+def _rows(stack: xr.DataArray) -> list[xr.DataArray]:
+    """Return the rows (1, x; m) of a stack."""
+    return [stack[[row]] for row in range(len(stack))]
 
 
 def is_drawn(height: xr.DataArray | xr.Dataset) -> bool:
@@ -187,14 +187,14 @@ def levelled_heights(height: xr.DataArray, options: Mapping[str, Any]) -> xr.Dat
         raise HeightMapError(
             f"lay = {lay}: is of profiles, and this is a map of {points} points; leave it out"
         )
-    if not is_drawn(height):
-        if height.attrs.get("profiles", 1) > 1:
-            raise HeightMapError(
-                f"lay = {lay}: several profiles have one surface where lay = none, or with others along the "
-                "lay; name one profile, or those along the lay as well"
-            )
-        return level(height, **options)
-    return stacked([level(_without_missing_ends(stacked([row])), **options) for row in rows_of(height)])
+    if is_drawn(height):
+        return stacked([level(_without_missing_ends(row), **options) for row in _rows(stacked(height))])
+    if height.attrs.get("profiles", 1) > 1:
+        raise HeightMapError(
+            f"lay = {lay or 'not stated'}: several profiles have one answer where lay = none, or with others "
+            "along the lay; name these as well, or one profile"
+        )
+    return level(height, **options)
 
 
 def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, Any]]) -> xr.DataArray:
@@ -216,29 +216,21 @@ def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, An
 
 def surfaces_behind(drawn: xr.DataArray | xr.Dataset) -> str:
     """Return in words the surfaces of which a drawn one, or its statistics, is an example."""
-    return f"the surfaces with the spectrum, heights and slopes of {counted_profiles(drawn)}"
-
-
-def counted_profiles(drawn: xr.DataArray | xr.Dataset) -> str:
-    """Return in words how many profiles a drawn surface is of."""
-    along = drawn.attrs["profiles_along"]
-    return counted_noun(drawn.attrs["profiles"], "profile") + (
-        f" across and {along} along the lay" if along else ""
-    )
+    measured = counted_noun(drawn.attrs["profiles"], "profile")
+    return f"the surfaces with the spectrum, heights and slopes of {measured}"
 
 
 def profile_pieces(stack: xr.DataArray) -> tuple[np.ndarray, float]:
     """Return profiles as pieces of equal length (number, points; m), without a line, and their pitch (m)."""
     rows = [_longest_run(row) for row in stack.values]
     points = min([_LONGEST_PIECE, *(row.size for row in rows)])
-    cut = [row[: row.size // points * points].reshape(-1, points) for row in rows if points]
-    segments = np.concatenate(cut) if cut else np.zeros((1, 0))
     name = stack.attrs.get("source_file") or "profiles"
     if points < _LEAST_POINTS:
         raise HeightMapError(
             f"{name}: {points} points in one stretch are too few for a spectrum; give profiles of "
             f"{_LEAST_POINTS} points or more, or state lay = across"
         )
+    segments = np.concatenate([row[: row.size // points * points].reshape(-1, points) for row in rows])
     line = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1, 1, points), 1))[0]
     largest = np.abs(segments).max()
     segments = segments - (segments @ line) @ line.T
@@ -255,9 +247,8 @@ def _without_missing_ends(profile: xr.DataArray) -> xr.DataArray:
 
 def _longest_run(row: np.ndarray) -> np.ndarray:
     """Return the longest stretch of a profile between missing points."""
-    ends = np.flatnonzero(np.concatenate([[True], ~np.isfinite(row), [True]]))
-    longest = np.argmax(np.diff(ends))
-    return row[ends[longest] : ends[longest + 1] - 1]
+    stretches = np.ma.clump_unmasked(np.ma.masked_invalid(row))
+    return row[max(stretches, key=lambda each: each.stop - each.start, default=slice(0))]
 
 
 def _stretch(segments: np.ndarray, pitch: float, along: Sequence[xr.DataArray]) -> tuple[float, list[str]]:
@@ -292,8 +283,7 @@ def _warnings(segments: np.ndarray, pitch: float, finish: Finish, side: float) -
         warnings.append(
             f"The mean square slopes of the profiles differ by a factor of {number(np.exp(spread))}, more "
             "than those of an isotropic surface do: they may be of two directions, across and along a lay. "
-            "State lay = across for those across it, and leave out the others, or draw a surface from both "
-            "(surface_from_profiles, along)."
+            "State lay = across for those across it, and give the others as profiles along it."
         )
     share = steps.max() / steps.sum()
     if share > _STEP_SHARE:
@@ -316,8 +306,6 @@ def _warnings(segments: np.ndarray, pitch: float, finish: Finish, side: float) -
 
 def _bandwidth(steps: np.ndarray) -> float:
     """Return the variance of the mean square slopes (pieces, points) over that of independent normal ones."""
-    deviations = steps / steps.mean(axis=1, keepdims=True) - 1
-    power = np.mean(np.abs(np.fft.rfft(deviations, 2 * steps.shape[1], axis=1)) ** 2, axis=0)
-    correlation = np.fft.irfft(power)[: steps.shape[1]] / steps.shape[1]
-    positive = np.argmax(correlation <= 0) or steps.shape[1]
-    return float(2 * correlation[:positive].sum() - correlation[0]) / 2
+    correlation = autocorrelation(steps / steps.mean(axis=1, keepdims=True) - 1) / steps.shape[1]
+    positive = np.argmax(correlation <= 0) or correlation.size
+    return float(correlation[:positive].sum() - correlation[0] / 2)
