@@ -4,6 +4,7 @@ import argparse
 import json
 import os
 import pty
+import re
 import subprocess
 import sys
 import threading
@@ -127,6 +128,18 @@ def test_inspect_tells_what_is_to_be_given_and_takes_it(capsys, tmp_path):
     assert "the unit of its heights" in said(capsys, "inspect", path, "--dx", "2um", "--dy", "2um")[1]
     _, out, err = said(capsys, "inspect", path, "--dx", "2", "--dy", "2um", "--height-unit", "nm")
     assert "dx = 2.0 is given without a unit" in out + err
+
+
+def test_solve_says_what_a_contact_wider_than_its_map_is(capsys):
+    form = ("--force", "5 N", "--form-radius", "50 mm", "--form-local-scale", "true")
+    given = ("--body", "copper", "--body", "copper", *form, "--uncertainty-sources", "solver")
+    code, out, err = said(capsys, "solve", PERIODIC, *given)
+    assert code == 0, err
+    line = " ".join(out[out.index("at 5.00 N") :].split())
+    text = (
+        r"at 5.00 N radius [\d.]+ µm, in contact .*Pa, mean gap .*m, heat .* K/W, current .*Ω mean pressure"
+    )
+    assert re.match(text, line), line
 
 
 def test_solve_gives_the_numbers_of_the_verbs(capsys):

@@ -13,7 +13,7 @@ _NEGLIGIBLE = 1e-9  # of a unit: a half-width about zero that is not worth writi
 _FINEST = 1e-3  # of a value: half-width of which two digits are shown, of narrower ones less
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # units that take a prefix; composed ones are given in powers of ten
-_PREFIXED = ("m", "Pa", "N", "J", "W", "S", "l")
+_PREFIXED = ("m", "Pa", "N", "J", "W", "S", "l", "Ω")
 
 
 class Unit(NamedTuple):

@@ -28,6 +28,14 @@ _COLUMNS = (
 _OF_GROUPS = ("mean_pressure", "relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
 _ABOUT_GROUPS = "95 %: ± of the mean of the finish, and of one more map"
 
+# of a contact wider than its map
+_WHOLE = (
+    ("local_mean_contact_pressure", "in contact", "Pa"),
+    ("local_mean_gap", "mean gap", "m"),
+    ("local_thermal_resistance", "heat", "K/W"),
+    ("local_electrical_resistance", "current", "Ω"),
+)
+
 
 def as_json(value: object) -> str:
     """Return JSON of plain values; infinities and NaN become null, which every reader accepts.
@@ -243,6 +251,12 @@ def _lines_of_finite_body(loads: Iterable[Mapping[str, Any]]) -> list[str]:
     """Return the contact of a body of finite size at each load, and Hertz's of the smooth body beside it."""
     lines = []
     for load in loads:
+        if "local_contact_area" in load:
+            radius = quantity(load["hertz_radius"], "m")
+            numbers = [f"{text} {_cell(load, name, unit)}" for name, text, unit in _WHOLE if name in load]
+            lines.append(
+                _line(f"at {quantity(load['force'], 'N')}", ", ".join([f"radius {radius}", *numbers]))
+            )
         if "contact_radius" not in load:
             continue
         text = f"radius {quantity(load['contact_radius'], 'm')}, approach {quantity(-load['approach'], 'm')}"
