@@ -14,7 +14,13 @@ from roughcontact.maps import height_map
 from roughcontact.profiles import finish
 from roughcontact.profiles.finish import draw, finish_of
 from roughcontact.profiles.spectrum import ProfileFit
-from roughcontact.profiles.surface import profile_pieces, stacked
+from roughcontact.profiles.surface import (
+    levelled_heights,
+    profile_pieces,
+    solved_window,
+    stacked,
+    with_profiles_along,
+)
 from roughcontact.quantities import percent
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics import map_checks
@@ -355,6 +361,24 @@ def test_the_contact_of_the_surface_behind_profiles_of_both_directions(both):
     assert "two directions" not in reasons.get("Lay", "")
 
 
+def test_profiles_along_keep_their_pitch_beside_those_across():
+    lay = rough(stretch=4.0)
+    across, along = rows(lay, 3), [height_map(lay.values[::2, column], 2.0) for column in (40, 140)]
+    options = {"form": "plane", "l_filter": 100.0}
+    levelled = levelled_heights(with_profiles_along(stacked(across), along), options)
+    window = solved_window(levelled, {"window": {}})
+    expected = rc.surface_from_profiles(
+        [rc.level(profile, **options) for profile in across],
+        along=[rc.level(profile, **options) for profile in along],
+    )
+    np.testing.assert_allclose(window.values, expected.values, atol=1e-9 * float(expected.std()))
+    assert (window.attrs["stretch"], window.attrs["profiles"]) == (
+        pytest.approx(expected.attrs["stretch"]),
+        5,
+    )
+    assert levelled.attrs["missing_points"] == 0
+
+
 def test_the_scatter_of_both_directions_is_larger_by_that_of_the_stretch():
     lay = rough(stretch=4.0).values
     across, along = lay[:200:40], lay[:, :200:40].T
@@ -408,9 +432,6 @@ def test_a_lay_is_of_profiles():
         rc.evaluate(rows(rough()), lay="across", contact=CONTACT)
     with pytest.raises(SettingsError, match="along: is of a surface with a lay, and lay = 'none'; state lay"):
         rc.evaluate(rows(rough()), lay="none", along=rows(rough()), contact=CONTACT)
-    other = height_map(rough().values[:, 5], 2.0)
-    with pytest.raises(HeightMapError, match=r"have pitches of 1\.00 m, 2\.00 m; give profiles of one pitch"):
-        rc.evaluate(rows(rough())[0], lay="across", along=other, contact=CONTACT)
     with pytest.raises(HeightMapError, match="lay = not stated: several profiles"):
         rc.evaluate(rows(rough()), contact=CONTACT)
     contact = {"contact_modulus": 1e9, "boundary": "free", "force": 1.0}

@@ -51,7 +51,7 @@ def evaluate(
         of a profile: whether it was measured across a lay, and is solved as endless ridges, or the surface
         has none, and surfaces with its spectrum are solved (`surface_from_profiles`).
     along : DataArray or sequence of DataArray (1, x), m, optional
-        with `lay` "across", profiles along the lay, of the same pitch: a surface with both is solved.
+        with `lay` "across", profiles along the lay, of any pitch: a surface with both is solved.
     level, window, contact, statistics, uncertainty, instrument, form : mapping, optional
         sections of the configuration, with numbers possibly as text with a unit ("115 GPa"); missing keys
         have their defaults. `contact` states the elasticity, as `contact_modulus` or `bodies`.

@@ -152,16 +152,19 @@ def stacked(profiles: xr.DataArray | Sequence[xr.DataArray]) -> xr.DataArray:
 
 
 def with_profiles_along(across: xr.DataArray, along: xr.DataArray | Sequence[xr.DataArray]) -> xr.DataArray:
-    """Return profiles across a lay (number, x; m) and, as the last rows, those along it."""
+    """Return profiles across a lay (number, x; m) and, as the last rows, those along it, of any pitch."""
     others = stacked(along)
-    return stacked([across, others]).assign_attrs(lay=BOTH, profiles_along=len(others))
+    pitch, pitch_along = (spacing(profiles)[1] for profiles in (across, others))
+    rows = [*_rows(across), *_rows(others.assign_coords(x=others["x"] * (pitch / pitch_along)))]
+    return stacked(rows).assign_attrs(lay=BOTH, profiles_along=len(others), pitch_along=pitch_along)
 
 
 def by_direction(stack: xr.DataArray) -> tuple[list[xr.DataArray], list[xr.DataArray]]:
     """Return the profiles (1, x; m) of a stack, and those of them that are along a lay."""
-    rows = _rows(stack)
+    rows, pitch = _rows(stack), spacing(stack)[1]
     number_across = len(rows) - stack.attrs.get("profiles_along", 0)
-    return rows[:number_across], rows[number_across:]
+    stretch = stack.attrs.get("pitch_along", pitch) / pitch
+    return rows[:number_across], [row.assign_coords(x=row["x"] * stretch) for row in rows[number_across:]]
 
 
 def _rows(stack: xr.DataArray) -> list[xr.DataArray]:
@@ -188,7 +191,11 @@ def levelled_heights(height: xr.DataArray, options: Mapping[str, Any]) -> xr.Dat
             f"lay = {lay}: is of profiles, and this is a map of {points} points; leave it out"
         )
     if is_drawn(height):
-        return stacked([level(_without_missing_ends(row), **options) for row in _rows(stacked(height))])
+        across, along = (
+            [level(_without_missing_ends(row), **options) for row in rows]
+            for rows in by_direction(stacked(height))
+        )
+        return with_profiles_along(stacked(across), along) if along else stacked(across)
     if height.attrs.get("profiles", 1) > 1:
         raise HeightMapError(
             f"lay = {lay or 'not stated'}: several profiles have one answer where lay = none, or with others "
