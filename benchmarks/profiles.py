@@ -7,8 +7,9 @@ Maps are made ones (self-affine, Gaussian and skewed both ways) and all those in
 aspect ratio Str is above 0.5. Rows of each, five and one, are taken for stylus profiles; the surfaces behind
 them are held against the map at p' = 0.02, 0.1 and 0.4, p' being the mean pressure over E* and the rms
 gradient of the map. With each map left out the others are calibrated, and its errors held against their
-intervals. Files that hold the same map count once. A lithographic pattern, holes in rows, is no random
-surface: it is no part of the calibration, and listed by itself.
+intervals. Files that hold the same map count once. No part of the calibration, and listed by themselves, are
+a lithographic pattern, holes in rows, which is no random surface, and maps with a lay along an axis: profiles
+across it are solved with as many along it.
 """
 
 import argparse
@@ -30,7 +31,7 @@ import roughcontact as rc
 from roughcontact.errors import RoughContactError
 from roughcontact.maps import height_map, spacing
 from roughcontact.profiles.scatter import member_surfaces, moments
-from roughcontact.profiles.surface import stacked
+from roughcontact.profiles.surface import stacked, with_profiles_along
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.roughness.texture import texture_parameters
 from roughcontact.uncertainty.calibration import entry
@@ -55,24 +56,29 @@ CUTS = (0.5, 0.25)  # where the profiles lie between one another
 MOST = 512  # points per side of a map
 ISOTROPIC = 0.5  # Str
 PATTERNS = {"circles_holes.nid"}
+CALIBRATING = ["made", "measured"]  # kinds of maps
 COVERAGE = 0.95
 LEAST_SPREAD = 0.02  # of a logarithm, and of a mean gap; less is chance
 NORMAL_MEDIAN = 0.6745  # of |e| over its standard deviation
 QUANTITIES = (AREA, GAP, PEAK, *ANSWERS)
-# Hurst exponent, longest and shortest wavelength in points, and s of heights -sign(s) exp(-s h)
+OFF_AXIS = 10.0  # degrees of the strongest waves from an axis, up to which profiles run across and along
+# Hurst exponent, longest and shortest wavelength in points, s of heights -sign(s) exp(-s h), and how many
+# times as long waves are along y
 KINDS = {
-    "H 0.4": (0.4, 40, 2.5, 0.0),
-    "H 0.7": (0.7, 50, 3.3, 0.0),
-    "H 1": (1.0, 50, 4.0, 0.0),
-    "plateaus": (0.8, 40, 4.0, 0.5),
-    "peaks": (0.8, 40, 4.0, -0.5),
+    "H 0.4": (0.4, 40, 2.5, 0.0, 1),
+    "H 0.7": (0.7, 50, 3.3, 0.0, 1),
+    "H 1": (1.0, 50, 4.0, 0.0, 1),
+    "plateaus": (0.8, 40, 4.0, 0.5, 1),
+    "peaks": (0.8, 40, 4.0, -0.5, 1),
+    "lay 3": (0.8, 40, 4.0, 0.0, 3),
+    "lay 8": (0.8, 40, 4.0, 0.0, 8),
 }
 
 
 def made(kind: str, seed: int, points: int = 384) -> xr.DataArray:
     """Return a levelled piece (points, points) of a surface, of flat spectrum above its longest wave."""
-    hurst, longest, shortest, skew = KINDS[kind]
-    q = np.hypot(np.fft.fftfreq(2 * points)[:, None], np.fft.rfftfreq(2 * points))
+    hurst, longest, shortest, skew, stretch = KINDS[kind]
+    q = np.hypot(stretch * np.fft.fftfreq(2 * points)[:, None], np.fft.rfftfreq(2 * points))
     amplitude = np.maximum(q, 1 / longest) ** (-1 - hurst) * ((q < 1 / shortest) & (q > 0))
     noise = np.random.default_rng(seed).standard_normal((2 * points,) * 2)
     heights = np.fft.irfft2(np.fft.rfft2(noise) * amplitude, s=noise.shape)
@@ -83,7 +89,10 @@ def made(kind: str, seed: int, points: int = 384) -> xr.DataArray:
 
 
 def measured(folders: Sequence[Path]) -> Iterator[tuple[str, xr.DataArray, float]]:
-    """Yield name, levelled map and Str of each isotropic map in the folders, once."""
+    """Yield name, levelled map and Str of each map in the folders, once, but those with an oblique lay.
+
+    Of those with a lay x is across it.
+    """
     seen = set()
     for path in sorted(path for folder in folders for path in folder.iterdir() if path.is_file()):
         for scale in SCALES:
@@ -91,10 +100,13 @@ def measured(folders: Sequence[Path]) -> Iterator[tuple[str, xr.DataArray, float
                 levelled = rc.level(rc.read_height_map(path, **scale).astype(float))
                 if min(levelled.shape) < 100:
                     break
-                aspect = texture_parameters(rc.periodic_window(levelled))["Str"]
+                texture = texture_parameters(rc.periodic_window(levelled))
+                aspect, strongest = texture["Str"], texture["Std"]
                 name = (levelled.shape, round(aspect, 3), f"{levelled.attrs['Sku']:.3g}")
-                if aspect > ISOTROPIC and name not in seen:
-                    yield path.name, levelled, aspect
+                on_axis = abs((strongest + 45) % 90 - 45) <= OFF_AXIS
+                if (aspect > ISOTROPIC or on_axis) and name not in seen:
+                    across_y = aspect <= ISOTROPIC and 45 < strongest < 135
+                    yield path.name, transposed(levelled) if across_y else levelled, aspect
                 seen.add(name)
                 break
 
@@ -111,6 +123,11 @@ def profiles_of(levelled: xr.DataArray, number: int, cut: float) -> list[xr.Data
     return [rc.level(height_map(row, spacing(levelled)[1]), outlier_threshold=None) for row in rows]
 
 
+def transposed(levelled: xr.DataArray) -> xr.DataArray:
+    """Return a map with its axes exchanged."""
+    return levelled.rename(x="y", y="x").transpose("y", "x")
+
+
 def rows_of(name: str, kind: str, aspect: float, levelled: xr.DataArray) -> list[dict]:
     """Return the rows of the table of one map: errors of the surfaces behind its profiles."""
     print(name, flush=True)
@@ -123,14 +140,16 @@ def rows_of(name: str, kind: str, aspect: float, levelled: xr.DataArray) -> list
     for number, cut in ((number, cut) for number in (1, 5) for cut in CUTS):
         try:
             profiles = profiles_of(levelled, number, cut)
-            window = rc.surface_from_profiles(profiles, points=min(truth.shape))
+            along = profiles_of(transposed(levelled), number, cut) if kind.endswith("lay") else []
+            window = rc.surface_from_profiles(profiles, along=along, points=min(truth.shape))
+            stack = with_profiles_along(stacked(profiles), along) if along else stacked(profiles)
         except RoughContactError as error:
             print(name, number, cut, error)
             continue
         result = solve_member(window, contact, tolerance=1e-2, names=QUANTITIES)
         others = [
             solve_member(surface, contact, tolerance=1e-2, names=QUANTITIES)
-            for surface in member_surfaces(stacked(profiles), window, MEMBERS)
+            for surface in member_surfaces(stack, window, MEMBERS)
         ]
         for quantity in QUANTITIES:
             unit = result[GAP] if quantity in CONSTRICTIONS else 1.0
@@ -148,12 +167,13 @@ def rows_of(name: str, kind: str, aspect: float, levelled: xr.DataArray) -> list
 def solve(folders: Sequence[Path]) -> None:
     """Write the table of errors of all maps."""
     maps = [
-        (f"{kind}, seed {seed}", "made", 1.0, made(kind, seed)) for kind in KINDS for seed in range(SEEDS)
+        (f"{kind}, seed {seed}", "made lay" if stretch > 1 else "made", 1 / stretch, made(kind, seed))
+        for kind, (*_, stretch) in KINDS.items()
+        for seed in range(SEEDS)
     ]
-    maps += [
-        (name, "pattern" if name in PATTERNS else "measured", aspect, levelled)
-        for name, levelled, aspect in measured(folders)
-    ]
+    for name, levelled, aspect in measured(folders):
+        kind = "measured" if aspect > ISOTROPIC else "measured lay"
+        maps.append((name, "pattern" if name in PATTERNS else kind, aspect, levelled))
     with ProcessPoolExecutor(3) as pool:
         rows = [row for part in pool.map(rows_of, *zip(*maps, strict=True)) for row in part]
     ERRORS.parent.mkdir(exist_ok=True)
@@ -163,7 +183,7 @@ def solve(folders: Sequence[Path]) -> None:
 def calibrated(errors: pd.DataFrame) -> dict[str, dict[str, list[float]]]:
     """Return spread and quantile of each quantity at each load; made and measured maps weigh the same."""
     table: dict[str, dict[str, list[float]]] = {}
-    errors = errors[errors["kind"] != "pattern"]
+    errors = errors[errors["kind"].isin(CALIBRATING)]
     for quantity, group in errors.groupby(errors["quantity"].map(entry)):
         columns = []
         for _, rows in group[np.isfinite(group["error"])].groupby("load"):
@@ -228,7 +248,8 @@ def main() -> None:
     if folders:
         solve(folders)
     errors = pd.read_csv(ERRORS)
-    content = {"maps": errors.groupby("kind")["map"].nunique().to_dict(), "quantities": calibrated(errors)}
+    used = errors[errors["kind"].isin(CALIBRATING)]
+    content = {"maps": used.groupby("kind")["map"].nunique().to_dict(), "quantities": calibrated(used)}
     CALIBRATION.write_text(json.dumps(content, indent=1) + "\n")
     table = report(errors)
     table.to_csv(ERRORS.with_name("reached.csv"))

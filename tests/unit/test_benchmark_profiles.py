@@ -29,6 +29,15 @@ def test_with_each_map_left_out_the_truth_is_in_nine_of_ten_intervals(errors):
                 assert reached.loc[(kind, number, quantity), "coverage"] >= 0.9
 
 
+def test_the_interval_of_the_area_holds_for_surfaces_with_a_lay_as_well(errors):
+    reached = benchmark.report(errors)
+    for kind in ("made lay", "measured lay"):
+        assert errors.loc[errors["kind"] == kind, "map"].nunique() == 12
+        for number in (1, 5):
+            assert reached.loc[(kind, number, AREA), "coverage"] >= 0.9
+    assert reached.loc[("made lay", 5, AREA), 0.02] < 0.05
+
+
 def test_a_wrong_spread_would_be_noticed(errors):
     table = benchmark.calibrated(errors)
     table[AREA]["quantile"] = [0.5 * wide for wide in table[AREA]["quantile"]]
