@@ -3,7 +3,6 @@
 import json
 import shutil
 from pathlib import Path
-from typing import Any
 
 from roughcontact.configuration.models import Settings
 from roughcontact.configuration.surfaces import PAIR, find, read_table
@@ -61,15 +60,10 @@ def copy_inputs(results: Path, configuration: Path, read_checksums: set[str]) ->
     write_text("\n".join(lines) + "\n", tables)
     renamed = tables.rename(tables.with_name(f"surfaces-{sha256(tables)[:12]}.tsv"))
     for section in (config, *(config.get("cases") or {}).values()):
-        _replace_spectrum(section, lambda path: copied(path, search_path, recorded=False))
+        instrument = section.get("instrument") or {}
+        if path := instrument.get("finer_spectrum"):
+            instrument["finer_spectrum"] = copied(path, search_path, recorded=False)
     write_text(
         json.dumps(config | {"surfaces": renamed.name}, indent=2, default=str) + "\n", target / "config.yaml"
     )
     return target / "config.yaml"
-
-
-def _replace_spectrum(section: dict[str, Any], copied: Any) -> None:
-    """Let settings name the copy of the file `instrument.finer_spectrum`, where they name one."""
-    instrument = section.get("instrument") or {}
-    if path := instrument.get("finer_spectrum"):
-        instrument["finer_spectrum"] = copied(path)
