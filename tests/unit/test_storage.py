@@ -52,6 +52,17 @@ def test_what_is_written_is_read_and_described(tmp_path):
     assert read.attrs["settings"] == '{"level": {"form": "plane"}}'
 
 
+@pytest.mark.parametrize("as_dataset", [False, True])
+def test_lengths_in_another_unit_are_converted(tmp_path, as_dataset):
+    axes = {axis: (axis, [0.0, 0.5, 1.0], {"units": "um"}) for axis in "yx"}
+    height = xr.DataArray(np.eye(3), axes, ("y", "x"), "height", {"units": "nm"})
+    write_dataset(height.to_dataset() if as_dataset else height, tmp_path / "map.nc")
+    found = read_dataset(tmp_path / "map.nc")
+    np.testing.assert_allclose(found["height"], 1e-9 * np.eye(3))
+    np.testing.assert_allclose(found["x"], [0.0, 5e-7, 1e-6])
+    assert found.attrs.get("units", "m") == "m"
+
+
 def test_equal_content_gives_equal_bytes(tmp_path):
     for name in ("one.nc", "two.nc"):
         write_dataset(rough_reference_surface(128), tmp_path / name)

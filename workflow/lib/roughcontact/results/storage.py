@@ -21,6 +21,7 @@ from roughcontact import __version__
 from roughcontact.errors import InputFileError, OutputFileError, RoughContactError
 from roughcontact.io.guards import brief
 from roughcontact.io.seal import WAY_OUT, check_seal, seal
+from roughcontact.si import labelled_in_si
 from roughcontact.variables import describe
 
 if TYPE_CHECKING:
@@ -122,9 +123,9 @@ def _commit() -> str:
 def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     """Write a dataset as netCDF-4, to a temporary name first, so that no half file is ever seen.
 
-    Every variable gets its unit and description from `roughcontact.variables`. Arrays of 4096 elements and
-    more are compressed (fastest zlib, byte shuffle), but for the gap. The last line of the file is a checksum
-    of all before it, which every function that reads results compares.
+    Every variable gets its unit and description from `roughcontact.variables`; lengths and pressures that
+    state another unit are converted. Arrays of 4096 elements and more are compressed (fastest zlib, byte
+    shuffle), but for the gap. The last line is a checksum, which every function that reads results compares.
 
     Parameters
     ----------
@@ -149,8 +150,12 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     'm'
     """
     if isinstance(dataset, xr.DataArray):
-        dataset = dataset.to_dataset(name=dataset.name or "height", promote_attrs=True)
-    dataset = describe(dataset)
+        name = dataset.name or "height"
+        converted = labelled_in_si(dataset.to_dataset(name=name))
+        converted = converted.assign_attrs(converted[name].attrs)
+    else:
+        converted = labelled_in_si(dataset)
+    dataset = describe(converted)
     with atomic_write(path, size=dataset.nbytes) as partial:
         _write(dataset, partial)
 
