@@ -114,11 +114,9 @@ class Grid:
             self._single = None  # the copy is no longer needed
             heights, reference, unit = self._given, self._reference, self._unit
         separation = self.halfspace.displacement(pressure, out=out)
-        start = (
-            (pressure, pressure, 0.0)
-            if before is None
-            else (before.pressure, before.separation, before.offset)
-        )
+        start = pressure, pressure, 0.0
+        if before is not None:
+            start = before.pressure, before.separation, before.offset
         work, square, total, count, slope, slope_after = self.kernels.measure(
             separation, heights, reference, unit, *start, pressure, self.cap
         )

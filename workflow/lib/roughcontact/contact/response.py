@@ -42,17 +42,12 @@ def linear_response(
         )
     if touching.all():
         return 0.0
-    lengths = tuple(n * d for n, d in zip(contact.shape, spacing, strict=True))
-    unit = float(np.sqrt(lengths[0] * lengths[1]))
+    ly, lx = (n * d for n, d in zip(contact.shape, spacing, strict=True))
+    unit = float(np.sqrt(ly * lx))
     precision = SINGLE if tolerance >= MIN_SINGLE_TOLERANCE else DOUBLE
     zeros = np.zeros(contact.shape, precision)
-    grid = Grid(
-        zeros,
-        (lengths[0] / unit, lengths[1] / unit),
-        influence=influence,
-        layers=layers and layers.scaled(unit),
-        threads=threads,
-    )
+    scaled, cell = layers and layers.scaled(unit), (ly / unit, lx / unit)
+    grid = Grid(zeros, cell, influence=influence, layers=scaled, threads=threads)
 
     increment = contact.astype(precision)
     increment *= 1 / float(contact.mean())

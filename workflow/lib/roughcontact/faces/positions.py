@@ -93,11 +93,9 @@ def _max_shift(lower: Face, upper: Face, turn: tuple[float, float], overlap: flo
         # length of the rotated rectangle through its middle
         side = min(along / cosine if cosine else np.inf, across / sine if sine else np.inf)
         face_length = lower.lengths[axis]
-        free = (
-            side / 2
-            if upper.periodic
-            else abs(face_length - side) / 2 + (1 - overlap) * min(face_length, side)
-        )
+        free = abs(face_length - side) / 2 + (1 - overlap) * min(face_length, side)
+        if upper.periodic:
+            free = side / 2
         reach.append(0.0 if lower.shape[axis] == 1 else free)
     return np.array(reach)
 

@@ -60,11 +60,10 @@ class PlanInPlace(Plan):
         self.threads = threads_for(count_of(like), threads)
         waves = (self.shape[0], self.shape[1] // 2 + 1)
         complex_dtype = np.result_type(precision, np.complex64)
-        self.spectrum: np.ndarray = (
-            store.empty(waves, complex_dtype)
-            if share is None
-            else _within(share.spectrum, waves, complex_dtype)
-        )
+        if share is None:
+            self.spectrum: np.ndarray = store.empty(waves, complex_dtype)
+        else:
+            self.spectrum = _within(share.spectrum, waves, complex_dtype)
         self.scratch = _within(self.spectrum, self.shape, precision)
 
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 from roughcontact.bodies import check_bodies, have_layers
 from roughcontact.checking import check_choice, check_keys, check_solution, warn_of_map
-from roughcontact.choices import Extra, Influence
+from roughcontact.choices import Extra
 from roughcontact.contact.dataset import influence_of, joined, layers_of
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
@@ -594,6 +594,12 @@ def _one_load(
         passage |= conductance.gas_columns(open_gap, **gas)
     del open_gap
     patches = region_sizes(touching) * _point_area(touching.shape, steps)
+    of_points = partial(linear_response, touching, steps)
+    response = partial(of_points, contact_modulus, **operator)
+    conductions = {
+        name: of_points(pair.modulus, influence=operator["influence"], layers=pair)
+        for name, pair in conducting.items()
+    }
     columns = {
         "relative_contact_area": relative_contact_area(touching),
         "relative_contact_area_pixels": points / touching.size,
@@ -603,13 +609,8 @@ def _one_load(
         "contact_on_filled_points": np.count_nonzero(touching & filled) / points,
         **of_carried,
         "mean_gap": mean_gap,
-        **_stiffness(touching, yielded, steps, contact_modulus=contact_modulus, **operator),
-        **{
-            name: _inverse(
-                linear_response(touching, steps, pair.modulus, influence=operator["influence"], layers=pair)
-            )
-            for name, pair in conducting.items()
-        },
+        **_stiffness(response, touching, yielded),
+        **{name: _inverse(conduction) for name, conduction in conductions.items()},
         **passage,
         **of_pressure,
         "patch_area_density": density(patches, edges["patch"]),
@@ -625,16 +626,9 @@ def _point_area(shape: tuple[int, ...], steps: tuple[float, float]) -> float:
 
 
 def _stiffness(
-    touching: np.ndarray,
-    yielded: np.ndarray | None,
-    steps: tuple[float, float],
-    *,
-    contact_modulus: float,
-    influence: Influence,
-    layers: LayeredPair | None,
+    response: Callable[..., float], touching: np.ndarray, yielded: np.ndarray | None
 ) -> dict[str, float]:
     """Return the stiffness of a contact as an elastic one, and that of further loading where points yield."""
-    response = partial(linear_response, touching, steps, contact_modulus, influence=influence, layers=layers)
     elastic = _inverse(response())
     if yielded is None:
         return {"contact_stiffness": elastic}

@@ -52,18 +52,17 @@ def friction_statistics(
         conductivities = [conductivity for conductivity in stated if conductivity]
         if len(conductivities) != 2:
             raise _missing("speed", "thermal_conductivity of both bodies")
+        if coefficient is None:
+            coefficient = columns["friction_coefficient"].item()
+            columns.attrs["flash_temperature_by"] = "shear_strength"
         warm = flash_temperature(
             contact,
-            friction_coefficient=columns["friction_coefficient"].item()
-            if coefficient is None
-            else coefficient,
+            friction_coefficient=coefficient,
             speed=speed,
             thermal_conductivity=conductivities,
             thermal_diffusivity=thermal_diffusivity,
         )
         columns = columns.merge(_without_maps(warm))
-        if coefficient is None:
-            columns.attrs["flash_temperature_by"] = "shear_strength"
     return columns
 
 

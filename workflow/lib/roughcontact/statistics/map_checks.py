@@ -347,12 +347,9 @@ def steep_places(window: Attributes) -> Check:
     text = f"The steepest 1 % of the points make up {percent(share)} of the mean square gradient"
     if share <= STEEP_PLACES:
         return passed(f"{text}.")
-    threshold = window.get("outlier_threshold")
-    spikes = (
-        f"Spikes beyond {number(threshold, digits=2)} standard deviations are removed already."
-        if threshold
-        else "Remove spikes with level.outlier_threshold."
-    )
+    spikes = "Remove spikes with level.outlier_threshold."
+    if threshold := window.get("outlier_threshold"):
+        spikes = f"Spikes beyond {number(threshold, digits=2)} standard deviations are removed already."
     return noted(
         f"{text}: steps, defects or dust.",
         explanation="A load relative to the gradient is high for the rest of the surface.",

@@ -108,12 +108,8 @@ def stress_columns(
     """
     layered, limits = bool(body.get("layers")), yield_stresses(body)
     region = _around(pressure > 0) if free else (slice(None), slice(None))
-    stress_at = subsurface_stress(
-        pressure[region],
-        steps,
-        free=free,
-        **({"body": stack_of(body)} if layered else {"poissons_ratio": body["poissons_ratio"]}),
-    )
+    elastic = {"body": stack_of(body)} if layered else {"poissons_ratio": body["poissons_ratio"]}
+    stress_at = subsurface_stress(pressure[region], steps, free=free, **elastic)
     sections = _depths(pressure.shape, steps, body)
     ratio = body.get("poissons_ratio") or 0.0
     uniform_stress = float(pressure.mean()) * (1 - 2 * ratio) / (1 - ratio)
