@@ -158,6 +158,13 @@ def test_results_without_the_records_of_snakemake_are_made_again(finished, tmp_p
     assert "the last run here has left (results/ground/statistics.nc differs): all results are" in run.stderr
 
 
+def test_a_result_that_was_deleted_is_made_again(finished, tmp_path, checkout):
+    """Although the report, which was made of it, is newer than all that remains."""
+    folder = shutil.copytree(finished.folder, tmp_path / "copy")
+    shutil.rmtree(folder / "results/ground")
+    assert Project(folder, checkout).jobs() == OF_ONE
+
+
 def test_a_run_that_ended_after_the_window_goes_on_whatever_the_dates(finished, tmp_path, checkout):
     folder = shutil.copytree(finished.folder, tmp_path / "copy")
     project, measured = Project(folder, checkout), folder / "measured/turned.txt"
