@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from small_project import SETTINGS, Project
 
+from roughcontact import evaluate, read_height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.results.storage import read_dataset
 
@@ -51,6 +52,35 @@ def test_the_report_asks_for_the_lay_with_both_numbers(project):
     assert "State lay = across" in project.path("results/report.html").read_text()
     known = read_dataset(project.path("results/ridges/statistics.nc"))
     assert not [each for each in json.loads(known.attrs["reasons"]) if each["check"] == "Lay"]
+
+
+def test_profiles_along_a_lay_stretch_the_surface_of_those_across_it(project):
+    """The rows give what the same profiles give in Python; another profile along makes them again."""
+    table = [
+        "surface\tpath\tchannel\tlay\tgroup",
+        "over\tmeasured/stylus.csv\tz1; z2\tacross\tfinish",
+        "with\tmeasured/along.csv\t\talong\tfinish",
+    ]
+    positions, heights = np.arange(0, 256, 2.0), 0.5 * np.sin(np.arange(0, 256, 2.0) / 9)
+    pd.DataFrame({"x (um)": positions, "z (um)": heights}).to_csv(
+        project.path("measured/along.csv"), index=False
+    )
+    settings = {**SETTINGS, "uncertainty": {"sources": ["solver", "window"], "windows": 4}}
+    project.write(settings=settings, table=table)
+    run = project.run()
+    assert run.returncode == 0, run.stderr
+    rows = pd.read_csv(project.path("results/summary.csv"))
+    assert set(rows["surface"]) == {"over"}
+    across = [read_height_map(project.path("measured/stylus.csv"), channel=z) for z in ("z1", "z2")]
+    along = read_height_map(project.path("measured/along.csv"))
+    given = {name: settings[name] for name in ("level", "contact", "uncertainty") if name in settings}
+    python = evaluate(across, along=along, lay="across", **given)
+    statistics = read_dataset(project.path("results/over/statistics.nc"))
+    for name in ("relative_contact_area", "relative_contact_area_upper", "mean_gap"):
+        np.testing.assert_allclose(statistics[name], python[name], rtol=1e-6)
+    measured = project.path("measured/along.csv")
+    pd.read_csv(measured).assign(**{"z (um)": 2 * heights}).to_csv(measured, index=False)
+    assert project.jobs() == {"prepare": 1, "contact": 1, "report": 1}
 
 
 def test_mistakes_in_the_lay_are_named_before_anything_runs(project):
