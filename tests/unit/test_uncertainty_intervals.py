@@ -132,6 +132,19 @@ def test_full_contact_has_no_gap_and_the_hardness_is_a_limit(heights):
     assert ends(hard, PRESSURE)[1].item() <= 0.05
 
 
+def test_a_largest_pressure_at_the_hardness_stays_there():
+    """The part of the window with finer pixels may be without the point that flows."""
+    heights = self_affine_surface(
+        (160, 160), 1.0, hurst=0.8, shortest=3, longest=80, rms_gradient=0.1, seed=9
+    ).values
+    for heaviest in (1e6, 2e7):
+        problem = {"contact_modulus": 1e9, "hardness": 120e6, "mean_pressure": [2e5, 3e5, heaviest]}
+        found = budget_of(heights, problem, sources=["solver", "discretisation"])
+        assert (found[f"{PEAK}_as_solved"] == 120e6).all()
+        np.testing.assert_allclose(found[f"{PEAK}_estimate"], 120e6, rtol=1e-12)
+        assert (found[f"{PEAK}_upper"] == 120e6).all()
+
+
 @pytest.mark.parametrize("load", [1e-4, 0.01, 0.9])
 def test_the_area_carries_the_load_and_the_peak_is_no_less_than_the_mean(heights, load):
     """No point bears more than H: A ≥ p̄/H (Bowden and Tabor 1950), which the area of soft bodies is near."""

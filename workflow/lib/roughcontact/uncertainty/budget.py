@@ -38,7 +38,7 @@ from roughcontact.uncertainty.intervals import (
 from roughcontact.uncertainty.magnification import magnification_curve
 from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.uncertainty.sample import constrictions_in_grooves, deficiency, description
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PRESSURE, to_scale
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, to_scale
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, next_octave
 from roughcontact.window.instrument import stated_instrument
@@ -166,7 +166,7 @@ def error_budget(
             contact=lenient,
             values=values,
             pixel_share=load / as_solved[PRESSURE],
-            peak_index=int(solved["index_of_the_peak"].values[-1]),
+            peak_index=_index_of_the_peak(solved, contact.get("hardness") or np.inf),
         )
         middle = {name: centre + correction[name] for name, centre in middle.items()}
     if "window" in sources:
@@ -262,6 +262,16 @@ def _check_arguments(
 def _of_material(contact: Mapping[str, Any]) -> dict[str, float | None]:
     """Return modulus and load -> the relative uncertainty that the settings state, if any."""
     return {key: contact.get(name) for name, key in MATERIAL_UNCERTAINTIES.items()}
+
+
+def _index_of_the_peak(solved: xr.Dataset, hardness: float) -> int:
+    """Return the point of the highest pressure, row by row, under the heaviest load without plastic flow.
+
+    Points that flow share the hardness: where they do under all loads, the lightest has the fewest.
+    """
+    load = solved["mean_pressure"].values
+    heaviest = np.where(solved[PEAK].values < hardness, load, -load).argmax()
+    return int(solved["index_of_the_peak"].values[heaviest])
 
 
 def _of_solver(solved: xr.Dataset) -> Components:

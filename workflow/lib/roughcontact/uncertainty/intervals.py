@@ -83,7 +83,7 @@ def interval_columns(
     `measurand` is that of `_lower` and `_upper`.
     """
     shorter = {name: centre + octave[name][0] for name, centre in middle.items()} if octave else middle
-    middle, shorter = (_consistent(centres, limits) for centres in (middle, shorter))
+    middle, shorter = (_consistent(as_solved, centres, limits) for centres in (middle, shorter))
     beyond = _with_pressure({name: pair[1] for name, pair in (octave or {}).items()}, shorter[AREA])
     components = {source: _with_pressure(causes, middle[AREA]) for source, causes in components.items()}
     windows = {key: _with_pressure(component, middle[AREA]) for key, component in windows.items()}
@@ -113,7 +113,7 @@ def interval_columns(
     return columns
 
 
-def _consistent(middle: Values, limits: Limits) -> dict[str, np.ndarray]:
+def _consistent(as_solved: Values, middle: Values, limits: Limits) -> dict[str, np.ndarray]:
     """Return results on their scales with the pressure in contact, each as large as the others ask for."""
     middle = dict(middle)
     if limits.hardness is not None:  # by the edges of its pixels alone the area may be too small for the load
@@ -122,6 +122,9 @@ def _consistent(middle: Values, limits: Limits) -> dict[str, np.ndarray]:
     # where few points touch, the pixels of the area and of the peak are corrected one without the other
     if PEAK in middle:
         middle[PEAK] = np.fmax(middle[PEAK], middle[PRESSURE])
+        if limits.hardness is not None:  # points that flow do so with finer pixels too
+            flows = as_solved[PEAK] >= limits.hardness
+            middle[PEAK] = np.where(flows, to_scale(PEAK, as_solved[PEAK]), middle[PEAK])
     return middle
 
 
