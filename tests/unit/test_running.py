@@ -15,10 +15,9 @@ import pytest
 import snakemake.io
 import yaml
 
-from roughcontact.command_line import running
+from roughcontact.command_line import records, running
 from roughcontact.command_line.program import main
 from roughcontact.command_line.run_lock import run_lock
-from roughcontact.configuration import places
 from roughcontact.configuration.messages import name_mistake
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import read_surfaces
@@ -269,19 +268,19 @@ def test_a_run_says_which_settings_it_takes_and_what_an_earlier_table_left(folde
 def test_results_of_another_folder_are_known_by_what_the_last_run_has_left(folder):
     result = folder / "results/soft/seat/statistics.nc"
     write_dataset(height_map(np.eye(16), 1e-6), result)
-    assert places.lost_records().startswith("came without .snakemake")
-    places.note_results()
-    assert places.lost_records() == ""
+    assert records.lost_records().startswith("came without .snakemake")
+    records.note_results()
+    assert records.lost_records() == ""
     shutil.copytree(folder, folder.with_name("moved"))
-    begun = places.RECORDS.read_text()
+    begun = records.RECORDS.read_text()
     write_dataset(height_map(np.ones((16, 16)), 1e-6), result)
-    assert "results/soft/seat/statistics.nc differs" in places.lost_records()
-    assert places.RECORDS.read_text() != begun, "of which Snakemake makes all results again"
+    assert "results/soft/seat/statistics.nc differs" in records.lost_records()
+    assert records.RECORDS.read_text() != begun, "of which Snakemake makes all results again"
     for unknown in ("{", "{}"):  # as an interrupted run leaves it
-        places.LEFT.write_text(unknown)
-        assert places.lost_records() == ""
+        records.LEFT.write_text(unknown)
+        assert records.lost_records() == ""
     os.chdir(folder.with_name("moved"))
-    assert places.lost_records() == ""
+    assert records.lost_records() == ""
 
 
 def test_a_dry_run_lists_the_jobs_with_their_files(folder, capfd):

@@ -5,15 +5,10 @@ from functools import partial
 
 from snakemake.logging import logger
 
+from roughcontact.command_line.records import LEFT, lost_records, note_results
 from roughcontact.command_line.rule_arguments import RuleArguments
 from roughcontact.command_line.unfinished import start_partial_report
-from roughcontact.configuration.places import (
-    LEFT,
-    check_places,
-    lost_records,
-    note_results,
-    stale_results,
-)
+from roughcontact.configuration.places import check_places, stale_results
 from roughcontact.configuration.plan import Plan
 from roughcontact.configuration.study import read_study
 from roughcontact.configuration.surfaces import find

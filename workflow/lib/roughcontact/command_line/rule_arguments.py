@@ -7,8 +7,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from roughcontact.command_line.records import RECORDS
 from roughcontact.configuration.dependencies import source_digest
-from roughcontact.configuration.places import PARTIAL, RECORDS
+from roughcontact.configuration.places import PARTIAL
 from roughcontact.configuration.plan import STAGES, Plan, Rule, split
 from roughcontact.io.checksums import checksum
 from roughcontact.io.size import estimate_points

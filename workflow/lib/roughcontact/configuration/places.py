@@ -1,23 +1,15 @@
 """The folders that a run writes to, and the dates of the files that a job reads."""
 
-import json
 import os
 import time
 from collections.abc import Iterable
-from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
 
 from roughcontact.errors import InputFileError, SettingsError
-from roughcontact.io.seal import stated_seal
 
-# An input of the first jobs, as old as the records of Snakemake. Without these, as in a copy of results/
-# alone, Snakemake compares dates only: this file is new there, so that all is made again
-RECORDS = Path(".snakemake/roughcontact-records")
 # when the last partial report was written: a param of the report, so that the next run makes it again
 PARTIAL = Path(".snakemake/roughcontact-partial")
-# what the last run left in results/, to know results of another folder that are copied over them
-LEFT = Path(".snakemake/roughcontact-results")
 _SKEW = 60  # s by which clocks of file servers may be ahead
 
 
@@ -48,39 +40,6 @@ def stale_results(results: Iterable[str], root: str | Path = "results") -> list[
     """Return the folders with results below `root` that are not among the `results` of this run."""
     folders = {path.parent for depth in ("*", "*/*") for path in Path(root).glob(f"{depth}/panel.html")}
     return sorted(folder.as_posix() for folder in folders - {Path(root, result) for result in results})
-
-
-def lost_records() -> str:
-    """Return why Snakemake's records are not of the results, which begin anew then; empty where they are."""
-    reason, left = "", {}
-    with suppress(OSError, ValueError):
-        left = json.loads(LEFT.read_text("utf-8"))
-    if not RECORDS.exists():
-        if any(Path("results").glob("*/*.nc")) or any(Path("results").glob("*/*/*.nc")):
-            reason = "came without .snakemake, which records the settings behind it"
-    elif left and (replaced := [path for path, seal in _seals().items() if seal != left.get(path, seal)]):
-        reason = f"is not what the last run here has left ({replaced[0]} differs)"
-    if reason or not RECORDS.exists():
-        with suppress(OSError):
-            RECORDS.parent.mkdir(exist_ok=True)
-            # of a small file Snakemake compares the content as well
-            RECORDS.write_text(f"{time.time_ns()}\n", "utf-8")
-    return reason
-
-
-def note_results() -> None:
-    """Note the results that a run leaves at its end; until then, and where it was killed, none are noted."""
-    with suppress(OSError):
-        LEFT.write_text(json.dumps(_seals()), "utf-8")
-
-
-def _seals() -> dict[str, str]:
-    """Return the seal of the statistics of each result, as far as they can be read and have one."""
-    seals: dict[str, str] = {}
-    for path in (path for depth in ("*", "*/*") for path in Path("results").glob(f"{depth}/statistics.nc")):
-        with suppress(OSError):
-            seals[path.as_posix()] = stated_seal(path)
-    return {path: seal for path, seal in seals.items() if seal}
 
 
 def check_dates(paths: Iterable[str]) -> None:
