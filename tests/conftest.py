@@ -25,15 +25,26 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture
 def read(tmp_path):
-    """A function that reads the content of a file, or requires that it is refused in such words."""
+    """A function that reads the content of a file."""
 
-    from measured_files import read_height_map, refuses, saved  # which other tests need not wait for
+    from measured_files import read_height_map, saved  # which other tests need not wait for
 
-    def _read(content, refused="", *, name="map.dat", encoding="utf-8", **arguments):
-        path = saved(tmp_path, content, name, encoding)
-        return refuses(refused, path, **arguments) if refused else read_height_map(path, **arguments)
+    def _read(content, *, name="map.dat", encoding="utf-8", **arguments):
+        return read_height_map(saved(tmp_path, content, name, encoding), **arguments)
 
     return _read
+
+
+@pytest.fixture
+def refused(tmp_path):
+    """A function that asserts that the content of a file is refused in such words."""
+
+    from measured_files import refuses, saved
+
+    def _refused(content, words, *, name="map.dat", encoding="utf-8", **arguments):
+        return refuses(words, saved(tmp_path, content, name, encoding), **arguments)
+
+    return _refused
 
 
 @pytest.fixture

@@ -23,10 +23,10 @@ from roughcontact.statistics.instrument_checks import quantisation
 HEIGHTS = np.arange(12.0).reshape(3, 4) * 1e-6
 
 
-def test_what_is_no_file(read, tmp_path):
+def test_what_is_no_file(refused, tmp_path):
     refuses("no such file", tmp_path / "absent.x3p")
     refuses("is a folder", tmp_path)
-    read(b"", "the file is empty")
+    refused(b"", "the file is empty")
     os.mkfifo(tmp_path / "pipe")
     refuses("no regular file", tmp_path / "pipe")
 
@@ -44,33 +44,33 @@ def test_rubbish_is_never_a_map(read, size, kind):
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
-def test_entities_are_refused(read, encoding):
+def test_entities_are_refused(refused, encoding):
     bomb = '<?xml version="1.0"?><!DOCTYPE a [<!ENTITY x "ha"><!ENTITY y "&x;&x;&x;">]><a>&y;</a>'
-    read(x3p(HEIGHTS, edit=lambda _: bomb.encode(encoding)), "DOCTYPE, which is refused")
+    refused(x3p(HEIGHTS, edit=lambda _: bomb.encode(encoding)), "DOCTYPE, which is refused")
 
 
-def test_zip_bomb_is_refused_before_it_unpacks(read, monkeypatch):
+def test_zip_bomb_is_refused_before_it_unpacks(read, refused, monkeypatch):
     monkeypatch.setattr(guards, "MAX_UNPACKED_BYTES", 10**6)
     stream = io.BytesIO(x3p(HEIGHTS))
     with zipfile.ZipFile(stream, "a", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("vendor/one.bin", bytes(12 * 10**5))
     bomb = stream.getvalue()
     assert len(bomb) < 10**5
-    read(bomb, "the archive would unpack to")
+    refused(bomb, "the archive would unpack to")
     assert read(x3p(HEIGHTS)).shape == (3, 4)
 
 
-def test_claimed_size_is_checked_before_reading(read):
+def test_claimed_size_is_checked_before_reading(refused):
     claim = x3p(HEIGHTS, edit=lambda main: main.replace(b"<SizeX>4<", b"<SizeX>400000000<"))
-    read(claim, "more than the 134217728 that are read")
+    refused(claim, "more than the 134217728 that are read")
 
 
-def test_cut_archive_and_other_archives(read):
+def test_cut_archive_and_other_archives(refused):
     data = x3p(HEIGHTS)
-    read(data[: int(0.6 * len(data))], "without its end")
+    refused(data[: int(0.6 * len(data))], "without its end")
     stream = io.BytesIO()
     np.savez(stream, a=np.ones((4, 4)))
-    read(stream.getvalue(), r"map\.", name="map.npz", **GIVEN)
+    refused(stream.getvalue(), r"map\.", name="map.npz", **GIVEN)
 
 
 def rough(n=64, seed=0):
@@ -244,13 +244,13 @@ def test_quantisation_is_compared_with_the_roughness_and_not_with_the_tilt():
     assert check.sentence.startswith("The heights are multiples of 2.0 nm, 2")
 
 
-def test_memory_is_asked_for_before_reading(read, tmp_path, monkeypatch):
+def test_memory_is_asked_for_before_reading(refused, tmp_path, monkeypatch):
     monkeypatch.setattr(guards, "memory_bytes", lambda: 2.0**17)
     np.save(tmp_path / "map.npy", rough(128))
     refuses(r"128 x 128 points need 0.0 GiB of memory to be read", tmp_path / "map.npy", **GIVEN)
-    read(b"1.5 2.5\n" * 2000, r"bytes of this format need", name="map.txt", **GIVEN)
-    read(b"aISO-1.0" + bytes(20000), r"bytes of this format need", name="map.sdf")
-    read(b"AliconaImaging\0" + bytes(20000), r"bytes of this format need", name="map.al3d")
+    refused(b"1.5 2.5\n" * 2000, r"bytes of this format need", name="map.txt", **GIVEN)
+    refused(b"aISO-1.0" + bytes(20000), r"bytes of this format need", name="map.sdf")
+    refused(b"AliconaImaging\0" + bytes(20000), r"bytes of this format need", name="map.al3d")
     monkeypatch.undo()
     assert guards.memory_bytes() > 2**20
     assert read_height_map(tmp_path / "map.npy", **GIVEN).shape == (128, 128)

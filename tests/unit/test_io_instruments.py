@@ -28,7 +28,7 @@ def surf(counts, kind=2, objects=1, *, dy=3.0, units=(b"\xb5m", b"\xb5m", b"nm")
     return header.ljust(512, b"\0") + counts.astype("<i4").tobytes()
 
 
-def test_a_series_of_digital_surf_has_a_channel_for_each_object(read):
+def test_a_series_of_digital_surf_has_a_channel_for_each_object(read, refused):
     data = surf(COUNTS, 5, 3) + surf(2 * COUNTS) + surf(3 * COUNTS)
     height = read(data)
     assert json.loads(height.attrs["channels"]) == ["object 1", "object 2", "object 3"]
@@ -36,9 +36,9 @@ def test_a_series_of_digital_surf_has_a_channel_for_each_object(read):
     third = read(data, channel="object 3")
     np.testing.assert_allclose(third.values[::-1], 1.5e-9 * COUNTS, rtol=1e-12)
     assert steps(third) == pytest.approx([2e-6, 3e-6])
-    read(surf(COUNTS, 5, 3) + surf(COUNTS), "2 objects where its header states 3")
+    refused(surf(COUNTS, 5, 3) + surf(COUNTS), "2 objects where its header states 3")
     for cut in (1, 300):
-        read(data[:-cut], "cut off")
+        refused(data[:-cut], "cut off")
 
 
 def test_profiles_of_digital_surf(read):
@@ -113,7 +113,7 @@ def test_bytes_of_nanoscope_that_are_no_lines_are_named(read):
     assert "3 of the 99 bytes of channel 'Height' are no part of its 6 lines" in warnings_of(read(data))
 
 
-def test_a_softgauge_of_one_profile(read):
+def test_a_softgauge_of_one_profile(read, refused):
     head = ["aNPL-V1.0", "ManuFacID = Softgauges", "CreateDate = 210520051200", "ModDate = 210520051200"]
     head += ["NumPoints = 8", "NumProfiles = 1", "Xscale = 5E-07", "Yscale = 0", "Zscale = 1E-09"]
     head += ["Zresolution = -1", "Compression = 0", "DataType = 5", "CheckType = 0", "*"]
@@ -121,7 +121,7 @@ def test_a_softgauge_of_one_profile(read):
     profile = read(text)
     np.testing.assert_allclose(profile.values, 1e-9 * COUNTS[:1], rtol=1e-12)
     assert steps(profile) == pytest.approx([5e-7])
-    read(text.replace("Zscale = 1E-09", "Zscale = 0"), "Zscale = 0.0, the height of a count")
+    refused(text.replace("Zscale = 1E-09", "Zscale = 0"), "Zscale = 0.0, the height of a count")
 
 
 def zygo(resolution):
@@ -131,13 +131,13 @@ def zygo(resolution):
     return "\n".join([*head, *(f"{n % 8} {n // 8} {z}" for n, z in enumerate(values)), "#", ""])
 
 
-def test_zygo_xyz_of_format_1(read):
+def test_zygo_xyz_of_format_1(read, refused):
     height = read(zygo("2e-06"))
     right = np.where((np.arange(8) == 3) & (np.arange(6)[:, None] == 2), np.nan, 1e-9 * COUNTS)
     np.testing.assert_allclose(height.values, right, rtol=1e-12)
     assert steps(height) == pytest.approx([2e-6, 2e-6])
-    read(zygo("0"), "give dx, dy, unit")  # a camera that was not calibrated
-    read("\n".join(zygo("2e-06").split("\n")[:-10]), "40 lines of points where the header needs 8 x 6")
+    refused(zygo("0"), "give dx, dy, unit")  # a camera that was not calibrated
+    refused("\n".join(zygo("2e-06").split("\n")[:-10]), "40 lines of points where the header needs 8 x 6")
 
 
 def test_a_plain_workbook_is_named_with_its_sheets(tmp_path):

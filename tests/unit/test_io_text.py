@@ -156,28 +156,28 @@ def test_values_that_are_no_lengths_are_refused(tmp_path):
     refuses(r"no channel of this file holds heights .*values in V, no length", path)
 
 
-def test_cut_matrices_are_refused(read):
+def test_cut_matrices_are_refused(read, refused):
     rng = np.random.default_rng(3)
     square = rng.standard_normal((20, 20))
     text = "# Width: 20 µm\n# Height: 20 µm\n# Value units: nm\n" + matrix(square)
     whole = read(text)
     assert whole.shape == (20, 20)
-    read(text[: int(0.6 * len(text))], "the file was cut off")
+    refused(text[: int(0.6 * len(text))], "the file was cut off")
     lines = text.splitlines(keepends=True)
-    read("".join(lines[: 3 + 12]), r"seems to be cut off\. If it is whole, give dx, dy and unit")
+    refused("".join(lines[: 3 + 12]), r"seems to be cut off\. If it is whole, give dx, dy and unit")
     kept = read("".join(lines[: 3 + 12]), **GIVEN)
     assert kept.shape == (12, 20)
-    read("ncols 4\nnrows 5\ncellsize 1\n" + matrix(separator=" "), "header says 5 rows, the file has 3")
+    refused("ncols 4\nnrows 5\ncellsize 1\n" + matrix(separator=" "), "header says 5 rows, the file has 3")
 
 
-def test_ragged_rows_and_words_name_the_line(read):
-    read("1 2 3 4\n1 2 3\n1 2 3 4\n", "row 2 has 3 numbers where the others have 4")
-    read("1 2 3 4\n1 2 3 4\n1 2 x 4\n1 2 3 4\n", r"line 3 is no row of numbers \(x\); write NaN")
+def test_ragged_rows_and_words_name_the_line(refused):
+    refused("1 2 3 4\n1 2 3\n1 2 3 4\n", "row 2 has 3 numbers where the others have 4")
+    refused("1 2 3 4\n1 2 3 4\n1 2 x 4\n1 2 3 4\n", r"line 3 is no row of numbers \(x\); write NaN")
 
 
-def test_ambiguous_comma_is_refused(read):
+def test_ambiguous_comma_is_refused(read, refused):
     text = "1,5\n2,5\n3\n4,5\n"
-    read(text, "may be a decimal sign or a separator", dx=1, unit="um")
+    refused(text, "may be a decimal sign or a separator", dx=1, unit="um")
     assert read(text + "4,05\n", dx=1, unit="um").shape == (
         1,
         5,
@@ -213,24 +213,24 @@ def test_rounded_positions_are_even(read):
     assert float(height.x[1] - height.x[0]) == pytest.approx(1e-6 / 3, rel=1e-4)
 
 
-def test_uneven_points_are_refused_with_a_way_out(read):
+def test_uneven_points_are_refused_with_a_way_out(refused):
     x = np.array([0.0, 1.0, 2.3, 3.0, 4.0])
     text = "".join(f"{a} {b} {a * b + 1}\n" for b in range(4) for a in x)
-    read(text, r"even.*resample = linear", unit="um")
+    refused(text, r"even.*resample = linear", unit="um")
     scattered = np.random.default_rng(1).random((50, 3))
     text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in scattered)
-    read(text, r"even.*resample = linear", unit="um")
+    refused(text, r"even.*resample = linear", unit="um")
     doubled = "".join(f"{a} {b} 1.5\n" for b in (0, 1, 1) for a in range(4))
-    read(doubled, "several points of the list have the same position", unit="um")
+    refused(doubled, "several points of the list have the same position", unit="um")
 
 
 @pytest.mark.parametrize("order", ["row", "column"])
-def test_cut_list_of_points_is_refused(read, order):
+def test_cut_list_of_points_is_refused(refused, order):
     text = "".join("{:g} {:g} {:g}\n".format(*point) for point in points(order)[:-1])
-    read(text, "ends in the middle of a grid line", unit="mm")
+    refused(text, "ends in the middle of a grid line", unit="mm")
 
 
-def test_profile_with_unit_in_the_column_name(read, tmp_path):
+def test_profile_with_unit_in_the_column_name(refused, tmp_path):
     text = "X_(microns),y1\n" + "".join(
         f"{0.5 * i:.4f},{z}\n" for i, z in enumerate(HEIGHTS.ravel(), start=1)
     )
@@ -241,18 +241,20 @@ def test_profile_with_unit_in_the_column_name(read, tmp_path):
     np.testing.assert_allclose(height.values[0], HEIGHTS.ravel() * 1e-9, rtol=1e-15)
     np.testing.assert_allclose(height.x, 0.5e-6 * np.arange(1, 13), rtol=1e-12)
     uneven = text.replace("2.5000,", "2.7000,")
-    read(uneven, "not evenly spaced", height_unit="nm")
+    refused(uneven, "not evenly spaced", height_unit="nm")
 
 
-def test_one_line_is_a_profile_and_one_number_no_map(read):
+def test_one_line_is_a_profile_and_one_number_no_map(read, refused):
     height = read("1.5 2.5 3.5 7\n", dx=1, unit="um")
     assert height.shape == (1, 4)
-    read("1.5\n", "single point", error=HeightMapError, **GIVEN)
-    read("nan nan nan\nnan nan nan\n", "all 6 points of the map are missing", error=HeightMapError, **GIVEN)
+    refused("1.5\n", "single point", error=HeightMapError, **GIVEN)
+    refused(
+        "nan nan nan\nnan nan nan\n", "all 6 points of the map are missing", error=HeightMapError, **GIVEN
+    )
 
 
-def test_text_without_numbers(read):
-    read("Dear all\nhere is the map\n", r"text without a table of numbers; it starts with 'Dear all'")
+def test_text_without_numbers(refused):
+    refused("Dear all\nhere is the map\n", r"text without a table of numbers; it starts with 'Dear all'")
 
 
 def test_inspect_says_what_is_missing(tmp_path):

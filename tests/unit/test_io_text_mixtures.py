@@ -46,23 +46,23 @@ def assert_heights(height, heights, step=0.5e-6):
         ("Scan 2\n", "a second table begins at line 9"),
     ],
 )
-def test_a_second_table_without_headings_is_refused(read, between, words):
-    read(table(ONE) + between + table(TWO), refused=words, **GIVEN)
+def test_a_second_table_without_headings_is_refused(refused, between, words):
+    refused(table(ONE) + between + table(TWO), words, **GIVEN)
 
 
-def test_an_empty_column_divides_maps_beside_one_another(read):
+def test_an_empty_column_divides_maps_beside_one_another(refused):
     text = table(ONE, np.full(8, np.nan), TWO).replace("nan", "")
-    read(text, refused="line 1 .* has an empty column", **GIVEN)
+    refused(text, "line 1 .* has an empty column", **GIVEN)
 
 
-def test_tables_with_headings_are_channels_in_their_units(read, tmp_path):
+def test_tables_with_headings_are_channels_in_their_units(read, refused, tmp_path):
     head = "# Channel: {}\n# Width: 5 µm\n# Height: 2 µm\n# Value units: {}\n"
     text = head.format("Phase", "deg") + table(TWO) + "\n" + head.format("Topography", "nm") + table(ONE)
     height = read(text)
     assert_heights(height, ONE[::-1])
     assert height.attrs["channel"] == "Topography"
     assert json.loads(height.attrs["channels"]) == ["Phase", "Topography"]
-    read(text, refused="channel 'Phase' holds no heights", channel="Phase")
+    refused(text, "channel 'Phase' holds no heights", channel="Phase")
     found = inspect_file(tmp_path / "map.dat")["channels"]
     assert [each["height_unit"] for each in found] == ["deg", "nm"]
     words = "Forward" + "\t" * 9 + "\n" + table(ONE) + "\nBackward\n" + table(TWO)
@@ -70,12 +70,12 @@ def test_tables_with_headings_are_channels_in_their_units(read, tmp_path):
     assert_heights(read(words, **GIVEN, channel="Backward"), TWO[::-1])
 
 
-def test_points_at_the_positions_of_others_name_the_line(read):
-    read(table(*grid(ONE)) + table(*grid(TWO)), refused="the first is that in line 81", **NM)
+def test_points_at_the_positions_of_others_name_the_line(refused):
+    refused(table(*grid(ONE)) + table(*grid(TWO)), "the first is that in line 81", **NM)
     headed = "x [um]\ty [um]\tz [nm]\n"
-    read(
+    refused(
         (headed + table(*grid(ONE))) + (headed + table(*grid(TWO))),
-        refused=r"2 tables below one another .*line 82.*channel",
+        r"2 tables below one another .*line 82.*channel",
     )
 
 
@@ -110,10 +110,10 @@ def test_profiles_by_the_names_of_their_columns(read, heading, columns):
         ("Distance (mm);Total (nm);Roughness (nm)", (X / 1e3, ONE[0], TWO[0]), "Roughness"),
     ],
 )
-def test_several_columns_of_heights_are_asked_about(read, heading, columns, wanted):
+def test_several_columns_of_heights_are_asked_about(read, refused, heading, columns, wanted):
     text = f"{heading}\n{table(*columns, separator=';')}"
     for given in ({}, GIVEN):
-        read(text, refused=rf"2 columns that may be heights: .*{wanted}.*channel", **given)
+        refused(text, rf"2 columns that may be heights: .*{wanted}.*channel", **given)
     assert_heights(read(text, channel=wanted), TWO[:1])
 
 
@@ -122,25 +122,25 @@ def test_points_that_a_column_calls_invalid_are_missing(read):
     assert_heights(height, np.where(X == 1, np.nan, ONE[0])[None])
 
 
-def test_columns_without_positions_are_profiles(read):
+def test_columns_without_positions_are_profiles(read, refused):
     text = "Profil 1 [nm];Profil 2 [nm];Profil 3 [nm]\n" + table(ONE[0], TWO[0], ONE[1], separator=";")
-    read(text, refused="3 columns that may be heights", **GIVEN)
+    refused(text, "3 columns that may be heights", **GIVEN)
     assert_heights(read(text, channel="Profil 2", dx=0.5, unit="um"), TWO[:1])
 
 
-def test_a_column_of_all_points_of_a_map_is_refused(read):
+def test_a_column_of_all_points_of_a_map_is_refused(refused):
     sizes = "nx: 10\nny: 8\ndx: 0.5 µm\n" + table(ONE.ravel())
-    read(sizes, refused="a column of 80 numbers, where the header states a size along y", **GIVEN)
+    refused(sizes, "a column of 80 numbers, where the header states a size along y", **GIVEN)
 
 
-def test_unknown_names_are_no_map(read):
-    read(
+def test_unknown_names_are_no_map(refused):
+    refused(
         "a;b;c;d (V)\n" + table(X, ONE[0], ONE[1], ONE[2], separator=";"),
-        refused=r"which of the 4 columns 'a', 'b', 'c', 'd \(V\)'.*name them x",
+        r"which of the 4 columns 'a', 'b', 'c', 'd \(V\)'.*name them x",
         **GIVEN,
     )
     worn = "mm;unworn;worn\n" + table(X, ONE[0], ONE[1], separator=";")
-    read(worn, refused="which of the 3 columns 'unworn', 'worn'", resample="linear", height_unit="nm")
+    refused(worn, "which of the 3 columns 'unworn', 'worn'", resample="linear", height_unit="nm")
 
 
 @pytest.mark.parametrize(
@@ -154,10 +154,10 @@ def test_unknown_names_are_no_map(read):
         ("Profil 1;Profil 2", (X, *ONE[:2])),
     ],
 )
-def test_a_heading_of_fewer_or_more_names_than_columns_is_refused(read, heading, columns):
+def test_a_heading_of_fewer_or_more_names_than_columns_is_refused(read, refused, heading, columns):
     text = heading + "\n" + table(*columns, separator=";" if ";" in heading else " ")
     named = len(heading.replace(";", "\n").replace(" ", "" if ";" in heading else "\n").split())
-    read(text, refused=f"'{re.escape(heading)}' names {named} columns, .* line 2 on, has", **GIVEN)
+    refused(text, f"'{re.escape(heading)}' names {named} columns, .* line 2 on, has", **GIVEN)
     assert read("Height profile\n" + table(ONE), **GIVEN).shape == ONE.shape
 
 
@@ -179,8 +179,8 @@ def test_double_tabs_separate_cells(read):
 
 
 @pytest.mark.parametrize("word", ["n/d", "Foo"])
-def test_a_first_row_of_an_unknown_word_is_not_dropped(read, word):
-    read("\t".join([word] * 10) + "\n" + table(ONE), refused=f"line 1 has as many cells.*'{word}'", **GIVEN)
+def test_a_first_row_of_an_unknown_word_is_not_dropped(refused, word):
+    refused("\t".join([word] * 10) + "\n" + table(ONE), f"line 1 has as many cells.*'{word}'", **GIVEN)
 
 
 # ---------------------------------------------------------------- headers
@@ -211,9 +211,9 @@ def test_a_first_row_of_an_unknown_word_is_not_dropped(read, word):
         (["Camera pixel size: 6.5 µm", "Pixel size: 6.5 µm (camera)"], "give dx, dy, unit"),
     ],
 )
-def test_statements_that_do_not_agree_are_asked_about(read, lines, words):
+def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, words):
     text = "\n".join([*lines, "Z unit: nm"]) + "\n" + table(ONE)
-    read(text, refused=f"{words}.*give dx, dy|{words}")
+    refused(text, f"{words}.*give dx, dy|{words}")
     assert_heights(read(text, dx=0.5, dy=0.25, unit="um"), ONE[::-1])
 
 
@@ -231,8 +231,8 @@ def test_statements_that_do_not_agree_are_asked_about(read, lines, words):
         (["Image size: 10 x 9 pixels"], "the header says 9 rows, the file has 8"),
     ],
 )
-def test_other_statements_that_do_not_agree_are_refused(read, lines, words):
-    read("\n".join(lines) + "\n" + table(ONE), refused=words, **GIVEN)
+def test_other_statements_that_do_not_agree_are_refused(refused, lines, words):
+    refused("\n".join(lines) + "\n" + table(ONE), words, **GIVEN)
 
 
 @pytest.mark.parametrize(
@@ -267,9 +267,9 @@ def test_statements_that_agree_are_used(read, lines):
     "line",
     ["dz: 0.01", "Z resolution: 0.01 nm", "Vertical step = 0.01 nm", "1 count = 0.01 nm", "Z-Faktor 0,01"],
 )
-def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, line):
+def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, refused, line):
     text = f"{line}\nZ unit: nm\n" + table(np.round(100 * ONE))
-    read(text, refused=f"line 1 says '{line}', and all heights are whole numbers.*'Z factor'", **GIVEN)
+    refused(text, f"line 1 says '{line}', and all heights are whole numbers.*'Z factor'", **GIVEN)
     assert_heights(read(text.replace("Z unit: nm", "Z factor: 0.01 nm"), **GIVEN), np.round(ONE[::-1], 2))
     assert "line 1" not in notes(read(f"{line}\n" + table(ONE), **GIVEN))
     read("Photon counts: 30\nBit resolution: 16\n" + table(np.round(100 * ONE)), **GIVEN)
@@ -304,9 +304,9 @@ def test_statements_that_are_not_understood_are_said(read, line, words):
     "heading",
     ["rho;phi;z", "theta (deg);z (nm)", "Frequency;z", "Time;z", "Zeit (s);Höhe (nm)", "Load;Depth"],
 )
-def test_columns_of_other_quantities_are_no_positions(read, heading):
+def test_columns_of_other_quantities_are_no_positions(refused, heading):
     columns = grid(ONE) if heading.count(";") == 2 else (X, ONE[0])
-    read(heading + "\n" + table(*columns, separator=";"), refused="which of the . columns|give dx", **NM)
+    refused(heading + "\n" + table(*columns, separator=";"), "which of the . columns|give dx", **NM)
 
 
 @pytest.mark.parametrize("name", ["z*1000", "z x10^-3", "-z", "Ra", "Amplitude", "z inverted"])
@@ -322,7 +322,7 @@ def test_empty_columns_beside_a_matrix_are_said(read):
     assert "1 column of empty cells beside the table is left out" in notes(height)
 
 
-def test_a_heading_that_contradicts_the_positions_is_said(read):
+def test_a_heading_that_contradicts_the_positions_is_said(read, refused):
     said = notes(read("dx: 2 µm\nx (µm);z (nm)\n" + table(X, ONE[0], separator=";")))
     assert "line 1 says 'dx: 2 µm'" in said
     assert "the positions are used" in said
@@ -332,7 +332,7 @@ def test_a_heading_that_contradicts_the_positions_is_said(read):
         ("Z factor: 1 µm", "a factor"),
     ):
         text = f"{line}\nx (µm);z (nm)\n" + table(X, ONE[0], separator=";")
-        read(text, refused=f"a column is in 'nm', and the header says {words}")
+        refused(text, f"a column is in 'nm', and the header says {words}")
 
 
 def test_a_marker_of_the_header_is_none_of_positions(read):
@@ -344,7 +344,7 @@ def test_a_marker_of_the_header_is_none_of_positions(read):
 # ---------------------------------------------------------------- positions beside a matrix
 
 
-def test_positions_without_a_corner(read):
+def test_positions_without_a_corner(read, refused):
     text = " ".join(f"{x:g}" for x in X) + "\n" + table(Y, ONE, separator=" ")
     assert_heights(read(text, **NM), ONE)
     closed = "y/x\t" + (table(X[None]) + table(Y, ONE)).replace("\n", "\t\n")
@@ -355,10 +355,10 @@ def test_positions_without_a_corner(read):
     ]
     german = "\n".join(";".join(row) for row in rows).replace(".", ",")
     assert_heights(read(german, **NM), ONE)
-    read(text.replace("1.5", "9", 1), refused="line 1 has 10 numbers where the others have 11", **NM)
+    refused(text.replace("1.5", "9", 1), "line 1 has 10 numbers where the others have 11", **NM)
     uneven = "the first row of the table, from line 1 on, holds positions that are not even"
-    read(text.replace("1.5", "1.9", 1), refused=uneven, **NM)
-    read("\t" + table(np.r_[9, Y**2], np.vstack([X, ONE]))[2:], refused=uneven.replace("row", "column"), **NM)
+    refused(text.replace("1.5", "1.9", 1), uneven, **NM)
+    refused("\t" + table(np.r_[9, Y**2], np.vstack([X, ONE]))[2:], uneven.replace("row", "column"), **NM)
 
 
 def test_empty_rows_above_and_below_a_table_are_said(read):
@@ -380,25 +380,25 @@ def test_positions_and_steps_of_the_user_that_differ_are_said(read):
     assert_heights(read(counted, **GIVEN), ONE)
 
 
-def test_positions_in_the_first_row_or_column_alone(read):
+def test_positions_in_the_first_row_or_column_alone(read, refused):
     first_row, first_column = table(np.vstack([X, ONE])), table(Y, ONE)
     assert_heights(read(first_row, **GIVEN), ONE[::-1])
     assert_heights(read(first_row, dy=0.25, **NM), ONE[::-1])
-    read(first_row, refused="give dy, unit", **NM)
+    refused(first_row, "give dy, unit", **NM)
     assert_heights(read(first_column, **GIVEN), ONE)
     header = "Width: 5 µm\nHeight: 2 µm\nZ unit: nm\n"
     assert_heights(read(header + first_row), ONE[::-1])
-    read(
+    refused(
         header.replace("5", "50") + first_row,
-        refused=r"taken as positions along x: line 4 says .*, line 1 says 'Width",
+        r"taken as positions along x: line 4 says .*, line 1 says 'Width",
     )
     assert read("nx: 10\nny: 9\n" + first_row, **GIVEN).shape == (9, 10)
     assert "may be positions along x" in notes(read("nx: 10\nny: 9\n" + first_row, **GIVEN))
 
 
-def test_a_column_of_positions_beside_few_others_is_asked_about(read):
-    read(table(X, *ONE[:3]), refused=r"first of 4 columns holds positions: of 3 profiles.*or .* a map", **NM)
-    read("dx: 0.5 µm\n" + table(X, *ONE[:3]), refused="holds positions: of 3 profiles", **NM)
+def test_a_column_of_positions_beside_few_others_is_asked_about(refused):
+    refused(table(X, *ONE[:3]), r"first of 4 columns holds positions: of 3 profiles.*or .* a map", **NM)
+    refused("dx: 0.5 µm\n" + table(X, *ONE[:3]), "holds positions: of 3 profiles", **NM)
 
 
 def test_lines_of_a_tilted_plane_are_heights(read):
