@@ -277,7 +277,7 @@ def test_results_of_another_folder_are_known_by_what_the_last_run_has_left(folde
     assert "results/soft/seat/statistics.nc differs" in records.lost_records()
     assert records.RECORDS.read_text() != begun, "of which Snakemake makes all results again"
     for unknown in ("{", "{}"):  # as an interrupted run leaves it
-        records.LEFT.write_text(unknown)
+        records.LAST_RESULTS.write_text(unknown)
         assert records.lost_records() == ""
     os.chdir(folder.with_name("moved"))
     assert records.lost_records() == ""

@@ -5,7 +5,7 @@ from functools import partial
 
 from snakemake.logging import logger
 
-from roughcontact.command_line.records import LEFT, lost_records, note_results
+from roughcontact.command_line.records import LAST_RESULTS, lost_records, note_results
 from roughcontact.command_line.rule_arguments import RuleArguments
 from roughcontact.command_line.unfinished import start_partial_report
 from roughcontact.configuration.places import check_places, stale_results

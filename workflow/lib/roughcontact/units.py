@@ -9,6 +9,7 @@ import re
 import unicodedata
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 # base unit: what it is of, and the spellings offered in a message
 _QUANTITIES = {
@@ -69,7 +70,7 @@ def carries_unit(value: object) -> bool:
     return isinstance(value, str) and not _is_number(value) and bool(_NUMBER_AND_UNIT.fullmatch(value))
 
 
-def in_base_unit(value: object, base: str) -> object:
+def in_base_unit(value: Any, base: str) -> Any:
     """Return a number that carries its unit as one in the base unit, and anything else as it is."""
     if not isinstance(value, str) or _is_number(value):
         return value

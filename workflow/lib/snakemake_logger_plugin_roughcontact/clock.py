@@ -1,7 +1,7 @@
 """How long the jobs of a run take, and how long those will take that are left."""
 
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 
 # usual seconds of a job, and of a minute of its requested run time per thread, which is an upper limit
 _START = {"prepare": 3.0, "prepare_face": 3.0, "superpose": 3.0}
@@ -39,8 +39,8 @@ class Clock:
         self.begin = time.time()
         self.total = self.done = self.width = 0
         self.left: Counter[str] = Counter()  # jobs of each rule, running ones included
-        self.taken: Counter[str] = Counter()  # seconds of those that have ended, by rule
-        self.usual: Counter[str] = Counter()  # and the usual seconds of these
+        self.taken: defaultdict[str, float] = defaultdict(float)  # seconds of those that have ended, by rule
+        self.usual: defaultdict[str, float] = defaultdict(float)  # and the usual seconds of these
         self.expected: dict[tuple[str, str], tuple[float, int]] = {}
         self.running: dict[int, tuple[str, float, float, int]] = {}  # rule, begin, usual seconds, threads
 
@@ -61,8 +61,8 @@ class Clock:
         if job in self.running:  # a target has done nothing
             rule, begin, seconds, _ = self.running.pop(job)
             self.left[rule] -= 1
-            self.taken[rule] += now - begin  # type: ignore[assignment]
-            self.usual[rule] += seconds  # type: ignore[assignment]
+            self.taken[rule] += now - begin
+            self.usual[rule] += seconds
 
     def fail(self, job: int) -> None:
         """Note a job that has failed: it is repeated, or never done."""

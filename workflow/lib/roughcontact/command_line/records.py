@@ -11,18 +11,18 @@ from roughcontact.io.seal import stated_seal
 # alone, Snakemake compares dates only: this file is new there, so that all is made again
 RECORDS = Path(".snakemake/roughcontact-records")
 # what the last run left in results/, to know results of another folder that are copied over them
-LEFT = Path(".snakemake/roughcontact-results")
+LAST_RESULTS = Path(".snakemake/roughcontact-results")
 
 
 def lost_records() -> str:
     """Return why Snakemake's records are not of the results, which begin anew then; empty where they are."""
-    reason, left = "", {}
+    reason, last = "", {}
     with suppress(OSError, ValueError):
-        left = json.loads(LEFT.read_text("utf-8"))
+        last = json.loads(LAST_RESULTS.read_text("utf-8"))
     if not RECORDS.exists():
         if any(Path("results").glob("*/*.nc")) or any(Path("results").glob("*/*/*.nc")):
             reason = "came without .snakemake, which records the settings behind it"
-    elif left and (replaced := [path for path, seal in _seals().items() if seal != left.get(path, seal)]):
+    elif last and (replaced := [path for path, seal in _seals().items() if seal != last.get(path, seal)]):
         reason = f"is not what the last run here has left ({replaced[0]} differs)"
     if reason or not RECORDS.exists():
         with suppress(OSError):
@@ -35,7 +35,7 @@ def lost_records() -> str:
 def note_results() -> None:
     """Note the results that a run leaves at its end; until then, and where it was killed, none are noted."""
     with suppress(OSError):
-        LEFT.write_text(json.dumps(_seals()), "utf-8")
+        LAST_RESULTS.write_text(json.dumps(_seals()), "utf-8")
 
 
 def _seals() -> dict[str, str]:

@@ -20,7 +20,8 @@ _SCRIPTS = {"prepare_face": "prepare", "statistics": "contact"}
 
 
 def _with_signature(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function with its signature noted, for which Snakemake asks several times for each job."""
+    """Return a function with its signature noted: without that Snakemake computes it several times a job."""
+    # 2 to 5 % of planning 10 000 rows; mypy knows the attribute of classes alone
     function.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
     return function
 

@@ -79,10 +79,10 @@ class Range:
         return {"anyOf": [handler(schema), {"type": "string"}]}
 
 
-def bare_number(value: object) -> float:
+def bare_number(value: Any) -> float:
     """Return a number without a unit, NaN for anything else."""
     try:
-        return math.nan if isinstance(value, bool) else float(value)  # type: ignore[arg-type]
+        return math.nan if isinstance(value, bool) else float(value)
     except (TypeError, ValueError, OverflowError):
         return math.nan
 

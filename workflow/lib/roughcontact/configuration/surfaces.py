@@ -485,6 +485,6 @@ def _instrument(row: Mapping[str, str], mistakes: list[str]) -> dict[str, float]
 def _length(text: str) -> float:
     """Return a length in `unit`, or in m if it has its own unit; NaN for any other text."""
     try:
-        return float(in_base_unit(text, "m"))  # type: ignore[arg-type]
+        return float(in_base_unit(text, "m"))
     except ValueError:
         return math.nan

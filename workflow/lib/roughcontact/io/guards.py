@@ -14,8 +14,8 @@ from roughcontact.errors import InputFileError, RoughContactError
 MAX_FILE_BYTES = 4 * 2**30
 MAX_UNPACKED_BYTES = 2**30
 MAX_XML_BYTES = 2**28
-# errors of zipfile for archives that are damaged or oddly compressed; a member with a password raises
-# RuntimeError
+# errors of zipfile for archives that are damaged; a compression that it does not know raises
+# NotImplementedError, a member with a password RuntimeError
 ARCHIVE_ERRORS = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError)
 _LONGEST_PATH = 4095  # characters; limit of operating systems
 _LONGEST_NAME = 255

@@ -76,7 +76,7 @@ def _given_step(name: str, request: Request) -> float | None:
     if value is None:
         return None
     try:
-        step = float(in_base_unit(value, "m"))  # type: ignore[arg-type]  # no number: refused below
+        step = float(in_base_unit(value, "m"))
     except (TypeError, ValueError) as error:
         reason = f": {error}" if carries_unit(value) else " must be a positive number"
         raise SettingsError(f"{name} = {value!r}{reason}") from error
