@@ -20,8 +20,8 @@ def read(tmp_path):
     return of_rows
 
 
-def test_parts_are_surfaces_of_a_group_with_the_name_of_the_map(refused):
-    surfaces = refused("a\ta.txt\t2 x 2\t\t", "b\tb.txt\t\t\t", "c\tc.txt\t3×1\t\t")
+def test_parts_are_surfaces_of_a_group_with_the_name_of_the_map(read):
+    surfaces = read("a\ta.txt\t2 x 2\t\t", "b\tb.txt\t\t\t", "c\tc.txt\t3×1\t\t")
     assert list(surfaces) == ["a-1-1", "a-2-1", "a-1-2", "a-2-2", "b", "c-1-1", "c-2-1", "c-3-1"]
     assert {row.group for name, row in surfaces.items() if name.startswith("a")} == {"a"}
     assert {row.specimen for row in surfaces.values()} == {""}  # each its own
@@ -30,8 +30,8 @@ def test_parts_are_surfaces_of_a_group_with_the_name_of_the_map(refused):
     assert surfaces["b"].group == ""
 
 
-def test_parts_of_one_map_are_of_one_workpiece_among_other_maps_of_the_group(refused):
-    rows = refused("a\ta.txt\t2x1\thoned\t", "b\tb.txt\t2x1\thoned\tcylinder", "c\tc.txt\t2x1\tlapped\t")
+def test_parts_of_one_map_are_of_one_workpiece_among_other_maps_of_the_group(read):
+    rows = read("a\ta.txt\t2x1\thoned\t", "b\tb.txt\t2x1\thoned\tcylinder", "c\tc.txt\t2x1\tlapped\t")
     assert [(row.group, row.specimen) for row in rows.values()] == [
         *[("honed", "a")] * 2,
         *[("honed", "cylinder")] * 2,
@@ -68,9 +68,9 @@ def test_rows_that_cannot_be_cut(read, rows, words):
         ("lay", "none", "profiles with lay = none are solved together"),
     ],
 )
-def test_what_is_solved_together_with_something_is_not_cut(refused, column, cell, words):
+def test_what_is_solved_together_with_something_is_not_cut(read, column, cell, words):
     with pytest.raises(rc.SettingsError, match="line 2, parts = 2x2: ") as caught:
-        refused(f"a\ta.txt\t2x2\t{cell}", "b\tb.txt\t\t", header=f"surface\tpath\tparts\t{column}")
+        read(f"a\ta.txt\t2x2\t{cell}", "b\tb.txt\t\t", header=f"surface\tpath\tparts\t{column}")
     assert words in str(caught.value)
 
 
