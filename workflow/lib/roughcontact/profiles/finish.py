@@ -21,7 +21,6 @@ _TAIL = 0.5  # of an independent height: beyond this expected number a quantile 
 _CHANCE = 3.0
 _CORRELATION = 0.2  # at the correlation length
 _BLOCKS = 5  # of each profile, which are drawn anew for the scatter
-_SORTED = 16  # every so manieth rank is interpolated between
 
 
 class Finish(NamedTuple):
@@ -125,12 +124,11 @@ def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) ->
 
 
 def _with_ranks(values: np.ndarray, quantiles: np.ndarray) -> np.ndarray:
-    """Return values of which each has the quantile of its rank, by interpolation between some ranks."""
-    ordered, last = np.sort(values, axis=None), values.size - 1
-    ends = np.arange(min(256, values.size))
-    nodes = np.unique(np.concatenate([ends, np.arange(0, last + 1, _SORTED), last - ends]))
-    ranks = (nodes + 0.5) / values.size * quantiles.size - 0.5
-    return np.interp(values, ordered[nodes], np.interp(ranks, np.arange(quantiles.size), quantiles))
+    """Return values of which each has the quantile of its rank."""
+    ranks = (np.arange(values.size) + 0.5) / values.size * quantiles.size - 0.5
+    ranked = np.empty(values.size)
+    ranked[np.argsort(values, axis=None)] = np.interp(ranks, np.arange(quantiles.size), quantiles)
+    return ranked.reshape(values.shape)
 
 
 def _heights(profiles: np.ndarray, independent: float) -> np.ndarray:
