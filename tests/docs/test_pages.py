@@ -153,7 +153,7 @@ def page_of(page):
     return pytest.param(page, id=name_of(page), marks=marks)
 
 
-@pytest.mark.parametrize("page", map(page_of, PAGES))
+@pytest.mark.parametrize("page", [page_of(path) for path in PAGES])
 @pytest.mark.usefixtures("checkout")
 def test_the_blocks_of_a_page_run(page):
     skipped = []
