@@ -1,7 +1,8 @@
 """Differences between groups of maps, and between two results that share their map, area or faces.
 
-They are ratios of the second to the first, on the scales of `groups`. Of errors with the half-widths u1 and
-u2 and the correlation r, what is shared cancels: u² = (u2 - r u1)² + (1 - r²) u1² (JCGM 100:2008, 5.2.2).
+They are ratios of the second to the first, tested on the scales of `groups`, with intervals of their
+logarithms. Of errors with the half-widths u1 and u2 and the correlation r, what is shared cancels:
+u² = (u2 - r u1)² + (1 - r²) u1² (JCGM 100:2008, 5.2.2).
 """
 
 import math
@@ -40,7 +41,7 @@ from roughcontact.uncertainty.random_effects import (
     student,
     welch,
 )
-from roughcontact.uncertainty.scales import at_all_loads
+from roughcontact.uncertainty.scales import AREA, at_all_loads
 
 RELEVANT = 0.1  # relative difference that matters, unless another one is stated
 DIFFER = "differ"
@@ -264,12 +265,14 @@ def _of_two(first: xr.Dataset, second: xr.Dataset) -> _Compared:
     rows, p_values = [], []
     for name in names:
         before, after = (to_scale(name, data[name].values) for data in (first_data, second_data))
-        unshared = _unshared_half_widths(
-            _widths(name, first_data),
-            _widths(name, second_data),
-            _correlations(name, first_data, second_data),
+        widths = _widths(name, first_data), _widths(name, second_data)
+        correlations = _correlations(name, first_data, second_data)
+        unshared = _unshared_half_widths(*widths, correlations)
+        logs = [_logarithm(name, values) for values in (before, after)]
+        log_unshared = _unshared_half_widths(
+            _log_widths(name, before, widths[0]), _log_widths(name, after, widths[1]), correlations
         )
-        rows.append(_ratios(name, before, after - before, zeros, unshared))
+        rows.append(_ratios(logs[0], logs[1] - logs[0], zeros, log_unshared))
         towards_none = np.where(after > before, *unshared) / student(np.array(np.inf))
         p_values.append(p_value(after - before, towards_none, zeros + np.inf))
     table = _table(names, first_data["mean_pressure"].values, rows)
@@ -329,9 +332,16 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
             both = first_effects, second_effects
             spread = np.sqrt(np.mean([effects.error**2 * effects.units for effects in both], axis=0))
             count = min(effects.units for effects in both)
-        width, unshared = student(freedom) * error, _unshared_half_widths(shared, second_shared, correlation)
+        unshared = _unshared_half_widths(shared, second_shared, correlation)
         load_correlations.append(correlation_at_least(deviations, len(deviations) - (1 if paired else 2)))
-        rows.append(_ratios(name, first_effects.mean, difference, width, unshared))
+        logs = [_logarithm(name, effects.mean) for effects in (first_effects, second_effects)]
+        log_unshared = _unshared_half_widths(
+            _log_widths(name, first_effects.mean, shared),
+            _log_widths(name, second_effects.mean, second_shared),
+            correlation,
+        )
+        log_width = _log_scatter(name, (first_values, second_values), part_names, paired=paired)
+        rows.append(_ratios(logs[0], logs[1] - logs[0], log_width, log_unshared))
         by_source = [
             np.maximum(*_unshared_half_widths(shared[:, [k]], second_shared[:, [k]], correlation[[k]]))
             for k in range(len(SOURCES))
@@ -492,21 +502,48 @@ def _unshared_half_widths(
 
 
 def _ratios(
-    name: str,
     mean: np.ndarray,
     difference: np.ndarray,
     width: np.ndarray,
     unshared: tuple[np.ndarray, np.ndarray],
 ) -> list[np.ndarray]:
-    """Return ratio and both ends of its interval (load,), from a difference on the scale."""
+    """Return ratio and both ends of its interval (load,), from a difference of logarithms."""
     below, above = (np.hypot(width, values) for values in unshared)
-    base = from_scale(name, mean)
-    with np.errstate(invalid="ignore"):  # of closed gaps and unbounded ends, which are NaN below
+    with np.errstate(invalid="ignore", over="ignore"):  # of closed gaps and unbounded ends, NaN below
         ratios = [
-            from_scale(name, mean + values) / base
+            np.exp(mean + values) / np.exp(mean)
             for values in (difference, difference - below, difference + above)
         ]
     return [np.where(np.isfinite(values), values, np.nan) for values in ratios]
+
+
+def _logarithm(name: str, values: np.ndarray) -> np.ndarray:
+    """Return the logarithm of a quantity from its scale, which is that of most."""
+    if name != AREA:
+        return values
+    with np.errstate(divide="ignore"):  # of an unbounded area
+        return np.log(from_scale(name, values))
+
+
+def _log_widths(name: str, mean: np.ndarray, widths: np.ndarray) -> np.ndarray:
+    """Return half-widths (load, source, component) on the logarithm from those on the scale."""
+    if name != AREA:
+        return widths
+    # an area near the whole moves less than its scale: what both share changes their ratio
+    signs, middle = np.array([-1.0, 1.0, -1.0, 1.0]), mean[:, None, None]
+    return signs * (_logarithm(name, middle + signs * widths) - _logarithm(name, middle))
+
+
+def _log_scatter(
+    name: str, values: Sequence[np.ndarray], parts: Sequence[Sequence[str]], *, paired: bool
+) -> np.ndarray:
+    """Return the half-width (load,) of the difference of the logarithms by the scatter of the maps."""
+    first, second = (_logarithm(name, of_maps) for of_maps in values)
+    if paired:
+        change = random_effects(second - first, parts[0])
+        return student(change.freedom) * change.error
+    _, error, freedom = welch(random_effects(first, parts[0]), random_effects(second, parts[1]))
+    return student(freedom) * error
 
 
 def _table(names: Sequence[str], loads: np.ndarray, rows: Sequence[Sequence[np.ndarray]]) -> xr.Dataset:
