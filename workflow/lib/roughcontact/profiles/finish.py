@@ -10,7 +10,9 @@ import numpy as np
 import scipy
 
 from roughcontact.errors import SettingsError
+from roughcontact.fourier import halfplane_weights
 from roughcontact.profiles.spectrum import ProfileFit, Spectrum
+from roughcontact.roughness.texture import DECAY
 
 _TURNS = 6
 _CLASSES = 6  # of height, equally frequent, in which slopes have a distribution of their own
@@ -19,7 +21,6 @@ _SLOPE_RANKS = (np.arange(400) + 0.5) / 400
 _TAIL = 0.5  # of an independent height: beyond this expected number a quantile is extrapolated
 # n times the mean square deviation of n normal heights from their quantiles: one sample in twenty
 _CHANCE = 3.0
-_CORRELATION = 0.2  # at the correlation length
 _BLOCKS = 5  # of each profile, which are drawn anew for the scatter
 
 
@@ -32,28 +33,25 @@ class Finish(NamedTuple):
     stretch: float = 1.0  # how many times as long waves are along y
 
 
-def finish_of(profiles: np.ndarray, fit: ProfileFit, stretch: float = 1.0) -> Finish:
-    """Return what levelled profiles (number, points; m) tell."""
-    heights = _heights(profiles, independent_heights(profiles))
-    return Finish(fit.spectrum(), heights, _slopes(profiles), stretch)
+def finish_of(fit: ProfileFit, stretch: float = 1.0) -> Finish:
+    """Return what the levelled profiles of a fit tell."""
+    heights = _heights(fit.profiles, independent_heights(fit.profiles))
+    return Finish(fit.spectrum(fit.measured), heights, _slopes(fit.profiles), stretch)
 
 
 def resampled(
-    profiles: np.ndarray,
-    fit: ProfileFit,
-    finish: Finish,
-    rng: np.random.Generator,
-    along: np.ndarray | None = None,
+    fit: ProfileFit, finish: Finish, rng: np.random.Generator, along: np.ndarray | None = None
 ) -> Finish:
     """Return what other profiles of the same surface might tell, by pieces of these drawn with replacement.
 
     The spectrum scatters as that of a Gaussian surface does, and with the mean square slope of the pieces,
     the stretch with those of both directions.
     """
-    drawn, change = _redrawn(profiles, rng)
-    spectrum = fit.spectrum(fit.resampled(finish.spectrum, rng) * change)
+    drawn, change = _redrawn(fit.profiles, rng)
+    chance = rng.gamma(fit.freedom / 2) / (fit.freedom / 2)
+    spectrum = fit.spectrum(finish.spectrum.fitted * chance * change)
     stretch = 1.0 if along is None else np.sqrt(change / _redrawn(along, rng)[1])
-    heights = _heights(drawn, independent_heights(profiles))
+    heights = _heights(drawn, independent_heights(fit.profiles))
     return Finish(spectrum, heights, _slopes(drawn), finish.stretch * stretch)
 
 
@@ -74,7 +72,7 @@ def autocorrelation(values: np.ndarray) -> np.ndarray:
 def correlation_length(profiles: np.ndarray) -> int:
     """Return the number of points within which the correlation of profiles (number, points) falls to 0.2."""
     correlation = autocorrelation(profiles)
-    below = np.flatnonzero(correlation < _CORRELATION * correlation[0])
+    below = np.flatnonzero(correlation < DECAY * correlation[0])
     return int(below[0]) if below.size else correlation.size
 
 
@@ -89,7 +87,7 @@ def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) ->
     fx, fy = np.fft.rfftfreq(points), np.fft.fftfreq(points)[:, None]
     amplitude = full * np.sqrt(stretch * finish.spectrum.at(np.hypot(fx, fy * stretch) / ratio))
     amplitude /= points * ratio
-    weights = np.where((fx > 0) & (fx < 0.5), 2.0, 1.0) * (amplitude / full) ** 2
+    weights = halfplane_weights(shape) * (amplitude / full) ** 2
     if (rms := np.sqrt(weights.sum())) == 0:
         raise SettingsError(
             f"points = {points}: at this spacing the surface has none of the waves of the profiles; give "

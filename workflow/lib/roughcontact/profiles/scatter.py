@@ -45,8 +45,8 @@ def scatter_of_surfaces(
     ensemble = solve_members(member_surfaces(profiles, window, number), number, contact, values)
     arms, shift = {}, {}
     for name, result in values.items():
-        mean, deviation = moments(name, ensemble[name][:, solved], result[solved], values[GAP][solved])
-        deviation, mean = (at_all_loads(moment, solved, load) for moment in (deviation, mean))
+        of_members = moments(name, ensemble[name][:, solved], result[solved], values[GAP][solved])
+        mean, deviation = (at_all_loads(moment, solved, load) for moment in of_members)
         calibrated = table(__package__)["quantities"][entry(name)]
         spread, quantile = at_area(calibrated, values[AREA], ("spread", "quantile"))
         width = quantile * np.hypot(deviation, spread)
@@ -70,11 +70,11 @@ def member_surfaces(profiles: xr.DataArray, window: xr.DataArray, number: int) -
     segments, pitch = profile_pieces(stacked(across))
     of_along = profile_pieces(stacked(along))[0] if along else None
     fit = ProfileFit(segments, max(1, form_order(profiles)))
-    finish = finish_of(segments, fit, window.attrs["stretch"])
+    finish = finish_of(fit, window.attrs["stretch"])
     step = spacing(window)[1]
     for index in range(number):
         rng = np.random.default_rng([index + 1, window.shape[1]])
-        redrawn = resampled(segments, fit, finish, rng, of_along)
+        redrawn = resampled(fit, finish, rng, of_along)
         yield height_map(draw(redrawn, window.shape[1], step / pitch, rng), step)
 
 

@@ -9,7 +9,6 @@ Least Squares Problems, chapter 23), second differences of a are damped by cross
 Spline Models for Observational Data, chapter 4).
 """
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -46,7 +45,7 @@ class Spectrum(NamedTuple):
 
 
 class ProfileFit:
-    """Periodograms of profiles (number, points; m), and the way to them from the spectrum of a surface.
+    """Periodograms of `profiles` (number, points; m), and the way to them from the spectrum of a surface.
 
     `band` (bands,) are frequencies, `measured` (bands + 2,) mean periodograms (m^2 points) and mean squares
     of steps and heights (m^2), with their degrees of `freedom`.
@@ -54,7 +53,7 @@ class ProfileFit:
 
     def __init__(self, profiles: np.ndarray, order: int) -> None:
         """Take levelled profiles, from which polynomials of an order were removed."""
-        number, points = profiles.shape
+        self.profiles, (number, points) = profiles, profiles.shape
         self._basis = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1, 1, points), order))[0]
         taper = np.sin(np.pi * (np.arange(points) + 0.5) / points) ** 2
         self._taper = taper / np.sqrt(np.mean(taper**2))
@@ -62,7 +61,7 @@ class ProfileFit:
         waves = points // 2 + 1
         edges = np.geomspace(1, waves, int(_BANDS_PER_DECADE * np.log10(waves)) + 1)
         edges = np.unique(edges.round().astype(int))
-        bands = [np.arange(*ends) for ends in pairwise(edges)]
+        bands = np.split(np.arange(waves), edges)[1:-1]
         size = np.array([band.size for band in bands])
         self.band = np.array([np.sqrt(band[0] * band[-1]) for band in bands]) / points
         self.measured = np.array([power[:, band].mean() for band in bands])
@@ -91,14 +90,10 @@ class ProfileFit:
             level = np.log(np.maximum(density, weakest))
         self._damping = min(_DAMPING, key=self._deviance)
 
-    def spectrum(self, measured: np.ndarray | None = None) -> Spectrum:
-        """Return the spectrum, of the profiles or of others with the measured values (bands + 2,)."""
-        factors = self._solve(self.measured if measured is None else measured, self._damping)
+    def spectrum(self, measured: np.ndarray) -> Spectrum:
+        """Return the spectrum by measured values (bands + 2,), those of the profiles or of others."""
+        factors = self._solve(measured, self._damping)
         return Spectrum(self._frequency, factors * self._reference, self._matrix @ factors)
-
-    def resampled(self, spectrum: Spectrum, rng: np.random.Generator) -> np.ndarray:
-        """Return the measured values (bands + 2,) of other profiles of a surface of some spectrum."""
-        return spectrum.fitted * rng.gamma(self.freedom / 2) / (self.freedom / 2)
 
     def _lines(self, points: int) -> np.ndarray:
         """Return the density along a line of each hat at the frequencies k/(2 points), (points + 1, hats)."""

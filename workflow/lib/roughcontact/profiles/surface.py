@@ -107,7 +107,7 @@ def surface_from_profiles(
             raise SettingsError(f"{key} = {value!r}: give a whole number of {least} or more", keys=[key])
     fit = ProfileFit(segments, max(1, form_order(stack)))
     stretch, doubts = _stretch(segments, pitch, along) if len(along) else (1.0, [])
-    finish = finish_of(segments, fit, stretch)
+    finish = finish_of(fit, stretch)
     spectra = {  # the last two measured values are mean squares
         "wavenumber": 2 * np.pi * fit.band / pitch,
         "profiles": fit.measured[:-2] * pitch,
