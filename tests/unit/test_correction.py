@@ -1,6 +1,7 @@
 """Maps that are corrected for their instrument: nearer to the truth, in the interval, and named."""
 
 import json
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from roughcontact.window.transfer import corrected, transfer, with_noise
 from validation.masters import master_surface
 
 MODULUS = 1e9
+SOURCES = ("solver", "discretisation", "instrument", "unresolved")
 SHOWN = ("relative_contact_area", "mean_gap", "mean_contact_pressure", "max_pressure")
 
 
@@ -34,11 +36,13 @@ def through(height: xr.DataArray, **lens: float) -> xr.DataArray:
     return height.copy(data=np.fft.ifft2(np.fft.fft2(height.values) * share).real)
 
 
-def evaluated(height: xr.DataArray, loads: list[float], **instrument: float | bool) -> xr.Dataset:
+def evaluated(
+    height: xr.DataArray, loads: list[float], *, sources: Sequence[str] = SOURCES, **instrument: float | bool
+) -> xr.Dataset:
     return rc.evaluate(
         height,
         contact={"contact_modulus": MODULUS, "mean_pressure": loads},
-        uncertainty={"sources": ["solver", "discretisation", "instrument", "unresolved"]},
+        uncertainty={"sources": list(sources)},
         instrument=instrument,
     )
 
@@ -80,6 +84,27 @@ def test_a_corrected_map_is_nearer_to_the_truth_which_is_in_its_interval(
     instrument = found[f"{area}_components"].sel(source="instrument")
     assert (instrument.sel(component=["down", "up"]) > 0).all()  # to both sides
     assert (instrument.sel(component=["shift_down", "shift_up"]) == 0).all()
+
+
+def test_a_correction_brings_its_uncertainty_whatever_the_sources():
+    """JCGM 100:2008, 3.2.4; and what is not asked for is not corrected: the area then stays as solved."""
+    height = true_surface("random")
+    loads = [0.1 * MODULUS * rms_gradient(height)]
+    noise = 0.05 * float(height.std())
+    noisy, _ = with_noise(height, noise)
+    unasked, asked = (
+        evaluated(noisy, loads, sources=sources, noise=noise, correct=True)
+        for sources in (["solver"], ["solver", "instrument"])
+    )
+    xr.testing.assert_equal(unasked.drop_attrs(), asked.drop_attrs())
+    area = "relative_contact_area"
+    true = rc.contact_statistics(rc.solve_contact(height, contact_modulus=MODULUS, mean_pressure=loads))[area]
+    assert (unasked[f"{area}_lower"] <= true).all()
+    assert (true <= unasked[f"{area}_upper"]).all()
+    assert unasked[area].values == pytest.approx(unasked[f"{area}_as_solved"].values, rel=1e-12)
+    none = evaluated(noisy, loads, sources=[], noise=noise, correct=True)
+    assert f"{area}_lower" not in none
+    assert "corrected_for" in none.attrs
 
 
 def test_a_correction_restores_the_gradient_that_noise_hides():

@@ -26,7 +26,7 @@ from roughcontact.uncertainty.discretisation import CORRECTED, discretisation_er
 from roughcontact.uncertainty.ensemble import loads_of, measured_slices
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.inputs import AMPLIFICATIONS, INPUTS, input_uncertainty
-from roughcontact.uncertainty.instrument import instrument_components
+from roughcontact.uncertainty.instrument import instrument_components, with_source_of_correction
 from roughcontact.uncertainty.intervals import (
     MEASURANDS,
     Limits,
@@ -90,8 +90,8 @@ def error_budget(
         (`roughcontact.uncertainty.instrument`).
     sources : list of str
         `solver` (error bound), `discretisation` (finer pixels), `window` (scatter of subwindows, calibrated),
-        `instrument` (what is stated of it), `material` (contact modulus and load), `unresolved` (waves that
-        the instrument hides, and the next octave). An empty list gives no intervals.
+        `instrument` (what is stated of it; always for a window that is corrected for it), `material` (modulus
+        and load), `unresolved` (waves that it hides, and the next octave). An empty list gives no intervals.
     windows : int
         maximum number of subwindows that are solved; 4 or more.
     measurand : str
@@ -147,7 +147,7 @@ def error_budget(
     lenient = {**contact, "on_failure": "flag"}
     rejected = rejected_load_share(levelled, window=settings["window"], contact=lenient)
     columns: dict[str, tuple] = {"rejected_load_share": ("load", rejected)}
-    if not sources:
+    if not (sources := with_source_of_correction(sources, window)):
         return xr.Dataset(columns, {"mean_pressure": ("load", load)})
     if solved is None:
         solved = solve_contact(window, **contact, reduce=budget_inputs)
@@ -265,11 +265,9 @@ def _of_material(contact: Mapping[str, Any]) -> dict[str, float | None]:
 
 
 def _index_of_the_peak(solved: xr.Dataset, hardness: float) -> int:
-    """Return the point of the highest pressure, row by row, under the heaviest load without plastic flow.
-
-    Points that flow share the hardness: where they do under all loads, the lightest has the fewest.
-    """
+    """Return the point of the highest pressure, row by row, under the heaviest load without plastic flow."""
     load = solved["mean_pressure"].values
+    # points that flow share the hardness: where they do under all loads, the lightest has the fewest
     heaviest = np.where(solved[PEAK].values < hardness, load, -load).argmax()
     return int(solved["index_of_the_peak"].values[heaviest])
 

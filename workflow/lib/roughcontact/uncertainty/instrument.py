@@ -9,16 +9,17 @@
   `unrounded`), and the window is solved once more.
 
 Each shifts one end of the interval (JCGM 100:2008, F.2.4.5). A map corrected for noise and lens has a
-two-sided component, a share of the change by the correction.
+two-sided component, a share of the change by the correction (3.2.4).
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from roughcontact.choices import UncertaintySource
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.instrument_checks import coarse_step, suspected_noise
 from roughcontact.uncertainty.combination import Components, half_widths, one_sided
@@ -32,6 +33,14 @@ _NOISE_MARGIN = 1.0  # of the shift by noise
 _DRAWS = 4  # of noise, whose scatter is what noise does by chance
 _MOST_NOISE = 0.95  # of g^2; a map with more noise says nothing of its surface
 _CORRECTION_UNCERTAINTY = 0.5  # of what a correction changes; of the single highest point all of it
+
+
+def with_source_of_correction(
+    sources: Sequence[UncertaintySource], window: xr.DataArray
+) -> list[UncertaintySource]:
+    """Return the sources of the ±, if any; that of a correction of the window counts, asked for or not."""
+    added = sources and "corrected_for" in window.attrs and "instrument" not in sources
+    return [*sources, "instrument"] if added else list(sources)
 
 
 def instrument_components(

@@ -30,6 +30,7 @@ from roughcontact.uncertainty.combination import (
 )
 from roughcontact.uncertainty.ensemble import Values, solve_member
 from roughcontact.uncertainty.inputs import effect
+from roughcontact.uncertainty.instrument import with_source_of_correction
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, to_scale
 
 _NODES = 6  # of Gauss and Jacobi, over the pressure
@@ -69,7 +70,7 @@ def whole_contact(
     inputs = {"mean_pressure": np.asarray(forces, float), "contact_modulus": contact["contact_modulus"]}
     smooth, at_places = _places(inputs, radius, contact)
     curve = solve_contact(window, **at_places, reduce=budget_inputs)
-    of_map: list[UncertaintySource] = [source for source in sources if source != "material"]
+    of_map = [source for source in with_source_of_correction(sources, window) if source != "material"]
     budget = error_budget(
         levelled, window, {**settings, "contact": at_places}, sources=of_map, solved=curve, **options
     )
