@@ -151,16 +151,13 @@ def bound_error(
     solved: xr.Dataset | None = None,
 ) -> xr.Dataset:
     """Return the `error_budget` of a solution (`Solved.for_budget`), computed again where it is not given."""
+    contact = {**solver, **{key: settings["contact"][key] for key in MATERIAL_UNCERTAINTIES}}
     if "force" in solver:
         inputs = solve_contact(window, **solver, reduce=budget_inputs) if solved is None else solved
         options = {key: settings["uncertainty"][key] for key in ("sources", "windows")}
-        inexact = {key: settings["contact"][key] for key in MATERIAL_UNCERTAINTIES}
-        sections = {**settings, "contact": {**solver, **inexact}}
-        return finite_body_budget(window, sections, solved=inputs, **options)
-    stated = {key: settings["contact"][key] for key in MATERIAL_UNCERTAINTIES}
+        return finite_body_budget(window, {**settings, "contact": contact}, solved=inputs, **options)
     chain_sections = {key: settings[key] for key in ("level", "instrument")}
-    chain_sections["window"] = window_arguments(levelled, settings)
-    chain_sections["contact"] = {**solver, **stated}
+    chain_sections |= {"window": window_arguments(levelled, settings), "contact": contact}
     scatter_of: Callable[..., Scatter] = scatter_of_subwindows
     if is_drawn(levelled):
         scatter_of, levelled = partial(scatter_of_surfaces, levelled), window
@@ -180,7 +177,7 @@ class Solved(NamedTuple):
 
     solution: xr.Dataset  # the numbers of the solver
     statistics: xr.Dataset  # of `contact_statistics`
-    for_budget: xr.Dataset | None  # of `budget_inputs`; None without sources of uncertainty
+    for_budget: xr.Dataset  # of `budget_inputs`; without sources of uncertainty the solution
 
 
 def solve_and_evaluate(
@@ -213,7 +210,7 @@ def solve_and_evaluate(
     return Solved(
         solution[[*SOLUTION_COLUMNS, *({"hardness"} & {*solution})]],
         joined([statistics[load] for load in loads]),
-        joined([inputs[load] for load in loads]) if bounded else None,
+        joined([inputs[load] for load in loads]) if bounded else solution,
     )
 
 

@@ -37,7 +37,7 @@ _NEEDS = (
 # keys that a body of finite size does not take
 _OF_PERIODIC_MAPS = {
     "window": [key for key in Window.model_fields if key != "min_share"],
-    "contact": ["zero_frequency", "precision"],
+    "contact": ["zero_frequency", "precision", "area", "target_area", "target_gap", "target", "unload"],
     "statistics": ["seal", "work_of_adhesion"],
     "uncertainty": ["measurand"],
     "instrument": ["correct"],
@@ -131,8 +131,6 @@ def _mistakes_in_loads(contact: Mapping[str, Any], where: str) -> Iterator[str]:
         yield f"{where}.target: first_yield needs the yield_stress of a body, or a hardness"
     if unload is None:
         return
-    if contact["boundary"] == "free":
-        yield f"{where}.unload: is for periodic maps, and boundary = free; leave unload out"
     if hardness is None:
         yield (
             f"{where}.unload: needs a hardness, since an elastic contact is unloaded the way it was loaded; "
@@ -216,14 +214,9 @@ def _mistakes_in_alternatives(settings: Mapping[str, Any], where: str) -> Iterat
         loads_text = " and ".join(f"{key} ({units[key]})" for key in loads)
         yield f"{where}: {loads_text} given; give one of them or neither"
     if contact.get("boundary") == "free":
-        for key in ("mean_pressure", "relative_pressure", "area", "target_area", "target_gap", "target"):
-            if key in stated:
-                yield (
-                    f"{where}.{key}: is of periodic maps; a body of finite size (boundary: free) takes a "
-                    "force in N"
-                )
         if "force" not in stated:
-            yield f"{where}.force: missing, though boundary is free; give the force on the body in N"
+            pressure = f" instead of the {loads[0]}" if loads else ""
+            yield f"{where}.force: missing, though boundary is free; give the force in N{pressure}"
     elif len(stated & {"force", "area"}) == 1 and not (isinstance(form, dict) and form.get("local_scale")):
         missing, present = ("area", "force") if "force" in stated else ("force", "area")
         yield f"{where}.{missing}: missing, though {present} is given; mean pressure is force by area"

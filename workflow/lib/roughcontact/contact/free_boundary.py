@@ -20,7 +20,7 @@ from roughcontact.contact.sweep import sweep
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.elasticity.free_space import FADE, TruncatedKernel, transform_of_pixels
 from roughcontact.elasticity.layers import LayeredPair
-from roughcontact.errors import ConvergenceError, HeightMapError, SettingsError
+from roughcontact.errors import HeightMapError, SettingsError
 
 COARSEST = 64  # points along the longer side of the map that shows where the contact is
 COARSE_TOLERANCE = 0.03
@@ -60,13 +60,11 @@ def free_datasets(
     *,
     tolerance: float,
     hardness: float | None,
-    give_up: bool,
     **material: Any,
 ) -> Iterator[xr.Dataset]:
     """Yield the dataset of each force (N), with `load` of size 1 and the variables of contact.nc.
 
-    `mean_pressure` is the force over the area of the map; `material`: further arguments of `FreeBody`. Raises
-    `ConvergenceError`: where `give_up` and a force misses the tolerance.
+    `mean_pressure` is the force over the area of the map; `material`: further arguments of `FreeBody`.
     """
     window = on_host(window)
     problem = nondimensionalise(window, threads=material["threads"])
@@ -90,12 +88,6 @@ def free_datasets(
             raise SettingsError(text, keys=("force",))
         solution = body.solve(force, tolerance=tolerance)
         body.check_border(solution.pressure, force, radii)
-        if give_up and solution.error_bound > tolerance:
-            raise ConvergenceError(
-                f"force {force:g} N: the error bound stopped at {solution.error_bound:.2g}, above the "
-                f"tolerance {tolerance:g} (rounding allows {solution.floor:.1g}): raise the tolerance or set "
-                "on_failure: flag"
-            )
         pressure, mean = solution.pressure, force / float(window.size * np.prod(problem.spacing))
         yielded = pressure >= limit
         gap = np.where(yielded, 0.0, solution.gap)
@@ -219,12 +211,10 @@ class FreeBody:
         for line, n in zip(np.nonzero(touching), touching.shape, strict=True):
             first, last = int(line.min()), int(line.max())
             widening = max(margin, int(MARGIN * (last - first))) if margin else 0
-            ends.append((max(first - widening, 0), min(last + widening + 1, n)))
-        sides = slice(*ends[0]), slice(*ends[1])
-        y, x = (
-            (np.arange(*pair) - 0.5 * (sum(pair) - 1)) * d for pair, d in zip(ends, self.spacing, strict=True)
-        )
-        distance = np.hypot(y[:, None], x)
+            ends.append(slice(max(first - widening, 0), min(last + widening + 1, n)))
+        sides = ends[0], ends[1]
+        y, x = np.ogrid[sides]
+        distance = np.hypot((y - y.mean()) * self.spacing[0], (x - x.mean()) * self.spacing[1])
         radius = float(distance[touching[sides]].max()) + margin * max(self.spacing)
         mask = distance <= radius * (1 + MARGIN)
         return Region(sides, mask, 2 * float(distance[mask].max()))
@@ -240,13 +230,13 @@ class FreeBody:
         from scipy import fft  # imported late: solves of periodic maps need nothing of scipy
 
         # each offset between a loaded point and one of the map has its own element of the transform
-        sizes = [
-            2 * max(side.stop, n - side.start) for n, side in zip(pressure.shape, region.sides, strict=True)
-        ]
-        shape = 2 * fft.next_fast_len(sizes[0] // 2), 2 * fft.next_fast_len(sizes[1] // 2)
+        ny, nx = (
+            2 * fft.next_fast_len(max(side.stop, n - side.start))
+            for n, side in zip(pressure.shape, region.sides, strict=True)
+        )
         with fft.set_workers(self.threads):
-            symbol = transform_of_pixels(shape, self.spacing, layers=self.layers)
-            displacement = fft.irfft2(fft.rfft2(pressure[region.sides], shape) * symbol, shape)
+            symbol = transform_of_pixels((ny, nx), self.spacing, layers=self.layers)
+            displacement = fft.irfft2(fft.rfft2(pressure[region.sides], (ny, nx)) * symbol, (ny, nx))
         displacement = np.roll(displacement, [side.start for side in region.sides], (0, 1))
         map_sides = tuple(slice(n) for n in pressure.shape)
         gap = displacement[map_sides] / self.modulus - self.heights + cell.approach

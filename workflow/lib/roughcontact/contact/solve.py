@@ -218,14 +218,17 @@ def solve_contact(
         "threads": threads,
     }
     if free:
-        datasets = free_datasets(window, rising, give_up=on_failure == "raise", **problem)
+        datasets = free_datasets(window, rising, **problem)
     else:
-        problem |= {"zero_frequency": zero_frequency, "precision": precision, "on_failure": on_failure}
-        datasets = _periodic_datasets(window, rising, arrays=arrays, **problem)
+        problem |= {"zero_frequency": zero_frequency, "precision": precision, "arrays": arrays}
+        datasets = _periodic_datasets(window, rising, give_up=on_failure == "raise", **problem)
     load_datasets: dict[int, xr.Dataset] = {}
     for solved, index in enumerate(order, start=1):
         # no other name refers to the fields of a load while the next one is solved
         load_dataset = next(datasets)
+        load_in_words = f"force {loads[index]:.4g} N" if free else f"mean pressure {loads[index]:.4g} Pa"
+        if on_failure == "raise" and not load_dataset["converged"].item():
+            raise ConvergenceError(_missed(load_in_words, load_dataset, precision=precision))
         if reduce is not None:
             reduced = _reduced(load_dataset, reduce)
             load_dataset = load_dataset.drop_dims(["y", "x"]).merge(
@@ -236,7 +239,6 @@ def solve_contact(
         load_datasets[int(index)] = load_dataset
         del load_dataset
         if progress is not None:
-            load_in_words = f"force {loads[index]:.4g} N" if free else f"mean pressure {loads[index]:.4g} Pa"
             progress(solved, len(loads), load_in_words)
     del datasets  # and with them their workspace
     return describe(joined([load_datasets[index] for index in range(len(loads))]))
@@ -274,8 +276,8 @@ def _periodic_datasets(
     influence: Influence,
     zero_frequency: ZeroFrequency,
     precision: Precision,
-    on_failure: OnFailure,
     arrays: Callable[[np.ndarray], Any] | None,
+    give_up: bool,
     threads: int,
 ) -> Iterator[xr.Dataset]:
     """Yield the dataset of each of the rising loads (Pa) of a periodic map; arguments of `solve_contact`."""
@@ -323,14 +325,12 @@ def _periodic_datasets(
         influence=influence,
         layers=layers and layers.scaled(problem.unit_length),
         precision=working,
-        give_up=on_failure == "raise",
+        give_up=give_up,
         threads=threads,
     )
 
     def dataset_of(solution: Solution, load: float) -> xr.Dataset:
-        """Return the dataset of a load (Pa), or raise ConvergenceError where it misses the tolerance."""
-        if solution.error_bound > tolerance and on_failure == "raise":
-            raise ConvergenceError(_missed(load, solution, tolerance=tolerance, precision=precision))
+        """Return the dataset of a load (Pa)."""
         return of_one_load(
             fields_in_units(solution, problem, modulus=modulus, hardness=hardness, threads=threads),
             solution,
@@ -363,17 +363,18 @@ def _reduced(load_dataset: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset
     return describe(reduced)
 
 
-def _missed(load: float, solution: Solution, *, tolerance: float, precision: Precision) -> str:
+def _missed(load: str, load_dataset: xr.Dataset, *, precision: Precision) -> str:
     """Return the error message for a load that misses the tolerance."""
     precision_hint = ", take precision: double" if precision == "single" else ""
     remedies = f"raise the tolerance{precision_hint} or set on_failure: flag"
-    if solution.floor > tolerance:
+    tolerance, floor = load_dataset.attrs["tolerance"], load_dataset["rounding_floor"].item()
+    if floor > tolerance:
         return (
-            f"mean pressure {load:g} Pa: rounding in {precision} precision allows no error bound below "
-            f"{solution.floor:.2g} here, the tolerance is {tolerance:g}: {remedies}"
+            f"{load}: rounding in {precision} precision allows no error bound below {floor:.2g} here, the "
+            f"tolerance is {tolerance:g}: {remedies}"
         )
     return (
-        f"mean pressure {load:g} Pa: the error bound stopped at {solution.error_bound:.2g} after "
-        f"{solution.steps} iterations, above the tolerance {tolerance:g}; rounding in {precision} "
-        f"precision allows {solution.floor:.1g} here: {remedies}"
+        f"{load}: the error bound stopped at {load_dataset['error_bound'].item():.2g} after "
+        f"{load_dataset['iterations'].item()} iterations, above the tolerance {tolerance:g}; rounding in "
+        f"{precision} precision allows {floor:.1g} here: {remedies}"
     )

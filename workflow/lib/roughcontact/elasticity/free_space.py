@@ -39,17 +39,15 @@ class TruncatedKernel:
 
     def __call__(self, qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
         """Return the symbol; infinite at q = 0, whose displacement `mean_displacement` is."""
-        if self.layers is None and self.influence == "elements":
-            width = qx.size > 1 and round(2 * np.pi / (float(qx[0, 1]) * spacing[1]))
-            symbol = transform_of_pixels((qy.size, int(width)), spacing, self.reach).copy()
+        q: np.ndarray = np.hypot(qy.astype(float), qx.astype(float))
+        q[0, 0] = highest = q.max()
+        if self.layers is not None:
+            symbol = self._of_layers(q, self.layers)
+        elif self.influence == "elements":
+            symbol = transform_of_pixels((qy.size, 2 * (qx.size - 1)), spacing, self.reach).copy()
         else:
-            q: np.ndarray = np.hypot(qy.astype(float), qx.astype(float))
-            q[0, 0] = highest = q.max()
-            if self.layers is not None:
-                symbol = self._of_layers(q, self.layers)
-            else:
-                last = 2.0 ** np.ceil(np.log2(highest * self.reach))
-                symbol = 2 / q * _cut_off(float(last))(q * self.reach)
+            last = 2.0 ** np.ceil(np.log2(highest * self.reach))
+            symbol = 2 / q * _cut_off(float(last))(q * self.reach)
         symbol[0, 0] = np.inf
         return symbol.astype(np.result_type(qy, qx))
 

@@ -4,6 +4,8 @@ A sphere of radius R carries the force F on a contact of radius a with the large
 (1985), Contact Mechanics.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 
@@ -22,11 +24,11 @@ def hertz(force: float, radius: float, contact_modulus: float) -> dict[str, floa
     }
 
 
-def hertz_ellipse(force: float, radii: tuple[float, float], contact_modulus: float) -> dict[str, float]:
-    """Return semi-axes (m), largest pressure (Pa) and approach (m) of a body with two radii (m), force (N).
+def hertz_ellipse(force: float, radii: Sequence[float], contact_modulus: float) -> dict[str, float]:
+    """Return semi-axes (m), largest pressure (Pa) and approach (m) of a body of radii along x and y (N, m).
 
     Johnson (1985), eqs. (4.25) to (4.28), solved for the ratio of the axes; the major axis is that of the
-    larger radius.
+    larger radius. One radius is that of a ball.
     """
     from scipy.optimize import brentq  # these imports take longer than a small contact
     from scipy.special import ellipe, ellipkm1
@@ -34,7 +36,7 @@ def hertz_ellipse(force: float, radii: tuple[float, float], contact_modulus: flo
     larger, smaller = max(radii), min(radii)
     if larger / smaller - 1 < 1e-6:  # the elliptic integrals differ by rounding
         ball = hertz(force, larger, contact_modulus)
-        return ball | {"major": ball["contact_radius"], "minor": ball["contact_radius"]}
+        return ball | dict.fromkeys(("major", "minor", "axis_x", "axis_y"), ball["contact_radius"])
 
     def excess(logarithm: float) -> float:
         """Return ln of the ratio of the curvatures for ln (minor/major)^2, less that of the body."""
@@ -49,4 +51,6 @@ def hertz_ellipse(force: float, radii: tuple[float, float], contact_modulus: flo
     minor = major * squared**0.5
     pressure = 3 * force / (2 * np.pi * major * minor)
     approach = pressure * minor * k / contact_modulus
-    return {"major": major, "minor": minor, "max_pressure": pressure, "approach": approach}
+    x, y = (major, minor) if radii[0] == larger else (minor, major)
+    axes = {"major": major, "minor": minor, "axis_x": x, "axis_y": y}
+    return axes | {"max_pressure": pressure, "approach": approach}

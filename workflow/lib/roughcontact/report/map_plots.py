@@ -1,6 +1,6 @@
 """Maps of heights, contact pressure and gap; profiles are drawn as lines."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -89,20 +89,19 @@ def pressure_map(
     *,
     highest: float | None = None,
     unit: Unit = _MEGAPASCALS,
-    ellipse: tuple[float, float] | None = None,
+    ellipse: Mapping[str, float] | None = None,
 ) -> Chart:
     """Draw the contact pressure (Pa) over the window, no contact in grey; a profile is drawn as a line.
 
-    `ellipse` (semi-axes along x and y, m) is outlined; `highest` (Pa) is the pressure of the last colour.
+    `ellipse` (its semi-axes `axis_x`, `axis_y` in m) is outlined; `highest` (Pa) has the last colour.
     """
     if 1 in pressure.shape:
         return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit=unit)
     highest = common_limits([(pressure, pressure)])[0] if highest is None else highest
     outline = None
-    if ellipse is not None:
-        angle = np.linspace(0, 2 * np.pi, 181)
-        (ly, lx), (a, b) = side_lengths(height), ellipse
-        outline = lx / 2 + a * np.cos(angle), ly / 2 + b * np.sin(angle)
+    if ellipse:
+        angle, (ly, lx) = np.linspace(0, 2 * np.pi, 181), side_lengths(height)
+        outline = lx / 2 + ellipse["axis_x"] * np.cos(angle), ly / 2 + ellipse["axis_y"] * np.sin(angle)
     values = np.where(pressure > 0, pressure, np.nan)
     extend = False, bool((pressure > highest).any())
     return _map(_PRESSURE, height, values, (0, highest), extend, unit=unit, outline=outline)

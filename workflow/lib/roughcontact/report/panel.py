@@ -24,7 +24,7 @@ from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
 from roughcontact.statistics import checks
-from roughcontact.statistics.finite_body import hertz_axes
+from roughcontact.statistics.finite_body import hertz_contact
 from roughcontact.statistics.outcome import (
     VERDICTS,
     by_importance,
@@ -195,7 +195,7 @@ def _fields(
         for load in loads:
             pressure, gap = maps(load)
             area = percent(np.count_nonzero(pressure > 0) / pressure.size)
-            ellipse = hertz_axes(window, numbers, load)
+            ellipse = hertz_contact(window, numbers, load)
             pressure_chart = map_plots.pressure_map(
                 window, pressure, highest=highest, unit=of_pressure, ellipse=ellipse
             )

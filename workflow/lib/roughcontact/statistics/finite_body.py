@@ -15,10 +15,10 @@ from roughcontact.statistics.theory import greenwood_tripp
 
 THEORIES = ("area_persson", "area_xu", "area_bush_gibson_thomas", "area_greenwood_williamson")
 # what no body of finite size has, and none with layers
-_MEANINGLESS = [
-    f"{passage}_{axis}" for passage in ("gap_percolates", "critical_constriction") for axis in "xy"
-]
-_MEANINGLESS += ["loading_stiffness", "thermal_conductance", "electrical_conductance"]
+_MEANINGLESS = (
+    *(f"{passage}_{axis}" for passage in ("gap_percolates", "critical_constriction") for axis in "xy"),
+    *("loading_stiffness", "thermal_conductance", "electrical_conductance"),
+)
 _RADII = ("form_radius_x", "form_radius_y")
 _STIFFNESS_TOLERANCE = 1e-3  # of a punch; the error of its stiffness is about the square of that
 
@@ -48,24 +48,20 @@ def of_finite_body(columns: Mapping[str, Any], contact: xr.Dataset, load: int) -
         "contact_radius": np.sqrt(area / np.pi),
         "loaded_radius": np.nan if layers else 0.75 * force / (modulus * in_the_middle),
     }
-    # Hertz's theory is that of half-spaces
-    radii = [] if layers else [height.attrs[name] for name in _RADII if name in height.attrs]
-    if radii:
-        smooth = hertz_ellipse(force, (radii[0], radii[1]), modulus)
+    if smooth := hertz_contact(height, contact, load):
         numbers["hertz_radius"] = (smooth["major"] * smooth["minor"]) ** 0.5
         numbers |= {f"hertz_{name}": smooth[name] for name in ("max_pressure", "approach")}
-    if radii and radii[0] == radii[1]:  # the theory is of a ball
-        summits = summit_statistics(roughness_of(height))
-        rough = greenwood_tripp(force, radii[0], summits, contact_modulus=modulus)
-        numbers |= {f"greenwood_tripp_{name}": value for name, value in rough.items()}
+        radius, other = (height.attrs[name] for name in _RADII)
+        if radius == other:  # the theory is of a ball
+            summits = summit_statistics(roughness_of(height))
+            rough = greenwood_tripp(force, radius, summits, contact_modulus=modulus)
+            numbers |= {f"greenwood_tripp_{name}": value for name, value in rough.items()}
     return {**columns, **numbers}
 
 
-def hertz_axes(body: xr.DataArray, numbers: xr.Dataset, load: int) -> tuple[float, float] | None:
-    """Return the semi-axes (x, y; m) of the contact of the smooth body (Hertz); None without one."""
-    if _RADII[0] not in body.attrs or "bodies" in numbers.attrs:
-        return None
-    radii = body.attrs[_RADII[0]], body.attrs[_RADII[1]]
-    smooth = hertz_ellipse(float(numbers["force"][load]), radii, float(numbers["contact_modulus"]))
-    axes = smooth["major"], smooth["minor"]
-    return axes if radii[0] >= radii[1] else axes[::-1]
+def hertz_contact(body: xr.DataArray, numbers: xr.Dataset, load: int) -> dict[str, float]:
+    """Return the `hertz_ellipse` of the smooth body on a half-space; empty without radii, or with layers."""
+    radii = [body.attrs[name] for name in _RADII if name in body.attrs]
+    if not radii or "bodies" in numbers.attrs:
+        return {}
+    return hertz_ellipse(float(numbers["force"][load]), radii, float(numbers["contact_modulus"]))

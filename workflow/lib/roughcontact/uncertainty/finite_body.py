@@ -93,11 +93,11 @@ def _shifts(roughness: xr.DataArray, contact: Mapping[str, Any], number: int) ->
     radius = contact["form"].get("radius")
     if not radius or contact["form"].get("edges") or contact.get("bodies"):
         return []
-    smooth = hertz_ellipse(float(max(contact["force"])), (radius[0], radius[-1]), contact["contact_modulus"])
-    axes = (smooth["minor"], smooth["major"])[:: 1 if radius[0] >= radius[-1] else -1]  # along y and x
+    smooth = hertz_ellipse(float(max(contact["force"])), radius, contact["contact_modulus"])
     moves = []
-    for n, step, axis in zip(roughness.shape, spacing(roughness), axes, strict=True):
-        room = n * step / 2 - _REACH * axis
+    for axis, n, step in zip("yx", roughness.shape, spacing(roughness), strict=True):
+        semi_axis = smooth[f"axis_{axis}"]
+        room = n * step / 2 - _REACH * semi_axis
         points = int(room / step)
-        moves.append((points, -points, 0) if room >= axis else (0,))
+        moves.append((points, -points, 0) if room >= semi_axis else (0,))
     return [(rows, columns) for rows in moves[0] for columns in moves[1] if rows or columns][:number]

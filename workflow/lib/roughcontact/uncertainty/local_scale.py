@@ -22,7 +22,6 @@ from roughcontact.statistics.conductance import Bodies, conductance_columns
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.combination import (
-    Component,
     added_up,
     component_from_units,
     ends_of,
@@ -85,29 +84,25 @@ def whole_contact(
     lower[CONDUCTANCE] = np.where(estimate[AREA] >= 1, np.inf, lower[CONDUCTANCE])
     values, below = _whole(estimate, smooth), _whole(lower, smooth, flux_as_pressure=True)
     above, solved = _whole(upper, smooth), _whole({name: curve[name].values for name in _OF_MAP}, smooth)
-    components = {
-        name: [_component(value, value - below[name], above[name] - value)] for name, value in values.items()
-    }
-    bounded = bool(of_map)
-    for stated, name in MATERIAL_UNCERTAINTIES.items():
-        width = settings["contact"].get(stated) if "material" in sources else None
-        ends: list[tuple[np.ndarray, Values]] = []
-        for factor in (1 - width, 1 + width) if width else ():
-            changed, loads = _places(inputs | {name: factor * inputs[name]}, radius, contact)
-            again = solve_member(window, loads, names=_OF_MAP, tolerance=contact["tolerance"])
-            ends.append((np.log(factor), _whole(again, changed)))
-        bounded |= bool(ends)
-        for quantity in components if ends else ():
-            sides = effect(solved[quantity], ends, quantity)[:2]
-            components[quantity].append(_component(solved[quantity], *sides))
+    by_input: list[list[tuple[np.ndarray, Values]]] = []  # both ends of each input that is uncertain
+    for stated, name in MATERIAL_UNCERTAINTIES.items() if "material" in sources else ():
+        if width := settings["contact"].get(stated):
+            by_input.append([])
+            for factor in (1 - width, 1 + width):
+                changed, loads = _places(inputs | {name: factor * inputs[name]}, radius, contact)
+                again = solve_member(window, loads, names=_OF_MAP, tolerance=contact["tolerance"])
+                by_input[-1].append((np.log(factor), _whole(again, changed)))
     columns = {"force": inputs["mean_pressure"], "hertz_radius": np.sqrt(smooth["area"] / np.pi)}
     columns |= {"hertz_approach": smooth["approach"], f"hertz_{CONDUCTANCE}": smooth["conductance"]}
-    for name, value in values.items():
-        combined = ends_of(GAP, to_scale(GAP, value), added_up(components[name]))
-        ends_by_name = zip(("_lower", "_upper"), combined, (below[name], above[name]), strict=True)
-        columns[name] = value
-        for end, total, of_map_alone in ends_by_name if bounded else ():
-            known = np.where((value > 0) & (of_map_alone > 0), total, of_map_alone)
+    columns |= values
+    for name, value in values.items() if of_map or by_input else ():
+        sides = [(value, value - below[name], above[name] - value)]
+        sides += [(solved[name], *effect(solved[name], ends, name)[:2]) for ends in by_input]
+        # each number of the whole contact has a logarithmic scale, as the gap
+        total = added_up(component_from_units(GAP, middle, half_widths(*widths)) for middle, *widths in sides)
+        ends = ends_of(GAP, to_scale(GAP, value), total)
+        for end, combined, alone in zip(("_lower", "_upper"), ends, (below[name], above[name]), strict=True):
+            known = np.where((value > 0) & (alone > 0), combined, alone)  # alone: that of the map
             columns[f"{name}{end}"] = np.where(np.isinf(known), np.nan, known)
     with np.errstate(divide="ignore"):
         for end, other in _OPPOSITE.items():
@@ -166,14 +161,9 @@ def _nodes() -> tuple[np.ndarray, np.ndarray]:
     return (1 + roots) / 2, weights / 2
 
 
-def _component(value: np.ndarray, below: np.ndarray, above: np.ndarray) -> Component:
-    """Return half-widths below and above a number of the whole contact on its scale, a logarithm."""
-    return component_from_units(GAP, value, half_widths(below, above))
-
-
 def _hertz(forces: Any, radius: Sequence[float], modulus: float) -> dict[str, np.ndarray]:
     """Return pressure (Pa), area (m2), approach (m), conductance over conductivity (m) by force (load; N)."""
-    unit, scale = hertz_ellipse(1.0, (radius[0], radius[-1]), modulus), np.cbrt(np.asarray(forces, float))
+    unit, scale = hertz_ellipse(1.0, radius, modulus), np.cbrt(np.asarray(forces, float))
     return {
         "pressure": unit["max_pressure"] * scale,
         "area": np.pi * unit["major"] * unit["minor"] * scale**2,
