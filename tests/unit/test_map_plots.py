@@ -14,6 +14,7 @@ from roughcontact.quantities import Unit
 from roughcontact.report import map_plots
 from roughcontact.report.charts import COLOURS
 from roughcontact.report.panel import _frame
+from roughcontact.window.finite_body import finite_body
 
 
 def reading(chart):
@@ -79,16 +80,17 @@ def test_a_long_map_says_that_it_is_not_to_scale(ratio, in_scale):
 
 
 def test_pressures_and_gaps_share_their_colours_among_loads():
-    """But for one in 200 of the points in contact, which may carry more than the highest colour."""
+    """But for one in 200 of the points in contact, or apart, which may lie above the highest colour."""
+    height = height_map(np.zeros((20, 40)), 1e-6)
     pressure = np.zeros((20, 40))
     pressure[:10] = np.arange(1, 401).reshape(10, 40) * 1e6
     gap = np.where(pressure > 0, 0.0, 2e-6)
+    gap[-1, 0] = 9e-6  # a pit
     weak, wide = pressure / 2, 1.5 * gap
-    highest, widest = map_plots.common_limits([(pressure, gap), (weak, wide)])
+    highest, widest = map_plots.common_limits(height, [(pressure, gap), (weak, wide)])
     assert highest == pytest.approx(np.percentile(np.arange(1, 401), 99.5) * 1e6)
     assert widest == pytest.approx(3e-6)
-    assert map_plots.common_limits([(0 * pressure, gap)]) == (1.0, 2e-6)
-    height = height_map(np.zeros(gap.shape), 1e-6)
+    assert map_plots.common_limits(height, [(0 * pressure, gap)]) == (1.0, 2e-6)
     for of_load, above in ((pressure, 1), (weak, 0)):
         source = map_plots.pressure_map(height, of_load, highest=highest)
         assert reading(source)["value"] == ["pressure (MPa)", 0.0, pytest.approx(highest / 1e6)]
@@ -97,8 +99,23 @@ def test_pressures_and_gaps_share_their_colours_among_loads():
     alone = reading(map_plots.pressure_map(height, weak))["value"]
     assert alone[2] == pytest.approx(highest / 2e6)
     for options, last in (({"widest": widest}, 3.0), ({}, 2.0)):
-        read = reading(map_plots.gap_map(height, gap, pressure, **options))
+        source = map_plots.gap_map(height, gap, pressure, **options)
+        read = reading(source)
         assert (read["value"], read["bad"][1]) == (["gap (µm)", 0.0, pytest.approx(last)], "contact")
+        assert arrows(source) == 1
+
+
+def test_beyond_the_edges_of_a_punch_heights_and_gaps_lie_beyond_the_colours():
+    face = rough((40, 60), 1e-6)
+    punch = finite_body(face, edges=True)
+    on_plane = float(punch.max()) - punch.values  # gap to a plane that it just touches
+    for chart, limits in (
+        (map_plots.gap_map(punch, on_plane, np.zeros(punch.shape)), [0, 99.5]),
+        (map_plots.height_map(punch), [0.1, 99.9]),
+    ):
+        low, high = 1e6 * np.percentile(on_plane[2:-2, 2:-2], [limits[0], limits[1]])
+        assert reading(chart)["value"][2] - reading(chart)["value"][1] == pytest.approx(high - low)
+        assert arrows(chart) == np.count_nonzero(limits)
 
 
 def test_full_contact_has_the_colours_of_the_heights():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact.quantities import number, percent, prefix, quantity, with_interval
+from roughcontact.quantities import Unit, number, percent, prefix, quantity, with_interval
 
 
 @pytest.mark.parametrize(
@@ -31,6 +31,20 @@ from roughcontact.quantities import number, percent, prefix, quantity, with_inte
 )
 def test_prefix(value, unit, factor, shown):
     assert prefix(value, unit) == (factor, shown)
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "text"),
+    [
+        (1e6, 2e6, "1.00 to 2.00 MPa"),
+        (1e6, np.inf, "1.00 or more MPa"),
+        (np.nan, 2e6, "2.00 or less MPa"),
+        (np.nan, np.nan, "–"),
+        (-np.inf, np.inf, "–"),  # nothing is known either
+    ],
+)
+def test_ends_stand_with_their_unit_where_one_is_known(lower, upper, text):
+    assert Unit(1e-6, "MPa").ends(lower, upper) == text
 
 
 @pytest.mark.parametrize(

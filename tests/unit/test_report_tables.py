@@ -105,7 +105,7 @@ def test_the_answers_at_a_glance(left_out, conducts):
         Cell("1.70 µm", "± 0.10", precision="to ± 10 %"),
         Cell(
             "seals along x, leaks along y",
-            f"leak rate 0.0180{space}ml/(h m) (y); narrowest place 0.830{space}µm (y)",
+            f"leak rate 0.0180{space}ml/(h{space}m) (y); narrowest place 0.830{space}µm (y)",
         ),
         Cell("yes", "25.0 % of the load flows"),
         Cell("876 MPa", "the hardness"),

@@ -27,8 +27,9 @@ def test_the_table_says_or_more_where_there_is_no_bound_and_doubts_a_closed_gap(
     rates |= {"leak_rate_x_lower": [0.0, 0.0], "leak_rate_x_upper": [9.2e-11, 9.2e-11]}
     numbers = numbers.assign({name: ("load", values) for name, values in rates.items()})
     leaks, seals = (_seals(numbers, *glance_units([numbers]), place).details for place in (0, 1))
-    assert leaks.startswith("leak rate 0.0036 (0 to 0.33)\N{NO-BREAK SPACE}ml/(h m) (x); narrowest")
-    assert "; leak rate 0 (0 to 0.33)\N{NO-BREAK SPACE}ml/(h m) (x); narrowest" in seals
+    rate = "(0 to 0.33) ml/(h m)".replace(" ", "\N{NO-BREAK SPACE}")
+    assert leaks.startswith(f"leak rate 0.0036\N{NO-BREAK SPACE}{rate} (x); narrowest")
+    assert f"; leak rate 0\N{NO-BREAK SPACE}{rate} (x); narrowest" in seals
 
 
 def test_two_runs_do_not_differ_where_one_of_them_has_no_bound():

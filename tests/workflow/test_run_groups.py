@@ -76,6 +76,7 @@ def test_groups_have_their_files_and_stand_first_on_the_page(grouped):
     (verdicts,) = re.findall(r"<b>fines</b>: 3 maps \((.*?)\)\.", page)
     assert sum(map(int, re.findall(r"\d", verdicts))) == 3
     assert "coarses against fines" in page
+    assert page.index("fines, map by map") < page.index("coarses, map by map")  # as in the table
     # regrouping solves nothing again
     grouped.write(QUICK, [HEADER, *(row.replace("\tcoarses\t", "\tfines\t") for row in ROWS)])
     assert grouped.jobs() == {"report": 1}

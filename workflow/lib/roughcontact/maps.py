@@ -151,10 +151,15 @@ def refined(window: xr.DataArray, factor: int) -> xr.DataArray:
     return height_map(values, steps)
 
 
+def within_edges(body: xr.DataArray) -> tuple[slice, slice]:
+    """Return the rows and columns of a map (y, x) without the rim of a body of finite size, if it has one."""
+    inside = slice(RIM, -RIM) if body.attrs.get("form_edges") else slice(None)
+    return inside, inside
+
+
 def roughness_of(body: xr.DataArray) -> xr.DataArray:
     """Return the map (y, x; m) of which `window.finite_body` made a body, without its form and edges."""
-    rim = slice(RIM, -RIM) if body.attrs.get("form_edges") else slice(None)
-    roughness = body.isel(y=rim, x=rim)
+    roughness = body[within_edges(body)]
     if "form_radius_x" not in body.attrs:
         return roughness
     y, x = (roughness[axis] - (roughness[axis][0] + roughness[axis][-1]) / 2 for axis in "yx")

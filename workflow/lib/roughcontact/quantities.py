@@ -64,8 +64,8 @@ class Unit(NamedTuple):
         -------
         str
         """
-        text = self.interval(math.nan, lower, upper)
-        return text if text == "–" else f"{text} {self.symbol}"
+        known = math.isfinite(lower) or math.isfinite(upper)
+        return f"{self.interval(math.nan, lower, upper)} {self.symbol}" if known else "–"
 
 
 def prefix(value: float, unit: str) -> tuple[float, str]:

@@ -287,9 +287,9 @@ def _precision(loads: Iterable[Mapping[str, Any]]) -> list[str]:
         for load in loads:
             value, lower, upper = (load.get(f"{name}{end}", math.nan) for end in ("", "_lower", "_upper"))
             unit_shown = percent or Unit(*prefix(upper if upper > 0 else value, unit))
-            sentences.append(precision_in_words(value, lower, upper, unit_shown) or "–")
-        if {*sentences} != {"–"}:
-            lines.append(_line(f"{heading} known", "; ".join(sentences)))
+            sentences.append(precision_in_words(value, lower, upper, unit_shown))
+        if any(sentences):
+            lines.append(_line(f"{heading} known", "; ".join(text or "–" for text in sentences)))
     return ["", *lines] if lines else []
 
 
@@ -315,11 +315,12 @@ def _about(result: Mapping[str, Any], loads: Iterable[Mapping[str, Any]]) -> lis
 
 def _wider_intervals(loads: Iterable[Mapping[str, Any]], extent: float) -> list[str]:
     """Return the intervals of the area for what lies beyond band or map: a line each, loads rising."""
-    ends_of = {
-        text: [_ends(load, f"relative_contact_area_{key}", "%") for load in loads]
-        for key, text in beyond_the_map(extent).items()
-    }
-    return [_line("A/A0", f"{', '.join(ends)} {text}") for text, ends in ends_of.items() if {*ends} != {"–"}]
+    lines = []
+    for key, text in beyond_the_map(extent).items():
+        name = f"relative_contact_area_{key}"
+        if any(math.isfinite(load.get(f"{name}_lower", math.nan)) for load in loads):
+            lines.append(_line("A/A0", f"{', '.join(_ends(load, name, '%') for load in loads)} {text}"))
+    return lines
 
 
 def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:

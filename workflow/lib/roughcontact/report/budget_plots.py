@@ -68,7 +68,7 @@ def shown_budget(
     absent = [_SOURCE_LABELS[s] for s in _SOURCE_LABELS if s not in (*present, *attempted, "combined")]
     if absent:
         notes.append(f"Not in the ±: {', '.join(absent)}.")
-    notes += _note_on_open_ends(numbers)
+    notes += filter(None, [_note_on_open_ends(numbers)])
     listed = numbers.isel(load=list(loads))
     excess, intervals = _intervals(listed, extent)
     labels = [_SOURCE_LABELS[source] for source in present]
@@ -136,20 +136,19 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
     return chart
 
 
-def _note_on_open_ends(numbers: xr.Dataset) -> list[str]:
-    """Return a sentence on upper ends that are not known."""
+def _note_on_open_ends(numbers: xr.Dataset) -> str:
+    """Return a sentence on upper ends that are not known, empty where all are."""
     unknown = [
         TITLES[name]
         for name in _HEADLINE
         if (numbers[f"{name}_lower"].notnull() & numbers[f"{name}_upper"].isnull()).any()
     ]
     if not unknown:
-        return []
-    text = (
+        return ""
+    return (
         f"“Or more”: nothing in this map bounds it upwards ({', '.join(unknown)}). Either the "
         "instrument hides short waves, which carry the largest pressure, or the map has too few parts."
     )
-    return [text]
 
 
 def _component_table(numbers: xr.Dataset) -> dict[str, Any]:

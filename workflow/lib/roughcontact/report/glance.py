@@ -16,13 +16,13 @@ from roughcontact.variables import ANSWERS, Numbers, values_at_load
 
 AREAS = (0.01, 0.1, 0.3)  # the loads with contact areas nearest to these are shown
 NOT_JUDGED = "not judged"
+IN_WORDS = "seals?", "yields?"  # headings of the columns that hold no number
 HEADINGS = (
     "mean pressure\N{NO-BREAK SPACE}p̄",
     "contact area\N{NO-BREAK SPACE}A/A₀",
     "pressure in contact",
     "mean\N{NO-BREAK SPACE}gap\N{NO-BREAK SPACE}ū",
-    "seals?",
-    "yields?",
+    *IN_WORDS,
     "largest pressure",
     "conductance",
 )
@@ -207,11 +207,11 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
 
 
 def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> str:
-    """Return a number of a load with its interval before its unit, joined by a no-break space."""
+    """Return a number of a load with its interval before its unit, joined by no-break spaces."""
     value, *ends = interval_at(numbers, name, index)
     if not np.isfinite([value, *ends]).any():
         return "not known"
-    return f"{units[name].interval(value, *ends)}\N{NO-BREAK SPACE}{units[name].symbol}"
+    return f"{units[name].interval(value, *ends)} {units[name].symbol}".replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _yields(load: Mapping[str, Any]) -> Cell:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.maps import side_lengths
+from roughcontact.maps import side_lengths, within_edges
 from roughcontact.profiles.surface import is_drawn
 from roughcontact.quantities import Unit
 from roughcontact.report.charts import COLOURS, Axis, Chart
@@ -19,6 +19,7 @@ _HIGHEST = 400.0  # of a picture, pixels
 _LONGEST_ASPECT = 4.0  # longer pictures are drawn out of scale
 
 Frame = tuple[float, float, float, float]  # x, y, length x, length y
+Fields = tuple[np.ndarray, np.ndarray]  # pressure (Pa) and gap (m) of a load
 
 
 class Field(NamedTuple):
@@ -60,27 +61,28 @@ def height_map(
     if rectangle is not None:
         x, y, width, depth = rectangle
         outline = np.array([x, x + width, x + width, x, x]), np.array([y, y, y + depth, y + depth, y])
-    face = height.values
-    if "form_edges" in height.attrs:  # what lies beyond the edges has no part in the colours
-        face = face[face > np.nanmin(face)]
-    mean = np.nanmean(face)
-    # a few spikes must not take up the colour scale
-    lowest, highest = (float(end) for end in np.nanpercentile(face - mean, [0.1, 99.9]))
-    values = height.values - mean
-    limits, extend = (lowest, highest), (True, True)
-    return _map(_HEIGHT, height, values, limits, extend, unit=unit, outline=outline, along=along)
+    face = within_edges(height)
+    values = height.values - np.nanmean(height.values[face])
+    # a few spikes must not take up the colour scale, nor what lies beyond the edges
+    lowest, highest = (float(end) for end in np.nanpercentile(values[face], [0.1, 99.9]))
+    return _map(_HEIGHT, height, values, (lowest, highest), unit=unit, outline=outline, along=along)
 
 
-def common_limits(loads: Iterable[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
+def common_limits(height: xr.DataArray, loads: Iterable[Fields]) -> tuple[float, float]:
     """Return the highest pressure (Pa) and the widest gap (m) of the colour scales of several loads."""
-    highest, widest = [], []
+    face = within_edges(height)
+    highest = widest = 0.0
     for pressure, gap in loads:
-        if (pressure > 0).any():
-            # a few peaks do not take all the colours
-            highest.append(float(np.percentile(pressure[pressure > 0], 99.5)))
-        widest.append(float(gap[pressure == 0].max(initial=0.0)))
+        touching = pressure[face] > 0
+        highest = max(highest, _most(pressure[face][touching]))
+        widest = max(widest, _most(gap[face][~touching]))
         del pressure, gap  # before the next ones are made
-    return max(highest, default=1.0), max(widest)
+    return highest or 1.0, widest
+
+
+def _most(values: np.ndarray) -> float:
+    """Return the value that all but the highest do not exceed, 0 of none: a few peaks take no colours."""
+    return float(np.percentile(values, 99.5, overwrite_input=True)) if values.size else 0.0
 
 
 def pressure_map(
@@ -97,14 +99,13 @@ def pressure_map(
     """
     if 1 in pressure.shape:
         return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit=unit)
-    highest = common_limits([(pressure, pressure)])[0] if highest is None else highest
+    highest = common_limits(height, [(pressure, pressure)])[0] if highest is None else highest
     outline = None
     if ellipse:
         angle, (ly, lx) = np.linspace(0, 2 * np.pi, 181), side_lengths(height)
         outline = lx / 2 + ellipse["axis_x"] * np.cos(angle), ly / 2 + ellipse["axis_y"] * np.sin(angle)
     values = np.where(pressure > 0, pressure, np.nan)
-    extend = False, bool((pressure > highest).any())
-    return _map(_PRESSURE, height, values, (0, highest), extend, unit=unit, outline=outline)
+    return _map(_PRESSURE, height, values, (0, highest), unit=unit, outline=outline)
 
 
 def gap_map(
@@ -122,9 +123,8 @@ def gap_map(
             ((height.values + gap).ravel(), "deformed surface", COLOURS[1]),
         ]
         return _profile(height, faces, label="height", unit=unit)
-    # in full contact there is no gap for the scale
-    # the gap (m) of the last colour
-    widest = widest or gap[pressure == 0].max(initial=0.0) or float(np.ptp(height.values))
+    # the gap (m) of the last colour; in full contact there is none for the scale
+    widest = widest or common_limits(height, [(pressure, gap)])[1] or float(np.ptp(height.values))
     return _map(_GAP, height, np.where(pressure > 0, np.nan, gap), (0, widest), unit=unit)
 
 
@@ -169,13 +169,12 @@ def _map(
     height: xr.DataArray,
     values: np.ndarray,
     limits: tuple[float, float],
-    extend: tuple[bool, bool] = (False, False),
     *,
     unit: Unit,
     outline: tuple[np.ndarray, np.ndarray] | None = None,
     along: Unit | None = None,
 ) -> Chart:
-    """Draw the values of a field over the extent of `height`, with an arrow where colours end early."""
+    """Draw the values of a field over the extent of `height`, an arrow where some lie beyond the colours."""
     lengths = side_lengths(height)
     factor, of_lengths = along or length_unit(max(lengths))
     ly, lx = (length * factor for length in lengths)
@@ -186,7 +185,7 @@ def _map(
         Axis(f"y ({of_lengths})", 0.0, ly),
         values * unit.factor,
         bar=Axis(f"{field.label} ({unit.symbol})", low, high if high > low else low + 1e-6 * unit.factor),
-        extend=extend,
+        extend=(bool((values < limits[0]).any()), bool((values > limits[1]).any())),
     )
     if outline is not None:
         x, y = (coordinate * factor for coordinate in outline)

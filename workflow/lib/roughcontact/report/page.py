@@ -17,7 +17,7 @@ from roughcontact.report.asked import describe_problem, measured_in_words, plann
 from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
-from roughcontact.report.glance import HEADINGS, Cell, glance_rows, glance_units, loads_to_compare
+from roughcontact.report.glance import HEADINGS, IN_WORDS, Cell, glance_rows, glance_units, loads_to_compare
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import comparison_rows, group_pictures, group_rows
 from roughcontact.report.load_plots import compare_areas, sample_of, spread_of_areas
@@ -105,8 +105,8 @@ def write_report(
         for (name, reason), cases in causes.items()
     ]
     cases = [*(case for _, case in series), *(failure["case"] for failure in failures)]
-    head: dict[str, Any] = {"title": title, "version": __version__, "asked": HEADINGS, "words": VERDICTS}
-    head["asked_of_run"] = describe_problem(settings, changed)
+    head: dict[str, Any] = {"title": title, "version": __version__, "words": VERDICTS}
+    head |= {"asked": HEADINGS, "in_words": IN_WORDS, "asked_of_run": describe_problem(settings, changed)}
     equal = same_loads(settings)
     if indexed:
         written_to, place = Path(path).parent / "pages", folder / "pages"

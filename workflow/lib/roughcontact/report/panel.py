@@ -185,11 +185,11 @@ def _fields(
 
         # maps of which every point is drawn are read once, finer ones twice: a load at a time is in memory
         @lru_cache(loads.size if window.size <= POINTS else 0)
-        def maps(load: int) -> tuple[np.ndarray, np.ndarray]:
+        def maps(load: int) -> map_plots.Fields:
             result = contact[["pressure", "gap"]].isel(load=load)
             return result["pressure"].values, result["gap"].values
 
-        highest, widest = map_plots.common_limits(map(maps, loads))
+        highest, widest = map_plots.common_limits(window, map(maps, loads))
         of_pressure, of_gap = unit_of(numbers, "Pa"), unit_of(numbers, "m")
         fields = []
         for load in loads:
@@ -216,8 +216,7 @@ def _each_load(numbers: xr.Dataset, drawn: Sequence[int]) -> list[tuple[str, str
     result = []
     for index, (_, *cells) in enumerate(glance_rows(numbers, indices=range(loads.size))):
         text = [
-            f"{title} {cell.text}{' ' if cell.details[:1] in '±−+' else ', '}{cell.details}".rstrip(", ")
-            + (f", {cell.precision}" if cell.precision else "")
+            ", ".join(filter(None, (f"{title} {cell.text}", cell.details, cell.precision)))
             + (f" ({VERDICTS[cell.outcome]})" if cell.outcome else "")
             for title, cell in zip(HEADINGS[1:], cells, strict=True)
         ]
