@@ -18,6 +18,7 @@ import json
 import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -142,7 +143,7 @@ def rows_of(name: str, kind: str, aspect: float, levelled: xr.DataArray) -> list
             profiles = profiles_of(levelled, number, cut)
             along = profiles_of(transposed(levelled), number, cut) if kind.endswith("lay") else []
             window = rc.surface_from_profiles(profiles, along=along, points=min(truth.shape))
-            stack = with_profiles_along(stacked(profiles), along) if along else stacked(profiles)
+            stack = with_profiles_along(stacked(profiles), along)
         except RoughContactError as error:
             print(name, number, cut, error)
             continue
@@ -182,6 +183,8 @@ def solve(folders: Sequence[Path]) -> None:
 
 def calibrated(errors: pd.DataFrame) -> dict[str, dict[str, list[float]]]:
     """Return spread and quantile of each quantity at each load; made and measured maps weigh the same."""
+    # the smallest value up to which that share of the weight lies
+    quantile = partial(np.quantile, method="inverted_cdf")
     table: dict[str, dict[str, list[float]]] = {}
     errors = errors[errors["kind"].isin(CALIBRATING)]
     for quantity, group in errors.groupby(errors["quantity"].map(entry)):
@@ -191,21 +194,14 @@ def calibrated(errors: pd.DataFrame) -> dict[str, dict[str, list[float]]]:
             weight = 1 / rows.groupby("map")["error"].transform("size")
             weight = (weight / rows.groupby("kind")["map"].transform("nunique")).values
             spreads = np.geomspace(LEAST_SPREAD, 3, 200)
-            medians = [_quantile(error / np.hypot(scatter, c), weight, 0.5) for c in spreads]
+            medians = [quantile(error / np.hypot(scatter, c), 0.5, weights=weight) for c in spreads]
             spread = spreads[np.argmin(np.abs(np.array(medians) - NORMAL_MEDIAN))]
             level = min(1.0, COVERAGE * (1 + 1 / rows.groupby("kind")["map"].nunique().min()))
-            wide = _quantile(error / np.hypot(scatter, spread), weight, level)
+            wide = quantile(error / np.hypot(scatter, spread), level, weights=weight)
             columns.append([np.log(inverse_erf_area(rows["area"].values)).mean(), spread, wide])
         columns = [[float(f"{value:.4g}") for value in column] for column in zip(*columns, strict=True)]
         table[str(quantity)] = dict(zip(("load", "spread", "quantile"), columns, strict=True))
     return table
-
-
-def _quantile(values: np.ndarray, weight: np.ndarray, level: float) -> float:
-    """Return the smallest value up to which the share of the weight is `level`."""
-    order = np.argsort(values)
-    share = np.cumsum(weight[order]) / weight.sum()
-    return float(values[order][np.searchsorted(share, level - 1e-12)])
 
 
 def inside(errors: pd.DataFrame, table: dict) -> pd.Series:

@@ -19,8 +19,7 @@ name, repeat = arguments.pop("name"), dict(arguments.pop("repeat", {}))
 try:
     tile, along = arguments.pop("parts", None), arguments.pop("along", ())
     height = read_height_map(row["path"], **arguments)
-    if along:
-        height = with_profiles_along(height, [read_height_map(**profile) for profile in along])
+    height = with_profiles_along(height, [read_height_map(**profile) for profile in along])
     if tile:
         height = cut(height, Tile(*tile))
     if repeat and "instrument_noise" not in height.attrs:

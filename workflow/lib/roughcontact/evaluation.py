@@ -126,12 +126,11 @@ def evaluate(
     height = source if isinstance(source, xr.DataArray) else read_height_map(source, **file)
     if lay is not None:
         height = height.assign_attrs(lay=lay)
-    if len(along):
-        if lay != "across":
-            raise SettingsError(
-                f"along: is of a surface with a lay, and lay = {lay!r}; state lay = 'across'", keys=["lay"]
-            )
-        height = with_profiles_along(height, along)
+    if len(along) and lay != "across":
+        raise SettingsError(
+            f"along: is of a surface with a lay, and lay = {lay!r}; state lay = 'across'", keys=["lay"]
+        )
+    height = with_profiles_along(height, along)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HeightMapWarning)  # of every solution; said once below
         result = run_chain(height, full, threads=threads)

@@ -30,7 +30,7 @@ class Finish(NamedTuple):
     spectrum: Spectrum
     heights: np.ndarray  # (scores,), at `_SCORES`
     slopes: np.ndarray  # (classes of height, lowest first; ranks), of neighbouring points
-    stretch: float = 1.0  # how many times as long waves are along y
+    stretch: float  # how many times as long waves are along y
 
 
 def finish_of(fit: ProfileFit, stretch: float = 1.0) -> Finish:
@@ -114,8 +114,7 @@ def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) ->
         for rise, distribution in zip(rises, slopes, strict=True):
             for number, quantiles in enumerate(distribution):
                 inside = group == number
-                if inside.any():  # few points leave classes empty
-                    rise[inside] = _with_ranks(rise[inside], quantiles)
+                rise[inside] = _with_ranks(rise[inside], quantiles)
         joined = sum(np.fft.rfft2(rise) * step.conj() for rise, step in zip(rises, steps, strict=True))
         waves = with_amplitudes(joined / square)
     return np.fft.irfft2(waves, s=shape)

@@ -34,7 +34,7 @@ def scatter_of_surfaces(
     contact: Mapping[str, Any],
     arguments: Mapping[str, Any],
     values: Mapping[str, np.ndarray],
-    number: int = 9,
+    number: int,
 ) -> Scatter:
     """Return the scatter of the results of surfaces that profiles (number, x; m) leave open, about the mean.
 
@@ -54,11 +54,10 @@ def scatter_of_surfaces(
             arms[name], shift[name] = (width, width), mean
         else:
             arms[name] = np.maximum(width - mean, 0.0), np.maximum(width + mean, 0.0)
-    measured = counted_noun(len(profiles), "profile")
     reason = (
-        f"The ± is for surfaces with this spectrum: {number} surfaces that {measured} might "
-        "have shown were drawn and solved; what spectrum, heights and slopes do not hold is that of "
-        "maps that were cut into profiles."
+        f"The ± is for surfaces with this spectrum: {number} surfaces that "
+        f"{counted_noun(len(profiles), 'profile')} might have shown were drawn and solved; what spectrum, "
+        "heights and slopes do not hold is that of maps that were cut into profiles."
     )
     missed = bool(np.isnan(ensemble[GAP][:, solved]).any())
     return Scatter(ensemble, {}, [], missed, arms=arms, shift=shift, reason=reason)

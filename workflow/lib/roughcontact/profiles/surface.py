@@ -1,7 +1,7 @@
 """Surfaces drawn from profiles, as maps with what the profiles tell, and of what they warn."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from numbers import Real
 from typing import Any
 
@@ -114,8 +114,7 @@ def surface_from_profiles(
         "fit": finish.spectrum.fitted[:-2] * pitch,
     }
     heights = draw(finish, int(side), ratio, np.random.default_rng(int(seed)))
-    drawn = height_map(heights, pitch * ratio)
-    warnings = doubts + _warnings(segments, pitch, finish, side * ratio / stretch)
+    warnings = [*doubts, *_warnings(segments, pitch, finish, side * ratio / stretch)]
     facts = {
         "lay": BOTH if len(along) else ISOTROPIC,
         "profiles": len(stack) + len(along),
@@ -126,7 +125,7 @@ def surface_from_profiles(
         "missing_points": 0,
         "missing_share": 0.0,
     }
-    return drawn.assign_attrs(stack.attrs | facts)
+    return height_map(heights, pitch * ratio).assign_attrs(stack.attrs | facts)
 
 
 def stacked(profiles: xr.DataArray | Sequence[xr.DataArray]) -> xr.DataArray:
@@ -152,7 +151,9 @@ def stacked(profiles: xr.DataArray | Sequence[xr.DataArray]) -> xr.DataArray:
 
 
 def with_profiles_along(across: xr.DataArray, along: xr.DataArray | Sequence[xr.DataArray]) -> xr.DataArray:
-    """Return profiles across a lay (number, x; m) and, as the last rows, those along it, of any pitch."""
+    """Return profiles across a lay (number, x; m) with any along it, of any pitch, as the last rows."""
+    if not len(along):
+        return across
     others = stacked(along)
     pitch, pitch_along = (spacing(profiles)[1] for profiles in (across, others))
     rows = [*_rows(across), *_rows(others.assign_coords(x=others["x"] * (pitch / pitch_along)))]
@@ -195,7 +196,7 @@ def levelled_heights(height: xr.DataArray, options: Mapping[str, Any]) -> xr.Dat
             [level(_without_missing_ends(row), **options) for row in rows]
             for rows in by_direction(stacked(height))
         )
-        return with_profiles_along(stacked(across), along) if along else stacked(across)
+        return with_profiles_along(stacked(across), along)
     if height.attrs.get("profiles", 1) > 1:
         raise HeightMapError(
             f"lay = {lay or 'not stated'}: several profiles have one answer where lay = none, or with others "
@@ -209,16 +210,16 @@ def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, An
     if not is_drawn(levelled):
         return solved_map(levelled, settings)
     if settings.get("contact", {}).get("boundary") == "free":
-        text = (
-            "its ± on a body of finite size is unknown; solve_contact takes the map of surface_from_profiles"
+        raise HeightMapError(
+            "the surface behind profiles is drawn at random: its ± on a body of finite size is unknown; "
+            "solve_contact takes the map of surface_from_profiles"
         )
-        raise HeightMapError(f"the surface behind profiles is drawn at random: {text}")
     across, along = by_direction(levelled)
     drawn = surface_from_profiles(across, along=along)
-    facts = {key: levelled.attrs[key] for key in ("form", "form_removed")}
     # it is periodic without its form, and has no points that were rejected
-    drawn = drawn.assign_attrs(form="none", form_removed="{}", outliers_rejected=0)
-    return solved_map(drawn, settings).assign_attrs(facts, window_reason=f"One of {surfaces_behind(drawn)}.")
+    window = solved_map(drawn.assign_attrs(form="none", form_removed="{}", outliers_rejected=0), settings)
+    form = {key: levelled.attrs[key] for key in ("form", "form_removed")}
+    return window.assign_attrs(form, window_reason=f"One of {surfaces_behind(drawn)}.")
 
 
 def surfaces_behind(drawn: xr.DataArray | xr.Dataset) -> str:
@@ -272,14 +273,13 @@ def _stretch(segments: np.ndarray, pitch: float, along: Sequence[xr.DataArray]) 
     return stretch, [] if 1 / _STRETCHED < longer / stretch < _STRETCHED else [warning]
 
 
-def _warnings(segments: np.ndarray, pitch: float, finish: Finish, side: float) -> list[str]:
-    """Return sentences on profiles that do not tell enough of a surface of `side` times their pitch."""
+def _warnings(segments: np.ndarray, pitch: float, finish: Finish, side: float) -> Iterator[str]:
+    """Yield sentences on profiles that do not tell enough of a surface of `side` times their pitch."""
     steps = np.diff(segments) ** 2
     length = correlation_length(segments)
     lengths = segments.shape[1] / length
-    warnings = []
     if lengths < _LENGTHS:
-        warnings.append(
+        yield (
             f"The profiles are {number(lengths)} correlation lengths ({quantity(length * pitch, 'm')}) long, "
             f"fewer than {_LENGTHS}: the long waves, and with them the gap, are hardly known. Measure "
             "longer profiles."
@@ -287,14 +287,14 @@ def _warnings(segments: np.ndarray, pitch: float, finish: Finish, side: float) -
     spread = np.ptp(np.log(steps.mean(axis=1)))
     chance = np.sqrt(2 * _bandwidth(steps) / steps.shape[1])
     if len(segments) > 1 and spread > _UNLIKE_DEVIATIONS * np.sqrt(2) * chance:
-        warnings.append(
+        yield (
             f"The mean square slopes of the profiles differ by a factor of {number(np.exp(spread))}, more "
             "than those of an isotropic surface do: they may be of two directions, across and along a lay. "
             "State lay = across for those across it, and give the others as profiles along it."
         )
     share = steps.max() / steps.sum()
     if share > _STEP_SHARE:
-        warnings.append(
+        yield (
             f"A single step between neighbours has {percent(share)} of the mean square slope: a trace that "
             "was put together, or a spike. Cut the profile there."
         )
@@ -303,12 +303,11 @@ def _warnings(segments: np.ndarray, pitch: float, finish: Finish, side: float) -
     resolved = f > 1 / segments.shape[1]
     missing = powers[resolved & (f < 1 / side)].sum() / powers[resolved].sum()
     if missing > _LONG_SHARE:
-        warnings.append(
+        yield (
             f"Waves longer than the surface that was solved, {quantity(side * pitch, 'm')}, have "
             f"{percent(missing)} of the mean square height: the gap is that of waves up to this length. "
             "Remove longer ones (level.l_filter)."
         )
-    return warnings
 
 
 def _bandwidth(steps: np.ndarray) -> float:

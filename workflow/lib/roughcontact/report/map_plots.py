@@ -48,14 +48,10 @@ def height_map(
     `rectangle` (m from the first corner) outlines the window; `unit` is of heights, `along` of lengths.
     """
     is_simulated = "window_reason" in height.attrs  # a surface behind the profiles, not these
-    profiles = [height.values.ravel()] if 1 in height.shape else []
-    if is_drawn(height) and not is_simulated:
-        profiles = [*height.values]
-    if profiles:
-        coloured_profiles = zip(profiles, COLOURS, strict=False)  # no more than there are colours
-        lines = [
-            (row, f"profile {index}", colour) for index, (row, colour) in enumerate(coloured_profiles, 1)
-        ]
+    if 1 in height.shape or (is_drawn(height) and not is_simulated):
+        profiles = height.values if height.shape[1] > 1 else height.values.T
+        coloured = enumerate(zip(profiles, COLOURS, strict=False), 1)  # no more than there are colours
+        lines = [(row, f"profile {index}", colour) for index, (row, colour) in coloured]
         return _profile(height, lines, label="height", unit=unit, along=along)
     outline = None
     if rectangle is not None:
