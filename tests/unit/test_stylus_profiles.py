@@ -438,6 +438,13 @@ def test_a_lay_is_of_profiles():
         rc.evaluate(rows(rough())[0] * 1e-6, lay="none", contact=contact, form={"radius": 1.0})
     with pytest.raises(SettingsError, match="shows nothing of the others"):
         rc.evaluate(rows(rough())[0], lay="along", contact=CONTACT)
+    profile = rows(rough())[0].assign_attrs(source_file="a.csv")
+    with pytest.raises(
+        SettingsError,
+        match=r"instrument\.correct = true: a\.csv is of profiles with a surface behind them, on which the "
+        "noise of lines is not white; leave it out: the ± then includes noise and lens",
+    ):
+        rc.evaluate(profile, lay="none", contact=CONTACT, instrument={"noise": 1e-3, "correct": True})
 
 
 def test_the_check_names_what_is_wrong_with_the_profiles():

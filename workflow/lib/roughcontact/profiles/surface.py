@@ -214,6 +214,13 @@ def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, An
             "the surface behind profiles is drawn at random: its ± on a body of finite size is unknown; "
             "solve_contact takes the map of surface_from_profiles"
         )
+    if settings.get("instrument", {}).get("correct"):
+        name = levelled.attrs.get("source_file") or "this stack"
+        raise SettingsError(
+            f"instrument.correct = true: {name} is of profiles with a surface behind them, on which the "
+            "noise of lines is not white; leave it out: the ± then includes noise and lens",
+            keys=["instrument.correct"],
+        )
     across, along = by_direction(levelled)
     drawn = surface_from_profiles(across, along=along)
     # it is periodic without its form, and has no points that were rejected
