@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import xarray as xr
 
 from roughcontact.bodies import have_layers
+from roughcontact.configuration.stages import settings_of
 from roughcontact.contact.dataset import joined
 from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
 from roughcontact.errors import HeightMapError
@@ -40,8 +41,6 @@ _OF_WINDOW = (  # what a group of maps has to have in common, and where a summit
     *("summit_x", "summit_y"),
 )
 _LOADS = ("mean_pressure", "relative_pressure", "force")
-
-SECTIONS = ("level", "window", "contact", "statistics", "uncertainty", "instrument")  # of the settings
 
 Settings = Mapping[str, Mapping[str, Any]]
 Progress = Callable[[int, int, str], None]
@@ -77,7 +76,7 @@ def run_chain(
     loads = loads_of(solver)
     progress(0, len(loads), "solving")
     origin: dict[str, Any] = {
-        "settings": {key: settings[key] for key in sections_of(settings)},
+        "settings": {key: settings[key] for key in settings_of(settings, "statistics")},
         "source_sha256": str(height.attrs.get("source_sha256", "")),
         "history": str(window.attrs.get("history", "")),
     }
@@ -93,12 +92,6 @@ def run_chain(
     budget = bound_error(levelled, window, settings, solver, result.for_budget)
     statistics = complete_statistics(result.statistics, window, budget, settings, threads=threads)
     return Chain(levelled, window, statistics.assign_attrs(provenance(**origin, stage="statistics")))
-
-
-def sections_of(settings: Settings) -> tuple[str, ...]:
-    """Return the sections that the numbers depend on; `form` is one of bodies of finite size."""
-    of_form = settings["contact"].get("boundary") == "free" or _radius_of_form(settings)
-    return (*SECTIONS, "form") if of_form else SECTIONS
 
 
 def _radius_of_form(settings: Settings) -> Sequence[float]:

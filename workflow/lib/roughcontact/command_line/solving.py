@@ -11,10 +11,11 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.command_line import saving
+from roughcontact.configuration.stages import settings_of
 from roughcontact.errors import HeightMapError, RoughContactError, with_path
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.record import removed_and_filled
-from roughcontact.pipeline import run_chain, sections_of
+from roughcontact.pipeline import run_chain
 from roughcontact.statistics import checks
 from roughcontact.statistics.outcome import ANSWERS, VERDICTS, verdict_of
 from roughcontact.uncertainty.groups import group_statistics, is_range
@@ -136,7 +137,7 @@ def _solved(
         "verdicts": {title: VERDICTS[verdict_of(outcome, answer)] for answer, title in ANSWERS.items()},
         "halve": statistics.attrs.get("halve", ""),
         "warnings": json.loads(height.attrs["ingest_warnings"]),
-        "settings": {key: settings[key] for key in sections_of(settings)},
+        "settings": {key: settings[key] for key in settings_of(settings, "statistics")},
     }
     return result, statistics
 

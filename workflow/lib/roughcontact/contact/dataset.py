@@ -19,10 +19,10 @@ from roughcontact.kernels.choose import kernels_for
 def of_one_load(
     fields: "FieldsInUnits",
     solution: Any,
+    approach: float,
+    *,
     problem: Problem,
     window: xr.DataArray,
-    *,
-    approach: float,
     loaded: Mapping[str, float],
     modulus: float,
     hardness: float | None,
@@ -30,7 +30,8 @@ def of_one_load(
 ) -> xr.Dataset:
     """Return the solution of one load as a dataset in SI units, with a dimension `load` of size 1.
 
-    Its variables are those of contact.nc, over (load, y, x) or (load); `loaded` are its coordinates.
+    Its variables are those of contact.nc, over (load, y, x) or (load); `approach` is in m, `loaded` are its
+    coordinates.
     """
     maps = {"pressure": fields.pressure, "gap": fields.gap, "contact": fields.contact}
     mean = loaded["mean_pressure"]

@@ -5,7 +5,6 @@ exact (`roughcontact.elasticity.free_space`). A coarse solution gives the region
 shows that more of the map touches, it grows and is solved again.
 """
 
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -14,8 +13,8 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.choices import Influence
-from roughcontact.contact.dataset import FieldsInUnits, of_one_load
-from roughcontact.contact.problem import Problem, nondimensionalise, on_host
+from roughcontact.contact.dataset import FieldsInUnits
+from roughcontact.contact.problem import Problem
 from roughcontact.contact.sweep import sweep
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.elasticity.free_space import FADE, TruncatedKernel, transform_of_pixels
@@ -54,20 +53,16 @@ class FreeSolution(NamedTuple):
     norm: float  # root of twice the elastic energy (J); of a map over that of its periodic contact
 
 
-def free_datasets(
+def free_solutions(
     window: xr.DataArray,
+    problem: Problem,
     forces: Sequence[float],
     *,
     tolerance: float,
     hardness: float | None,
     **material: Any,
-) -> Iterator[xr.Dataset]:
-    """Yield the dataset of each force (N), with `load` of size 1 and the variables of contact.nc.
-
-    `mean_pressure` is the force over the area of the map; `material`: further arguments of `FreeBody`.
-    """
-    window = on_host(window)
-    problem = nondimensionalise(window, threads=material["threads"])
+) -> Iterator[tuple[FieldsInUnits, Any, float]]:
+    """Yield fields, solution and approach (m) of each force (N); `material`: arguments of `FreeBody`."""
     if min(window.shape) < 4:
         raise HeightMapError(
             f"a finite body is a map, this one has {window.shape[0]} x {window.shape[1]} points: the "
@@ -75,8 +70,6 @@ def free_datasets(
         )
     limit = np.inf if hardness is None else hardness
     body = FreeBody(np.asarray(window.values, float), problem.spacing, hardness=limit, **material)
-    attrs = {"tolerance": tolerance, "influence": body.influence, "boundary": "free"}
-    attrs |= {"bodies": json.dumps(body.layers.as_settings())} if body.layers else {}
     radii = [window.attrs[name] for name in ("form_radius_y", "form_radius_x") if name in window.attrs]
     size = max(np.multiply(window.shape, problem.spacing))
     least = LEAST_FORCE * body.modulus * float(size * np.ptp(body.heights))
@@ -88,22 +81,12 @@ def free_datasets(
             raise SettingsError(text, keys=("force",))
         solution = body.solve(force, tolerance=tolerance)
         body.check_border(solution.pressure, force, radii)
-        pressure, mean = solution.pressure, force / float(window.size * np.prod(problem.spacing))
+        pressure = solution.pressure
         yielded = pressure >= limit
         gap = np.where(yielded, 0.0, solution.gap)
         contact, total = (pressure > 0).astype(np.int8), float(pressure.sum())
         fields = FieldsInUnits(pressure, gap, contact, float(gap.min()), total, float(yielded.mean()))
-        yield of_one_load(
-            fields,
-            solution,
-            problem,
-            window,
-            approach=solution.approach,
-            loaded={"mean_pressure": mean, "force": force},
-            modulus=body.modulus,
-            hardness=hardness,
-            attrs=attrs,
-        )
+        yield fields, solution, solution.approach
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,10 @@ import xarray as xr
 from roughcontact.bodies import check_bodies
 from roughcontact.checking import check_choice, check_positive, warn_of_map
 from roughcontact.choices import SMALLEST_TOLERANCE, Boundary, Influence, OnFailure, Precision, ZeroFrequency
-from roughcontact.contact.dataset import fields_in_units, joined, of_one_load, unit_of_pressure
-from roughcontact.contact.free_boundary import free_datasets
+from roughcontact.contact.dataset import FieldsInUnits, fields_in_units, joined, of_one_load, unit_of_pressure
+from roughcontact.contact.free_boundary import free_solutions
 from roughcontact.contact.loads import check_loads
-from roughcontact.contact.problem import nondimensionalise, on_host
+from roughcontact.contact.problem import Problem, nondimensionalise, on_host
 from roughcontact.contact.sweep import Solution, sweep
 from roughcontact.elasticity.halfspace import zero_frequency_compliance
 from roughcontact.elasticity.layers import LayeredPair, layered_pair
@@ -209,7 +209,10 @@ def solve_contact(
     hardness = None if hardness is None else check_positive("hardness", hardness, unit="Pa")
     order = np.argsort(loads, kind="stable")
     rising = [loads[index] for index in order]
-    problem: dict[str, Any] = {
+    working = DOUBLE if precision == "double" else SINGLE
+    problem = nondimensionalise(window, precision=working, arrays=arrays, threads=threads)
+    window = on_host(window)
+    options: dict[str, Any] = {
         "modulus": modulus,
         "layers": layers,
         "tolerance": tolerance,
@@ -218,29 +221,34 @@ def solve_contact(
         "threads": threads,
     }
     if free:
-        datasets = free_datasets(window, rising, **problem)
+        solutions = free_solutions(window, problem, rising, **options)
+        attrs: dict[str, Any] = {"tolerance": tolerance, "influence": influence, "boundary": boundary}
     else:
-        problem |= {"zero_frequency": zero_frequency, "precision": precision, "arrays": arrays}
-        datasets = _periodic_datasets(window, rising, give_up=on_failure == "raise", **problem)
+        options |= {"zero_frequency": zero_frequency, "precision": working}
+        solutions = _periodic_solutions(problem, rising, give_up=on_failure == "raise", **options)
+        attrs = {"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence}
+    attrs |= {} if layers is None else {"bodies": json.dumps(layers.as_settings())}
+    area = float(window.size * np.prod(problem.spacing))
     load_datasets: dict[int, xr.Dataset] = {}
-    for solved, index in enumerate(order, start=1):
+    for solved, (index, load) in enumerate(zip(order, rising, strict=True), start=1):
         # no other name refers to the fields of a load while the next one is solved
-        load_dataset = next(datasets)
-        load_in_words = f"force {loads[index]:.4g} N" if free else f"mean pressure {loads[index]:.4g} Pa"
+        load_dataset = of_one_load(
+            *next(solutions),
+            problem=problem,
+            window=window,
+            loaded={"mean_pressure": load / area, "force": load} if free else {"mean_pressure": load},
+            modulus=modulus,
+            hardness=hardness,
+            attrs=attrs,
+        )
+        load_in_words = f"force {load:.4g} N" if free else f"mean pressure {load:.4g} Pa"
         if on_failure == "raise" and not load_dataset["converged"].item():
             raise ConvergenceError(_missed(load_in_words, load_dataset, precision=precision))
-        if reduce is not None:
-            reduced = _reduced(load_dataset, reduce)
-            load_dataset = load_dataset.drop_dims(["y", "x"]).merge(
-                reduced, compat="override", combine_attrs="override"
-            )
-        elif not fields:
-            load_dataset = load_dataset.drop_dims(["y", "x"])
-        load_datasets[int(index)] = load_dataset
+        load_datasets[int(index)] = _kept(load_dataset, fields, reduce)
         del load_dataset
         if progress is not None:
             progress(solved, len(loads), load_in_words)
-    del datasets  # and with them their workspace
+    del solutions, problem  # and with them their workspace
     return describe(joined([load_datasets[index] for index in range(len(loads))]))
 
 
@@ -265,8 +273,8 @@ def elasticity(
     return modulus, layered_pair(checked)
 
 
-def _periodic_datasets(
-    window: xr.DataArray,
+def _periodic_solutions(
+    problem: Problem,
     loads: Sequence[float],
     *,
     modulus: float,
@@ -275,12 +283,11 @@ def _periodic_datasets(
     hardness: float | None,
     influence: Influence,
     zero_frequency: ZeroFrequency,
-    precision: Precision,
-    arrays: Callable[[np.ndarray], Any] | None,
+    precision: str,
     give_up: bool,
     threads: int,
-) -> Iterator[xr.Dataset]:
-    """Yield the dataset of each of the rising loads (Pa) of a periodic map; arguments of `solve_contact`."""
+) -> Iterator[tuple[FieldsInUnits, Any, float]]:
+    """Yield fields, solution and approach (m) of each of the rising loads (Pa) of a periodic map."""
     cap = np.inf if hardness is None else hardness
     if max(loads) >= cap:
         raise SettingsError(
@@ -293,18 +300,13 @@ def _periodic_datasets(
             f"{cap:.12g} Pa: all of the surface yields; lower the one or raise the other",
             keys=("mean_pressure",),
         )
-    working = DOUBLE if precision == "double" else SINGLE
-    problem = nondimensionalise(window, precision=working, arrays=arrays, threads=threads)
-    window = on_host(window)
-    warn_of_map(window.shape, problem.gradient, stacklevel=5)
-    if zero_frequency != "zero" and 1 in window.shape:
+    warn_of_map(problem.heights.shape, problem.gradient, stacklevel=5)
+    if zero_frequency != "zero" and 1 in problem.heights.shape:
         raise SettingsError(
             f"zero_frequency = {zero_frequency!r} is for maps: the mean displacement of an infinitely wide "
             "profile is infinite; use 'zero'",
             keys=["zero_frequency"],
         )
-    attrs: dict[str, Any] = {"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence}
-    attrs |= {} if layers is None else {"bodies": json.dumps(layers.as_settings())}
     compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres)
     compliance /= modulus if layers is None else layers.base_modulus
     compliance += 0.0 if layers is None else layers.mean_compliance(elastic=zero_frequency != "zero")
@@ -324,27 +326,19 @@ def _periodic_datasets(
         cap=cap / unit,
         influence=influence,
         layers=layers and layers.scaled(problem.unit_length),
-        precision=working,
+        precision=precision,
         give_up=give_up,
         threads=threads,
     )
 
-    def dataset_of(solution: Solution, load: float) -> xr.Dataset:
-        """Return the dataset of a load (Pa)."""
-        return of_one_load(
-            fields_in_units(solution, problem, modulus=modulus, hardness=hardness, threads=threads),
-            solution,
-            problem,
-            window,
-            approach=problem.reference - solution.state.offset * problem.scale - compliance * load,
-            loaded={"mean_pressure": load},
-            modulus=modulus,
-            hardness=hardness,
-            attrs=attrs,
-        )
+    def in_units(solution: Solution, load: float) -> tuple[FieldsInUnits, Solution, float]:
+        """Return a load (Pa) as it is yielded."""
+        approach = problem.reference - solution.state.offset * problem.scale - compliance * load
+        fields = fields_in_units(solution, problem, modulus=modulus, hardness=hardness, threads=threads)
+        return fields, solution, approach
 
     for load in loads:  # no name here keeps the maps of one while the next one is solved
-        yield dataset_of(next(solutions), load)
+        yield in_units(next(solutions), load)
 
 
 def _check_free(**wrong: bool) -> None:
@@ -353,14 +347,20 @@ def _check_free(**wrong: bool) -> None:
         raise SettingsError(f"{name}, boundary 'free': {_NOT_FREE[name]}", keys=(name,))
 
 
-def _reduced(load_dataset: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset]) -> xr.Dataset:
-    """Return the dataset that a caller's function makes of a load, or raise an error for any other result."""
+def _kept(
+    load_dataset: xr.Dataset, fields: bool, reduce: Callable[[xr.Dataset], xr.Dataset] | None
+) -> xr.Dataset:
+    """Return what is kept of a load: all, or its numbers, with the dataset that `reduce` makes of it."""
+    if reduce is None:
+        return load_dataset if fields else load_dataset.drop_dims(["y", "x"])
     reduced = reduce(load_dataset)
     if not isinstance(reduced, xr.Dataset):
         raise RoughContactError(
             f"the function given as reduce returned {type(reduced).__name__}: let it return a Dataset"
         )
-    return describe(reduced)
+    return load_dataset.drop_dims(["y", "x"]).merge(
+        describe(reduced), compat="override", combine_attrs="override"
+    )
 
 
 def _missed(load: str, load_dataset: xr.Dataset, *, precision: Precision) -> str:
