@@ -79,12 +79,11 @@ def member_surfaces(profiles: xr.DataArray, window: xr.DataArray, number: int) -
 
 def isotropic_contact(profile: xr.DataArray, contact: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Return contact area and mean gap (load) of the isotropic surface behind a profile, if there is one."""
-    names = [AREA, GAP]
     try:
         surface = surface_from_profiles([profile])
     except HeightMapError:
         return {}
-    return solve_member(surface, {**contact, "on_failure": "flag"}, names=names)
+    return solve_member(surface, {**contact, "on_failure": "flag"}, names=[AREA, GAP])
 
 
 def moments(

@@ -62,8 +62,8 @@ class ProfileFit:
         edges = np.geomspace(1, waves, int(_BANDS_PER_DECADE * np.log10(waves)) + 1)
         edges = np.unique(edges.round().astype(int))
         bands = np.split(np.arange(waves), edges)[1:-1]
-        size = np.array([band.size for band in bands])
-        self.band = np.array([np.sqrt(band[0] * band[-1]) for band in bands]) / points
+        size = np.diff(edges)
+        self.band = np.sqrt(edges[:-1] * (edges[1:] - 1)) / points
         self.measured = np.array([power[:, band].mean() for band in bands])
         freedom = 2 * number * size
         squares = np.array([np.mean(np.diff(profiles) ** 2), np.mean(profiles**2)])  # of steps and heights
@@ -81,12 +81,10 @@ class ProfileFit:
         self._floor = np.append(floor, _NEGLIGIBLE * squares)
         self.measured = np.append(self.measured, squares)
         for _ in range(_REFERENCES):
-            smooth = scipy.ndimage.gaussian_filter1d(level, _SMOOTH, mode="nearest")
-            self._reference = np.exp(smooth)
+            self._reference = np.exp(scipy.ndimage.gaussian_filter1d(level, _SMOOTH, mode="nearest"))
             self._matrix = lines * self._reference
             density = self._solve(self.measured, 1.0) * self._reference
-            slopes = density * self._frequency**4
-            weakest = _NEGLIGIBLE * slopes.max() / self._frequency**4
+            weakest = _NEGLIGIBLE * np.max(density * self._frequency**4) / self._frequency**4
             level = np.log(np.maximum(density, weakest))
         self._damping = min(_DAMPING, key=self._deviance)
 
@@ -116,9 +114,8 @@ class ProfileFit:
         sums = self._taper * np.exp(-2j * np.pi / points * waves[:, None] * np.arange(points))
         sums -= (sums @ self._basis) @ self._basis.T  # of the levelled profile
         power = np.mean(np.abs(np.fft.fft(sums, 2 * points)) ** 2, axis=0)
-        folded = power[: points + 1]
-        folded[1:-1] += power[:points:-1]
-        return folded / (2 * points**2)
+        power[1:points] += power[:points:-1]
+        return power[: points + 1] / (2 * points**2)
 
     def _squares(self, points: int) -> np.ndarray:
         """Return the weights (2, points + 1) in the mean square of steps, and of levelled heights."""
