@@ -143,7 +143,10 @@ def test_the_table_is_that_of_the_statistics(statistics, tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("dims", "told"),
-    [(("surface", "load"), "is of several surfaces; name the folder"), (("load",), "flow")],
+    [
+        (("surface", "load"), "is of all surfaces; name the statistics.nc in the folder of one"),
+        (("load",), "flow"),
+    ],
 )
 def test_what_has_no_table_is_refused_by_the_name_of_its_file(dims, told, tmp_path, capsys):
     loads = np.full((2,) * len(dims), 1e6)

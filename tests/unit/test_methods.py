@@ -62,7 +62,9 @@ def test_the_command_prints_it_for_each_result(statistics, tmp_path, capsys):
     several = xr.concat([statistics, statistics], dim="surface", data_vars="all")
     write_dataset(several, tmp_path / "all.nc")
     assert main(["methods", str(tmp_path / "all.nc")]) == 2
-    assert "all.nc: is of several surfaces; name the folder" in capsys.readouterr().err
+    assert (
+        "all.nc: is of all surfaces; name the statistics.nc in the folder of one" in capsys.readouterr().err
+    )
 
 
 def test_a_body_of_finite_size_has_a_force_and_no_neighbours():

@@ -349,7 +349,8 @@ def test_every_repeat_of_a_place_is_of_one_part(table):
 @pytest.mark.parametrize("other", ["a", "nobody", "pair"])
 def test_a_place_that_is_no_other_surface_is_refused(table, column, other):
     rows = f"a\ta.npy\t{other}\t", "b\tb.npy\t\t", "pair\tp.npy\t\tq.npy"
-    reason = r"pair is a pair \(counter_face\)" if other == "pair" else "is no other surface of the table"
+    reasons = {"a": "is the name of this row", "pair": r"pair is a pair \(counter_face\)"}
+    reason = reasons.get(other, "is no other surface of the table; valid are b")
     with pytest.raises(SettingsError, match=f"line 2, {column} = '{other}': {reason}"):
         read_surfaces(table(f"surface\tpath\t{column}\tcounter_face", *rows))
 

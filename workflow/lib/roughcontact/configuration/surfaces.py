@@ -408,6 +408,8 @@ def _mistakes_in_areas(surfaces: Mapping[str, Surface]) -> list[str]:
             f"{name if name in pairs else reference} is a pair (counter_face), and single maps are compared; "
             f"leave {column} out"
             if pairs & {name, reference}
+            else "is the name of this row; give that of the other map of the place"
+            if name == reference
             else "is no other surface of the table; "
             + nearest(reference, [other for other in surfaces if other != name and other not in pairs])
         )

@@ -60,8 +60,9 @@ def plan_loads(
     carried = [load for load in loads if load < hardness]
     if not carried:
         raise SettingsError(
-            f"hardness = {hardness:g} Pa is below all planned loads ({loads[0]:g} Pa and more): give "
-            "mean_pressure in Pa",
+            f"hardness = {hardness:g} Pa is below all planned loads ({loads[0]:g} Pa and more, by the "
+            f"rms gradient {gradient:.3g} of the map): check the units of the map, or give mean_pressure "
+            "in Pa",
             keys=["hardness", "mean_pressure"],
         )
     return carried
