@@ -113,7 +113,8 @@ def test_profiles_by_the_names_of_their_columns(read, heading, columns):
 def test_several_columns_of_heights_are_asked_about(read, refused, heading, columns, wanted):
     text = f"{heading}\n{table(*columns, separator=';')}"
     for given in ({}, GIVEN):
-        refused(text, rf"2 columns that may be heights: .*{wanted}.*channel", **given)
+        refused(text, rf"2 columns that may be heights: .*{wanted}.*channel.* are '[^']*{wanted}", **given)
+    refused(text, rf"no channel is named 'all'; .* are '[^']*{wanted}", channel="all")
     assert_heights(read(text, channel=wanted), TWO[:1])
 
 

@@ -130,10 +130,13 @@ def choose_channel(
     """
     names = [channel.name for channel in file.channels]
     listing = listed(names)
+    together = ""
+    if len(names) > 1 and all(channel.shape[0] == 1 for channel in file.channels):
+        together = f"; several profiles of one surface (lay: none) are '{'; '.join(names)}'"
     if requested is None and file.question:
         raise InputFileError(
             f"{file.question}; name one with channel (table of surfaces or argument), of {listing}; "
-            "or all, in a row each, as repeats of one part of a group"
+            f"or all, in a row each, as repeats of one part of a group{together}"
         )
     if requested is None:
         heights = [
@@ -152,7 +155,7 @@ def choose_channel(
     if not matches:
         matches = [c for c in file.channels if c.name.casefold() == str(requested).strip().casefold()]
     if len(matches) != 1:
-        raise InputFileError(f"no channel is named {str(requested)!r}; the file has {listing}")
+        raise InputFileError(f"no channel is named {str(requested)!r}; the file has {listing}{together}")
     return matches[0], f"{matches[0].name!r}, named by the user"
 
 
