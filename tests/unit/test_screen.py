@@ -129,6 +129,14 @@ def test_warnings_of_a_face_stand_with_the_pair(tmp_path):
     assert run.lines[1].startswith("seal-2: done, 1 warning in its logs and in the report (1 of 2")
 
 
+def test_what_the_report_leaves_out_is_said(tmp_path):
+    (log := tmp_path / "report.log").write_text("[report] warning: new and worn: hold different waves\n")
+    run = Run()
+    run.begin()
+    run.job(5, 0, 10, log=[str(log)], output=["results/report.html"])
+    assert run.lines[1:] == ["report: done, 1 warning in its logs and in the report"]
+
+
 def test_a_job_that_has_failed_says_why_from_its_log(tmp_path):
     (log := tmp_path / "contact.log").write_text("Traceback\n[contact ground] ERROR: g.txt: is empty\n")
     run = Run()

@@ -115,16 +115,20 @@ class Screen:
             self._line(f"[{_name(fields)}] is tried again" + (f" with {requested}" if requested else ""))
 
     def _finished(self, fields: dict[str, Any], now: float) -> None:
-        """Show the line of a result whose last job has ended."""
-        if not fields or fields["rule_name"] not in _LAST:
+        """Show the line of a result whose last job has ended; of the report only that it has warnings."""
+        if not fields or fields["rule_name"] not in (*_LAST, "report"):
             return
-        self.done += 1
         result = _result(fields)
         logs = self.logs.pop(result, []) + self.logs.pop(re.sub(r"-\d+$", "", result), [])
         warnings = sum(map(_warnings, logs))
         warned = (
             f", {warnings} warning{'s' * (warnings != 1)} in its logs and in the report" if warnings else ""
         )
+        if fields["rule_name"] == "report":
+            if warned:
+                self._line(f"report: done{warned}")
+            return
+        self.done += 1
         left = "" if self.bar else self.clock.words(now)
         self._line(f"{result}: done{warned} ({self.done} of {self.results}{left})")
 
