@@ -401,29 +401,29 @@ def test_paired_maps_are_compared_map_by_map():
 
 def area_map(area, *, shared=0.0, load=1e6):
     """Return the statistics of a map of one contact area, with a relative error that all maps share."""
-    found = xr.Dataset({"relative_contact_area": ("load", [area])}, {"mean_pressure": ("load", [load])})
-    found = found.assign(contact_modulus=1e9)
+    statistics = xr.Dataset({"relative_contact_area": ("load", [area])}, {"mean_pressure": ("load", [load])})
+    statistics = statistics.assign(contact_modulus=1e9)
     components = np.zeros((1, len(SOURCES) + 1, 4))
     components[:, SOURCES.index("discretisation"), :2] = shared * area
-    found["relative_contact_area_components"] = (("load", "source", "component"), components)
-    return found
+    statistics["relative_contact_area_components"] = (("load", "source", "component"), components)
+    return statistics
 
 
 def test_a_ratio_to_full_contact_is_as_uncertain_as_the_other_area():
     """Full contact has no error: the ratio has that of the first area, by Student's t of four maps."""
     areas = [0.75, 0.82, 0.72, 0.81]
     partial, full = (rc.group_statistics([area_map(area) for area in maps]) for maps in (areas, [1.0] * 4))
-    found = rc.compare_groups(partial, full).sel(quantity="relative_contact_area")
+    area = rc.compare_groups(partial, full).sel(quantity="relative_contact_area")
     logs = np.log(areas)
     half = stats.t.ppf(0.975, 3) * logs.std(ddof=1) / 2
-    width = np.log(found["ratio_upper"] / found["ratio_lower"]).item()
+    width = np.log(area["ratio_upper"] / area["ratio_lower"]).item()
     assert width == pytest.approx(2 * half, rel=1e-2)
 
 
 def test_what_two_areas_share_moves_the_smaller_more():
     """A shared error of 20 % of a small area and 2 % of one near the whole leaves 18 % of their ratio."""
-    found = case_differences(area_map(0.05, shared=0.2), area_map(0.95, shared=0.02))
-    area = found.sel(quantity="relative_contact_area", load=0)
+    differences = case_differences(area_map(0.05, shared=0.2), area_map(0.95, shared=0.02))
+    area = differences.sel(quantity="relative_contact_area", load=0)
     assert np.log(area["ratio_upper"] / area["ratio"]).item() == pytest.approx(0.18, abs=0.02)
 
 

@@ -5,7 +5,6 @@ logarithms. Of errors with the half-widths u1 and u2 and the correlation r, what
 u² = (u2 - r u1)² + (1 - r²) u1² (JCGM 100:2008, 5.2.2).
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from itertools import combinations
 from typing import NamedTuple
@@ -32,6 +31,7 @@ from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.improvement import ADVICE
 from roughcontact.uncertainty.random_effects import (
     SIGNIFICANCE,
+    Effects,
     correlation_at_least,
     holm,
     maps_needed,
@@ -268,11 +268,7 @@ def _of_two(first: xr.Dataset, second: xr.Dataset) -> _Compared:
         widths = _widths(name, first_data), _widths(name, second_data)
         correlations = _correlations(name, first_data, second_data)
         unshared = _unshared_half_widths(*widths, correlations)
-        logs = [_logarithm(name, values) for values in (before, after)]
-        log_unshared = _unshared_half_widths(
-            _log_widths(name, before, widths[0]), _log_widths(name, after, widths[1]), correlations
-        )
-        rows.append(_ratios(logs[0], logs[1] - logs[0], zeros, log_unshared))
+        rows.append(_ratios(name, (before, after), widths, correlations, scatter=zeros))
         towards_none = np.where(after > before, *unshared) / student(np.array(np.inf))
         p_values.append(p_value(after - before, towards_none, zeros + np.inf))
     table = _table(names, first_data["mean_pressure"].values, rows)
@@ -316,39 +312,32 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
     rows, columns, load_correlations = [], [], []
     part_names = [list(data["part"].values) for data in groups]
     for name in names:
-        (first_values, shared), (second_values, second_shared) = (
-            _scaled_numbers(name, data, loads) for data in groups
+        values, (shared, second_shared) = zip(
+            *(_scaled_numbers(name, data, loads) for data in groups), strict=True
         )
-        first_effects = random_effects(first_values, part_names[0])
-        second_effects = random_effects(second_values, part_names[1])
-        if paired:
-            change = random_effects(second_values - first_values, part_names[0])
-            deviations = change.deviations
-            difference, error, freedom = change.mean, change.error, change.freedom
-            spread, count = error * math.sqrt(change.units), change.units
-        else:
-            difference, error, freedom = welch(first_effects, second_effects)
-            deviations = np.concatenate([first_effects.deviations, second_effects.deviations])
-            both = first_effects, second_effects
-            spread = np.sqrt(np.mean([effects.error**2 * effects.units for effects in both], axis=0))
-            count = min(effects.units for effects in both)
+        of_groups = _effects(values, part_names)
+        compared = _effects([values[1] - values[0]], part_names[:1]) if paired else of_groups
+        difference, error, freedom = _difference(compared)
+        deviations = np.concatenate([effects.deviations for effects in compared])
+        spread = np.sqrt(np.mean([effects.error**2 * effects.units for effects in compared], axis=0))
+        count = min(effects.units for effects in compared)
         unshared = _unshared_half_widths(shared, second_shared, correlation)
-        load_correlations.append(correlation_at_least(deviations, len(deviations) - (1 if paired else 2)))
-        logs = [_logarithm(name, effects.mean) for effects in (first_effects, second_effects)]
-        log_unshared = _unshared_half_widths(
-            _log_widths(name, first_effects.mean, shared),
-            _log_widths(name, second_effects.mean, second_shared),
-            correlation,
-        )
-        log_width = _log_scatter(name, (first_values, second_values), part_names, paired=paired)
-        rows.append(_ratios(logs[0], logs[1] - logs[0], log_width, log_unshared))
+        load_correlations.append(correlation_at_least(deviations, len(deviations) - len(compared)))
+        scatter = student(freedom) * error
+        if name == AREA:  # on the logarithm instead
+            logs = [_logarithm(name, of_maps) for of_maps in values]
+            of_logs = _effects([logs[1] - logs[0]] if paired else logs, part_names[: len(compared)])
+            _, log_error, log_freedom = _difference(of_logs)
+            scatter = student(log_freedom) * log_error
+        means = [effects.mean for effects in of_groups]
+        rows.append(_ratios(name, means, (shared, second_shared), correlation, scatter=scatter))
         by_source = [
             np.maximum(*_unshared_half_widths(shared[:, [k]], second_shared[:, [k]], correlation[[k]]))
             for k in range(len(SOURCES))
         ]
         largest = np.nan_to_num(by_source, nan=0.0).argmax(axis=0)
         columns.append(
-            (p_value(difference, error, freedom), spread, np.maximum(*unshared), largest, first_effects.mean)
+            (p_value(difference, error, freedom), spread, np.maximum(*unshared), largest, means[0])
         )
     nested = any(1 < len(set(data["part"].values)) < data.sizes["map"] for data in groups)
     table = _table(names, loads, rows)
@@ -501,14 +490,35 @@ def _unshared_half_widths(
     return widths[0], widths[1]
 
 
+def _effects(values: Sequence[np.ndarray], parts: Sequence[Sequence[str]]) -> list[Effects]:
+    """Return the random effects of each group, of values (map, load)."""
+    return [random_effects(of_maps, names) for of_maps, names in zip(values, parts, strict=True)]
+
+
+def _difference(compared: Sequence[Effects]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the difference of two groups, or the mean change of pairs, its standard error and freedom."""
+    if len(compared) == 2:
+        return welch(*compared)
+    (change,) = compared
+    return change.mean, change.error, change.freedom
+
+
 def _ratios(
-    mean: np.ndarray,
-    difference: np.ndarray,
-    width: np.ndarray,
-    unshared: tuple[np.ndarray, np.ndarray],
+    name: str,
+    values: Sequence[np.ndarray],
+    widths: Sequence[np.ndarray],
+    correlation: np.ndarray,
+    *,
+    scatter: np.ndarray,
 ) -> list[np.ndarray]:
-    """Return ratio and both ends of its interval (load,), from a difference of logarithms."""
-    below, above = (np.hypot(width, values) for values in unshared)
+    """Return ratio and both ends of its interval (load,), from two values and their components on the scale.
+
+    `scatter` is the half-width (load,) of the difference of logarithms by the scatter of the maps.
+    """
+    mean, second_mean = (_logarithm(name, number) for number in values)
+    difference = second_mean - mean
+    first, second = (_log_widths(name, *both) for both in zip(values, widths, strict=True))
+    below, above = (np.hypot(scatter, side) for side in _unshared_half_widths(first, second, correlation))
     with np.errstate(invalid="ignore", over="ignore"):  # of closed gaps and unbounded ends, NaN below
         ratios = [
             np.exp(mean + values) / np.exp(mean)
@@ -532,18 +542,6 @@ def _log_widths(name: str, mean: np.ndarray, widths: np.ndarray) -> np.ndarray:
     # an area near the whole moves less than its scale: what both share changes their ratio
     signs, middle = np.array([-1.0, 1.0, -1.0, 1.0]), mean[:, None, None]
     return signs * (_logarithm(name, middle + signs * widths) - _logarithm(name, middle))
-
-
-def _log_scatter(
-    name: str, values: Sequence[np.ndarray], parts: Sequence[Sequence[str]], *, paired: bool
-) -> np.ndarray:
-    """Return the half-width (load,) of the difference of the logarithms by the scatter of the maps."""
-    first, second = (_logarithm(name, of_maps) for of_maps in values)
-    if paired:
-        change = random_effects(second - first, parts[0])
-        return student(change.freedom) * change.error
-    _, error, freedom = welch(random_effects(first, parts[0]), random_effects(second, parts[1]))
-    return student(freedom) * error
 
 
 def _table(names: Sequence[str], loads: np.ndarray, rows: Sequence[Sequence[np.ndarray]]) -> xr.Dataset:
