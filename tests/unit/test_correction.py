@@ -92,16 +92,16 @@ def test_a_correction_brings_its_uncertainty_whatever_the_sources():
     loads = [0.1 * MODULUS * rms_gradient(height)]
     noise = 0.05 * float(height.std())
     noisy, _ = with_noise(height, noise)
-    unasked, asked = (
+    unstated, stated = (
         evaluated(noisy, loads, sources=sources, noise=noise, correct=True)
         for sources in (["solver"], ["solver", "instrument"])
     )
-    xr.testing.assert_equal(unasked.drop_attrs(), asked.drop_attrs())
+    xr.testing.assert_equal(unstated.drop_attrs(), stated.drop_attrs())
     area = "relative_contact_area"
     true = rc.contact_statistics(rc.solve_contact(height, contact_modulus=MODULUS, mean_pressure=loads))[area]
-    assert (unasked[f"{area}_lower"] <= true).all()
-    assert (true <= unasked[f"{area}_upper"]).all()
-    assert unasked[area].values == pytest.approx(unasked[f"{area}_as_solved"].values, rel=1e-12)
+    assert (unstated[f"{area}_lower"] <= true).all()
+    assert (true <= unstated[f"{area}_upper"]).all()
+    assert unstated[area].values == pytest.approx(unstated[f"{area}_as_solved"].values, rel=1e-12)
     none = evaluated(noisy, loads, sources=[], noise=noise, correct=True)
     assert f"{area}_lower" not in none
     assert "corrected_for" in none.attrs

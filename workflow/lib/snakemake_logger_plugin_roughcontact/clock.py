@@ -7,7 +7,7 @@ from collections import Counter, defaultdict
 _START = {"prepare": 3.0, "prepare_face": 3.0, "superpose": 3.0}
 _START_OF_OTHERS, _PER_MINUTE = 6.0, 1.0
 _OF_ALL = 6.0  # s of usual time by which the speed of all jobs counts for that of a rule
-_ALONE = "report"  # the rule with a single job, at the end
+REPORT = "report"  # the rule with a single job, at the end
 _TARGETS = ("all", "default")  # rules whose jobs do nothing
 
 
@@ -90,7 +90,7 @@ class Clock:
             waiting = [(scale * usual(rule, minutes / threads), threads) for minutes, threads in used]
             number = max(jobs - len(running), 0)
             last = max((seconds for seconds, _ in [*left, *(waiting if number else [])]), default=0.0)
-            if rule == _ALONE:
+            if rule == REPORT:
                 alone += last if jobs else 0.0
                 continue
             work += sum(seconds * threads for seconds, threads in left)

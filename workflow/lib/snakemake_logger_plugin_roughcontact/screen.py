@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
-from .clock import Clock, duration
+from .clock import REPORT, Clock, duration
 
 VARIABLE = "ROUGHCONTACT_SCREEN"  # tells the jobs that their progress is not wanted on the screen
 BAR = "ROUGHCONTACT_BAR"  # tells a run that the bar is wanted though its screen is no terminal
@@ -116,7 +116,7 @@ class Screen:
 
     def _finished(self, fields: dict[str, Any], now: float) -> None:
         """Show the line of a result whose last job has ended; of the report only that it has warnings."""
-        if not fields or fields["rule_name"] not in (*_LAST, "report"):
+        if not fields or fields["rule_name"] not in (*_LAST, REPORT):
             return
         result = _result(fields)
         logs = self.logs.pop(result, []) + self.logs.pop(re.sub(r"-\d+$", "", result), [])
@@ -124,9 +124,9 @@ class Screen:
         warned = (
             f", {warnings} warning{'s' * (warnings != 1)} in its logs and in the report" if warnings else ""
         )
-        if fields["rule_name"] == "report":
+        if fields["rule_name"] == REPORT:
             if warned:
-                self._line(f"report: done{warned}")
+                self._line(f"{REPORT}: done{warned}")
             return
         self.done += 1
         left = "" if self.bar else self.clock.words(now)

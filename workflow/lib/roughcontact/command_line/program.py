@@ -455,8 +455,8 @@ def _statistics_of(path: str, *, single: bool = False) -> "xr.Dataset":
     """Return the statistics of a run, or of a `single` surface; raise an error for any other file."""
     from roughcontact.results.storage import read_dataset
 
-    one = "name the statistics.nc in the folder of one surface"
-    advice = one if single else "name the statistics.nc of a run, of all surfaces or of one"
+    of_which = "in the folder of one surface" if single else "of a run, of all surfaces or of one"
+    advice = f"name the statistics.nc {of_which}"
     if not Path(path).is_file():
         reason = "is a folder" if Path(path).is_dir() else "no such file"
         raise InputFileError(f"{path}: {reason}; {advice}")
@@ -467,7 +467,7 @@ def _statistics_of(path: str, *, single: bool = False) -> "xr.Dataset":
     if "mean_pressure" not in statistics or {"y", "group"} & set(statistics.dims):
         raise InputFileError(f"{path}: holds no statistics of contacts; {advice}")
     if single and "surface" in statistics.dims:
-        raise InputFileError(f"{path}: is of all surfaces; {one}")
+        raise InputFileError(f"{path}: is of all surfaces; {advice}")
     return statistics
 
 

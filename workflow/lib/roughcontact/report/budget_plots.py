@@ -68,7 +68,8 @@ def shown_budget(
     absent = [_SOURCE_LABELS[s] for s in _SOURCE_LABELS if s not in (*present, *attempted, "combined")]
     if absent:
         notes.append(f"Not in the ±: {', '.join(absent)}.")
-    notes += filter(None, [_note_on_open_ends(numbers)])
+    if note := _note_on_open_ends(numbers):
+        notes.append(note)
     listed = numbers.isel(load=list(loads))
     excess, intervals = _intervals(listed, extent)
     labels = [_SOURCE_LABELS[source] for source in present]
