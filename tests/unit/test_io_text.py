@@ -63,6 +63,13 @@ GAPS = (
 )
 
 
+def test_a_gap_in_named_columns_without_positions_stays_where_it_is(read):
+    rows = ["z1 (nm);z2 (nm)", "1;1", "2;NaN", "NaN;3", "4;5", ";7", ";9"]
+    for name, profile in (("z1", [1, 2, np.nan, 4]), ("z2", [1, np.nan, 3, 5, 7, 9])):
+        height = read("\n".join(rows), dx=1, unit="um", channel=name)
+        np.testing.assert_allclose(height.values, [1e-9 * np.array(profile)])
+
+
 @pytest.mark.parametrize("gap", GAPS.split())
 @pytest.mark.parametrize("place", [0, 5])
 def test_what_programs_write_for_a_missing_point(read, gap, place):

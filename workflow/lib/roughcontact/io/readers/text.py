@@ -324,6 +324,8 @@ def _lists(
         for index in valid:
             listed[values[:, index] == 0, -1] = np.nan
         has_values = ~np.isnan(listed).all(axis=1)
+        if not indices:  # without positions a point is missing where a number follows below
+            has_values = np.maximum.accumulate(has_values[::-1])[::-1]
         units = [columns[index].unit for index in (*indices, height)]
         lines = [line for line, has_value in zip(text.rows.lines, has_values, strict=True) if has_value]
         if indices:
