@@ -3,11 +3,12 @@
 import html
 import mmap
 import re
-import struct
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import IO, NamedTuple
+from typing import Literal, NamedTuple
+
+import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.guards import ARCHIVE_ERRORS, listed
@@ -17,94 +18,74 @@ ZIP = (b"PK\x03\x04",)
 OLE = (b"\xd0\xcf\x11\xe0",)
 _MOST_PAGES = 10_000
 _WORKBOOK = 2**20  # bytes of the list of sheets that are read
-_TIFF_TYPES = {3: "H", 4: "I", 5: "Q", 8: "h", 9: "i", 10: "q", 11: "f", 12: "d"}  # all others: bytes
+# all others: bytes
+_TIFF_TYPES = {3: "u2", 4: "u4", 5: "u8", 8: "i2", 9: "i4", 10: "i8", 11: "f4", 12: "f8"}
 _STRIPS, _STRIP_LENGTHS = 273, 279  # tags
 # member of an archive -> its format in SurfaceTopography
-_FORMATS_BY_ENTRY = {"index.xml": "plux", ".dsc": "nmm", ".oir": "poir", ".prf": "qep"}
+_FORMATS = {"index.xml": "plux", ".dsc": "nmm", ".oir": "poir", ".prf": "qep", "workbook.xml": "mitutoyo"}
 
 
 def check_tiff(path: Path) -> None:
-    """Refuse a TIFF whose pages form a loop or lie outside it: a library that follows them would never end.
-
-    A page is a count of its tags (2 bytes), 12 bytes for each of them, and the position of the next page.
-    """
-    with path.open("rb") as stream:
-        for _ in _tiff_pages(stream):
+    """Refuse a TIFF whose pages form a loop or lie outside it: a library would follow them without end."""
+    with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        for _ in _tiff_pages(data):
             pass
 
 
 class Tag(NamedTuple):
-    """One tag of a TIFF: its number, and where its value lies (bytes).
+    """One tag of a TIFF: its number, and type, place and length (bytes) of its value.
 
     A value of up to four bytes lies within the tag.
     """
 
     number: int
-    layout: str
+    value_type: np.dtype
     place: int
     length: int
 
 
-def tiff_tags(stream: IO[bytes] | mmap.mmap) -> Iterator[Tag]:
+def tiff_tags(data: mmap.mmap) -> Iterator[Tag]:
     """Yield the tags of all pages of a TIFF that `check_tiff` has passed."""
-    for order, begin, count in _tiff_pages(stream):
-        for entry_offset in range(begin + 2, begin + 2 + 12 * count, 12):
-            stream.seek(entry_offset)
-            number, value_type, values, position = struct.unpack(order + "HHII", stream.read(12))
-            letter = _TIFF_TYPES.get(value_type, "s")
-            length = values * struct.calcsize(order + letter)
-            yield Tag(
-                number, f"{order}{values}{letter}", position if length > 4 else entry_offset + 8, length
-            )
+    for begin, entries in _tiff_pages(data):
+        order = entries.dtype[0].byteorder
+        for index, (number, value_type, count, position) in enumerate(entries.tolist()):
+            element = np.dtype(_TIFF_TYPES.get(value_type, "u1")).newbyteorder(order)
+            length = count * element.itemsize
+            yield Tag(number, element, position if length > 4 else begin + 10 + 12 * index, length)
 
 
-def tiff_end(stream: IO[bytes] | mmap.mmap) -> int:
+def tiff_end(data: mmap.mmap) -> int:
     """Return the end of the last page, value or strip of a TIFF that `check_tiff` has passed, bytes."""
-    ends = [begin + 6 + 12 * count for _, begin, count in _tiff_pages(stream)]
+    ends = [begin + 6 + entries.nbytes for begin, entries in _tiff_pages(data)]
     strips: dict[int, list[int]] = {_STRIPS: [], _STRIP_LENGTHS: []}
-    for tag in tiff_tags(stream):
+    for tag in tiff_tags(data):
         ends.append(tag.place + tag.length)
-        if tag.number in strips:
-            stream.seek(tag.place)
-            data = stream.read(tag.length)
-            strips[tag.number] += struct.unpack(tag.layout, data) if len(data) == tag.length else ()
+        if tag.number in strips and ends[-1] <= len(data):
+            strips[tag.number] += np.frombuffer(data[tag.place : ends[-1]], tag.value_type).tolist()
     return max([*ends, *map(sum, zip(*strips.values(), strict=False))])
 
 
-def _tiff_pages(stream: IO[bytes] | mmap.mmap) -> Iterator[tuple[str, int, int]]:
-    """Yield byte order, position and number of tags of every page; errors name the path."""
-    stream.seek(0, 2)
-    size = stream.tell()  # a mapped file returns no position from seek
-    stream.seek(0)
-    order = "<" if stream.read(4) == TIFF[0] else ">"
-    position = _number(stream.read(4), order + "I")
+def _tiff_pages(data: mmap.mmap) -> Iterator[tuple[int, np.ndarray]]:
+    """Yield position and tags of every page: a count (2 bytes), the tags, the position of the next page."""
+    order: Literal["little", "big"] = "little" if data[:4] == TIFF[0] else "big"
+    entry = np.dtype("u2, u2, u4, u4").newbyteorder("<" if order == "little" else ">")
+    position = int.from_bytes(data[4:8], order)
     visited: set[int] = set()
     while position:
         if position in visited or len(visited) == _MOST_PAGES:
             raise InputFileError(f"damaged TIFF: its pages form a loop, or are more than {_MOST_PAGES}")
         visited.add(position)
-        stream.seek(min(position, size))
-        tags = stream.read(2)
-        count = _number(tags, order + "H")
-        stream.seek(12 * count, 1)
-        following = stream.read(4)
-        if len(tags) < 2 or len(following) < 4:
+        end = position + 2 + entry.itemsize * int.from_bytes(data[position : position + 2], order)
+        if end + 4 > len(data):
             raise InputFileError("damaged or cut off TIFF: a page lies outside the file")
-        yield order, position, count
-        position = _number(following, order + "I")
-
-
-def _number(data: bytes, layout: str) -> int:
-    """Return an unsigned number, 0 where the bytes are missing."""
-    return struct.unpack(layout, data)[0] if len(data) == struct.calcsize(layout) else 0
+        yield position, np.frombuffer(data[position + 2 : end], entry)
+        position = int.from_bytes(data[end : end + 4], order)
 
 
 def formats_within(path: Path) -> set[str]:
     """Return the formats whose members a ZIP archive has; empty for an archive of another kind."""
     names = [name.lower() for name in _entry_names(path)]
-    return {
-        format_ for end, format_ in _FORMATS_BY_ENTRY.items() if any(name.endswith(end) for name in names)
-    }
+    return {format_ for end, format_ in _FORMATS.items() if any(name.endswith(end) for name in names)}
 
 
 def foreign(path: Path, head: bytes) -> str:

@@ -6,7 +6,7 @@ The library's readers that accept any bytes (hgt, h5, mat, npz, xyz, asc) are le
 import mmap
 import re
 import struct
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,12 +14,11 @@ from typing import Any
 import numpy as np
 
 from roughcontact.io.instrument_kinds import OPTICAL, PROBE, STYLUS, UNKNOWN, Kind
-from roughcontact.io.instruments import containers, nanoscope
-from roughcontact.io.instruments.containers import OLE, TIFF, ZIP
+from roughcontact.io.instruments import nanoscope, sizes
+from roughcontact.io.instruments.containers import OLE, TIFF, ZIP, tiff_tags
+from roughcontact.io.instruments.sizes import Header
 from roughcontact.io.interface import RecognisedBy
 from roughcontact.io.text.lines import looks_like_text
-
-Header = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -36,6 +35,8 @@ class Format:
     binary_data: bool = False  # after a text header: a file that is text to its end is an export
     # CONTENTS for the mark of a container, in which another reader looks
     recognised_by: RecognisedBy = RecognisedBy.MARK
+    # bytes of the file by its header and the points of a channel
+    size: Callable[[mmap.mmap, Header, int], int | None] = lambda data, header, points: None
 
     def has_mark(self, head: bytes) -> bool:
         """Return whether a file that begins with `head` has the mark of this format."""
@@ -53,12 +54,9 @@ class Format:
         """Return the steps (dx, dy), from those that the library found."""
         return steps
 
-    def not_measured(self, header: Header, heights: np.ndarray) -> np.ndarray | None:
-        """Return a mask (ny, nx) of points with a code for missing points that the library does not know.
-
-        None where no such code is known.
-        """
-        return None
+    def not_measured(self, header: Header, heights: np.ndarray) -> np.ndarray | bool:
+        """Return a mask (ny, nx) of points with a code for missing points that the library does not know."""
+        return False
 
     def instrument(self, path: Path) -> dict[str, Any]:
         """Return the file's metadata of the instrument beyond those that the library finds, by label."""
@@ -105,7 +103,7 @@ class _MicroProf(Format):
         scale = (header.get("0x6c") or {}).get("height_scale_factor")
         limits = header.get("0x70")
         if not scale or not limits:
-            return None
+            return False
         counts = np.rint(heights / scale)
         return (counts < limits["first_valid"]) | (counts > limits["last_valid"])
 
@@ -139,8 +137,8 @@ class _Nanoscope(Format):
 class _Park(Format):
     def contradiction(self, path, header):
         points = header["nb_grid_pts_x"] * header["nb_grid_pts_y"]
-        with path.open("rb") as stream:
-            stored = next((tag.length for tag in containers.tiff_tags(stream) if tag.number == _PARK_DATA), 0)
+        with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            stored = next((tag.length for tag in tiff_tags(data) if tag.number == _PARK_DATA), 0)
         required_size = points * (2 if header.get("data_type", 0) == 0 else 4)
         if stored == required_size:
             return ""
@@ -166,16 +164,17 @@ class _Wyko(Format):
         return [INVERTED] if inverted else []
 
 
+_METROPRO = (b"\x88\x1b\x03\x6f", b"\x88\x1b\x03\x70", b"\x88\x1b\x03\x71")
 _BCR = ("fileformat".encode("utf-16-le"), "\ufefffileformat".encode("utf-16-le"))
 
 # Formats with the same mark, or without one, are tried in this order.
 FORMATS = (
-    _Nanoscope("di", (b"\\*",), PROBE, "Bruker", text_header=True, binary_data=True),
-    Format("ezd", (b"[DataSet]",), PROBE, "Nanosurf", text_header=True),
-    Format("mi", (b"fileType",), PROBE, "Molecular Imaging", text_header=True),
-    Format("al3d", (b"AliconaImaging",), OPTICAL, "Alicona"),
-    _MicroProf("frt", (b"FRTM_GLIDERV",), OPTICAL, "FRT"),
-    Format("wsxm", (b"WSxM",), PROBE, "Nanotec", text_header=True, binary_data=True),
+    _Nanoscope("di", (b"\\*",), PROBE, "Bruker", text_header=True, binary_data=True, size=sizes.bruker),
+    Format("ezd", (b"[DataSet]",), PROBE, "Nanosurf", text_header=True, size=sizes.nanosurf),
+    Format("mi", (b"fileType",), PROBE, "Molecular Imaging", text_header=True, size=sizes.molecular_imaging),
+    Format("al3d", (b"AliconaImaging",), OPTICAL, "Alicona", size=sizes.alicona),
+    _MicroProf("frt", (b"FRTM_GLIDERV",), OPTICAL, "FRT", size=sizes.microprof),
+    Format("wsxm", (b"WSxM",), PROBE, "Nanotec", text_header=True, binary_data=True, size=sizes.wsxm),
     Format("mdt", (b"\x01\xb0\x93\xff",), PROBE, "NT-MDT"),
     Format("zmg", (b"Zeta-Instruments",), OPTICAL, "KLA Zeta"),
     Format("zon", (b"KPK0", b"KPK1"), OPTICAL, "Keyence"),
@@ -184,7 +183,7 @@ FORMATS = (
     Format("datx", (b"\x89HDF",), OPTICAL, "Zygo", recognised_by=RecognisedBy.CONTENTS),
     Format("mnt", OLE),
     Format("oir", (b"OLYMPUSRAWFORMAT",), OPTICAL, "Olympus"),
-    _Park("ps", TIFF, PROBE, "Park Systems"),
+    _Park("ps", TIFF, PROBE, "Park Systems", size=sizes.park),
     Format("jpk", TIFF, PROBE, "JPK"),
     Format("lext", TIFF, OPTICAL, "Olympus"),
     Format("plux", ZIP, OPTICAL, "Sensofar"),
@@ -192,13 +191,13 @@ FORMATS = (
     Format("poir", ZIP, OPTICAL, "Olympus"),
     Format("qep", ZIP, STYLUS, "Mahr"),
     Format("mitutoyo", ZIP, STYLUS, "Mitutoyo"),
-    Format("bcr", (b"fileformat", *_BCR), text_header=True),
-    _MetroPro("metropro", (b"\x88\x1b\x03\x6f", b"\x88\x1b\x03\x70", b"\x88\x1b\x03\x71"), OPTICAL, "Zygo"),
-    _Wyko("opd", (b"Directory",), OPTICAL, "Wyko", offset=2),
+    Format("bcr", (b"fileformat", *_BCR), text_header=True, size=sizes.bcr),
+    _MetroPro("metropro", _METROPRO, OPTICAL, "Zygo", size=sizes.metropro),
+    _Wyko("opd", (b"Directory",), OPTICAL, "Wyko", offset=2, size=sizes.wyko),
     Format("os3d", (b"OmniSurf3D",)),
     _Igor("ibw", (), PROBE),
-    Format("plu", (), OPTICAL, "Sensofar"),
-    _NanoFocus("nms", (), OPTICAL, "NanoFocus"),
+    Format("plu", (), OPTICAL, "Sensofar", size=sizes.sensofar),
+    _NanoFocus("nms", (), OPTICAL, "NanoFocus", size=sizes.nanofocus),
 )
 
 
@@ -212,4 +211,4 @@ def marked(head: bytes) -> list[Format]:
     >>> marked(b"KPK0 is how this text begins")
     []
     """
-    return [format_ for format_ in FORMATS if format_.marks and format_.has_mark(head)]
+    return [format_ for format_ in FORMATS if format_.has_mark(head)]

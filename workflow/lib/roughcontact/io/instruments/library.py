@@ -5,10 +5,12 @@ upper line.
 """
 
 import logging
+import mmap
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -27,27 +29,29 @@ from roughcontact.io.channels import (
 )
 from roughcontact.io.guards import brief, check_points
 from roughcontact.io.instruments import containers
-from roughcontact.io.instruments.formats import Format, Header
-from roughcontact.io.instruments.sizes import stated_size
-from roughcontact.io.interface import head_of
+from roughcontact.io.instruments.formats import FORMATS, Format, marked
+from roughcontact.io.instruments.sizes import Header
+from roughcontact.io.interface import Reader, head_of
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
 _FILM = "a film of high-speed AFM (asd) is not read: save a frame as text or GWY; "
-BYTES_PER_BYTE = 8  # memory for each byte of a file: two-byte integers become double precision, twice
+_BYTES_PER_BYTE = 8  # memory for each byte of a file: two-byte integers become double precision, twice
 
 
-def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
-    """Open a file by the first of some formats that can read it.
+def read_instrument(path: Path) -> MeasuredFile:
+    """Open a file by the first of the formats with its mark that can read it.
 
-    The formats are those whose mark the file has, or all formats without a mark.
+    A file without a mark, as a container too damaged to be examined may be, is tried as each format without.
     """
     head = head_of(path)
     if head.startswith(containers.TIFF):
         containers.check_tiff(path)
-    shared = head.startswith((*containers.TIFF, *containers.ZIP, *containers.OLE))
-    within = containers.formats_within(path) if head.startswith(containers.ZIP) else set()
-    failures: list[tuple[str, Format, Exception]] = []
+    formats = marked(head) or [format_ for format_ in FORMATS if not format_.marks]
+    if head.startswith(containers.ZIP):
+        within = containers.formats_within(path)
+        formats = [format_ for format_ in formats if format_.name in within]
+    failures: list[tuple[str, Exception]] = []
     with _silence():
         from SurfaceTopography.Exceptions import FileFormatMismatch
         from SurfaceTopography.IO import lookup_reader_by_format
@@ -61,11 +65,12 @@ def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
             except FileFormatMismatch:
                 continue
             except Exception as error:  # a reader may fail on foreign bytes in any way
-                failures.append((library.name(), format_, error))
-    candidate, reason = _likeliest(failures, within)
-    if reason is None and shared and (foreign_format := containers.foreign(path, head)):
+                if not _is_foreign(format_, error):
+                    failures.append((library.name(), error))
+    if not failures and (foreign_format := containers.foreign(path, head)):
         raise InputFileError(f"this is {foreign_format}")
-    if reason is not None and any(format_.marks for format_ in formats):
+    if failures and marked(head):
+        candidate, reason = failures[0]
         raise InputFileError(
             f"looks like {candidate}, but is damaged, cut off or of a kind that holds no map "
             f"({_message(reason)})"
@@ -74,24 +79,13 @@ def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
     raise InputFileError(
         f"the format is not known, or the file is damaged (recognised by content, not by extension); "
         f"{hint}export the map as X3P, SDF, netCDF or a text matrix with its size and units"
-    ) from (failures[0][2] if failures else None)
+    ) from (failures[0][1] if failures else None)
 
 
-def _likeliest(
-    failures: list[tuple[str, Format, Exception]], within: set[str]
-) -> tuple[str, Exception | None]:
-    """Return the most likely format of a file that no reader could read, and the error; None where unknown.
-
-    The mark of a container does not identify its content: the members do, or the readers that did not accept
-    the file.
-    """
-    for name, format_, error in failures:
-        if format_.marks == containers.ZIP and format_.name not in within:
-            continue
-        if format_.marks == containers.TIFF and isinstance(error, IndexError | KeyError | AttributeError):
-            continue  # without the tags of this format
-        return name, error
-    return "", None
+def _is_foreign(file_format: Format, error: Exception) -> bool:
+    """Return whether an error shows that a container holds something else than this format."""
+    without_tags = isinstance(error, IndexError | KeyError | AttributeError)
+    return file_format.name == "mitutoyo" or (file_format.marks == containers.TIFF and without_tags)
 
 
 def _message(error: Exception) -> str:
@@ -107,8 +101,7 @@ def _silence() -> Iterator[None]:
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")
+        with warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
             yield
     finally:
         logging.disable(before)
@@ -133,8 +126,9 @@ def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
     notes = file_format.corrected(infos, path)
     # Heights are read once here: an incomplete channel shows that the file was cut off.
     channels = [_channel(info, file_format) for info in infos]
-    header, points = _header(infos[0]), prod(infos[0].nb_grid_pts)
-    required = stated_size(file_format.name, path, header, points)
+    header = _header(infos[0])
+    with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        required = file_format.size(data, header, prod(infos[0].nb_grid_pts))
     stale, instrument = file_format.contradiction(path, header), _instrument(infos[0], file_format, path)
     return MeasuredFile(reader.name(), channels, "top", instrument, notes, stale, required)
 
@@ -169,9 +163,7 @@ def _channel(info: Any, file_format: Format) -> Channel:
     if topography.dim == 2:
         heights = heights.T
     header = _header(info)
-    not_measured = file_format.not_measured(header, heights)
-    if not_measured is not None:
-        heights[not_measured] = np.nan
+    heights[file_format.not_measured(header, heights)] = np.nan
     channel.dx, channel.dy = _steps(topography, file_format, header)
     return replace(channel, read=lambda: heights, notes=file_format.sign_notes(header))
 
@@ -206,3 +198,7 @@ def _instrument(info: Any, file_format: Format, path: Path) -> dict:
     if info.info.get("comment"):
         stated["comment"] = info.info["comment"]
     return instrument_metadata(stated, info.info.get("raw_metadata"))
+
+
+#: Makes a reader, by the way in which it recognises files.
+instrument_reader = partial(Reader, read=read_instrument, memory_per_byte=_BYTES_PER_BYTE, binary=True)

@@ -64,20 +64,9 @@ def corrected(channels: list[Any], path: Path) -> list[str]:
             f"{image['scan size']}; the data are {lines} lines of {nx}, on {number(x)} x "
             f"{number(length)} {unit}"
         )
-        channels[index] = ChannelInfo(
-            info.reader,
-            index,
-            name=info.name,
-            dim=2,
-            nb_grid_pts=(nx, lines),
-            physical_sizes=(x, length),
-            height_scale_factor=info.height_scale_factor,
-            periodic=False,
-            uniform=True,
-            unit=info.unit,
-            info=info.info,
-            tags=info.tags,
-        )
+        kept = {name: getattr(info, name) for name in ("name", "height_scale_factor", "unit", "info", "tags")}
+        grid = {"dim": 2, "nb_grid_pts": (nx, lines), "physical_sizes": (x, length)}
+        channels[index] = ChannelInfo(info.reader, index, periodic=False, uniform=True, **grid, **kept)
     return list(dict.fromkeys(notes))
 
 

@@ -1,4 +1,4 @@
-"""Sizes of instrument files by their own headers and directories.
+"""Sizes of instrument files (bytes) by their own headers and directories; None where they do not say it.
 
 The heights behind lost or added bytes moved.
 """
@@ -6,8 +6,7 @@ The heights behind lost or added bytes moved.
 import mmap
 import re
 import struct
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
 from roughcontact.io.instruments import nanoscope
@@ -16,19 +15,19 @@ from roughcontact.io.instruments.containers import tiff_end
 Header = Mapping[str, Any]
 
 
-def _metropro(data: mmap.mmap, header: Header, points: int) -> int:
+def metropro(data: mmap.mmap, header: Header, points: int) -> int:
     """Count header, intensities (two bytes a point, in each bucket) and phases (four bytes)."""
     intensities = header["ac_n_buckets"] * header["ac_org_height"] * header["ac_org_width"]
     return header["header_size"] + 2 * intensities + 4 * points
 
 
-def _nanofocus(data: mmap.mmap, header: Header, points: int) -> int:
+def nanofocus(data: mmap.mmap, header: Header, points: int) -> int:
     """Count header and heights (two bytes), behind which lie whole images of a byte a point."""
     images = max(0, round((len(data) - 3468) / points) - 2)
     return 3468 + (2 + images) * points
 
 
-def _alicona(data: mmap.mmap, header: Header, points: int) -> int | None:
+def alicona(data: mmap.mmap, header: Header, points: int) -> int | None:
     """Count up to the end of the texture, a byte a point in rows of a multiple of eight bytes."""
     start = int(header.get("TextureImageOffset") or 0)
     row = -(-int(header["Cols"]) // 8) * 8
@@ -36,7 +35,7 @@ def _alicona(data: mmap.mmap, header: Header, points: int) -> int | None:
     return start + planes * int(header["Rows"]) * row if start else None
 
 
-def _sensofar(data: mmap.mmap, header: Header, points: int) -> int:
+def sensofar(data: mmap.mmap, header: Header, points: int) -> int:
     """Count the layers: their size, heights, extremes, and images of three bytes a point."""
     layout = header["measurement_configuration"]
     start = 500 if layout["area_type"] != 6 else 496
@@ -44,7 +43,7 @@ def _sensofar(data: mmap.mmap, header: Header, points: int) -> int:
     return max(counted, len(data))  # blocks that nothing counts follow
 
 
-def _wsxm(data: mmap.mmap, header: Header, points: int) -> int | None:
+def wsxm(data: mmap.mmap, header: Header, points: int) -> int | None:
     """Count the header, whose size it states, and the points."""
     match = re.search(rb"Image header size:\s*(\d+)", data[:4096])
     data_type = header["General Info"].get("Image Data Type", "short")
@@ -52,7 +51,7 @@ def _wsxm(data: mmap.mmap, header: Header, points: int) -> int | None:
     return int(match[1]) + width * points if match and width else None
 
 
-def _bcr(data: mmap.mmap, header: Header, points: int) -> int:
+def bcr(data: mmap.mmap, header: Header, points: int) -> int:
     """Count a header of a stated number of characters, and the points."""
     file_format = str(header["fileformat"])
     characters = int(header.get("headersize", 2048))
@@ -60,7 +59,7 @@ def _bcr(data: mmap.mmap, header: Header, points: int) -> int:
     return characters * (2 if file_format.endswith("unicode") else 1) + width * points
 
 
-def _molecular_imaging(data: mmap.mmap, header: Header, points: int) -> int | None:
+def molecular_imaging(data: mmap.mmap, header: Header, points: int) -> int | None:
     """Count the header up to its last line, and all buffers."""
     last = re.search(rb"^data {10}(BINARY|BINARY_32)?\r?\n", data, re.MULTILINE)
     if last is None:
@@ -69,7 +68,7 @@ def _molecular_imaging(data: mmap.mmap, header: Header, points: int) -> int | No
     return last.end() + buffers * points * (4 if last[1] == b"BINARY_32" else 2)
 
 
-def _microprof(data: mmap.mmap, header: Header, points: int) -> int:
+def microprof(data: mmap.mmap, header: Header, points: int) -> int:
     """Count the tagged blocks."""
     entry = struct.Struct("<HI" if data[12:16] == b"1.00" else "<HQ")
     (blocks,) = struct.unpack_from("<H", data, 16)
@@ -81,7 +80,7 @@ def _microprof(data: mmap.mmap, header: Header, points: int) -> int:
     return offset
 
 
-def _wyko(data: mmap.mmap, header: Header, points: int) -> int:
+def wyko(data: mmap.mmap, header: Header, points: int) -> int:
     """Count the directory and the blocks that it lists."""
     entry = struct.Struct("<16shiH")
     size = 2 + entry.unpack_from(data, 2)[2]
@@ -90,7 +89,7 @@ def _wyko(data: mmap.mmap, header: Header, points: int) -> int:
     return size
 
 
-def _nanoscope(data: mmap.mmap, header: Header, points: int) -> int | None:
+def bruker(data: mmap.mmap, header: Header, points: int) -> int | None:
     """Count up to the end of the last block that a section of the header places."""
     text = data[: max(0, data.find(nanoscope.END))]
     blocks = [block for block in nanoscope.sections(text) if "data offset" in block]
@@ -98,7 +97,7 @@ def _nanoscope(data: mmap.mmap, header: Header, points: int) -> int | None:
     return max(ends) if ends else None
 
 
-def _nanosurf(data: mmap.mmap, header: Header, points: int) -> int | None:
+def nanosurf(data: mmap.mmap, header: Header, points: int) -> int | None:
     """Count the header up to its mark, and every data set that it lists."""
     begin = data.find(b"\r\n#!")
     if begin < 0:
@@ -117,31 +116,6 @@ def _nanosurf(data: mmap.mmap, header: Header, points: int) -> int | None:
     return size
 
 
-def _park(data: mmap.mmap, header: Header, points: int) -> int:
+def park(data: mmap.mmap, header: Header, points: int) -> int:
     """Count up to the end of the last page, value or strip of the TIFF."""
     return tiff_end(data)
-
-
-_SIZES: dict[str, Callable[[mmap.mmap, Header, int], int | None]] = {
-    "al3d": _alicona,
-    "bcr": _bcr,
-    "di": _nanoscope,
-    "ezd": _nanosurf,
-    "frt": _microprof,
-    "metropro": _metropro,
-    "mi": _molecular_imaging,
-    "nms": _nanofocus,
-    "opd": _wyko,
-    "plu": _sensofar,
-    "ps": _park,
-    "wsxm": _wsxm,
-}
-
-
-def stated_size(name: str, path: Path, header: Header, points: int) -> int | None:
-    """Return the size of a file by the header that SurfaceTopography gives; None if its format has none."""
-    count = _SIZES.get(name)
-    if count is None:
-        return None
-    with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
-        return count(data, header, points)

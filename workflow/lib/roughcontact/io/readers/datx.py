@@ -4,9 +4,8 @@ from pathlib import Path
 
 from roughcontact.io import hdf5
 from roughcontact.io.channels import MeasuredFile
-from roughcontact.io.instruments.formats import marked
-from roughcontact.io.instruments.library import BYTES_PER_BYTE, read_as
-from roughcontact.io.interface import Reader, RecognisedBy, head_of
+from roughcontact.io.instruments.library import instrument_reader, read_instrument
+from roughcontact.io.interface import RecognisedBy
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -20,7 +19,7 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a file with SurfaceTopography."""
     hdf5.datasets(path)
-    return read_as(path, marked(head_of(path)))
+    return read_instrument(path)
 
 
-READER = Reader(RecognisedBy.CONTENTS, recognises, read, memory_per_byte=BYTES_PER_BYTE, binary=True)
+READER = instrument_reader(RecognisedBy.CONTENTS, recognises, read=read)

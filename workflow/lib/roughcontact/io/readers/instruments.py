@@ -5,10 +5,9 @@ To add one that the library reads, add a row to `roughcontact.io.instruments.for
 
 from pathlib import Path
 
-from roughcontact.io.channels import MeasuredFile
 from roughcontact.io.instruments.formats import marked
-from roughcontact.io.instruments.library import BYTES_PER_BYTE, read_as
-from roughcontact.io.interface import Reader, RecognisedBy, head_of
+from roughcontact.io.instruments.library import instrument_reader
+from roughcontact.io.interface import RecognisedBy
 from roughcontact.io.text.lines import is_text
 
 
@@ -18,9 +17,4 @@ def recognises(path: Path, head: bytes) -> bool:
     return bool(matching) and not (matching[0].binary_data and is_text(path))
 
 
-def read(path: Path) -> MeasuredFile:
-    """Open a file by the first of the formats with its mark that can read it."""
-    return read_as(path, marked(head_of(path)))
-
-
-READER = Reader(RecognisedBy.MARK, recognises, read, memory_per_byte=BYTES_PER_BYTE, binary=True)
+READER = instrument_reader(RecognisedBy.MARK, recognises)
