@@ -32,7 +32,7 @@ import roughcontact as rc
 from roughcontact.errors import RoughContactError
 from roughcontact.maps import height_map, spacing
 from roughcontact.profiles.scatter import member_surfaces, moments
-from roughcontact.profiles.surface import stacked, with_profiles_along
+from roughcontact.profiles.surface import stacked
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.roughness.texture import texture_parameters
 from roughcontact.uncertainty.calibration import entry
@@ -143,7 +143,7 @@ def rows_of(name: str, kind: str, aspect: float, levelled: xr.DataArray) -> list
             profiles = profiles_of(levelled, number, cut)
             along = profiles_of(transposed(levelled), number, cut) if kind.endswith("lay") else []
             window = rc.surface_from_profiles(profiles, along=along, points=min(truth.shape))
-            stack = with_profiles_along(stacked(profiles), along)
+            stack = stacked(profiles, along)
         except RoughContactError as error:
             print(name, number, cut, error)
             continue

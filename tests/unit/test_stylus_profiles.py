@@ -14,13 +14,7 @@ from roughcontact.maps import height_map
 from roughcontact.profiles import finish
 from roughcontact.profiles.finish import draw, finish_of
 from roughcontact.profiles.spectrum import ProfileFit
-from roughcontact.profiles.surface import (
-    levelled_heights,
-    profile_pieces,
-    solved_window,
-    stacked,
-    with_profiles_along,
-)
+from roughcontact.profiles.surface import levelled_heights, profile_pieces, solved_window, stacked
 from roughcontact.quantities import percent
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics import map_checks
@@ -39,7 +33,7 @@ def rows(surface, number=5):
 
 
 def fitted(surface, number):
-    return ProfileFit(profile_pieces(stacked(rows(surface, number)))[0], 1)
+    return ProfileFit([profile_pieces(rows(surface, number))], 1)
 
 
 def density_of(surface):
@@ -51,8 +45,8 @@ def density_of(surface):
 
 def test_a_known_spectrum_is_recovered():
     surface = rough(side=512)
-    fit = ProfileFit(profile_pieces(surface)[0], 1)
-    spectrum, (f, density) = fit.spectrum(fit.measured), density_of(surface.values)
+    spectrum = ProfileFit([profile_pieces([surface[[row]] for row in range(512)])], 1).best
+    f, density = density_of(surface.values)
     for low, high in ((1 / 38, 1 / 24), (1 / 24, 1 / 16), (1 / 16, 1 / 11), (1 / 11, 1 / 7)):
         ring = (f > low) & (f < high)
         assert np.mean(spectrum.at(f[ring])) == pytest.approx(np.mean(density[ring]), rel=0.1)
@@ -71,12 +65,12 @@ def test_long_waves_that_levelling_took_from_each_line_are_put_back():
     spectra = {}
     for order in (0, 2):
         taken = basis[:, 2 - order :]
-        spectra[order] = ProfileFit(pieces - (pieces @ taken) @ taken.T, order)
+        spectra[order] = ProfileFit([(pieces - (pieces @ taken) @ taken.T, 1.0)], order)
     assert spectra[2].measured[0] < 0.5 * spectra[0].measured[0]
     f, density = density_of(surface.values)
     for low, high in ((1 / 256, 1 / 64), (1 / 64, 1 / 16)):
         ring = (f > low) & (f < high)
-        found = np.mean(spectra[2].spectrum(spectra[2].measured).at(f[ring]))
+        found = np.mean(spectra[2].best.at(f[ring]))
         assert found == pytest.approx(np.mean(density[ring]), rel=0.2)
 
 
@@ -102,7 +96,7 @@ def test_a_surface_keeps_the_spectra_of_its_profiles_and_of_the_fit():
     profiles = rows(rough())
     drawn = rc.surface_from_profiles(profiles, spacing=0.5)
     spectra = {key: np.array(values) for key, values in json.loads(drawn.attrs["profile_spectra"]).items()}
-    pieces, pitch = profile_pieces(stacked(profiles))
+    pieces, pitch = profile_pieces(profiles)
     taper = np.sin(np.pi * (np.arange(SIDE) + 0.5) / SIDE) ** 2
     frequency, density = scipy.signal.periodogram(pieces, 1 / pitch, window=taper, detrend=False)
     alone = slice(1, 6)
@@ -171,7 +165,7 @@ def test_profiles_of_several_lengths_and_with_missing_points():
     long, short, holed = rows(rough(), 3)
     holed = holed.copy(data=holed.values)
     holed[0, :40] = np.nan
-    pieces, _ = profile_pieces(stacked([long, short[:, :100], holed]))
+    pieces, _ = profile_pieces([long, short[:, :100], holed])
     assert pieces.shape == (5, 100)  # 256 // 100, 1 and 216 // 100
 
 
@@ -364,7 +358,7 @@ def test_profiles_along_keep_their_pitch_beside_those_across():
     lay = rough(stretch=4.0)
     across, along = rows(lay, 3), [height_map(lay.values[::2, column], 2.0) for column in (40, 140)]
     options = {"form": "plane", "l_filter": 100.0}
-    levelled = levelled_heights(with_profiles_along(stacked(across), along), options)
+    levelled = levelled_heights(stacked(across, along), options)
     window = solved_window(levelled, {"window": {}})
     expected = rc.surface_from_profiles(
         [rc.level(profile, **options) for profile in across],
@@ -381,10 +375,9 @@ def test_profiles_along_keep_their_pitch_beside_those_across():
 def test_the_scatter_of_both_directions_is_larger_by_that_of_the_stretch():
     lay = rough(stretch=4.0).values
     across, along = lay[:200:40], lay[:, :200:40].T
-    fit = ProfileFit(across, 1)
-    told = finish_of(fit, 4.0)
-    drawn = [finish.resampled(fit, told, np.random.default_rng(seed), along) for seed in range(30)]
-    stretches = np.log([each.stretch / 4.0 for each in drawn])
+    fit = ProfileFit([(across, 1.0), (along, 1.0)], 1)
+    drawn = [finish_of(fit, np.random.default_rng(seed)) for seed in range(30)]
+    stretches = np.log([each.stretch / fit.stretch for each in drawn])
     # the chance of the rms slope, from the mean square slopes of the pieces of both directions
     pieces = [np.diff(profiles[:, :255].reshape(25, -1)) for profiles in (across, along)]
     chances = [np.mean(piece**2, axis=1).std() / np.mean(piece**2) / 2 / np.sqrt(25) for piece in pieces]

@@ -10,7 +10,7 @@ from roughcontact.configuration.tiles import Tile, cut
 from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.repeats import noise_of_repeats
-from roughcontact.profiles.surface import levelled_heights, with_profiles_along
+from roughcontact.profiles.surface import levelled_heights, stacked
 from roughcontact.results.storage import read_dataset
 
 settings, row, output = snakemake.params.settings, snakemake.params.row, snakemake.output
@@ -19,7 +19,8 @@ name, repeat = arguments.pop("name"), dict(arguments.pop("repeat", {}))
 try:
     tile, along = arguments.pop("parts", None), arguments.pop("along", ())
     height = read_height_map(row["path"], **arguments)
-    height = with_profiles_along(height, [read_height_map(**profile) for profile in along])
+    if along:
+        height = stacked(height, [read_height_map(**profile) for profile in along])
     if tile:
         height = cut(height, Tile(*tile))
     if repeat and "instrument_noise" not in height.attrs:

@@ -14,7 +14,7 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import HeightMapWarning, SettingsError
 from roughcontact.io.read import read_height_map
 from roughcontact.pipeline import run_chain
-from roughcontact.profiles.surface import stacked, with_profiles_along
+from roughcontact.profiles.surface import stacked
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.si import labelled_in_si, listed
 from roughcontact.variables import describe
@@ -130,7 +130,7 @@ def evaluate(
         raise SettingsError(
             f"along: is of a surface with a lay, and lay = {lay!r}; state lay = 'across'", keys=["lay"]
         )
-    height = with_profiles_along(height, along)
+    height = stacked(height, along) if len(along) else height
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HeightMapWarning)  # of every solution; said once below
         result = run_chain(height, full, threads=threads)

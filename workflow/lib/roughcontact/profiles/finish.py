@@ -33,26 +33,21 @@ class Finish(NamedTuple):
     stretch: float  # how many times as long waves are along y
 
 
-def finish_of(fit: ProfileFit, stretch: float = 1.0) -> Finish:
-    """Return what the levelled profiles of a fit tell."""
-    heights = _heights(fit.profiles, independent_heights(fit.profiles))
-    return Finish(fit.spectrum(fit.measured), heights, _slopes(fit.profiles), stretch)
+def finish_of(fit: ProfileFit, rng: np.random.Generator | None = None) -> Finish:
+    """Return what levelled profiles tell, or what others of the same surface might, by pieces drawn anew.
 
-
-def resampled(
-    fit: ProfileFit, finish: Finish, rng: np.random.Generator, along: np.ndarray | None = None
-) -> Finish:
-    """Return what other profiles of the same surface might tell, by pieces of these drawn with replacement.
-
-    The spectrum scatters as that of a Gaussian surface does, and with the mean square slope of the pieces,
-    the stretch with those of both directions.
+    Then the spectrum scatters as that of a Gaussian surface does, and with the mean square slope of the
+    pieces, the stretch with those of both directions.
     """
-    drawn, change = _redrawn(fit.profiles, rng)
-    chance = rng.gamma(fit.freedom / 2) / (fit.freedom / 2)
-    spectrum = fit.spectrum(finish.spectrum.fitted * chance * change)
-    stretch = 1.0 if along is None else np.sqrt(change / _redrawn(along, rng)[1])
-    heights = _heights(drawn, independent_heights(fit.profiles))
-    return Finish(spectrum, heights, _slopes(drawn), finish.stretch * stretch)
+    spectrum, stretch, (drawn, *along) = fit.best, fit.stretch, [pieces for pieces, _ in fit.directions]
+    independent = drawn.size / (2 * correlation_length(drawn))  # one height in two correlation lengths
+    if rng is not None:
+        drawn, change = _redrawn(drawn, rng)
+        chance = rng.gamma(fit.freedom / 2) / (fit.freedom / 2)
+        spectrum = fit.spectrum(spectrum.fitted * chance * change)
+        for pieces in along:
+            stretch *= np.sqrt(change / _redrawn(pieces, rng)[1])
+    return Finish(spectrum, _heights(drawn, independent), _slopes(drawn), stretch)
 
 
 def _redrawn(profiles: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, float]:
@@ -76,11 +71,6 @@ def correlation_length(profiles: np.ndarray) -> int:
     return int(below[0]) if below.size else correlation.size
 
 
-def independent_heights(profiles: np.ndarray) -> float:
-    """Return how many independent heights profiles have: one in two correlation lengths."""
-    return profiles.size / (2 * correlation_length(profiles))
-
-
 def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) -> np.ndarray:
     """Return the heights (points, points; m) of a periodic surface of `ratio` times the profiles' pitch."""
     shape, full, stretch = (points, points), points**2, finish.stretch
@@ -94,9 +84,11 @@ def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) ->
             "more points, or a spacing near that of the profiles",
             keys=["points", "spacing"],
         )
-    steps = [np.exp(2j * np.pi * f) - 1 for f in (fx, fy)]  # from one point to the next
-    slopes = [finish.slopes * np.sqrt(np.sum(weights * np.abs(step) ** 2)) for step in steps]
-    square = np.maximum(sum(np.abs(step) ** 2 for step in steps), 1e-300)
+    # from one point to the next, along x and along y
+    steps = np.array(np.broadcast_arrays(*(np.exp(2j * np.pi * f) - 1 for f in (fx, fy))))
+    powers = np.abs(steps) ** 2
+    slopes = np.sqrt(np.sum(weights * powers, axis=(1, 2)))
+    square = np.maximum(powers.sum(axis=0), 1e-300)
     ranks = (np.arange(full) + 0.5) / full
     heights = np.interp(scipy.special.ndtri(ranks), _SCORES, finish.heights)
     heights = (heights - heights.mean()) * (rms / heights.std())
@@ -110,12 +102,12 @@ def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) ->
         ranked = _with_ranks(np.fft.irfft2(waves, s=shape), heights)
         waves = with_amplitudes(np.fft.rfft2(ranked))
         group = np.digitize(np.fft.irfft2(waves, s=shape), edges)
-        rises = [np.fft.irfft2(waves * step, s=shape) for step in steps]
-        for rise, distribution in zip(rises, slopes, strict=True):
-            for number, quantiles in enumerate(distribution):
+        rises = np.fft.irfft2(waves * steps, s=shape)
+        for rise, slope in zip(rises, slopes, strict=True):
+            for number, quantiles in enumerate(finish.slopes):
                 inside = group == number
-                rise[inside] = _with_ranks(rise[inside], quantiles)
-        joined = sum(np.fft.rfft2(rise) * step.conj() for rise, step in zip(rises, steps, strict=True))
+                rise[inside] = _with_ranks(rise[inside], slope * quantiles)
+        joined = np.sum(np.fft.rfft2(rises) * steps.conj(), axis=0)
         waves = with_amplitudes(joined / square)
     return np.fft.irfft2(waves, s=shape)
 

@@ -13,11 +13,9 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.errors import HeightMapError
-from roughcontact.levelling.forms import form_order
 from roughcontact.maps import height_map, spacing
-from roughcontact.profiles.finish import draw, finish_of, resampled
-from roughcontact.profiles.spectrum import ProfileFit
-from roughcontact.profiles.surface import by_direction, profile_pieces, stacked, surface_from_profiles
+from roughcontact.profiles.finish import draw, finish_of
+from roughcontact.profiles.surface import fit_of, surface_from_profiles
 from roughcontact.quantities import counted_noun
 from roughcontact.uncertainty.calibration import at_area, entry, table
 from roughcontact.uncertainty.discretisation import CORRECTED
@@ -65,16 +63,11 @@ def scatter_of_surfaces(
 
 def member_surfaces(profiles: xr.DataArray, window: xr.DataArray, number: int) -> Iterator[xr.DataArray]:
     """Yield so many surfaces of the size of a window that profiles (number, x; m) leave open."""
-    across, along = by_direction(profiles)
-    segments, pitch = profile_pieces(stacked(across))
-    of_along = profile_pieces(stacked(along))[0] if along else None
-    fit = ProfileFit(segments, max(1, form_order(profiles)))
-    finish = finish_of(fit, window.attrs["stretch"])
-    step = spacing(window)[1]
+    fit, step = fit_of(profiles), spacing(window)[1]
     for index in range(number):
         rng = np.random.default_rng([index + 1, window.shape[1]])
-        redrawn = resampled(fit, finish, rng, of_along)
-        yield height_map(draw(redrawn, window.shape[1], step / pitch, rng), step)
+        redrawn = finish_of(fit, rng)
+        yield height_map(draw(redrawn, window.shape[1], step / fit.directions[0][1], rng), step)
 
 
 def isotropic_contact(profile: xr.DataArray, contact: Mapping[str, Any]) -> dict[str, np.ndarray]:

@@ -9,6 +9,7 @@ Least Squares Problems, chapter 23), second differences of a are damped by cross
 Spline Models for Observational Data, chapter 4).
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -45,15 +46,18 @@ class Spectrum(NamedTuple):
 
 
 class ProfileFit:
-    """Periodograms of `profiles` (number, points; m), and the way to them from the spectrum of a surface.
+    """Periodograms of profiles, and the way to them from the spectrum of a surface.
 
-    `band` (bands,) are frequencies, `measured` (bands + 2,) mean periodograms (m^2 points) and mean squares
-    of steps and heights (m^2), with their degrees of `freedom`.
+    `directions` are pieces (number, points; m) and pitch (m) of those across a lay and any along it, along
+    which waves are `stretch` times as long. `band` (bands,) are frequencies, `measured` (bands + 2,) mean
+    periodograms (m^2 points) and mean squares of steps and heights (m^2), with their degrees of `freedom`.
     """
 
-    def __init__(self, profiles: np.ndarray, order: int) -> None:
+    def __init__(self, directions: Sequence[tuple[np.ndarray, float]], order: int) -> None:
         """Take levelled profiles, from which polynomials of an order were removed."""
-        self.profiles, (number, points) = profiles, profiles.shape
+        self.directions, (profiles, pitch), (along, pitch_along) = directions, directions[0], directions[-1]
+        self.stretch = float(np.diff(profiles).std() / np.diff(along).std() * (pitch_along / pitch))
+        number, points = profiles.shape
         self._basis = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1, 1, points), order))[0]
         taper = np.sin(np.pi * (np.arange(points) + 0.5) / points) ** 2
         self._taper = taper / np.sqrt(np.mean(taper**2))
@@ -87,6 +91,7 @@ class ProfileFit:
             weakest = _NEGLIGIBLE * np.max(density * self._frequency**4) / self._frequency**4
             level = np.log(np.maximum(density, weakest))
         self._damping = min(_DAMPING, key=self._deviance)
+        self.best = self.spectrum(self.measured)
 
     def spectrum(self, measured: np.ndarray) -> Spectrum:
         """Return the spectrum by measured values (bands + 2,), those of the profiles or of others."""

@@ -97,30 +97,27 @@ def surface_from_profiles(
     check_lay(lay)
     if lay != ISOTROPIC:
         raise SettingsError("lay = 'across': such profiles are ridges, and are solved as they are (evaluate)")
-    stack = stacked(profiles)
-    segments, pitch = profile_pieces(stack)
+    stack = stacked(profiles, along)
+    fit = fit_of(stack)
+    (segments, pitch), *others = fit.directions
     ratio = 1.0 if spacing is None else check_positive("spacing", spacing, unit="m") / pitch
-    longest = min(segments.shape[1], _MOST_POINTS)
-    side = int(friendly_sides(longest)[longest]) if points is None else points
+    side = int(friendly_sides(min(segments.shape[1], _MOST_POINTS))[-1]) if points is None else points
     for key, value, least in (("points", side, 2), ("seed", seed, 0)):
         if not (isinstance(value, Real) and value % 1 == 0 and value >= least):
             raise SettingsError(f"{key} = {value!r}: give a whole number of {least} or more", keys=[key])
-    fit = ProfileFit(segments, max(1, form_order(stack)))
-    stretch, doubts = _stretch(segments, pitch, along) if len(along) else (1.0, [])
-    finish = finish_of(fit, stretch)
+    finish = finish_of(fit)
+    heights = draw(finish, int(side), ratio, np.random.default_rng(int(seed)))
     spectra = {  # the last two measured values are mean squares
         "wavenumber": 2 * np.pi * fit.band / pitch,
         "profiles": fit.measured[:-2] * pitch,
         "fit": finish.spectrum.fitted[:-2] * pitch,
     }
-    heights = draw(finish, int(side), ratio, np.random.default_rng(int(seed)))
-    warnings = [*doubts, *_warnings(segments, pitch, finish, side * ratio / stretch)]
     facts = {
-        "lay": BOTH if len(along) else ISOTROPIC,
-        "profiles": len(stack) + len(along),
+        "lay": BOTH if others else ISOTROPIC,
+        "profiles": len(stack),
         "correlation_length": correlation_length(segments) * pitch,
-        "stretch": stretch,
-        "profile_warnings": json.dumps(warnings, ensure_ascii=False),
+        "stretch": finish.stretch,
+        "profile_warnings": json.dumps([*_warnings(fit, finish, side * ratio)], ensure_ascii=False),
         "profile_spectra": json.dumps({key: values.tolist() for key, values in spectra.items()}),
         "missing_points": 0,
         "missing_share": 0.0,
@@ -128,36 +125,44 @@ def surface_from_profiles(
     return height_map(heights, pitch * ratio).assign_attrs(stack.attrs | facts)
 
 
-def stacked(profiles: xr.DataArray | Sequence[xr.DataArray]) -> xr.DataArray:
-    """Return profiles, or arrays of these, as the rows of one array (number, x; m), NaN beyond their ends."""
-    listed = [profiles] if isinstance(profiles, xr.DataArray) else profiles
-    rows = [labelled_in_si(check_labelled(profile)) for profile in listed]
-    rows = [row for array in rows for row in (_rows(array) if "profiles" in array.attrs else [array])]
-    if not rows or any(1 not in row.shape for row in rows):
-        shapes = ", ".join(f"{row.shape[1]} x {row.shape[0]}" for row in rows) or "no"
-        raise HeightMapError(f"profiles: have {shapes} points; give one-row maps, one or more")
+def stacked(
+    profiles: xr.DataArray | Sequence[xr.DataArray], along: xr.DataArray | Sequence[xr.DataArray] = ()
+) -> xr.DataArray:
+    """Return profiles, or arrays of these, as the rows of one array (number, x; m), NaN beyond their ends.
+
+    The last rows are any `along` a lay, of a pitch of their own.
+    """
+    across, others = _rows(profiles), _rows(along) if len(along) else []
+    rows = [*across, *others]
     if len(rows) == 1:
-        return rows[0] if rows[0].shape[0] == 1 else rows[0].rename(x="y", y="x").transpose("y", "x")
-    pitches = [spacing(row)[1] for row in rows]
+        return rows[0]
+    values = np.full((len(rows), max(row.size for row in rows)), np.nan)
+    for index, row in enumerate(rows):
+        values[index, : row.size] = row.values
+    missing = sum(int(np.isnan(row).sum()) for row in rows)
+    facts: dict[str, Any] = {
+        "profiles": len(rows),
+        "missing_points": missing,
+        "missing_share": missing / values.size,
+    }
+    if others:
+        facts |= {"lay": BOTH, "profiles_along": len(others), "pitch_along": spacing(others[0])[1]}
+    return height_map(values, spacing(rows[0])[1]).assign_attrs(rows[0].attrs | facts)
+
+
+def _rows(profiles: xr.DataArray | Sequence[xr.DataArray]) -> list[xr.DataArray]:
+    """Return profiles, or arrays of these, one by one (1, x; m)."""
+    listed = [profiles] if isinstance(profiles, xr.DataArray) else profiles
+    arrays = [labelled_in_si(check_labelled(profile)) for profile in listed]
+    if not arrays or any(1 not in array.shape and "profiles" not in array.attrs for array in arrays):
+        shapes = ", ".join(f"{array.shape[1]} x {array.shape[0]}" for array in arrays) or "no"
+        raise HeightMapError(f"profiles: have {shapes} points; give one-row maps, one or more")
+    arrays = [array if array.shape[1] > 1 else array.rename(x="y", y="x").T for array in arrays]
+    pitches = [spacing(array)[1] for array in arrays]
     if max(pitches) > 1.01 * min(pitches):
         lengths = ", ".join(quantity(pitch, "m") for pitch in pitches)
         raise HeightMapError(f"profiles: have pitches of {lengths}; give profiles of one pitch")
-    values = np.full((len(rows), max(row.size for row in rows)), np.nan)
-    for index, row in enumerate(rows):
-        values[index, : row.size] = row.values.ravel()
-    missing = sum(int(np.isnan(row).sum()) for row in rows)
-    facts = {"profiles": len(rows), "missing_points": missing, "missing_share": missing / values.size}
-    return height_map(values, pitches[0]).assign_attrs(rows[0].attrs | facts)
-
-
-def with_profiles_along(across: xr.DataArray, along: xr.DataArray | Sequence[xr.DataArray]) -> xr.DataArray:
-    """Return profiles across a lay (number, x; m) with any along it, of any pitch, as the last rows."""
-    if not len(along):
-        return across
-    others = stacked(along)
-    pitch, pitch_along = (spacing(profiles)[1] for profiles in (across, others))
-    rows = [*_rows(across), *_rows(others.assign_coords(x=others["x"] * (pitch / pitch_along)))]
-    return stacked(rows).assign_attrs(lay=BOTH, profiles_along=len(others), pitch_along=pitch_along)
+    return [array[[row]] for array in arrays for row in range(len(array))]
 
 
 def by_direction(stack: xr.DataArray) -> tuple[list[xr.DataArray], list[xr.DataArray]]:
@@ -168,9 +173,10 @@ def by_direction(stack: xr.DataArray) -> tuple[list[xr.DataArray], list[xr.DataA
     return rows[:number_across], [row.assign_coords(x=row["x"] * stretch) for row in rows[number_across:]]
 
 
-def _rows(stack: xr.DataArray) -> list[xr.DataArray]:
-    """Return the rows (1, x; m) of a stack."""
-    return [stack[[row]] for row in range(len(stack))]
+def fit_of(stack: xr.DataArray) -> ProfileFit:
+    """Return the fit to the pieces of levelled profiles (number, x; m), in each direction."""
+    directions = [profile_pieces(rows) for rows in by_direction(stack) if rows]
+    return ProfileFit(directions, max(1, form_order(stack)))
 
 
 def is_drawn(height: xr.DataArray | xr.Dataset) -> bool:
@@ -192,11 +198,10 @@ def levelled_heights(height: xr.DataArray, options: Mapping[str, Any]) -> xr.Dat
             f"lay = {lay}: is of profiles, and this is a map of {points} points; leave it out"
         )
     if is_drawn(height):
-        across, along = (
-            [level(_without_missing_ends(row), **options) for row in rows]
-            for rows in by_direction(stacked(height))
+        directions = by_direction(stacked(height))
+        return stacked(
+            *([level(_without_missing_ends(row), **options) for row in rows] for rows in directions)
         )
-        return with_profiles_along(stacked(across), along)
     if height.attrs.get("profiles", 1) > 1:
         raise HeightMapError(
             f"lay = {lay or 'not stated'}: several profiles have one answer where lay = none, or with others "
@@ -221,8 +226,7 @@ def solved_window(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, An
             "noise of lines is not white; leave it out: the ± then includes noise and lens",
             keys=["instrument.correct"],
         )
-    across, along = by_direction(levelled)
-    drawn = surface_from_profiles(across, along=along)
+    drawn = surface_from_profiles([levelled])
     # it is periodic without its form, and has no points that were rejected
     window = solved_map(drawn.assign_attrs(form="none", form_removed="{}", outliers_rejected=0), settings)
     form = {key: levelled.attrs[key] for key in ("form", "form_removed")}
@@ -235,11 +239,11 @@ def surfaces_behind(drawn: xr.DataArray | xr.Dataset) -> str:
     return f"the surfaces with the spectrum, heights and slopes of {measured}"
 
 
-def profile_pieces(stack: xr.DataArray) -> tuple[np.ndarray, float]:
+def profile_pieces(profiles: Sequence[xr.DataArray]) -> tuple[np.ndarray, float]:
     """Return profiles as pieces of equal length (number, points; m), without a line, and their pitch (m)."""
-    rows = [_longest_run(row) for row in stack.values]
+    rows = [_longest_run(row.values[0]) for row in profiles]
     points = min([_LONGEST_PIECE, *(row.size for row in rows)])
-    name = stack.attrs.get("source_file") or "profiles"
+    name = profiles[0].attrs.get("source_file") or "profiles"
     if points < _LEAST_POINTS:
         raise HeightMapError(
             f"{name}: {points} points in one stretch are too few for a spectrum; give profiles of "
@@ -251,7 +255,7 @@ def profile_pieces(stack: xr.DataArray) -> tuple[np.ndarray, float]:
     segments = segments - (segments @ line) @ line.T
     if not np.diff(segments).std() > 1e-12 * largest:
         raise HeightMapError(f"{name}: is flat; a flat profile has no spectrum")
-    return segments, spacing(stack)[1]
+    return segments, spacing(profiles[0])[1]
 
 
 def _without_missing_ends(profile: xr.DataArray) -> xr.DataArray:
@@ -266,24 +270,18 @@ def _longest_run(row: np.ndarray) -> np.ndarray:
     return row[max(stretches, key=lambda each: each.stop - each.start, default=slice(0))]
 
 
-def _stretch(segments: np.ndarray, pitch: float, along: Sequence[xr.DataArray]) -> tuple[float, list[str]]:
-    """Return how much longer waves are along profiles than across, and a warning where none is a stretch."""
-    pieces_along, pitch_along = profile_pieces(stacked(along))
-    step = pitch_along / pitch
-    stretch = float(np.diff(segments).std() / np.diff(pieces_along).std() * step)
-    longer = correlation_length(pieces_along) / correlation_length(segments) * step
-    warning = (
-        f"By the slopes of the profiles along, waves are {number(stretch)} times as long as across, by the "
-        f"correlation lengths {number(longer)} times: the spectrum is not a stretched one, and the areas may "
-        "be wrong by a third. Measure an areal map."
-    )
-    return stretch, [] if 1 / _STRETCHED < longer / stretch < _STRETCHED else [warning]
-
-
-def _warnings(segments: np.ndarray, pitch: float, finish: Finish, side: float) -> Iterator[str]:
+def _warnings(fit: ProfileFit, finish: Finish, side: float) -> Iterator[str]:
     """Yield sentences on profiles that do not tell enough of a surface of `side` times their pitch."""
+    (segments, pitch), (along, pitch_along) = fit.directions[0], fit.directions[-1]
+    length, stretch = correlation_length(segments), finish.stretch
+    longer = correlation_length(along) / length * (pitch_along / pitch)
+    if not 1 / _STRETCHED < longer / stretch < _STRETCHED:
+        yield (
+            f"By the slopes of the profiles along, waves are {number(stretch)} times as long as across, by "
+            f"the correlation lengths {number(longer)} times: the spectrum is not a stretched one, and the "
+            "areas may be wrong by a third. Measure an areal map."
+        )
     steps = np.diff(segments) ** 2
-    length = correlation_length(segments)
     lengths = segments.shape[1] / length
     if lengths < _LENGTHS:
         yield (
@@ -305,8 +303,9 @@ def _warnings(segments: np.ndarray, pitch: float, finish: Finish, side: float) -
             f"A single step between neighbours has {percent(share)} of the mean square slope: a trace that "
             "was put together, or a spike. Cut the profile there."
         )
-    f = np.geomspace(finish.spectrum.frequency[0], finish.spectrum.frequency[-1], 500)
-    powers = finish.spectrum.at(f) * f**2  # for each step of ln f
+    spectrum, side = finish.spectrum, side / stretch
+    f = np.geomspace(spectrum.frequency[0], spectrum.frequency[-1], 500)
+    powers = spectrum.at(f) * f**2  # for each step of ln f
     resolved = f > 1 / segments.shape[1]
     missing = powers[resolved & (f < 1 / side)].sum() / powers[resolved].sum()
     if missing > _LONG_SHARE:
