@@ -9,6 +9,7 @@ import zipfile
 import h5py
 import numpy as np
 import pytest
+import scipy.io
 import x3pio
 import xarray as xr
 
@@ -26,9 +27,16 @@ def saved(folder, content, name="map.dat", encoding="utf-8"):
 
 
 def refuses(words, path, *, error=InputFileError, **arguments):
-    """Require that a file is refused in a sentence with such words."""
-    with pytest.raises(error, match=words):
+    """Require that a file is refused in a sentence with such words, and return it."""
+    with pytest.raises(error, match=words) as caught:
         read_height_map(path, **arguments)
+    return str(caught.value)
+
+
+def holds(height, heights, *spacing, rtol=1e-15):
+    """Require such heights (m; the lowest row first), and steps (m) along x, and along y."""
+    np.testing.assert_allclose(height.values, heights, rtol=rtol)
+    assert not spacing or steps(height) == pytest.approx(spacing, rel=1e-9)
 
 
 def warnings_of(height):
@@ -41,6 +49,17 @@ def steps(height):
     return [float(height[axis][1] - height[axis][0]) for axis in "xy" if height.sizes[axis] > 1]
 
 
+def cells(rows, separator="\t", form="{:g}"):
+    """Return a table as text."""
+    return "".join(separator.join(map(form.format, row)) + "\n" for row in rows)
+
+
+def points(heights, dx=1.0, dy=1.0):
+    """Return a list of points: x, y and height."""
+    y, x = np.indices(heights.shape)
+    return np.column_stack([dx * x.ravel(), dy * y.ravel(), heights.ravel()])
+
+
 def labelled(heights, unit="m", name="height", **attrs):
     """Return heights (..., y, x) with positions 1 µm apart."""
     axes = {axis: (axis, 1e-6 * np.arange(heights.shape[index]), {"units": "m"}) for axis, index in _AXES}
@@ -48,14 +67,19 @@ def labelled(heights, unit="m", name="height", **attrs):
     return xr.DataArray(heights, axes, dims, name, {"units": unit} | attrs)
 
 
-def repacked(archive, change):
-    """Return an archive with each member replaced by `change(name, content)`: a pair, or None to drop it."""
-    source, stream = io.BytesIO(archive), io.BytesIO()
-    with zipfile.ZipFile(source) as old, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as new:
-        for name in old.namelist():
-            if (member := change(name, old.read(name))) is not None:
-                new.writestr(*member)
+def archive(members):
+    """Return a ZIP archive with the content of its members by their names."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name, content in members.items():
+            packed.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)  # of 1980, whenever
     return stream.getvalue()
+
+
+def members(packed):
+    """Return the content of the members of an archive by their names."""
+    with zipfile.ZipFile(io.BytesIO(packed)) as opened:
+        return {name: opened.read(name) for name in opened.namelist()}
 
 
 def array(heights):
@@ -65,16 +89,23 @@ def array(heights):
     return stream.getvalue()
 
 
+def matlab(**variables):
+    """Return a file of MATLAB."""
+    stream = io.BytesIO()
+    scipy.io.savemat(stream, variables)
+    return stream.getvalue()
+
+
 def x3p(heights, dx=1e-6, dy=1e-6, *, edit=None, restate=True, folder="", **options):
     """X3P, perhaps in a folder of its archive; `edit` changes main.xml, with its checksum or against it."""
     stream = io.BytesIO()
     x3pio.write(stream, heights, x_scale=dx, **({"y_scale": dy} if np.ndim(heights) > 1 else {}), **options)
-    with zipfile.ZipFile(stream) as archive:
-        main = archive.read("main.xml")
+    content = members(stream.getvalue())
+    main = content["main.xml"]
     edited = edit(main) if edit else main
     digest = hashlib.md5(edited if restate else main).hexdigest().encode()
-    changed = {"main.xml": edited, "md5checksum.hex": digest + b" *main.xml"}
-    return repacked(stream.getvalue(), lambda name, content: (folder + name, changed.get(name, content)))
+    content |= {"main.xml": edited, "md5checksum.hex": digest + b" *main.xml"}
+    return archive({folder + name: part for name, part in content.items()})
 
 
 def tmd(heights, size, comment=b"", version=b"v2.0"):

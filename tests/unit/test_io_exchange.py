@@ -10,7 +10,7 @@ import pytest
 import sdfio
 import x3pio
 import xarray as xr
-from measured_files import GIVEN, gsf, refuses, repacked, saved, steps, x3p
+from measured_files import GIVEN, archive, gsf, members, refuses, saved, steps, x3p
 
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.inspection import inspect_file
@@ -91,10 +91,11 @@ def test_x3p_infinite_heights_are_missing(read):
 
 
 def test_x3p_whose_numbers_were_changed_is_refused(refused):
-    def changed(name, content):
-        return name, content[:-1] + b"\0" if name.endswith("data.bin") else content
-
-    refused(repacked(x3p_bytes(), changed), "not readable as X3P")
+    (name, data) = next(
+        (name, data) for name, data in members(x3p_bytes()).items() if name.endswith("data.bin")
+    )
+    changed = archive(members(x3p_bytes()) | {name: data[:-1] + b"\0"})
+    refused(changed, "not readable as X3P")
 
 
 def test_x3p_layers_profile_and_points(read, tmp_path):

@@ -5,32 +5,28 @@ import re
 
 import numpy as np
 import pytest
+from measured_files import cells, holds, points, warnings_of
 
 from roughcontact.io.inspection import inspect_file
 
 RNG = np.random.default_rng(3)
 ONE, TWO = (np.round(RNG.normal(size=(8, 10)), 3) for _ in range(2))  # nm
 X, Y = 0.5 * np.arange(10), 0.25 * np.arange(8)  # µm
-GIVEN = {"dx": 0.5, "dy": 0.25, "unit": "um", "height_unit": "nm"}
 NM = {"unit": "um", "height_unit": "nm"}
+GIVEN = NM | {"dx": 0.5, "dy": 0.25}
+# a matrix, alone and beside its positions along x, along y, and both; a list of points; a profile
+ROWS, ABOVE, BESIDE = cells(ONE), cells([X, *ONE]), cells(np.column_stack([Y, ONE]))
+BOTH = "\t" + ABOVE.partition("\n")[0] + "\n" + BESIDE
+POINTS, TRACE = cells(points(ONE, 0.5, 0.25)), cells(zip(X, ONE[0], strict=True), ";")
 
 
-def table(*columns, separator="\t"):
-    rows = np.column_stack(columns)
-    return "".join(separator.join(f"{value:g}" for value in row) + "\n" for row in rows)
+def columns(*values, separator=";"):
+    return cells(np.column_stack(values), separator)
 
 
-def grid(heights):
-    return np.tile(X, 8), np.repeat(Y, 10), heights.ravel()
-
-
-def notes(height):
-    return height.attrs["ingest_warnings"]
-
-
-def assert_heights(height, heights, step=0.5e-6):
-    np.testing.assert_allclose(height.values, 1e-9 * heights, rtol=1e-12)
-    assert float(height.x[1] - height.x[0]) == pytest.approx(step, rel=1e-9)
+def holds_nm(height, heights):
+    """Require heights (nm) at steps of 0.5 µm and 0.25 µm."""
+    holds(height, 1e-9 * heights, *(0.5e-6, 0.25e-6)[: min(len(heights), 2)], rtol=1e-12)
 
 
 # ---------------------------------------------------------------- tables
@@ -47,141 +43,110 @@ def assert_heights(height, heights, step=0.5e-6):
     ],
 )
 def test_a_second_table_without_headings_is_refused(refused, between, words):
-    refused(table(ONE) + between + table(TWO), words, **GIVEN)
+    refused(ROWS + between + cells(TWO), words, **GIVEN)
 
 
 def test_an_empty_column_divides_maps_beside_one_another(refused):
-    text = table(ONE, np.full(8, np.nan), TWO).replace("nan", "")
+    text = columns(ONE, np.full(8, np.nan), TWO).replace("nan", "")
     refused(text, "line 1 .* has an empty column", **GIVEN)
 
 
 def test_tables_with_headings_are_channels_in_their_units(read, refused, tmp_path):
     head = "# Channel: {}\n# Width: 5 µm\n# Height: 2 µm\n# Value units: {}\n"
-    text = head.format("Phase", "deg") + table(TWO) + "\n" + head.format("Topography", "nm") + table(ONE)
+    text = head.format("Phase", "deg") + cells(TWO) + "\n" + head.format("Topography", "nm") + ROWS
     height = read(text)
-    assert_heights(height, ONE[::-1])
+    holds_nm(height, ONE[::-1])
     assert height.attrs["channel"] == "Topography"
     assert json.loads(height.attrs["channels"]) == ["Phase", "Topography"]
     refused(text, "channel 'Phase' holds no heights", channel="Phase")
     found = inspect_file(tmp_path / "map.dat")["channels"]
     assert [each["height_unit"] for each in found] == ["deg", "nm"]
-    words = "Forward" + "\t" * 9 + "\n" + table(ONE) + "\nBackward\n" + table(TWO)
-    assert_heights(read(words, **GIVEN), ONE[::-1])
-    assert_heights(read(words, **GIVEN, channel="Backward"), TWO[::-1])
+    words = "Forward" + "\t" * 9 + "\n" + ROWS + "\nBackward\n" + cells(TWO)
+    holds_nm(read(words, **GIVEN), ONE[::-1])
+    holds_nm(read(words, **GIVEN, channel="Backward"), TWO[::-1])
 
 
 def test_points_at_the_positions_of_others_name_the_line(refused):
-    refused(table(*grid(ONE)) + table(*grid(TWO)), "the first is that in line 81", **NM)
-    headed = "x [um]\ty [um]\tz [nm]\n"
-    refused(
-        (headed + table(*grid(ONE))) + (headed + table(*grid(TWO))),
-        r"2 tables below one another .*line 82.*channel",
-    )
-
-
-# ---------------------------------------------------------------- traces
-
-
-def test_a_falling_profile_is_turned(read):
-    assert_heights(read(table(X[::-1], ONE[0]), **NM), ONE[:1, ::-1])
+    others, head = cells(points(TWO, 0.5, 0.25)), "x [um]\ty [um]\tz [nm]\n"
+    refused(POINTS + others, "the first is that in line 81", **NM)
+    refused(head + POINTS + head + others, r"2 tables below one another .*line 82.*channel")
 
 
 # ---------------------------------------------------------------- named columns
 
 
 @pytest.mark.parametrize(
-    ("heading", "columns"),
-    [
-        ("y [µm];z [nm]", (X, ONE[0])),
-        ("距離（mm）；高さ（nm）", (X / 1e3, ONE[0])),
-        ("Counter;Altitude (nm);Encoder (µm)", (np.arange(10) + 37, ONE[0], X)),
-        (";x (µm);z (nm)", (np.arange(10), X, ONE[0])),
-        ("Zeit (s);Weg (mm);Höhe (µm)", (3 * X, X / 1e3, ONE[0] / 1e3)),
-    ],
-)
-def test_profiles_by_the_names_of_their_columns(read, heading, columns):
-    assert_heights(read(f"{heading}\n{table(*columns, separator=';')}"), ONE[:1])
-
-
-@pytest.mark.parametrize(
-    ("heading", "columns", "wanted"),
+    ("heading", "values", "wanted"),
     [
         ("X1 (um);Z1 (nm);X2 (um);Z2 (nm)", (X, ONE[0], X, TWO[0]), "Z2"),
         ("Distance (mm);Total (nm);Roughness (nm)", (X / 1e3, ONE[0], TWO[0]), "Roughness"),
     ],
 )
-def test_several_columns_of_heights_are_asked_about(read, refused, heading, columns, wanted):
-    text = f"{heading}\n{table(*columns, separator=';')}"
+def test_several_columns_of_heights_are_asked_about(read, refused, heading, values, wanted):
+    text = f"{heading}\n{columns(*values)}"
     for given in ({}, GIVEN):
         refused(text, rf"2 columns that may be heights: .*{wanted}.*channel.* are '[^']*{wanted}", **given)
     refused(text, rf"no channel is named 'all'; .* are '[^']*{wanted}", channel="all")
-    assert_heights(read(text, channel=wanted), TWO[:1])
+    holds_nm(read(text, channel=wanted), TWO[:1])
 
 
 def test_points_that_a_column_calls_invalid_are_missing(read):
-    height = read("x (µm);z (nm);valid\n" + table(X, ONE[0], X != 1, separator=";"))
-    assert_heights(height, np.where(X == 1, np.nan, ONE[0])[None])
+    height = read("x (µm);z (nm);valid\n" + columns(X, ONE[0], X != 1))
+    holds_nm(height, np.where(X == 1, np.nan, ONE[0])[None])
 
 
 def test_columns_without_positions_are_profiles(read, refused):
-    text = "Profil 1 [nm];Profil 2 [nm];Profil 3 [nm]\n" + table(ONE[0], TWO[0], ONE[1], separator=";")
+    text = "Profil 1 [nm];Profil 2 [nm];Profil 3 [nm]\n" + columns(ONE[0], TWO[0], ONE[1])
     refused(text, "3 columns that may be heights", **GIVEN)
-    assert_heights(read(text, channel="Profil 2", dx=0.5, unit="um"), TWO[:1])
-
-
-def test_a_column_of_all_points_of_a_map_is_refused(refused):
-    sizes = "nx: 10\nny: 8\ndx: 0.5 µm\n" + table(ONE.ravel())
-    refused(sizes, "a column of 80 numbers, where the header states a size along y", **GIVEN)
-
-
-def test_unknown_names_are_no_map(refused):
-    refused(
-        "a;b;c;d (V)\n" + table(X, ONE[0], ONE[1], ONE[2], separator=";"),
-        r"which of the 4 columns 'a', 'b', 'c', 'd \(V\)'.*name them x",
-        **GIVEN,
-    )
-    worn = "mm;unworn;worn\n" + table(X, ONE[0], ONE[1], separator=";")
-    refused(worn, "which of the 3 columns 'unworn', 'worn'", resample="linear", height_unit="nm")
+    holds_nm(read(text, channel="Profil 2", dx=0.5, unit="um"), TWO[:1])
 
 
 @pytest.mark.parametrize(
-    ("heading", "columns"),
+    ("text", "words", "given"),
     [
-        ("x (µm);z (nm)", (X, ONE[0], TWO[0])),
-        ("Index;x (µm);y (µm);z (nm)", (X, ONE[0], TWO[0])),
-        ("x y z i", (X, ONE[0], TWO[0])),
-        ("x (µm);y (µm);z (nm)", (X, ONE[0])),
-        ("x;y;z", (X, *ONE[:3])),
-        ("Profil 1;Profil 2", (X, *ONE[:2])),
+        (
+            "nx: 10\nny: 8\ndx: 0.5 µm\n" + columns(ONE.ravel()),
+            "a column of 80 numbers, .* a size along y",
+            {},
+        ),
+        ("a;b;c;d (V)\n" + columns(X, *ONE[:3]), r"the 4 columns 'a', 'b', 'c', 'd \(V\)'.*name them x", {}),
+        ("mm;unworn;worn\n" + columns(X, *ONE[:2]), "the 3 columns 'unworn', 'worn'", {"resample": "linear"}),
+        (columns(X, *ONE[:3]), r"first of 4 columns holds positions: of 3 profiles.*or .* a map", NM),
+        ("dx: 0.5 µm\n" + columns(X, *ONE[:3]), "holds positions: of 3 profiles", NM),
+        ("n/d\t" * 9 + "n/d\n" + ROWS, "line 1 has as many cells.*'n/d'", {}),
+        ("Foo\t" * 9 + "Foo\n" + ROWS, "line 1 has as many cells.*'Foo'", {}),
     ],
 )
-def test_a_heading_of_fewer_or_more_names_than_columns_is_refused(read, refused, heading, columns):
-    text = heading + "\n" + table(*columns, separator=";" if ";" in heading else " ")
-    named = len(heading.replace(";", "\n").replace(" ", "" if ";" in heading else "\n").split())
+def test_columns_that_may_be_anything_are_asked_about(refused, text, words, given):
+    refused(text, words, **given or GIVEN)
+
+
+@pytest.mark.parametrize(
+    ("heading", "named", "values"),
+    [
+        ("x (µm);z (nm)", 2, (X, ONE[0], TWO[0])),
+        ("Index;x (µm);y (µm);z (nm)", 4, (X, ONE[0], TWO[0])),
+        ("x y z i", 4, (X, ONE[0], TWO[0])),
+        ("x (µm);y (µm);z (nm)", 3, (X, ONE[0])),
+        ("x;y;z", 3, (X, *ONE[:3])),
+        ("Profil 1;Profil 2", 2, (X, *ONE[:2])),
+    ],
+)
+def test_a_heading_of_fewer_or_more_names_than_columns_is_refused(refused, heading, named, values):
+    text = heading + "\n" + columns(*values, separator=";" if ";" in heading else " ")
     refused(text, f"'{re.escape(heading)}' names {named} columns, .* line 2 on, has", **GIVEN)
-    assert read("Height profile\n" + table(ONE), **GIVEN).shape == ONE.shape
+
+
+def test_a_title_names_no_columns(read):
+    holds_nm(read("Height profile\n" + ROWS, **GIVEN), ONE[::-1])
 
 
 def test_columns_of_points_in_several_units(read):
-    text = "x [mm]\ty [um]\tz [nm]\tI\n" + table(
-        X.repeat(8) / 1e3, np.tile(Y, 10), ONE.T.ravel(), ONE.T.ravel()
-    )
-    height = read(text)
-    assert_heights(height, ONE)
-    assert float(height.y[1] - height.y[0]) == pytest.approx(0.25e-6, rel=1e-9)
+    x, y, z = points(ONE, 0.5, 0.25).reshape(8, 10, 3).swapaxes(0, 1).reshape(80, 3).T  # column by column
+    height = read("x [mm]\ty [um]\tz [nm]\tI\n" + columns(x / 1e3, y, z, z, separator="\t"))
+    holds_nm(height, ONE)
     assert json.loads(height.attrs["channels"]) == ["z", "I"]
-    x, y, z = grid(ONE)
-    assert_heights(read("# columns: x z y\n" + table(x, z, y, separator=" "), **NM), ONE)
-
-
-def test_double_tabs_separate_cells(read):
-    text = "WSxM file copyright UAM\nWSxM ASCII XYZ file\nX[um]\t\tY[um]\t\tZ[nm]\n"
-    assert_heights(read(text + table(*grid(ONE), separator="\t\t")), ONE)
-
-
-@pytest.mark.parametrize("word", ["n/d", "Foo"])
-def test_a_first_row_of_an_unknown_word_is_not_dropped(refused, word):
-    refused("\t".join([word] * 10) + "\n" + table(ONE), f"line 1 has as many cells.*'{word}'", **GIVEN)
+    holds_nm(read("# columns: x z y\n" + columns(x, z, y, separator=" "), **NM), ONE)
 
 
 # ---------------------------------------------------------------- headers
@@ -213,9 +178,9 @@ def test_a_first_row_of_an_unknown_word_is_not_dropped(refused, word):
     ],
 )
 def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, words):
-    text = "\n".join([*lines, "Z unit: nm"]) + "\n" + table(ONE)
-    refused(text, f"{words}.*give dx, dy|{words}")
-    assert_heights(read(text, dx=0.5, dy=0.25, unit="um"), ONE[::-1])
+    text = "\n".join([*lines, "Z unit: nm", ROWS])
+    refused(text, words)
+    holds_nm(read(text, dx=0.5, dy=0.25, unit="um"), ONE[::-1])
 
 
 @pytest.mark.parametrize(
@@ -233,7 +198,7 @@ def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, word
     ],
 )
 def test_other_statements_that_do_not_agree_are_refused(refused, lines, words):
-    refused("\n".join(lines) + "\n" + table(ONE), words, **GIVEN)
+    refused("\n".join([*lines, ROWS]), words, **GIVEN)
 
 
 @pytest.mark.parametrize(
@@ -241,7 +206,6 @@ def test_other_statements_that_do_not_agree_are_refused(refused, lines, words):
     [
         ["Width: 5 µm", "Height: 2 µm", "Pixel size: 0.5 µm x 0.25 µm", "nx: 10"],
         ["dx=0.0005 mm, dy=0.00025 mm", "Width: 5 µm"],
-        ["Width: 5 µm", "Height: 1.75 µm"],  # from the first line to the last one
         ["dx = 0,5 µm; dy = 0,25 µm"],
         ["Width (µm): 5", "Height (µm): 2", "Image size: 10 x 8 pixels", "Scan size: 5 µm"],
         ["Pixel size (µm): 0.5 x 0.25", "Resolution: 0.35 µm"],
@@ -260,8 +224,12 @@ def test_other_statements_that_do_not_agree_are_refused(refused, lines, words):
     ],
 )
 def test_statements_that_agree_are_used(read, lines):
-    height = read("\n".join([*lines, "Z unit: nm"]) + "\n" + table(ONE))
-    assert_heights(height, ONE[::-1])
+    holds_nm(read("\n".join([*lines, "Z unit: nm", ROWS])), ONE[::-1])
+
+
+def test_a_stated_size_is_that_of_all_lines(read):
+    height = read("Width: 5 µm\nHeight: 1.75 µm\nZ unit: nm\n" + ROWS)
+    holds(height, 1e-9 * ONE[::-1], 0.5e-6, 1.75e-6 / 8, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -269,11 +237,15 @@ def test_statements_that_agree_are_used(read, lines):
     ["dz: 0.01", "Z resolution: 0.01 nm", "Vertical step = 0.01 nm", "1 count = 0.01 nm", "Z-Faktor 0,01"],
 )
 def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, refused, line):
-    text = f"{line}\nZ unit: nm\n" + table(np.round(100 * ONE))
-    refused(text, f"line 1 says '{line}', and all heights are whole numbers.*'Z factor'", **GIVEN)
-    assert_heights(read(text.replace("Z unit: nm", "Z factor: 0.01 nm"), **GIVEN), np.round(ONE[::-1], 2))
-    assert "line 1" not in notes(read(f"{line}\n" + table(ONE), **GIVEN))
-    read("Photon counts: 30\nBit resolution: 16\n" + table(np.round(100 * ONE)), **GIVEN)
+    counts = cells(np.round(100 * ONE))
+    refused(
+        f"{line}\nZ unit: nm\n{counts}",
+        f"line 1 says '{line}', and all heights are whole numbers.*'Z factor'",
+        **GIVEN,
+    )
+    holds_nm(read(f"{line}\nZ factor: 0.01 nm\n{counts}", **GIVEN), np.round(ONE[::-1], 2))
+    assert "line 1" not in warnings_of(read(f"{line}\n{ROWS}", **GIVEN))
+    read(f"Photon counts: 30\nBit resolution: 16\n{counts}", **GIVEN)
 
 
 @pytest.mark.parametrize(
@@ -292,12 +264,12 @@ def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, refus
 )
 def test_statements_that_are_not_understood_are_said(read, line, words):
     heights = np.where(np.arange(80).reshape(8, 10) % 41 == 3, -9, ONE)
-    height = read(f"{line}\n" + table(heights), **GIVEN)
-    assert re.search(words, notes(height))
-    assert_heights(height, heights[::-1])
+    height = read(f"{line}\n" + cells(heights), **GIVEN)
+    assert re.search(words, warnings_of(height))
+    holds_nm(height, heights[::-1])
     assert not re.search(
         "not followed|that height|taken as",
-        notes(read("Bad pixels: 3\nInverted: no\nBinning: 1\nPixel size: 0.5 µm\n" + table(ONE), **GIVEN)),
+        warnings_of(read("Bad pixels: 3\nInverted: no\nBinning: 1\nPixel size: 0.5 µm\n" + ROWS, **GIVEN)),
     )
 
 
@@ -306,105 +278,104 @@ def test_statements_that_are_not_understood_are_said(read, line, words):
     ["rho;phi;z", "theta (deg);z (nm)", "Frequency;z", "Time;z", "Zeit (s);Höhe (nm)", "Load;Depth"],
 )
 def test_columns_of_other_quantities_are_no_positions(refused, heading):
-    columns = grid(ONE) if heading.count(";") == 2 else (X, ONE[0])
-    refused(heading + "\n" + table(*columns, separator=";"), "which of the . columns|give dx", **NM)
+    text = POINTS.replace("\t", ";") if heading.count(";") == 2 else TRACE
+    refused(f"{heading}\n{text}", "which of the . columns|give dx", **NM)
 
 
 @pytest.mark.parametrize("name", ["z*1000", "z x10^-3", "-z", "Ra", "Amplitude", "z inverted"])
 def test_a_heading_of_changed_or_other_heights_is_said(read, name):
-    height = read(f"x (µm);{name} (nm)\n" + table(X, ONE[0], separator=";"))
-    assert f"the heights are those of the column '{name}', as they are" in notes(height)
+    height = read(f"x (µm);{name} (nm)\n{TRACE}")
+    assert f"the heights are those of the column '{name}', as they are" in warnings_of(height)
 
 
-def test_empty_columns_beside_a_matrix_are_said(read):
-    text = "".join(";" + line for line in table(ONE, separator=";").splitlines(keepends=True))
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            ";" + columns(ONE).replace("\n", "\n;")[:-1],
+            "1 column of empty cells beside the table is left out",
+        ),
+        (
+            "\t" * 9 + "\n" + ROWS + 2 * ("\t" * 9 + "\n"),
+            "3 lines of empty cells beside the table are left out",
+        ),
+    ],
+)
+def test_empty_cells_beside_a_matrix_are_said(read, text, said):
     height = read(text, **GIVEN)
-    assert_heights(height, ONE[::-1])
-    assert "1 column of empty cells beside the table is left out" in notes(height)
+    holds_nm(height, ONE[::-1])
+    assert said in warnings_of(height)
+    assert "empty cells" not in warnings_of(read(f"\n{ROWS}\n\n", **GIVEN))
 
 
-def test_a_heading_that_contradicts_the_positions_is_said(read, refused):
-    said = notes(read("dx: 2 µm\nx (µm);z (nm)\n" + table(X, ONE[0], separator=";")))
+def test_a_heading_that_contradicts_the_positions_is_said(read):
+    said = warnings_of(read(f"dx: 2 µm\nx (µm);z (nm)\n{TRACE}"))
     assert "line 1 says 'dx: 2 µm'" in said
     assert "the positions are used" in said
-    for line, words in (
-        ("Z unit: µm", "'µm'"),
-        ("Z factor: 0.1", "a factor"),
-        ("Z factor: 1 µm", "a factor"),
-    ):
-        text = f"{line}\nx (µm);z (nm)\n" + table(X, ONE[0], separator=";")
-        refused(text, f"a column is in 'nm', and the header says {words}")
+
+
+@pytest.mark.parametrize(
+    ("line", "words"), [("Z unit: µm", "'µm'"), ("Z factor: 0.1", "a factor"), ("Z factor: 1 µm", "a factor")]
+)
+def test_a_header_that_contradicts_the_unit_of_a_column_is_refused(refused, line, words):
+    refused(f"{line}\nx (µm);z (nm)\n{TRACE}", f"a column is in 'nm', and the header says {words}")
 
 
 def test_a_marker_of_the_header_is_none_of_positions(read):
     heights = np.where(np.arange(10) == 3, 0, ONE[0])
-    height = read("NODATA: 0\nx (µm);z (nm)\n" + table(X, heights, separator=";"))
-    assert_heights(height, np.where(heights == 0, np.nan, heights)[None])
+    height = read("NODATA: 0\nx (µm);z (nm)\n" + columns(X, heights))
+    holds_nm(height, np.where(heights == 0, np.nan, heights)[None])
 
 
 # ---------------------------------------------------------------- positions beside a matrix
 
 
-def test_positions_without_a_corner(read, refused):
-    text = " ".join(f"{x:g}" for x in X) + "\n" + table(Y, ONE, separator=" ")
-    assert_heights(read(text, **NM), ONE)
-    closed = "y/x\t" + (table(X[None]) + table(Y, ONE)).replace("\n", "\t\n")
-    assert_heights(read(closed, **NM), ONE)
-    assert_heights(read(closed.replace("\t\n", "\n", 1), **NM), ONE)
-    rows = [["y/x", *(f"{x:.3f}" for x in X)]] + [
-        [f"{y:.3f}", *(f"{z:.6f}" for z in line)] for y, line in zip(Y, ONE, strict=True)
-    ]
-    german = "\n".join(";".join(row) for row in rows).replace(".", ",")
-    assert_heights(read(german, **NM), ONE)
-    refused(text.replace("1.5", "9", 1), "line 1 has 10 numbers where the others have 11", **NM)
-    uneven = "the first row of the table, from line 1 on, holds positions that are not even"
-    refused(text.replace("1.5", "1.9", 1), uneven, **NM)
-    refused("\t" + table(np.r_[9, Y**2], np.vstack([X, ONE]))[2:], uneven.replace("row", "column"), **NM)
-
-
-def test_empty_rows_above_and_below_a_table_are_said(read):
-    empty = "\t" * 9 + "\n"
-    assert "3 lines of empty cells beside the table are left out" in notes(
-        read(empty + table(ONE) + 2 * empty, **GIVEN)
+def test_positions_in_the_first_row_and_column(read, refused):
+    text = BOTH[1:].replace("\t", " ")  # without a corner
+    closed = "y/x" + BOTH.replace("\n", "\t\n")
+    german = (
+        "y/x;"
+        + ABOVE.partition("\n")[0].replace("\t", ";")
+        + "\n"
+        + cells(np.column_stack([Y, ONE]), ";", "{:.6f}")
     )
-    assert "empty cells" not in notes(read("\n" + table(ONE) + "\n\n", **GIVEN))
+    for each in (text, closed, closed.replace("\t\n", "\n", 1), german.replace(".", ",")):
+        holds_nm(read(each, **NM), ONE)
+    refused(text.replace("1.5", "9", 1), "line 1 has 10 numbers where the others have 11", **NM)
+    uneven = "the first {} of the table, from line 1 on, holds positions that are not even"
+    refused(text.replace("1.5", "1.9", 1), uneven.format("row"), **NM)
+    squares = cells(np.column_stack([np.r_[9, Y**2], [X, *ONE]]))
+    refused("\t" + squares[2:], uneven.format("column"), **NM)
 
 
 def test_positions_and_steps_of_the_user_that_differ_are_said(read):
-    text = "\t" + table(np.r_[9, Y / 1e3], np.vstack([X / 1e3, ONE]))[2:]
-    assert "dx = 5e-07 m as given by the user, where the file says 5e-10 m" in notes(read(text, **GIVEN))
-    counted = table(np.tile(np.arange(10), 8), np.repeat(np.arange(8), 10), ONE.ravel())
+    text = "\t" + cells(np.column_stack([np.r_[9, Y / 1e3], [X / 1e3, *ONE]]))[2:]
+    said = "dx = 5e-07 m as given by the user, where the file says 5e-10 m"
+    assert said in warnings_of(read(text, **GIVEN))
+    counted = cells(points(ONE))
     for names in ("", "X\tY\tValue\n"):
-        assert "count from 0 on: if they number the points, give dx and dy" in notes(
-            read(names + counted, **NM)
-        )
-    assert_heights(read(counted, **GIVEN), ONE)
+        said = "count from 0 on: if they number the points, give dx and dy"
+        assert said in warnings_of(read(names + counted, **NM))
+    holds_nm(read(counted, **GIVEN), ONE)
 
 
 def test_positions_in_the_first_row_or_column_alone(read, refused):
-    first_row, first_column = table(np.vstack([X, ONE])), table(Y, ONE)
-    assert_heights(read(first_row, **GIVEN), ONE[::-1])
-    assert_heights(read(first_row, dy=0.25, **NM), ONE[::-1])
-    refused(first_row, "give dy, unit", **NM)
-    assert_heights(read(first_column, **GIVEN), ONE)
-    header = "Width: 5 µm\nHeight: 2 µm\nZ unit: nm\n"
-    assert_heights(read(header + first_row), ONE[::-1])
-    refused(
-        header.replace("5", "50") + first_row,
-        r"taken as positions along x: line 4 says .*, line 1 says 'Width",
-    )
-    assert read("nx: 10\nny: 9\n" + first_row, **GIVEN).shape == (9, 10)
-    assert "may be positions along x" in notes(read("nx: 10\nny: 9\n" + first_row, **GIVEN))
-
-
-def test_a_column_of_positions_beside_few_others_is_asked_about(refused):
-    refused(table(X, *ONE[:3]), r"first of 4 columns holds positions: of 3 profiles.*or .* a map", **NM)
-    refused("dx: 0.5 µm\n" + table(X, *ONE[:3]), "holds positions: of 3 profiles", **NM)
+    holds_nm(read(ABOVE, **GIVEN), ONE[::-1])
+    holds_nm(read(ABOVE, dy=0.25, **NM), ONE[::-1])
+    refused(ABOVE, "give dy, unit", **NM)
+    holds_nm(read(BESIDE, **GIVEN), ONE)
+    header = "Width: {} µm\nHeight: 2 µm\nZ unit: nm\n"
+    holds_nm(read(header.format(5) + ABOVE), ONE[::-1])
+    words = r"taken as positions along x: line 4 says .*, line 1 says 'Width"
+    refused(header.format(50) + ABOVE, words)
+    whole = read("nx: 10\nny: 9\n" + ABOVE, **GIVEN)
+    holds_nm(whole, np.array([X, *ONE])[::-1])
+    assert "may be positions along x" in warnings_of(whole)
 
 
 def test_lines_of_a_tilted_plane_are_heights(read):
     plane = np.add.outer(0.3 * np.arange(8), 0.2 * np.arange(10))
-    height = read(table(plane), **GIVEN)
-    assert height.shape == (8, 10)
-    assert "positions" not in notes(height)
-    assert_heights(read(table(np.vstack([X, plane])), **GIVEN), plane[::-1])
+    height = read(cells(plane), **GIVEN)
+    holds_nm(height, plane[::-1])
+    assert "positions" not in warnings_of(height)
+    holds_nm(read(cells([X, *plane]), **GIVEN), plane[::-1])
