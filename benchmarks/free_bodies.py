@@ -21,6 +21,7 @@ from worker import Worker
 from roughcontact.contact.free_boundary import FreeBody
 from roughcontact.elasticity import free_space
 from roughcontact.elasticity.halfspace import HalfSpace
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.errors import HeightMapError
 
 HERE = Path(__file__).resolve().parent
@@ -62,7 +63,7 @@ def rough_body(seed: int, points: int) -> tuple[np.ndarray, float]:
 def solved(heights: np.ndarray, force: float, tolerance: float, influence: str = "elements"):
     """Return this solver's solution on a square of side 1."""
     step = 1 / heights.shape[0]
-    body = FreeBody(heights, (step, step), modulus=1.0, influence=influence)
+    body = FreeBody(heights, (step, step), Elasticity(influence=influence))
     solution = body.solve(force, tolerance=tolerance)
     body.check_border(solution.pressure, force)
     return solution

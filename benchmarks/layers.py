@@ -13,6 +13,7 @@ import xarray as xr
 
 import roughcontact as rc
 from roughcontact.elasticity.energy import elastic_energy
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.elasticity.layers import layered_pair
 from roughcontact.maps import height_map, spacing
 from roughcontact.references.synthetic import self_affine_surface
@@ -124,7 +125,7 @@ def bound() -> list[dict]:
             for tolerance in (10 ** rng.uniform(-3, -1), 1e-11)
         )
         difference, whole = (
-            elastic_energy(field, spacing(window), contact_modulus=pair.modulus, layers=pair)
+            elastic_energy(field, spacing(window), Elasticity(pair.modulus, layers=pair))
             for field in (
                 coarse["pressure"].values[0] - exact["pressure"].values[0],
                 exact["pressure"].values[0],

@@ -3,6 +3,7 @@
 import numpy as np
 
 from roughcontact.contact.response import linear_response
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.elasticity.layers import conducting_pair
 from roughcontact.statistics.conductance import conductance_columns
 from validation import closed_forms
@@ -45,6 +46,8 @@ def add_lines(section: Section, *, finest_grid: int) -> None:
         film, perfect = {"thickness": thickness, "thermal_conductivity": 1.0}, {"thermal_conductivity": 1e9}
         pair = conducting_pair([perfect | {"layers": [film]}, perfect], "thermal_conductivity")
         assert pair is not None
-        compliance = linear_response(touching, (1 / finest_grid,) * 2, pair.modulus, 1e-3, layers=pair)
+        compliance = linear_response(
+            touching, (1 / finest_grid,) * 2, Elasticity(pair.modulus, layers=pair), 1e-3
+        )
         expected = closed_forms.film_strips_conductance(0.5, thickness)
         section.compare("film", thickness / compliance, expected, 2 / finest_grid, t=thickness, n=finest_grid)

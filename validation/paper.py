@@ -13,6 +13,7 @@ from roughcontact.choices import ZeroFrequency
 from roughcontact.contact.solve import solve_contact
 from roughcontact.elasticity.free_space import TruncatedKernel
 from roughcontact.elasticity.halfspace import HalfSpace, zero_frequency_compliance
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
 from roughcontact.maps import spacing
@@ -102,7 +103,7 @@ def hertz_displacement_alone(points: int) -> tuple[np.ndarray, np.ndarray]:
     pressure = np.sqrt(np.maximum(1 - x[None, :] ** 2 - x[:, None] ** 2, 0))
     kernel = TruncatedKernel("sampled", 2.0)  # the diameter
     shape, lengths = (points, points), (_CELL, _CELL)
-    displaced = HalfSpace(shape, lengths, influence=kernel).displacement(pressure)[points // 2]
+    displaced = HalfSpace(shape, lengths, Elasticity(influence=kernel)).displacement(pressure)[points // 2]
     mean = kernel.mean_displacement(shape, (_CELL / points, _CELL / points))
     return x, displaced + mean * pressure.mean()
 

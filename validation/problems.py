@@ -9,6 +9,7 @@ import xarray as xr
 from roughcontact.contact.response import linear_response
 from roughcontact.contact.solve import solve_contact
 from roughcontact.elasticity.energy import elastic_energy
+from roughcontact.elasticity.influence import HALF_SPACE
 from roughcontact.maps import height_map, spacing
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from validation import closed_forms
@@ -47,11 +48,11 @@ class Solution:
     @property
     def energy(self) -> float:
         """Elastic energy of one period."""
-        return elastic_energy(self.pressure, self.pixel, contact_modulus=1.0)
+        return elastic_energy(self.pressure, self.pixel, HALF_SPACE)
 
     def compliance(self, tolerance: float) -> float:
         """Return -d(mean gap)/d(mean pressure) of this contact set."""
-        return linear_response(self.touching, self.pixel, 1.0, tolerance)
+        return linear_response(self.touching, self.pixel, HALF_SPACE, tolerance)
 
 
 def solve(height: xr.DataArray, loads: Sequence[float], tolerance: float) -> list[Solution]:

@@ -7,6 +7,7 @@ import xarray as xr
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
 from roughcontact.contact.response import linear_response
+from roughcontact.elasticity.influence import HALF_SPACE
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
 from roughcontact.report.glance import Cell, _conducts, glance_units
@@ -48,7 +49,9 @@ def test_a_single_spot_conducts_as_holm_has_it():
 def test_an_array_of_round_spots(radius):
     """The error of pixels falls with their size: twice as many halve it, and what is left is small."""
     known = closed_forms.spot_array_stiffness(radius, 1.0, 1.0)
-    coarse, fine = (1 / linear_response(disc(n, radius), (1 / n, 1 / n), 1.0, 1e-4) for n in (256, 512))
+    coarse, fine = (
+        1 / linear_response(disc(n, radius), (1 / n, 1 / n), HALF_SPACE, 1e-4) for n in (256, 512)
+    )
     assert fine == pytest.approx(known, rel=0.5 / (radius * 512))
     assert 2 * fine - coarse == pytest.approx(known, rel=3e-3)
 

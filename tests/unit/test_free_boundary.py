@@ -11,6 +11,7 @@ from scipy.special import j0, jv
 import roughcontact as rc
 from roughcontact.elasticity.free_space import FADE, TruncatedKernel, love, transform_of_pixels
 from roughcontact.elasticity.halfspace import HalfSpace
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.elasticity.layers import layered_pair
 from roughcontact.fourier import wavevectors
 from roughcontact.maps import height_map
@@ -260,7 +261,7 @@ def test_bound_is_above_the_error_with_layers(body, hardness):
     known = {"boundary": "free", "bodies": [body], "force": force, "hardness": hardness}
     exact = rc.solve_contact(rough, tolerance=1e-9, **known)["pressure"].values[0]
     layers = layered_pair([body])
-    periodic = HalfSpace((96, 96), (1.0, 1.0), layers=layers)
+    periodic = HalfSpace((96, 96), (1.0, 1.0), Elasticity(layers=layers))
     norm = np.sqrt((exact * periodic.displacement(exact)).mean())
     cell = (400, 400)  # where the images do not reach
     kernel = TruncatedKernel("sampled", 1.5, layers)

@@ -10,6 +10,7 @@ from scipy.linalg import eigh
 from roughcontact.contact.coarsening import halving_factors, hierarchy, stencil, whole_factors
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.interpolation import Interpolation
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.elasticity.layers import layered_pair
 from roughcontact.kernels import array_api, compiled
 from roughcontact.kernels.compiled import Compiled
@@ -283,7 +284,7 @@ def test_hardly_more_than_the_inverse(make_contact, largest, share):
 def test_a_film_that_bends_doubles_the_inverse_at_most(share):
     """Without the sweeps over the cells that bend the ratio is 3.5 to 3.9."""
     shape = (128, 128)
-    grid = Grid(np.zeros(shape), (128.0, 128.0), layers=BODIES["film"])
+    grid = Grid(np.zeros(shape), (128.0, 128.0), Elasticity(layers=BODIES["film"]))
     low, high = extreme_eigenvalues(grid, patches(shape, share))
     assert low >= 1 - 1e-10
     assert high <= 2.1

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact.contact.dataset import layers_of
+from roughcontact.contact.dataset import elasticity_of, layers_of
 from roughcontact.contact.response import linear_response
 from roughcontact.contact.solve import solve_contact
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.elasticity.halfspace import HalfSpace
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.elasticity.layers import layered_pair
 from roughcontact.errors import SettingsError
 from roughcontact.maps import height_map, spacing
@@ -60,7 +61,7 @@ def test_the_solution_obeys_the_conditions_of_contact(bodies, influence):
     ).isel(load=0)
     layers = layers_of(found)
     assert layers is not None
-    halfspace = HalfSpace((64, 64), (1.0, 1.0), influence=influence, layers=layers)
+    halfspace = HalfSpace((64, 64), (1.0, 1.0), elasticity_of(found))
     pressure = found["pressure"].values
     displaced = halfspace.displacement(pressure) / layers.modulus
     gap = displaced - height.values
@@ -110,7 +111,7 @@ def test_the_bound_is_never_below_the_error(seed: int):
     coarse, exact = (found["pressure"].values[0] for found in solutions)
     steps = spacing(window)
     energy = [
-        elastic_energy(field, steps, contact_modulus=pair.modulus, layers=pair)
+        elastic_energy(field, steps, Elasticity(pair.modulus, layers=pair))
         for field in (coarse - exact, exact)
     ]
     error = np.sqrt(energy[0] / energy[1])
@@ -161,7 +162,7 @@ def test_the_stiffness_lies_between_the_differences_of_the_gap(bodies, influence
     pair = layers_of(found)
     modulus = float(found["contact_modulus"])
     stiffness = [
-        1 / linear_response(one, spacing(height), modulus, 1e-5, influence=influence, layers=pair)
+        1 / linear_response(one, spacing(height), Elasticity(modulus, influence, pair), 1e-5)
         for one in touching
     ]
     between = np.diff(loads)[0] / -np.diff(gaps)[0]

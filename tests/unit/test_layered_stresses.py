@@ -13,6 +13,7 @@ from scipy.sparse.linalg import spsolve
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
 from roughcontact.contact.response import linear_response
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.elasticity.layers import (
     Layer,
     Material,
@@ -308,8 +309,8 @@ def test_a_layer_that_conducts_like_its_base_changes_nothing():
     steel = {"thermal_conductivity": 50.0}
     body = steel | {"layers": [steel | {"thickness": 0.1}]}
     pair = conducting_pair([body, {"thermal_conductivity": 400.0}], "thermal_conductivity")
-    found = linear_response(touching, (1 / 64, 1 / 64), pair.modulus, layers=pair)
-    known = linear_response(touching, (1 / 64, 1 / 64), 2 * 50 * 400 / 450)
+    found = linear_response(touching, (1 / 64, 1 / 64), Elasticity(pair.modulus, layers=pair))
+    known = linear_response(touching, (1 / 64, 1 / 64), Elasticity(2 * 50 * 400 / 450))
     assert found == pytest.approx(known, rel=1e-6)
 
 

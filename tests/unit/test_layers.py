@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from roughcontact.elasticity.influence import elements, symbol
+from roughcontact.elasticity.influence import Elasticity, elements
 from roughcontact.elasticity.layers import (
     Layer,
     LayeredPair,
@@ -191,5 +191,7 @@ def test_a_layer_that_hardly_differs_has_nearly_the_symbol_of_the_half_space(inf
     shape, spacing = (40, 48), (1 / 40, 1 / 48)
     pair = LayeredPair((Stack((Layer(0.1, Material(1 + 1e-9, 0.3)),), Material(1.0, 0.3)),))
     qy, qx = wavevectors(shape, spacing)
-    with_layer, without = (symbol(influence, qy, qx, spacing, layers) for layers in (pair, None))
+    with_layer, without = (
+        Elasticity(1.0, influence, layers).symbol(qy, qx, spacing) for layers in (pair, None)
+    )
     np.testing.assert_allclose(with_layer.ravel()[1:], without.ravel()[1:], rtol=1e-6)

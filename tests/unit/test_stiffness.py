@@ -5,6 +5,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.contact.response import linear_response
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.references.synthetic import self_affine_surface
 
 MODULUS, GRADIENT, STEP = 1e9, 0.1, 2e-3
@@ -99,6 +100,6 @@ def test_where_all_of_the_contact_has_yielded_no_contact_set_tells():
 def test_full_contact_does_not_give_way_whatever_has_yielded():
     touching = np.ones((8, 8), bool)
     yielded = np.arange(64).reshape(8, 8) < 20
-    assert linear_response(touching, (1e-6, 1e-6), MODULUS, yielded=yielded) == 0
+    assert linear_response(touching, (1e-6, 1e-6), Elasticity(MODULUS), yielded=yielded) == 0
     with pytest.raises(ValueError, match="no point in contact is elastic"):
-        linear_response(yielded, (1e-6, 1e-6), MODULUS, yielded=yielded)
+        linear_response(yielded, (1e-6, 1e-6), Elasticity(MODULUS), yielded=yielded)

@@ -1,7 +1,7 @@
 """Labelled height maps: construction, pitches, and interpolation to a finer grid."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -157,11 +157,28 @@ def within_edges(body: xr.DataArray) -> tuple[slice, slice]:
     return inside, inside
 
 
+def radii_of(body: xr.DataArray) -> list[float]:
+    """Return the radii (m; along x, y) of the form of a body of finite size, none of a map without one."""
+    return [body.attrs[f"form_radius_{axis}"] for axis in "xy" if f"form_radius_{axis}" in body.attrs]
+
+
+def sides_around(points: np.ndarray, margin: Callable[[int], int]) -> tuple[slice, slice]:
+    """Return rows and columns of the rectangle around points (ny, nx; bool), with a margin by its width."""
+    ends = [
+        (int(line.min()), int(line.max()), n) for line, n in zip(points.nonzero(), points.shape, strict=True)
+    ]
+    rows, columns = (
+        slice(max(first - margin(last - first), 0), min(last + margin(last - first) + 1, n))
+        for first, last, n in ends
+    )
+    return rows, columns
+
+
 def roughness_of(body: xr.DataArray) -> xr.DataArray:
     """Return the map (y, x; m) of which `window.finite_body` made a body, without its form and edges."""
     roughness = body[within_edges(body)]
-    if "form_radius_x" not in body.attrs:
+    if not (radii := radii_of(body)):
         return roughness
     y, x = (roughness[axis] - (roughness[axis][0] + roughness[axis][-1]) / 2 for axis in "yx")
-    form = x**2 / (2 * body.attrs["form_radius_x"]) + y**2 / (2 * body.attrs["form_radius_y"])
+    form = x**2 / (2 * radii[0]) + y**2 / (2 * radii[1])
     return (roughness + form).transpose("y", "x").assign_attrs(body.attrs)

@@ -11,6 +11,7 @@ from roughcontact.checking import check_choice
 from roughcontact.choices import Influence
 from roughcontact.contact.problem import Problem
 from roughcontact.contact.sweep import Solution
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.elasticity.layers import LayeredPair, layered_pair
 from roughcontact.kernels.arrays import empty, to_numpy
 from roughcontact.kernels.choose import kernels_for
@@ -113,17 +114,17 @@ def joined(load_datasets: Sequence[xr.Dataset]) -> xr.Dataset:
     )
 
 
-def influence_of(contact: xr.Dataset) -> Influence:
-    """Return the influence function, "sampled" (also where none is recorded) or "elements", of a contact.
+def elasticity_of(contact: xr.Dataset) -> Elasticity:
+    """Return the elasticity of a contact; its influence function is "sampled" where none is recorded.
 
     Examples
     --------
-    >>> influence_of(xr.Dataset(attrs={"influence": "elements"}))
+    >>> elasticity_of(xr.Dataset({"contact_modulus": 1e9}, attrs={"influence": "elements"})).influence
     'elements'
     """
     influence: Influence = contact.attrs.get("influence", "sampled")
     check_choice("influence", influence, Influence)
-    return influence
+    return Elasticity(float(contact["contact_modulus"]), influence, layers_of(contact))
 
 
 def layers_of(contact: xr.Dataset) -> LayeredPair | None:
@@ -144,6 +145,6 @@ def problem_of(contact: xr.Dataset) -> dict[str, Any]:
     return {
         "contact_modulus": None if bodies else float(contact["contact_modulus"]),
         "bodies": json.loads(bodies) if bodies else None,
-        "influence": influence_of(contact),
+        "influence": elasticity_of(contact).influence,
         "zero_frequency": contact.attrs.get("zero_frequency", "zero"),
     }

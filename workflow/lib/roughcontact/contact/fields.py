@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.dataset import fields_in_units, unit_of_pressure
+from roughcontact.contact.free_boundary import free_solutions
 from roughcontact.contact.problem import nondimensionalise
-from roughcontact.contact.solve import MOST_LOAD, elasticity
-from roughcontact.contact.sweep import sweep
+from roughcontact.contact.solve import MOST_LOAD, elasticity, periodic_solutions
 from roughcontact.kernels.arrays import SINGLE
 
 
@@ -29,31 +28,26 @@ class LoadFields(NamedTuple):
 def solved_fields(
     window: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float, precision: str = SINGLE
 ) -> Iterator[LoadFields]:
-    """Yield the fields of every load of a periodic map (y, x; m), from the smallest to the largest.
+    """Yield the fields of every load of a map (y, x; m), from the smallest to the largest.
 
-    Of the arguments `contact` of `solve_contact` the elasticity, loads, `hardness`, `influence` and `threads`
-    count; what misses the tolerance says so by its `error_bound`. A map so flat that rounding hides its
-    contact is solved as flat.
+    Of the arguments `contact` of `solve_contact` the elasticity, loads, `boundary`, `hardness`, `influence`
+    and `threads` count; what misses the tolerance says so by its `error_bound`. A periodic map so flat that
+    rounding hides its contact is solved as flat, forces on a finite body are pressures times its `area` (m2).
     """
-    modulus, layers = elasticity(contact.get("contact_modulus"), contact.get("bodies"))
-    loads = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
-    hardness, threads = contact.get("hardness"), contact.get("threads", 1)
-    problem = nondimensionalise(window, threads=threads)
-    if loads.max() > 0.5 * MOST_LOAD * modulus * problem.gradient:  # rounding errors only, after levelling
-        problem = nondimensionalise(xr.zeros_like(window), threads=threads)
-    unit = unit_of_pressure(problem, modulus)
-    order = np.argsort(loads, kind="stable")
-    solutions = sweep(
-        problem,
-        [float(loads[index] / unit) for index in order],
-        tolerance=tolerance,
-        cap=np.inf if hardness is None else hardness / unit,
-        influence=contact.get("influence", "sampled"),
-        layers=layers and layers.scaled(problem.unit_length),
-        precision=precision,
-        threads=threads,
+    known = elasticity(
+        contact.get("contact_modulus"), contact.get("bodies"), contact.get("influence", "sampled")
     )
+    loads = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
+    order = np.argsort(loads, kind="stable")
+    rising, threads = loads[order].tolist(), contact.get("threads", 1)
+    options = {"tolerance": tolerance, "hardness": contact.get("hardness"), "threads": threads}
+    problem = nondimensionalise(window, threads=threads)
+    if contact.get("boundary") == "free":
+        solutions = free_solutions(window, problem, [p * contact["area"] for p in rising], known, **options)
+    else:
+        if loads.max() > 0.5 * MOST_LOAD * known.modulus * problem.gradient:  # rounding errors only
+            problem = nondimensionalise(xr.zeros_like(window), threads=threads)
+        solutions = periodic_solutions(problem, rising, known, precision=precision, **options)
     for index in order:
-        solution = next(solutions)
-        fields = fields_in_units(solution, problem, modulus=modulus, hardness=hardness, threads=threads)
+        fields, solution, _ = next(solutions)
         yield LoadFields(int(index), fields.pressure, fields.gap, solution.error_bound)

@@ -12,14 +12,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.choices import Influence
 from roughcontact.contact.dataset import FieldsInUnits
 from roughcontact.contact.problem import Problem
 from roughcontact.contact.sweep import sweep
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.elasticity.free_space import FADE, TruncatedKernel, transform_of_pixels
-from roughcontact.elasticity.layers import LayeredPair
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.maps import radii_of, sides_around
 
 COARSEST = 64  # points along the longer side of the map that shows where the contact is
 COARSE_TOLERANCE = 0.03
@@ -35,12 +35,12 @@ class Region(NamedTuple):
     """A disc within a rectangle of the map: the points that may touch."""
 
     sides: tuple[slice, slice]  # of the rectangle
-    mask: np.ndarray  # of the disc in it
+    mask: np.ndarray  # (ny, nx), of the disc in it
     reach: float  # diameter of the disc, m
 
 
 class FreeSolution(NamedTuple):
-    """The contact of a region, or of the map, under one force; errors are relative, in the energy norm."""
+    """The contact of the map under one force; errors are relative, in the energy norm."""
 
     pressure: np.ndarray  # (ny, nx), Pa
     gap: np.ndarray  # (ny, nx), m
@@ -50,29 +50,29 @@ class FreeSolution(NamedTuple):
     steps: int
     applications: float  # of the operator, weighted by size over that of the map
     passes: int  # solutions
-    norm: float  # root of twice the elastic energy (J); of a map over that of its periodic contact
+    norm: float  # root of the elastic energy over that of the periodic contact
 
 
 def free_solutions(
     window: xr.DataArray,
     problem: Problem,
     forces: Sequence[float],
+    known: Elasticity,
     *,
     tolerance: float,
     hardness: float | None,
-    **material: Any,
+    threads: int,
 ) -> Iterator[tuple[FieldsInUnits, Any, float]]:
-    """Yield fields, solution and approach (m) of each force (N); `material`: arguments of `FreeBody`."""
+    """Yield fields, solution and approach (m) of each force (N)."""
     if min(window.shape) < 4:
         raise HeightMapError(
             f"a finite body is a map, this one has {window.shape[0]} x {window.shape[1]} points: the "
             "approach of an endless ridge is infinite; solve a profile with boundary: periodic"
         )
     limit = np.inf if hardness is None else hardness
-    body = FreeBody(np.asarray(window.values, float), problem.spacing, hardness=limit, **material)
-    radii = [window.attrs[name] for name in ("form_radius_y", "form_radius_x") if name in window.attrs]
+    body = FreeBody(np.asarray(window.values, float), problem.spacing, known, limit, threads)
     size = max(np.multiply(window.shape, problem.spacing))
-    least = LEAST_FORCE * body.modulus * float(size * np.ptp(body.heights))
+    least = LEAST_FORCE * known.modulus * float(size * np.ptp(body.heights))
     for force in forces:
         if force < least:
             text = (
@@ -80,7 +80,7 @@ def free_solutions(
             )
             raise SettingsError(text, keys=("force",))
         solution = body.solve(force, tolerance=tolerance)
-        body.check_border(solution.pressure, force, radii)
+        body.check_border(solution.pressure, force, radii_of(window))
         pressure = solution.pressure
         yielded = pressure >= limit
         gap = np.where(yielded, 0.0, solution.gap)
@@ -91,14 +91,12 @@ def free_solutions(
 
 @dataclass(frozen=True)
 class FreeBody:
-    """A map (ny, nx; m) with pixels `spacing` (dy, dx; m), pressed on a half-space of modulus E* (Pa)."""
+    """A map (ny, nx; m) with pixels `spacing` (dy, dx; m), pressed on a half-space or layers."""
 
     heights: np.ndarray
     spacing: tuple[float, float]
-    modulus: float
+    elasticity: Elasticity
     hardness: float = np.inf  # Pa
-    influence: Influence = "sampled"
-    layers: LayeredPair | None = None
     threads: int = 1
 
     def solve(self, force: float, *, tolerance: float) -> FreeSolution:
@@ -106,37 +104,26 @@ class FreeBody:
         region, ratio = self._first_region(force)
         cell_tolerance, steps, applications = tolerance / ratio, 0, 0.0
         for passes in range(1, MAX_PASSES + 1):
-            cell = self._solve_region(region, force, tolerance=cell_tolerance)
-            pressure = np.zeros(self.heights.shape)
-            pressure[region.sides] = cell.pressure
-            steps, applications = steps + cell.steps, applications + cell.applications
-            ratio = cell.norm / self._periodic_norm(pressure)
-            bound = cell.error_bound * ratio
-            gap = self._gap(cell, region, pressure)
+            found = self._solve_region(region, force, tolerance=cell_tolerance)
+            steps, applications = steps + found.steps, applications + found.applications
             # what touches at the rim of the region may touch beyond it
-            touching = (pressure > 0) | (gap < 0)
-            outside = touching.copy()
-            outside[region.sides] &= ~region.mask
-            if outside.any():
+            touching = (found.pressure > 0) | (found.gap < 0)
+            if (touching & ~region.mask).any():
                 region = self._region(touching, MIN_MARGIN)
-            elif bound <= tolerance or cell.error_bound > cell_tolerance:
-                floor = cell.floor * ratio
-                return FreeSolution(
-                    pressure, gap, cell.approach, bound, floor, steps, applications, passes, ratio
-                )
+            elif found.error_bound <= tolerance or found.error_bound > cell_tolerance * found.norm:
+                return found._replace(steps=steps, applications=applications, passes=passes)
             else:
-                cell_tolerance = SAFETY * tolerance / ratio
+                cell_tolerance = SAFETY * tolerance / found.norm
         raise HeightMapError(f"the region of contact still grows after {MAX_PASSES} solutions")
 
     def _solve_region(self, region: Region, force: float, *, tolerance: float) -> FreeSolution:
-        """Return the contact of a region in a cell without images, whose mean pressure is the unit."""
-        from scipy import fft
+        """Return the contact of a region in a cell without images, to the tolerance of its own norm."""
+        from scipy import fft  # imported late: solves of periodic maps need nothing of scipy
 
-        heights = self.heights[region.sides]
-        inside, (ny, nx), (dy, dx) = heights[region.mask], heights.shape, self.spacing
+        heights, mask, (dy, dx) = self.heights[region.sides], region.mask[region.sides], self.spacing
+        inside, (ny, nx) = heights[mask], heights.shape
         carrying = (np.count_nonzero(inside > inside.min()) or inside.size) * dy * dx  # none beyond edges
-        most = self.hardness * carrying
-        if force >= most:
+        if force >= (most := self.hardness * carrying):
             raise SettingsError(
                 f"force {force:g} N is not below what the body carries at the hardness {self.hardness:g} Pa: "
                 f"stay below {most:.3g} N",
@@ -151,28 +138,38 @@ class FreeBody:
         mean_pressure, highest = force / unit**2, float(inside.max())
         low = inside.min() - DEPTH * (np.ptp(inside) + force / (self.softest * region.reach))
         cell = np.full(shape, low)
-        cell[:ny, :nx] = np.where(region.mask, heights, low)
-        scaled, gradient = (lengths[0] / unit, lengths[1] / unit), mean_pressure / self.modulus
-        problem = Problem(cell, scaled, unit, reference=highest, gradient=gradient, spacing=self.spacing)
-        layers = self.layers and self.layers.scaled(unit)
-        kernel = TruncatedKernel(self.influence, region.reach / unit, layers)
-        cap = self.hardness / mean_pressure
+        cell[:ny, :nx] = np.where(mask, heights, low)
+        problem = Problem(  # the mean pressure is the unit
+            cell,
+            (lengths[0] / unit, lengths[1] / unit),
+            unit,
+            reference=highest,
+            gradient=mean_pressure / self.elasticity.modulus,
+            spacing=self.spacing,
+        )
+        scaled = self.elasticity.scaled(unit)
+        kernel = TruncatedKernel(scaled.influence, region.reach / unit, scaled.layers)
         (solution,) = sweep(
-            problem, [1.0], tolerance=tolerance, cap=cap, influence=kernel, threads=self.threads
+            problem,
+            [1.0],
+            Elasticity(influence=kernel),
+            tolerance=tolerance,
+            cap=self.hardness / mean_pressure,
+            threads=self.threads,
         )
         state = solution.state
         displaced = state.offset + kernel.mean_displacement(shape, (dy / unit, dx / unit))
-        return FreeSolution(
-            pressure=state.pressure[:ny, :nx] * mean_pressure,
-            gap=state.gap[:ny, :nx] * problem.scale,
-            approach=highest - problem.scale * displaced,
-            error_bound=solution.error_bound,
-            floor=solution.floor,
-            steps=solution.steps,
-            applications=solution.applications * cell.size / self.heights.size,
-            passes=1,
-            norm=state.norm * float(np.sqrt(force * problem.scale)),
-        )
+        approach = highest - problem.scale * displaced
+        pressure = np.zeros(self.heights.shape)
+        pressure[region.sides] = state.pressure[:ny, :nx] * mean_pressure
+        gap = self._displacement(pressure, region.sides) - self.heights + approach
+        gap[region.mask] = (state.gap[:ny, :nx] * problem.scale)[mask]
+        energy = elastic_energy(pressure, self.spacing, self.elasticity)
+        norm = state.norm * float(np.sqrt(force * problem.scale))
+        ratio = norm / float(np.sqrt(2 * energy * pressure.size * np.prod(self.spacing)))
+        applications = solution.applications * cell.size / self.heights.size
+        bound, floor = solution.error_bound * ratio, solution.floor * ratio
+        return FreeSolution(pressure, gap, approach, bound, floor, solution.steps, applications, 1, ratio)
 
     def _first_region(self, force: float) -> tuple[Region, float]:
         """Return the region of contact by a coarse solution, and the ratio of its norms."""
@@ -190,41 +187,28 @@ class FreeBody:
 
     def _region(self, touching: np.ndarray, margin: int) -> Region:
         """Return the region around all points that touch, with a margin of at least so many points."""
-        ends = []
-        for line, n in zip(np.nonzero(touching), touching.shape, strict=True):
-            first, last = int(line.min()), int(line.max())
-            widening = max(margin, int(MARGIN * (last - first))) if margin else 0
-            ends.append(slice(max(first - widening, 0), min(last + widening + 1, n)))
-        sides = ends[0], ends[1]
+        sides = sides_around(touching, lambda width: max(margin, int(MARGIN * width)) if margin else 0)
         y, x = np.ogrid[sides]
         distance = np.hypot((y - y.mean()) * self.spacing[0], (x - x.mean()) * self.spacing[1])
         radius = float(distance[touching[sides]].max()) + margin * max(self.spacing)
-        mask = distance <= radius * (1 + MARGIN)
-        return Region(sides, mask, 2 * float(distance[mask].max()))
+        mask = np.zeros(touching.shape, bool)
+        mask[sides] = distance <= radius * (1 + MARGIN)
+        return Region(sides, mask, 2 * float(distance[mask[sides]].max()))
 
-    def _periodic_norm(self, pressure: np.ndarray) -> float:
-        """Return the root of twice the elastic energy (J) of a pressure (Pa) on the periodic map."""
-        elastic: dict[str, Any] = {"influence": self.influence, "layers": self.layers}
-        energy = elastic_energy(pressure, self.spacing, contact_modulus=self.modulus, **elastic)
-        return float(np.sqrt(2 * energy * pressure.size * np.prod(self.spacing)))
-
-    def _gap(self, cell: FreeSolution, region: Region, pressure: np.ndarray) -> np.ndarray:
-        """Return the gap (ny, nx) in m: that of the solution in the region, that of Love's pixels beyond."""
-        from scipy import fft  # imported late: solves of periodic maps need nothing of scipy
+    def _displacement(self, pressure: np.ndarray, sides: tuple[slice, slice]) -> np.ndarray:
+        """Return the displacement (ny, nx; m) by a pressure within `sides`, that of Love's pixels."""
+        from scipy import fft
 
         # each offset between a loaded point and one of the map has its own element of the transform
-        ny, nx = (
+        shape = tuple(
             2 * fft.next_fast_len(max(side.stop, n - side.start))
-            for n, side in zip(pressure.shape, region.sides, strict=True)
+            for n, side in zip(pressure.shape, sides, strict=True)
         )
         with fft.set_workers(self.threads):
-            symbol = transform_of_pixels((ny, nx), self.spacing, layers=self.layers)
-            displacement = fft.irfft2(fft.rfft2(pressure[region.sides], (ny, nx)) * symbol, (ny, nx))
-        displacement = np.roll(displacement, [side.start for side in region.sides], (0, 1))
-        map_sides = tuple(slice(n) for n in pressure.shape)
-        gap = displacement[map_sides] / self.modulus - self.heights + cell.approach
-        gap[region.sides][region.mask] = cell.gap[region.mask]
-        return gap
+            symbol = transform_of_pixels(shape, self.spacing, layers=self.elasticity.layers)
+            displacement = fft.irfft2(fft.rfft2(pressure[sides], shape) * symbol, shape)
+        displacement = np.roll(displacement, [side.start for side in sides], (0, 1))
+        return displacement[tuple(map(slice, pressure.shape))] / self.elasticity.modulus
 
     def check_border(self, pressure: np.ndarray, force: float, radii: Sequence[float] = ()) -> None:
         """Raise HeightMapError where the contact reaches the border of a map on a form of `radii` (m)."""
@@ -255,7 +239,8 @@ class FreeBody:
     @property
     def softest(self) -> float:
         """The modulus (Pa) by which the most compliant wave is displaced."""
-        if self.layers is None:
-            return self.modulus
-        q = np.geomspace(1e-3 / self.layers.thickest, 1e2 / self.layers.thinnest, 64)
-        return self.modulus / max(1.0, float(self.layers.factor(q).max()))
+        modulus, layers = self.elasticity.modulus, self.elasticity.layers
+        if layers is None:
+            return modulus
+        q = np.geomspace(1e-3 / layers.thickest, 1e2 / layers.thinnest, 64)
+        return modulus / max(1.0, float(layers.factor(q).max()))

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from roughcontact.choices import Influence
 from roughcontact.contact.coarsening import ELONGATED, has_separate_lines, hierarchy, pitches_of, stencil
 from roughcontact.contact.interpolation import Interpolation
 from roughcontact.contact.line_search import LineSearch
@@ -18,8 +17,7 @@ from roughcontact.contact.state import (
     scale_to_load,
 )
 from roughcontact.elasticity.halfspace import HalfSpace
-from roughcontact.elasticity.influence import InfluenceFunction
-from roughcontact.elasticity.layers import LayeredPair
+from roughcontact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.kernels.array_api import CLOSED
 from roughcontact.kernels.arrays import SINGLE, Array, count_of, empty, in_precision, namespace, precision_of
 from roughcontact.kernels.choose import kernels_for
@@ -63,26 +61,23 @@ class Grid:
     """The heights (ny, nx) on one grid, dimensionless, with the operators and passes that act on them.
 
     A height counts as (height - `reference`) / `unit`, without a copy; `lengths` of the periodic cell and the
-    thicknesses of `layers` share a unit; `cap` is the largest pressure allowed (the hardness), or infinity.
+    thicknesses of layers share a unit; `cap` is the largest pressure allowed (the hardness), or infinity.
     """
 
     def __init__(
         self,
         heights: Array,
         lengths: tuple[float, float],
+        elasticity: Elasticity = HALF_SPACE,
         *,
         reference: float = 0.0,
         unit: float = 1.0,
         cap: float = np.inf,
-        influence: Influence | InfluenceFunction = "sampled",
-        layers: LayeredPair | None = None,
         threads: int = 1,
     ):
         self.cap = cap
         self.shape = tuple(heights.shape)
-        self.halfspace = HalfSpace(
-            heights.shape, lengths, influence=influence, layers=layers, threads=threads, like=heights
-        )
+        self.halfspace = HalfSpace(heights.shape, lengths, elasticity, threads=threads, like=heights)
         self.kernels = kernels_for(heights, threads=threads)
         self._given, self._reference, self._unit = heights, reference, unit
         self._single: Array | None = None
@@ -304,7 +299,7 @@ class Grid:
         pitch, across = min(
             (d, w) for d, w, n in zip(pitches, (across_y, across_x), self.shape, strict=True) if n > 1
         )
-        layers = self.halfspace.layers
+        layers = self.halfspace.elasticity.layers
         factor = 1.0 if layers is None else float(layers.factor(np.array([np.pi / pitch]))[0])
         return weights, 0.5 * np.pi / pitch / (4 * across + 8 * diagonal) / factor
 
@@ -341,6 +336,6 @@ class Grid:
         """Return the interpolation in a precision, with its workspace."""
         if precision not in self._interpolations:
             self._interpolations[precision] = Interpolation(
-                self._given, precision, self.halfspace.lengths, self.kernels, self.halfspace.layers
+                self._given, precision, self.halfspace.lengths, self.kernels, self.halfspace.elasticity.layers
             )
         return self._interpolations[precision]

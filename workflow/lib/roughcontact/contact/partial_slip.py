@@ -8,7 +8,7 @@ import xarray as xr
 
 from roughcontact.bodies import check_poissons_ratio
 from roughcontact.checking import check_periodic_solution, check_positive
-from roughcontact.contact.dataset import influence_of, layers_of, problem_of
+from roughcontact.contact.dataset import elasticity_of, problem_of
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.response import linear_response
 from roughcontact.contact.solve import solve_contact
@@ -92,20 +92,19 @@ def partial_slip(
         raise SettingsError(
             f"the contact has {property_}: give an elastic one at a single load, contact.isel(load=[0])"
         )
-    if layers_of(contact) is not None:
+    elasticity = elasticity_of(contact)
+    if elasticity.layers is not None:
         raise SettingsError(
             "the contact has layers, whose tangential compliance is not in proportion to the normal one, as "
             "the theorem needs it; give one of half-spaces"
         )
     normal = contact.isel(load=0)
     load, height = float(normal["mean_pressure"]), contact["height"]
-    pressure, modulus = normal["pressure"].values, float(contact["contact_modulus"])
+    pressure = normal["pressure"].values
     problem = problem_of(contact) | {"tolerance": contact.attrs["tolerance"], "threads": threads}
 
-    influence = influence_of(contact)
-
     def energy(field: np.ndarray) -> float:
-        return elastic_energy(field, spacing(height), contact_modulus=modulus, influence=influence)
+        return elastic_energy(field, spacing(height), elasticity)
 
     rows = []
     total = energy(pressure)
@@ -135,9 +134,7 @@ def partial_slip(
             row["dissipated_energy"] = 4 * friction**2 * compliance * slipped
             row["tangential_stiffness"] = 0.0  # of full slip
             if stick.any():
-                response = linear_response(
-                    stick, spacing(height), modulus, influence=influence, threads=threads
-                )
+                response = linear_response(stick, spacing(height), elasticity, threads=threads)
                 row["tangential_stiffness"] = 1 / (compliance * response) if response > 0 else math.inf
         rows.append(xr.Dataset(row, coords=height.coords))
     slip = xr.concat(rows, dim=xr.Variable("tangential_load", shares), coords="minimal", compat="override")

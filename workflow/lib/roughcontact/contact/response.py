@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from roughcontact.checking import check_positive
-from roughcontact.choices import Influence
 from roughcontact.contact.conjugate_gradients import conjugate_gradients
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.state import mean_product
-from roughcontact.elasticity.layers import LayeredPair
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 
 MAX_STEPS = 200
@@ -17,12 +15,10 @@ MIN_SINGLE_TOLERANCE = 1e-3  # tolerance from which single precision is far more
 def linear_response(
     contact: np.ndarray,
     spacing: tuple[float, float],
-    contact_modulus: float,
+    elasticity: Elasticity,
     tolerance: float = 1e-2,
     *,
     yielded: np.ndarray | None = None,
-    influence: Influence = "sampled",
-    layers: LayeredPair | None = None,
     threads: int = 1,
 ) -> float:
     """Return -d mean_gap / d mean_pressure (m/Pa) of a contact set (ny, nx; bool): inverse stiffness.
@@ -33,7 +29,6 @@ def linear_response(
     their overlap grows by s - G x, the mean of which over the window is taken off, with an error of first
     order. 0 for full contact.
     """
-    modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
     touching = np.asarray(contact, dtype=bool)
     contact = touching if yielded is None else touching & ~yielded
     if not contact.any():
@@ -46,8 +41,7 @@ def linear_response(
     unit = float(np.sqrt(ly * lx))
     precision = SINGLE if tolerance >= MIN_SINGLE_TOLERANCE else DOUBLE
     zeros = np.zeros(contact.shape, precision)
-    scaled, cell = layers and layers.scaled(unit), (ly / unit, lx / unit)
-    grid = Grid(zeros, cell, influence=influence, layers=scaled, threads=threads)
+    grid = Grid(zeros, (ly / unit, lx / unit), elasticity.scaled(unit), threads=threads)
 
     increment = contact.astype(precision)
     increment *= 1 / float(contact.mean())
@@ -70,4 +64,4 @@ def linear_response(
         even = contact * correction.dtype.type(1 / contact.mean())
         displaced = grid.halfspace.displacement(even - correction)
         energy_lower_bound -= float((energy_lower_bound - displaced[yielded]).sum(dtype=float)) / yielded.size
-    return energy_lower_bound * unit / modulus
+    return energy_lower_bound * unit / elasticity.modulus

@@ -17,7 +17,8 @@ from roughcontact.contact.loads import check_loads
 from roughcontact.contact.problem import Problem, nondimensionalise, on_host
 from roughcontact.contact.sweep import Solution, sweep
 from roughcontact.elasticity.halfspace import zero_frequency_compliance
-from roughcontact.elasticity.layers import LayeredPair, layered_pair
+from roughcontact.elasticity.influence import Elasticity
+from roughcontact.elasticity.layers import layered_pair
 from roughcontact.errors import ConvergenceError, RoughContactError, SettingsError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 from roughcontact.materials import contact_modulus as modulus_of
@@ -172,14 +173,14 @@ def solve_contact(
     >>> print(f"{-contact.approach.item() * 10e-3 / (0.75 * 10e-3 / 1e9) ** (2 / 3):.4f}")
     1.0000
     """
-    modulus, layers = elasticity(contact_modulus, bodies)
+    known = elasticity(contact_modulus, bodies, influence)
     check_choice("boundary", boundary, Boundary)
     free = boundary == "free"
     if free:
         _check_free(
             mean_pressure=mean_pressure is not None,
             force=force is None,
-            influence=layers is not None and influence != "sampled",
+            influence=known.layers is not None and influence != "sampled",
             zero_frequency=zero_frequency != "zero",
             precision=precision != "double",
             arrays=arrays is not None,
@@ -212,22 +213,16 @@ def solve_contact(
     working = DOUBLE if precision == "double" else SINGLE
     problem = nondimensionalise(window, precision=working, arrays=arrays, threads=threads)
     window = on_host(window)
-    options: dict[str, Any] = {
-        "modulus": modulus,
-        "layers": layers,
-        "tolerance": tolerance,
-        "hardness": hardness,
-        "influence": influence,
-        "threads": threads,
-    }
+    attrs: dict[str, Any] = {"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence}
+    options: dict[str, Any] = {"tolerance": tolerance, "hardness": hardness, "threads": threads}
     if free:
-        solutions = free_solutions(window, problem, rising, **options)
-        attrs: dict[str, Any] = {"tolerance": tolerance, "influence": influence, "boundary": boundary}
+        solutions = free_solutions(window, problem, rising, known, **options)
+        attrs = {"tolerance": tolerance, "influence": influence, "boundary": boundary}
     else:
-        options |= {"zero_frequency": zero_frequency, "precision": working}
-        solutions = _periodic_solutions(problem, rising, give_up=on_failure == "raise", **options)
-        attrs = {"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence}
-    attrs |= {} if layers is None else {"bodies": json.dumps(layers.as_settings())}
+        _check_periodic(problem, rising, known, hardness=hardness, zero_frequency=zero_frequency)
+        options |= {"zero_frequency": zero_frequency, "precision": working, "give_up": on_failure == "raise"}
+        solutions = periodic_solutions(problem, rising, known, **options)
+    attrs |= {} if known.layers is None else {"bodies": json.dumps(known.layers.as_settings())}
     area = float(window.size * np.prod(problem.spacing))
     load_datasets: dict[int, xr.Dataset] = {}
     for solved, (index, load) in enumerate(zip(order, rising, strict=True), start=1):
@@ -237,7 +232,7 @@ def solve_contact(
             problem=problem,
             window=window,
             loaded={"mean_pressure": load / area, "force": load} if free else {"mean_pressure": load},
-            modulus=modulus,
+            modulus=known.modulus,
             hardness=hardness,
             attrs=attrs,
         )
@@ -253,13 +248,15 @@ def solve_contact(
 
 
 def elasticity(
-    contact_modulus: float | str | None, bodies: Sequence[Mapping[str, Any]] | None
-) -> tuple[float, LayeredPair | None]:
-    """Return E* (Pa) of the surfaces, and the bodies where they have layers."""
+    contact_modulus: float | str | None,
+    bodies: Sequence[Mapping[str, Any]] | None,
+    influence: Influence = "sampled",
+) -> Elasticity:
+    """Return E* (Pa) of the surfaces, the influence function, and the bodies where they have layers."""
     if bodies is None:
         if contact_modulus is None:
             raise SettingsError("neither contact_modulus nor bodies given; give one of them")
-        return check_positive("contact_modulus", contact_modulus, unit="Pa"), None
+        return Elasticity(check_positive("contact_modulus", contact_modulus, unit="Pa"), influence)
     checked = check_bodies(bodies)
     modulus = modulus_of(checked)
     if contact_modulus is not None:
@@ -270,24 +267,54 @@ def elasticity(
                 "Pa; give one of them",
                 keys=["contact_modulus", "bodies"],
             )
-    return modulus, layered_pair(checked)
+    return Elasticity(modulus, influence, layered_pair(checked))
 
 
-def _periodic_solutions(
+def periodic_solutions(
     problem: Problem,
     loads: Sequence[float],
+    known: Elasticity,
     *,
-    modulus: float,
-    layers: LayeredPair | None,
-    tolerance: float,
     hardness: float | None,
-    influence: Influence,
-    zero_frequency: ZeroFrequency,
-    precision: str,
-    give_up: bool,
+    zero_frequency: ZeroFrequency = "zero",
     threads: int,
+    **options: Any,
 ) -> Iterator[tuple[FieldsInUnits, Any, float]]:
     """Yield fields, solution and approach (m) of each of the rising loads (Pa) of a periodic map."""
+    compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres)
+    compliance /= known.modulus if known.layers is None else known.layers.base_modulus
+    compliance += (
+        0.0 if known.layers is None else known.layers.mean_compliance(elastic=zero_frequency != "zero")
+    )
+    unit = unit_of_pressure(problem, known.modulus)
+    solutions = sweep(
+        problem,
+        [load / unit for load in loads],
+        known.scaled(problem.unit_length),
+        cap=np.inf if hardness is None else hardness / unit,
+        threads=threads,
+        **options,
+    )
+
+    def in_units(solution: Solution, load: float) -> tuple[FieldsInUnits, Solution, float]:
+        """Return a load (Pa) as it is yielded."""
+        approach = problem.reference - solution.state.offset * problem.scale - compliance * load
+        fields = fields_in_units(solution, problem, modulus=known.modulus, hardness=hardness, threads=threads)
+        return fields, solution, approach
+
+    for load in loads:  # no name here keeps the maps of one while the next one is solved
+        yield in_units(next(solutions), load)
+
+
+def _check_periodic(
+    problem: Problem,
+    loads: Sequence[float],
+    known: Elasticity,
+    *,
+    hardness: float | None,
+    zero_frequency: ZeroFrequency,
+) -> None:
+    """Raise SettingsError for a load (Pa), or a rule, that a periodic map does not allow."""
     cap = np.inf if hardness is None else hardness
     if max(loads) >= cap:
         raise SettingsError(
@@ -307,10 +334,7 @@ def _periodic_solutions(
             "profile is infinite; use 'zero'",
             keys=["zero_frequency"],
         )
-    compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres)
-    compliance /= modulus if layers is None else layers.base_modulus
-    compliance += 0.0 if layers is None else layers.mean_compliance(elastic=zero_frequency != "zero")
-    unit = unit_of_pressure(problem, modulus)
+    unit = unit_of_pressure(problem, known.modulus)
     for load in (min(loads), max(loads)) if not problem.flat else ():
         if not LEAST_LOAD <= load / unit <= MOST_LOAD:
             raise SettingsError(
@@ -319,26 +343,6 @@ def _periodic_solutions(
                 "modulus and heights",
                 keys=("mean_pressure",),
             )
-    solutions = sweep(
-        problem,
-        [load / unit for load in loads],
-        tolerance=tolerance,
-        cap=cap / unit,
-        influence=influence,
-        layers=layers and layers.scaled(problem.unit_length),
-        precision=precision,
-        give_up=give_up,
-        threads=threads,
-    )
-
-    def in_units(solution: Solution, load: float) -> tuple[FieldsInUnits, Solution, float]:
-        """Return a load (Pa) as it is yielded."""
-        approach = problem.reference - solution.state.offset * problem.scale - compliance * load
-        fields = fields_in_units(solution, problem, modulus=modulus, hardness=hardness, threads=threads)
-        return fields, solution, approach
-
-    for load in loads:  # no name here keeps the maps of one while the next one is solved
-        yield in_units(next(solutions), load)
 
 
 def _check_free(**wrong: bool) -> None:

@@ -6,15 +6,13 @@ from functools import partial
 
 import numpy as np
 
-from roughcontact.choices import Influence
 from roughcontact.contact.certificate import bound_without_transform, rounding_by_unit, rounding_floor
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import solve_on_grid
 from roughcontact.contact.nested_iteration import first_guess, nested_heights
 from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, scale_to_load
-from roughcontact.elasticity.influence import InfluenceFunction
-from roughcontact.elasticity.layers import LayeredPair
+from roughcontact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision, namespace, precision_of
 
 # Points of a map up to which the workspace is kept for the next load. For larger maps it is half of the
@@ -37,27 +35,24 @@ class Solution:
 def sweep(
     problem: Problem,
     loads: Sequence[float],
+    elasticity: Elasticity = HALF_SPACE,
     *,
     tolerance: float,
     cap: float = np.inf,
-    influence: Influence | InfluenceFunction = "sampled",
-    layers: LayeredPair | None = None,
     precision: str = DOUBLE,
     give_up: bool = False,
     threads: int,
 ) -> Iterator[Solution]:
     """Yield the solution of every load, whose fields the caller may change; flat maps in closed form.
 
-    `loads` rise, `cap` is the largest pressure, in units of E* g; `layers` have the unit of the lengths.
+    `loads` rise, `cap` is the largest pressure, in units of E* g; layers have the unit of the lengths.
     `give_up` takes no step on the finest grid where rounding is above the tolerance.
     """
     if problem.flat:
         for load in loads:
             yield _flat(problem, load, precision)
         return
-    make_grid = partial(
-        Grid, lengths=problem.lengths, cap=cap, influence=influence, layers=layers, threads=threads
-    )
+    make_grid = partial(Grid, lengths=problem.lengths, elasticity=elasticity, cap=cap, threads=threads)
     finest = make_grid(problem.heights, reference=problem.reference, unit=problem.scale)
     nested = nested_heights(finest.heights_in(SINGLE), problem.lengths)
     grids = [finest, *(make_grid(heights) for _, heights in nested)]

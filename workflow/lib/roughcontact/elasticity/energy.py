@@ -2,32 +2,24 @@
 
 import numpy as np
 
-from roughcontact.choices import Influence
-from roughcontact.elasticity.influence import symbol
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.kernels.waves import over_waves, over_wavevectors, wave_power
 
 
-def elastic_energy(
-    pressure: np.ndarray,
-    steps: tuple[float, float],
-    *,
-    contact_modulus: float,
-    influence: Influence = "sampled",
-    layers: LayeredPair | None = None,
-) -> float:
+def elastic_energy(pressure: np.ndarray, steps: tuple[float, float], elasticity: Elasticity) -> float:
     """Return the energy U = 1/2 sum_{q != 0} S(q)/E* |p(q)|^2 of a pressure (ny, nx; Pa), in J/m^2.
 
     It is half the mean of pressure times displacement (Johnson 1985, Contact Mechanics, chapter 13), with the
-    symbol S of the `influence` that the contact was solved with, and zero for a uniform pressure; `steps`
+    symbol S that the contact was solved with, and zero for a uniform pressure; `steps`
     (dy, dx) are in m.
     """
     total = 0.0
     for qy, qx, power in over_wavevectors(wave_power(pressure), pressure.shape, steps):
-        compliance = symbol(influence, qy, qx, steps, layers)
+        compliance = elasticity.symbol(qy, qx, steps)
         compliance[np.isinf(compliance)] = 0.0  # of the mean, which has no power
         total += float((power * compliance).sum())
-    return total / (2 * contact_modulus)
+    return total / (2 * elasticity.modulus)
 
 
 def conforming_energy(

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from roughcontact.choices import Influence
+from roughcontact.elasticity.influence import InfluenceFunction
 from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.errors import SettingsError
 
@@ -33,7 +34,7 @@ _SOFTEST = 1e-5  # |q| times the thickest layer, where it follows any base
 class TruncatedKernel:
     """An influence function (`roughcontact.elasticity.influence`), exact up to the distance `reach`."""
 
-    influence: Influence
+    influence: Influence | InfluenceFunction
     reach: float
     layers: LayeredPair | None = None  # thicknesses in the unit of the reach
 

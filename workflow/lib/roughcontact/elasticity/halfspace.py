@@ -11,9 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from roughcontact.checking import check_choice
-from roughcontact.choices import Influence, ZeroFrequency
-from roughcontact.elasticity.influence import InfluenceFunction, symbol
-from roughcontact.elasticity.layers import LayeredPair
+from roughcontact.choices import ZeroFrequency
+from roughcontact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.errors import SettingsError
 from roughcontact.fourier import halfplane_weights, wavevectors
 from roughcontact.kernels.arrays import (
@@ -38,7 +37,7 @@ class HalfSpace:
     """The operators u = G p, of symbol 2/|q|, and p = G^-1 u, of symbol |q|/2, on one grid (ny, nx).
 
     Both omit the mean (q = 0): see `zero_frequency_compliance`. The fields are dimensionless, their precision
-    that of the argument, on the device of `like`; `lengths` (Ly, Lx) and the thicknesses of `layers` share a
+    that of the argument, on the device of `like`; `lengths` (Ly, Lx) and the thicknesses of layers share a
     unit. `applications` counts pairs of forward and inverse transforms.
     """
 
@@ -46,9 +45,8 @@ class HalfSpace:
         self,
         shape: tuple[int, int],
         lengths: tuple[float, float],
+        elasticity: Elasticity = HALF_SPACE,
         *,
-        influence: Influence | InfluenceFunction = "sampled",
-        layers: LayeredPair | None = None,
         threads: int = 1,
         like: Array | None = None,
     ):
@@ -56,8 +54,7 @@ class HalfSpace:
         self.threads = threads
         self.applications = 0.0
         self._like = np.broadcast_to(np.float32(0), self.shape) if like is None else like
-        self.layers = layers
-        self._influence = influence
+        self.elasticity = elasticity
         self._kernels = kernels_for(self._like, threads=threads)
         self._symbols: dict[str, Array] = {}
         self._counts: dict[str, Array] = {}
@@ -138,7 +135,7 @@ class HalfSpace:
         if precision not in self._symbols:
             spacing = self.lengths[0] / self.shape[0], self.lengths[1] / self.shape[1]
             qy, qx = (q.astype(precision) for q in wavevectors(self.shape, spacing))
-            self._symbols[precision] = symbol(self._influence, qy, qx, spacing, self.layers, like=self._like)
+            self._symbols[precision] = self.elasticity.symbol(qy, qx, spacing, self._like)
         return self._symbols[precision]
 
     def _counts_in(self, precision: str) -> Array:

@@ -6,6 +6,7 @@ To add one, write (qy, qx, spacing, layers) -> S, positive, a length, and add it
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -120,21 +121,29 @@ def _wavenumbers(qy: np.ndarray, qx: np.ndarray) -> np.ndarray:
 INFLUENCE: dict[Influence, Callable] = {"sampled": sampled, "elements": elements}
 
 
-def symbol(
-    influence: Influence | InfluenceFunction,
-    qy: np.ndarray,
-    qx: np.ndarray,
-    spacing: tuple[float, float],
-    layers: LayeredPair | None = None,
-    like: Array | None = None,
-) -> Array:
-    """Return S(q) of an influence function, or of its name, of half-spaces or of bodies with layers.
+@dataclass(frozen=True)
+class Elasticity:
+    """E* (Pa) of the surfaces, the influence function, or its name, and bodies that have layers (m)."""
 
-    It is in the library and on the device of the array `like`, by default in NumPy.
-    """
-    if influence == "sampled":  # made on the device; others are made by NumPy
-        return sampled(qy, qx, spacing, layers, like)
-    values = (
-        influence(qy, qx, spacing) if callable(influence) else INFLUENCE[influence](qy, qx, spacing, layers)
-    )
-    return np.asarray(values) if like is None else like_array(np.asarray(values), like)
+    modulus: float = 1.0
+    influence: Influence | InfluenceFunction = "sampled"
+    layers: LayeredPair | None = None
+
+    def scaled(self, unit: float) -> "Elasticity":
+        """Return it with the thicknesses of the layers in a `unit` of length."""
+        return replace(self, layers=self.layers and self.layers.scaled(unit))
+
+    def symbol(
+        self, qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float], like: Array | None = None
+    ) -> Array:
+        """Return S(q) in the library and on the device of the array `like`, by default in NumPy."""
+        if self.influence == "sampled":  # made on the device; others are made by NumPy
+            return sampled(qy, qx, spacing, self.layers, like)
+        if callable(self.influence):
+            values = np.asarray(self.influence(qy, qx, spacing))
+        else:
+            values = np.asarray(INFLUENCE[self.influence](qy, qx, spacing, self.layers))
+        return values if like is None else like_array(values, like)
+
+
+HALF_SPACE = Elasticity()

@@ -10,9 +10,10 @@ import xarray as xr
 from roughcontact.bodies import check_bodies, have_layers
 from roughcontact.checking import check_choice, check_keys, check_solution, warn_of_map
 from roughcontact.choices import Extra
-from roughcontact.contact.dataset import influence_of, joined, layers_of
+from roughcontact.contact.dataset import elasticity_of, joined, layers_of
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.elasticity.layers import ConductingPair, LayeredPair, layered_pair
 from roughcontact.errors import SettingsError
 from roughcontact.kernels.waves import wave_power
@@ -558,9 +559,8 @@ def _one_load(
 ) -> dict[str, object]:
     """Return all numbers of one load; of an open file no more than one of its maps is in memory at a time."""
     height, free = contact["height"], contact.attrs.get("boundary") == "free"
-    contact_modulus, steps = float(contact["contact_modulus"]), spacing(height)
+    elasticity, steps = elasticity_of(contact), spacing(height)
     hardness = float(contact["hardness"]) if "hardness" in contact else None
-    operator: dict[str, Any] = {"influence": influence_of(contact), "layers": layers_of(contact)}
     filled = height["filled"].values != 0 if "filled" in height.coords else np.False_
     pressure = contact["pressure"].isel(load=load).values
     touching = pressure > 0
@@ -568,7 +568,7 @@ def _one_load(
     points = carried.size
     of_pressure = {
         **({} if body is None else subsurface.stress_columns(pressure, steps, free=free, **body)),
-        "elastic_energy": elastic_energy(pressure, steps, contact_modulus=contact_modulus, **operator),
+        "elastic_energy": elastic_energy(pressure, steps, elasticity),
         "pressure_density": density(carried, edges["pressure"]),
     }
     of_carried = {
@@ -576,7 +576,7 @@ def _one_load(
         "max_pressure": carried.max(),
         "pressure_std": carried.std(),
     }
-    bearing = bearing_numbers(carried, contact_modulus=contact_modulus, hardness=hardness)
+    bearing = bearing_numbers(carried, contact_modulus=elasticity.modulus, hardness=hardness)
     yielded = None if hardness is None else carrying(pressure, hardness)
     del pressure, carried
     gap = contact["gap"].isel(load=load).values
@@ -595,9 +595,8 @@ def _one_load(
     del open_gap
     patches = region_sizes(touching) * _point_area(touching.shape, steps)
     of_points = partial(linear_response, touching, steps)
-    response = partial(of_points, contact_modulus, **operator)
     conductions = {
-        name: of_points(pair.modulus, influence=operator["influence"], layers=pair)
+        name: of_points(Elasticity(pair.modulus, elasticity.influence, pair))
         for name, pair in conducting.items()
     }
     columns = {
@@ -609,7 +608,7 @@ def _one_load(
         "contact_on_filled_points": np.count_nonzero(touching & filled) / points,
         **of_carried,
         "mean_gap": mean_gap,
-        **_stiffness(response, touching, yielded),
+        **_stiffness(partial(of_points, elasticity), touching, yielded),
         **{name: _inverse(conduction) for name, conduction in conductions.items()},
         **passage,
         **of_pressure,

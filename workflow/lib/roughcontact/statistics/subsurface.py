@@ -11,6 +11,7 @@ import xarray as xr
 
 from roughcontact.elasticity.layers import stack_of
 from roughcontact.elasticity.subsurface import subsurface_stress, tresca, von_mises
+from roughcontact.maps import sides_around
 
 # Depths in even steps of ln(1 + z/z0): in equal ratios, but for the first below the surface.
 _FINEST = 1 / 8  # z0, of a pixel
@@ -107,7 +108,9 @@ def stress_columns(
     stress. `free`: of a body of finite size, below its contact and an eighth of the width beside it.
     """
     layered, limits = bool(body.get("layers")), yield_stresses(body)
-    region = _around(pressure > 0) if free else (slice(None), slice(None))
+    region = (slice(None), slice(None))
+    if free:
+        region = sides_around(pressure > 0, lambda width: 2 + width // 8)
     elastic = {"body": stack_of(body)} if layered else {"poissons_ratio": body["poissons_ratio"]}
     stress_at = subsurface_stress(pressure[region], steps, free=free, **elastic)
     sections = _depths(pressure.shape, steps, body)
@@ -166,14 +169,6 @@ def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.D
     return extended.assign(
         material_first_yield_pressure=("material", [_reached(loads, ratio) for ratio in ratios])
     )
-
-
-def _around(touching: np.ndarray) -> tuple[slice, slice]:
-    """Return the rectangle (rows, columns) of the map around a contact, and a margin beside it."""
-    ends = [(int(line.min()), int(line.max())) for line in np.nonzero(touching)]
-    margins = [2 + (last - first) // 8 for first, last in ends]
-    rows, columns = (slice(max(a - m, 0), b + m + 1) for (a, b), m in zip(ends, margins, strict=True))
-    return rows, columns
 
 
 def _rank(body: Body) -> tuple[float, bool, float]:

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_periodic_solution
-from roughcontact.contact.dataset import influence_of, layers_of, problem_of
+from roughcontact.contact.dataset import elasticity_of, problem_of
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.solve import solve_contact
 from roughcontact.elasticity.halfspace import HalfSpace
@@ -123,9 +123,9 @@ def plastic_depth(loaded: xr.Dataset, *, threads: int = 1) -> xr.DataArray:
     """
     height, pressure = loaded["height"], np.require(loaded["pressure"].values, dtype=float)
     (ny, nx), (dy, dx) = height.shape, spacing(height)
-    influence, layers = influence_of(loaded), layers_of(loaded)
-    body = HalfSpace((ny, nx), (ny * dy, nx * dx), influence=influence, layers=layers, threads=threads)
-    separation = body.displacement(pressure) / float(loaded["contact_modulus"]) - height.values
+    elasticity = elasticity_of(loaded)
+    body = HalfSpace((ny, nx), (ny * dy, nx * dx), elasticity, threads=threads)
+    separation = body.displacement(pressure) / elasticity.modulus - height.values
     at_hardness = pressure >= float(loaded["hardness"])
     gap = separation + np.mean((loaded["gap"].values - separation)[~at_hardness])
     depth = np.where(at_hardness, np.maximum(-gap, 0.0), 0.0)

@@ -1,15 +1,15 @@
 """Ensemble members: solutions to a wider tolerance, at few loads, of which only some quantities are kept."""
 
 import contextlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.fields import LoadFields, solved_fields
-from roughcontact.contact.solve import elasticity, solve_contact
-from roughcontact.errors import ConvergenceError, HeightMapError
+from roughcontact.contact.fields import solved_fields
+from roughcontact.contact.solve import elasticity
+from roughcontact.errors import HeightMapError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 from roughcontact.maps import RIM, spacing
 from roughcontact.uncertainty.headline import quantities_of
@@ -17,7 +17,6 @@ from roughcontact.uncertainty.scales import AREA, at_all_loads, from_scale, to_s
 from roughcontact.window.finite_body import finite_body
 
 Values = Mapping[str, np.ndarray]  # quantity -> array (load)
-_OF_BODIES = ("boundary", "contact_modulus", "bodies", "hardness", "influence", "threads")
 LOADS = 3  # at which a member is solved: both ends and the middle
 MARGIN = 0.25  # of a change that is computed, by which its truth may be larger
 TOLERANCE = 1e-3  # of the pressure of members, whose change or scatter counts; in single precision
@@ -44,30 +43,30 @@ def solve_member(
     pressures = loads_of(contact) if loads is None else loads_of(contact)[loads]
     tolerance = max(tolerance, contact.get("tolerance", 0.0))
     contact, steps, unit = {**contact, "mean_pressure": pressures}, spacing(window), 1.0
+    left_out: list[type[Exception]] = []
     if contact.get("boundary") == "free":
         rim = max(1, round(RIM * contact["pitch"] / steps[1]))
         window = finite_body(window, **contact["form"], rim=rim)
-        solutions = _fields_of_body(window, contact, tolerance=tolerance)
         unit = window.size * steps[0] * steps[1] / contact["area"]  # the area counts over that of the map
-    else:
-        single = tolerance >= TOLERANCE or contact.get("precision") == "single"
-        precision = SINGLE if single else DOUBLE
-        solutions = solved_fields(window, contact, tolerance=tolerance, precision=precision)
-    layered = elasticity(contact.get("contact_modulus"), contact.get("bodies"))[1] is not None
+        left_out = [HeightMapError]  # from the load on under which the contact leaves the map
+    single = tolerance >= TOLERANCE or contact.get("precision") == "single"
+    solutions = solved_fields(window, contact, tolerance=tolerance, precision=SINGLE if single else DOUBLE)
+    layered = elasticity(contact.get("contact_modulus"), contact.get("bodies")).layers is not None
     values = {name: np.full(pressures.shape, np.nan) for name in names}
-    for solution in solutions:
-        if solution.error_bound > tolerance:
-            continue
-        quantities = quantities_of(
-            solution.pressure,
-            solution.gap,
-            names,
-            steps=steps,
-            influence=contact.get("influence", "sampled"),
-            layered=layered,
-        )
-        for name in names:
-            values[name][solution.load_index] = quantities[name] * (unit if name == AREA else 1.0)
+    with contextlib.suppress(*left_out):
+        for solution in solutions:
+            if solution.error_bound > tolerance:
+                continue
+            quantities = quantities_of(
+                solution.pressure,
+                solution.gap,
+                names,
+                steps=steps,
+                influence=contact.get("influence", "sampled"),
+                layered=layered,
+            )
+            for name in names:
+                values[name][solution.load_index] = quantities[name] * (unit if name == AREA else 1.0)
     return values
 
 
@@ -83,18 +82,6 @@ def solve_members(
         for name, results in member.items():
             members[name][index, solved] = results
     return members
-
-
-def _fields_of_body(
-    body: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float
-) -> Iterator[LoadFields]:
-    """Yield the `solved_fields` of a body of finite size whose contact does not leave the map."""
-    chosen = {key: contact[key] for key in _OF_BODIES if key in contact}
-    for index, load in enumerate(contact["mean_pressure"]):
-        with contextlib.suppress(HeightMapError, ConvergenceError):
-            solution = solve_contact(body, force=load * contact["area"], tolerance=tolerance, **chosen)
-            fields = solution["pressure"].values[0], solution["gap"].values[0]
-            yield LoadFields(index, *fields, float(solution["error_bound"][0]))
 
 
 def solve_again(window: xr.DataArray, contact: Mapping[str, Any], values: Values) -> dict[str, np.ndarray]:

@@ -10,6 +10,7 @@ import xarray as xr
 
 from roughcontact.choices import Influence
 from roughcontact.contact.response import linear_response
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.uncertainty import scales
@@ -45,7 +46,7 @@ def quantities_of(
     if scales.PRESSURE in names:
         values[scales.PRESSURE] = float(pressure[touching].mean(dtype=float))
     if scales.CONDUCTANCE in names:
-        compliance = 0.0 if layered else linear_response(touching, steps, 1.0, influence=influence)
+        compliance = 0.0 if layered else linear_response(touching, steps, Elasticity(influence=influence))
         values[scales.CONDUCTANCE] = 1 / compliance if compliance > 0 else np.nan
     if CONSTRICTIONS[0] in names:
         values |= percolation_columns(np.where(touching, 0.0, gap))
