@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, number, percent, prefix
-from roughcontact.report.charts import Axis, Chart, log_axis
+from roughcontact.report.charts import Axis, Chart, load_label, log_axis
 from roughcontact.report.tables import TITLES, UNITS
 from roughcontact.report.units import interval_at, unit_of
 from roughcontact.uncertainty.combination import COMBINED, uncertainty_table
@@ -62,14 +62,10 @@ def shown_budget(
                 _largest(components),
             ]
         )
-    text = (numbers.attrs.get(key) for key in ("window_flag", "window_reason"))
-    notes = [label for label in text if label]
     attempted = ["window"] if "window_reason" in numbers.attrs else []  # not known leaves the interval open
     absent = [_SOURCE_LABELS[s] for s in _SOURCE_LABELS if s not in (*present, *attempted, "combined")]
-    if absent:
-        notes.append(f"Not in the ±: {', '.join(absent)}.")
-    if note := _note_on_open_ends(numbers):
-        notes.append(note)
+    notes = [numbers.attrs.get(key) for key in ("window_flag", "window_reason")]
+    notes += [f"Not in the ±: {', '.join(absent)}." if absent else "", _note_on_open_ends(numbers)]
     listed = numbers.isel(load=list(loads))
     excess, intervals = _intervals(listed, extent)
     labels = [_SOURCE_LABELS[source] for source in present]
@@ -82,7 +78,7 @@ def shown_budget(
         "converged": _note_on_convergence(numbers),
         "header": ["mean pressure p̄", "contact area A/A₀", *labels, "largest part"],
         "rows": rows,
-        "notes": notes,
+        "notes": [*filter(None, notes)],
     }
 
 
@@ -115,25 +111,23 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
     All sources together are a solid line upwards and a dashed one downwards.
     """
     present = present_sources(numbers)
-    load = numbers["mean_pressure"].values
-    factor, unit = unit_of(numbers, "Pa")
+    pascals = unit_of(numbers, "Pa")
+    load = numbers["mean_pressure"].values * pascals.factor
     value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
     lower, upper = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
-    components = list(budget.sel(source=present).transpose("source", "load").values)
-    shares = np.array([_in_percent(component, value) for component in (*components, lower, upper)])
+    components = budget.sel(source=present).transpose("source", "load").values
+    shares = np.array([_in_percent(component, value) for component in (*components, upper, lower)])
     highest = np.max(shares, initial=100.0, where=np.isfinite(shares))
     chart = Chart(
-        log_axis(f"mean pressure p̄ ({unit})", load * factor),
+        log_axis(load_label(pascals), load),
         Axis("± in percent of the value", _SMALLEST_SHARE, 2 * highest, log=True),
         title=TITLES[name],
         size=(330.0, 290.0),
     )
-    for index, (source, component) in enumerate(zip(present, components, strict=True)):
-        share = _in_percent(component, value)
-        chart.series(index, load * factor, share, label=_SOURCE_LABELS[source])
-    for half, dash, text in ((upper, "", f"{_SOURCE_LABELS['combined']}, up"), (lower, "5 3", "down")):
-        share = _in_percent(half, value)
-        chart.line(load * factor, share, colour="#000000", width=2.2, dash=dash, label=text)
+    for index, (source, share) in enumerate(zip(present, shares[:-2], strict=True)):
+        chart.series(index, load, share, label=_SOURCE_LABELS[source])
+    chart.line(load, shares[-2], width=2.2, colour="#000000", label=f"{_SOURCE_LABELS['combined']}, up")
+    chart.line(load, shares[-1], width=2.2, colour="#000000", dash="5 3", label="down")
     return chart
 
 
@@ -242,8 +236,8 @@ def _note_on_convergence(numbers: xr.Dataset) -> str:
 
 def _magnification(numbers: xr.Dataset) -> list[tuple[str, str]]:
     """Return (quantity, image) of the results against the shortest wave that is kept."""
-    charts = {name: against_cutoff(numbers, name) for name in _BY_CUTOFF}
-    return [(TITLES[name], chart.source()) for name, chart in charts.items() if chart]
+    charts = [against_cutoff(numbers, name) for name in _BY_CUTOFF]
+    return [(chart.title, chart.source()) for chart in charts if chart]
 
 
 def against_cutoff(numbers: xr.Dataset, name: str) -> Chart | None:

@@ -11,12 +11,12 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any
+from typing import Any, TypedDict, Unpack
 from urllib.parse import quote
 
 import numpy as np
 
-from roughcontact.quantities import number
+from roughcontact.quantities import Unit, number
 from roughcontact.report.template import template
 
 # Okabe and Ito (2008): eight colours that colour-blind people can tell apart (yellow left out: too pale for
@@ -46,6 +46,25 @@ _OUTLINES = {
 }
 
 Rectangle = tuple[float, float, float, float]  # left, top, width, height
+
+
+class Style(TypedDict, total=False):
+    """How a line and its marks look."""
+
+    colour: str
+    width: float  # of the line, pixels; 0: none
+    dash: str  # dashes and gaps
+    marker: str  # one of `MARKERS`
+    filled: bool
+    label: str  # in the legend; empty: not listed
+    listed: bool
+    read: bool
+
+
+_LINE: Style = {"width": 1.5, "dash": "", "label": "", "read": True}
+_ACROSS: Style = {"colour": GREY, "width": 1.3}
+_MARKS: Style = {"marker": "o", "filled": True, "width": 0.0, "dash": "", "label": "", "listed": True}
+_KEY: Style = {"marker": "", "filled": True, "width": 1.0, "dash": ""}
 
 
 @dataclass(frozen=True)
@@ -111,6 +130,11 @@ def log_axis(label: str, values: np.ndarray, *, room: float = 1.5) -> Axis:
     return Axis(label, float(low) / room, float(high) * room, log=True)
 
 
+def load_label(unit: Unit) -> str:
+    """Return what stands at an axis of mean pressures."""
+    return f"mean pressure p̄ ({unit.symbol})"
+
+
 def _decades(low: float, high: float, max_count: int) -> tuple[list[float], list[float]]:
     """Return the ticks of a logarithmic axis: powers of ten, where there are few also 2 and 5 times these."""
     first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
@@ -163,64 +187,28 @@ class Chart:
         left, top, right, bottom = self.margins or (72.0, above, 18.0, 46.0)
         return left, top, self.size[0] - left - right, self.size[1] - top - bottom
 
-    def line(
-        self,
-        x: np.ndarray,
-        y: np.ndarray,
-        *,
-        colour: str,
-        width: float = 1.5,
-        dash: str = "",
-        label: str = "",
-        read: bool = True,
-    ) -> None:
-        """Draw a line through points, interrupted at NaN; `width` in pixels, `dash` of dashes and gaps.
+    def line(self, x: np.ndarray, y: np.ndarray, **style: Unpack[Style]) -> None:
+        """Draw a line through points, interrupted at NaN; without `read` values cannot be read from it."""
+        self.note("line", x=x, y=y, path=self._path(x, y), **_LINE | style)
 
-        `label` stands in the legend (empty: not listed); `read`: values can be read from it.
+    def marks(self, x: np.ndarray, y: np.ndarray, **style: Unpack[Style]) -> None:
+        """Draw marks at points, joined by a line where it has a width.
+
+        Without `listed` the label stands beside values that are read, and not in the legend.
         """
-        style = {"colour": colour, "width": width, "dash": dash, "label": label, "read": read}
-        self.note("line", x=x, y=y, path=self._path(x, y), **style)
-
-    def marks(
-        self,
-        x: np.ndarray,
-        y: np.ndarray,
-        *,
-        colour: str,
-        marker: str = "o",
-        filled: bool = True,
-        label: str = "",
-        joined: float = 0.0,
-        dash: str = "",
-        listed: bool = True,
-    ) -> None:
-        """Draw marks at points, each one of `MARKERS`, joined by a line of that width (pixels), none for 0.
-
-        `listed`: the label stands in the legend, too, and not only beside values that are read.
-        """
-        if joined:
-            self.line(x, y, colour=colour, width=joined, dash=dash, read=False)
+        drawn = _MARKS | style
+        if width := drawn["width"]:
+            self.line(x, y, colour=drawn["colour"], width=width, dash=drawn["dash"], read=False)
         places = [place for place in zip(*self._pixels(x, y), strict=True) if np.isfinite(place).all()]
-        style = {"colour": colour, "marker": marker, "filled": filled, "width": joined, "dash": dash}
-        self.note("marks", x=x, y=y, places=places, label=label, listed=listed, **style)
+        self.note("marks", x=x, y=y, places=places, **drawn)
 
     def series(self, index: int, x: np.ndarray, y: np.ndarray, *, label: str) -> None:
         """Draw one of several lines with marks, in its own colour and mark."""
-        self.marks(x, y, colour=COLOURS[index], marker=MARKERS[index], joined=1.5, label=label)
+        self.marks(x, y, colour=COLOURS[index], marker=MARKERS[index], width=1.5, label=label)
 
-    def key(
-        self,
-        label: str,
-        *,
-        colour: str,
-        marker: str = "",
-        filled: bool = True,
-        width: float = 1.0,
-        dash: str = "",
-    ) -> None:
+    def key(self, **style: Unpack[Style]) -> None:
         """List a line, with a mark in its middle or without, in the legend."""
-        style = {"colour": colour, "marker": marker, "filled": filled, "width": width, "dash": dash}
-        self.note("key", label=label, **style)
+        self.note("key", **_KEY | style)
 
     def bars(self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray, *, colour: str) -> None:
         """Draw error bars, which may be asymmetric; one that leaves the axes ends at their edge.
@@ -250,14 +238,11 @@ class Chart:
             around = np.r_[x[available], x[available][::-1]], np.r_[lower[available], upper[available][::-1]]
             self.note("shade", path=self._path(*around), colour=colour)
 
-    def across(
-        self, *, x: float | None = None, y: float | None = None, label: str = "", **style: str
-    ) -> None:
-        """Draw a straight line across the chart at a value of x or y; `colour`, `dash` as of `line`."""
+    def across(self, *, x: float | None = None, y: float | None = None, **style: Unpack[Style]) -> None:
+        """Draw a straight line across the chart at a value of x or y."""
         ends_x = np.array([self.x.low, self.x.high] if x is None else [x, x])
         ends_y = np.array([self.y.low, self.y.high] if y is None else [y, y])
-        colour, dash = style.get("colour", GREY), style.get("dash", "")
-        self.line(ends_x, ends_y, colour=colour, width=1.3, dash=dash, label=label, read=bool(label))
+        self.line(ends_x, ends_y, **_ACROSS | {"read": bool(style.get("label"))} | style)
 
     def band(self, low: float, high: float, *, label: str = "") -> None:
         """Shade the range between two values of x."""

@@ -17,7 +17,7 @@ from roughcontact.report.glance import (
     largest_cell,
     shown_loads,
 )
-from roughcontact.report.load_plots import group_curves, group_values
+from roughcontact.report.load_plots import group_areas
 from roughcontact.report.tables import TITLES
 from roughcontact.report.units import unit_of
 from roughcontact.statistics.outcome import VERDICTS
@@ -70,10 +70,10 @@ def group_pictures(groups: Sequence[NamedGroup]) -> list[tuple[str, str]]:
         "Open marks: each map. Filled: the group, with the 95 % interval of its mean (of a pair of faces: of "
         "the next placement; of two maps: their range). Groups stand beside one another at each load."
     )
-    values = group_values(displayed, pressure), caption
+    values = group_areas(displayed, pressure, curves=False), caption
     if all(group.answer.sizes["load"] == 1 for group in groups):  # no line, no band
         return [values]
-    curves = group_curves([(group.label, group.answer) for group in groups], pressure)
+    curves = group_areas([(group.label, group.answer) for group in groups], pressure, curves=True)
     return [values, (curves, "Lines: the groups. Bands: the same intervals.")]
 
 

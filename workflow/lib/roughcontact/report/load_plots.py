@@ -17,10 +17,11 @@ from roughcontact.report.charts import (
     MARKERS,
     Axis,
     Chart,
+    load_label,
     log_axis,
 )
 from roughcontact.report.tables import is_finite_body
-from roughcontact.report.units import unit_of
+from roughcontact.report.units import interval_of, unit_of
 from roughcontact.roughness.summits import summit_statistics
 from roughcontact.statistics import theory
 
@@ -28,6 +29,13 @@ _AREA = "relative_contact_area"
 _DASHES = ("", DASHED, DOTTED, DASH_DOTTED)  # of cases
 _SHOWN_BELOW = 0.1  # of the least area: an interval that ends below is drawn as far as the axis reaches
 _RELATIVE = "relative pressure p′ = p̄ / (E* g)"
+_WIDE = 560.0, 430.0  # size of a chart of several surfaces
+# of a distribution: unit, quantity, share, and what is dotted
+_DISTRIBUTIONS = {
+    "pressure": ("Pa", "contact pressure p", "p P(p), share of the contact", "mean over the contact"),
+    "gap": ("m", "gap u", "u P(u), share of the open area", "mean out of contact"),
+    "patch": ("m2", "area of a patch", "share of the contact", "largest patch"),
+}
 
 
 def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Chart:
@@ -38,25 +46,26 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
     from the summits of `window`.
     """
     unit = float(statistics["contact_modulus"] * statistics["rms_gradient"])
-    factor, unit_label = unit_of(statistics, "Pa")
-    load = statistics["mean_pressure"].values * factor
-    corrected = statistics["relative_contact_area"].values
-    counted = statistics["relative_contact_area_pixels"].values
-    ends = _ends(statistics, "relative_contact_area")
-    relative = statistics["relative_pressure"].values
+    pascals = unit_of(statistics, "Pa")
+    load, relative = (
+        statistics["mean_pressure"].values * pascals.factor,
+        statistics["relative_pressure"].values,
+    )
+    corrected, *ends = interval_of(statistics, _AREA)
+    counted = statistics[f"{_AREA}_pixels"].values
     chart = _area_chart(
         load,
         np.concatenate([corrected, _clipped_ends(ends[0], corrected), theory.persson_area(relative)]),
-        label=f"mean pressure p̄ ({unit_label})",
+        label=load_label(pascals),
         top=_relative_axis(statistics),
     )
     if has_theories(statistics):
-        line = _theory_lines(chart, relative, unit=unit * factor)
+        line = _theory_lines(chart, relative, unit=unit * pascals.factor)
         if window is not None:
             modulus, summits = float(statistics["contact_modulus"]), summit_statistics(window)
             area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)
             if np.isfinite(area).any():
-                x, name = line * unit * factor, "Greenwood-Williamson"
+                x, name = line * unit * pascals.factor, "Greenwood-Williamson"
                 chart.line(x, 100 * area, colour="#8a5a00", dash=DASH_DOTTED, width=1.3, label=name)
     chart.bars(load, *(100 * end for end in ends), colour=COLOURS[0])
     chart.marks(load, 100 * counted, colour=COLOURS[0], filled=False, label="solved, pixels counted")
@@ -72,7 +81,7 @@ def has_theories(statistics: xr.Dataset) -> bool:
 def compare_areas(
     series: Sequence[tuple[str, np.ndarray, np.ndarray]],
     *,
-    intervals: Sequence[tuple[np.ndarray, np.ndarray]] = (),
+    intervals: Sequence[Sequence[np.ndarray]] = (),
     pressure: Unit | None = None,
     styles: Sequence[tuple[int, int]] = (),
 ) -> str:
@@ -86,8 +95,8 @@ def compare_areas(
     areas = np.concatenate([*(area for _, _, area in series), *(low for low, _ in intervals)])
     drawn = np.concatenate([area for _, _, area in series])
     factor = pressure.factor if pressure else 1.0
-    label = f"mean pressure p̄ ({pressure.symbol})" if pressure else _RELATIVE
-    chart = _area_chart(loads * factor, _clipped_ends(areas, drawn), size=(560.0, 430.0), label=label)
+    label = load_label(pressure) if pressure else _RELATIVE
+    chart = _area_chart(loads * factor, _clipped_ends(areas, drawn), size=_WIDE, label=label)
     if pressure is None:
         _theory_lines(chart, loads)
     multiple = len({case for _, case in styles}) > 1
@@ -101,57 +110,41 @@ def compare_areas(
         if intervals:
             chart.bars(load * factor, *(100 * end for end in intervals[index]), colour=colour)
         x, y, of_case = load[order] * factor, 100 * area[order], _case_style(case)
-        chart.marks(
-            x, y, colour=colour, marker=marker, joined=1.0, label=name, listed=not multiple, **of_case
-        )
+        chart.marks(x, y, colour=colour, marker=marker, width=1.0, label=name, listed=not multiple, **of_case)
     for name, (colour, marker) in surfaces.items() if multiple else ():
-        chart.key(name, colour=colour, marker=marker)
+        chart.key(label=name, colour=colour, marker=marker)
     for name, case in cases.items() if multiple else ():
-        chart.key(name, colour=GREY, marker="o", **_case_style(case))
+        chart.key(label=name, colour=GREY, marker="o", **_case_style(case))
     return chart.source()
 
 
-def group_values(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> str:
-    """Draw the contact area of each map of some groups, and of the groups with their intervals.
+def group_areas(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit, *, curves: bool) -> str:
+    """Draw the contact area of some groups against the load, with their intervals.
 
-    `groups` has a (label, answer of `group_statistics`) for each, at the loads that are drawn; loads are
-    shown in the unit `pressure`.
+    `groups` has a (label, answer of `group_statistics`) for each; loads are shown in the unit `pressure`.
+    Beside one another at each load stand the groups with each of their maps, or they are `curves` with bands.
     """
-    chart = _groups_chart(groups, pressure)
+    loads = np.concatenate([answer["mean_pressure"].values for _, answer in groups])
+    keys = f"{_AREA}_of_maps", f"{_AREA}_lower"
+    areas = np.concatenate([np.ravel(answer[key].values) for _, answer in groups for key in keys])
+    chart = _area_chart(loads * pressure.factor, areas, size=_WIDE, label=load_label(pressure))
     room = min(0.08, 0.5 / len(groups))  # ln(load) between the maps of a group and its mean
     for index, (name, answer) in enumerate(groups):
         colour, marker = _style(index)
         load = answer["mean_pressure"].values * pressure.factor
-        load = load * np.exp(2 * room * (index - (len(groups) - 1) / 2))
-        for of_map in answer[f"{_AREA}_of_maps"].values:
-            chart.marks(load / np.exp(room / 2), 100 * of_map, colour=colour, marker=marker, filled=False)
-        load = load * np.exp(room / 2)
-        chart.bars(load, *(100 * end for end in _ends(answer, _AREA)), colour=colour)
-        chart.marks(load, 100 * answer[_AREA].values, colour=colour, marker=marker, label=name)
+        area, *ends = (100 * values for values in interval_of(answer, _AREA))
+        if curves:
+            chart.shade(load, *ends, colour=colour)
+        else:
+            load = load * np.exp(2 * room * (index - (len(groups) - 1) / 2))
+            for of_map in answer[f"{_AREA}_of_maps"].values:
+                of_maps = load / np.exp(room / 2)
+                chart.marks(of_maps, 100 * of_map, colour=colour, marker=marker, filled=False)
+            load = load * np.exp(room / 2)
+            chart.bars(load, *ends, colour=colour)
+        width = 1.4 if curves else 0.0
+        chart.marks(load, area, colour=colour, marker=marker, width=width, label=name)
     return chart.source()
-
-
-def group_curves(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> str:
-    """Draw the contact area of some groups against the load, with the band of its interval.
-
-    Arguments are those of `group_values`, with all loads.
-    """
-    chart = _groups_chart(groups, pressure)
-    for index, (name, answer) in enumerate(groups):
-        colour, marker = _style(index)
-        load = answer["mean_pressure"].values * pressure.factor
-        chart.shade(load, *(100 * end for end in _ends(answer, _AREA)), colour=colour)
-        chart.marks(load, 100 * answer[_AREA].values, colour=colour, marker=marker, joined=1.4, label=name)
-    return chart.source()
-
-
-def _groups_chart(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> Chart:
-    """Return the axes that hold the areas of all maps of some groups."""
-    loads = np.concatenate([answer["mean_pressure"].values for _, answer in groups])
-    keys = f"{_AREA}_of_maps", f"{_AREA}_lower"
-    areas = np.concatenate([np.ravel(answer[key].values) for _, answer in groups for key in keys])
-    label = f"mean pressure p̄ ({pressure.symbol})"
-    return _area_chart(loads * pressure.factor, areas, size=(560.0, 430.0), label=label)
 
 
 def _style(index: int) -> tuple[str, str]:
@@ -237,13 +230,6 @@ def _relative_axis(statistics: xr.Dataset) -> Axis | None:
     return log_axis(_RELATIVE, statistics["relative_pressure"].values)
 
 
-def _ends(statistics: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return both ends of the interval of a quantity, NaN where there is none."""
-    absent = np.full(statistics[name].shape, np.nan)
-    lower, upper = (np.asarray(statistics.get(f"{name}_{end}", absent)) for end in ("lower", "upper"))
-    return lower, upper
-
-
 def gap_against_load(statistics: xr.Dataset) -> Chart:
     """Draw the mean gap with its interval against the load, both logarithmic, with the rms height."""
     lines = [("mean_gap", "mean gap", COLOURS[2], "o")]
@@ -275,19 +261,18 @@ def _against_load(
     """Draw results (name, label, colour, marker) with their intervals, and a `limit`, against the load."""
     pascals = unit_of(statistics, "Pa")
     load = statistics["mean_pressure"].values * pascals.factor
-    results = [[statistics[name].values, *_ends(statistics, name)] for name, *_ in lines]
-    results = [[values * unit.factor for values in result] for result in results]
+    results = [[values * unit.factor for values in interval_of(statistics, name)] for name, *_ in lines]
     at_limit, limit_label = limit[0] * unit.factor, limit[1]
     drawn = np.concatenate([*(values for result in results for values in result), [at_limit]])
     drawn[drawn < 1e-5 * np.nanmax(drawn)] = np.nan
     y = log_axis(f"{label} ({unit.symbol})", drawn, room=1.6)
-    x = log_axis(f"mean pressure p̄ ({pascals.symbol})", load)
+    x = log_axis(load_label(pascals), load)
     chart = Chart(x, y, top=_relative_axis(statistics))
     if np.isfinite(at_limit):
         chart.across(y=at_limit, dash=DASHED, label=limit_label)
     for (_, text, colour, marker), (value, *ends) in zip(lines, results, strict=True):
         chart.bars(load, *ends, colour=colour)
-        chart.marks(load, value, colour=colour, marker=marker, joined=1.4, label=text)
+        chart.marks(load, value, colour=colour, marker=marker, width=1.4, label=text)
     return chart
 
 
@@ -296,18 +281,14 @@ def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart
 
     The share of the contact per factor e of pressure, p P(p), so that equal areas are equal shares.
     """
-    labels = "contact pressure p", "p P(p), share of the contact per factor e"
-    dotted = "mean over the contact", statistics["mean_contact_pressure"].values
-    return _distribution(statistics, loads, "pressure", unit="Pa", labels=labels, dotted=dotted)
+    return _distribution(statistics, loads, "pressure", statistics["mean_contact_pressure"].values)
 
 
 def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart:
     """Draw the distribution of the gap at the loads of these indices, points out of contact only."""
     open_share, gap = 1 - statistics["relative_contact_area_pixels"].values, statistics["mean_gap"].values
-    labels = "gap u", "u P(u), share of the open area per factor e"
     mean = np.divide(gap, open_share, out=np.full(gap.shape, np.nan), where=open_share > 0)
-    dotted = "mean out of contact", mean
-    return _distribution(statistics, loads, "gap", unit="m", labels=labels, dotted=dotted)
+    return _distribution(statistics, loads, "gap", mean)
 
 
 def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart:
@@ -319,22 +300,13 @@ def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart:
     middles = np.sqrt(np.maximum(bounds[:, 0], bounds[:, 1] / 2) * bounds[:, 1])
     by_area = statistics["patch_area_density"].transpose("load", "patch_bin") * middles
     share = by_area / (by_area * np.diff(bounds, axis=1).ravel()).sum("patch_bin")
-    labels = "area of a patch", "share of the contact per factor e"
-    dotted = "largest patch", statistics["largest_patch_area"].values
-    shares = statistics.assign(patch_density=share)
-    return _distribution(shares, loads, "patch", unit="m2", labels=labels, dotted=dotted)
+    largest = statistics["largest_patch_area"].values
+    return _distribution(statistics.assign(patch_density=share), loads, "patch", largest)
 
 
-def _distribution(
-    statistics: xr.Dataset,
-    loads: Sequence[int],
-    name: str,
-    *,
-    unit: str,
-    labels: tuple[str, str],
-    dotted: tuple[str, np.ndarray],
-) -> Chart:
-    """Draw shares per factor e over a logarithmic axis at a few loads, dotted lines at `dotted`."""
+def _distribution(statistics: xr.Dataset, loads: Sequence[int], name: str, dotted: np.ndarray) -> Chart:
+    """Draw shares per factor e over a logarithmic axis at a few loads, lines at the values `dotted`."""
+    unit, quantity, share, dotted_label = _DISTRIBUTIONS[name]
     bounds = statistics[f"{name}_bin_bounds"].values
     shares = statistics[f"{name}_density"].fillna(0.0).values * np.diff(bounds, axis=1).ravel()
     widths = np.log(bounds[1:, 1] / bounds[1:, 0])
@@ -344,14 +316,14 @@ def _distribution(
     factor, unit_label = unit_of(statistics, unit)
     highest = 1.05 * float((shares[loads, 1:] / widths).max()) or 1.0
     chart = Chart(
-        Axis(f"{labels[0]} ({unit_label})", low * factor, high * factor * 1.15, log=True),
-        Axis(labels[1], 0.0, highest),
+        Axis(f"{quantity} ({unit_label})", low * factor, high * factor * 1.15, log=True),
+        Axis(f"{share} per factor e", 0.0, highest),
     )
     for index, load in enumerate(loads):
         edges = np.repeat(np.append(bounds[1:, 0], bounds[-1, 1]) * factor, 2)
         steps = np.concatenate([[0.0], np.repeat(shares[load, 1:] / widths, 2), [0.0]])
         label = f"p̄ = {unit_of(statistics, 'Pa').text(float(statistics['mean_pressure'][load]))}"
         chart.line(edges, steps, colour=COLOURS[index], label=label)
-        text = dotted[0] if load == loads[-1] else ""
-        chart.across(x=float(dotted[1][load]) * factor, colour=COLOURS[index], dash=DOTTED, label=text)
+        text = dotted_label if load == loads[-1] else ""
+        chart.across(x=float(dotted[load]) * factor, colour=COLOURS[index], dash=DOTTED, label=text)
     return chart

@@ -3,7 +3,7 @@
 import base64
 import json
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,7 @@ from roughcontact.report.load_plots import compare_areas, sample_of, spread_of_a
 from roughcontact.report.summary import read_summary
 from roughcontact.report.tables import is_finite_body
 from roughcontact.report.template import template
-from roughcontact.report.units import unit_of
+from roughcontact.report.units import interval_of, unit_of
 from roughcontact.report.unloading import unloading_of
 from roughcontact.results.collect import Failure, solved_results
 from roughcontact.results.storage import write_text
@@ -33,22 +33,17 @@ from roughcontact.uncertainty.group_tables import NamedGroup
 
 # columns of the index of many surfaces: of `HEADINGS` all but the last; and the variables that sort them
 _HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g", *HEADINGS[:-1])
-_SORTED_BY = (
-    "mean_pressure",
-    "relative_contact_area",
-    "mean_contact_pressure",
-    "mean_gap",
-    "",
-    "",
-    "max_pressure",
-)
+_AREA = "relative_contact_area"
+_SORTED_BY = ("mean_pressure", _AREA, "mean_contact_pressure", "mean_gap", "", "", "max_pressure")
+
+Key = tuple[str, str | None]  # surface and case
 
 
 def write_report(
     path: str | Path,
     *,
     panels: Sequence[str | Path],
-    residuals: Mapping[tuple[str, str | None], str | Path] | None = None,
+    residuals: Mapping[Key, str | Path] | None = None,
     statistics: xr.Dataset,
     summary: str,
     title: str,
@@ -77,14 +72,14 @@ def write_report(
     grouped = {str(name): group.name for group in groups for name in group.answer["map"].values}
     results = list(series.values())
     available = {_name(*key): data for key, data in series.items()}
-    styles = _line_styles(series, series, grouped)
+    styles = _line_styles(series, grouped)
     units, indices = glance_units(results), loads_to_compare(results)
-    by_name = dict(zip(available, zip(series, styles, units, indices, strict=True), strict=True))
+    by_name = dict(zip(available, zip(series, units, indices, strict=True), strict=True))
     rows: list[dict[str, Any]] = []
     for path_of_panel in panels:
         panel = read_summary(path_of_panel)
         data = available[panel["name"]]
-        (surface, case), style, of_surface, index = by_name[panel["name"]]
+        (surface, case), of_surface, index = by_name[panel["name"]]
         rows.append(
             {
                 **panel,
@@ -92,7 +87,7 @@ def write_report(
                 "glance": glance_rows(data, of_surface, panel["loads"]),
                 "numbers": _compared(data, of_surface, index) if indexed else [],
                 "case": case,
-                "sample": sample_of(*style),
+                "sample": sample_of(*styles[surface, case]),
                 "group": grouped.get(surface, ""),
                 "rank": len(VERDICTS) - list(VERDICTS).index(panel["verdict"]),
             }
@@ -125,7 +120,7 @@ def write_report(
             {(name, case or ""): float(data["mean_pressure"][0]) for (name, case), data in series.items()},
         ),
         which_load=_which_load(indices, results),
-        comparisons=_comparisons(series, grouped, many=indexed),
+        comparisons=_comparisons(series, styles, bool(grouped), many=indexed),
         cases=_cases(by_surface, many=indexed, equal_loads=equal),
         unloadings=[
             unloading_of(_name(*key), series[key], residual, folder)
@@ -188,9 +183,12 @@ def _as_download(text: str) -> str:
 
 
 def _comparisons(
-    series: Mapping[tuple[str, str | None], xr.Dataset], grouped: Mapping[str, str], *, many: bool
+    series: Mapping[Key, xr.Dataset], styles: Mapping[Key, tuple[int, int]], grouped: bool, *, many: bool
 ) -> list[tuple[str, str]]:
-    """Return (image, caption) of area against load of all rough surfaces: in Pa, and relative to E* g."""
+    """Return (image, caption) of area against load of all rough surfaces: in Pa, and relative to E* g.
+
+    `styles` is of `_line_styles`, `grouped` whether there are groups of maps.
+    """
     rough = {key: data for key, data in series.items() if np.isfinite(data["relative_pressure"]).all()}
     # the panel of a single surface has the same
     if len(rough) < 2:
@@ -203,7 +201,7 @@ def _comparisons(
     if many:
         groups: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
         for (_, case), data in half_spaces.items():
-            line = data["relative_pressure"].values, data["relative_contact_area"].values
+            line = data["relative_pressure"].values, data[_AREA].values
             groups.setdefault(case or "", []).append(line)
         statements = f"Each surface is a faint line. {in_these_units}"
         return [
@@ -212,8 +210,7 @@ def _comparisons(
         ]
     # that of the stiffest, where the cases differ in it
     pressure = min((unit_of(data, "Pa") for data in rough.values()), key=lambda unit: unit.factor)
-    available = all("relative_contact_area_lower" in data for data in rough.values())
-    styles = dict(zip(rough, _line_styles(series, rough, grouped), strict=True))
+    available = all(f"{_AREA}_lower" in data for data in rough.values())
     remarks = ["Bars: the ±."] if available else []
     remarks += ["Surfaces are colours, cases are line styles."] if any(case for _, case in rough) else []
     remarks += ["The maps of a group have one colour."] if grouped else []
@@ -224,15 +221,8 @@ def _comparisons(
     ):
         if len(drawn) < 2:
             continue
-        lines = [
-            (_name(*key), data[load].values, data["relative_contact_area"].values)
-            for key, data in drawn.items()
-        ]
-        ends = [
-            (data["relative_contact_area_lower"].values, data["relative_contact_area_upper"].values)
-            for data in drawn.values()
-            if available
-        ]
+        lines = [(_name(*key), data[load].values, data[_AREA].values) for key, data in drawn.items()]
+        ends = [interval_of(data, _AREA)[1:] for data in drawn.values() if available]
         image = compare_areas(lines, intervals=ends, pressure=unit, styles=[styles[key] for key in drawn])
         charts.append((image, f"{comparison_caption(lines, unit)} {text}".strip()))
     return charts
@@ -249,22 +239,20 @@ def _cases(
     return [(name, table) for name, table in tables if table]
 
 
-def _line_styles(
-    series: Iterable[tuple[str, str | None]],
-    drawn: Iterable[tuple[str, str | None]],
-    grouped: Mapping[str, str],
-) -> Iterator[tuple[int, int]]:
-    """Yield the indices of colour and line style of results that are `drawn`, among those of all.
+def _line_styles(series: Iterable[Key], grouped: Mapping[str, str]) -> dict[Key, tuple[int, int]]:
+    """Return the indices of colour and line style of all results.
 
     The maps of a group (name of a map -> of its group) have one colour, cases have line styles.
     """
-    surfaces, cases = (list(dict.fromkeys(names)) for names in zip(*series, strict=True))
-    colours = list(dict.fromkeys(grouped.get(surface, surface) for surface in surfaces))
-    for surface, case in drawn:
-        yield colours.index(grouped.get(surface, surface)), cases.index(case)
+    colours = list(dict.fromkeys(grouped.get(surface, surface) for surface, _ in series))
+    cases = list(dict.fromkeys(case for _, case in series))
+    return {
+        (surface, case): (colours.index(grouped.get(surface, surface)), cases.index(case))
+        for surface, case in series
+    }
 
 
-def _series(statistics: xr.Dataset) -> dict[tuple[str, str | None], xr.Dataset]:
+def _series(statistics: xr.Dataset) -> dict[Key, xr.Dataset]:
     """Return {(surface, case): statistics}, loads rising, without padding and failed surfaces."""
     return {
         (labels["surface"], labels.get("case")): result.isel(load=np.argsort(result["mean_pressure"].values))

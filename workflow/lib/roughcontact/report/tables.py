@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, number, percent, with_interval
-from roughcontact.report.units import unit_of
+from roughcontact.report.units import interval_at, interval_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.variables import VARIABLES, Numbers
 
@@ -106,8 +106,7 @@ def _column(
     selected = unit_of(numbers, unit)
     head = title, selected.symbol, VARIABLES[name][1]
     if f"{name}_lower" in numbers:
-        ends = (numbers[f"{name}_{end}"].values for end in ("lower", "upper"))
-        return head, [selected.interval(*entry) for entry in zip(values, *ends, strict=True)]
+        return head, [selected.interval(*entry) for entry in zip(*interval_of(numbers, name), strict=True)]
     if name.endswith(("conductance", "_resistance")) and f"{_AREA}_lower" in numbers:
         cells = [as_the_area(numbers, name, selected, load) for load in range(values.size)]
         return (f"{title}, no ±", *head[1:]), cells
@@ -118,7 +117,7 @@ def _column(
 
 def as_the_area(numbers: Numbers, name: str, unit: Unit, index: int) -> str:
     """Return a number of a load that has no interval with the digits that the contact area carries."""
-    area, *ends = (float(numbers[f"{_AREA}{end}"][index]) for end in ("", "_lower", "_upper"))
+    area, *ends = interval_at(numbers, _AREA, index)
     value = float(numbers[name][index]) * unit.factor
     return with_interval(value, *(value * end / area for end in ends)).split()[0]
 

@@ -67,11 +67,16 @@ def interval_at(numbers: Numbers, name: str, index: int) -> tuple[float, float, 
     >>> interval_at({"mean_gap": [2e-6], "mean_gap_lower": [1e-6]}, "mean_gap", 0)
     (2e-06, 1e-06, nan)
     """
-    keys = [f"{name}{end}" for end in ("", "_lower", "_upper")]
-    value, lower, upper = (
-        float(np.asarray(numbers[key])[index]) if key in numbers else np.nan for key in keys
-    )
+    value, lower, upper = (float(values[index]) for values in interval_of(numbers, name))
     return value, lower, upper
+
+
+def interval_of(numbers: Numbers, name: str) -> list[np.ndarray]:
+    """Return a quantity (load) and both ends of its interval (SI), NaN where it has none."""
+    keys = [name, f"{name}_lower", f"{name}_upper"]
+    available = {key: np.asarray(numbers[key], float) for key in keys if key in numbers}
+    absent = np.full(next(iter(available.values()), np.array(np.nan)).shape, np.nan)
+    return [available.get(key, absent) for key in keys]
 
 
 def length_unit(longest: float) -> Unit:
