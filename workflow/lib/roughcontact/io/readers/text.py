@@ -5,10 +5,11 @@ assumption. Where positions are given, y increases upwards.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import takewhile
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,16 +30,23 @@ from roughcontact.io.guards import listed
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.axes import are_points, axes_of, begins_anew, form_a_grid, uneven
-from roughcontact.io.text.columns import Column, headed, layout, miscounted, of_a_map, unit_of_heights
+from roughcontact.io.text.columns import Column, Layout, headed, layout, miscounted, of_a_map, unit_of_heights
 from roughcontact.io.text.doubts import cut_number, not_understood, refuse_lost_row, thousands
-from roughcontact.io.text.header import Stated, Statement, contradiction, disagreeing, first_of, statements
+from roughcontact.io.text.header import (
+    Stated,
+    Statement,
+    contradiction,
+    disagreeing,
+    first_of,
+    lengths_along,
+    statements,
+)
 from roughcontact.io.text.lines import lines_of, looks_like_text
 from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import (
     Dialect,
     Rows,
     Table,
-    below_a_label,
     counted,
     is_empty_row,
     parse_table,
@@ -47,7 +55,7 @@ from roughcontact.io.text.table import (
     split_tables,
     unquoted,
 )
-from roughcontact.io.text.traces import are_traces, question, runs, turn
+from roughcontact.io.text.traces import are_traces, runs, turn
 from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.io.vocabulary import words
 from roughcontact.quantities import counted_noun
@@ -71,11 +79,11 @@ class _Text(NamedTuple):
 
     rows: Rows
     table: Table
-    counts: list[int]
     delimiter: str | None
     stated: Stated
     first_values: dict[str, Any]
     columns: list[Column] | None
+    doubts: list[str]
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -94,30 +102,27 @@ def read(path: Path) -> MeasuredFile:
     texts: list[_Text] = []
     files: list[MeasuredFile] = []
     for table in split_tables(header, rows, first, dialect):
-        text, doubts = _parsed(table, [] if texts else counts, dialect)
-        texts.append(text)
-        files.append(_file(text))
-        files[-1].warnings += doubts
+        texts.append(_parsed(table, [] if texts else counts, dialect))
+        files.append(_file(texts[-1]))
+        files[-1].warnings += texts[-1].doubts
     file = files[0] if len(files) == 1 else _together(texts, files)
     file.warnings += cut
     if empty:
         file.warnings.append(_left_out(empty, "line"))
     first_values = texts[0].first_values
-    stated = {label: first_values.get(key) for label, key in _INSTRUMENT.items()}
-    file.instrument = instrument_metadata(stated)
+    file.instrument = instrument_metadata(
+        {label: first_values.get(key) for label, key in _INSTRUMENT.items()}
+    )
     return file
 
 
-def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> tuple[_Text, list[str]]:
+def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     """Return one table with its statements, and warnings about its numbers."""
-    labelled = below_a_label(rows, dialect)
-    rows = labelled or rows
-    table = parse_table(rows.texts, rows.lines, dialect)
-    if labelled:
-        table = table._replace(empty_corner=True, short=True)
+    table = parse_table(rows, dialect)
+    values, width = table.values, table.values.shape[1]
     sign = "," if dialect.decimal_comma else "." if any("." in line for line in rows.texts) else ""
     stated = statements(rows.heading, first=rows.first, sign=sign)
-    refuse_lost_row(rows, table.values.shape[1], dialect)
+    refuse_lost_row(rows, width, dialect)
     doubts = [
         f"{marker!r} occurs in {counted_noun(count, 'cell')} of the table and is taken as missing: "
         "write NaN if the point is missing, or correct it"
@@ -126,14 +131,12 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> tuple[_Text, lis
     if wrong := disagreeing(stated):
         raise InputFileError(wrong)
     first_values = first_of(stated)
-    table.values[np.abs(table.values) > LEAST_MARKER] = np.nan  # infinite ones too
+    values[np.abs(values) > LEAST_MARKER] = np.nan  # infinite ones too
     doubts += thousands(rows.heading, rows.texts, dialect)
-    measured = table.values[
-        np.isfinite(table.values) & ~np.isin(table.values, first_values.get("missing", []))
-    ]
+    measured = values[np.isfinite(values) & ~np.isin(values, first_values.get("missing", []))]
     span = np.ptp(measured) if measured.size else 0.0
     if abs(first_values.get("height_range", np.inf) - span) <= 0.01 * span:  # in the unit of the heights
-        first_values.setdefault("height_unit", first_values.get("height_range_unit"))
+        first_values.setdefault("height_unit", stated["height_range"][0].unit or None)
     doubts += not_understood(rows, stated, measured)
     if unit := unit_of_heights(rows.heading):
         if is_length(first_values.get("height_unit")) and not same_length(unit, first_values["height_unit"]):
@@ -141,22 +144,23 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> tuple[_Text, lis
                 f"{stated['height_unit'][0]}, and a heading of the heights {unit!r}; correct one"
             )
         first_values.setdefault("height_unit", unit)
-    values = table.values
-    columns = headed(rows.heading, values.shape[1], dialect.delimiter)
-    if not {"length_x", "length_y", "nx", "ny"} & set(first_values):
-        filled_columns = slice(table.empty_left, values.shape[1] - table.empty_right)
-        if not columns and (empty := table.empty_left + table.empty_right):
-            doubts.append(_left_out(empty, "column"))
-        table = table._replace(values=values[:, filled_columns])
-        width = table.values.shape[1]
-        columns = columns[filled_columns] if columns else headed(rows.heading, width, dialect.delimiter)
+    columns = headed(rows.heading, width, dialect.delimiter)
+    if table.empty.any() and not {"length_x", "length_y", "nx", "ny"} & {*stated}:
+        filled = slice(*(np.flatnonzero(~table.empty)[[0, -1]] + (0, 1)))
+        table = table._replace(values=values[:, filled], empty=table.empty[filled])
+        if columns:
+            columns = columns[filled]
+        elif left_out := width - table.empty.size:
+            doubts.append(_left_out(left_out, "column"))
+            columns = headed(rows.heading, table.empty.size, dialect.delimiter)
     above = next((line for line in reversed(rows.heading) if line.strip()), "")
-    if not columns and (named := miscounted(above, values.shape[1], dialect.delimiter)):
+    if not columns and (named := miscounted(above, width, dialect.delimiter)):
         raise InputFileError(
             f"{above.strip()[:60]!r} names {named} columns, the table below it, from line "
-            f"{rows.lines[0]} on, has {values.shape[1]}: correct that line"
+            f"{rows.lines[0]} on, has {width}: correct that line"
         )
-    return _Text(rows, table, counts, dialect.delimiter, stated, first_values, columns), doubts
+    _refuse_cut_table(table.values.shape, counts or [first_values.get("count", 0)])
+    return _Text(rows, table, dialect.delimiter, stated, first_values, columns, doubts)
 
 
 def _left_out(count: int, lines: str) -> str:
@@ -211,31 +215,24 @@ def _title(text: _Text) -> str:
 
 def _file(text: _Text) -> MeasuredFile:
     """Return the file contents; header and headings decide on its kind, then the form of the columns."""
-    values, columns, first_values = text.table.values, text.columns, text.first_values
+    values, columns = text.table.values, text.columns
     rows, count = values.shape
-    _refuse_cut_table(text)
-    column_layout = None
-    if columns is not None and any(column.name for column in columns):
-        if not (column_layout := layout(columns)) and not of_a_map(columns):
-            listing = listed([f"{name} ({unit})" if unit else name for name, unit, _ in columns if name])
-            raise InputFileError(
-                f"nothing says which of the {count} columns {listing} are positions and heights; name them "
-                "x, y and z, in the line above the table, or delete that line above the heights of a map"
-            )
-    elif columns is not None and count in (2, 3):
-        column_layout = layout(columns)
-    if column_layout and not text.table.empty_corner:
-        return _lists(text, columns or [], column_layout.positions, column_layout.heights)
-    if count == 1 and rows > 1 and first_values.get("nx") != 1:
-        return _one_column(values, columns[0] if columns else None, text)
-    if (
-        count in (2, 3)
-        and rows > 2
-        and not text.table.empty_corner
-        and not _is_stated_matrix(values, first_values)
-    ):
-        unnamed = columns or [Column("", None, "")] * count
-        return _lists(text, unnamed, [[*range(count - 1)]], [count - 1], named=False)
+    found = layout(columns) if columns else None
+    if columns and not found and any(column.name for column in columns) and not of_a_map(columns):
+        listing = listed([f"{name} ({unit})" if unit else name for name, unit, _ in columns if name])
+        raise InputFileError(
+            f"nothing says which of the {count} columns {listing} are positions and heights; name them "
+            "x, y and z, in the line above the table, or delete that line above the heights of a map"
+        )
+    if found and not text.table.empty_corner:
+        return _lists(text, found)
+    if count == 1:
+        is_list = rows > 1 and text.first_values.get("nx") != 1
+    else:
+        narrow = count <= 3 and rows > 2 and not text.table.empty_corner
+        is_list = narrow and not _is_stated_matrix(values, text.first_values)
+    if is_list:
+        return _lists(text, Layout([[*range(count - 1)]], [count - 1]))
     if text.rows.broken:
         raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a row is missing")
     return _matrix_beside(text)
@@ -250,14 +247,12 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
             f"positions begin anew at line {text.rows.lines[row]}: points, then name the columns in a line "
             "above them (x, y, z), or a second table, then leave one of them in the file"
         )
-    cells = text.rows.texts[0].split(text.delimiter)[text.table.empty_left :]
-    empty = [not cell.strip() and np.isnan(values[:, index]).all() for index, cell in enumerate(cells[:nx])]
-    if begins_anew(values.T) or any(empty[1:-1]):
+    if begins_anew(values.T) or text.table.empty[1:-1].any():
         raise InputFileError(
             f"line {text.rows.lines[0]} begins anew, or has an empty column: maps beside one another; leave "
             "one of them in the file, or write NaN where a column is missing"
         )
-    axes = axes_of(values, corner=text.table.empty_corner and not text.table.empty_left)
+    axes = axes_of(values, corner=text.table.empty_corner)
     if are_points(values.T):
         raise InputFileError(
             f"line {text.rows.lines[0]} holds positions: write the points in columns, x, (y,) z"
@@ -306,36 +301,22 @@ def _against(text: _Text, steps: dict[str, float], unit: str | None, shape: tupl
     return ""
 
 
-def _lists(
-    text: _Text,
-    columns: list[Column],
-    positions: Sequence[list[int]],
-    heights: Sequence[int],
-    *,
-    named: bool = True,
-) -> MeasuredFile:
+def _lists(text: _Text, found: Layout) -> MeasuredFile:
     """Return lists of points or profiles: one for each column of heights, and each trace in it."""
+    columns = text.columns or [Column("", None, "")] * text.table.values.shape[1]
     values, usual_name = text.table.values, text.first_values.get("channel", "height")
     valid = [index for index, column in enumerate(columns) if column.role == "valid"]
-    matrix = None if named or text.rows.broken else values
+    invalid = (values[:, valid] == 0).any(axis=1)
     files: list[tuple[int, MeasuredFile]] = []  # with their ranks
-    for indices, height in zip(positions, heights, strict=True):
-        listed = values[:, [*indices, height]]
-        for index in valid:
-            listed[values[:, index] == 0, -1] = np.nan
-        has_values = ~np.isnan(listed).all(axis=1)
-        if not indices:  # without positions a point is missing where a number follows below
-            has_values = np.maximum.accumulate(has_values[::-1])[::-1]
-        units = [columns[index].unit for index in (*indices, height)]
-        lines = [line for line, has_value in zip(text.rows.lines, has_values, strict=True) if has_value]
-        if indices:
-            of_kind = _points if len(indices) == 2 else _profile
-            file = of_kind(listed[has_values], units, lines, text, matrix)
-        else:
-            file = _one_column(listed[has_values], columns[height], text)
+    for indices, height in zip(found.positions, found.heights, strict=True):
+        table = values[:, [*indices, height]]
+        table[invalid, -1] = np.nan
+        if not indices and len(found.heights) > 1:  # columns of several lengths
+            table = table[: len(table) - int(np.argmax(np.isfinite(table[::-1, 0])))]
+        file = _list(table, [columns[index] for index in (*indices, height)], text)
         name = columns[height].name
         for channel in file.channels:
-            if len(heights) > 1:
+            if len(found.heights) > 1:
                 channel.name = name if channel.name == usual_name else f"{name}, {channel.name}"
             as_they_are = f"the heights are those of the column {name!r}, as they are"
             if name.lower().startswith(_DEPTHS):
@@ -346,13 +327,26 @@ def _lists(
     (rank, file), *others = sorted(files, key=lambda ranked: ranked[0])
     if not others:
         return file
-    question_text = file.question
+    question = file.question
     if others[0][0] <= max(rank, _LENGTH) < _NO_HEIGHT:
-        names = ", ".join(repr(columns[height].name) for height in heights)
-        question_text = f"{counted_noun(len(heights), 'column')} that may be heights: {names}"
-    ordered = [file, *(listed_file for _, listed_file in files if listed_file is not file)]
-    channels = [channel for listed_file in ordered for channel in listed_file.channels]
-    return replace(file, channels=channels, question=question_text)
+        names = ", ".join(repr(columns[height].name) for height in found.heights)
+        question = f"{counted_noun(len(found.heights), 'column')} that may be heights: {names}"
+    ordered = [file, *(other for _, other in files if other is not file)]
+    return replace(file, channels=[each for one in ordered for each in one.channels], question=question)
+
+
+def _list(table: np.ndarray, columns: list[Column], text: _Text) -> MeasuredFile:
+    """Return one list with columns x (y) z, or z alone, of which x and y may have no name."""
+    if len(columns) == 1:
+        return _one_column(table[:, 0], columns[0], text)
+    lateral_unit, factor = _units([column.unit for column in columns], text)
+    has_values = ~np.isnan(table).all(axis=1)
+    lines = [line for line, has_value in zip(text.rows.lines, has_values, strict=True) if has_value]
+    *positions, heights = table[has_values].T
+    channel = _channel(heights[None], text, columns[-1].unit, lateral_unit=lateral_unit)
+    if len(positions) == 1:
+        return _profile(channel, positions[0], lines, text)
+    return _points(channel, positions[0], positions[1] * factor, lines, text)
 
 
 def _rank(column: Column, file: MeasuredFile) -> int:
@@ -384,140 +378,133 @@ def _is_stated_matrix(values: np.ndarray, first_values: dict[str, Any]) -> bool:
     return not form_a_grid(values[:, 0], values[:, 1])
 
 
-def _refuse_cut_table(text: _Text) -> None:
-    """Refuse a table with fewer rows than the file states."""
-    (rows, columns), counts = text.table.values.shape, text.counts
-    if len(counts) == 2:
-        if sorted(counts) != sorted((rows, columns)) and counts[0] * counts[1] != rows:
-            raise InputFileError(
-                f"the line above the table says {counts[0]} and {counts[1]}, the table has {rows} rows of "
-                f"{columns} numbers; it was cut off or changed"
-            )
-        return
-    stated = counts[0] if counts else text.first_values.get("count", 0)
-    if stated > rows and stated not in (columns, rows * columns):
+def _refuse_cut_table(shape: tuple[int, ...], counts: list[int]) -> None:
+    """Refuse a table with fewer rows than the file states: their number, or those along both sides."""
+    rows, columns = shape
+    if len(counts) == 2 and sorted(counts) != sorted(shape) and counts[0] * counts[1] != rows:
         raise InputFileError(
-            f"the file says {stated:g} points, the table has {rows} rows; it was cut off or changed"
+            f"the line above the table says {counts[0]} and {counts[1]}, the table has {rows} rows of "
+            f"{columns} numbers; it was cut off or changed"
+        )
+    if len(counts) == 1 and counts[0] > rows and counts[0] not in (columns, rows * columns):
+        raise InputFileError(
+            f"the file says {counts[0]:g} points, the table has {rows} rows; it was cut off or changed"
         )
 
 
-def _one_column(values: np.ndarray, column: Column | None, text: _Text) -> MeasuredFile:
+def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFile:
     """Return one height per line: a profile, or a map of one column if the user gives both steps."""
-    first_values = text.first_values
     if text.rows.broken:
         raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a height is missing")
-    if {"length_y", "dy", "ny"} & {*first_values}:
+    if {"length_y", "dy", "ny"} & {*text.stated}:
         raise InputFileError(
-            f"a column of {len(values)} numbers, where the header states a size along y: write each row of "
+            f"a column of {heights.size} numbers, where the header states a size along y: write each row of "
             "the map into one line"
         )
-    unit = first_values.get("height_unit", column.unit if column else first_values.get("unit"))
-    file = _matrix(values.T, text._replace(first_values=first_values | {"height_unit": unit}))
+    unit = text.first_values.get("height_unit", column.unit)
+    file = _matrix(heights[None], text, height_unit=unit)
     (channel,) = file.channels
-    if column is None or not column.name:
-        channel.otherwise = _channel(values, first_values, lateral_unit=channel.lateral_unit)
+    if not column.name:
+        channel.otherwise = _channel(heights[:, None], text, unit, lateral_unit=channel.lateral_unit)
     return file
 
 
-def _matrix(table: np.ndarray, text: _Text, positions: dict[str, float] | None = None) -> MeasuredFile:
+def _matrix(
+    table: np.ndarray,
+    text: _Text,
+    positions: Mapping[str, float] = MappingProxyType({}),
+    *,
+    height_unit: str | None = None,
+) -> MeasuredFile:
     """Return a matrix of heights, with steps or size from the header, or by the positions beside it."""
-    ny, nx = table.shape
-    first_values = text.first_values
+    ny, stated = len(table), text.stated
+    sizes = _SIZES & {*stated}
     _refuse_lost_lines(table.shape, text, "the file has")
-    if ny == 1 and "length_y" in first_values:
+    if ny == 1 and "length_y" in stated:
         raise InputFileError("the header gives a size along y, the file has one line; it was cut off")
-    wrong = contradiction(text.stated, table.shape)
-    steps, lateral_unit = ({}, None) if wrong else _steps(first_values, {"x": nx, "y": ny})
-    steps = {axis: step for axis in "xy" if (step := (positions or {}).get("d" + axis))} | steps
-    dx, dy = steps.get("x"), steps.get("y") if ny > 1 else None
-    channel = _channel(table, first_values, dx=dx, dy=dy, lateral_unit=lateral_unit)
+    wrong = contradiction(stated, table.shape)
+    steps, lateral_unit = ({}, None) if wrong else _steps(text, table.shape)
+    steps = {**positions, **steps}
+    dy = steps.get("dy") if ny > 1 else None
+    channel = _channel(table, text, height_unit, dx=steps.get("dx"), dy=dy, lateral_unit=lateral_unit)
     if wrong:
         channel.otherwise = replace(channel)
         channel.doubt = f"{wrong}; {_SCALE_ADVICE}"
-    elif "length_x" in first_values and _SIZES & {*first_values} == {"length_x", "length_y"}:
-        lengths = [first_values[f"length_{axis}"] or np.inf for axis in "xy"]
-        roundings = [first_values[f"length_{axis}_rounding"] for axis in "xy"]
-        channel.size_rounding = tuple(np.divide(roundings, lengths))
-    elif ny > 1 and _SIZES & {*first_values} == {"step"} and not _SQUARE.search(text.stated["step"][0].text):
-        channel.notes.append(f"{text.stated['step'][0]}: taken as the step along x and along y")
-    assumed = not _SIZES & set(first_values)  # programs that write sizes begin at the top
-    return MeasuredFile("text matrix", [channel], first_row="top", first_row_assumed=assumed)
+    elif sizes == {"length_x", "length_y"}:
+        lengths = [stated[f"length_{axis}"][0] for axis in "xy"]
+        channel.size_rounding = tuple(length.rounding / (length.value or np.inf) for length in lengths)
+    elif ny > 1 and sizes == {"step"} and not _SQUARE.search(stated["step"][0].text):
+        channel.notes.append(f"{stated['step'][0]}: taken as the step along x and along y")
+    # programs that write sizes begin at the top
+    return MeasuredFile("text matrix", [channel], first_row="top", first_row_assumed=not sizes)
 
 
-def _profile(
-    table: np.ndarray, units: list[str | None], lines: list[int], text: _Text, full_table: np.ndarray | None
-) -> MeasuredFile:
+def _profile(channel: Channel, x: np.ndarray, lines: list[int], text: _Text) -> MeasuredFile:
     """Return a profile from positions that rise or fall, or several, where they begin anew."""
-    if not np.isfinite(table[:, 0]).all():
-        index = lines[int(np.argmin(np.isfinite(table[:, 0])))]
-        raise InputFileError(f"the point in line {index} has no position")
-    monotonic_runs = runs(table[:, 0])
-    several_traces = len(monotonic_runs) > 1 and are_traces(table[:, 0], monotonic_runs)
-    if len(monotonic_runs) > 1 and not several_traces:
-        wrong = f"{turn(table[:, 0], monotonic_runs, lines)}: the heights are no profile over x"
-        matrix = _as_matrix(full_table, text.first_values)
-        if matrix is None:
-            raise InputFileError(f"{wrong}; cut it there, or correct the positions")
-        channel = Channel("height", (1, len(lines)), unreadable(wrong), otherwise=matrix)
-        channel.doubt = f"{wrong}, or a map of 2 columns, then give dx, dy and unit"
-        return MeasuredFile("text profile (x, z)", [channel], first_row="bottom")
-    traces = monotonic_runs if several_traces else monotonic_runs[:1]
-    channels = [_trace(table[trace], units, text, full_table) for trace in traces]
-    if not several_traces:
-        return MeasuredFile("text profile (x, z)", channels, first_row="bottom")
-    for number, channel in enumerate(channels, start=1):
-        channel.name, channel.otherwise = f"profile {number}", None
-    question_text = question(table[:, 0], monotonic_runs, lines)
-    return MeasuredFile("text profiles (x, z)", channels, first_row="bottom", question=question_text)
+    if not np.isfinite(x).all():
+        raise InputFileError(f"the point in line {lines[int(np.argmin(np.isfinite(x)))]} has no position")
+    traces = runs(x)
+    if len(traces) == 1:
+        return MeasuredFile("text profile (x, z)", [_trace(channel, x, text)], first_row="bottom")
+    where = turn(x, traces, lines)
+    if are_traces(x, traces):
+        channels = []
+        for number, trace in enumerate(traces, start=1):
+            part = replace(channel, read=channel.read()[:, trace].copy, notes=[])
+            channels.append(replace(_trace(part, x[trace], text), name=f"profile {number}", otherwise=None))
+        profiles = counted_noun(len(traces), "profile")
+        question = f"{where}: {profiles} below one another, 'profile 1' to 'profile {len(traces)}'"
+        return MeasuredFile("text profiles (x, z)", channels, first_row="bottom", question=question)
+    wrong = f"{where}: the heights are no profile over x"
+    channel.otherwise = _as_matrix(text)
+    if channel.otherwise is None:
+        raise InputFileError(f"{wrong}; cut it there, or correct the positions")
+    channel = Channel("height", channel.shape, unreadable(wrong), otherwise=channel.otherwise)
+    channel.doubt = f"{wrong}, or a map of 2 columns, then give dx, dy and unit"
+    return MeasuredFile("text profile (x, z)", [channel], first_row="bottom")
 
 
-def _trace(table: np.ndarray, units: list[str | None], text: _Text, full_table: np.ndarray | None) -> Channel:
+def _trace(channel: Channel, x: np.ndarray, text: _Text) -> Channel:
     """Return one profile from positions that rise, or fall, evenly at least within their rounding."""
-    x, z = table[:: -1 if table[0, 0] > table[-1, 0] else 1].T
-    _refuse_lost_lines((1, x.size), text)
-    (lateral_unit, height_unit), _ = _units(units, text.first_values)
-    channel = _channel(z[None, :], text.first_values, height_unit, lateral_unit=lateral_unit)
+    order = slice(None, None, -1 if x[0] > x[-1] else 1)
+    x, heights = x[order], channel.read()[:, order]
+    _refuse_lost_lines(heights.shape, text)
+    channel = replace(channel, shape=heights.shape, read=heights.copy)
     try:
-        step = even_step(x, "x")
+        channel.dx = even_step(x, "x")
     except UnevenPositionsError as error:
-        if (rounded := rounded_step(x)) is None:
-            matrix = _as_matrix(full_table, text.first_values)
-            return replace(scattered(channel, x, None, channel.read(), error), otherwise=matrix)
-        step = rounded
+        channel.dx = rounded_step(x)
+        if channel.dx is None:
+            return replace(scattered(channel, x, None, heights, error), otherwise=_as_matrix(text))
         channel.notes.append(
             "the positions are even up to the rounding of their last digit in the file, and taken as even"
         )
-    if wrong := _against(text, {"dx": step}, lateral_unit, channel.shape):
+    if wrong := _against(text, {"dx": channel.dx}, channel.lateral_unit, channel.shape):
         channel.notes.append(f"{wrong}; the positions are used")
-    channel.dx, channel.first_x = step, float(x[0])
+    channel.first_x = float(x[0])
     return channel
 
 
-def _points(
-    table: np.ndarray, units: list[str | None], lines: list[int], text: _Text, full_table: np.ndarray | None
-) -> MeasuredFile:
+def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], text: _Text) -> MeasuredFile:
     """Return a list of points on the regular grid that it forms, or as an irregular list."""
-    (lateral_unit, height_unit), factor = _units(units, text.first_values)
-    channel = _channel(table[None, :, 2], text.first_values, height_unit, lateral_unit=lateral_unit)
-    x, y, z = table[:, 0], table[:, 1] * factor, channel.read()[0]
-    matrix = _as_matrix(full_table, text.first_values)
+    z, matrix = channel.read()[0], _as_matrix(text)
     try:
-        if not np.isfinite(table[:, :2]).all():
+        if not (np.isfinite(x) & np.isfinite(y)).all():
             raise InputFileError("a point of the list has no position")
         _refuse_repeated(x, y, lines)
-        heights, steps, (first_x, first_y) = points_on_grid(x, y, z)
+        heights, steps, first = points_on_grid(x, y, z)
         _refuse_lost_lines(heights.shape, text)
         stated_steps = {"d" + axis: step for axis, step in steps.items() if step}
-        if wrong := _against(text, stated_steps, lateral_unit, heights.shape):
+        if wrong := _against(text, stated_steps, channel.lateral_unit, heights.shape):
             channel.notes.append(f"{wrong}; the positions are used")
-        if not lateral_unit and set(steps.values()) == {1} and {first_x, first_y} <= {0, 1}:
+        if not channel.lateral_unit and set(steps.values()) == {1} and {*first} <= {0, 1}:
             channel.notes.append(
-                f"the positions count from {first_x:g} on: if they number the points, give dx and dy"
+                f"the positions count from {first[0]:g} on: if they number the points, give dx and dy"
             )
         channel.shape, channel.read = heights.shape, lambda: heights
-        channel.dx, channel.dy, channel.first_x, channel.first_y = steps["x"], steps["y"], first_x, first_y
+        channel.dx, channel.dy, channel.first_x, channel.first_y = steps["x"], steps["y"], *first
     except UnevenPositionsError as error:
-        if full_table is not None and np.ptp(np.diff(x)) == 0 and abs(x[1] - x[0]) == 1:
+        if text.columns is None and np.ptp(np.diff(x)) == 0 and abs(x[1] - x[0]) == 1:
             error = UnevenPositionsError(
                 f"{error}; the first column counts the rows: delete it if it is no x"
             )
@@ -555,11 +542,12 @@ def _refuse_lost_lines(shape: tuple[int, ...], text: _Text, content: str = "the 
             )
 
 
-def _as_matrix(table: np.ndarray | None, first_values: dict[str, Any]) -> Channel | None:
+def _as_matrix(text: _Text) -> Channel | None:
     """Return a table as a matrix, in case its columns are not positions; None if it cannot be a matrix."""
-    if table is None or len(table) > _MAX_NARROW_ROWS:
-        return None
+    table = text.table.values
     rows, columns = table.shape
+    if text.columns or text.rows.broken or rows > _MAX_NARROW_ROWS:
+        return None
     if columns == 2:
         positions = bool(np.all(np.diff(table[:, 0]) > 0))
     else:  # each position along x and along y occurs several times: the lines of a scan
@@ -567,63 +555,53 @@ def _as_matrix(table: np.ndarray | None, first_values: dict[str, Any]) -> Channe
         positions = max(along_x, along_y) <= rows / 2 <= along_x * along_y
     if positions:
         return None
-    return _channel(table, first_values, lateral_unit=first_values.get("lateral_unit"), first_row="top")
+    return _channel(table, text, lateral_unit=text.first_values.get("lateral_unit"), first_row="top")
 
 
-def _steps(first_values: dict[str, Any], points: dict[str, int]) -> tuple[dict[str, float], str | None]:
-    """Return the steps in the header, by axis, and their unit."""
-    steps, units = {}, []
-    for axis, count in points.items():
-        for entry, share in (("d" + axis, 1), ("step", 1), ("length_" + axis, count)):
-            if first_values.get(entry) is not None:
-                steps[axis] = first_values[entry] / share
-                units.append(
-                    first_values.get(
-                        entry + "_unit", first_values.get("lateral_unit", first_values.get("unit"))
-                    )
-                )
-                break
-    lateral_unit = next((unit for unit in units if unit), first_values.get("lateral_unit"))
-    for axis, unit in zip(steps, units, strict=True):
+def _steps(text: _Text, shape: tuple[int, ...]) -> tuple[dict[str, float], str | None]:
+    """Return the steps in the header, `dx` and `dy`, and their unit."""
+    steps: dict[str, float] = {}
+    units: dict[str, str | None] = {}
+    first_values = text.first_values
+    for axis, count in zip("yx", shape, strict=True):
+        for length, points in lengths_along(text.stated, axis, count)[:1]:
+            steps["d" + axis] = length.value / points
+            units["d" + axis] = length.unit or first_values.get("lateral_unit", first_values.get("unit"))
+    lateral_unit = units.get("dx") or units.get("dy") or first_values.get("lateral_unit")
+    for step, unit in units.items():
         if unit and lateral_unit and unit != lateral_unit:  # x in µm, y in mm
-            steps[axis] *= metres(unit) / metres(lateral_unit)
+            steps[step] *= metres(unit) / metres(lateral_unit)
     return steps, lateral_unit
 
 
-def _channel(
-    numbers: np.ndarray, first_values: dict[str, Any], unit: str | None = None, **attributes: Any
-) -> Channel:
+def _channel(numbers: np.ndarray, text: _Text, unit: str | None = None, **attributes: Any) -> Channel:
     """Return a channel of numbers in a unit, by default that of the header."""
+    first_values = text.first_values
     unit = unit or first_values.get("height_unit", first_values.get("unit"))
     for marker in first_values.get("missing", []):
         numbers[numbers == marker] = np.nan
-    if "z_factor" in first_values:  # the numbers are counts or phases; the factor makes them lengths
-        numbers, unit = numbers * first_values["z_factor"], first_values.get("z_factor_unit", unit)
+    for factor in text.stated.get("z_factor", [])[:1]:  # of counts or phases: it makes them lengths
+        numbers, unit = numbers * factor.value, factor.unit or unit
     name = first_values.get("channel", "height")
     return Channel(name, (len(numbers), numbers.shape[1]), lambda: numbers, unit, **attributes)
 
 
-def _units(
-    columns: list[str | None], first_values: dict[str, Any]
-) -> tuple[tuple[str | None, str | None], float]:
-    """Return lateral and height unit of a list with columns x (y) z, and the unit of y over that of x."""
-    lateral = [unit for unit in columns[:-1] if unit]
+def _units(units: list[str | None], text: _Text) -> tuple[str | None, float]:
+    """Return the lateral unit of a list with columns x (y) z in `units`, and the unit of y over that of x."""
+    first_values, height = text.first_values, units[-1]
+    lateral = [unit for unit in units[:-1] if unit]
     factor = 1.0
-    if len(set(lateral)) > 1 and not same_length(*lateral):
+    if len(lateral) == 2 and not same_length(*lateral):
         factor = metres(lateral[1], where="y") / metres(lateral[0], where="x")
-    stated = (
-        first_values.get("lateral_unit", first_values.get("unit")),
-        first_values.get("height_unit", first_values.get("unit")),
-    )
-    for column_unit, key in ((lateral[0] if lateral else None, "lateral_unit"), (columns[-1], "height_unit")):
-        if column_unit and first_values.get(key) and not same_length(column_unit, first_values[key]):
-            wrong = f"a column is in {column_unit!r}, and the header says {first_values[key]!r}"
+    for unit, key in ((next(iter(lateral), None), "lateral_unit"), (height, "height_unit")):
+        if unit and first_values.get(key) and not same_length(unit, first_values[key]):
+            wrong = f"a column is in {unit!r}, and the header says {first_values[key]!r}"
             raise InputFileError(f"{wrong}; correct one of them")
-    factor_of_heights = first_values.get("z_factor"), first_values.get("z_factor_unit", columns[-1])
-    if is_length(columns[-1]) and factor_of_heights not in ((None, columns[-1]), (1, columns[-1])):
-        wrong = f"a column is in {columns[-1]!r}, and the header says a factor of the heights"
-        raise InputFileError(f"{wrong}; correct one of them")
-    return (lateral[0] if lateral else stated[0], columns[-1] or stated[1]), factor
+    for scaled in text.stated.get("z_factor", [])[:1] if is_length(height) else ():
+        if scaled.value != 1 or scaled.unit not in ("", height):
+            wrong = f"a column is in {height!r}, and the header says a factor of the heights"
+            raise InputFileError(f"{wrong}; correct one of them")
+    return next(iter(lateral), first_values.get("lateral_unit", first_values.get("unit"))), factor
 
 
 READER = Reader(RecognisedBy.TEXT, recognises, read, memory_per_byte=12)

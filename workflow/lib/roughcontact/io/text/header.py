@@ -82,20 +82,17 @@ def statements(lines: Iterable[str], *, first: int = 1, sign: str = "") -> State
 
 
 def first_of(stated: Stated) -> dict[str, Any]:
-    """Return the first statement of each meaning: its value, and with ``_unit`` appended its unit, and so on.
-
-    Of numbers that mark missing points all are returned.
-    """
-    first_values: dict[str, Any] = {}
-    for meaning, (statement, *_) in stated.items():
-        first_values[meaning] = statement.value
-        if statement.unit:
-            first_values[meaning + "_unit"] = statement.unit
-        if meaning.startswith("length"):
-            first_values[meaning + "_rounding"] = statement.rounding
+    """Return the first value of each meaning; of numbers that mark missing points all."""
+    first_values = {meaning: repeated[0].value for meaning, repeated in stated.items()}
     if "missing" in stated:
         first_values["missing"] = [statement.value for statement in stated["missing"]]
     return first_values
+
+
+def lengths_along(stated: Stated, axis: str, count: int) -> list[tuple[Statement, int]]:
+    """Return the first step and size along an axis of `count` points, and how many steps each has."""
+    keys = {"d" + axis: 1, "step": 1, "length_" + axis: count}
+    return [(stated[key][0], points) for key, points in keys.items() if key in stated]
 
 
 def disagreeing(stated: Stated) -> str:
@@ -156,15 +153,15 @@ def _lengths_apart(stated: Stated, first: dict[str, Statement], shape: tuple[int
     """Yield sentences on sizes and steps that differ, may be numbers of points, or have units far apart."""
     used = []
     for axis, count, name in (("x", shape[1], "columns"), ("y", shape[0], "rows")):
-        keys = [key for key in ("d" + axis, "step", "length_" + axis) if key in first]
-        lengths = [(first[key], count if key.startswith("length") else 1) for key in keys if count > 1]
+        lengths = lengths_along(stated, axis, count) if count > 1 else []
         for (length, points), (second, second_points) in combinations(lengths, 2):
             if not _equal(length, second, stated, (points, second_points)):
                 yield f"{length}, {second}: they do not agree for {count} {name}"
         used += lengths[:1]
-        bare = keys == ["length_" + axis] and not first[keys[0]].unit
-        if bare and first[keys[0]].value == count > 1 and not {"n" + axis, "lateral_unit"} & {*first}:
-            yield f"{first[keys[0]]}, and there are {count} {name}: a size without a unit, or their number"
+        bare = not {"d" + axis, "step", "n" + axis, "lateral_unit"} & {*first}
+        for length, _ in lengths if bare else ():
+            if not length.unit and length.value == count:
+                yield f"{length}, and there are {count} {name}: a size without a unit, or their number"
     if (height := first.get("length_y")) and _HEIGHT_WORD.match(height.text) and shape[0] > 1:
         third = first.get("length") or (not {"length_x", "dy", "step"} & {*first} and first.get("dx"))
         if third and is_length(third.unit):

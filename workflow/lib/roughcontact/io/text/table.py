@@ -5,7 +5,7 @@ import re
 from array import array
 from collections import Counter
 from collections.abc import Mapping
-from types import MappingProxyType
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from roughcontact.io.text.missing import is_missing, is_spoken, joined
 from roughcontact.quantities import counted_noun
 
 COMMENT_SIGNS = "#%;!\\*/"  # at the beginning of a line
-_FORTRAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)")  # double precision, 1.5D-03
+_FORTRAN = re.compile(r"^([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)$")  # double precision, 1.5D-03
 _MAX_HEADER_LINES = 100_000  # without empty lines
 _MAX_PREFIX = 2**16  # characters of a line that decide whether it contains numbers
 _WIDE_TABLE = 8  # columns; the headings of so many differ from one another
@@ -45,18 +45,17 @@ class Table(NamedTuple):
     """The numbers of a table; NaN for missing points and empty cells."""
 
     values: np.ndarray
-    empty_left: int = 0  # empty columns
-    empty_right: int = 0
-    empty_corner: bool = False  # the first cell is empty
-    # words with another meaning, taken as missing -> how often
-    spoken: Mapping[str, int] = MappingProxyType({})
-    short: bool = False  # the first row held a word there, or lacked a cell
+    empty: np.ndarray  # columns (n,) without any cell
+    empty_corner: bool  # the first cell is empty
+    short: bool  # the first row held a word there, or lacked a cell
+    spoken: Mapping[str, int]  # words with another meaning, taken as missing -> how often
 
 
 class Rows(NamedTuple):
     """Rows of a table and their numbers in the file, below `heading`, whose first line is number `first`.
 
     `broken` is the number of the first row behind an empty line between the rows; 0 where there is none.
+    `labelled`: the first of them had a word in its corner.
     """
 
     heading: list[str]
@@ -64,6 +63,7 @@ class Rows(NamedTuple):
     texts: list[str]
     lines: list[int]
     broken: int = 0
+    labelled: bool = False
 
     @property
     def start(self) -> int:
@@ -77,11 +77,9 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
     """Return the lines of the header and those of the table."""
     filled = 0
     for number, line in enumerate(lines):
-        if not line or line.isspace():
-            continue
         if _is_data(line):
             return lines[:number], lines[number:]
-        filled += 1
+        filled += not (line.isspace() or not line)
         if filled > _MAX_HEADER_LINES:
             break
     first = next((line.strip() for line in lines if line.strip()), "")
@@ -169,17 +167,8 @@ def is_row(line: str) -> bool:
     if line.lstrip()[0] in COMMENT_SIGNS and not _starts_with_missing(line):
         return False
     cells = re.split(r'[;\t,\s"]+', joined(line[:_MAX_PREFIX]).strip(_CELL_SEPARATORS), maxsplit=_FEW_CELLS)
-    is_number = [_is_number(cell) for cell in cells[:_FEW_CELLS]]
+    is_number = [_number_in(cell) is not None for cell in cells[:_FEW_CELLS]]
     return 2 * sum(is_number) > len(is_number) or (is_number[0] and not is_missing(cells[0]))
-
-
-def _is_number(cell: str) -> bool:
-    """Return whether a cell is a number, or stands for a missing point."""
-    try:
-        _number(cell)
-    except ValueError:
-        return False
-    return True
 
 
 def split_tables(header: list[str], body: list[str], first: int, dialect: Dialect) -> list[Rows]:
@@ -199,49 +188,48 @@ def split_tables(header: list[str], body: list[str], first: int, dialect: Dialec
     for number, line in enumerate(body, start=first):
         comment = line.lstrip()[:1] in ("#", "%")
         ruled = not any(map(str.isalnum, line)) and any(text.strip() for text in skipped)
-        if (is_row(line) and not ruled) or (comment and word_in_row(line, width, dialect) is not None):
-            width = width or len(line.strip().split(dialect.delimiter))
-            heads = [text for text in skipped if text.strip(_CELL_SEPARATORS)]
-            if tables[-1].lines and any(_names_a_table(text) for text in heads):
-                tables.append(Rows(skipped, number - len(skipped), [], []))
-            elif tables[-1].lines and skipped and not tables[-1].broken:
-                tables[-1] = tables[-1]._replace(broken=number)
-            alone = alone and (bool(skipped) or not tables[-1].lines)
-            tables[-1].texts.append(line)
-            tables[-1].lines.append(number)
-            skipped = []
-        else:
+        if not ((is_row(line) and not ruled) or (comment and word_in_row(line, width, dialect) is not None)):
             skipped.append(line)
+            continue
+        width = width or len(line.strip().split(dialect.delimiter))
+        if tables[-1].lines:
+            if any(_names_a_table(text) for text in skipped if text.strip(_CELL_SEPARATORS)):
+                tables.append(Rows(skipped, number - len(skipped), [], []))
+            elif skipped and not tables[-1].broken:
+                tables[-1] = tables[-1]._replace(broken=number)
+            alone = alone and bool(skipped)
+        tables[-1].texts.append(line)
+        tables[-1].lines.append(number)
+        skipped = []
     for number, line in enumerate(skipped, start=first + len(body) - len(skipped)):
         if line.strip(_CELL_SEPARATORS) and line.lstrip()[0] not in "#%":
             raise _no_row(line, number)
     if alone and len(tables) == 1 and len(tables[0].lines) > 2:
         tables[0] = tables[0]._replace(broken=0)
-    return tables
+    return [_below_a_label(table, dialect) for table in tables]
 
 
-def below_a_label(rows: Rows, dialect: Dialect) -> Rows | None:
+def _below_a_label(rows: Rows, dialect: Dialect) -> Rows:
     """Return rows with the line above them, where that has a word in its corner and positions beside it."""
-    if not rows.heading or not rows.heading[-1].strip():
-        return None
-    line = rows.heading[-1]
+    line = rows.heading[-1] if rows.heading else ""
+    if not line.strip() or line.lstrip()[0] in COMMENT_SIGNS:
+        return rows
     delimiter = dialect.delimiter
     around = " \r\f" if delimiter else None
     label, *cells = line.strip(around).removesuffix(delimiter or "").split(delimiter)
     first_row = rows.texts[0].strip(around)
     closing = delimiter if delimiter and first_row.endswith(delimiter) else ""
     width = len(first_row.removesuffix(closing).split(delimiter))
-    positions = [*map(dialect.plain, cells)]
-    if _is_number(label) or not _FEW_ROWS <= len(cells) == width - 1 or not all(map(_is_number, positions)):
-        return None
-    steps = np.diff([_number(position) for position in positions])
+    positions = [_number_in(dialect.plain(cell)) for cell in cells]
+    if not _FEW_ROWS <= len(cells) == width - 1 or None in positions or _number_in(label) is not None:
+        return rows
+    steps = np.diff(np.array(positions, dtype=float))
     even = steps.any() and np.ptp(steps) <= _UNEVEN * abs(steps.mean())  # also no missing point
-    if not even or statements([line]) or line.lstrip()[0] in COMMENT_SIGNS:
-        return None
-    text = (delimiter or " ").join(["NaN", *cells]) + closing
-    return rows._replace(
-        heading=rows.heading[:-1], texts=[text, *rows.texts], lines=[rows.lines[0] - 1, *rows.lines]
-    )
+    if not even or statements([line]):
+        return rows
+    texts = [(delimiter or " ").join(["NaN", *cells]) + closing, *rows.texts]
+    lines = [rows.lines[0] - 1, *rows.lines]
+    return rows._replace(heading=rows.heading[:-1], texts=texts, lines=lines, labelled=True)
 
 
 def _names_a_table(line: str) -> bool:
@@ -249,71 +237,69 @@ def _names_a_table(line: str) -> bool:
     return line.lstrip()[0] not in "#%" or bool(statements([line]))
 
 
-def parse_table(rows: list[str], lines: list[int], dialect: Dialect) -> Table:
-    """Return the numbers of a table; `lines` number the rows, for messages.
+def parse_table(rows: Rows, dialect: Dialect) -> Table:
+    """Return the numbers of a table.
 
     Examples
     --------
-    >>> table = parse_table(["1,5;BAD;;", "2,5;3;;"], [1, 2], Dialect(";", True))
+    >>> table = parse_table(Rows([], 1, ["1,5;BAD;;", "2,5;3;;"], [1, 2]), Dialect(";", True))
     >>> table.values
     array([[1.5, nan, nan],
            [2.5, 3. , nan]])
-    >>> table.empty_right
-    1
+    >>> table.empty
+    array([False, False,  True])
     """
-    closed = _ends_with_delimiter(rows, dialect.delimiter)
-    try:
-        return _parse(rows, lines, dialect, closed)
-    except _UnequalRowsError:
-        if closed:
-            raise
-        return _parse(rows, lines, dialect, closed=True)
-
-
-class _UnequalRowsError(InputFileError):
-    """Rows of different lengths."""
-
-
-def _ends_with_delimiter(body: list[str], delimiter: str | None) -> bool:
-    """Return whether a separator at the end of a line closes it, rather than leaving its last cell empty.
-
-    It does where all lines end in one, and where only the last line does, which is incomplete then.
-    """
-    if delimiter is None:
-        return True
-    filled = [line for line in body if line and not line.isspace()]
-    ends = [line.rstrip(" \r\f").endswith(delimiter) for line in filled]
-    return all(ends) or not any(ends[:-1])
-
-
-def _parse(rows: list[str], lines: list[int], dialect: Dialect, closed: bool) -> Table:
-    """Return the numbers of a table, whose lines may end with a delimiter."""
-    numbers, counts, spoken = array("d"), array("q"), Counter[str]()
     delimiter = dialect.delimiter
-    sides: tuple[int, int] | None = None
-    corner = short = False
-    for number, line in zip(lines, rows, strict=True):
-        text = dialect.plain(line.strip(" \r\f" if delimiter == "\t" else None))
-        if delimiter is not None and closed:
-            text = text.removesuffix(delimiter)
-        before = len(numbers)
-        try:
-            empty = _append(numbers, text, delimiter, spoken)
-        except ValueError as error:
-            cells = zip(line.split(delimiter), text.split(delimiter), strict=False)
-            raise _no_row(
-                next((cell for cell, read in cells if not _is_number(read)), line), number
-            ) from error
-        counts.append(len(numbers) - before)
-        sides = empty if sides is None else (min(sides[0], empty[0]), min(sides[1], empty[1]))
-        corner = corner or (len(counts) == 1 and empty[0] > 0)
-    if len(counts) > _FEW_ROWS and counts[0] + 1 == min(counts[1:]) == max(counts[1:]):
-        numbers.insert(0, np.nan)  # positions along x, without a cell in the corner
-        counts[0], corner, sides, short = counts[1], True, (0, 0), True
-    _refuse_unequal_rows(counts, lines)
+    texts = [dialect.plain(line.strip(" \r\f" if delimiter == "\t" else None)) for line in rows.texts]
+    if delimiter is not None:
+        texts = _without_closing(texts, delimiter)
+    numbers, counts, spoken = array("d"), array("q"), Counter[str]()
+    for number, line, text in zip(rows.lines, rows.texts, texts, strict=True):
+        row = _plain_numbers(text, delimiter)
+        if row is None:
+            cells = joined(text).split(delimiter)
+            spoken.update(filter(is_spoken, map(str.strip, cells)))
+            row = [value for cell in cells if (value := _number_in(cell)) is not None]
+            if len(row) < len(cells):
+                raise _no_row(
+                    next(
+                        (cell for cell in line.split(delimiter) if _number_in(dialect.plain(cell)) is None),
+                        line,
+                    ),
+                    number,
+                )
+        numbers.extend(row)
+        counts.append(len(row))
+    if lacks_corner := _lacks_corner(counts):
+        numbers.insert(0, np.nan)
+        counts[0] += 1
+    _refuse_unequal_rows(counts, rows.lines)
     shape = len(counts), counts[0]
     check_points(shape)
-    return Table(np.array(numbers).reshape(shape), *(sides or (0, 0)), corner, spoken, short)
+    values = np.array(numbers).reshape(shape)
+    empty = np.isnan(values).all(axis=0) & (delimiter is not None and not lacks_corner)
+    for text in texts if empty.any() else ():
+        empty &= [not cell.strip() for cell in text.split(delimiter)]
+    short = rows.labelled or lacks_corner
+    return Table(values, empty, short or not texts[0].split(delimiter)[0].strip(), short, spoken)
+
+
+def _without_closing(texts: list[str], delimiter: str) -> list[str]:
+    """Return lines without a separator at their end that closes them, rather than leaves a last cell empty.
+
+    It does where all lines end in one, where only the last line does, which is incomplete then, and where the
+    rows have different lengths otherwise.
+    """
+    ends = [text.endswith(delimiter) for text in texts]
+    counts = array("q", [text.count(delimiter) for text in texts])
+    if any(ends[:-1]) and not all(ends) and (len({*counts}) == 1 or _lacks_corner(counts)):
+        return texts
+    return [text.removesuffix(delimiter) for text in texts]
+
+
+def _lacks_corner(counts: array) -> bool:
+    """Return whether the first row has one cell less than all others: positions along x, without a corner."""
+    return len(counts) > _FEW_ROWS and counts[0] + 1 == min(counts[1:]) == max(counts[1:])
 
 
 def _no_row(cell: str, number: int) -> InputFileError:
@@ -335,7 +321,7 @@ def _refuse_unequal_rows(counts: array, lines: list[int]) -> None:
         bad = next(index for index, count in enumerate(counts) if count != width)
         cut = "; the last line is incomplete: the file was cut off" if bad == len(counts) - 1 else ""
         number_count = counted_noun(counts[bad], "number")
-        raise _UnequalRowsError(
+        raise InputFileError(
             f"row {bad + 1} has {number_count} where the others have {width} (line {lines[bad]}){cut}"
         )
 
@@ -352,13 +338,10 @@ def word_in_row(line: str, width: int, dialect: Dialect) -> str | None:
     # in a wide table a lost separator or a blank in a word makes one cell fewer or more
     if abs(len(cells) - width) > (width >= _WIDE_TABLE and not comment) or (comment and len(cells[0]) > 1):
         return None
-    non_numbers, numbers, finite = [], 0, 0
-    for cell in cells:
-        try:
-            finite += bool(np.isfinite(_number(cell)))
-            numbers += bool(cell)
-        except ValueError:
-            non_numbers.append(cell)
+    values = [_number_in(cell) for cell in cells]
+    non_numbers = [cell for cell, value in zip(cells, values, strict=True) if value is None]
+    numbers = sum(bool(cell) for cell in cells) - len(non_numbers)
+    finite = any(value is not None and np.isfinite(value) for value in values)
     if non_numbers and finite and 2 * numbers > len(cells):
         return non_numbers[0]
     repeated = len(set(non_numbers)) == 1 < len(non_numbers) and len(cells) == width >= _WIDE_TABLE
@@ -367,26 +350,12 @@ def word_in_row(line: str, width: int, dialect: Dialect) -> str | None:
     return None
 
 
-def _append(numbers: array, text: str, delimiter: str | None, spoken: Counter[str]) -> tuple[int, int]:
-    """Append the numbers of a row; return the numbers of empty cells at its beginning and at its end.
-
-    Words that are taken as missing but may have another meaning are counted in `spoken`.
-    """
-    if "_" not in text:  # Python would read 1_000
-        before = len(numbers)
-        try:
-            numbers.extend(map(float, text.split(delimiter)))
-        except ValueError:
-            del numbers[before:]
-        else:
-            if "n" not in text and "N" not in text:  # "inf" stands for a missing point
-                return 0, 0
-            del numbers[before:]
-    tokens = joined(text).split(delimiter)
-    numbers.extend([_number(token) for token in tokens])
-    spoken.update(filter(is_spoken, map(str.strip, tokens)))
-    filled = [index for index, token in enumerate(tokens) if token.strip()]
-    return (filled[0], len(tokens) - 1 - filled[-1]) if filled else (len(tokens), len(tokens))
+def _plain_numbers(text: str, delimiter: str | None) -> list[float] | None:
+    """Return the numbers of a row without words, or None."""
+    if not any(sign in text for sign in "_nN"):  # Python would read 1_000; "inf" stands for a missing point
+        with suppress(ValueError):
+            return [*map(float, text.split(delimiter))]
+    return None
 
 
 def _is_data(line: str) -> bool:
@@ -399,18 +368,12 @@ def _is_data(line: str) -> bool:
     tokens = re.split(r'[;\t,\s"]+', text.strip().strip(';,"'))
     if len(line) > _MAX_PREFIX:
         tokens.pop()  # it may be half a number
-    try:
-        values = [_number(token) for token in tokens]
-    except ValueError:
-        return False
-    if (
-        0 < len(values) <= 3
-        and tokens[0][:1].isalpha()
-        and (is_spoken(tokens[0]) or text != line[:_MAX_PREFIX])
-    ):
+    values = [_number_in(token) for token in tokens]
+    spoken = tokens and tokens[0][:1].isalpha() and (is_spoken(tokens[0]) or text != line[:_MAX_PREFIX])
+    if None in values or (spoken and len(values) <= 3):
         return False  # "Masked 12" is an entry of the header
     ruled = "---" in line and not any(map(str.isalnum, line))  # a line drawn below headings
-    return bool(np.isfinite(values).any()) or (len(values) > 1 and not ruled)
+    return bool(np.isfinite(np.array(values, dtype=float)).any()) or (len(values) > 1 and not ruled)
 
 
 def _starts_with_missing(line: str) -> bool:
@@ -418,13 +381,12 @@ def _starts_with_missing(line: str) -> bool:
     return is_missing(re.split(r"[;\t,\s]", line[:_MAX_PREFIX].lstrip(), maxsplit=1)[0])
 
 
-def _number(token: str) -> float:
-    """Return the value of a token, NaN for one that stands for a missing point."""
+def _number_in(token: str) -> float | None:
+    """Return the value of a token, NaN for one that stands for a missing point, None for any other word."""
     token = token.strip()
     if is_missing(token):
         return np.nan
-    if "_" in token:  # Python would read 1_000
-        raise ValueError(f"no number: {token!r}")
-    if double := _FORTRAN.fullmatch(token):
-        token = f"{double[1]}e{double[2]}"
-    return float(token)
+    try:
+        return float(_FORTRAN.sub(r"\1e\2", token)) if "_" not in token else None  # Python would read 1_000
+    except ValueError:
+        return None

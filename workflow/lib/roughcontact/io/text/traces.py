@@ -4,8 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from roughcontact.quantities import counted_noun
-
 _FEW_POINTS = 4  # points; fewer are no trace
 _SAME_STEPS = 1.5  # steps within which traces begin, or end, at one place
 _SHORTEST = 0.5  # of a trace, over the longest
@@ -46,11 +44,3 @@ def turn(x: np.ndarray, traces: Sequence[slice], lines: Sequence[int]) -> str:
     before, after = x[index - 1], x[index]
     how = "repeats" if before == after else "restarts" if are_traces(x, traces) else "turns back"
     return f"x {how} at line {lines[index]}, from {before:g} to {after:g}"
-
-
-def question(x: np.ndarray, traces: Sequence[slice], lines: Sequence[int]) -> str:
-    """Return the question for a list of several traces."""
-    return (
-        f"{turn(x, traces, lines)}: {counted_noun(len(traces), 'profile')} below one another, 'profile 1' to "
-        f"'profile {len(traces)}'"
-    )
