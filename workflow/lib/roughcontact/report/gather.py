@@ -6,7 +6,6 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NotRequired
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -188,14 +187,8 @@ def _shared_maps(
         for pair in pairs:
             if of_case.keys() >= {*pair}:
                 first, second = (f"{name} · {case}" if case else name for name in pair)
-                shared[first, second] = _rising(of_case[pair[0]]), _rising(of_case[pair[1]])
+                shared[first, second] = of_case[pair[0]], of_case[pair[1]]
     return shared
-
-
-def _rising(result: xr.Dataset) -> xr.Dataset:
-    """Return the statistics of a map with its loads rising, without padding."""
-    loads = result["mean_pressure"].values
-    return result.isel(load=np.argsort(loads)[: np.isfinite(loads).sum()])
 
 
 def _by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[str, dict[str, xr.Dataset]]:

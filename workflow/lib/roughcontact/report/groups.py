@@ -45,19 +45,17 @@ def group_rows(
     if not groups:
         return []
     units = glance_units([group.answer for group in groups])
-    rows = []
-    for group, of_group in zip(groups, units, strict=True):
-        answer = group.answer
-        indices = shown_loads(answer[_AREA].values)
-        rows.append(
-            {
-                "name": group.label,
-                "of": _composition(group) + _verdicts(group, verdicts or {}),
-                "remarks": json.loads(answer.attrs["remarks"]),
-                "rows": [_cells(answer, of_group, index) for index in indices],
-            }
-        )
-    return rows
+    return [
+        {
+            "name": group.label,
+            "of": _composition(group) + _verdicts(group, verdicts or {}),
+            "remarks": json.loads(group.answer.attrs["remarks"]),
+            "rows": [
+                _cells(group.answer, of_group, index) for index in shown_loads(group.answer[_AREA].values)
+            ],
+        }
+        for group, of_group in zip(groups, units, strict=True)
+    ]
 
 
 def group_pictures(groups: Sequence[NamedGroup]) -> list[tuple[str, str]]:

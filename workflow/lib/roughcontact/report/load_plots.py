@@ -100,21 +100,22 @@ def compare_areas(
     if pressure is None:
         _theory_lines(chart, loads)
     multiple = len({case for _, case in styles}) > 1
-    surfaces: dict[str, tuple[str, str]] = {}
-    cases: dict[str, int] = {}
+    surfaces: dict[str, dict[str, Any]] = {}
+    cases: dict[str, dict[str, Any]] = {}
     for index, (name, load, area) in enumerate(series):
         order = np.argsort(load)
         surface, case = styles[index] if styles else (index, 0)
-        colour, marker = surfaces[name.partition(" · ")[0]] = _style(surface)
-        cases[name.partition(" · ")[2]] = case
+        of_surface, _, of_case = name.partition(" · ")
+        style, dashes = surfaces[of_surface], cases[of_case] = _style(surface), _case_style(case)
         if intervals:
-            chart.bars(load * factor, *(100 * end for end in intervals[index]), colour=colour)
-        x, y, of_case = load[order] * factor, 100 * area[order], _case_style(case)
-        chart.marks(x, y, colour=colour, marker=marker, width=1.0, label=name, listed=not multiple, **of_case)
-    for name, (colour, marker) in surfaces.items() if multiple else ():
-        chart.key(label=name, colour=colour, marker=marker)
-    for name, case in cases.items() if multiple else ():
-        chart.key(label=name, colour=GREY, marker="o", **_case_style(case))
+            chart.bars(load * factor, *(100 * end for end in intervals[index]), colour=style["colour"])
+        x, y = load[order] * factor, 100 * area[order]
+        chart.marks(x, y, width=1.0, label=name, listed=not multiple, **style, **dashes)
+    if multiple:
+        for name, style in surfaces.items():
+            chart.key(label=name, **style)
+        for name, dashes in cases.items():
+            chart.key(label=name, colour=GREY, marker="o", **dashes)
     return chart.source()
 
 
@@ -130,26 +131,25 @@ def group_areas(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit, *, cur
     chart = _area_chart(loads * pressure.factor, areas, size=_WIDE, label=load_label(pressure))
     room = min(0.08, 0.5 / len(groups))  # ln(load) between the maps of a group and its mean
     for index, (name, answer) in enumerate(groups):
-        colour, marker = _style(index)
+        style = _style(index)
         load = answer["mean_pressure"].values * pressure.factor
         area, *ends = (100 * values for values in interval_of(answer, _AREA))
         if curves:
-            chart.shade(load, *ends, colour=colour)
+            chart.shade(load, *ends, colour=style["colour"])
         else:
             load = load * np.exp(2 * room * (index - (len(groups) - 1) / 2))
             for of_map in answer[f"{_AREA}_of_maps"].values:
-                of_maps = load / np.exp(room / 2)
-                chart.marks(of_maps, 100 * of_map, colour=colour, marker=marker, filled=False)
+                chart.marks(load / np.exp(room / 2), 100 * of_map, filled=False, **style)
             load = load * np.exp(room / 2)
-            chart.bars(load, *ends, colour=colour)
-        width = 1.4 if curves else 0.0
-        chart.marks(load, area, colour=colour, marker=marker, width=width, label=name)
+            chart.bars(load, *ends, colour=style["colour"])
+        chart.marks(load, area, width=1.4 if curves else 0.0, label=name, **style)
     return chart.source()
 
 
-def _style(index: int) -> tuple[str, str]:
+def _style(index: int) -> dict[str, Any]:
     """Return colour and marker of one of several series."""
-    return COLOURS[index % len(COLOURS)], MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
+    marker = MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
+    return {"colour": COLOURS[index % len(COLOURS)], "marker": marker}
 
 
 def _case_style(case: int) -> dict[str, Any]:
@@ -159,7 +159,7 @@ def _case_style(case: int) -> dict[str, Any]:
 
 def sample_of(surface: int, case: int) -> dict[str, str]:
     """Return colour and dashes of the line of a surface under a case, by their places, in `compare_areas`."""
-    return {"colour": _style(surface)[0], "dash": _case_style(case)["dash"]}
+    return {"colour": _style(surface)["colour"], "dash": _case_style(case)["dash"]}
 
 
 def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]]) -> dict[str, str]:
