@@ -89,10 +89,10 @@ def array(heights):
     return stream.getvalue()
 
 
-def matlab(**variables):
+def matlab(variables, **options):
     """Return a file of MATLAB."""
     stream = io.BytesIO()
-    scipy.io.savemat(stream, variables)
+    scipy.io.savemat(stream, variables, **options)
     return stream.getvalue()
 
 
@@ -106,6 +106,21 @@ def x3p(heights, dx=1e-6, dy=1e-6, *, edit=None, restate=True, folder="", **opti
     digest = hashlib.md5(edited if restate else main).hexdigest().encode()
     content |= {"main.xml": edited, "md5checksum.hex": digest + b" *main.xml"}
     return archive({folder + name: part for name, part in content.items()})
+
+
+def sdf(counts, dx, dy, dz, mark="aISO-1.0"):
+    """ISO 25178-71 in ASCII: whole numbers of dz (m), by its published description."""
+    ny, nx = counts.shape
+    header = [mark, "ManufacID = maker", "CreateDate = 010120200000", "ModDate = 010120200000"]
+    header += [
+        f"NumPoints = {nx}",
+        f"NumProfiles = {ny}",
+        f"Xscale = {dx}",
+        f"Yscale = {dy}",
+        f"Zscale = {dz}",
+    ]
+    header += ["Zresolution = -1", "Compression = 0", "DataType = 6", "CheckType = 0", "*"]
+    return "\n".join([*header, *map(str, np.rint(counts).astype(int).ravel()), "*", "*", ""])
 
 
 def tmd(heights, size, comment=b"", version=b"v2.0"):

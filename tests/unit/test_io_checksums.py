@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from measured_files import refuses
+from measured_files import GIVEN, array, refuses, saved
 
 from roughcontact import read_height_map
 from roughcontact.errors import InputFileError
@@ -21,6 +21,12 @@ def noted(tmp_path):
     return tmp_path / "noted"
 
 
+@pytest.fixture
+def path(tmp_path):
+    (tmp_path / "a.txt").write_text("1 2")
+    return tmp_path / "a.txt"
+
+
 def lines(noted):
     """Return what another process finds noted."""
     _noted.cache_clear()
@@ -28,41 +34,32 @@ def lines(noted):
 
 
 @pytest.mark.parametrize("how", ["in place", "another file"])
-def test_a_file_of_the_same_size_and_date_is_told_from_the_one_before(tmp_path, noted, how):
-    path, other = tmp_path / "a.txt", tmp_path / "b.txt"
-    path.write_text("1 2")
+def test_a_file_of_the_same_size_and_date_is_told_from_the_one_before(path, noted, how):
     os.utime(path, (1e9, 1e9))
     time.sleep(3.1)  # until its dates are settled
     before = checksum(path, noted=noted)
     assert lines(noted) == [[str(path), state_of(path), before]]
-    (path if how == "in place" else other).write_text("1 3")
-    os.utime(path if how == "in place" else other, (1e9, 1e9))
-    if how == "another file":
-        other.replace(path)
-    assert path.stat().st_size == 3
-    assert path.stat().st_mtime == 1e9
+    written = path if how == "in place" else path.with_name("b.txt")
+    written.write_text("1 3")
+    os.utime(written, (1e9, 1e9))
+    written.replace(path)
+    assert (path.stat().st_size, path.stat().st_mtime) == (3, 1e9)
     assert checksum(path, noted=noted) == sha256(path) != before
 
 
-def test_a_file_that_has_not_changed_is_not_read_again(tmp_path, noted):
-    path = tmp_path / "a.txt"
-    path.write_text("1 2")
+def test_a_file_that_has_not_changed_is_not_read_again(path, noted):
     noted.write_text(json.dumps([str(path), state_of(path), "as noted"]) + "\n")
     assert checksum(path, noted=noted) == "as noted"
     path.write_text("1 3")
     assert checksum(path, noted=noted) == sha256(path)
 
 
-def test_what_may_yet_change_within_a_tick_of_the_clock_is_not_noted(tmp_path, noted):
-    path = tmp_path / "a.txt"
-    path.write_text("1 2")
+def test_what_may_yet_change_within_a_tick_of_the_clock_is_not_noted(path, noted):
     assert checksum(path, noted=noted) == sha256(path)
     assert lines(noted) == []
 
 
-def test_damaged_lines_are_left_out_and_the_last_of_a_path_counts(tmp_path, noted):
-    path = tmp_path / "a.txt"
-    path.write_text("1 2")
+def test_damaged_lines_are_left_out_and_the_last_of_a_path_counts(path, noted):
     rows = [[str(path), [1, 2, 3, 4], "old"], [str(path), state_of(path), "new"]]
     noted.write_text("\n".join(["{", *map(json.dumps, rows), "[1, 2]", '["half']))
     assert checksum(path, noted=noted) == "new"
@@ -74,8 +71,7 @@ def test_a_file_that_is_not_there_is_left_to_the_job_that_reads_it(tmp_path, not
 
 
 def test_a_file_that_is_written_to_while_it_is_read_is_refused(tmp_path):
-    path = tmp_path / "a.npy"
-    np.save(path, np.random.default_rng(0).standard_normal((1500, 1500)))
+    path = saved(tmp_path, array(np.random.default_rng(0).standard_normal((1500, 1500))))
     done = threading.Event()
 
     def write():
@@ -89,16 +85,14 @@ def test_a_file_that_is_written_to_while_it_is_read_is_refused(tmp_path):
     writer = threading.Thread(target=write)
     writer.start()
     try:
-        refuses(r"a\.npy: changed while it was read; wait until", path, unit="um", dx=1, dy=1)
+        refuses(r"map\.dat: changed while it was read; wait until", path, **GIVEN)
     finally:
         done.set()
         writer.join()
-    assert read_height_map(path, unit="um", dx=1, dy=1).shape == (1500, 1500)
+    assert read_height_map(path, **GIVEN).shape == (1500, 1500)
 
 
-def test_a_file_that_is_replaced_while_it_is_read_is_refused(tmp_path):
-    path = tmp_path / "a.txt"
-    path.write_text("1 2")
+def test_a_file_that_is_replaced_while_it_is_read_is_refused(path):
     path.with_name("b.txt").write_text("1 3")
     with pytest.raises(InputFileError, match="changed while it was read"), unchanged(path):
         path.with_name("b.txt").replace(path)

@@ -1,16 +1,14 @@
 """Files that are damaged, foreign or hostile, and maps that look wrong."""
 
-import io
 import json
 import os
-import zipfile
 
 import numpy as np
 import pytest
 import x3pio
-from measured_files import GIVEN, labelled, refuses, x3p
+from measured_files import GIVEN, archive, array, labelled, members, refuses, warnings_of, x3p
 
-from roughcontact.errors import HeightMapError, InputFileError
+from roughcontact.errors import HeightMapError
 from roughcontact.faces.composite import composite
 from roughcontact.io import guards, instrument_kinds
 from roughcontact.io.inspection import inspect_file
@@ -32,15 +30,11 @@ def test_what_is_no_file(refused, tmp_path):
 
 
 @pytest.mark.parametrize("size", [1, 64, 512, 2 * 64 * 64, 2 * 128 * 128, 8 * 100 * 100])
-@pytest.mark.parametrize("kind", ["zeros", "ones", "random"])
-def test_rubbish_is_never_a_map(read, size, kind):
-    data = {"zeros": bytes(size), "ones": b"\xff" * size, "random": np.random.default_rng(size).bytes(size)}[
-        kind
-    ]
-    with pytest.raises(InputFileError) as caught:
-        read(data, name="map.hgt", **GIVEN)
-    assert len(str(caught.value)) < 400
-    assert "\n" not in str(caught.value)
+def test_rubbish_is_never_a_map(refused, size):
+    for data in (bytes(size), b"\xff" * size, np.random.default_rng(size).bytes(size)):
+        said = refused(data, "map", name="map.hgt", **GIVEN)
+        assert len(said) < 400
+        assert "\n" not in said
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
@@ -51,10 +45,7 @@ def test_entities_are_refused(refused, encoding):
 
 def test_zip_bomb_is_refused_before_it_unpacks(read, refused, monkeypatch):
     monkeypatch.setattr(guards, "MAX_UNPACKED_BYTES", 10**6)
-    stream = io.BytesIO(x3p(HEIGHTS))
-    with zipfile.ZipFile(stream, "a", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("vendor/one.bin", bytes(12 * 10**5))
-    bomb = stream.getvalue()
+    bomb = archive(members(x3p(HEIGHTS)) | {"vendor/one.bin": bytes(12 * 10**5)})
     assert len(bomb) < 10**5
     refused(bomb, "the archive would unpack to")
     assert read(x3p(HEIGHTS)).shape == (3, 4)
@@ -65,12 +56,9 @@ def test_claimed_size_is_checked_before_reading(refused):
     refused(claim, "more than the 134217728 that are read")
 
 
-def test_cut_archive_and_other_archives(refused):
+def test_a_cut_archive_is_refused(refused):
     data = x3p(HEIGHTS)
     refused(data[: int(0.6 * len(data))], "without its end")
-    stream = io.BytesIO()
-    np.savez(stream, a=np.ones((4, 4)))
-    refused(stream.getvalue(), r"map\.", name="map.npz", **GIVEN)
 
 
 def rough(n=64, seed=0):
@@ -91,27 +79,25 @@ def test_a_sound_map_raises_no_suspicion():
 
 
 def test_pixels_that_are_not_square():
-    assert "the pixels are not square" in words(rough(), dy=1.02e-6)
-    assert "dx = 1.000 µm, dy = 1.020 µm" in words(rough(), dy=1.02e-6)
+    assert "the pixels are not square: dx = 1.000 µm, dy = 1.020 µm" in words(rough(), dy=1.02e-6)
     for dy in (1.005e-6, 2e-6, 0.25e-6):
         assert suspicions(rough(), 1e-6, dy) == []
 
 
 @pytest.mark.parametrize("ratio", [5, 8, 1000, 1234])
-def test_long_pixels_are_named_whatever_their_ratio(ratio, tmp_path):
+def test_long_pixels_are_named_whatever_their_ratio(read, ratio):
     """Whole ratios too: a width in mm beside a height in µm. In a pair each face says it."""
-    np.save(tmp_path / "map.npy", 1e-6 * rough())
-    read = read_height_map(tmp_path / "map.npy", dx=f"{ratio} um", dy="1 um", height_unit="m")
-    (said,) = [note for note in json.loads(read.attrs["ingest_warnings"]) if "not square" in note]
+    height = read(array(1e-6 * rough()), dx=f"{ratio} um", dy="1 um", height_unit="m")
+    (said,) = [note for note in json.loads(height.attrs["ingest_warnings"]) if "not square" in note]
     assert f"one is {ratio}" in said.replace(".00 times", "")
-    assert said not in json.loads(read.attrs["ingest_facts"])  # a warning, no mere note
-    pair = composite(read, read)
+    assert said not in json.loads(height.attrs["ingest_facts"])  # a warning, no mere note
+    pair = composite(height, height)
     assert sum(said in note for note in json.loads(pair.attrs["ingest_warnings"])) == 2
 
 
 def changed(place, value):
     height = rough()
-    height[place] = value(height) if callable(value) else value
+    height[place] = value
     return height
 
 
@@ -125,14 +111,11 @@ def changed(place, value):
         (np.maximum(rough(), -1.5e-6), "exactly the lowest height"),
         (2e-6 * np.exp(np.round(rough() / 2e-7) / 5), "different heights occur, at odd distances"),
         (changed([7, 30], 0.0), "2 of 64 rows are constant"),
-        (
-            changed(np.s_[:, 12], lambda height: height[:, 11]),
-            "1 of 64 columns repeat the one before exactly",
-        ),
+        (changed(np.s_[:, 12], rough()[:, 11]), "1 of 64 columns repeat the one before exactly"),
         (np.vstack([rough()[:8]] * 2), "second half of the rows repeats the first exactly"),
         (1e-7 * np.random.default_rng(5).standard_normal((64, 64)), "neighbouring points are unrelated"),
         (np.zeros((8, 8)), "all heights are equal"),
-        (changed(np.s_[20:28, 30:36], np.mean), "1.17 % of the points have exactly the height"),
+        (changed(np.s_[20:28, 30:36], rough().mean()), "1.17 % of the points have exactly the height"),
     ],
 )
 def test_what_looks_wrong_is_said(height, said):
@@ -143,23 +126,16 @@ def test_levels_of_one_step_are_judged_later():
     assert "different heights occur" not in words(2e-7 * np.round(rough() / 2e-7))
 
 
-def test_absurd_heights_are_refused(tmp_path):
-    np.save(tmp_path / "map.npy", rough() * 1e12)
-    refuses(
-        "are no measurement: the height unit is wrong, the number marks",
-        tmp_path / "map.npy",
-        error=HeightMapError,
-        dx=1e-6,
-        dy=1e-6,
-        unit="m",
-    )
+def test_a_single_bad_point_is_no_matter_of_units():
+    found = words(changed((7, 9), -1.0))
+    assert "1 point lies far below all others" in found
+    assert "more than the field" not in found
+    assert "check the height unit" not in found
 
 
-def test_suspicions_reach_the_user(tmp_path):
-    path = tmp_path / "map.npy"
-    np.save(path, rough() * 1e3)
-    height = read_height_map(path, dx=1e-6, dy=1e-6, unit="m")
-    assert any("more than the field" in note for note in json.loads(height.attrs["ingest_warnings"]))
+def test_absurd_heights_are_refused(refused):
+    said = "are no measurement: the height unit is wrong, the number marks"
+    refused(array(1e12 * rough()), said, error=HeightMapError, dx=1e-6, dy=1e-6, unit="m")
 
 
 @pytest.mark.parametrize(
@@ -182,26 +158,22 @@ def test_ranges_of_the_kind_of_instrument(kind, scale, step, said):
     assert "unusual" not in found if said is None else said in found
 
 
-def test_the_kind_comes_from_the_file(tmp_path):
+def test_the_kind_comes_from_the_file(read):
     """Steps of 1 nm are no matter for an unknown instrument; with light they cannot be."""
     probing = x3pio.ProbingSystem(type=x3pio.ProbingType.NON_CONTACTING, identification="50x")
     metadata = x3pio.Metadata(
         instrument=x3pio.Instrument(model="maker 1", serial="7"), probing_system=probing
     )
-    for name, options in (("light.x3p", {"metadata": metadata}), ("unknown.x3p", {})):
-        x3pio.write(tmp_path / name, 1e-3 * rough(), x_scale=1e-9, y_scale=1e-9, **options)
-    light = read_height_map(tmp_path / "light.x3p")
-    assert "unusual for an optical profiler" in light.attrs["ingest_warnings"]
+    light = read(x3p(1e-3 * rough(), 1e-9, 1e-9, metadata=metadata))
+    assert "unusual for an optical profiler" in warnings_of(light)
     instrument = json.loads(light.attrs["instrument"])
     assert (instrument["name"], instrument["serial"], instrument["lens"]) == ("maker 1", "7", "50x")
-    assert read_height_map(tmp_path / "unknown.x3p").attrs["ingest_warnings"] == "[]"
+    assert warnings_of(read(x3p(1e-3 * rough(), 1e-9, 1e-9))) == ""
 
 
 def test_exchanged_sizes():
-    found = words(rough()[:48], dx=48e-6 / 64, dy=64e-6 / 48)
-    assert (
-        "they would be with 64 rows of 48 points: rows and columns, or the two sizes, were exchanged" in found
-    )
+    said = "they would be with 64 rows of 48 points: rows and columns, or the two sizes, were exchanged"
+    assert said in words(rough()[:48], dx=48e-6 / 64, dy=64e-6 / 48)
 
 
 def test_slopes_that_cannot_be():
@@ -244,16 +216,14 @@ def test_quantisation_is_compared_with_the_roughness_and_not_with_the_tilt():
     assert check.sentence.startswith("The heights are multiples of 2.0 nm, 2")
 
 
-def test_memory_is_asked_for_before_reading(refused, tmp_path, monkeypatch):
+def test_memory_is_asked_for_before_reading(read, refused, monkeypatch):
     monkeypatch.setattr(guards, "memory_bytes", lambda: 2.0**17)
-    np.save(tmp_path / "map.npy", rough(128))
-    refuses(r"128 x 128 points need 0.0 GiB of memory to be read", tmp_path / "map.npy", **GIVEN)
-    refused(b"1.5 2.5\n" * 2000, r"bytes of this format need", name="map.txt", **GIVEN)
-    refused(b"aISO-1.0" + bytes(20000), r"bytes of this format need", name="map.sdf")
-    refused(b"AliconaImaging\0" + bytes(20000), r"bytes of this format need", name="map.al3d")
+    refused(array(rough(128)), r"128 x 128 points need 0.0 GiB of memory to be read", **GIVEN)
+    for data in (b"1.5 2.5\n" * 2000, b"aISO-1.0" + bytes(20000), b"AliconaImaging\0" + bytes(20000)):
+        refused(data, r"bytes of this format need", **GIVEN)
     monkeypatch.undo()
     assert guards.memory_bytes() > 2**20
-    assert read_height_map(tmp_path / "map.npy", **GIVEN).shape == (128, 128)
+    assert read(array(rough(128)), **GIVEN).shape == (128, 128)
 
 
 def test_depths_are_turned_into_heights(tmp_path):

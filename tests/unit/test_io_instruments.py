@@ -1,13 +1,11 @@
-"""Headers of instruments: files written here byte by byte, and small public shapes of the shared folder."""
+"""Headers of instruments: files written here byte by byte, and public files beside what others read."""
 
 import json
 import struct
-import zipfile
 
 import numpy as np
 import pytest
-import scipy.io
-from measured_files import gwy, labelled, refuses, saved, steps, warnings_of
+from measured_files import gwy, holds, jpk, labelled, matlab, sdf, steps, warnings_of
 from shared_data import DATA
 
 from roughcontact.io.inspection import inspect_file
@@ -33,56 +31,46 @@ def test_a_series_of_digital_surf_has_a_channel_for_each_object(read, refused):
     height = read(data)
     assert json.loads(height.attrs["channels"]) == ["object 1", "object 2", "object 3"]
     assert "'object 1', the first height channel of 3, was read" in warnings_of(height)
-    third = read(data, channel="object 3")
-    np.testing.assert_allclose(third.values[::-1], 1.5e-9 * COUNTS, rtol=1e-12)
-    assert steps(third) == pytest.approx([2e-6, 3e-6])
+    holds(read(data, channel="object 3"), 1.5e-9 * COUNTS[::-1], 2e-6, 3e-6, rtol=1e-12)
     refused(surf(COUNTS, 5, 3) + surf(COUNTS), "2 objects where its header states 3")
     for cut in (1, 300):
         refused(data[:-cut], "cut off")
 
 
 def test_profiles_of_digital_surf(read):
-    profile = read(surf(COUNTS[:1], 1, dy=0.0, units=(b"mm", b"", b"\xb5m")))
-    np.testing.assert_allclose(profile.values, 0.5e-6 * COUNTS[:1], rtol=1e-12)
-    assert steps(profile) == pytest.approx([2e-3])
-    several = read(surf(COUNTS, 4), channel="object 2")
-    np.testing.assert_allclose(several.values, 0.5e-9 * COUNTS[1:2], rtol=1e-12)
+    profile = surf(COUNTS[:1], 1, dy=0.0, units=(b"mm", b"", b"\xb5m"))
+    holds(read(profile), 0.5e-6 * COUNTS[:1], 2e-3, rtol=1e-12)
+    holds(read(surf(COUNTS, 4), channel="object 2"), 0.5e-9 * COUNTS[1:2], 2e-6, rtol=1e-12)
 
 
 @pytest.mark.parametrize("micro", [b"\xb5m", "µm".encode(), b"\xe6m", b"um"])
 def test_every_micro_sign_of_digital_surf(read, micro):
     height = read(surf(COUNTS, units=(micro, b"nm", micro)))
-    np.testing.assert_allclose(height.values[::-1], 0.5e-6 * COUNTS, rtol=1e-12)
-    assert steps(height) == pytest.approx([2e-6, 3e-9])  # the unit of each axis
+    holds(height, 0.5e-6 * COUNTS[::-1], 2e-6, 3e-9, rtol=1e-12)  # the unit of each axis
     assert "the axes have different units, " in warnings_of(height)
 
 
-def test_arbitrary_units_are_no_damage(tmp_path):
-    path = saved(tmp_path, surf(COUNTS, units=(b"mm", b"mm", b"a.u.")))
-    refuses(r"no channel .* holds heights \('Default': values in a\.u\., no", path)
-    assert read_height_map(path, height_unit="nm").shape == (6, 8)
+def test_arbitrary_units_are_no_damage(read, refused):
+    data = surf(COUNTS, units=(b"mm", b"mm", b"a.u."))
+    refused(data, r"no channel .* holds heights \('Default': values in a\.u\., no")
+    assert read(data, height_unit="nm").shape == (6, 8)
 
 
-def nanoscope(data, *, lines, image, scan="10000 nm", aspect="1:1", planned=8, valid=True, slow=""):
+def nanoscope(data, *, lines, image, scan="10000 nm", aspect="1:1", planned=8, valid=True, slow=()):
     """Return a Nanoscope file of one channel with these statements on its size."""
     ny, nx = data.shape
     said = [
         *("*File list", "Version: 0x05150107", "Date: 11:47:00 AM Thu Jul 22 2021"),
         *("*Ciao scan list", f"Scan Size: {scan}", f"Samps/line: {nx}", f"Lines: {planned}"),
-        *(
-            f"Aspect Ratio: {aspect}",
-            "@Sens. Zsens: V 10.0 nm/V",
-            *([f"Slow Axis Size: {slow}"] if slow else []),
-        ),
+        *(f"Aspect Ratio: {aspect}", "@Sens. Zsens: V 10.0 nm/V", *slow),
         *("*Ciao image list", "Data offset: 2048", f"Data length: {2 * nx * ny}", "Bytes/pixel: 2"),
         *(f"Samps/line: {nx}", f"Number of lines: {lines}", f"Scan Size: {image}", "Aspect Ratio: 0.516184"),
         *([f"Valid data len Y: {ny}"] if valid else []),
         *('@2:Image Data: S [Height] "Height"', "@2:Z scale: V [Sens. Zsens] (0.006 V/LSB) 6.5536 V"),
         "*File list end",
     ]
-    return (
-        "".join(f"\\{line}\r\n" for line in said).encode().ljust(2048, b"\0") + data.astype("<i2").tobytes()
-    )
+    header = "".join(f"\\{line}\r\n" for line in said).encode()
+    return header.ljust(2048, b"\0") + data.astype("<i2").tobytes()
 
 
 @pytest.mark.parametrize(
@@ -95,33 +83,25 @@ def nanoscope(data, *, lines, image, scan="10000 nm", aspect="1:1", planned=8, v
         ({"lines": 6, "image": "10 5 ~m", "aspect": "2:1"}, 3.75),
         ({"lines": 8, "image": "10 10 ~m", "planned": 3, "aspect": "16:1"}, 7.5),  # lines by the data alone
         ({"lines": 3, "image": "10 10 ~m", "planned": 3, "valid": False}, 7.5),
-        ({"lines": 6, "image": "10 10 ~m", "slow": "10000 nm"}, 7.5),
+        ({"lines": 6, "image": "10 10 ~m", "slow": ["Slow Axis Size: 10000 nm"]}, 7.5),
     ],
 )
 def test_lines_and_length_of_nanoscope(read, stated, length):
     height = read(nanoscope(COUNTS, **stated))
-    np.testing.assert_allclose(height.values, 1e-12 * COUNTS, rtol=1e-12)
-    assert steps(height) == pytest.approx([1.25e-6, 1e-6 * length / 6])
+    holds(height, 1e-12 * COUNTS, 1.25e-6, 1e-6 * length / 6, rtol=1e-12)
     whole = stated["lines"] == 6 and f"10 {length:g} ~m" == stated["image"]
     assert ("the header states" in warnings_of(height)) == (not whole and "slow" not in stated)
 
 
 def test_bytes_of_nanoscope_that_are_no_lines_are_named(read):
-    data = (
-        nanoscope(COUNTS, lines=6, image="10 10 ~m", planned=6).replace(b"length: 96", b"length: 99") + b"abc"
-    )
-    assert "3 of the 99 bytes of channel 'Height' are no part of its 6 lines" in warnings_of(read(data))
+    data = nanoscope(COUNTS, lines=6, image="10 10 ~m", planned=6).replace(b"length: 96", b"length: 99")
+    said = "3 of the 99 bytes of channel 'Height' are no part of its 6 lines"
+    assert said in warnings_of(read(data + b"abc"))
 
 
 def test_a_softgauge_of_one_profile(read, refused):
-    head = ["aNPL-V1.0", "ManuFacID = Softgauges", "CreateDate = 210520051200", "ModDate = 210520051200"]
-    head += ["NumPoints = 8", "NumProfiles = 1", "Xscale = 5E-07", "Yscale = 0", "Zscale = 1E-09"]
-    head += ["Zresolution = -1", "Compression = 0", "DataType = 5", "CheckType = 0", "*"]
-    text = "\n".join([*head, *map(str, COUNTS[0]), "*", "*", ""])
-    profile = read(text)
-    np.testing.assert_allclose(profile.values, 1e-9 * COUNTS[:1], rtol=1e-12)
-    assert steps(profile) == pytest.approx([5e-7])
-    refused(text.replace("Zscale = 1E-09", "Zscale = 0"), "Zscale = 0.0, the height of a count")
+    holds(read(sdf(COUNTS[:1], 5e-7, 0, 1e-9, "aNPL-V1.0")), 1e-9 * COUNTS[:1], 5e-7, rtol=1e-12)
+    refused(sdf(COUNTS[:1], 5e-7, 0, 0, "aNPL-V1.0"), "Zscale = 0.0, the height of a count")
 
 
 def zygo(resolution):
@@ -132,53 +112,85 @@ def zygo(resolution):
 
 
 def test_zygo_xyz_of_format_1(read, refused):
-    height = read(zygo("2e-06"))
-    right = np.where((np.arange(8) == 3) & (np.arange(6)[:, None] == 2), np.nan, 1e-9 * COUNTS)
-    np.testing.assert_allclose(height.values, right, rtol=1e-12)
-    assert steps(height) == pytest.approx([2e-6, 2e-6])
+    heights = 1e-9 * COUNTS
+    heights[2, 3] = np.nan
+    holds(read(zygo("2e-06")), heights, 2e-6, 2e-6, rtol=1e-12)
     refused(zygo("0"), "give dx, dy, unit")  # a camera that was not calibrated
     refused("\n".join(zygo("2e-06").split("\n")[:-10]), "40 lines of points where the header needs 8 x 6")
 
 
-def test_a_plain_workbook_is_named_with_its_sheets(tmp_path):
-    for name in ("A & B", "DATA"):  # that of Mitutoyo's heights
-        with zipfile.ZipFile(tmp_path / "map.xlsx", "w") as book:
-            book.writestr("xl/workbook.xml", f'<sheet name="{name.replace("&", "&amp;")}" sheetId="1"/>')
-        refuses(rf"save the sheet with the heights as CSV .*: '{name}'\)", tmp_path / "map.xlsx")
-
-
-def test_a_map_of_three_axes_is_chosen_by_its_index(tmp_path):
+def test_a_map_of_three_axes_is_chosen_by_its_index(read, tmp_path):
     values = 1e-9 * np.stack([COUNTS, 2 * COUNTS, 3 * COUNTS])
     scans = labelled(values, name="z")
     for path, dims in ((tmp_path / "first.nc", ("t", "y", "x")), (tmp_path / "last.nc", ("y", "x", "t"))):
         scans.transpose(*dims).to_netcdf(path)
-        np.testing.assert_allclose(read_height_map(path, channel="z[t=2]").values, values[2], rtol=1e-12)
+        holds(read_height_map(path, channel="z[t=2]"), values[2], rtol=1e-12)
         assert "'z[t=0]', the first height channel of 3, was read" in warnings_of(read_height_map(path))
-    scipy.io.savemat(tmp_path / "map.mat", {"z": values.transpose(1, 2, 0)})
-    given = {"dx": 1, "dy": 1, "unit": "m"}
-    second = read_height_map(tmp_path / "map.mat", channel="z(:,:,2)", **given)
-    np.testing.assert_allclose(second.values, values[1], rtol=1e-12)
+    second = read(matlab({"z": values.transpose(1, 2, 0)}), channel="z(:,:,2)", dx=1, dy=1, unit="m")
+    holds(second, values[1], rtol=1e-12)
 
 
-def test_images_of_gwyddion_in_other_units_and_under_a_mask(read, tmp_path):
-    path = saved(tmp_path, gwy({"a": (HEIGHTS, "V"), "b": (HEIGHTS, "")}, SIZE))
-    refuses(r"\('a': values in V, .*'b': values in no unit.* height_unit", path)
-    refuses(r"channel 'a' holds no heights .* give height_unit", path, channel="a")
-    asked = read_height_map(path, channel="a", height_unit="m")
-    np.testing.assert_allclose(asked.values[::-1], HEIGHTS, rtol=1e-12)
-    listed = inspect_file(saved(tmp_path, gwy({"a": (HEIGHTS, "V"), "b": (HEIGHTS, "m")}, SIZE)))
-    assert [(each["name"], each["height_unit"]) for each in listed["channels"]] == [("a", "V"), ("b", "m")]
-    assert listed["channel"] == "b"
-    by_name = read(gwy({"Error": (HEIGHTS, "m"), "b": (HEIGHTS, "m")}, SIZE))
-    assert by_name.attrs["channel"] == "b"
-    twice = saved(
-        tmp_path, gwy({"a": (HEIGHTS, "m"), "b": (2 * HEIGHTS, "m")}, SIZE).replace(b"sb\0", b"sa\0")
-    )
-    assert json.loads(read_height_map(twice).attrs["channels"]) == ["a", "a (2)"]
-    np.testing.assert_allclose(read_height_map(twice, channel="a (2)").values[::-1], 2 * HEIGHTS, rtol=1e-12)
+def images(**units):
+    """Return a file of Gwyddion with the map under these titles and in these units."""
+    return gwy({title: (HEIGHTS, unit) for title, unit in units.items()}, SIZE)
+
+
+def test_images_of_gwyddion_in_other_units(read, refused, tmp_path):
+    data = images(a="V", b="")
+    refused(data, r"\('a': values in V, .*'b': values in no unit.* height_unit")
+    refused(data, r"channel 'a' holds no heights .* give height_unit", channel="a")
+    holds(read(data, channel="a", height_unit="m"), HEIGHTS[::-1], rtol=1e-12)
+    assert read(images(a="V", b="m")).attrs["channel"] == "b"
+    listed = inspect_file(tmp_path / "map.dat")["channels"]
+    assert [(each["name"], each["height_unit"]) for each in listed] == [("a", "V"), ("b", "m")]
+
+
+def test_images_of_gwyddion_by_their_names_and_under_a_mask(read):
+    assert read(images(Error="m", b="m")).attrs["channel"] == "b"
+    twice = gwy({"a": (HEIGHTS, "m"), "b": (2 * HEIGHTS, "m")}, SIZE).replace(b"sb\0", b"sa\0")
+    assert json.loads(read(twice).attrs["channels"]) == ["a", "a (2)"]
+    holds(read(twice, channel="a (2)"), 2 * HEIGHTS[::-1], rtol=1e-12)
     masked = read(gwy({"a": (HEIGHTS, "m")}, SIZE, [COUNTS > 8000]))
+    holds(masked, np.where(COUNTS > 8000, np.nan, HEIGHTS)[::-1])
     assert masked.attrs["missing_points"] == int((COUNTS > 8000).sum()) > 0
     assert "the mask in the file was applied" in warnings_of(masked)
+
+
+# counts of JPK's fast scans: points, frames
+FRAMES = np.random.default_rng(4).integers(-(2**30), 2**30, (12, 2), dtype=np.int32)
+
+
+def scan(points=12, unit="m", **grid):
+    grid = {"ilength": 4, "jlength": 3, "ulength": 8e-7, "vlength": 9e-7} | grid
+    channels = (
+        ("phase", "Lock-In Phase", 1e-7, 0.0, "deg"),
+        ("amplitude", "Lock-In Amplitude", 1e-17, 0.0, "m"),
+        ("height", "Height", -3e-16, 4e-7, unit),
+        ("measuredHeight", "Height (measured)", 2e-15, 1e-7, unit),
+    )
+    return jpk(FRAMES[:points], channels, **grid)
+
+
+def test_frames_and_quantities_are_channels(read, tmp_path):
+    height = read(scan())
+    holds(height, 2e-15 * FRAMES[:, 0].reshape(3, 4) + 1e-7, 2e-7, 3e-7)
+    assert height.attrs["channel"] == "Height (measured) (retrace, frame 1)"
+    assert height.attrs["first_row"] == "bottom"
+    assert json.loads(height.attrs["instrument"])["probe"] == "USC"
+    other = read(scan(), channel="Height (trace, frame 2)")
+    holds(other, -3e-16 * FRAMES[:, 1].reshape(3, 4) + 4e-7)
+    reasons = {each["name"]: each["reason"] for each in inspect_file(tmp_path / "map.dat")["channels"]}
+    assert reasons["Lock-In Phase (trace, frame 1)"] == "values in deg, no length"
+    assert reasons["Lock-In Amplitude (retrace, frame 1)"] == "by its name no topography"
+
+
+def test_what_is_wrong_in_a_scan_is_named(read, refused):
+    refused(scan(points=11), "no 3 x 4 points of each frame")
+    refused(scan(unit="V"), "no channel of this file holds heights")
+    refused(scan(ulength=0.0), "are impossible; give dx, dy and unit")
+    turned = scan(theta=0.5)
+    assert "the scan is turned" in warnings_of(read(turned))
+    refused(turned[: int(0.6 * len(turned))], "damaged or cut off HDF5 file")
 
 
 # file: steps (µm), and what of the truth it holds
@@ -210,3 +222,19 @@ def test_a_strip_of_nanoscope_has_all_its_lines():
     height = read_height_map(CASES / "nanoscope_16to1_32_lines.001")
     assert height.shape == (32, 512)
     assert np.multiply(steps(height), (512, 32)) == pytest.approx([65e-6, 4.0625e-6])
+
+
+@pytest.mark.shared_data
+@pytest.mark.parametrize(
+    ("channel", "rms"),
+    [
+        ("Height (trace, frame 1)", 3.153759787322164e-9),
+        ("Height (trace, frame 4)", 2.385664846424173e-9),
+        ("Height (retrace, frame 2)", 2.527799639881413e-9),
+    ],
+)
+def test_a_real_scan_of_jpk_as_afmreader_reads_it(channel, rms):
+    height = read_height_map(DATA.parent / "more_data" / "sample_0.h5-jpk", channel=channel)
+    assert height.shape == (128, 128)
+    assert float(height.std()) == pytest.approx(rms, rel=1e-9)
+    assert steps(height)[0] == pytest.approx(1.171875e-9, rel=1e-12)

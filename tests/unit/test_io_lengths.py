@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy.io
-from measured_files import labelled, refuses, warnings_of
+from measured_files import array, holds, labelled, matlab, refuses, warnings_of
 from shared_data import DATA
 
 from roughcontact.errors import InputFileError
+from roughcontact.io import classic
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
 
@@ -27,23 +27,18 @@ REAL = (
 )
 
 
-def arguments(name):
-    return GIVEN if name in ("npy", "matlab") else {}
-
-
 def changed(data, place, inserted):
     """Return bytes with some more, or without so many, at a share of their length."""
     at = int(place * len(data))
-    return (
-        data[:at] + inserted + data[at:] if isinstance(inserted, bytes) else data[:at] + data[at + inserted :]
-    )
+    more, lost = (inserted, 0) if isinstance(inserted, bytes) else (b"", inserted)
+    return data[:at] + more + data[at + lost :]
 
 
 @pytest.fixture(params=CHECKED)
 def made(request, tmp_path):
     path = tmp_path / "map.npy"
     SEEDS[request.param](path)
-    return path, arguments(request.param)
+    return path, GIVEN if request.param == "npy" else {}
 
 
 def test_bytes_inserted_or_lost_are_refused(made):
@@ -67,33 +62,26 @@ def test_padding_is_named_and_moves_nothing(made):
     assert said not in warnings_of(right)
 
 
-def test_the_refusal_and_the_way_out(tmp_path):
-    path = tmp_path / "map.npy"
-    np.save(path, np.arange(20.0).reshape(4, 5))
-    path.write_bytes(path.read_bytes() + b"0123456789")
-    given = {"dx": 1, "dy": 1, "unit": "um"}
-    with pytest.raises(InputFileError) as caught:
-        read_height_map(path, **given)
-    assert str(caught.value) == (
+def test_the_refusal_and_the_way_out(read, refused, tmp_path):
+    heights, given = np.arange(20.0).reshape(4, 5), {"dx": 1, "dy": 1, "unit": "um"}
+    data, path = array(heights) + b"0123456789", tmp_path / "map.dat"
+    said = refused(data, "298 bytes", **given)
+    assert said == (
         f"{path}: 298 bytes where its header needs 288: not readable as NumPy array, because it was changed "
         "or damaged after it was written; export it again, or, where you know the change, give checksum = "
         "ignore (table of surfaces or argument)"
     )
-    assert inspect_file(path, **given)["problem"] == str(caught.value)
-    read = read_height_map(path, checksum="ignore", **given)
-    np.testing.assert_allclose(read.values, 1e-6 * np.arange(20.0).reshape(4, 5), rtol=1e-15)
-    assert "298 bytes where its header needs 288: read nevertheless, as asked" in warnings_of(read)
-    path.write_bytes(path.read_bytes()[:270])
-    refuses("not readable as a NumPy array", path, checksum="ignore", **given)
+    assert inspect_file(path, **given)["problem"] == said
+    height = read(data, checksum="ignore", **given)
+    holds(height, 1e-6 * heights)
+    assert "298 bytes where its header needs 288: read nevertheless, as asked" in warnings_of(height)
+    refused(data[:270], "not readable as a NumPy array", checksum="ignore", **given)
 
 
-def test_what_follows_a_variable_of_matlab_is_refused(tmp_path):
-    path = tmp_path / "map.mat"
-    scipy.io.savemat(path, {"z": np.random.default_rng(1).standard_normal((20, 30))})
-    whole = path.read_bytes()
+def test_what_follows_a_variable_of_matlab_is_refused(refused):
+    whole = matlab({"z": np.random.default_rng(1).standard_normal((20, 30))})
     for data in (changed(whole, 0.6, bytes(range(100))), whole + b"\1\2\3", whole + bytes(64)):
-        path.write_bytes(data)
-        refuses(r"damaged MATLAB file: .* copy or save it again", path, **GIVEN)
+        refused(data, r"damaged MATLAB file: .* copy or save it again", **GIVEN)
 
 
 @pytest.mark.parametrize("kind", ["NETCDF3_CLASSIC", "NETCDF3_64BIT", "NETCDF3_64BIT_DATA"])
@@ -146,9 +134,54 @@ def test_headers_that_contradict_themselves_are_refused(name, place, said, tmp_p
 
 @pytest.mark.parametrize("marker", [9.91e37, -9.9e37, 9.96921e36, 3.40282347e38, 1.70141e38])
 @pytest.mark.parametrize("kind", ["<f4", "<f8"])
-def test_numbers_beyond_all_heights_are_missing_points(tmp_path, marker, kind):
+def test_numbers_beyond_all_heights_are_missing_points(read, marker, kind):
     heights = np.arange(20.0).reshape(4, 5)
     heights[1, 2] = marker
-    np.save(tmp_path / "map.npy", heights.astype(kind))
-    read = read_height_map(tmp_path / "map.npy", dx=1, dy=1, unit="um")
-    assert np.flatnonzero(np.isnan(read.values)).tolist() == [7]
+    height = read(array(heights.astype(kind)), **GIVEN)
+    assert np.flatnonzero(np.isnan(height.values)).tolist() == [7]
+
+
+# ---------------------------------------------------------------- the header of CDF-5
+
+
+CLASSIC = np.arange(12.0).reshape(4, 3)
+
+
+def written(path, records=0):
+    """Write a map with coordinates, attributes, a number, and so many records of two further variables."""
+    dataset = labelled(CLASSIC, "um").to_dataset().assign(number=np.int32(3))
+    if records:
+        one, three = np.arange(records, dtype="i2"), np.ones((records, 3))
+        dataset = dataset.assign(one=("t", one), three=(("t", "x"), three))
+    dataset = dataset.assign_attrs(title="a map", numbers=np.arange(100, 103))
+    dataset.to_netcdf(
+        path, format="NETCDF3_64BIT_DATA", engine="netcdf4", unlimited_dims="t" if records else ()
+    )
+    return path
+
+
+@pytest.mark.parametrize("records", [0, 1, 5])
+def test_whole_files_are_read(tmp_path, records):
+    path = written(tmp_path / "map.nc", records=records)
+    holds(read_height_map(path), 1e-6 * CLASSIC)
+
+
+@pytest.mark.parametrize("records", [0, 5])
+def test_cut_files_are_refused(tmp_path, records):
+    path = written(tmp_path / "map.nc", records=records)
+    whole = path.read_bytes()
+    for length in range(4, len(whole) - 3):  # the last bytes may be what fills up to a multiple of four
+        path.write_bytes(whole[:length])
+        with pytest.raises(InputFileError, match="damaged or cut off netCDF file"):
+            classic.check_header(path)
+
+
+def test_counts_beyond_the_file_are_refused_before_the_library_sees_them(tmp_path):
+    path = written(tmp_path / "map.nc", records=2)
+    whole = path.read_bytes()
+    places = [place for place in range(16, 500, 4) if 0 < int.from_bytes(whole[place : place + 8]) < 20]
+    assert len(places) > 20
+    for place in places:
+        path.write_bytes(whole[:place] + (2**62).to_bytes(8) + whole[place + 8 :])
+        with pytest.raises(InputFileError):
+            classic.check_header(path)

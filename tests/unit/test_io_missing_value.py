@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from measured_files import array, cells, refuses, warnings_of
 
 import roughcontact as rc
 from roughcontact.command_line.program import main
@@ -26,31 +27,26 @@ def path(tmp_path):
 def test_stated_markers_are_missing_points_and_the_suspicion_names_the_way(path):
     bare = rc.read_height_map(path, **GIVEN)
     assert bare.attrs["missing_points"] == 0
-    assert "missing_value states it" in bare.attrs["ingest_warnings"]
+    assert "missing_value states it" in warnings_of(bare)
     for stated, missing in (("-25400", 6), (-25400, 6), (99.0, 1), ("-25400 99", 7)):
         height = rc.read_height_map(path, **GIVEN, missing_value=stated)
         assert height.attrs["missing_points"] == missing
         kept = np.isfinite(height.values)
         np.testing.assert_allclose(height.values[kept], 1e-9 * MARKED[::-1][kept], rtol=1e-14)
-        assert f"{missing} points are {stated} and taken as missing" in height.attrs["ingest_warnings"]
-    assert (
-        "far below"
-        not in rc.read_height_map(path, **GIVEN, missing_value="-25400 99").attrs["ingest_warnings"]
-    )
-    with pytest.raises(SettingsError, match=r"missing_value = 'none'.*separated by blanks"):
-        rc.read_height_map(path, **GIVEN, missing_value="none")
+        assert f"{missing} points are {stated} and taken as missing" in warnings_of(height)
+    assert "far below" not in warnings_of(height)  # with both markers
+    words = r"missing_value = 'none'.*separated by blanks"
+    refuses(words, path, error=SettingsError, **GIVEN, missing_value="none")
 
 
-def test_markers_of_single_precision_and_of_uneven_points(tmp_path):
+def test_markers_of_single_precision_and_of_uneven_points(read):
     values = HEIGHTS.astype("f4")
     values[3, 3] = np.float32(-32767.9)
-    np.save(tmp_path / "map.npy", values)
-    height = rc.read_height_map(tmp_path / "map.npy", **GIVEN, missing_value="-32767.9")
-    assert height.attrs["missing_points"] == 1
+    assert read(array(values), **GIVEN, missing_value="-32767.9").attrs["missing_points"] == 1
     x = np.cumsum(np.random.default_rng(5).uniform(1, 2, 40))
     z = np.where(np.arange(40) % 7 == 3, -9999, 0.1 * x)
-    np.savetxt(tmp_path / "trace.txt", np.column_stack([x, z]))
-    height = rc.read_height_map(tmp_path / "trace.txt", unit="um", resample="linear", missing_value=-9999)
+    text = cells(zip(x, z, strict=True), " ", "{}")
+    height = read(text, unit="um", resample="linear", missing_value=-9999)
     np.testing.assert_allclose(height.values[0], 0.1 * height.x, rtol=1e-9)
 
 
@@ -60,10 +56,8 @@ def test_the_marker_of_the_command_line_and_of_one_call(path, capsys):
     (found,) = json.loads(capsys.readouterr().out)
     assert found["map"]["missing_points"] == 7
     assert found == json.loads(json.dumps([inspect_file(path, **GIVEN, missing_value="-25400 99")]))[0]
-    chosen = {
-        "contact": {"contact_modulus": 1e9, "relative_pressure": 0.1},
-        "uncertainty": {"sources": ["solver"]},
-    }
+    contact = {"contact_modulus": 1e9, "relative_pressure": 0.1}
+    chosen = {"contact": contact, "uncertainty": {"sources": ["solver"]}}
     stated = rc.evaluate(path, **chosen, **GIVEN, missing_value="-25400 99")
     read = rc.evaluate(rc.read_height_map(path, **GIVEN, missing_value="-25400 99"), **chosen)
     assert float(stated["rms_height"]) == float(read["rms_height"])

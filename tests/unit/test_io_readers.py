@@ -3,21 +3,17 @@
 import io
 import subprocess
 import sys
-import zipfile
-from itertools import groupby
 
 import h5py
 import numpy as np
 import pytest
 import sdfio
 import xarray as xr
-from measured_files import array, refuses, x3p
+from measured_files import GIVEN, archive, array, holds, refuses, saved, x3p
 
-from roughcontact.errors import InputFileError
 from roughcontact.io import readers as room
 from roughcontact.io.interface import RecognisedBy, head_of
-from roughcontact.io.read import read_height_map
-from roughcontact.io.registry import open_file, readers, recognised
+from roughcontact.io.registry import readers, recognised
 
 HEIGHTS = np.arange(12.0).reshape(3, 4) * 1e-6
 
@@ -62,22 +58,12 @@ def another_format(tmp_path, monkeypatch):
     sys.modules.pop("roughcontact.io.readers.another", None)
 
 
-def test_one_file_adds_a_format(tmp_path, another_format):
-    path = tmp_path / "map.xyz"
-    path.write_bytes(b"ANOTHER\0" + bytes([4]) + (1e9 * HEIGHTS).tobytes())
-    height = read_height_map(path)
-    np.testing.assert_allclose(height.values[::-1], HEIGHTS, rtol=1e-12)
-    assert float(height.x[1] - height.x[0]) == pytest.approx(2e-6)
+def test_one_file_adds_a_format(read, refused, another_format):
+    data = b"ANOTHER\0" + bytes([4]) + (1e9 * HEIGHTS).tobytes()
+    height = read(data, name="map.xyz")
+    holds(height, HEIGHTS[::-1], 2e-6, 2e-6, rtol=1e-12)
     assert height.attrs["source_format"] == "another"
-    path.write_bytes(path.read_bytes()[:-8])
-    refuses("cut off", path)
-
-
-def archive():
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w") as packed:
-        packed.writestr("index.xml", "<xml/>")
-    return stream.getvalue()
+    refused(data[:-8], "cut off", name="map.xyz")
 
 
 def hdf5(*groups):
@@ -96,41 +82,41 @@ def sdf(file_format):
 
 TEXT = b"\n1.5 2.5 3.5\n4.5 5.5 7.5\n"
 BINARY = bytes(range(256))
+# content of a file, and the readers that claim it, the first of which reads it
 FILES = {
-    "X3P": (lambda: x3p(HEIGHTS), "x3p"),
-    "another archive": (archive, "instruments"),
-    "HDF5 of Zygo": (lambda: hdf5("MetaData"), "datx"),
-    "other HDF5": (lambda: hdf5("Height"), "netcdf"),
-    "HDF5 without the whole mark": (lambda: b"\x89HDF" + BINARY, "unmarked"),
-    "netCDF": (lambda: b"CDF\x01" + BINARY, "netcdf"),
-    "NumPy": (lambda: array(HEIGHTS), "npy"),
-    "SDF in text": (lambda: sdf(sdfio.FileFormat.ASCII), "sdf"),
-    "SDF": (lambda: sdf(sdfio.FileFormat.BINARY), "sdf"),
-    "text": (lambda: TEXT, "text"),
-    "text in UTF-16": (lambda: TEXT.decode().encode("utf-16"), "text"),
-    "instrument with a header in text": (lambda: b"\\*File list" + TEXT + BINARY, "instruments"),
-    "its export as text": (lambda: b"\\*File list" + TEXT, "text"),
-    "instrument with a header in UTF-16": (lambda: "fileformat = bcrstm".encode("utf-16"), "instruments"),
-    "Digital Surf": (lambda: b"DIGITAL SURF" + BINARY, "digital_surf"),
-    "text that begins with its mark": (lambda: b"DIGITAL SURF" + TEXT, "text"),
-    "instrument": (lambda: b"KPK0" + BINARY, "instruments"),
-    "text that begins with the mark of a binary format": (lambda: b"KPK0" + TEXT, "text"),
-    "instrument whose mark lies further on": (lambda: b"\x01\0Directory" + BINARY, "instruments"),
-    "no format": (lambda: BINARY, "unmarked"),
+    "X3P": (x3p(HEIGHTS), "x3p", "instruments"),
+    "another archive": (archive({"index.xml": "<xml/>"}), "instruments"),
+    "HDF5 of Zygo": (hdf5("MetaData"), "datx", "netcdf"),
+    "other HDF5": (hdf5("Height"), "netcdf"),
+    "HDF5 without the whole mark": (b"\x89HDF" + BINARY,),
+    "netCDF": (b"CDF\x01" + BINARY, "netcdf"),
+    "NumPy": (array(HEIGHTS), "npy"),
+    "SDF in text": (sdf(sdfio.FileFormat.ASCII), "sdf", "text"),
+    "SDF": (sdf(sdfio.FileFormat.BINARY), "sdf"),
+    "text": (TEXT, "text"),
+    "text in UTF-16": (TEXT.decode().encode("utf-16"), "text"),
+    "instrument with a header in text": (b"\\*File list" + TEXT + BINARY, "instruments"),
+    "its export as text": (b"\\*File list" + TEXT, "text"),
+    "instrument with a header in UTF-16": ("fileformat = bcrstm".encode("utf-16"), "instruments", "text"),
+    "Digital Surf": (b"DIGITAL SURF" + BINARY, "digital_surf"),
+    "text that begins with its mark": (b"DIGITAL SURF" + TEXT, "text"),
+    "instrument": (b"KPK0" + BINARY, "instruments"),
+    "text that begins with the mark of a binary format": (b"KPK0" + TEXT, "text"),
+    "instrument whose mark lies further on": (b"\x01\0Directory" + BINARY, "instruments"),
+    "no format": (BINARY,),
 }
 
 
 @pytest.mark.parametrize("kind", FILES)
 def test_each_file_has_its_reader_whatever_the_order_among_equals(tmp_path, kind):
-    made, expected = FILES[kind]
-    path = tmp_path / "file.dat"
-    path.write_bytes(made())
-    assert recognised(path)[0] == expected
+    content, *expected = FILES[kind]
+    path = saved(tmp_path, content)
     head = head_of(path)
     claims = [(reader.recognised_by, name) for name, reader in readers() if reader.recognises(path, head)]
-    assert claims[-1] == (RecognisedBy.NOTHING, "unmarked")
-    for _, equals in groupby(claims, key=lambda claim: claim[0]):
-        assert len(list(equals)) == 1
+    assert [name for _, name in claims] == [*expected, "unmarked"]
+    assert recognised(path)[0] == claims[0][1]
+    assert claims[-1][0] == RecognisedBy.NOTHING
+    assert len({rank for rank, _ in claims}) == len(claims)
 
 
 def test_the_order_is_the_documented_one():
@@ -140,37 +126,14 @@ def test_the_order_is_the_documented_one():
     assert ranks.count(RecognisedBy.NOTHING) == 1
 
 
-@pytest.mark.parametrize(("before", "after"), [("x3p", "instruments"), ("datx", "netcdf"), ("sdf", "text")])
-def test_the_order_matters_where_two_readers_claim_a_file(tmp_path, before, after):
-    made = {
-        "x3p": lambda: x3p(HEIGHTS),
-        "datx": lambda: hdf5("MetaData"),
-        "sdf": lambda: sdf(sdfio.FileFormat.ASCII),
-    }[before]
-    path = tmp_path / "file.dat"
-    path.write_bytes(made())
-    claims = [name for name, reader in readers() if reader.recognises(path, head_of(path))]
-    assert claims[:2] == [before, after]
-
-
-def test_damaged_hdf5_is_refused_whoever_wrote_it(tmp_path):
-    path = tmp_path / "file.dat"
-    path.write_bytes(hdf5("MetaData")[:200])
-    with pytest.raises(InputFileError, match="damaged or cut off HDF5 file"):
-        open_file(path)
+def test_damaged_hdf5_is_refused_whoever_wrote_it(refused):
+    refused(hdf5("MetaData")[:200], "damaged or cut off HDF5 file")
 
 
 def test_values_that_are_no_numbers_are_refused_in_a_sentence(tmp_path):
     path = tmp_path / "words.nc"
     xr.DataArray([["a", "b"], ["c", "d"]], dims=("y", "x"), name="words").to_netcdf(path)
-    refuses(
-        r"variable 'words' holds values of type .*, not real numbers",
-        path,
-        dx=1,
-        dy=1,
-        unit="um",
-        height_unit="um",
-    )
+    refuses(r"variable 'words' holds values of type .*, not real numbers", path, **GIVEN, height_unit="um")
 
 
 def test_reading_an_array_imports_no_library_of_instruments(tmp_path):

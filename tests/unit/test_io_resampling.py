@@ -1,12 +1,9 @@
 """Points that lie on no even grid: refused, or interpolated where the user asks for it."""
 
-import json
-
 import numpy as np
 import pytest
 import x3pio
-import xarray as xr
-from measured_files import refuses, steps
+from measured_files import cells, labelled, points, refuses, steps, warnings_of
 
 from roughcontact.errors import HeightMapError, InputFileError, SettingsError
 from roughcontact.io.inspection import inspect_file
@@ -17,65 +14,59 @@ X, Y = RNG.random((2, 4000)) * [[100.0], [60.0]]  # µm
 Z = 0.5 + 0.02 * X - 0.03 * Y  # a plane: linear interpolation is exact
 
 
-def points_file(path, x=X, y=Y, z=Z):
-    np.savetxt(path, np.column_stack([x, y, z]), fmt="%.9f")
-    return path
+POINTS = cells(np.column_stack([X, Y, Z]), " ", "{:.9f}")
 
 
-def test_only_where_asked(tmp_path):
-    path = points_file(tmp_path / "points.txt")
-    refuses("give resample = linear", path, unit="um")
-    refuses("resample = 'cubic': choose linear", path, error=SettingsError, unit="um", resample="cubic")
-    found = inspect_file(path, unit="um")
+def plane(height):
+    """Return the heights (m) of the plane at the points of a map."""
+    return 0.5e-6 + 0.02 * height.x - 0.03 * height.y
+
+
+def test_only_where_asked(refused, tmp_path):
+    refused(POINTS, "give resample = linear", unit="um")
+    refused(POINTS, "resample = 'cubic': choose linear", error=SettingsError, unit="um", resample="cubic")
+    found = inspect_file(tmp_path / "map.dat", unit="um")
     assert found["map"] is None
     assert "give resample = linear" in found["problem"]
-    assert inspect_file(path, unit="um", resample="linear")["map"]["rms_height"] < 1e-15
+    assert inspect_file(tmp_path / "map.dat", unit="um", resample="linear")["map"]["rms_height"] < 1e-15
 
 
-def test_a_plane_comes_back_exactly(tmp_path):
-    height = read_height_map(points_file(tmp_path / "points.txt"), unit="um", resample="linear")
+def test_a_plane_comes_back_exactly(read):
+    height = read(POINTS, unit="um", resample="linear")
     pitch = 1e-6 * np.sqrt(np.ptp(X) * np.ptp(Y) / X.size)
     assert steps(height) == pytest.approx([pitch, pitch], rel=1e-9)
     assert height.shape == pytest.approx((60e-6 / pitch, 100e-6 / pitch), abs=2)
-    exact = 0.5e-6 + 0.02 * height.x - 0.03 * height.y
     measured = np.isfinite(height.values)
     assert measured.mean() > 0.97  # all but some points outside the outermost triangles
-    assert float(abs(height - exact).max()) < 1e-14
-    notes = json.loads(height.attrs["ingest_warnings"])
-    assert any("resampled as asked, 4000 points interpolated linearly" in note for note in notes)
+    assert float(abs(height - plane(height)).max()) < 1e-14
+    assert "resampled as asked, 4000 points interpolated linearly" in warnings_of(height)
 
 
-def test_given_steps_and_units(tmp_path):
-    text = "x (mm)\ty (mm)\tz (um)\n" + "".join(
-        f"{1e-3 * x:.9f}\t{1e-3 * y:.9f}\t{z:.9f}\n" for x, y, z in zip(X, Y, Z, strict=True)
-    )
-    (tmp_path / "points.txt").write_text(text)
-    height = read_height_map(tmp_path / "points.txt", dx=2, dy=3, unit="um", resample="linear")
+def test_given_steps_and_units(read, refused):
+    columns = np.column_stack([1e-3 * X, 1e-3 * Y, Z])
+    text = "x (mm)\ty (mm)\tz (um)\n" + cells(columns, form="{:.9f}")
+    height = read(text, dx=2, dy=3, unit="um", resample="linear")
     assert steps(height) == pytest.approx([2e-6, 3e-6], rel=1e-9)
-    assert float(height.x[0]) == pytest.approx(
-        1e-6 * ((X.min() + X.max()) / 2 - (height.sizes["x"] - 1)), rel=1e-6
-    )
-    assert float(abs(height - (0.5e-6 + 0.02 * height.x - 0.03 * height.y)).max()) < 1e-13
-    refuses(
-        "is given without a unit", tmp_path / "points.txt", error=SettingsError, dx=2, dy=3, resample="linear"
-    )
+    first = 1e-6 * ((X.min() + X.max()) / 2 - (height.sizes["x"] - 1))
+    assert float(height.x[0]) == pytest.approx(first, rel=1e-6)
+    assert float(abs(height - plane(height)).max()) < 1e-13
+    refused(text, "is given without a unit", error=SettingsError, dx=2, dy=3, resample="linear")
 
 
 @pytest.mark.slow
-def test_holes_are_not_bridged(tmp_path):
-    hole = np.hypot(X - 50, Y - 30) < 15
-    path = points_file(tmp_path / "points.txt", X[~hole], Y[~hole], Z[~hole])
-    height = read_height_map(path, unit="um", resample="linear")
+def test_holes_are_not_bridged(read):
+    around = np.column_stack([X, Y, Z])[np.hypot(X - 50, Y - 30) >= 15]
+    height = read(cells(around, " "), unit="um", resample="linear")
     away = np.hypot(height.x - 50e-6, height.y - 30e-6)
     assert np.isnan(height.where(away < 11e-6)).all()
     assert float(np.isnan(height.where(away > 17e-6, 0.0)).mean()) < 0.05  # but some at the border
 
 
-def test_an_uneven_profile(tmp_path):
+def test_an_uneven_profile(read, refused):
     x = np.sort(RNG.random(500)) * 200
-    np.savetxt(tmp_path / "trace.txt", np.column_stack([x, 0.1 * x]), fmt="%.9f")
-    refuses(r"not evenly spaced.*give resample = linear", tmp_path / "trace.txt", unit="um")
-    height = read_height_map(tmp_path / "trace.txt", unit="um", resample="linear", dx=0.5)
+    text = cells(np.column_stack([x, 0.1 * x]), " ", "{:.9f}")
+    refused(text, r"not evenly spaced.*give resample = linear", unit="um")
+    height = read(text, unit="um", resample="linear", dx=0.5)
     assert height.shape == (1, int(np.ptp(x) / 0.5) + 1)
     measured = np.isfinite(height.values[0])
     np.testing.assert_allclose(height.values[0][measured], 0.1 * height.x.values[measured], rtol=1e-6)
@@ -84,27 +75,25 @@ def test_an_uneven_profile(tmp_path):
 
 def test_netcdf_and_x3p_with_uneven_positions(tmp_path):
     x, y = np.cumsum(0.5 + RNG.random(40)) * 1e-6, np.arange(30) * 1e-6
-    z = 0.5e-6 + 0.02 * x + 0.03 * y[:, None]
-    axes = {"x": ("x", x, {"units": "m"}), "y": ("y", y, {"units": "m"})}
-    xr.DataArray(z, coords=axes, dims=("y", "x"), name="height", attrs={"units": "m"}).to_netcdf(
-        tmp_path / "map.nc"
-    )
-    px, py = (part.ravel() for part in np.meshgrid(x, y))
-    x3pio.write_points(tmp_path / "map.x3p", np.column_stack([px, py, z.ravel()]))
+    even = labelled(np.empty((30, 40)))
+    uneven = even.assign_coords(x=("x", x, {"units": "m"}))
+    uneven.copy(data=plane(uneven).T).to_netcdf(tmp_path / "map.nc")
+    table = points(plane(uneven).T.values)
+    table[:, :2] = np.column_stack([np.tile(x, 30), np.repeat(y, 40)])
+    x3pio.write_points(tmp_path / "map.x3p", table)
     for name in ("map.nc", "map.x3p"):
         refuses("give resample = linear", tmp_path / name)
         height = read_height_map(tmp_path / name, resample="linear")
-        assert float(abs(height - (0.5e-6 + 0.02 * height.x + 0.03 * height.y)).max()) < 1e-13
+        assert float(abs(height - plane(height)).max()) < 1e-13
         assert height.attrs["missing_share"] < 0.02
 
 
-def test_an_even_grid_is_left_as_it_is(tmp_path):
-    column, row = np.meshgrid(np.arange(8.0), np.arange(6.0))
-    z = RNG.random(48)
-    path = points_file(tmp_path / "points.txt", column.ravel(), row.ravel(), z)
-    height = read_height_map(path, unit="um", resample="linear")
-    np.testing.assert_allclose(height.values.ravel(), 1e-6 * z, atol=1e-15)
-    assert height.attrs["ingest_warnings"] == read_height_map(path, unit="um").attrs["ingest_warnings"]
+def test_an_even_grid_is_left_as_it_is(read):
+    heights = RNG.random((6, 8))
+    text = cells(points(heights), " ", "{:.9f}")
+    height = read(text, unit="um", resample="linear")
+    np.testing.assert_allclose(height.values, 1e-6 * heights, atol=1e-15)
+    assert warnings_of(height) == warnings_of(read(text, unit="um"))
 
 
 @pytest.mark.parametrize(
@@ -116,6 +105,6 @@ def test_an_even_grid_is_left_as_it_is(tmp_path):
         ("several points of the list have the same position", np.array([X, Y, Z]).repeat(2, axis=1), {}),
     ],
 )
-def test_points_that_make_no_map(tmp_path, words, columns, arguments):
+def test_points_that_make_no_map(refused, words, columns, arguments):
     error = HeightMapError if arguments else InputFileError
-    refuses(words, points_file(tmp_path / "a.txt", *columns), error=error, unit="um", **arguments)
+    refused(cells(columns.T, " ", "{:.9f}"), words, error=error, unit="um", **arguments)

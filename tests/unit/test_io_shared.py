@@ -17,14 +17,14 @@ given beside it, and what is right where the catalogue is wrong or silent, with 
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
-from measured_files import refuses, steps, warnings_of
+from measured_files import holds, refuses, steps, warnings_of
 from shared_data import DATA
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
 from roughcontact.io.units import metres
@@ -41,16 +41,19 @@ def read(name):
     return read_height_map(DATA / name, **FILES[name].get("given", {}))
 
 
-def compared_heights(values):
-    """Return the heights at the three points of the table minus that in the middle."""
-    ny, nx = values.shape
-    points = [(ny // 5, nx // 7), (ny // 3, 6 * nx // 7), (4 * ny // 5, nx // 5)]
-    return [values[point] - values[ny // 2, nx // 2] for point in points]
-
-
 def in_order_of_the_file(height):
     """Return the heights with the first row of the file first: for a picture the upper one."""
     return height.values if "first_row" in FILES[height.attrs["source_file"]] else height.values[::-1]
+
+
+def compare(height, expected):
+    """Compare the heights at the three points of the table minus that in the middle."""
+    values = in_order_of_the_file(height)
+    ny, nx = values.shape
+    points = [(ny // 5, nx // 7), (ny // 3, 6 * nx // 7), (4 * ny // 5, nx // 5)]
+    found = [values[point] - values[ny // 2, nx // 2] for point in points]
+    close = {"rtol": 1e-5, "atol": 1e-6 * np.nanstd(values)}
+    np.testing.assert_allclose(found, np.array(expected, dtype=float), **close)
 
 
 def catalogue():
@@ -94,10 +97,9 @@ def test_size_heights_and_missing_points(name):
 
 @pytest.mark.parametrize("name", NAMES["refused"])
 def test_other_files_are_refused_in_a_sentence(name):
-    with pytest.raises(InputFileError, match=FILES[name]["refused"]) as caught:
-        read_height_map(DATA / name)
-    assert name in str(caught.value)
-    assert len(str(caught.value)) < 400
+    said = refuses(FILES[name]["refused"], DATA / name)
+    assert name in said
+    assert len(said) < 400
 
 
 @pytest.mark.parametrize("name", NAMES["given"])
@@ -108,18 +110,14 @@ def test_files_that_do_not_say_their_units_are_refused_without_them(name):
 
 @pytest.mark.parametrize("name", NAMES["second_reader"])
 def test_orientation_and_scale_against_a_second_reader(name):
-    height = in_order_of_the_file(read(name))
-    close = {"rtol": 1e-5, "atol": 1e-6 * np.nanstd(height)}
-    np.testing.assert_allclose(compared_heights(height), FILES[name]["second_reader"], **close)
+    compare(read(name), FILES[name]["second_reader"])
 
 
 @pytest.mark.parametrize("name", NAMES["gwyddion"])
 def test_steps_heights_and_missing_points_against_gwyddion(name):
     dx, dy, missing, heights = FILES[name]["gwyddion"]
     height = read(name)
-    values = in_order_of_the_file(height)
-    close = {"rtol": 1e-5, "atol": 1e-6 * np.nanstd(values)}
-    np.testing.assert_allclose(compared_heights(values), np.array(heights, dtype=float), **close)
+    compare(height, heights)
     assert steps(height) == pytest.approx([dx, dy], rel=1e-8)
     assert height.attrs["missing_points"] == missing + FILES[name].get("more_missing", 0)
 
@@ -136,9 +134,8 @@ def test_a_profile_against_gwyddion():
     [("AFM.txt", 1, 1e-9), ("matrix-4.txt", 4, 2.91818e-8), ("matrix-3.txt", 4, 1)],
 )
 def test_matrices_of_numbers_against_numpy(name, skip, factor):
-    height = read(name)
     table = np.loadtxt(DATA / name, skiprows=skip, encoding="latin-1") * factor
-    np.testing.assert_allclose(height.values[::-1], table, rtol=1e-12)
+    holds(read(name), table[::-1], rtol=1e-12)
 
 
 def test_bytes_of_a_binary_map_without_a_second_reader():
@@ -205,9 +202,8 @@ def test_windows_of_the_solved_references(name):
 def test_files_cut_at_60_percent_are_refused(name, tmp_path):
     data = (DATA / name).read_bytes()
     (tmp_path / name).write_bytes(data[: int(0.6 * len(data))])
-    with pytest.raises(InputFileError) as caught:
-        read_height_map(tmp_path / name, **FILES[name].get("given", {}))
-    assert len(str(caught.value)) < 400 + len(str(tmp_path))
+    said = refuses(re.escape(name), tmp_path / name, **FILES[name].get("given", {}))
+    assert len(said) < 400 + len(str(tmp_path))
 
 
 def test_another_channel_can_be_named():
@@ -216,7 +212,6 @@ def test_another_channel_can_be_named():
     assert height.attrs["channel"] == "Height"
     assert json.loads(height.attrs["channels"]) == ["ZSensor", "AmplitudeError", "Phase", "Height"]
     refuses(r"no channel is named 'Topo'; the file has 'ZSensor', 'AmplitudeError'", path, channel="Topo")
-    refuses("channel 'Phase' holds no heights", path, channel="Phase")
     refuses("channel 'Friction#1' holds no heights", DATA / "mi-1.mi", channel="Friction#1")
     amplitude = read_height_map(DATA / "spot_1-1000nm.ibw", channel="AmplitudeTrace")
     assert "read as heights on request (by its name no topography)" in amplitude.attrs["ingest_warnings"]
@@ -262,11 +257,8 @@ def test_what_only_looks_like_a_serial_number_or_a_date(name):
     ],
 )
 def test_suspicions(name, words):
-    notes = json.loads(read_height_map(DATA / name).attrs["ingest_warnings"])
-    if words is None:
-        assert notes == []
-    else:
-        assert any(words in note for note in notes)
+    notes = warnings_of(read_height_map(DATA / name))
+    assert words in notes if words else notes == ""
 
 
 @pytest.mark.parametrize("name", ["nms-1.nms", "mi-1.mi", "frt-1.frt", "plu-1.plu", "stp-1.stp", "sur-2.sur"])

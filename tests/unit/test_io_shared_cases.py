@@ -4,9 +4,9 @@ import json
 
 import numpy as np
 import pytest
+from measured_files import refuses, steps, warnings_of
 from shared_data import DATA
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
 
@@ -25,10 +25,6 @@ def read(name, **arguments):
     return read_height_map(CASES / name, **arguments)
 
 
-def steps_of(height):
-    return [1e6 * float(height[axis][1] - height[axis][0]) for axis in "xy" if height.sizes[axis] > 1]
-
-
 @pytest.mark.parametrize(
     ("name", "arguments", "columns", "others"),
     [
@@ -42,8 +38,10 @@ def steps_of(height):
 def test_maps(truth, name, arguments, columns, others):
     height = read(name, **arguments)
     np.testing.assert_allclose(height.values, truth[:, :columns], atol=6e-11)
-    assert steps_of(height) == pytest.approx([0.5, 0.5 if columns == 36 else 0.75], rel=1e-9)
+    assert steps(height) == pytest.approx([0.5e-6, 0.5e-6 if columns == 36 else 0.75e-6], rel=1e-9)
     assert json.loads(height.attrs["channels"])[1:] == others
+    said = "the first row (0, 0.5, 1 ...) is taken as positions along x" in warnings_of(height)
+    assert said == (name == "xpos_first_row.csv")
 
 
 def test_the_unit_of_each_channel_is_kept():
@@ -52,11 +50,6 @@ def test_the_unit_of_each_channel_is_kept():
         ("Topography", "m", True),
         ("Phase", "deg", False),
     ]
-
-
-def test_positions_are_said():
-    height = read("xpos_first_row.csv", dx=0.5, dy=0.75, unit="um")
-    assert "the first row (0, 0.5, 1 ...) is taken as positions along x" in height.attrs["ingest_warnings"]
 
 
 @pytest.mark.parametrize(
@@ -71,7 +64,7 @@ def test_positions_are_said():
 def test_one_of_several_profiles(truth, name, channel, row):
     height = read(name, channel=channel)
     np.testing.assert_allclose(height.values, truth[row : row + 1], atol=6e-11)
-    assert steps_of(height) == pytest.approx([0.5], rel=1e-9)
+    assert steps(height) == pytest.approx([0.5e-6], rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -93,44 +86,43 @@ def test_one_of_several_profiles(truth, name, channel, row):
     ],
 )
 def test_questions(name, arguments, words):
-    with pytest.raises(InputFileError, match=f"{name}: .*{words}"):
-        read(name, **arguments)
+    refuses(f"{name}: .*{words}", CASES / name, **arguments)
 
 
 @pytest.mark.parametrize("name", ["c16.txt", "c17.txt", "h11b.txt"])
 def test_the_unit_of_each_number_is_kept(name):
     height = read(name, height_unit="nm")
-    assert steps_of(height) == pytest.approx([500, 250], rel=1e-9)
+    assert steps(height) == pytest.approx([500e-6, 250e-6], rel=1e-9)
     if name != "h11b.txt":
-        assert "where the file says mm" in read(name, **NM).attrs["ingest_warnings"]
+        assert "where the file says mm" in warnings_of(read(name, **NM))
 
 
 def test_the_resolution_of_a_lens_is_no_pixel():
-    assert steps_of(read("h12.txt")) == pytest.approx([0.5, 0.25], rel=1e-9)
+    assert steps(read("h12.txt")) == pytest.approx([0.5e-6, 0.25e-6], rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["l30.txt", "c6.txt"])
 def test_positions_in_row_and_column(name):
     height = read(name, **NM)
     assert height.shape == (9, 13)
-    assert steps_of(height) == pytest.approx([0.5, 0.25], rel=1e-9)
+    assert steps(height) == pytest.approx([0.5e-6, 0.25e-6], rel=1e-9)
     assert float(height[0, 0]) == pytest.approx(0.5561e-9, rel=1e-12)
     stated = read(name, **NM, **STEPS)
     np.testing.assert_array_equal(stated.values, height.values)
-    assert "taken as positions along y" in stated.attrs["ingest_warnings"]
+    assert "taken as positions along y" in warnings_of(stated)
 
 
 def test_a_row_of_an_encoder():
     height = read("octo_real_one_row.txt")
     assert height.shape == (1, 60)
-    assert steps_of(height) == pytest.approx([5], rel=1e-9)
+    assert steps(height) == pytest.approx([5e-6], rel=1e-9)
     assert float(height[0, 0]) == pytest.approx(623.1020e-6, rel=1e-12)
 
 
 def test_a_marker_is_stated():
     name = "profile_marker_-25400.csv"
     bare = read(name, unit="um")
-    assert "missing_value states it" in bare.attrs["ingest_warnings"]
+    assert "missing_value states it" in warnings_of(bare)
     height = read(name, unit="um", missing_value="-25400")
     assert height.shape == (1, 200)
     assert height.attrs["missing_points"] == 63

@@ -1,10 +1,10 @@
 """How many points a file holds, before it is read."""
 
-import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+from measured_files import archive, array, cells, points, saved
 from shared_data import DATA
 
 from roughcontact.errors import RoughContactError
@@ -22,44 +22,34 @@ def points_read(path):
 
 
 @pytest.mark.parametrize(
-    ("delimiter", "fmt", "encoding"),
-    [(" ", "%.6g", "utf-8"), ("\t", "%.3e", "utf-8"), (",", "%.4f", "utf-8"), (";", "%.4f", "utf-16")],
+    ("rows", "separator", "form", "encoding"),
+    [
+        (HEIGHTS, " ", "{:.6g}", "utf-8"),
+        (HEIGHTS, "\t", "{:.3e}", "utf-8"),
+        (HEIGHTS, ",", "{:.4f}", "utf-8"),
+        (HEIGHTS, ";", "{:.4f}", "utf-16"),
+        (points(HEIGHTS), " ", "{:.12e}", "utf-8"),  # lists have one in each line
+        (points(HEIGHTS), ",", "{:.12e}", "utf-8"),
+    ],
 )
-def test_a_matrix_of_text_is_counted_in_a_piece(tmp_path, delimiter, fmt, encoding):
-    path = tmp_path / "map.txt"
-    np.savetxt(path, HEIGHTS, fmt=fmt, delimiter=delimiter, encoding=encoding)
-    assert estimate_points(path) == pytest.approx(HEIGHTS.size, rel=0.02)
-    if delimiter == ";":  # a decimal comma separates nothing
-        path.write_text(path.read_text(encoding=encoding).replace(".", ","), encoding=encoding)
+def test_the_points_of_a_text_are_counted_in_a_piece(tmp_path, rows, separator, form, encoding):
+    text = cells(rows, separator, form)
+    # a decimal comma separates nothing
+    for each in (text, text.replace(".", ",")) if separator == ";" else (text,):
+        path = saved(tmp_path, each, encoding=encoding)
         assert estimate_points(path) == pytest.approx(HEIGHTS.size, rel=0.02)
 
 
-def test_a_list_of_points_has_one_in_each_line(tmp_path):
-    rows, columns = np.indices(HEIGHTS.shape)
-    for name, delimiter in (("map.xyz", " "), ("map.csv", ",")):
-        np.savetxt(
-            tmp_path / name, np.c_[columns.ravel(), rows.ravel(), HEIGHTS.ravel()], delimiter=delimiter
-        )
-        assert estimate_points(tmp_path / name) == pytest.approx(HEIGHTS.size, rel=0.02)
-
-
 def test_a_damaged_file_has_as_many_as_its_size_lets_expect_and_a_missing_one_none(tmp_path):
-    path = tmp_path / "map.npy"
-    np.save(path, HEIGHTS)
-    path.write_bytes(path.read_bytes()[:4000])
-    assert estimate_points(path) == 1000
-    path.write_bytes(b"PK\3\4" + bytes(3996))
-    assert estimate_points(path) == 1000
-    path.write_bytes(bytes(4000))
-    assert estimate_points(path) == 1000
-    path.write_bytes(b"")
-    assert estimate_points(path) == estimate_points(tmp_path / "none") == estimate_points(tmp_path) == 0
+    for data in (array(HEIGHTS)[:4000], b"PK\3\4" + bytes(3996), bytes(4000)):
+        assert estimate_points(saved(tmp_path, data)) == 1000
+    for path in (saved(tmp_path, b""), tmp_path / "none", tmp_path):
+        assert estimate_points(path) == 0
 
 
 def test_no_header_asks_for_more_than_is_ever_read(tmp_path):
-    with zipfile.ZipFile(tmp_path / "map.x3p", "w") as archive:
-        archive.writestr("main.xml", "<SizeX>999999999</SizeX><SizeY>999999999</SizeY><SizeZ>1</SizeZ>")
-    assert estimate_points(tmp_path / "map.x3p") == MAX_POINTS
+    header = "<SizeX>999999999</SizeX><SizeY>999999999</SizeY><SizeZ>1</SizeZ>"
+    assert estimate_points(saved(tmp_path, archive({"main.xml": header}))) == MAX_POINTS
 
 
 @pytest.mark.parametrize(
