@@ -46,7 +46,7 @@ from roughcontact.maps import height_map, refined, spacing
 from roughcontact.statistics.precision import precision
 from roughcontact.uncertainty.calibration import MAP_SCATTER
 from roughcontact.uncertainty.discretisation import extrapolated
-from roughcontact.uncertainty.ensemble import solve_member
+from roughcontact.uncertainty.ensemble import Result, solve_member
 from roughcontact.uncertainty.improvement import half_width_of_mean, median_of_chi
 from roughcontact.uncertainty.magnification import shortest_wave, without_shortest_waves
 from roughcontact.uncertainty.random_effects import student
@@ -110,7 +110,7 @@ def evaluated(height, loads: list[float]) -> dict | None:
         window = rc.periodic_window(levelled)
         contact = {"contact_modulus": 1.0, "mean_pressure": loads}
         values = solve_member(window, contact, tolerance=1e-4, names=NAMES)
-        scatter = scatter_of_subwindows(levelled, window, contact=contact, arguments={}, values=values)
+        scatter = scatter_of_subwindows(Result(window, contact, values), levelled, arguments={})
         shorter = without_shortest_waves(window, 2 * shortest_wave(window))
         coarse = solve_member(shorter, contact, tolerance=1e-3, names=NAMES)
     except RoughContactError:

@@ -54,7 +54,7 @@ def test_infinite_arms_leave_the_physical_limits():
     for name, limits in (known | {CONSTRICTIONS[0]: (0, np.nan)}).items():
         result = np.array([value[name]])
         ends = ends_of(name, to_scale(name, result), half_widths(np.inf * ONE, np.inf * ONE))
-        ends = limited(name, ends, value=result, load=load, hardness=None)
+        ends = limited(name, ends, value=result, load=load, hardness=np.inf)
         np.testing.assert_array_equal(np.concatenate(ends), limits)
     _, upper = limited(PEAK, (ONE, 20 * ONE), value=3 * ONE, load=load, hardness=10.0)
     assert upper.item() == 10

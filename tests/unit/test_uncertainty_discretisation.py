@@ -10,6 +10,7 @@ from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
 from roughcontact.uncertainty import discretisation
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.discretisation import _edge_noise, discretisation_error
+from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
 
 NAMES = (AREA, GAP, PEAK)
@@ -22,9 +23,8 @@ def corrected(window, loads, names=NAMES):
     found, peak = budget_inputs(solved), int(solved["pressure"][-1].values.argmax())
     values = {name: found[name].values for name in NAMES}
     share = (solved["pressure"].values > 0).mean((1, 2))
-    correction, width = discretisation_error(
-        window, contact=contact, values=values, pixel_share=share, peak_index=peak
-    )
+    result = Result(window, contact, values)
+    correction, width = discretisation_error(result, pixel_share=share, peak_index=peak)
     return {name: (to_scale(name, values[name]), correction[name], width[name][1]) for name in names}
 
 
@@ -83,16 +83,12 @@ def test_narrowest_places_are_not_corrected_and_what_is_flat_has_nothing_to_corr
     flat = height_map(np.zeros((32, 32)), 1.0)
     contact = {"contact_modulus": 1.0, "mean_pressure": [1.0]}
     values = {AREA: np.ones(1), GAP: np.zeros(1), PEAK: np.ones(1), CONSTRICTIONS[0]: np.zeros(1)}
-    correction, _ = discretisation_error(
-        flat, contact=contact, values=values, pixel_share=np.ones(1), peak_index=0
-    )
+    correction, _ = discretisation_error(Result(flat, contact, values), pixel_share=np.ones(1), peak_index=0)
     assert [correction[name].item() for name in values] == pytest.approx([0.0] * 4, abs=1e-6)
     rough = synthetic.rough_reference_surface(48)
     values = {AREA: np.full(1, 0.3), GAP: np.full(1, 0.1), CONSTRICTIONS[0]: np.full(1, 0.1)}
     correction, found = discretisation_error(
-        rough,
-        contact=contact | {"mean_pressure": [0.05]},
-        values=values,
+        Result(rough, contact | {"mean_pressure": [0.05]}, values),
         pixel_share=np.full(1, 0.32),
         peak_index=0,
     )
@@ -102,9 +98,7 @@ def test_narrowest_places_are_not_corrected_and_what_is_flat_has_nothing_to_corr
     low = rough * 1e-6
     small = {name: values[name] * (1 if name == AREA else 1e-6) for name in values}
     problem = contact | {"mean_pressure": [0.05e-6]}
-    _, found = discretisation_error(
-        low, contact=problem, values=small, pixel_share=np.full(1, 0.32), peak_index=0
-    )
+    _, found = discretisation_error(Result(low, problem, small), pixel_share=np.full(1, 0.32), peak_index=0)
     assert found[CONSTRICTIONS[0]][1].item() == pytest.approx(1e-6 * width, rel=1e-3)
 
 

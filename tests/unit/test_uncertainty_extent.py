@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from roughcontact.uncertainty.combination import one_sided
-from roughcontact.uncertainty.intervals import MEASURANDS, Limits, interval_columns
+from roughcontact.uncertainty.ensemble import Result
+from roughcontact.uncertainty.intervals import interval_columns
 from roughcontact.uncertainty.scales import AREA, from_scale, to_scale
 
 
@@ -13,11 +15,11 @@ def test_waves_of_the_band_that_the_instrument_hides_belong_to_every_measurand(m
     area = np.array([0.05])
     hidden = one_sided(np.array([-0.3]))  # a tip: the true area is smaller
     columns = interval_columns(
+        Result(xr.DataArray(), {"mean_pressure": [0.01]}, {AREA: area}),
         {AREA: area},
         {AREA: to_scale(AREA, area)},
         {"unresolved": {AREA: hidden}},
-        Limits(np.array([0.01])),
-        windows={key: {} for key in MEASURANDS},
+        scatter=None,
         octave={},
     )
     lower, upper = (columns[f"{AREA}_{measurand}{end}"][1] for end in ("lower", "upper"))

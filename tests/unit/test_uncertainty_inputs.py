@@ -11,6 +11,7 @@ from roughcontact.errors import SettingsError
 from roughcontact.references.synthetic import self_affine_surface, westergaard_surface
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
+from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.inputs import STIFFNESS, input_uncertainty
 from roughcontact.uncertainty.scales import ANSWERS, AREA, CONSTRICTIONS, QUANTITIES, from_scale, to_scale
@@ -127,7 +128,7 @@ def test_a_wave_has_the_slopes_of_westergaard():
     contact = {"contact_modulus": 1.0, "mean_pressure": ratio * math.pi * 0.01, "tolerance": 1e-6}
     solved = solve_contact(wave, **contact, reduce=budget_inputs)
     stated = dict.fromkeys(INPUTS, 0.1)
-    sensitivities, components = input_uncertainty(wave, contact=contact, solved=solved, stated=stated)
+    sensitivities, components = input_uncertainty(Result(wave, contact, {}), solved, stated)
     solved_area = to_scale(AREA, solved[AREA].values)
 
     def area(load):
@@ -155,7 +156,7 @@ def test_an_end_that_cannot_be_solved_bounds_nothing(surface):
     solved = solve_contact(surface, **contact, reduce=budget_inputs).drop_vars(STIFFNESS)
     beyond_rounding = contact | {"tolerance": 1e-15}
     sensitivities, components = input_uncertainty(
-        surface, contact=beyond_rounding, solved=solved, stated={"contact_modulus": 0.1}
+        Result(surface, beyond_rounding, {}), solved, {"contact_modulus": 0.1}
     )
     for name in quantities_in(solved):
         assert np.isinf(components["contact_modulus"][name][:2]).all(), name

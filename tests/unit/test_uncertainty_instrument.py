@@ -17,9 +17,10 @@ from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.uncertainty.budget import _summed
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.calibration import octave_arms
+from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.instrument import instrument_components
 from roughcontact.uncertainty.magnification import magnification_curve, without_shortest_waves
-from roughcontact.uncertainty.scales import ANSWERS, AREA, GAP, PEAK, QUANTITIES, to_scale
+from roughcontact.uncertainty.scales import ANSWERS, AREA, GAP, PEAK, PRESSURE, QUANTITIES, to_scale
 from roughcontact.uncertainty.unresolved import growth_by_finer_spectrum, hidden_waves, next_octave
 from roughcontact.window.instrument import check_instrument, stated_instrument
 from roughcontact.window.transfer import (
@@ -55,14 +56,16 @@ def results(window: xr.DataArray, pressures: list[float]) -> xr.Dataset:
     )
 
 
+def result_of(window, pressures, solved, names=(*QUANTITIES, *ANSWERS), modulus=MODULUS):
+    """Return what the sources of uncertainty start from: the quantities of a solution."""
+    contact = {"contact_modulus": modulus, "mean_pressure": pressures}
+    return Result(window, contact, {name: solved[name].values for name in names if name != PRESSURE})
+
+
 def shifts(window, pressures, seen, instrument):
     """Return the components of what is stated of the instrument, on the scales."""
     causes, _ = instrument_components(
-        window,
-        contact={"contact_modulus": MODULUS, "mean_pressure": pressures},
-        values={name: seen[name].values for name in (AREA, GAP, PEAK)},
-        instrument=instrument,
-        true_shapes=undone(window, instrument),
+        result_of(window, pressures, seen, (AREA, GAP, PEAK)), instrument, None, undone(window, instrument)
     )
     return _summed(causes)
 
@@ -218,8 +221,8 @@ def test_coarser_maps_keep_the_longer_waves(surface):
 @pytest.mark.parametrize(("shape", "pitch"), [((96, 96), (1e-6, 1e-6)), ((90, 128), (1.4e-6, 1e-6))])
 def test_the_cut_off_is_the_shortest_wave_that_is_kept(shape, pitch):
     window = height_map(1e-7 * np.random.default_rng(2).standard_normal(shape), pitch)
-    problem = {"contact_modulus": MODULUS, "mean_pressure": loads(window, 0.2)}
-    curve = magnification_curve(window, contact=problem, solved=results(window, problem["mean_pressure"]))
+    pressures = loads(window, 0.2)
+    curve = magnification_curve(result_of(window, pressures, results(window, pressures)))
     cutoffs, gradients = curve["cutoff_wavelength"].values, curve["gradient_at_cutoff"].values
     assert cutoffs[0] == pytest.approx(shortest_wave(window))  # along the diagonal
     assert cutoffs.size == 3
@@ -238,7 +241,7 @@ def test_a_band_that_the_settings_cut_off_begins_the_magnification_curve():
     problem = {"contact_modulus": 1.0, "mean_pressure": loads(window, 0.1)}
     problem["mean_pressure"] = [each / MODULUS for each in problem["mean_pressure"]]
     solved = solve_contact(window, **problem, reduce=budget_inputs)
-    curve = magnification_curve(window, contact=problem, solved=solved)
+    curve = magnification_curve(result_of(window, problem["mean_pressure"], solved, modulus=1.0))
     assert curve["cutoff_wavelength"].values[:2] == pytest.approx(5 / 96, rel=0.02)
     assert curve["cutoff_wavelength"].values[2] > 6 / 96
 
@@ -246,8 +249,7 @@ def test_a_band_that_the_settings_cut_off_begins_the_magnification_curve():
 def test_the_magnification_curve_begins_with_the_result_and_ends_smoother(surface):
     pressures = loads(surface, 0.05)
     solved = results(surface, pressures)
-    problem = {"contact_modulus": MODULUS, "mean_pressure": pressures}
-    curve = magnification_curve(surface, contact=problem, solved=solved)
+    curve = magnification_curve(result_of(surface, pressures, solved))
     area = curve["relative_contact_area_at_cutoff"][0].values
     assert area[0] == solved["relative_contact_area"][0]
     assert (np.diff(area[1:]) > 0).all()
@@ -259,8 +261,7 @@ def test_results_by_wave_are_those_of_the_same_waves_on_a_fine_grid(hurst):
         (160, 160), 1e-6, hurst=hurst, shortest=2e-6, longest=50e-6, rms_gradient=0.1, seed=1
     )
     pressures = loads(window, 0.05, 0.2)
-    problem = {"contact_modulus": MODULUS, "mean_pressure": pressures}
-    curve = magnification_curve(window, contact=problem, solved=results(window, pressures))
+    curve = magnification_curve(result_of(window, pressures, results(window, pressures)))
     q = np.hypot(np.fft.fftfreq(160, 1e-6)[:, None], np.fft.rfftfreq(160, 1e-6))
     for entry, cutoff in enumerate(curve["cutoff_wavelength"].values[1:], start=1):
         spectrum = np.fft.rfft2(window.values) * (q <= 1.0001 / cutoff)

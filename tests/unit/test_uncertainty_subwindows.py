@@ -9,7 +9,7 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.uncertainty import sample, subwindows
-from roughcontact.uncertainty.ensemble import carried_to_all_loads, few_loads, solve_member
+from roughcontact.uncertainty.ensemble import Result, carried_to_all_loads, few_loads, solve_member
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, at_all_loads, to_scale
 from roughcontact.uncertainty.subwindows import divided, scatter_of_subwindows
 from roughcontact.window.periodic_window import periodic_window
@@ -28,8 +28,13 @@ def scattered(levelled, problem, **options):
     arguments = options.pop("arguments", {})
     window = periodic_window(levelled, **arguments)
     values = solve_member(window, problem, tolerance=1e-3, names=NAMES)
-    keywords = {"contact": problem, "arguments": arguments, "values": values}
-    return values, scatter_of_subwindows(levelled, window, **keywords, **options)
+    result = Result(window, problem, values)
+    return values, scatter_of_subwindows(result, levelled, arguments=arguments, **options)
+
+
+def flag(levelled):
+    """Return what the subwindows of a map do not tell."""
+    return sample.attributes_of(scattered(levelled, contact(0.1))[1], levelled)["window_flag"]
 
 
 def test_subwindows_lie_side_by_side_in_the_window():
@@ -136,8 +141,9 @@ def test_a_small_map_has_few_parts_and_a_smaller_one_none():
     _, none = scattered(levelled, problem)
     assert len(none.slices) == 1
     assert none.features == {}
-    assert "too small" in sample.description(levelled, none, [])
-    assert "Measure more places" in sample.deficiency(levelled, none)
+    said = sample.attributes_of(none, levelled)
+    assert "too small" in said["window_reason"]
+    assert "Measure more places" in said["window_flag"]
     with pytest.raises(SettingsError, match="windows = 3"):
         scattered(levelled, problem, number=3)
 
@@ -150,7 +156,7 @@ def test_isolated_features_are_noticed():
     said = []
     for heights in (smooth, smooth + pit):
         levelled = level(heights)
-        said.append(sample.deficiency(levelled, scattered(levelled, contact(0.1))[1]))
+        said.append(flag(levelled))
     assert said[0] == ""
     assert "Sku" in said[1]
 
@@ -161,7 +167,7 @@ def test_a_lay_leaves_few_independent_parts():
     said = []
     for heights in (ridges + roughness, 10 * roughness):
         levelled = level(height_map(heights, 1.0))
-        said.append(sample.deficiency(levelled, scattered(levelled, contact(0.1))[1]))
+        said.append(flag(levelled))
     assert "no more than three independent ones" in said[0]
     assert said[1] == ""
 

@@ -19,32 +19,24 @@ from roughcontact.profiles.surface import fit_of, surface_from_profiles
 from roughcontact.quantities import counted_noun
 from roughcontact.uncertainty.calibration import at_area, entry, table
 from roughcontact.uncertainty.discretisation import CORRECTED
-from roughcontact.uncertainty.ensemble import few_loads, loads_of, solve_member, solve_members
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, at_all_loads, to_scale
+from roughcontact.uncertainty.ensemble import Result, solve_member
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
 
 def scatter_of_surfaces(
-    profiles: xr.DataArray,
-    levelled: xr.DataArray,
-    window: xr.DataArray,
-    *,
-    contact: Mapping[str, Any],
-    arguments: Mapping[str, Any],
-    values: Mapping[str, np.ndarray],
-    number: int,
+    profiles: xr.DataArray, result: Result, *_: xr.DataArray, number: int, **__: Any
 ) -> Scatter:
     """Return the scatter of the results of surfaces that profiles (number, x; m) leave open, about the mean.
 
-    `values` (quantity -> (load)) are results of the solved `window`, `number` that of the members.
+    `number` is that of the members.
     """
-    load = loads_of(contact)
-    solved = few_loads(load)
-    ensemble = solve_members(member_surfaces(profiles, window, number), number, contact, values)
+    few, values = result.few, result.values
+    ensemble = result.members(member_surfaces(profiles, result.window, number))
     arms, shift = {}, {}
-    for name, result in values.items():
-        of_members = moments(name, ensemble[name][:, solved], result[solved], values[GAP][solved])
-        mean, deviation = (at_all_loads(moment, solved, load) for moment in of_members)
+    for name, value in values.items():
+        of_members = moments(name, ensemble[name][:, few], value[few], values[GAP][few])
+        mean, deviation = (result.at_all_loads(moment) for moment in of_members)
         calibrated = table(__package__)["quantities"][entry(name)]
         spread, quantile = at_area(calibrated, values[AREA], ("spread", "quantile"))
         width = quantile * np.hypot(deviation, spread)
@@ -57,7 +49,7 @@ def scatter_of_surfaces(
         f"{counted_noun(len(profiles), 'profile')} might have shown were drawn and solved; what spectrum, "
         "heights and slopes do not hold is that of maps that were cut into profiles."
     )
-    missed = bool(np.isnan(ensemble[GAP][:, solved]).any())
+    missed = bool(np.isnan(ensemble[GAP][:, few]).any())
     return Scatter(ensemble, {}, [], missed, arms=arms, shift=shift, reason=reason)
 
 

@@ -11,7 +11,6 @@ from roughcontact.choices import HeadlineMeasurand, UncertaintySource
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.si import in_si
-from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.combination import (
     COMBINED,
@@ -20,25 +19,18 @@ from roughcontact.uncertainty.combination import (
     Components,
     added_up,
     component_from_units,
-    half_widths,
+    symmetric,
 )
 from roughcontact.uncertainty.discretisation import CORRECTED, discretisation_error
-from roughcontact.uncertainty.ensemble import loads_of, measured_slices
+from roughcontact.uncertainty.ensemble import Result, loads_of, measured_slices
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.inputs import AMPLIFICATIONS, INPUTS, input_uncertainty
 from roughcontact.uncertainty.instrument import instrument_components, with_source_of_correction
-from roughcontact.uncertainty.intervals import (
-    MEASURANDS,
-    Limits,
-    Octave,
-    Windows,
-    interval_columns,
-    window_components,
-)
+from roughcontact.uncertainty.intervals import Octave, interval_columns
 from roughcontact.uncertainty.magnification import magnification_curve
 from roughcontact.uncertainty.rejected import rejected_load_share
-from roughcontact.uncertainty.sample import constrictions_in_grooves, deficiency, description
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, to_scale
+from roughcontact.uncertainty.sample import attributes_of, constrictions_in_grooves
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PEAK, PRESSURE, to_scale
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, next_octave
 from roughcontact.window.instrument import stated_instrument
@@ -142,9 +134,8 @@ def error_budget(
     """
     _check_arguments(levelled, window, sources, measurand, extent)
     contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
-    load = loads_of(contact)
     # a load that does not converge gives NaN instead of ending the job
-    lenient = {**contact, "on_failure": "flag"}
+    lenient, load = {**contact, "on_failure": "flag"}, loads_of(contact)
     rejected = rejected_load_share(levelled, window=settings["window"], contact=lenient)
     columns: dict[str, tuple] = {"rejected_load_share": ("load", rejected)}
     if not (sources := with_source_of_correction(sources, window)):
@@ -152,82 +143,61 @@ def error_budget(
     if solved is None:
         solved = solve_contact(window, **contact, reduce=budget_inputs)
     as_solved = {name: solved[name].values for name in quantities_in(solved)}
-    values = {name: value for name, value in as_solved.items() if name != PRESSURE}
-    middle = {name: to_scale(name, value) for name, value in values.items()}
+    result = Result(window, lenient, {name: as_solved[name] for name in as_solved if name != PRESSURE})
+    middle = {name: to_scale(name, value) for name, value in result.values.items()}
     components: dict[UncertaintySource, Components] = {}
-    windows_of: Windows = {key: {} for key in MEASURANDS}
-    widest_gap, attrs = None, {}
+    scatter: Scatter | None = None
     octave: Octave | None = None
+    attrs: dict[str, Any] = {}
     if "solver" in sources:
         components["solver"] = _of_solver(solved)
     if "discretisation" in sources:
         correction, components["discretisation"] = discretisation_error(
-            window,
-            contact=lenient,
-            values=values,
+            result,
             pixel_share=load / as_solved[PRESSURE],
-            peak_index=_index_of_the_peak(solved, contact.get("hardness") or np.inf),
+            peak_index=_index_of_the_peak(solved, result.hardness),
         )
         middle = {name: centre + correction[name] for name, centre in middle.items()}
     if "window" in sources:
-        scatter = scatter_of(
-            levelled, window, contact=lenient, arguments=settings["window"], values=values, number=windows
-        )
+        scatter = scatter_of(result, levelled, arguments=settings["window"], number=windows)
         middle |= {name: middle[name] + offset for name, offset in scatter.shift.items()}
-        grooves = constrictions_in_grooves(window) if CONSTRICTIONS[0] in values else []
-        open_ended = {name: solved[f"{name}_half_way"].values > 0 for name in grooves}
-        windows_of = window_components(scatter, middle, as_solved[GAP], extent=extent, open_ended=open_ended)
-        widest_gap = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
-        attrs = {
-            "window_reason": description(
-                levelled, scatter, grooves, extent if measurand == "longer" else None
-            ),
-            "window_flag": deficiency(levelled, scatter),
-        } | calibration.scatter_of_maps(scatter.features.get(AREA))
-        columns |= {
-            f"{name}_parts": (("member", "load"), results)
-            for name, results in (scatter.members | {PRESSURE: load / scatter.members[AREA]}).items()
-        }
+        grooves = constrictions_in_grooves(window) if CONSTRICTIONS[0] in middle else []
+        scatter = scatter._replace(
+            open_ended={name: solved[f"{name}_half_way"].values > 0 for name in grooves}
+        )
+        attrs = attributes_of(scatter, levelled, grooves, extent if measurand == "longer" else None)
+        parts = scatter.members | {PRESSURE: load / scatter.members[AREA]}
+        columns |= {f"{name}_parts": (("member", "load"), results) for name, results in parts.items()}
     instrument = stated_instrument(levelled, settings.get("instrument"))
-    sensitivities, of_inputs = input_uncertainty(
-        window,
-        contact=lenient,
-        solved=solved,
-        stated=(_of_material(settings["contact"]) if "material" in sources else {})
-        | (instrument if "instrument" in sources else {}),
-    )
+    of_material = {key: settings["contact"].get(name) for name, key in MATERIAL_UNCERTAINTIES.items()}
+    stated = (of_material if "material" in sources else {}) | (instrument if "instrument" in sources else {})
+    sensitivities, of_inputs = input_uncertainty(result, solved, stated)
     columns |= {f"{name}_sensitivity": (("load", "input"), slopes) for name, slopes in sensitivities.items()}
     true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
     if "material" in sources:
-        components["material"] = _summed(of_inputs[key] for key in MATERIAL_UNCERTAINTIES.values())
+        components["material"] = _summed(of_inputs[key] for key in of_material)
     if "instrument" in sources:
         causes, uncorrected = instrument_components(
-            window,
-            contact=lenient,
-            values=values,
-            instrument=instrument,
-            as_measured=periodic_window(levelled, **{**settings["window"], "correct_for": None})
-            if "corrected_for" in window.attrs
-            else None,
-            true_shapes=true_shapes,
+            result, instrument, _as_measured(levelled, window, settings["window"]), true_shapes
         )
         components["instrument"] = _summed([*causes, *(of_inputs[key] for key in AMPLIFICATIONS)])
         columns |= {f"{name}_as_measured": ("load", value) for name, value in uncorrected.items()}
     if "unresolved" in sources:
-        curve = magnification_curve(window, contact=lenient, solved=solved)
+        curve = magnification_curve(result)
         columns |= {str(name): (v.dims, v.values) for name, v in curve.variables.items()}
         octave = {}
         if not band_is_chosen(settings, window):
             components["unresolved"] = hidden_waves(window, curve, instrument, true_shapes)
             octave = next_octave(window, curve, instrument.get("finer_spectrum"))
     columns |= interval_columns(
+        result,
         as_solved,
         middle,
         components,
-        Limits(load, contact.get("hardness"), widest_gap),
-        windows=windows_of,
+        scatter=scatter,
         octave=octave,
         measurand=measurand,
+        extent=extent,
     )
     labels = {"source": [*SOURCES, COMBINED], "component": [*SIDES], "input": [*INPUTS]}
     return xr.Dataset(columns, {"mean_pressure": ("load", load), **labels}, attrs)
@@ -259,9 +229,13 @@ def _check_arguments(
         raise SettingsError(f"extent = {extent!r}: give a number of 1 or more")
 
 
-def _of_material(contact: Mapping[str, Any]) -> dict[str, float | None]:
-    """Return modulus and load -> the relative uncertainty that the settings state, if any."""
-    return {key: contact.get(name) for name, key in MATERIAL_UNCERTAINTIES.items()}
+def _as_measured(
+    levelled: xr.DataArray, window: xr.DataArray, arguments: Mapping[str, Any]
+) -> xr.DataArray | None:
+    """Return the window before a correction for its instrument; None where there was none."""
+    if "corrected_for" not in window.attrs:
+        return None
+    return periodic_window(levelled, **{**arguments, "correct_for": None})
 
 
 def _index_of_the_peak(solved: xr.Dataset, hardness: float) -> int:
@@ -274,7 +248,7 @@ def _index_of_the_peak(solved: xr.Dataset, hardness: float) -> int:
 
 def _of_solver(solved: xr.Dataset) -> Components:
     """Return the components of the solver, whose half-widths are in the unit of each quantity."""
-    widths = {name: half_widths(*(solved[f"{name}_uncertainty"].values,) * 2) for name in CORRECTED}
+    widths = {name: symmetric(solved[f"{name}_uncertainty"].values) for name in CORRECTED}
     return {name: component_from_units(name, solved[name].values, width) for name, width in widths.items()}
 
 

@@ -42,6 +42,11 @@ def half_widths(below: np.ndarray, above: np.ndarray) -> Component:
     return np.stack([below + moved, above - moved, -moved, moved])
 
 
+def symmetric(width: np.ndarray) -> Component:
+    """Return a component with the same half-width below and above."""
+    return half_widths(width, width)
+
+
 def one_sided(shift: np.ndarray) -> Component:
     """Return a component that moves the lower end by a negative shift, the upper end by a positive one."""
     zero = np.zeros_like(shift)
@@ -89,19 +94,18 @@ def monotonic(name: str, ends: Ends, load: np.ndarray) -> Ends:
     return lower, upper
 
 
-def limited(name: str, ends: Ends, *, value: np.ndarray, load: np.ndarray, hardness: float | None) -> Ends:
+def limited(name: str, ends: Ends, *, value: np.ndarray, load: np.ndarray, hardness: float) -> Ends:
     """Return ends within physical limits; NaN where an upper end is unbounded, both where none is known.
 
     A result at a physical limit, up to rounding, stays inside its own interval.
     """
-    is_pressure = name in (PRESSURE, PEAK)
-    lower_limit = load if is_pressure else np.zeros_like(load)
-    if name == AREA and hardness is not None:
-        lower_limit = load / hardness
     # no area above 1, no pressure above the hardness, none in contact below the load
-    limit = 1.0 if name == AREA else np.inf if hardness is None or not is_pressure else hardness
-    lower = np.fmin(np.fmax(ends[0], lower_limit), value)
-    upper = np.fmax(np.fmin(ends[1], limit), value)
+    of_pressure = load, hardness
+    lowest, highest = {AREA: (load / hardness, 1.0), PRESSURE: of_pressure, PEAK: of_pressure}.get(
+        name, (0.0, np.inf)
+    )
+    lower = np.fmin(np.fmax(ends[0], lowest), value)
+    upper = np.fmax(np.fmin(ends[1], highest), value)
     unknown = np.isnan(value)
     return np.where(unknown, np.nan, lower), np.where(unknown | np.isinf(upper), np.nan, upper)
 

@@ -9,8 +9,6 @@ chance of the edges in their pixels.
 """
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import scipy
@@ -19,9 +17,9 @@ import xarray as xr
 from roughcontact.maps import height_map, refined, spacing
 from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
 from roughcontact.uncertainty import calibration
-from roughcontact.uncertainty.combination import Component, half_widths
-from roughcontact.uncertainty.ensemble import Values, few_loads, loads_of, solve_member
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, at_all_loads, to_scale
+from roughcontact.uncertainty.combination import Component, symmetric
+from roughcontact.uncertainty.ensemble import Result, solve_member
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
 from roughcontact.window.periodisation import periodic_plus_smooth
 
 CORRECTED = (AREA, GAP, PEAK)  # the pressure in contact follows from the area
@@ -30,40 +28,34 @@ _REFINED_POINTS = 128**2  # larger windows are refined on a quarter of their poi
 
 
 def discretisation_error(
-    window: xr.DataArray,
-    *,
-    contact: Mapping[str, Any],
-    values: Values,
-    pixel_share: np.ndarray,
-    peak_index: int,
+    result: Result, *, pixel_share: np.ndarray, peak_index: int
 ) -> tuple[dict[str, np.ndarray], dict[str, Component]]:
     """Return the correction (load) of each quantity to no pixels, and the component of what stays uncertain.
 
     Both are on its scale; those not in `CORRECTED` have the change in their half-width. `pixel_share` (load)
     is the share of pixels in contact, `peak_index` the point of the highest pressure, row by row.
     """
-    load, names, free = loads_of(contact), list(values), contact.get("boundary") == "free"
-    region = window if free else _region_around(window, peak_index)
-    solved = few_loads(load)
+    values, few, free = result.values, result.few, result.contact.get("boundary") == "free"
+    region = result.window if free else _region_around(result.window, peak_index)
     coarse, fine = (
-        solve_member(grid, contact, names=names, loads=solved)
+        solve_member(grid, result.contact, names=values, loads=few)
         for grid in (region, _halved(region) if free else refined(region, 2))
     )
     corrections, components = {}, {}
-    for name in names:
+    for name, value in values.items():
         change = to_scale(name, fine[name]) - to_scale(name, coarse[name])
-        unit = np.ones(load.size)
+        unit = np.ones_like(value)
         if name in CONSTRICTIONS:  # a length, as the gap beside it
             unit = values[GAP]
             with np.errstate(divide="ignore", invalid="ignore"):
-                change = change * unit[solved] / coarse[GAP]
+                change = change * unit[few] / coarse[GAP]
         # full contact: nothing is open, nothing changes
-        change = at_all_loads(np.where(np.isfinite(change), change, 0.0), solved, load)
+        change = result.at_all_loads(np.where(np.isfinite(change), change, 0.0))
         corrections[name], width = extrapolated(name, change)
         width = np.hypot(width, unit * calibration.discretisation_floor(name))
         if name == AREA:
-            width = np.hypot(width, _edge_noise(values[AREA], pixel_share, region.size))
-        components[name] = half_widths(width, width)
+            width = np.hypot(width, _edge_noise(value, pixel_share, region.size))
+        components[name] = symmetric(width)
     return corrections, components
 
 

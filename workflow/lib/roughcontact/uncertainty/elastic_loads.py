@@ -10,7 +10,7 @@ import xarray as xr
 from roughcontact.contact.problem import nondimensionalise
 from roughcontact.materials import HARDEST, RUBBER
 from roughcontact.uncertainty.discretisation import discretisation_error
-from roughcontact.uncertainty.ensemble import solve_member
+from roughcontact.uncertainty.ensemble import Result, solve_member
 from roughcontact.uncertainty.scales import AREA, from_scale, to_scale
 
 _STEEP = 0.04  # rms gradient: gentler surfaces have at most 2.5 times as much E* in contact
@@ -32,9 +32,7 @@ def elastic_loads(window: xr.DataArray, loads: Sequence[float], contact: Mapping
     lenient = {**contact, "mean_pressure": pressure, "on_failure": "flag"}
     values = solve_member(window, lenient, names=[AREA])
     correction, _ = discretisation_error(
-        window,
-        contact=lenient,
-        values=values,
+        Result(window, lenient, values),
         pixel_share=values[AREA],
         peak_index=int(window.values.argmax()),
     )

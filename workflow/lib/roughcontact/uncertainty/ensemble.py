@@ -1,8 +1,9 @@
 """Ensemble members: solutions to a wider tolerance, at few loads, of which only some quantities are kept."""
 
 import contextlib
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+import math
+from collections.abc import Collection, Iterable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -31,7 +32,7 @@ def solve_member(
     window: xr.DataArray,
     contact: Mapping[str, Any],
     *,
-    names: Sequence[str],
+    names: Collection[str],
     loads: np.ndarray | None = None,
     tolerance: float = TOLERANCE,
 ) -> dict[str, np.ndarray]:
@@ -70,30 +71,6 @@ def solve_member(
     return values
 
 
-def solve_members(
-    windows: Iterable[xr.DataArray], number: int, contact: Mapping[str, Any], names: Iterable[str]
-) -> dict[str, np.ndarray]:
-    """Return quantities of so many windows, each an array (member, load) with NaN but at `few_loads`."""
-    load = loads_of(contact)
-    solved = few_loads(load)
-    members = {name: np.full((number, load.size), np.nan) for name in names}
-    for index, window in enumerate(windows):
-        member = solve_member(window, contact, names=[*members], loads=solved)
-        for name, results in member.items():
-            members[name][index, solved] = results
-    return members
-
-
-def solve_again(window: xr.DataArray, contact: Mapping[str, Any], values: Values) -> dict[str, np.ndarray]:
-    """Return the results of a changed window, the change from `values` interpolated between few loads."""
-    load = loads_of(contact)
-    solved = few_loads(load)
-    solved_values = solve_member(window, contact, names=list(values), loads=solved)
-    return {
-        name: carried_to_all_loads(name, solved_values[name], solved, load, values[name]) for name in values
-    }
-
-
 def few_loads(load: np.ndarray, count: int = LOADS) -> np.ndarray:
     """Return the indices of at most `count` loads: both ends, and those nearest to even steps of ln p."""
     if load.size <= count:
@@ -124,3 +101,57 @@ def measured_slices(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str,
         first = round(periodic.attrs[f"window_offset_{axis}"] / step)
         slices[axis] = slice(first, first + (n // 2 if mirrored and n > 1 else n))
     return slices
+
+
+class Result(NamedTuple):
+    """The results of a window, whose changes are the uncertainty: what every source solves again."""
+
+    window: xr.DataArray  # (y, x), m
+    contact: Mapping[str, Any]  # arguments of `solve_contact`
+    values: Values  # without the pressure in contact, which follows from the area
+
+    @property
+    def load(self) -> np.ndarray:
+        """The mean pressures (load; Pa)."""
+        return loads_of(self.contact)
+
+    @property
+    def few(self) -> np.ndarray:
+        """The indices of the loads at which changes are solved."""
+        return few_loads(self.load)
+
+    @property
+    def hardness(self) -> float:
+        """The largest pressure (Pa) that a point bears."""
+        return self.contact.get("hardness") or math.inf
+
+    def at_all_loads(self, numbers: np.ndarray) -> np.ndarray:
+        """Return numbers (load) from those at the few loads."""
+        return at_all_loads(numbers, self.few, self.load)
+
+    def again(self, window: xr.DataArray) -> dict[str, np.ndarray]:
+        """Return the results of a changed window, the change interpolated between few loads."""
+        few, load = self.few, self.load
+        solved = solve_member(window, self.contact, names=self.values, loads=few)
+        return {
+            name: carried_to_all_loads(name, solved[name], few, load, value)
+            for name, value in self.values.items()
+        }
+
+    def changes(self, results: Values) -> dict[str, np.ndarray]:
+        """Return other results less these, on the scales: -inf for a gap that closes, 0 where unknown."""
+        changes = {}
+        for name, value in self.values.items():
+            before, after = to_scale(name, value), to_scale(name, results[name])
+            closed = np.isfinite(before) & np.isnan(after) & (results[name] == 0)
+            changes[name] = np.where(closed, -np.inf, np.nan_to_num(after - before))
+        return changes
+
+    def members(self, windows: Iterable[xr.DataArray]) -> dict[str, np.ndarray]:
+        """Return the results of other windows (member, load), NaN but at the few loads."""
+        few = self.few
+        solved = [solve_member(window, self.contact, names=self.values, loads=few) for window in windows]
+        members = {name: np.full((len(solved), self.load.size), np.nan) for name in self.values}
+        for name, results in members.items():
+            results[:, few] = [member[name] for member in solved]
+        return members

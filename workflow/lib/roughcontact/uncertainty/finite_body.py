@@ -16,9 +16,9 @@ from roughcontact.choices import UncertaintySource
 from roughcontact.maps import roughness_of, spacing
 from roughcontact.references.closed_forms import hertz_ellipse
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.uncertainty.ensemble import Values, few_loads, loads_of, solve_members
+from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.inputs import STIFFNESS
-from roughcontact.uncertainty.scales import ANSWERS, GAP, at_all_loads, to_scale
+from roughcontact.uncertainty.scales import ANSWERS, GAP, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
 _FEWEST = 2  # further positions
@@ -56,31 +56,23 @@ def finite_body_budget(
     return budget.assign({name: xr.full_like(budget[name], np.nan) for name in ends})
 
 
-def scatter_of_positions(
-    levelled: xr.DataArray,
-    roughness: xr.DataArray,
-    *,
-    contact: Mapping[str, Any],
-    values: Values,
-    **_: Any,
-) -> Scatter:
+def scatter_of_positions(result: Result, roughness: xr.DataArray, **_: Any) -> Scatter:
     """Return the scatter of the results of a body over other positions of its form on the roughness."""
-    load, shifts = loads_of(contact), contact["shifts"]
-    solved = few_loads(load)
-    moved = (roughness.copy(data=np.roll(roughness.values, shift, (0, 1))) for shift in shifts)
-    members = solve_members(moved, len(shifts), contact, values)
+    few, shifts = result.few, result.contact["shifts"]
+    members = result.members(
+        roughness.copy(data=np.roll(roughness.values, shift, (0, 1))) for shift in shifts
+    )
     arms = {}
-    for name, result in values.items():
-        results = np.vstack([result, members[name]])[:, solved]
-        changes = to_scale(name, results) - to_scale(name, result)[solved]
+    for name, value in result.values.items():
+        changes = to_scale(name, np.vstack([value, members[name]])[:, few]) - to_scale(name, value)[few]
         mean, count = np.nanmean(changes, axis=0), np.sum(np.isfinite(changes), axis=0)
         with np.errstate(invalid="ignore", divide="ignore"):
             quantile = scipy.stats.t.ppf(0.975, count - 1) * np.sqrt(1 + 1 / count)
             width = quantile * np.nanstd(changes, axis=0, ddof=1)
         width[np.isnan(width)] = np.inf
-        below, above = np.maximum(width - mean, 0.0), np.maximum(width + mean, 0.0)
-        arms[name] = at_all_loads(below, solved, load), at_all_loads(above, solved, load)
-    missed = bool(np.isnan(members[GAP][:, solved]).any())
+        below, above = (result.at_all_loads(np.maximum(width + sign * mean, 0.0)) for sign in (-1, 1))
+        arms[name] = below, above
+    missed = bool(np.isnan(members[GAP][:, few]).any())
     reason = (
         f"The ± is for this body at another position on the roughness: {len(shifts)} further positions on "
         "the map were solved; it holds no waves longer than the map."

@@ -297,7 +297,7 @@ def _ends(
     components = np.moveaxis(scaled.shared, 0, 2)[[SOURCES.index(source) for source in sources]]
     ends = ends_of(name, mean, added_up([half_widths(*widths), *components]))
     value = from_scale(name, mean)
-    limits = limited(name, ends, value=value, load=scaled.load, hardness=scaled.hardness)
+    limits = limited(name, ends, value=value, load=scaled.load, hardness=scaled.hardness or np.inf)
     return limits[0] + 0 * widths[0], limits[1] + 0 * widths[1]  # NaN without an interval
 
 

@@ -3,7 +3,8 @@
 Besides the answers: contact conductance, and the narrowest places of the gap along both axes.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Container, Iterator
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -20,7 +21,7 @@ from roughcontact.uncertainty.scales import ANSWERS, CONSTRICTIONS, QUANTITIES
 def quantities_of(
     pressure: np.ndarray,
     gap: np.ndarray,
-    names: Sequence[str],
+    names: Collection[str],
     *,
     steps: tuple[float, float],
     influence: Influence = "sampled",
@@ -53,7 +54,7 @@ def quantities_of(
     return {name: values[name] for name in names}
 
 
-def quantities_in(dataset: xr.Dataset) -> tuple[str, ...]:
+def quantities_in(dataset: Container[Any]) -> tuple[str, ...]:
     """Return the names of the headline quantities, and of the answers that a dataset contains."""
     return *QUANTITIES, *(name for name in ANSWERS if name in dataset)
 

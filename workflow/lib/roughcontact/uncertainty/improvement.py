@@ -24,6 +24,11 @@ ADVICE = {
     "material": "state contact modulus and load twice as narrowly",
     "unresolved": "measure with pixels half as large, or state instrument.finer_spectrum",
 }
+_LONGER_FIELD = "measure a field 3 times as long"
+_LENS = "state the lens (instrument.numerical_aperture)"  # of a smoothed map
+_FINER_STEPS = (  # of rounded heights, or a suspected noise, where nothing is stated
+    "export the heights in finer steps, or measure the place twice (repeat_of), which tells the noise"
+)
 
 
 def half_width_of_mean(scatter: float, maps: int, shared: float) -> float:
@@ -72,21 +77,35 @@ def halving_line(statistics: xr.Dataset, scatter: np.ndarray | None) -> str:
     value, lower, upper = (float(at_load[f"{AREA}{end}"]) for end in ("", "_lower", "_upper"))
     half_width = float(relative_half_width(value, lower, upper))
     widths = _relative_widths(at_load, value)
-    actions = [*_summit(statistics)]
-    shared = math.sqrt(sum(width**2 for source, width in widths.items() if source != "window"))
+    first, advice = _advice(statistics)
     if not math.isfinite(half_width) or not widths.get("window", 0.0) < math.inf:
-        return "; ".join([*actions, "measure a field 3 times as long"])
+        return "; ".join([*first, _LONGER_FIELD])
+    if "window" in widths:
+        of_area = math.nan if scatter is None else float(np.ravel(scatter)[load]) * _slope(value)
+        shared = math.sqrt(sum(width**2 for source, width in widths.items() if source != "window"))
+        advice["window"] = _more_places(of_area, half_width, shared, widths["window"])
     by_size = sorted(widths, key=widths.__getitem__, reverse=True)
-    for source in by_size:
-        if source == "window":
-            of_area = math.nan if scatter is None else float(np.ravel(scatter)[load]) * _slope(value)
-            actions.append(_more_places(of_area, half_width, shared, widths))
-        elif source in ADVICE:
-            actions.append(_lens(statistics) or _rounding(statistics, source) or ADVICE[source])
-        remaining = math.sqrt(sum(widths[name] ** 2 for name in by_size[by_size.index(source) + 1 :]))
+    actions = [*first]
+    for rank, source in enumerate(by_size, start=1):
+        actions.append(advice[source])
+        remaining = math.sqrt(sum(widths[name] ** 2 for name in by_size[rank:]))
         if remaining + widths[source] / 2 <= half_width / 2 or remaining <= half_width / 2:
             break
-    return "; ".join(dict.fromkeys(filter(None, actions)))
+    return "; ".join(dict.fromkeys(actions))
+
+
+def _advice(statistics: xr.Dataset) -> tuple[list[str], dict[str, str]]:
+    """Return what comes first, if anything, and source -> what halves its part, by checks and settings."""
+    attrs, advice = statistics.attrs, {**ADVICE}
+    doubted = {entry["check"] for entry in json.loads(attrs.get("reasons", "[]"))}
+    if not any(key.startswith("instrument_") for key in attrs):
+        advice["instrument"] = _FINER_STEPS
+    if CheckName.SMOOTHED in doubted:
+        advice = dict.fromkeys(advice, _LENS)
+    if CheckName.ISOLATED_PEAK not in doubted or "summit_x" not in attrs:
+        return [], advice
+    x, y = (quantity(float(attrs[f"summit_{axis}"]), "m") for axis in "xy")
+    return [f"clean the summit at ({x}, {y})"], advice
 
 
 def _slope(area: float) -> float:
@@ -104,13 +123,13 @@ def _relative_widths(at_load: xr.Dataset, value: float) -> dict[str, float]:
     return {source: by_source[source] for source in SOURCES if not math.isnan(by_source[source])}
 
 
-def _more_places(scatter: float, half_width: float, shared: float, widths: dict[str, float]) -> str:
+def _more_places(scatter: float, half_width: float, shared: float, of_window: float) -> str:
     """Return how many more maps of this size, or how much longer a field, halve the interval."""
     if math.isnan(scatter):
-        return "measure a field 3 times as long"
-    target = half_width / 2 if shared < half_width / 2 else math.hypot(shared, widths["window"] / 2)
+        return _LONGER_FIELD
+    target = half_width / 2 if shared < half_width / 2 else math.hypot(shared, of_window / 2)
     maps = maps_to_halve(scatter, 2 * target, shared)
-    longer = widths["window"] / math.sqrt(max(target**2 - shared**2, 1e-300))
+    longer = of_window / math.sqrt(max(target**2 - shared**2, 1e-300))
     field = f"a field {number(longer, digits=2)} times as long" if longer <= _LONGEST_FIELD else ""
     if maps is None:
         return f"measure {field}" if field else "measure more places"
@@ -118,31 +137,3 @@ def _more_places(scatter: float, half_width: float, shared: float, widths: dict[
     text = f" (their mean: to about ± {percent(promised)})" if promised < 1 else ""
     action = f"measure {counted_noun(maps - 1, 'more place')} of this size{text}"
     return f"{action}, or {field}" if field else action
-
-
-def _doubted(statistics: xr.Dataset, name: CheckName) -> bool:
-    """Return whether a check did not pass."""
-    return any(entry["check"] == name for entry in json.loads(statistics.attrs.get("reasons", "[]")))
-
-
-def _lens(statistics: xr.Dataset) -> str:
-    """Return the advice for a smoothed map whose lens is not stated."""
-    return (
-        "state the lens (instrument.numerical_aperture)" if _doubted(statistics, CheckName.SMOOTHED) else ""
-    )
-
-
-def _rounding(statistics: xr.Dataset, source: str) -> str:
-    """Return the advice for an instrument of which nothing is stated: rounded heights or suspected noise."""
-    stated = any(key.startswith("instrument_") for key in statistics.attrs)
-    if source != "instrument" or stated:
-        return ""
-    return "export the heights in finer steps, or measure the place twice (repeat_of), which tells the noise"
-
-
-def _summit(statistics: xr.Dataset) -> list[str]:
-    """Return the advice for an isolated summit, where one is in doubt."""
-    if not _doubted(statistics, CheckName.ISOLATED_PEAK) or "summit_x" not in statistics.attrs:
-        return []
-    x, y = (quantity(float(statistics.attrs[f"summit_{axis}"]), "m") for axis in "xy")
-    return [f"clean the summit at ({x}, {y})"]

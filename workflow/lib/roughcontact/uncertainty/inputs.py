@@ -23,7 +23,7 @@ import xarray as xr
 from roughcontact.contact.solve import NEAR_HARDNESS
 from roughcontact.errors import SettingsError
 from roughcontact.uncertainty.combination import Component, Components, component_from_units, half_widths
-from roughcontact.uncertainty.ensemble import Values, solve_member
+from roughcontact.uncertainty.ensemble import Result, Values, solve_member
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, CONSTRICTIONS, GAP, PEAK, PRESSURE
 
@@ -40,11 +40,7 @@ _EXPLICIT_POWER = {
 
 
 def input_uncertainty(
-    window: xr.DataArray,
-    *,
-    contact: Mapping[str, Any],
-    solved: xr.Dataset,
-    stated: Mapping[str, float | None],
+    result: Result, solved: xr.Dataset, stated: Mapping[str, float | None]
 ) -> tuple[Mapping[str, np.ndarray], Mapping[str, Components]]:
     """Return the sensitivities of each result, and the components of each input that is stated.
 
@@ -53,9 +49,9 @@ def input_uncertainty(
     solved. `contact_modulus` stands for all moduli of bodies.
     """
     values = {name: solved[name].values for name in quantities_in(solved)}
-    elastic = values[PEAK] < (1 - NEAR_HARDNESS) * (contact.get("hardness") or math.inf)
+    elastic = values[PEAK] < (1 - NEAR_HARDNESS) * result.hardness
     similar = dict.fromkeys(_POWER_IN_LOAD, elastic) | {_LOAD: np.ones_like(elastic)}
-    if contact.get("boundary") == "free":  # the form is not scaled
+    if result.contact.get("boundary") == "free":  # the form is not scaled
         similar |= dict.fromkeys(AMPLIFICATIONS, np.zeros_like(elastic))
     if "bodies" in solved.attrs:
         similar[_LENGTHS] = np.zeros_like(elastic)
@@ -73,7 +69,7 @@ def input_uncertainty(
             )
         if not width:
             continue
-        ends = [_end(source, factor, window, contact, solved) for factor in (1 - width, 1 + width)]
+        ends = [_end(source, factor, result, solved) for factor in (1 - width, 1 + width)]
         for name, value in values.items():
             below, above, secants[source, name] = effect(value, ends, name)
             if not np.isnan(above).all():
@@ -90,16 +86,13 @@ def input_uncertainty(
     return sensitivities, components
 
 
-def _end(
-    source: str, factor: float, window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset
-) -> tuple[np.ndarray, Values]:
+def _end(source: str, factor: float, result: Result, solved: xr.Dataset) -> tuple[np.ndarray, Values]:
     """Return ln of the input over its stated value (load), and the results, with it a factor larger."""
-    load, changed = solved[_LOAD].values, dict(contact)
+    load, window, changed = solved[_LOAD].values, result.window, dict(result.contact)
     change = np.full(load.shape, math.log(factor))
     if source == _LOAD:
         # a contact of which all yields carries no more
-        largest = (1 - 2 * NEAR_HARDNESS) * (contact.get("hardness") or math.inf)
-        changed[_LOAD] = np.minimum(factor * load, largest)
+        changed[_LOAD] = np.minimum(factor * load, (1 - 2 * NEAR_HARDNESS) * result.hardness)
         change = np.log(changed[_LOAD] / load)
     elif source == _MODULUS:
         changed[_MODULUS] = factor * float(solved[_MODULUS])
@@ -108,7 +101,7 @@ def _end(
         window = window.copy(data=factor * window.values)
     else:
         window = window.assign_coords({axis: factor * window[axis] for axis in ("y", "x")})
-    tolerance = contact.get("tolerance", 1e-4)
+    tolerance = changed.get("tolerance", 1e-4)
     values = solve_member(window, changed, tolerance=tolerance, names=quantities_in(solved))
     if CONDUCTANCE in values:  # infinite, not unknown, in full contact
         infinite = np.isnan(values[CONDUCTANCE]) & np.isfinite(values[AREA])

@@ -22,10 +22,10 @@ import xarray as xr
 from roughcontact.choices import UncertaintySource
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.instrument_checks import coarse_step, suspected_noise
-from roughcontact.uncertainty.combination import Components, half_widths, one_sided
-from roughcontact.uncertainty.ensemble import MARGIN, Values, loads_of, solve_again
+from roughcontact.uncertainty.combination import Components, one_sided, symmetric
+from roughcontact.uncertainty.ensemble import MARGIN, Result, Values
 from roughcontact.uncertainty.random_effects import student
-from roughcontact.uncertainty.scales import AREA, PEAK, PRESSURE, to_scale
+from roughcontact.uncertainty.scales import AREA, PEAK, PRESSURE
 from roughcontact.window.instrument import check_instrument
 from roughcontact.window.transfer import restored, unrounded, with_noise
 
@@ -44,12 +44,9 @@ def with_source_of_correction(
 
 
 def instrument_components(
-    window: xr.DataArray,
-    *,
-    contact: Mapping[str, Any],
-    values: Values,
+    result: Result,
     instrument: Mapping[str, Any],
-    as_measured: xr.DataArray | None = None,
+    as_measured: xr.DataArray | None,
     true_shapes: Mapping[str, xr.DataArray],
 ) -> tuple[list[Components], dict[str, np.ndarray]]:
     """Return the components of each cause, on the scales, and of a corrected map the results without it.
@@ -57,63 +54,49 @@ def instrument_components(
     `as_measured` is the window before a correction, `true_shapes` its `undone`. None is there where nothing
     is stated, no noise suspected (`suspected_noise`) and no `coarse_step`.
     """
+    window, noise = result.window, instrument.get("noise") or 0.0
     check_instrument(window if as_measured is None else as_measured, instrument)
-    noise = instrument.get("noise") or 0.0
     causes: list[Components] = []
     uncorrected: dict[str, np.ndarray] = {}
     if as_measured is not None:
-        uncorrected = solve_again(as_measured, contact, values)
-        causes.append(_of_correction(as_measured, contact, values, uncorrected, instrument))
-        uncorrected[PRESSURE] = loads_of(contact) / uncorrected[AREA]
+        uncorrected = result.again(as_measured)
+        causes.append(_of_correction(result, as_measured, uncorrected, instrument))
+        uncorrected[PRESSURE] = result.load / uncorrected[AREA]
     elif noise:
-        causes.append(_noise_shift(window, contact, values, noise, margin=_NOISE_MARGIN))
+        causes.append(_noise_shift(result, noise, margin=_NOISE_MARGIN))
     if noise:
-        causes.append(_chance_of_noise(window, contact, values, noise))
+        causes.append(_chance_of_noise(result, noise))
     elif suspected := suspected_noise(window.attrs):
-        causes.append(_noise_shift(window, contact, values, suspected, margin=0.0))
-    shifts = [_changes(values, solve_again(shape, contact, values)) for shape in true_shapes.values()]
+        causes.append(_noise_shift(result, suspected, margin=0.0))
+    shifts = [result.changes(result.again(shape)) for shape in true_shapes.values()]
     if step := coarse_step(window.attrs):
-        changes = _changes(values, solve_again(unrounded(window, step), contact, values))
+        changes = result.changes(result.again(unrounded(window, step)))
         # the highest point stays a kink of the smoothest map: its pressure falls at least as the gradient
         changes[PEAK] = np.minimum(changes[PEAK], -changes[AREA])
         shifts.append(changes)
-    causes += [{name: one_sided((1 + MARGIN) * shift[name]) for name in values} for shift in shifts]
+    causes += [{name: one_sided((1 + MARGIN) * change) for name, change in shift.items()} for shift in shifts]
     return causes, uncorrected
 
 
-def _changes(values: Values, results: Values) -> dict[str, np.ndarray]:
-    """Return other results less the values, on the scales: -inf for a gap that closes, 0 where unknown."""
-    changes = {}
-    for name, value in values.items():
-        before, after = to_scale(name, value), to_scale(name, results[name])
-        closed = np.isfinite(before) & np.isnan(after) & (results[name] == 0)
-        changes[name] = np.where(closed, -np.inf, np.nan_to_num(after - before))
-    return changes
-
-
 def _of_correction(
-    as_measured: xr.DataArray,
-    contact: Mapping[str, Any],
-    values: Values,
-    uncorrected: Values,
-    instrument: Mapping[str, Any],
+    result: Result, as_measured: xr.DataArray, uncorrected: Values, instrument: Mapping[str, Any]
 ) -> Components:
     """Return the two-sided uncertainty of a correction, from the results before it."""
     noise = instrument.get("noise") or 0.0
-    causes = [_changes(values, uncorrected)]
+    causes = [result.changes(uncorrected)]
     # both may cancel: a further solution without the noise alone tells them apart
     if noise and (instrument.get("numerical_aperture") or instrument.get("resolution")):
         without_noise = restored(as_measured, {}, noise=noise, equalise=True)
-        by_lens = _changes(values, solve_again(without_noise, contact, values))
+        by_lens = result.changes(result.again(without_noise))
         causes = [{name: change - by_lens[name] for name, change in causes[0].items()}, by_lens]
     hidden = _share_of_noise(as_measured, with_noise(as_measured, noise)[1]) >= _MOST_NOISE
     components = {}
-    for name in values:
+    for name in result.values:
         share = _CORRECTION_UNCERTAINTY * (2 if name == PEAK else 1)
         changes = np.stack([cause[name] for cause in causes])
         changes = np.where(np.isneginf(changes), -1.0, changes)  # a gap that closes: as much as its height
-        width = np.full(changes.shape[1], np.inf) if hidden else share * np.sqrt(np.sum(changes**2, axis=0))
-        components[name] = half_widths(width, width)
+        width = share * np.sqrt(np.sum(changes**2, axis=0))
+        components[name] = symmetric(np.full_like(width, np.inf) if hidden else width)
     return components
 
 
@@ -123,35 +106,29 @@ def _share_of_noise(window: xr.DataArray, noise_gradient: float) -> float:
     return min((noise_gradient / gradient) ** 2, 1.0) if gradient else 1.0
 
 
-def _noise_shift(
-    window: xr.DataArray, contact: Mapping[str, Any], values: Values, noise: float, *, margin: float
-) -> Components:
+def _noise_shift(result: Result, noise: float, *, margin: float) -> Components:
     """Return the one-sided uncertainty towards the results without noise (m, rms), extended by a margin."""
-    noisy, noise_gradient = with_noise(window, noise)
-    share, exponent_back = _share_of_noise(window, noise_gradient), math.inf
+    noisy, noise_gradient = with_noise(result.window, noise)
+    share, exponent_back = _share_of_noise(result.window, noise_gradient), math.inf
     if share < _MOST_NOISE:  # ln(g/g_true) over ln(g with more noise/g)
-        growth = math.log(rms_gradient(noisy) / rms_gradient(window))
+        growth = math.log(rms_gradient(noisy) / rms_gradient(result.window))
         exponent_back = -0.5 * math.log1p(-share) / max(growth, 1e-12)
     components = {}
-    for name, change in _changes(values, solve_again(noisy, contact, values)).items():
+    for name, change in result.changes(result.again(noisy)).items():
         with np.errstate(invalid="ignore"):
             shift = np.where(change == 0, 0.0, -(1 + margin) * exponent_back * change)
         components[name] = one_sided(shift)
     return components
 
 
-def _chance_of_noise(
-    window: xr.DataArray, contact: Mapping[str, Any], values: Values, noise: float
-) -> Components:
+def _chance_of_noise(result: Result, noise: float) -> Components:
     """Return what the noise (m, rms) of the map may do by chance: by Student's t, of other draws of it."""
-    draws = [
-        _changes(values, solve_again(with_noise(window, noise, seed=seed)[0], contact, values))
-        for seed in range(1, _DRAWS + 1)
-    ]
+    noisy = [with_noise(result.window, noise, seed=seed)[0] for seed in range(1, _DRAWS + 1)]
+    draws = [result.changes(result.again(window)) for window in noisy]
     factor = student(np.array(_DRAWS - 1.0)) * math.sqrt(1 + 1 / _DRAWS)
     components = {}
-    for name in values:
+    for name in result.values:
         with np.errstate(invalid="ignore"):  # of a gap that closes
             width = factor * np.std([draw[name] for draw in draws], axis=0, ddof=1)
-        components[name] = half_widths(*(np.where(np.isnan(width), np.inf, width),) * 2)
+        components[name] = symmetric(np.where(np.isnan(width), np.inf, width))
     return components

@@ -1,7 +1,8 @@
 """The intervals of the quantities: of the surface, the next map, longer and shorter waves, and this map."""
 
 from collections.abc import Mapping
-from typing import NamedTuple, get_args
+from itertools import product
+from typing import get_args
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from roughcontact.uncertainty.combination import (
     monotonic,
 )
 from roughcontact.uncertainty.discretisation import CORRECTED
-from roughcontact.uncertainty.ensemble import Values
+from roughcontact.uncertainty.ensemble import Result, Values
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, from_scale, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
@@ -29,103 +30,97 @@ Windows = Mapping[calibration.Measurand, Components]  # measurand -> components 
 Octave = Mapping[str, tuple[np.ndarray, Component]]  # quantity -> shift (load), and the component about it
 
 
-class Limits(NamedTuple):
-    """What bounds every interval: the loads (Pa), a stated hardness (Pa), the gap (m) in full contact."""
-
-    load: np.ndarray
-    hardness: float | None = None
-    widest_gap: np.ndarray | None = None
-
-
-def window_components(
-    scatter: Scatter, middle: Values, gap: np.ndarray, *, extent: float, open_ended: Values
-) -> Windows:
+def window_components(scatter: Scatter, middle: Values, gap: np.ndarray, extent: float) -> Windows:
     """Return by how much the truth of each measurand may differ from this map, on the scales.
 
     `middle` are corrected results, `gap` the mean gap (load; m), `extent` the length of the longer surface
-    over that of the map, `open_ended` whether grooves lead out of the map (load).
+    over that of the map.
     """
-    windows: dict[calibration.Measurand, dict[str, Component]] = {}
-    for measurand in MEASURANDS:
-        components = windows[measurand] = {}
-        for name in middle:
-            if measurand == "map" and scatter.of_positions:
-                below = above = np.zeros(gap.shape)
-            elif scatter.arms:  # of surfaces behind profiles, whatever their size
-                below, above = scatter.arms[name]
-            elif scatter.features:
-                area, features = from_scale(AREA, middle[AREA]), scatter.features[name]
-                below, above = calibration.arms(measurand, name, features, area, extent=extent)
-            else:  # without subwindows nothing bounds what other places would give
-                below = above = np.full(gap.shape, 0.0 if measurand == "map" else np.inf)
-            if name in CONSTRICTIONS and (scatter.arms or scatter.features):  # counted in mean gaps
-                below, above = below * gap, above * gap
-            if name in open_ended and measurand != "map":
-                above = np.where(open_ended[name], np.inf, above)
-            components[name] = half_widths(below, above)
+    windows: dict[calibration.Measurand, dict[str, Component]] = {key: {} for key in MEASURANDS}
+    area, known = from_scale(AREA, middle[AREA]), bool(scatter.arms or scatter.features)
+    for measurand, name in product(MEASURANDS, middle):
+        if measurand == "map" and (scatter.of_positions or not known):
+            below = above = np.zeros(gap.shape)
+        elif scatter.arms:  # of surfaces behind profiles, whatever their size
+            below, above = scatter.arms[name]
+        elif known:
+            below, above = calibration.arms(measurand, name, scatter.features[name], area, extent=extent)
+        else:  # without subwindows nothing bounds what other places would give
+            below = above = np.full(gap.shape, np.inf)
+        if name in CONSTRICTIONS and known:  # counted in mean gaps
+            below, above = below * gap, above * gap
+        if name in scatter.open_ended and measurand != "map":
+            above = np.where(scatter.open_ended[name], np.inf, above)
+        windows[measurand][name] = half_widths(below, above)
     return windows
 
 
 def interval_columns(
+    result: Result,
     as_solved: Values,
     middle: Values,
     components: Mapping[UncertaintySource, Components],
-    limits: Limits,
     *,
-    windows: Windows,
+    scatter: Scatter | None,
     octave: Octave | None,
     measurand: HeadlineMeasurand = "surface",
+    extent: float = 1.0,
 ) -> dict[str, tuple]:
     """Return the ends of all intervals of the quantities, and what they are made of.
 
-    `as_solved` are results (load), `middle` corrected ones on their scales. Measurands not in `windows`, and
-    shorter waves without `octave`, have no interval (an empty `octave`: the settings chose the band);
-    `measurand` is that of `_lower` and `_upper`.
+    `as_solved` are results (load), `middle` corrected ones on their scales. Without `octave` shorter waves
+    have no interval; of an empty one, where the settings chose the band, it is that of `measurand`, as are
+    `_lower` and `_upper`; `extent` is that of `window_components`.
     """
-    shorter = {name: centre + octave[name][0] for name, centre in middle.items()} if octave else middle
-    middle, shorter = (_consistent(as_solved, centres, limits) for centres in (middle, shorter))
-    beyond = _with_pressure({name: pair[1] for name, pair in (octave or {}).items()}, shorter[AREA])
-    components = {source: _with_pressure(causes, middle[AREA]) for source, causes in components.items()}
-    windows = {key: _with_pressure(component, middle[AREA]) for key, component in windows.items()}
+    centres = _consistent(result, as_solved, middle)
+    windows: Windows = {key: {} for key in MEASURANDS}
+    if scatter:
+        windows = window_components(scatter, middle, as_solved[GAP], extent)
+    components = {source: _with_pressure(causes, centres[AREA]) for source, causes in components.items()}
+    windows = {key: _with_pressure(component, centres[AREA]) for key, component in windows.items()}
+    sources = [*components.values()]
+    # beginning of the name -> results in the middle, and what adds up about them
+    headline = [*sources, windows[measurand]]
+    intervals = {"": (centres, headline)}
+    intervals |= {f"{key}_": (centres, [*sources, windows[key]]) for key in MEASURANDS[1:]}
+    intervals["octave_"] = centres, [] if octave is None else headline
+    if octave:
+        shorter = {name: centre + octave[name][0] for name, centre in middle.items()}
+        shorter = _consistent(result, as_solved, shorter)
+        beyond = _with_pressure({name: pair[1] for name, pair in octave.items()}, shorter[AREA])
+        intervals["octave_"] = shorter, [*headline, beyond]
     columns: dict[str, tuple] = {}
-    for name, result in as_solved.items():
-        value = _in_its_unit(name, middle[name], result, limits.hardness)
+    for name, plain in as_solved.items():
+        value = _in_its_unit(name, centres[name], plain, result.hardness)
         if name in (AREA, PRESSURE):  # full contact, up to the rounding of its scale
-            value = np.where(as_solved[AREA] >= 1, result, value)
-        sources = {source: causes[name] for source, causes in components.items() if name in causes}
-        window = {key: [causes[name]] if name in causes else [] for key, causes in windows.items()}
-        ends = {}
-        for prefix, key in ({"": measurand} | {f"{key}_": key for key in MEASURANDS[1:]}).items():
-            causes = [*sources.values(), *window[key]] if key in window else []
-            ends[prefix] = _ends(name, middle[name], value, causes, limits)
-        ends["octave_"] = ends[""]  # where the settings chose the band
-        if name in beyond or octave is None:
-            moved = _in_its_unit(name, shorter[name], result, limits.hardness)
-            causes = [*sources.values(), *window[measurand], beyond[name]] if octave else []
-            ends["octave_"] = _ends(name, shorter[name], moved, causes, limits)
-        for key, pair in ends.items():
-            columns |= {f"{name}_{key}{end}": ("load", pair[i]) for i, end in enumerate(("lower", "upper"))}
+            value = np.where(as_solved[AREA] >= 1, plain, value)
+        for prefix, (middles, causes) in intervals.items():
+            about = value
+            if middles is not centres:
+                about = _in_its_unit(name, middles[name], plain, result.hardness)
+            present = [cause[name] for cause in causes if name in cause]
+            lower, upper = _ends(result, name, middles[name], about, present, scatter)
+            columns |= {f"{name}_{prefix}lower": ("load", lower), f"{name}_{prefix}upper": ("load", upper)}
         if name in (*CORRECTED, PRESSURE):
-            columns[f"{name}_as_solved"] = ("load", result)
-        if window[measurand]:
-            sources["window"] = window[measurand][0]
-        columns |= columns_of_components(name, value, sources, ends[""])
+            columns[f"{name}_as_solved"] = ("load", plain)
+        by_source = {**components, "window": windows[measurand]}
+        of_name = {source: causes[name] for source, causes in by_source.items() if name in causes}
+        ends = columns[f"{name}_lower"][1], columns[f"{name}_upper"][1]
+        columns |= columns_of_components(name, value, of_name, ends)
     return columns
 
 
-def _consistent(as_solved: Values, middle: Values, limits: Limits) -> dict[str, np.ndarray]:
+def _consistent(result: Result, as_solved: Values, middle: Values) -> dict[str, np.ndarray]:
     """Return results on their scales with the pressure in contact, each as large as the others ask for."""
-    middle = dict(middle)
-    if limits.hardness is not None:  # by the edges of its pixels alone the area may be too small for the load
-        middle[AREA] = np.fmax(middle[AREA], to_scale(AREA, limits.load / limits.hardness))
-    middle[PRESSURE] = np.log(limits.load) - np.log(from_scale(AREA, middle[AREA]))
+    # by the edges of its pixels alone the area may be too small for the load
+    area = np.fmax(middle[AREA], to_scale(AREA, result.load / result.hardness))
+    consistent = {**middle, AREA: area, PRESSURE: np.log(result.load) - np.log(from_scale(AREA, area))}
     # where few points touch, the pixels of the area and of the peak are corrected one without the other
     if PEAK in middle:
-        middle[PEAK] = np.fmax(middle[PEAK], middle[PRESSURE])
-        if limits.hardness is not None:  # points that flow do so with finer pixels too
-            flows = as_solved[PEAK] >= limits.hardness
-            middle[PEAK] = np.where(flows, to_scale(PEAK, as_solved[PEAK]), middle[PEAK])
-    return middle
+        flows = as_solved[PEAK] >= result.hardness  # points that flow do so with finer pixels too
+        highest = np.fmax(middle[PEAK], consistent[PRESSURE])
+        consistent[PEAK] = np.where(flows, to_scale(PEAK, as_solved[PEAK]), highest)
+    return consistent
 
 
 def _with_pressure(components: Components, area: np.ndarray) -> Components:
@@ -137,20 +132,26 @@ def _with_pressure(components: Components, area: np.ndarray) -> Components:
     return {**components, PRESSURE: (-SIGNS * np.log(ratio))[[1, 0, 3, 2]]}
 
 
-def _in_its_unit(name: str, centre: np.ndarray, result: np.ndarray, hardness: float | None) -> np.ndarray:
+def _in_its_unit(name: str, centre: np.ndarray, plain: np.ndarray, hardness: float) -> np.ndarray:
     """Return a corrected result in its unit; as solved in full contact, which has no gap on its scale."""
-    value = np.where(np.isnan(centre), result, from_scale(name, centre))
-    return value if hardness is None or name not in (PRESSURE, PEAK) else np.fmin(value, hardness)
+    value = np.where(np.isnan(centre), plain, from_scale(name, centre))
+    return np.minimum(value, hardness) if name in (PRESSURE, PEAK) else value
 
 
 def _ends(
-    name: str, centre: np.ndarray, value: np.ndarray, components: list[Component], limits: Limits
+    result: Result,
+    name: str,
+    centre: np.ndarray,
+    value: np.ndarray,
+    components: list[Component],
+    scatter: Scatter | None,
 ) -> Ends:
     """Return both ends of an interval, in the unit of the quantity; NaN without any source."""
     if not components:
         return (np.full(value.shape, np.nan),) * 2
     ends = ends_of(name, centre, added_up(components))
-    if name == GAP and limits.widest_gap is not None:
-        ends = np.where(value > 0, ends[0], 0.0), np.where(value > 0, ends[1], limits.widest_gap)
-    ends = monotonic(name, ends, limits.load)
-    return limited(name, ends, value=value, load=limits.load, hardness=limits.hardness)
+    if name == GAP and scatter:  # closed by full contact, it may be open elsewhere
+        widest = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
+        ends = np.where(value > 0, ends[0], 0.0), np.where(value > 0, ends[1], widest)
+    ends = monotonic(name, ends, result.load)
+    return limited(name, ends, value=value, load=result.load, hardness=result.hardness)

@@ -6,8 +6,6 @@ wavenumbers; the first holds as many as the grid with pixels twice as large.
 """
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import scipy
@@ -16,7 +14,7 @@ import xarray as xr
 from roughcontact.fourier import wavenumbers
 from roughcontact.maps import height_map, side_lengths, spacing
 from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.uncertainty.ensemble import loads_of, solve_again
+from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.scales import AREA, PRESSURE
 
@@ -54,16 +52,15 @@ def _passes(window: xr.DataArray, cutoff: float) -> np.ndarray:
     return wavenumbers(window.shape, spacing(window)) * cutoff <= 2 * np.pi * (1 + 1e-9)
 
 
-def magnification_curve(
-    window: xr.DataArray, *, contact: Mapping[str, Any], solved: xr.Dataset
-) -> xr.Dataset:
+def magnification_curve(result: Result) -> xr.Dataset:
     """Return the results of a periodic window without its shortest waves, octave by octave.
 
-    `{quantity}_at_cutoff` (load, cutoff) begins with those `solved`; `cutoff_wavelength` (cutoff; m) is the
+    `{quantity}_at_cutoff` (load, cutoff) begins with the result; `cutoff_wavelength` (cutoff; m) is the
     shortest wave kept, `gradient_at_cutoff` (cutoff) the rms gradient.
     """
+    window = result.window
     maps, q = [window], wavenumbers(window.shape, spacing(window))
-    levels = [{name: solved[name].values for name in quantities_in(solved)}]
+    levels = [{**result.values}]
     by_grid = window.attrs.get("band_reason", "the grid") == "the grid"
     lengths = [max(2 * np.pi / q.max(), 0.0 if by_grid else window.attrs["band_shortest"])]
     side = min((s for s, n in zip(side_lengths(window), window.shape, strict=True) if n > 1), default=0.0)
@@ -71,15 +68,14 @@ def magnification_curve(
     while side >= _MIN_WAVES_PER_SIDE * cutoff:
         maps.append(without_shortest_waves(window, cutoff))
         lengths.append(max(2 * np.pi / q[_passes(window, cutoff)].max(), lengths[0]))
-        levels.append(solve_again(maps[-1], contact, levels[0]))
+        levels.append(result.again(maps[-1]))
         cutoff *= 2
     for level in levels:
-        pressure = loads_of(contact) / level[AREA]
-        level[PRESSURE] = np.minimum(pressure, contact.get("hardness") or math.inf)
+        level[PRESSURE] = np.minimum(result.load / level[AREA], result.hardness)
     return xr.Dataset(
         {
             f"{name}_at_cutoff": (("load", "cutoff"), np.stack([level[name] for level in levels], axis=1))
-            for name in levels[0]
+            for name in quantities_in(levels[0])
         },
         coords={
             "cutoff_wavelength": ("cutoff", lengths),

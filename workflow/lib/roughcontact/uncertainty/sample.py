@@ -1,14 +1,17 @@
 """What is said of the subwindows of a map: what they are, and where they tell little."""
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import number, percent
 from roughcontact.sealing.percolation import half_way_levels
+from roughcontact.uncertainty.calibration import scatter_of_maps
 from roughcontact.uncertainty.measurands import measurand_in_words
-from roughcontact.uncertainty.scales import CONSTRICTIONS
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS
 from roughcontact.uncertainty.subwindows import Scatter
 
 _KURTOSIS_LIMIT = 8.0  # above it a few places hold most of the mean square height
@@ -16,55 +19,52 @@ _LAY_LIMIT = 0.07  # texture aspect ratio below which the subwindows along a lay
 _GROOVE_AREA_LIMIT = 0.2  # of the window: random valleys, of waves up to a third of the map, take up more
 
 
-def description(
-    levelled: xr.DataArray, scatter: Scatter, grooves: list[str], extent: float | None = None
-) -> str:
-    """Return sentences on the subwindows of a map, and what the interval is for (`measurand_in_words`)."""
-    if scatter.reason:
-        return scatter.reason
-    ny, nx = levelled.isel(scatter.slices[0]).shape
-    if len(scatter.slices) == 1:
-        return f"The window of {nx} × {ny} points is too small to be divided into parts."
-    covered = sum(math.prod(levelled.isel(area).shape) for area in scatter.slices) / levelled.size
-    text = (
-        f"The ± is for {measurand_in_words(extent)}. "
-        f"{len(scatter.slices)} parts of about {nx} × {ny} points, {percent(covered)} of the map, were "
-        "solved separately; their scatter is held against that of measured and synthetic surfaces."
-    )
-    if grooves:
-        axes = " and ".join(name[-1] for name in grooves)
-        text += (
-            f" Grooves or valleys lead out of the map along {axes}: their narrowest place has no upper "
-            "limit, as it may be wider elsewhere."
-        )
-    return text
+def attributes_of(
+    scatter: Scatter, levelled: xr.DataArray, grooves: Sequence[str] = (), extent: float | None = None
+) -> dict[str, Any]:
+    """Return what is said of the members of a map, what they do not tell, and the scatter of such maps.
 
-
-def deficiency(levelled: xr.DataArray, scatter: Scatter) -> str:
-    """Return a sentence on what the subwindows do not tell, empty for nothing."""
+    `extent` is that of `measurand_in_words`, `grooves` are narrowest places without upper limit.
+    """
     if scatter.reason:
-        return "The solution of a surface missed the tolerance." if scatter.incomplete else ""
+        flag = "The solution of a surface missed the tolerance." if scatter.incomplete else ""
+        return {"window_reason": scatter.reason, "window_flag": flag}
     ny, nx = levelled.isel(scatter.slices[0]).shape
-    if len(scatter.slices) == 1:
-        return (
+    parts = len(scatter.slices)
+    if parts == 1:
+        reason = f"The window of {nx} × {ny} points is too small to be divided into parts."
+        flag = (
             f"The map is too small to estimate how well it represents the surface: {nx} × {ny} points cannot "
             "be divided into parts. Measure more places, or a larger one."
         )
+        return {"window_reason": reason, "window_flag": flag}
+    covered = sum(math.prod(levelled.isel(area).shape) for area in scatter.slices) / levelled.size
+    reason = (
+        f"The ± is for {measurand_in_words(extent)}. {parts} parts of about {nx} × {ny} points, "
+        f"{percent(covered)} of the map, were solved separately; their scatter is held against that of "
+        "measured and synthetic surfaces."
+    )
+    if grooves:
+        axes = " and ".join(name[-1] for name in grooves)
+        reason += (
+            f" Grooves or valleys lead out of the map along {axes}: their narrowest place has no upper "
+            "limit, as it may be wider elsewhere."
+        )
+    flag, kurtosis = "", levelled.attrs.get("Sku", 3.0)
     if scatter.incomplete:
-        return "The solution of a part of the window missed the tolerance."
-    kurtosis = levelled.attrs.get("Sku", 3.0)
-    if kurtosis > _KURTOSIS_LIMIT:
-        return (
+        flag = "The solution of a part of the window missed the tolerance."
+    elif kurtosis > _KURTOSIS_LIMIT:
+        flag = (
             "A few places, deep pits or high peaks, contribute most of the mean square height (Sku = "
             f"{number(kurtosis)}): a single map does not tell their number elsewhere. Measure more places."
         )
-    if scatter.lay < _LAY_LIMIT:
-        return (
-            f"The surface has a lay, and parts along it contain the same ridges: the {len(scatter.slices)} "
-            "parts are worth no more than three independent ones. Measure a map that is longer across the "
-            "lay, or more places."
+    elif scatter.lay < _LAY_LIMIT:
+        flag = (
+            f"The surface has a lay, and parts along it contain the same ridges: the {parts} parts are worth "
+            "no more than three independent ones. Measure a map that is longer across the lay, or more "
+            "places."
         )
-    return ""
+    return {"window_reason": reason, "window_flag": flag} | scatter_of_maps(scatter.features[AREA])
 
 
 def constrictions_in_grooves(window: xr.DataArray) -> list[str]:

@@ -9,7 +9,7 @@ scatter of the solved subwindows (3 x 3), their trend and Str are the features o
 
 import math
 from collections.abc import Iterable, Mapping
-from itertools import pairwise
+from itertools import pairwise, product
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -23,8 +23,8 @@ from roughcontact.levelling.polynomial import fit_polynomial
 from roughcontact.maps import spacing
 from roughcontact.roughness.texture import texture_parameters
 from roughcontact.uncertainty.calibration import Features
-from roughcontact.uncertainty.ensemble import Values, few_loads, loads_of, measured_slices, solve_members
-from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, at_all_loads, to_scale
+from roughcontact.uncertainty.ensemble import Result, Values, measured_slices
+from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, to_scale
 from roughcontact.window.periodic_window import subwindow
 
 _MIN_POINTS_PER_SIDE = 12  # of a subwindow
@@ -48,48 +48,40 @@ class Scatter(NamedTuple):
     shift: Values = MappingProxyType({})
     reason: str = ""  # what the members are, if no subwindows
     of_positions: bool = False  # other positions, which say nothing of this one
+    open_ended: Mapping[str, np.ndarray] = MappingProxyType({})  # whether grooves lead out of the map (load)
 
 
 def scatter_of_subwindows(
-    levelled: xr.DataArray,
-    window: xr.DataArray,
-    *,
-    contact: Mapping[str, Any],
-    arguments: Mapping[str, Any],
-    values: Values,
-    number: int = 9,
+    result: Result, levelled: xr.DataArray, *, arguments: Mapping[str, Any], number: int = 9
 ) -> Scatter:
     """Return the scatter of the results of at most `number` (4 or more) subwindows of a map.
 
-    `contact` and `arguments` are those of `solve_contact` and `periodic_window` that led to the `values` of
-    the window.
+    `arguments` are those of `periodic_window` that led from the levelled map to the window.
     """
     if number != int(number) or number < 4:
         raise SettingsError(f"windows = {number!r}: give a whole number of 4 or more")
-    region = measured_slices(levelled, window)
+    region = measured_slices(levelled, result.window)
     slices = divided(region, spacing(levelled), int(number), arguments.get("shortest_wavelength") or 0.0)
-    load, order = loads_of(contact), form_order(levelled)
-    solved = few_loads(load)
+    order, few = form_order(levelled), result.few
     if len(slices) < 2:
-        return Scatter({name: np.full((len(slices), load.size), np.nan) for name in values}, {}, slices)
+        unknown = np.full((len(slices), result.load.size), np.nan)
+        return Scatter(dict.fromkeys(result.values, unknown), {}, slices)
     subwindows = (subwindow(_relevelled(levelled.isel(area), order), **arguments) for area in slices)
-    by_subwindow = solve_members(subwindows, len(slices), contact, values)
-    measured, aspect = levelled.isel(region), texture_parameters(window)["Str"]
+    members = result.members(subwindows)
+    measured, aspect = levelled.isel(region), texture_parameters(result.window)["Str"]
     common = {
         "gradient": _at_the_size_of_the_map(_gradient_variances(measured.values, spacing(measured))),
         "lay": 0.5 if math.isnan(aspect) else aspect,
     }
     features: dict[str, Features] = {}
-    for name, value in values.items():
+    for name, value in result.values.items():
         features[name] = common
         if name not in CONSTRICTIONS:
-            spread, trend = _spread_and_trend(name, by_subwindow[name][:, solved], value[solved])
-            features[name] = common | {
-                "scatter": at_all_loads(np.log(spread), solved, load),
-                "trend": at_all_loads(trend, solved, load),
-            }
-    incomplete = bool(np.isnan(by_subwindow[GAP][:, solved]).any()) if GAP in by_subwindow else False
-    return Scatter(by_subwindow, features, slices, incomplete, common["lay"])
+            spread, trend = _spread_and_trend(name, members[name][:, few], value[few])
+            of_members = {"scatter": np.log(spread), "trend": trend}
+            features[name] = common | {key: result.at_all_loads(each) for key, each in of_members.items()}
+    missed = bool(np.isnan(members[GAP][:, few]).any())
+    return Scatter(members, features, slices, missed, common["lay"])
 
 
 def _spread_and_trend(
@@ -159,11 +151,8 @@ def divided(region: Slices, step: tuple[float, float], number: int, shortest: fl
         lengths = [n * s / k for n, s, k in zip(sides, step, cut, strict=True)]
         return math.prod(cut) * (1.0 if 1 in sides else min(lengths) / max(lengths)), tuple(cut)
 
-    cuts = [
-        (ky, kx)
-        for ky in range(1, min(number, limits[0]) + 1)
-        for kx in range(1, min(number // ky, limits[1]) + 1)
-    ]
+    pairs = product(*(range(1, min(number, limit) + 1) for limit in limits))
+    cuts = [cut for cut in pairs if math.prod(cut) <= number]
     rows, columns = (
         region[axis].start + np.arange(k + 1) * n // k
         for axis, n, k in zip("yx", sides, max(cuts, key=score), strict=True)

@@ -20,11 +20,13 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.uncertainty.calibration import octave_arms
-from roughcontact.uncertainty.combination import Component, Components, half_widths, one_sided
+from roughcontact.uncertainty.combination import Component, Components, half_widths, one_sided, symmetric
 from roughcontact.uncertainty.ensemble import MARGIN
 from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, to_scale
 from roughcontact.window.transfer import reliability_length, shortest_transmitted
+
+Spectra = list[tuple[np.ndarray, np.ndarray]]  # of each axis: wavenumbers, and their square slopes
 
 _MAX_OCTAVES = 2  # that are extrapolated
 _PROFILE_PIECES = 8  # whose scatter tells how well a line stands for the surface
@@ -94,15 +96,14 @@ def next_octave(
     for name, change in _changes(curve, 0).items():
         if finer is None:
             unit = curve[f"{GAP}_at_cutoff"].values[:, 0] if name in CONSTRICTIONS else 1.0
-            below, above = (arm * np.hypot(change, unit) for arm in octave_arms(name))
-            octave[name] = np.zeros_like(change), half_widths(below, above)
+            arms = (arm * np.hypot(change, unit) for arm in octave_arms(name))
+            octave[name] = np.zeros_like(change), half_widths(*arms)
         else:  # as many octaves of the last one's growth
             shift = change * min(growth / last, 4.0) if last > 0 else 0 * change
             if name == AREA:
                 shift = np.minimum(shift, -growth)
             scatter = limit / growth - 1 if growth > 0 else 0.0
-            width = np.abs(math.hypot(MARGIN, scatter) * shift)
-            octave[name] = shift, half_widths(width, width)
+            octave[name] = shift, symmetric(np.abs(math.hypot(MARGIN, scatter) * shift))
     return octave
 
 
@@ -127,18 +128,19 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> tuple
     # a quarter of the highest wavenumber, where pixels do not yet attenuate, or the fourth wave of the finer
     # line if that is shorter
     limit = max([min(q[-1] for q, _ in coarse) / 4, *(4 * q[1] for q, _ in fine)])
-    total, longer = (
-        sum(float(np.sum(square[q <= bound])) for q, square in coarse) / len(coarse)
-        for bound in (np.inf, limit)
-    )
-    shorter = sum(float(np.sum(square[q > limit])) for q, square in fine) / len(fine)
+    total, longer = _square_slope(coarse), _square_slope(coarse, up_to=limit)
+    shorter = _square_slope(fine, above=limit)
     if not total > 0:
         return 0.0, 0.0
     scatter = _relative_scatter(finer, limit) if min(finer.shape) == 1 else 0.0
-    growth, upper = (
-        max(0.5 * math.log((longer + square) / total), 0.0) for square in (shorter, (1 + scatter) * shorter)
-    )
-    return growth, upper
+    ratios = (longer + shorter) / total, (longer + (1 + scatter) * shorter) / total
+    return max(0.5 * math.log(ratios[0]), 0.0), max(0.5 * math.log(ratios[1]), 0.0)
+
+
+def _square_slope(spectra: Spectra, *, above: float = -math.inf, up_to: float = math.inf) -> float:
+    """Return the mean square slope along lines by waves of wavenumbers in between (rad/m)."""
+    within = [float(np.sum(square[(q > above) & (q <= up_to)])) for q, square in spectra]
+    return sum(within) / len(spectra)
 
 
 def _relative_scatter(profile: xr.DataArray, limit: float) -> float:
@@ -154,7 +156,7 @@ def _relative_scatter(profile: xr.DataArray, limit: float) -> float:
     return float(student(np.array(_PROFILE_PIECES - 1.0))) * error
 
 
-def _line_spectra(height: xr.DataArray, *, periodic: bool) -> list[tuple[np.ndarray, np.ndarray]]:
+def _line_spectra(height: xr.DataArray, *, periodic: bool) -> Spectra:
     """Return for each axis with lines the wavenumbers and their contributions to the mean square slope."""
     spectra = []
     for axis, step in enumerate(spacing(height)):
