@@ -1,10 +1,8 @@
 """Files that have gained or lost bytes: refused where heights may have moved, else named."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from fuzz_readers import GIVEN, SEEDS
 from measured_files import array, holds, labelled, matlab, refuses, warnings_of
 from shared_data import DATA
 
@@ -12,9 +10,6 @@ from roughcontact.errors import InputFileError
 from roughcontact.io import classic
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
-
-sys.path.append(str(Path(__file__).parents[1] / "faults"))
-from fuzz_readers import GIVEN, SEEDS
 
 MORE = DATA.parent / "more_data"
 CHECKED = ("npy", "netcdf 3", "netcdf 4", "netcdf 5", "jpk_hdf5", "tmd", "sdf")

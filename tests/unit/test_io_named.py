@@ -3,12 +3,11 @@
 import gzip
 import io
 import json
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
+from hostile import FILES
 from measured_files import (
     GIVEN,
     archive,
@@ -28,9 +27,6 @@ from shared_data import DATA
 from roughcontact.command_line.program import main
 from roughcontact.errors import SettingsError
 from roughcontact.io.read import read_height_map
-
-sys.path.append(str(Path(__file__).parents[1] / "faults"))
-from hostile import FILES
 
 MORE = DATA.parent / "more_data"
 HEIGHTS = np.random.default_rng(5).normal(size=(6, 9)).astype(np.float32)

@@ -14,6 +14,7 @@ NUMBER = np.arange(12)
 X = 0.5 * NUMBER
 Z = np.array([1.5, -2.25, 3.0, 0.5, 4.0, 5.5, -6.75, 7.0, 0.25, 9.0, 10.5, -1.0])
 GRID = np.multiply.outer(range(3), range(4))
+UM = {"unit": "um"}
 MORE = DATA.parent / "more_data"
 
 
@@ -160,28 +161,31 @@ def test_one_height_in_each_line_is_a_profile(tmp_path):
     assert read_height_map(path, dx=0.5, dy=1, unit="mm").shape == (12, 1)
 
 
-MATRIX_BELOW_ITS_COUNTS = "4 3\n" + "1 2 3 5\n" * 3
-LIST = "nx: 4\nny: 3\n" + cells(points(GRID), " ")
+# a text that states how many points it has, and what is given; the same with another number or fewer rows
+PROFILE, MATRIX, LIST = trace(" "), "1 2 3 5\n" * 3, cells(points(GRID), " ")
+STATED = {
+    "a number above a profile": (
+        f"mm µm\n12\n{PROFILE}",
+        {},
+        f"mm µm\n13\n{PROFILE}",
+        "the file says 13 points, the table has 12 rows; it was cut off",
+    ),
+    "samples of a profile": (f"samples: 12\n{PROFILE}", UM, f"samples: 13\n{PROFILE}", "13 columns.* 12"),
+    "numbers above a matrix": (f"4 3\n{MATRIX}", GIVEN, f"4 3\n{MATRIX[8:]}", "4 and 3.* 2 rows of 4"),
+    "sizes of a list": (
+        f"nx: 4\nny: 3\n{LIST}",
+        UM,
+        f"nx: 4\nny: 3\n{LIST[:-24]}",
+        "the header says 3 rows, the points make 2; it was cut off",
+    ),
+}
 
 
-@pytest.mark.parametrize(
-    ("text", "shape", "changed", "words", "given"),
-    [
-        (
-            "mm µm\n12\n" + trace(" "),
-            (1, 12),
-            ("12", "13"),
-            "says 13 points, the table has 12 rows; it was",
-            {},
-        ),
-        ("samples: 12\n" + trace(), (1, 12), ("12", "13"), "13 columns.* 12", {"unit": "um"}),
-        (MATRIX_BELOW_ITS_COUNTS, (3, 4), ("3 5\n1 2 3 5\n1", "3 5\n1"), "4 and 3.* 2 rows of 4", GIVEN),
-        (LIST, (3, 4), (LIST[-24:], ""), "says 3 rows, the points make 2; it was cut off", {"unit": "um"}),
-    ],
-)
-def test_a_declared_number_of_points_is_compared(read, refused, text, shape, changed, words, given):
-    assert read(text, **given).shape == shape
-    refused(text.replace(*changed), words, **given)
+@pytest.mark.parametrize("name", STATED)
+def test_a_declared_number_of_points_is_compared(read, refused, name):
+    right, given, wrong, words = STATED[name]
+    assert read(right, **given).shape == ((1, 12) if PROFILE in right else (3, 4))
+    refused(wrong, words, **given)
 
 
 def matrix(rows, columns, width, height):

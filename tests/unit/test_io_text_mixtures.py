@@ -101,24 +101,42 @@ def test_columns_without_positions_are_profiles(read, refused):
     holds_nm(read(text, channel="Profil 2", dx=0.5, unit="um"), TWO[:1])
 
 
-@pytest.mark.parametrize(
-    ("text", "words", "given"),
-    [
-        (
-            "nx: 10\nny: 8\ndx: 0.5 µm\n" + columns(ONE.ravel()),
-            "a column of 80 numbers, .* a size along y",
-            {},
-        ),
-        ("a;b;c;d (V)\n" + columns(X, *ONE[:3]), r"the 4 columns 'a', 'b', 'c', 'd \(V\)'.*name them x", {}),
-        ("mm;unworn;worn\n" + columns(X, *ONE[:2]), "the 3 columns 'unworn', 'worn'", {"resample": "linear"}),
-        (columns(X, *ONE[:3]), r"first of 4 columns holds positions: of 3 profiles.*or .* a map", NM),
-        ("dx: 0.5 µm\n" + columns(X, *ONE[:3]), "holds positions: of 3 profiles", NM),
-        ("n/d\t" * 9 + "n/d\n" + ROWS, "line 1 has as many cells.*'n/d'", {}),
-        ("Foo\t" * 9 + "Foo\n" + ROWS, "line 1 has as many cells.*'Foo'", {}),
-    ],
-)
-def test_columns_that_may_be_anything_are_asked_about(refused, text, words, given):
-    refused(text, words, **given or GIVEN)
+# a text that may be a map, points or profiles: its rows, words of the refusal, what is given
+DOUBTFUL = {
+    "all points of a map in a column": (
+        "nx: 10\nny: 8\ndx: 0.5 µm\n" + columns(ONE.ravel()),
+        "a column of 80 numbers, where the header states a size along y",
+        GIVEN,
+    ),
+    "unknown names": (
+        "a;b;c;d (V)\n" + columns(X, *ONE[:3]),
+        r"which of the 4 columns 'a', 'b', 'c', 'd \(V\)'.*name them x",
+        GIVEN,
+    ),
+    "names of what was done": (
+        "mm;unworn;worn\n" + columns(X, *ONE[:2]),
+        "which of the 3 columns 'unworn', 'worn'",
+        {"resample": "linear", "height_unit": "nm"},
+    ),
+    "positions beside few columns": (
+        columns(X, *ONE[:3]),
+        r"first of 4 columns holds positions: of 3 profiles.*or .* a map",
+        NM,
+    ),
+    "positions beside few columns, and their step": (
+        "dx: 0.5 µm\n" + columns(X, *ONE[:3]),
+        "holds positions: of 3 profiles",
+        NM,
+    ),
+    "an unknown mark": ("n/d\t" * 9 + "n/d\n" + ROWS, "line 1 has as many cells.*'n/d'", GIVEN),
+    "an unknown word": ("Foo\t" * 9 + "Foo\n" + ROWS, "line 1 has as many cells.*'Foo'", GIVEN),
+}
+
+
+@pytest.mark.parametrize("name", DOUBTFUL)
+def test_columns_that_may_be_anything_are_asked_about(refused, name):
+    text, words, given = DOUBTFUL[name]
+    refused(text, words, **given)
 
 
 @pytest.mark.parametrize(
