@@ -11,10 +11,8 @@ _FEW_POSITIONS = 6  # positions in a row or column alone; fewer are even by chan
 _LEAST_FROM_ZERO = 4
 _MANY_POSITIONS = 12  # positions
 _LEAST_AMONG_HEIGHTS = 8  # positions; fewer levels of a quantised map may be even
-_CLOSE, _ROUNDED = (
-    0.02,
-    0.06,
-)  # of a step: largest deviation of few positions, and of many, which may be rounded
+# of a step: largest deviation of few positions, and of many, which may be rounded
+_CLOSE, _ROUNDED = 0.02, 0.06
 _EXACT = 1e-3  # of a step: largest deviation of a row among heights
 _STEP_RATIO = 2.0  # ratio of the steps of lines of heights, which are even on a tilted plane
 _COMPARED = 50  # rows or columns that would be even as well if the first one were heights
@@ -23,7 +21,7 @@ _COMPARED = 50  # rows or columns that would be even as well if the first one we
 class Axes(NamedTuple):
     """Heights by rising positions, the steps `dx`, `dy` of these, and what was taken for positions.
 
-    `turned`: the rows begin at the smallest y; `rows`, `columns`: how many hold positions.
+    `turned`: the rows begin at the smallest y; `rows`: how many hold positions.
     """
 
     values: np.ndarray
@@ -31,7 +29,6 @@ class Axes(NamedTuple):
     note: str
     turned: bool
     rows: int
-    columns: int
 
 
 def axes_of(values: np.ndarray, *, corner: bool = False) -> Axes | None:
@@ -51,25 +48,20 @@ def axes_of(values: np.ndarray, *, corner: bool = False) -> Axes | None:
     """
     if min(values.shape) < 3:
         return None
-    inner = values[1:, 1:]
-    x, y = _progression(values[0, 1:], inner), _progression(values[1:, 0], inner.T)
-    if x is not None and y is not None and (corner or min(values.shape) > _LEAST_FROM_ZERO):
-        rows = columns = 1
-    elif corner:
+    x, y = _progression(values[0, 1:], values[1:, 1:]), _progression(values[1:, 0], values[1:, 1:].T)
+    both = x is not None and y is not None
+    if corner and not both:
         return None
-    else:
-        x, y = _progression(values[0], values[1:]), _progression(values[:, 0], values[:, 1:].T)
-        long_enough = [
-            n >= _FEW_POSITIONS or (n >= _LEAST_FROM_ZERO and values[0, 0] == 0) for n in values.shape
-        ]
-        rows = int(x is not None and long_enough[1])
-        columns = int(not rows and y is not None and long_enough[0])
-        if not rows and not columns:
-            return None
-    steps, notes, heights = {}, [], values[rows:, columns:]
-    turned = False
-    for line, step, axis, used in ((values[0, columns:], x, "x", rows), (values[rows:, 0], y, "y", columns)):
-        if not used or step is None:
+    if not corner and not (both and min(values.shape) > _LEAST_FROM_ZERO):  # one of them, from the corner on
+        least = _LEAST_FROM_ZERO if values[0, 0] == 0 else _FEW_POSITIONS
+        x = _progression(values[0], values[1:]) if values.shape[1] >= least else None
+        y = _progression(values[:, 0], values[:, 1:].T) if x is None and len(values) >= least else None
+    rows, columns = int(x is not None), int(y is not None)
+    if not rows and not columns:
+        return None
+    steps, notes, heights, turned = {}, [], values[rows:, columns:], False
+    for line, step, axis in ((values[0, columns:], x, "x"), (values[rows:, 0], y, "y")):
+        if step is None:
             continue
         counts = step == 1 and line[0] in (0, 1)
         example = ", ".join(f"{number:g}" for number in line[:3])
@@ -83,7 +75,7 @@ def axes_of(values: np.ndarray, *, corner: bool = False) -> Axes | None:
             heights = heights[:, :: -1 if step < 0 else 1]
         elif not counts:
             turned, heights = True, heights[:: -1 if step < 0 else 1]
-    return Axes(heights, steps, "; ".join(notes), turned, rows, columns)
+    return Axes(heights, steps, "; ".join(notes), turned, rows)
 
 
 def uneven(values: np.ndarray) -> str:
@@ -173,8 +165,5 @@ def _step(line: np.ndarray) -> float | None:
         return None
     step = (line[positions[-1]] - line[positions[0]]) / (positions[-1] - positions[0])
     deviation = np.max(np.abs(line[positions] - line[positions[0]] - step * (positions - positions[0])))
-    return (
-        float(step)
-        if deviation <= (_CLOSE if positions.size < _MANY_POSITIONS else _ROUNDED) * abs(step)
-        else None
-    )
+    limit = _CLOSE if positions.size < _MANY_POSITIONS else _ROUNDED
+    return float(step) if deviation <= limit * abs(step) else None

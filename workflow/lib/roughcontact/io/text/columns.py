@@ -11,9 +11,10 @@ from roughcontact.io.vocabulary import meanings, words
 _MAX_LINE_LENGTH = 4096  # characters of a line of headings
 _MAX_DISTANCE = 20  # lines above the table that may contain headings
 _ENTRY = re.compile(r"[^\W\d]\s*[:=]\s*[-+.]?\d")  # a number behind a word: no heading
-_LABEL = re.compile(
-    r"(?:columns?|fields|spalten|colonnes)\b\s*[:=]?\s+(?!\d)", re.IGNORECASE
-)  # before the names
+# before the names
+_LABEL = re.compile(r"(?:columns?|fields|spalten|colonnes)\b\s*[:=]?\s+(?!\d)", re.IGNORECASE)
+# above a matrix, as ``Height (nm)``
+_HEADING = re.compile(rf"[^:=\d]{{1,{_MAX_LINE_LENGTH - 1}}}[)\]]")
 _WIDE_TABLE = 8  # columns; so many with one heading are the columns of a map
 
 # heading -> role of its column
@@ -52,37 +53,30 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
     nearest = None
     for line in reversed(lines[-_MAX_DISTANCE:]):
         cells = _cells(line, count, delimiter)
-        if (
-            cells is None
-            or sum(map(bool, cells)) < min(count, 2)
-            or _ENTRY.search(line)
-            or statements([line])
-        ):
-            continue
         columns = [_column(cell) for cell in cells]
+        if not cells or sum(map(bool, cells)) < min(count, 2):
+            continue
         if not any(column.name for column in columns):  # a line of units, below the names
-            if any(column.unit for column in columns) and not any(units):
+            if not any(units):
                 units = [column.unit for column in columns]
         elif any(column.unit or column.role for column in columns):
-            return _indexed(
-                [
-                    column._replace(unit=column.unit or unit)
-                    for column, unit in zip(columns, units, strict=True)
-                ]
-            )
+            pairs = zip(columns, units, strict=True)
+            columns = [column._replace(unit=column.unit or unit) for column, unit in pairs]
+            first, *others = columns
+            if not first.name and not first.unit and all(column.name for column in others):
+                columns[0] = first._replace(role="index")
+            return columns
         elif delimiter is not None and delimiter in line and nearest is None:
             nearest = columns
-    if any(units):
-        return [Column("", unit, "") for unit in units]
-    return nearest
+    return [Column("", unit, "") for unit in units] if any(units) else nearest
 
 
 def miscounted(line: str, count: int, delimiter: str | None) -> int:
     """Return how many columns a line names, where the table below it has another `count`; or 0."""
     delimited = delimiter is not None and delimiter in line
     most = len(line.strip(" \r\n").split(delimiter if delimited else None))
-    for width in range(2, 1 if _ENTRY.search(line) or statements([line]) else most + 1):
-        columns = [_column(cell) for cell in _cells(line, width, delimiter) or ()]
+    for width in range(2, most + 1):
+        columns = [_column(cell) for cell in _cells(line, width, delimiter)]
         known = [column for column in columns if column.role or column.unit]
         positions = any(column.role in ("x", "y") for column in known)
         if 2 * len(known) > width and len(known) > 1 and (positions or delimited):
@@ -135,14 +129,9 @@ def unit_of_heights(lines: Sequence[str]) -> str | None:
     """
     for line in reversed(lines[-_MAX_DISTANCE:]):
         text = line.strip(' \r\n\t"#%')
-        if (
-            len(text) <= _MAX_LINE_LENGTH
-            and text.endswith((")", "]"))
-            and not set(text) & set(":=0123456789")
-        ):
-            column = _column(text)
-            if column.role == "z" and is_length(column.unit):
-                return column.unit
+        column = _column(text) if _HEADING.fullmatch(text) else Column("", None, "")
+        if column.role == "z" and is_length(column.unit):
+            return column.unit
     return None
 
 
@@ -152,30 +141,21 @@ def is_heading(cell: str) -> bool:
     return bool(column.role or column.unit)
 
 
-def _indexed(columns: list[Column]) -> list[Column]:
-    """Return the columns; a first column without a heading among others with headings is a row index."""
-    first = columns[0]
-    if first.name or first.unit or not all(column.name for column in columns[1:]):
-        return columns
-    return [first._replace(role="index"), *columns[1:]]
-
-
-def _cells(line: str, count: int, delimiter: str | None) -> list[str] | None:
-    """Return the cells of a line, or None if their number is not that of the columns."""
+def _cells(line: str, count: int, delimiter: str | None) -> list[str]:
+    """Return the cells of a line of headings; none if it is an entry, or if they are not `count`."""
     text = line.strip(" \r\n").lstrip("#%").strip(" " if delimiter == "\t" else None)
     text = _LABEL.sub("", text)
     if len(text) > _MAX_LINE_LENGTH or not text:
-        return None
+        return []
     delimited = delimiter is not None and delimiter in text
     cells = text.split(delimiter) if delimited else re.split(r"\t|\s\s+", text)
     while len(cells) > count and not cells[-1].strip():
         cells.pop()
     if len(cells) != count and not delimited:
         cells = re.sub(r"\s+(?=[(\[])|\s+in\s+", "\0", text).split()
-        cells = [cell.replace("\0", " ") for cell in cells]
-    if len(cells) != count:
-        return None
-    return [cell.strip().strip('"').strip() for cell in cells]
+    if len(cells) != count or _ENTRY.search(line) or statements([line]):
+        return []
+    return [cell.replace("\0", " ").strip().strip('"').strip() for cell in cells]
 
 
 def _column(cell: str) -> Column:
@@ -189,9 +169,8 @@ def _role(name: str) -> str:
     name_parts = re.split(r"[\s_]+", name.lower())
     numbered = re.sub(r"[\W_]", "", "".join(name_parts))
     spellings = (numbered, *("".join(filter(str.isalpha, text)) for text in (numbered, name_parts[0])))
-    return (
-        "index" if name == "#" else next((_ROLE[spelling] for spelling in spellings if spelling in _ROLE), "")
-    )
+    known = (_ROLE[spelling] for spelling in spellings if spelling in _ROLE)
+    return "index" if name == "#" else next(known, "")
 
 
 def _name_and_unit(cell: str) -> tuple[str, str | None]:
@@ -206,12 +185,12 @@ def _name_and_unit(cell: str) -> tuple[str, str | None]:
         name, _, unit = cell.rpartition("/")
         if is_length(unit.strip()) or (" " not in unit.strip() and _role(name) in ("x", "y", "z")):
             return name.strip(), unit.strip()
-    cell_words = re.split(r"[\s_,:]+", cell.strip())
-    if len(cell_words) > 1 and is_length(cell_words[-1]):
-        name_words = (
-            cell_words[:-2] if cell_words[-2].lower() == "in" and len(cell_words) > 2 else cell_words[:-1]
-        )
-        return " ".join(name_words), cell_words[-1]
-    if len(cell_words) > 1 and is_length(cell_words[0]) and cell_words[0] != "in":  # "µm x"
-        return " ".join(cell_words[1:]), cell_words[0]
+    first, *others = re.split(r"[\s_,:]+", cell.strip())
+    if others and is_length(others[-1]):
+        name_words = [first, *others[:-1]]
+        if others[-2:-1] and others[-2].lower() == "in":
+            name_words.pop()
+        return " ".join(name_words), others[-1]
+    if others and is_length(first) and first != "in":  # "µm x"
+        return " ".join(others), first
     return cell, None

@@ -29,9 +29,8 @@ _NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _BETWEEN_SIDES = re.compile(r"(?<=[\w)\]])(?: (?:x|by|/) |x(?=\d)|(?:;\s*|,\s+)(?=\d))|(?<=[^\W\d])\s+(?=\d)")
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
 _PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|px|point|pt|sample)s?$", re.IGNORECASE)
-_CAMERA = re.compile(
-    r"pixel.*\b(?:camera|sensor|detector|ccd)\b|\b(?:camera|sensor|detector|ccd)\b.*pixel", re.IGNORECASE
-)  # its pixels are not the map's
+# its pixels are not the map's
+_CAMERA = re.compile(r"(?=.*pixel).*\b(?:camera|sensor|detector|ccd)\b", re.IGNORECASE)
 _HEIGHT_WORD = re.compile(rf"\W*(?:{'|'.join(words('header')['height'])})\b", re.IGNORECASE)
 _LONGEST = 60  # characters of a line that a message shows
 _SLACK, _WIDEST_SLACK = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with rounding
@@ -119,9 +118,8 @@ def contradiction(stated: Stated, shape: tuple[int, int]) -> str:
     >>> contradiction(statements(["Pixel size: 0.5 µm", "Width: 6.5 µm"]), (9, 13))
     ''
     """
-    first = {meaning: repeated[0] for meaning, repeated in stated.items()}
     lengths = {meaning: repeated for meaning, repeated in stated.items() if meaning in _LENGTHS}
-    return next(chain(_repeated(lengths), _units_apart(first), _lengths_apart(stated, first, shape)), "")
+    return next(chain(_repeated(lengths), _units_apart(stated), _lengths_apart(stated, shape)), "")
 
 
 def _repeated(stated: Stated) -> Iterator[str]:
@@ -132,25 +130,22 @@ def _repeated(stated: Stated) -> Iterator[str]:
                 yield f"{statement}: its mark may be the decimal sign or separate thousands"
             elif meaning in _LENGTHS and statement.unit and not is_length(statement.unit):
                 yield f"{statement}: {statement.unit!r} is no unit of length"
-        if meaning not in _REPEATED:
-            yield from (
-                f"{first}, {statement}: they do not agree"
-                for statement in repeats
-                if not _equal(first, statement, stated)
-            )
+        for statement in repeats if meaning not in _REPEATED else ():
+            if not _equal(first, statement, stated):
+                yield f"{first}, {statement}: they do not agree"
 
 
-def _units_apart(first: dict[str, Statement]) -> Iterator[str]:
+def _units_apart(stated: Stated) -> Iterator[str]:
     """Yield sentences on lengths in another unit than the one that is stated for all of them."""
-    if (stated := first.get("lateral_unit")) is None:
-        return
-    for length in (first[meaning] for meaning in _LENGTHS if meaning in first):
-        if is_length(length.unit) and not same_length(length.unit, stated.value):
-            yield f"{length}, {stated}: their units do not agree"
+    for general in stated.get("lateral_unit", [])[:1]:
+        for length in (stated[meaning][0] for meaning in _LENGTHS if meaning in stated):
+            if is_length(length.unit) and not same_length(length.unit, general.value):
+                yield f"{length}, {general}: their units do not agree"
 
 
-def _lengths_apart(stated: Stated, first: dict[str, Statement], shape: tuple[int, int]) -> Iterator[str]:
+def _lengths_apart(stated: Stated, shape: tuple[int, int]) -> Iterator[str]:
     """Yield sentences on sizes and steps that differ, may be numbers of points, or have units far apart."""
+    first = {meaning: repeated[0] for meaning, repeated in stated.items()}
     used = []
     for axis, count, name in (("x", shape[1], "columns"), ("y", shape[0], "rows")):
         lengths = lengths_along(stated, axis, count) if count > 1 else []
@@ -166,16 +161,18 @@ def _lengths_apart(stated: Stated, first: dict[str, Statement], shape: tuple[int
         third = first.get("length") or (not {"length_x", "dy", "step"} & {*first} and first.get("dx"))
         if third and is_length(third.unit):
             yield f"{third}, {height}: a side of the map, or the range of its heights"
+    if len(used) < 2:
+        return
+    (width, nx), (height, ny) = used
     side = first.get("size")  # of one side, or of both
-    if side and len(used) == 2:
-        sides = zip(used, shape[::-1], strict=True)
-        if not any(_equal(side, length, stated, (count, points)) for (length, points), count in sides):
-            yield f"{side}, {used[0][0]}: they do not agree for {shape[1]} columns and {shape[0]} rows"
-    if len(used) == 2 and all(is_length(length.unit) and length.value > 0 for length, _ in used):
-        x, y = (length.value / points for length, points in used)
-        units = metres(used[0][0].unit) / metres(used[1][0].unit)
-        if abs(math.log(units * x / y)) > max(math.log(_ODD_PIXEL), abs(math.log(x / y))):
-            yield f"{used[0][0]}, {used[1][0]}: their units make pixels of {units * x / y:.3g} : 1"
+    sides = (width, (shape[1], nx)), (height, (shape[0], ny))
+    if side and not any(_equal(side, length, stated, points) for length, points in sides):
+        yield f"{side}, {width}: they do not agree for {shape[1]} columns and {shape[0]} rows"
+    if all(is_length(length.unit) and length.value > 0 for length in (width, height)):
+        ratio = width.value / nx / (height.value / ny)
+        pixel = ratio * metres(width.unit) / metres(height.unit)
+        if abs(math.log(pixel)) > max(math.log(_ODD_PIXEL), abs(math.log(ratio))):
+            yield f"{width}, {height}: their units make pixels of {pixel:.3g} : 1"
 
 
 def _equal(first: Statement, second: Statement, stated: Stated, points: tuple[int, int] = (1, 1)) -> bool:
@@ -184,32 +181,27 @@ def _equal(first: Statement, second: Statement, stated: Stated, points: tuple[in
         return same_length(first.value, second.value)
     general = next((stated[key][0].value for key in ("lateral_unit", "unit") if key in stated), "")
     units = [statement.unit or general for statement in (first, second)]
-    factors = [metres(unit) for unit in units] if all(map(is_length, units)) else [1.0, 1.0]
-    slack = _SLACK + sum(
-        min(statement.rounding / abs(statement.value or 1), _WIDEST_SLACK) for statement in (first, second)
-    )
-    a, b = (
-        statement.value * factor / n
-        for statement, factor, n in zip((first, second), factors, points, strict=True)
-    )
-    return any(
-        abs(a * ratio - b) <= slack * max(abs(a), abs(b))
-        for ratio in (1, 1 - (points[0] != points[1]) / points[1])
-    )
+    in_metres = all(map(is_length, units))
+    steps, slack = [], _SLACK
+    for statement, unit, number in zip((first, second), units, points, strict=True):
+        steps.append(statement.value * (metres(unit) if in_metres else 1.0) / number)
+        slack += min(statement.rounding / abs(statement.value or 1), _WIDEST_SLACK)
+    slack *= max(map(abs, steps))
+    between_ends = 1 - (points[0] != points[1]) / points[1]  # a length from the first point to the last
+    return any(abs(steps[0] * ratio - steps[1]) <= slack for ratio in (1, between_ends))
 
 
 def _entries(text: str) -> Iterator[tuple[str, str]]:
     """Yield the keys and values of a line: one, as ``Width: 5 mm``, or several, as ``h=305 w=75``."""
     first, *value_texts = re.split(r"\s*[:=]\s*", text)
     keys, values = [first], []
-    for value_text in (
-        value_texts[:-1] if all(map(_NUMBER.match, value_texts)) else ()
-    ):  # a value, its unit, the next key
+    numbers = all(map(_NUMBER.match, value_texts))
+    for value_text in value_texts[:-1] if numbers else ():  # a value, its unit, the next key
         tokens = re.split(r"[\s;]+|,\s+", value_text)
-        key_length = (
-            start for start in range(1, len(tokens)) if _meaning(" ".join(tokens[start:]).partition("(")[0])
-        )
-        start = next(key_length, len(tokens) - 1)
+        start = 1
+        while start < len(tokens) - 1 and not _meaning(" ".join(tokens[start:]).partition("(")[0]):
+            start += 1
+        start = min(start, len(tokens) - 1)
         values.append(" ".join(tokens[:start]))
         keys.append(" ".join(tokens[start:]))
     if values and all(key[:1].isalpha() for key in keys) and ("=" in text or _meaning(first)):
@@ -242,45 +234,36 @@ def _statements_of(key: str, value: str, sign: str) -> Iterator[tuple[str, State
         return
     sides = _BETWEEN_SIDES.split(value.replace("×", "x").replace("*", "x"))
     if len(sides) > 1 and meaning in _TWO_VALUES:
-        second_unit = _NUMBER.sub("", sides[1], count=1).strip() or unit
-        unit_known = is_length(second_unit) or (second_unit.lower() in _PIXEL_WORDS and meaning == "size")
+        units = [_NUMBER.sub("", side, count=1).strip() for side in sides]
+        both = units[1] or unit
+        unit_known = is_length(both) or (both.lower() in _PIXEL_WORDS and meaning == "size")
         understood = unit_known and len(sides) == 2
-        for axis, value_text in zip(_TWO_VALUES[meaning], sides, strict=True) if understood else ():
-            length = (
-                value_text if _NUMBER.sub("", value_text, count=1).strip() else f"{value_text} {second_unit}"
-            )
-            yield from _statements_of(words("header")[axis][0], length, sign)
+        for axis, side, own in zip(_TWO_VALUES[meaning], sides, units, strict=True) if understood else ():
+            yield from _statements_of(words("header")[axis][0], side if own else f"{side} {both}", sign)
     elif match := _NUMBER.match(value):
-        yield from _numbers_of(name, meaning, match, unit, sign)
+        unit = unit or _UNIT_IN_NAME.get(name.strip().lower(), "")
+        yield from _numbers_of(meaning, match, unit, sign)
 
 
-def _numbers_of(
-    name: str, meaning: str, match: re.Match[str], unit: str, sign: str
-) -> Iterator[tuple[str, Statement]]:
+def _numbers_of(meaning: str, match: re.Match[str], unit: str, sign: str) -> Iterator[tuple[str, Statement]]:
     """Yield the meaning and statement of a number at the beginning of a value; two where its units differ."""
     number, rounding = _number(match[0].rstrip(".,"), sign)
     if meaning in _COUNTS and math.isnan(number):
         number = float(re.sub(r"\D", "", match[0]))
     after = match.string[match.end() :].strip().strip("()[]")
-    value_unit = (
-        _PER_PIXEL.sub("", after) if _PER_PIXEL.search(after) else after.partition(" ")[0].strip("()[],;")
-    )
-    if meaning in _LENGTHS and _RANGE.match(after):
-        return
-    if meaning == "per_pixel":
-        if not _PER_PIXEL.search(after or unit):
-            return
+    value_unit = _PER_PIXEL.sub("", after).partition(" ")[0].strip("()[],;")
+    if meaning == "per_pixel" and _PER_PIXEL.search(after or unit):
         meaning = "step"
-    value_unit, unit = value_unit or _PER_PIXEL.sub("", unit), _PER_PIXEL.sub("", unit)
-    value_unit = value_unit or _UNIT_IN_NAME.get(name.strip().lower(), "")
-    if meaning == "size" and not is_length(value_unit):
-        return
+    unit = _PER_PIXEL.sub("", unit)
+    value_unit = value_unit or unit
     if meaning in _PIXELS and value_unit.lower() in _PIXEL_WORDS:
         meaning, value_unit = _PIXELS[meaning], ""
+    bare_size = meaning == "size" and not is_length(value_unit)
+    if bare_size or meaning == "per_pixel" or (meaning in _LENGTHS and _RANGE.match(after)):
+        return
     yield meaning, Statement(number, value_unit, rounding, 0, "")
-    if (
-        is_length(value_unit) and is_length(unit) and not same_length(value_unit, unit)
-    ):  # both are named as they differ
+    # both are named as they differ
+    if is_length(value_unit) and is_length(unit) and not same_length(value_unit, unit):
         yield meaning, Statement(number, unit, rounding, 0, "")
 
 
