@@ -59,7 +59,7 @@ CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome") or shutil.w
 
 
 def run_surface(folder, name, height, *, case=None, loads=None, keep_fields=True):
-    """Take one map through all stages and draw its panel; return its path and the entry to collect."""
+    """Take one map through all stages and draw its panel; return its entry."""
     folder = folder / (case or "all") / name
     solved = {"height": height, "levelled": level(height)}
     solved["window"] = periodic_window(solved["levelled"])
@@ -76,20 +76,19 @@ def run_surface(folder, name, height, *, case=None, loads=None, keep_fields=True
     files = {stage: folder / f"{stage}.nc" for stage in STAGES}
     panel = folder / "panel.html"
     write_panel(panel, surface=name, case=case, settings=SETTINGS, **files)
-    return panel, {"surface": name, "case": case, "statistics": files["statistics"]}
+    return {"surface": name, "case": case, "statistics": files["statistics"], "panel": panel}
 
 
 def assemble(folder, runs, title="Trial", **more):
     """Collect the statistics and write the page; return its path."""
-    panels, entries = zip(*runs, strict=True)
-    statistics = collect_statistics(list(entries))
+    statistics = collect_statistics(runs)
     table = table_text(summary_table(statistics))
     write_dataset(statistics, folder / "statistics.nc")
     (folder / "summary.csv").write_text(table, encoding="utf-8")
     page = folder / "report.html"
     write_report(
         page,
-        panels=list(panels),
+        finished=runs,
         statistics=statistics,
         summary=table,
         title=title,
@@ -191,10 +190,11 @@ def test_page_is_the_same_a_second_time(page, tmp_path):
     files = {stage: folder / f"{stage}.nc" for stage in STAGES}
     write_panel(again, surface="holes", case=None, settings=SETTINGS, **files)
     assert again.read_bytes() == (folder / "panel.html").read_bytes()
-    panels = [page.parent / "all" / name / "panel.html" for name in SURFACES]
+    folders = [page.parent / "all" / name for name in SURFACES]
+    finished = [{"surface": path.name, "case": None, "panel": path / "panel.html"} for path in folders]
     write_report(
         tmp_path / "report.html",
-        panels=panels,
+        finished=finished,
         statistics=read_dataset(page.parent / "statistics.nc"),
         summary=(page.parent / "summary.csv").read_text("utf-8"),
         title="Four <surfaces>",
@@ -272,9 +272,10 @@ def test_a_reason_ends_with_one_mark(page, tmp_path, reason):
     known = read_summary(page.parent / "all" / "holes" / "panel.html")
     write_summary({**known, "reasons": [reason], "main_reason": reason}, panel)
     written = tmp_path / "report.html"
-    entry = {"surface": "holes", "case": None, "statistics": page.parent / "all" / "holes" / "statistics.nc"}
+    numbers = page.parent / "all" / "holes" / "statistics.nc"
+    entry = {"surface": "holes", "case": None, "statistics": numbers, "panel": panel}
     collected = collect_statistics([entry])
-    write_report(written, panels=[panel], statistics=collected, summary="", title="", settings={})
+    write_report(written, finished=[entry], statistics=collected, summary="", title="", settings={})
     mark = "" if reason[-1] in "?…" else "."
     assert f'<span class="why">{reason}{mark}</span>' in written.read_text(encoding="utf-8")
 
@@ -331,7 +332,7 @@ def test_a_panel_without_its_summary_is_refused(page, tmp_path, beside):
     with pytest.raises(InputFileError, match=r"wrong\.json: no summary .* run again"):
         write_report(
             tmp_path / "r.html",
-            panels=[wrong],
+            finished=[{"surface": "holes", "case": None, "panel": wrong}],
             statistics=read_dataset(page.parent / "statistics.nc"),
             summary="",
             title="x",
@@ -1492,7 +1493,7 @@ def test_the_slider_goes_through_all_loads_that_were_solved(tmp_path, keep_field
     runs = [run_surface(tmp_path, "one", rough(), loads=loads, keep_fields=keep_fields)]
     text = assemble(tmp_path, runs).read_text(encoding="utf-8")
     said = said_by(text.replace("<head>", "<head>" + SLIDER_PROBE), tmp_path)
-    numbers = read_dataset(runs[0][1]["statistics"])
+    numbers = read_dataset(runs[0]["statistics"])
     drawn = shown_loads(numbers["relative_contact_area"].values) if keep_fields else []
     assert 1 < len(drawn) < len(loads) or not keep_fields
     assert said["last"] == len(loads) - 1

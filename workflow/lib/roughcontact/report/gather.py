@@ -4,15 +4,14 @@ import json
 import shutil
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NotRequired
+from typing import Any
 
 import pandas as pd
 import xarray as xr
 
 from roughcontact.errors import RoughContactError
-from roughcontact.report.page import write_report
+from roughcontact.report.page import Finished, write_report
 from roughcontact.results.collect import (
-    Entry,
     Failure,
     collect_statistics,
     pairs_table,
@@ -25,13 +24,6 @@ from roughcontact.uncertainty.combination import is_of_budget, uncertainty_table
 from roughcontact.uncertainty.differences import case_pairs, compare_all, compare_maps
 from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
 from roughcontact.uncertainty.groups import group_statistics, needed_for_groups
-
-
-class Finished(Entry):
-    """The files of one surface (and case): statistics, part of the report, surface after the load or None."""
-
-    panel: str | Path
-    residual: NotRequired[str | Path | None]
 
 
 def write_results(
@@ -95,12 +87,7 @@ def write_results(
         write_table(comparisons_table(compared), folder / "comparisons.csv")
     write_report(
         folder / "report.html",
-        panels=[entry["panel"] for entry in finished],
-        residuals={
-            (entry["surface"], entry["case"]): residual
-            for entry in finished
-            if (residual := entry.get("residual"))
-        },
+        finished=finished,
         statistics=statistics,
         summary=text,
         title=title,

@@ -5,7 +5,7 @@ import json
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NotRequired
 
 import numpy as np
 import xarray as xr
@@ -26,7 +26,7 @@ from roughcontact.report.tables import is_finite_body
 from roughcontact.report.template import template
 from roughcontact.report.units import interval_of, unit_of
 from roughcontact.report.unloading import unloading_of
-from roughcontact.results.collect import Failure, solved_results
+from roughcontact.results.collect import Entry, Failure, solved_results
 from roughcontact.results.storage import write_text
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
@@ -39,11 +39,17 @@ _SORTED_BY = ("mean_pressure", _AREA, "mean_contact_pressure", "mean_gap", "", "
 Key = tuple[str, str | None]  # surface and case
 
 
+class Finished(Entry):
+    """The files of one surface (and case): statistics, part of the report, surface after the load or None."""
+
+    panel: str | Path
+    residual: NotRequired[str | Path | None]
+
+
 def write_report(
     path: str | Path,
     *,
-    panels: Sequence[str | Path],
-    residuals: Mapping[Key, str | Path] | None = None,
+    finished: Sequence[Finished],
     statistics: xr.Dataset,
     summary: str,
     title: str,
@@ -58,11 +64,10 @@ def write_report(
     """Write the page of a run: verdicts, comparison, and the part of every surface (`write_panel`).
 
     Up to `ONE_PAGE` results stand on one self-contained page; of more there is an index, and beside it the
-    folder `pages`. `residuals` are the surfaces after the load by surface and case, `summary` is the text of
-    `summary.csv`, `changed` the settings in words by case, `omissions` why groups have no answer, `folder`
-    where the page will be moved to, for its links.
+    folder `pages`. `summary` is the text of `summary.csv`, `changed` the settings in words by case,
+    `omissions` why groups have no answer, `folder` where the page will be moved to, for its links.
     """
-    indexed = len(panels) + len(failures) > ONE_PAGE
+    indexed = len(finished) + len(failures) > ONE_PAGE
     folder = Path(path).parent if folder is None else Path(folder)
     series = _series(statistics)
     by_surface: dict[str, dict[str, xr.Dataset]] = {}
@@ -71,24 +76,20 @@ def write_report(
     # a placement stands with its pair, which comes last
     grouped = {str(name): group.name for group in groups for name in group.answer["map"].values}
     results = list(series.values())
-    available = {_name(*key): data for key, data in series.items()}
-    styles = _line_styles(series, grouped)
-    units, indices = glance_units(results), loads_to_compare(results)
-    by_name = dict(zip(available, zip(series, units, indices, strict=True), strict=True))
+    styles, indices = _line_styles(series, grouped), loads_to_compare(results)
+    units = dict(zip(series, glance_units(results), strict=True))
+    compared_at = dict(zip(series, indices, strict=True))
     rows: list[dict[str, Any]] = []
-    for path_of_panel in panels:
-        panel = read_summary(path_of_panel)
-        data = available[panel["name"]]
-        (surface, case), of_surface, index = by_name[panel["name"]]
+    for entry in finished:
+        key, panel = (entry["surface"], entry["case"]), read_summary(entry["panel"])
         rows.append(
             {
+                **entry,
                 **panel,
-                "panel": path_of_panel,
-                "glance": glance_rows(data, of_surface, panel["loads"]),
-                "numbers": _compared(data, of_surface, index) if indexed else [],
-                "case": case,
-                "sample": sample_of(*styles[surface, case]),
-                "group": grouped.get(surface, ""),
+                "glance": glance_rows(series[key], units[key], panel["loads"]),
+                "numbers": _compared(series[key], units[key], compared_at[key]) if indexed else [],
+                "sample": sample_of(*styles[key]),
+                "group": grouped.get(entry["surface"], ""),
                 "rank": len(VERDICTS) - list(VERDICTS).index(panel["verdict"]),
             }
         )
@@ -123,8 +124,9 @@ def write_report(
         comparisons=_comparisons(series, styles, bool(grouped), many=indexed),
         cases=_cases(by_surface, many=indexed, equal_loads=equal),
         unloadings=[
-            unloading_of(_name(*key), series[key], residual, folder)
-            for key, residual in (residuals or {}).items()
+            unloading_of(row["name"], series[row["surface"], row["case"]], residual, folder)
+            for row in rows
+            if (residual := row.get("residual"))
         ],
         parts=[] if indexed else [_panel_html(row, folder) for row in rows],
         failures=named,
@@ -132,7 +134,7 @@ def write_report(
         group_headings=GROUP_HEADINGS,
         group_pictures=group_pictures(groups) if groups else [],
         left_out=omissions,
-        compared=comparison_rows(compared or {}, groups, available),
+        compared=comparison_rows(compared or {}, groups, {_name(*key): data for key, data in series.items()}),
         folded=bool(grouped) and by_surface.keys() <= grouped.keys(),
         **head,
         measured=measured_in_words({row["surface"]: row["measured"] for row in rows}),

@@ -12,7 +12,8 @@ from roughcontact.configuration.places import PARTIAL
 from roughcontact.configuration.plan import Plan, split
 from roughcontact.errors import InputFileError
 from roughcontact.io.checksums import checksum
-from roughcontact.report.gather import Finished, remove_earlier, write_results
+from roughcontact.report.gather import remove_earlier, write_results
+from roughcontact.report.page import Finished
 from roughcontact.results.collect import Failure
 from roughcontact.results.storage import read_arrays
 
