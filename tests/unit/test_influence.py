@@ -5,6 +5,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.elasticity import influence
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.fourier import wavevectors
 from roughcontact.maps import height_map, spacing
 from roughcontact.references.synthetic import rough_reference_surface
@@ -81,7 +82,7 @@ def test_the_numbers_of_a_contact_are_of_the_operator_that_solved_it():
         pressed_in = (contact["pressure"] * (height - contact["approach"])).mean(("y", "x"))
         np.testing.assert_allclose(found["elastic_energy"], pressed_in / 2, rtol=1e-7)
         fields = contact["pressure"][1].values, contact["gap"][1].values
-        of_load = quantities_of(*fields, (CONDUCTANCE,), steps=spacing(height), influence=name)
+        of_load = quantities_of(*fields, (CONDUCTANCE,), Elasticity(influence=name), steps=spacing(height))
         assert of_load[CONDUCTANCE] == pytest.approx(stiffness, rel=2e-3)
         energy = found["elastic_energy"].values
         np.testing.assert_allclose(

@@ -21,6 +21,7 @@ from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.projected_gradient import project_to_load, projected_gradient_step
 from roughcontact.contact.state import contact_mean, norm, scale_below_cap, scale_to_load
 from roughcontact.contact.sweep import sweep
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, empty, namespace
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
@@ -134,7 +135,7 @@ def test_a_uniform_pressure_is_right_where_it_leaves_no_residual_and_unknown_els
 @pytest.mark.parametrize("cap", [np.inf, 0.5])
 def test_the_floor_is_the_norm_of_white_noise_of_the_size_of_rounding(precision, cap):
     """That of separation and pressure, and the largest norm of what the unit rounds."""
-    grid = Grid(rough(), LENGTHS, cap=cap)
+    grid = Grid(rough(), LENGTHS, Elasticity(hardness=cap))
     state, _ = grid.evaluate(scale_to_load(rough().astype(precision), 0.2, cap=cap))
     stiffness = symbol(grid.shape)[:, : grid.shape[1] // 2 + 1]
     stiffness[0, 0] = np.inf
@@ -277,7 +278,7 @@ def test_a_step_that_changes_the_precision_leaves_points_at_the_cap(lengths, lik
     assert float(np.float32(0.3)) > 0.3
     assert float(np.float32(0.35)) < 0.35
     heights = like(rough())
-    grid = Grid(heights, lengths, cap=cap)
+    grid = Grid(heights, lengths, Elasticity(hardness=cap))
     uniform = namespace(heights).full_like(heights, 0.1)
     pressure, _ = first_guess_on_grid(grid, uniform, 0.1, tolerance=0.01)
     state, _ = grid.evaluate(pressure)
@@ -350,7 +351,7 @@ def test_the_projection_is_the_nearest_feasible_field(cap):
 @pytest.mark.parametrize("cap", [np.inf, 0.6])
 def test_safe_steps_alone_converge_downhill(cap):
     heights = rough(16)
-    grid = Grid(heights, LENGTHS, cap=cap)
+    grid = Grid(heights, LENGTHS, Elasticity(hardness=cap))
     load = 0.2
     exact = solved(grid, load, 1e-10).pressure
     state, _ = grid.evaluate(np.full(grid.shape, load))

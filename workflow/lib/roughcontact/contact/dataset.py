@@ -25,8 +25,7 @@ def of_one_load(
     problem: Problem,
     window: xr.DataArray,
     loaded: Mapping[str, float],
-    modulus: float,
-    hardness: float | None,
+    elasticity: Elasticity,
     attrs: Mapping[str, Any],
 ) -> xr.Dataset:
     """Return the solution of one load as a dataset in SI units, with a dimension `load` of size 1.
@@ -37,7 +36,9 @@ def of_one_load(
     maps = {"pressure": fields.pressure, "gap": fields.gap, "contact": fields.contact}
     mean = loaded["mean_pressure"]
     per_load = {
-        "relative_pressure": mean / unit_of_pressure(problem, modulus) if not problem.flat else np.inf,
+        "relative_pressure": mean / unit_of_pressure(problem, elasticity.modulus)
+        if not problem.flat
+        else np.inf,
         "approach": approach,
         "iterations": solution.steps,
         "operator_applications": solution.applications,
@@ -52,8 +53,8 @@ def of_one_load(
     return xr.Dataset(
         {name: (("load", "y", "x"), field[None]) for name, field in maps.items()}
         | {name: ("load", [value]) for name, value in per_load.items()}
-        | {"height": window.variable, "contact_modulus": modulus}
-        | ({} if hardness is None else {"hardness": hardness}),
+        | {"height": window.variable, "contact_modulus": elasticity.modulus}
+        | ({"hardness": elasticity.hardness} if elasticity.hardness < np.inf else {}),
         # with the indexes that are there
         coords=xr.Coordinates(of_load | {**window.coords.variables}, indexes=window.xindexes),
         attrs=attrs,
@@ -77,7 +78,7 @@ class FieldsInUnits(NamedTuple):
 
 
 def fields_in_units(
-    solution: Solution, problem: Problem, *, modulus: float, hardness: float | None, threads: int
+    solution: Solution, problem: Problem, elasticity: Elasticity, *, threads: int
 ) -> FieldsInUnits:
     """Return the fields of a dimensionless solution in SI units; they take its memory.
 
@@ -87,8 +88,8 @@ def fields_in_units(
     # in place: the dimensionless fields are not used again
     pressure, gap = (to_numpy(field) for field in (state.pressure, state.separation))
     contact = empty(pressure, "int8")
-    pressure_unit = unit_of_pressure(problem, modulus)
-    at_hardness = None if hardness is None else pressure >= pressure.dtype.type(hardness / pressure_unit)
+    pressure_unit, hardness = unit_of_pressure(problem, elasticity.modulus), elasticity.hardness
+    at_hardness = None if hardness == np.inf else pressure >= pressure.dtype.type(hardness / pressure_unit)
     least_gap, total = kernels_for(pressure, threads=threads).restore_units(
         pressure, gap, state.offset, pressure_unit, problem.scale, contact
     )
@@ -115,7 +116,7 @@ def joined(load_datasets: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def elasticity_of(contact: xr.Dataset) -> Elasticity:
-    """Return the elasticity of a contact; its influence function is "sampled" where none is recorded.
+    """Return the elasticity of a contact without its hardness, "sampled" where nothing else is recorded.
 
     Examples
     --------

@@ -14,6 +14,7 @@ from roughcontact.contact.free_boundary import free_solutions
 from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.solve import MOST_LOAD, elasticity, periodic_solutions
 from roughcontact.kernels.arrays import SINGLE
+from roughcontact.maps import radii_of
 
 
 class LoadFields(NamedTuple):
@@ -34,16 +35,15 @@ def solved_fields(
     and `threads` count; what misses the tolerance says so by its `error_bound`. A periodic map so flat that
     rounding hides its contact is solved as flat, forces on a finite body are pressures times its `area` (m2).
     """
-    known = elasticity(
-        contact.get("contact_modulus"), contact.get("bodies"), contact.get("influence", "sampled")
-    )
+    known = elasticity(**contact)
     loads = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
     order = np.argsort(loads, kind="stable")
     rising, threads = loads[order].tolist(), contact.get("threads", 1)
-    options = {"tolerance": tolerance, "hardness": contact.get("hardness"), "threads": threads}
+    options = {"tolerance": tolerance, "threads": threads}
     problem = nondimensionalise(window, threads=threads)
     if contact.get("boundary") == "free":
-        solutions = free_solutions(window, problem, [p * contact["area"] for p in rising], known, **options)
+        forces = [pressure * contact["area"] for pressure in rising]
+        solutions = free_solutions(problem, forces, known, radii=radii_of(window), **options)
     else:
         if loads.max() > 0.5 * MOST_LOAD * known.modulus * problem.gradient:  # rounding errors only
             problem = nondimensionalise(xr.zeros_like(window), threads=threads)

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from roughcontact.contact.dataset import FieldsInUnits
 from roughcontact.contact.problem import Problem
@@ -19,7 +18,7 @@ from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.elasticity.free_space import FADE, TruncatedKernel, transform_of_pixels
 from roughcontact.elasticity.influence import Elasticity
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.maps import radii_of, sides_around
+from roughcontact.maps import sides_around
 
 COARSEST = 64  # points along the longer side of the map that shows where the contact is
 COARSE_TOLERANCE = 0.03
@@ -54,35 +53,33 @@ class FreeSolution(NamedTuple):
 
 
 def free_solutions(
-    window: xr.DataArray,
     problem: Problem,
     forces: Sequence[float],
     known: Elasticity,
     *,
+    radii: Sequence[float],
     tolerance: float,
-    hardness: float | None,
     threads: int,
 ) -> Iterator[tuple[FieldsInUnits, Any, float]]:
-    """Yield fields, solution and approach (m) of each force (N)."""
-    if min(window.shape) < 4:
+    """Yield fields, solution and approach (m) of each of the rising forces (N); `radii` of the form (m)."""
+    heights = np.asarray(problem.heights)
+    if min(heights.shape) < 4:
         raise HeightMapError(
-            f"a finite body is a map, this one has {window.shape[0]} x {window.shape[1]} points: the "
+            f"a finite body is a map, this one has {heights.shape[0]} x {heights.shape[1]} points: the "
             "approach of an endless ridge is infinite; solve a profile with boundary: periodic"
         )
-    limit = np.inf if hardness is None else hardness
-    body = FreeBody(np.asarray(window.values, float), problem.spacing, known, limit, threads)
-    size = max(np.multiply(window.shape, problem.spacing))
-    least = LEAST_FORCE * known.modulus * float(size * np.ptp(body.heights))
+    least = LEAST_FORCE * known.modulus * float(max(problem.lengths_in_metres) * np.ptp(heights))
+    if forces[0] < least:
+        raise SettingsError(
+            f"force {forces[0]:g} N: below {least:.2g} N the contact is lost in the rounding of the heights",
+            keys=("force",),
+        )
+    body = FreeBody(heights, problem.spacing, known, threads)
     for force in forces:
-        if force < least:
-            text = (
-                f"force {force:g} N: below {least:.2g} N the contact is lost in the rounding of the heights"
-            )
-            raise SettingsError(text, keys=("force",))
         solution = body.solve(force, tolerance=tolerance)
-        body.check_border(solution.pressure, force, radii_of(window))
+        body.check_border(solution.pressure, force, radii)
         pressure = solution.pressure
-        yielded = pressure >= limit
+        yielded = pressure >= known.hardness
         gap = np.where(yielded, 0.0, solution.gap)
         contact, total = (pressure > 0).astype(np.int8), float(pressure.sum())
         fields = FieldsInUnits(pressure, gap, contact, float(gap.min()), total, float(yielded.mean()))
@@ -96,7 +93,6 @@ class FreeBody:
     heights: np.ndarray
     spacing: tuple[float, float]
     elasticity: Elasticity
-    hardness: float = np.inf  # Pa
     threads: int = 1
 
     def solve(self, force: float, *, tolerance: float) -> FreeSolution:
@@ -122,10 +118,11 @@ class FreeBody:
 
         heights, mask, (dy, dx) = self.heights[region.sides], region.mask[region.sides], self.spacing
         inside, (ny, nx) = heights[mask], heights.shape
+        modulus, hardness = self.elasticity.modulus, self.elasticity.hardness
         carrying = (np.count_nonzero(inside > inside.min()) or inside.size) * dy * dx  # none beyond edges
-        if force >= (most := self.hardness * carrying):
+        if force >= (most := hardness * carrying):
             raise SettingsError(
-                f"force {force:g} N is not below what the body carries at the hardness {self.hardness:g} Pa: "
+                f"force {force:g} N is not below what the body carries at the hardness {hardness:g} Pa: "
                 f"stay below {most:.3g} N",
                 keys=("force",),
             )
@@ -133,30 +130,17 @@ class FreeBody:
             CELL_DIVISOR * fft.next_fast_len(int(np.ceil((n + FADE * region.reach / d + 1) / CELL_DIVISOR)))
             for n, d in ((ny, dy), (nx, dx))
         )
-        lengths = shape[0] * dy, shape[1] * dx
-        unit = float(np.sqrt(lengths[0] * lengths[1]))
+        unit = float(np.sqrt(shape[0] * dy * (shape[1] * dx)))
         mean_pressure, highest = force / unit**2, float(inside.max())
         low = inside.min() - DEPTH * (np.ptp(inside) + force / (self.softest * region.reach))
         cell = np.full(shape, low)
         cell[:ny, :nx] = np.where(mask, heights, low)
-        problem = Problem(  # the mean pressure is the unit
-            cell,
-            (lengths[0] / unit, lengths[1] / unit),
-            unit,
-            reference=highest,
-            gradient=mean_pressure / self.elasticity.modulus,
-            spacing=self.spacing,
-        )
+        # the mean pressure is the unit
+        problem = Problem(cell, self.spacing, highest, gradient=mean_pressure / modulus)
         scaled = self.elasticity.scaled(unit)
         kernel = TruncatedKernel(scaled.influence, region.reach / unit, scaled.layers)
-        (solution,) = sweep(
-            problem,
-            [1.0],
-            Elasticity(influence=kernel),
-            tolerance=tolerance,
-            cap=self.hardness / mean_pressure,
-            threads=self.threads,
-        )
+        of_cell = Elasticity(influence=kernel, hardness=hardness / mean_pressure)
+        (solution,) = sweep(problem, [1.0], of_cell, tolerance=tolerance, threads=self.threads)
         state = solution.state
         displaced = state.offset + kernel.mean_displacement(shape, (dy / unit, dx / unit))
         approach = highest - problem.scale * displaced

@@ -61,7 +61,7 @@ class Grid:
     """The heights (ny, nx) on one grid, dimensionless, with the operators and passes that act on them.
 
     A height counts as (height - `reference`) / `unit`, without a copy; `lengths` of the periodic cell and the
-    thicknesses of layers share a unit; `cap` is the largest pressure allowed (the hardness), or infinity.
+    thicknesses of layers share a unit; `cap` is the hardness, the largest pressure allowed, or infinity.
     """
 
     def __init__(
@@ -72,10 +72,9 @@ class Grid:
         *,
         reference: float = 0.0,
         unit: float = 1.0,
-        cap: float = np.inf,
         threads: int = 1,
     ):
-        self.cap = cap
+        self.cap = elasticity.hardness
         self.shape = tuple(heights.shape)
         self.halfspace = HalfSpace(heights.shape, lengths, elasticity, threads=threads, like=heights)
         self.kernels = kernels_for(heights, threads=threads)

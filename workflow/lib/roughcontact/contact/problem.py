@@ -1,5 +1,6 @@
 """From a labelled map to a dimensionless problem, with all checks of the map."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -25,21 +26,30 @@ class Problem:
     """
 
     heights: Array  # (ny, nx), m
-    lengths: tuple[float, float]  # (Ly, Lx)/L of the periodic cell
-    unit_length: float  # L = sqrt(Lx Ly), m
+    spacing: tuple[float, float]  # (dy, dx), m
     reference: float  # h_ref, m: the middle of the heights, subtracted first to preserve digits
     gradient: float  # g, the spectral rms gradient, 0 of a flat map; E* g is the unit of pressure
-    spacing: tuple[float, float]  # (dy, dx), m
+
+    @property
+    def lengths_in_metres(self) -> tuple[float, float]:
+        """(Ly, Lx) of the periodic cell, m."""
+        return self.heights.shape[0] * self.spacing[0], self.heights.shape[1] * self.spacing[1]
+
+    @property
+    def unit_length(self) -> float:
+        """L = sqrt(Lx Ly), m."""
+        return math.sqrt(math.prod(self.lengths_in_metres))
+
+    @property
+    def lengths(self) -> tuple[float, float]:
+        """(Ly, Lx)/L."""
+        ly, lx = self.lengths_in_metres
+        return ly / self.unit_length, lx / self.unit_length
 
     @property
     def scale(self) -> float:
         """The unit of height g L, m; 1 of a flat map."""
         return self.gradient * self.unit_length or 1.0
-
-    @property
-    def lengths_in_metres(self) -> tuple[float, float]:
-        """(Ly, Lx), m."""
-        return self.lengths[0] * self.unit_length, self.lengths[1] * self.unit_length
 
     @property
     def flat(self) -> bool:
@@ -61,7 +71,6 @@ def nondimensionalise(
     """
     labelled_heights, window = check_labelled(window).data, on_host(window)
     steps = spacing(window)
-    lengths = window.shape[0] * steps[0], window.shape[1] * steps[1]
     dtype = np.float32 if precision == SINGLE and window.dtype == np.float32 else np.float64
     heights = np.require(window.values, dtype=dtype, requirements=["C", "A", "W"])
     if window.data is not labelled_heights:
@@ -80,21 +89,13 @@ def nondimensionalise(
             f"heights of up to {heights_reach:g} m on pixels of {steps[1]:g} m x {steps[0]:g} m are beyond "
             "the computable range; check the units"
         )
-    unit = float(np.sqrt(lengths[0] * lengths[1]))
     gradient = gradient_of(in_precision(heights, DOUBLE, copy=False), steps, threads=threads)
     if highest > lowest and not SMALLEST <= gradient <= LARGEST:
         raise HeightMapError(
             f"heights from {lowest:g} m to {highest:g} m have an rms gradient of {gradient:g}, beyond the "
             "computable range; check the units"
         )
-    return Problem(
-        heights=heights,
-        lengths=(lengths[0] / unit, lengths[1] / unit),
-        unit_length=unit,
-        reference=0.5 * (lowest + highest),
-        gradient=gradient,
-        spacing=steps,
-    )
+    return Problem(heights, steps, reference=0.5 * (lowest + highest), gradient=gradient)
 
 
 def on_host(array: _Labelled) -> _Labelled:

@@ -21,6 +21,7 @@ from roughcontact.elasticity.influence import Elasticity
 from roughcontact.elasticity.layers import layered_pair
 from roughcontact.errors import ConvergenceError, RoughContactError, SettingsError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
+from roughcontact.maps import radii_of
 from roughcontact.materials import contact_modulus as modulus_of
 from roughcontact.si import in_si
 from roughcontact.variables import describe
@@ -173,7 +174,7 @@ def solve_contact(
     >>> print(f"{-contact.approach.item() * 10e-3 / (0.75 * 10e-3 / 1e9) ** (2 / 3):.4f}")
     1.0000
     """
-    known = elasticity(contact_modulus, bodies, influence)
+    known = elasticity(contact_modulus, bodies, influence, hardness)
     check_choice("boundary", boundary, Boundary)
     free = boundary == "free"
     if free:
@@ -207,19 +208,18 @@ def solve_contact(
         raise SettingsError(
             f"reduce = {reduce!r}: give a function of a Dataset, such as roughcontact.contact_statistics"
         )
-    hardness = None if hardness is None else check_positive("hardness", hardness, unit="Pa")
     order = np.argsort(loads, kind="stable")
     rising = [loads[index] for index in order]
     working = DOUBLE if precision == "double" else SINGLE
     problem = nondimensionalise(window, precision=working, arrays=arrays, threads=threads)
     window = on_host(window)
     attrs: dict[str, Any] = {"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence}
-    options: dict[str, Any] = {"tolerance": tolerance, "hardness": hardness, "threads": threads}
+    options: dict[str, Any] = {"tolerance": tolerance, "threads": threads}
     if free:
-        solutions = free_solutions(window, problem, rising, known, **options)
+        solutions = free_solutions(problem, rising, known, radii=radii_of(window), **options)
         attrs = {"tolerance": tolerance, "influence": influence, "boundary": boundary}
     else:
-        _check_periodic(problem, rising, known, hardness=hardness, zero_frequency=zero_frequency)
+        _check_periodic(problem, rising, known, zero_frequency)
         options |= {"zero_frequency": zero_frequency, "precision": working, "give_up": on_failure == "raise"}
         solutions = periodic_solutions(problem, rising, known, **options)
     attrs |= {} if known.layers is None else {"bodies": json.dumps(known.layers.as_settings())}
@@ -232,8 +232,7 @@ def solve_contact(
             problem=problem,
             window=window,
             loaded={"mean_pressure": load / area, "force": load} if free else {"mean_pressure": load},
-            modulus=known.modulus,
-            hardness=hardness,
+            elasticity=known,
             attrs=attrs,
         )
         load_in_words = f"force {load:.4g} N" if free else f"mean pressure {load:.4g} Pa"
@@ -248,15 +247,19 @@ def solve_contact(
 
 
 def elasticity(
-    contact_modulus: float | str | None,
-    bodies: Sequence[Mapping[str, Any]] | None,
+    contact_modulus: float | str | None = None,
+    bodies: Sequence[Mapping[str, Any]] | None = None,
     influence: Influence = "sampled",
+    hardness: float | None = None,
+    **_: Any,
 ) -> Elasticity:
-    """Return E* (Pa) of the surfaces, the influence function, and the bodies where they have layers."""
+    """Return what four of the arguments of `solve_contact` say of the elasticity, in SI units."""
+    limit = np.inf if hardness is None else check_positive("hardness", hardness, unit="Pa")
     if bodies is None:
         if contact_modulus is None:
             raise SettingsError("neither contact_modulus nor bodies given; give one of them")
-        return Elasticity(check_positive("contact_modulus", contact_modulus, unit="Pa"), influence)
+        modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
+        return Elasticity(modulus, influence, hardness=limit)
     checked = check_bodies(bodies)
     modulus = modulus_of(checked)
     if contact_modulus is not None:
@@ -267,7 +270,7 @@ def elasticity(
                 "Pa; give one of them",
                 keys=["contact_modulus", "bodies"],
             )
-    return Elasticity(modulus, influence, layered_pair(checked))
+    return Elasticity(modulus, influence, layered_pair(checked), limit)
 
 
 def periodic_solutions(
@@ -275,7 +278,6 @@ def periodic_solutions(
     loads: Sequence[float],
     known: Elasticity,
     *,
-    hardness: float | None,
     zero_frequency: ZeroFrequency = "zero",
     threads: int,
     **options: Any,
@@ -283,23 +285,16 @@ def periodic_solutions(
     """Yield fields, solution and approach (m) of each of the rising loads (Pa) of a periodic map."""
     compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres)
     compliance /= known.modulus if known.layers is None else known.layers.base_modulus
-    compliance += (
-        0.0 if known.layers is None else known.layers.mean_compliance(elastic=zero_frequency != "zero")
-    )
+    if known.layers is not None:
+        compliance += known.layers.mean_compliance(elastic=zero_frequency != "zero")
     unit = unit_of_pressure(problem, known.modulus)
-    solutions = sweep(
-        problem,
-        [load / unit for load in loads],
-        known.scaled(problem.unit_length),
-        cap=np.inf if hardness is None else hardness / unit,
-        threads=threads,
-        **options,
-    )
+    scaled, in_units_of_it = known.scaled(problem.unit_length, unit), [load / unit for load in loads]
+    solutions = sweep(problem, in_units_of_it, scaled, threads=threads, **options)
 
     def in_units(solution: Solution, load: float) -> tuple[FieldsInUnits, Solution, float]:
         """Return a load (Pa) as it is yielded."""
         approach = problem.reference - solution.state.offset * problem.scale - compliance * load
-        fields = fields_in_units(solution, problem, modulus=known.modulus, hardness=hardness, threads=threads)
+        fields = fields_in_units(solution, problem, known, threads=threads)
         return fields, solution, approach
 
     for load in loads:  # no name here keeps the maps of one while the next one is solved
@@ -307,15 +302,10 @@ def periodic_solutions(
 
 
 def _check_periodic(
-    problem: Problem,
-    loads: Sequence[float],
-    known: Elasticity,
-    *,
-    hardness: float | None,
-    zero_frequency: ZeroFrequency,
+    problem: Problem, loads: Sequence[float], known: Elasticity, zero_frequency: ZeroFrequency
 ) -> None:
     """Raise SettingsError for a load (Pa), or a rule, that a periodic map does not allow."""
-    cap = np.inf if hardness is None else hardness
+    cap = known.hardness
     if max(loads) >= cap:
         raise SettingsError(
             f"mean_pressure {max(loads):g} Pa is not below the hardness {cap:g} Pa: no contact carries it",

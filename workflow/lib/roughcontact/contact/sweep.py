@@ -38,21 +38,20 @@ def sweep(
     elasticity: Elasticity = HALF_SPACE,
     *,
     tolerance: float,
-    cap: float = np.inf,
     precision: str = DOUBLE,
     give_up: bool = False,
     threads: int,
 ) -> Iterator[Solution]:
     """Yield the solution of every load, whose fields the caller may change; flat maps in closed form.
 
-    `loads` rise, `cap` is the largest pressure, in units of E* g; layers have the unit of the lengths.
+    `loads` rise; they and the hardness are in units of E* g, layers in that of the lengths.
     `give_up` takes no step on the finest grid where rounding is above the tolerance.
     """
     if problem.flat:
         for load in loads:
             yield _flat(problem, load, precision)
         return
-    make_grid = partial(Grid, lengths=problem.lengths, elasticity=elasticity, cap=cap, threads=threads)
+    make_grid = partial(Grid, lengths=problem.lengths, elasticity=elasticity, threads=threads)
     finest = make_grid(problem.heights, reference=problem.reference, unit=problem.scale)
     nested = nested_heights(finest.heights_in(SINGLE), problem.lengths)
     grids = [finest, *(make_grid(heights) for _, heights in nested)]

@@ -123,15 +123,17 @@ INFLUENCE: dict[Influence, Callable] = {"sampled": sampled, "elements": elements
 
 @dataclass(frozen=True)
 class Elasticity:
-    """E* (Pa) of the surfaces, the influence function, or its name, and bodies that have layers (m)."""
+    """How a pressure displaces the surfaces, up to the hardness, the largest that they carry."""
 
-    modulus: float = 1.0
+    modulus: float = 1.0  # E* of the surfaces, Pa
     influence: Influence | InfluenceFunction = "sampled"
-    layers: LayeredPair | None = None
+    layers: LayeredPair | None = None  # m
+    hardness: float = math.inf  # Pa
 
-    def scaled(self, unit: float) -> "Elasticity":
-        """Return it with the thicknesses of the layers in a `unit` of length."""
-        return replace(self, layers=self.layers and self.layers.scaled(unit))
+    def scaled(self, length: float, pressure: float = 1.0) -> "Elasticity":
+        """Return it with the layers in a unit of length, and the hardness in one of pressure."""
+        layers = self.layers and self.layers.scaled(length)
+        return replace(self, layers=layers, hardness=self.hardness / pressure)
 
     def symbol(
         self, qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float], like: Array | None = None

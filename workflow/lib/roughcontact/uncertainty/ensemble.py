@@ -52,20 +52,13 @@ def solve_member(
         left_out = [HeightMapError]  # from the load on under which the contact leaves the map
     single = tolerance >= TOLERANCE or contact.get("precision") == "single"
     solutions = solved_fields(window, contact, tolerance=tolerance, precision=SINGLE if single else DOUBLE)
-    layered = elasticity(contact.get("contact_modulus"), contact.get("bodies")).layers is not None
+    known = elasticity(**contact)
     values = {name: np.full(pressures.shape, np.nan) for name in names}
     with contextlib.suppress(*left_out):
         for solution in solutions:
             if solution.error_bound > tolerance:
                 continue
-            quantities = quantities_of(
-                solution.pressure,
-                solution.gap,
-                names,
-                steps=steps,
-                influence=contact.get("influence", "sampled"),
-                layered=layered,
-            )
+            quantities = quantities_of(solution.pressure, solution.gap, names, known, steps=steps)
             for name in names:
                 values[name][solution.load_index] = quantities[name] * (unit if name == AREA else 1.0)
     return values

@@ -6,18 +6,19 @@ mean (Student's 95 %).
 """
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
-import scipy
 import xarray as xr
 
 from roughcontact.choices import UncertaintySource
-from roughcontact.maps import roughness_of, spacing
+from roughcontact.maps import radii_of, roughness_of, spacing
 from roughcontact.references.closed_forms import hertz_ellipse
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.inputs import STIFFNESS
+from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import ANSWERS, GAP, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
@@ -33,14 +34,15 @@ def finite_body_budget(
     windows: int,
     solved: xr.Dataset,
 ) -> xr.Dataset:
-    """Return the `error_budget` of a body (y, x; m) from its `budget_inputs`; `settings` include `form`."""
+    """Return the `error_budget` of a body (y, x; m) from its `budget_inputs`."""
     roughness, steps = roughness_of(window), spacing(window)
-    contact = {**settings["contact"], "mean_pressure": solved["mean_pressure"].values}
-    form = {key: settings["form"][key] for key in ("radius", "edges")}
-    contact |= {"form": form, "area": window.size * steps[0] * steps[1], "pitch": steps[1]}
-    contact["shifts"] = _shifts(roughness, contact, windows - 1)
-    positions = len(contact["shifts"]) >= _FEWEST
-    meaningless = {"unresolved", *(() if positions else ("window",))}
+    form = {"radius": radii_of(window), "edges": "form_edges" in window.attrs}
+    contact = {**settings["contact"], "mean_pressure": solved["mean_pressure"].values, "form": form}
+    contact |= {"area": window.size * steps[0] * steps[1], "pitch": steps[1]}
+    shifts = _shifts(roughness, contact, windows - 1)
+    # the positions say nothing of longer waves, and a single one nothing of further ones
+    without = ("_longer_",) if len(shifts) >= _FEWEST else ("_longer_", "_next_")
+    meaningless = ("unresolved", "window")[: len(without)]
     budget = error_budget(
         roughness,
         roughness,
@@ -48,17 +50,17 @@ def finite_body_budget(
         sources=[source for source in sources if source not in meaningless],
         windows=windows,
         solved=solved.drop_vars([STIFFNESS, *ANSWERS], errors="ignore"),
-        scatter_of=scatter_of_positions,
+        scatter_of=partial(scatter_of_positions, shifts),
     )
-    # of longer waves the positions say nothing
-    ends = [name for name in budget if "_longer_" in str(name)]
-    ends += [] if positions else [name for name in budget if "_next_" in str(name)]
+    ends = [name for name in budget if any(key in str(name) for key in without)]
     return budget.assign({name: xr.full_like(budget[name], np.nan) for name in ends})
 
 
-def scatter_of_positions(result: Result, roughness: xr.DataArray, **_: Any) -> Scatter:
+def scatter_of_positions(
+    shifts: Sequence[tuple[int, int]], result: Result, roughness: xr.DataArray, **_: Any
+) -> Scatter:
     """Return the scatter of the results of a body over other positions of its form on the roughness."""
-    few, shifts = result.few, result.contact["shifts"]
+    few = result.few
     members = result.members(
         roughness.copy(data=np.roll(roughness.values, shift, (0, 1))) for shift in shifts
     )
@@ -67,7 +69,7 @@ def scatter_of_positions(result: Result, roughness: xr.DataArray, **_: Any) -> S
         changes = to_scale(name, np.vstack([value, members[name]])[:, few]) - to_scale(name, value)[few]
         mean, count = np.nanmean(changes, axis=0), np.sum(np.isfinite(changes), axis=0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            quantile = scipy.stats.t.ppf(0.975, count - 1) * np.sqrt(1 + 1 / count)
+            quantile = student(count - 1) * np.sqrt(1 + 1 / count)
             width = quantile * np.nanstd(changes, axis=0, ddof=1)
         width[np.isnan(width)] = np.inf
         below, above = (result.at_all_loads(np.maximum(width + sign * mean, 0.0)) for sign in (-1, 1))
@@ -82,8 +84,8 @@ def scatter_of_positions(result: Result, roughness: xr.DataArray, **_: Any) -> S
 
 def _shifts(roughness: xr.DataArray, contact: Mapping[str, Any], number: int) -> list[tuple[int, int]]:
     """Return shifts (rows, columns) of the roughness under the form, those along both axes first."""
-    radius = contact["form"].get("radius")
-    if not radius or contact["form"].get("edges") or contact.get("bodies"):
+    radius = contact["form"]["radius"]
+    if not radius or contact["form"]["edges"] or contact.get("bodies"):
         return []
     smooth = hertz_ellipse(float(max(contact["force"])), radius, contact["contact_modulus"])
     moves = []

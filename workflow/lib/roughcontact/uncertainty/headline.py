@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.choices import Influence
 from roughcontact.contact.response import linear_response
-from roughcontact.elasticity.influence import Elasticity
+from roughcontact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.uncertainty import scales
@@ -22,10 +21,9 @@ def quantities_of(
     pressure: np.ndarray,
     gap: np.ndarray,
     names: Collection[str],
+    elasticity: Elasticity = HALF_SPACE,
     *,
     steps: tuple[float, float],
-    influence: Influence = "sampled",
-    layered: bool = False,
 ) -> dict[str, float]:
     """Return quantities of one load from pressure (Pa) and gap (m), as `contact_statistics` defines them.
 
@@ -47,7 +45,8 @@ def quantities_of(
     if scales.PRESSURE in names:
         values[scales.PRESSURE] = float(pressure[touching].mean(dtype=float))
     if scales.CONDUCTANCE in names:
-        compliance = 0.0 if layered else linear_response(touching, steps, Elasticity(influence=influence))
+        of_unit = Elasticity(influence=elasticity.influence)
+        compliance = 0.0 if elasticity.layers else linear_response(touching, steps, of_unit)
         values[scales.CONDUCTANCE] = 1 / compliance if compliance > 0 else np.nan
     if CONSTRICTIONS[0] in names:
         values |= percolation_columns(np.where(touching, 0.0, gap))
