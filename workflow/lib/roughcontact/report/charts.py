@@ -11,6 +11,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import compress
 from typing import Any, TypedDict, Unpack
 from urllib.parse import quote
 
@@ -258,22 +259,17 @@ class Chart:
         self.note("picture", source=source, smooth=smooth)
 
     def colour_bar(
-        self, axis: Axis, colours: Sequence[str], *, below: bool = False, above: bool = False
+        self, axis: Axis, colours: Sequence[str], beyond: tuple[bool, bool] = (False, False)
     ) -> None:
         """Draw a bar of evenly spaced colours at the right; `axis` gives their values, from first to last.
 
-        An arrow shows that there are values `below` or `above` those of the colours.
+        An arrow shows that there are values `beyond` them, below and above.
         """
         left, top, width, height = self.area
-        place = left + width + 10, top, 12.0, height
-        bottom = top + height
-        ends = ((below, bottom, bottom + 9, colours[0]), (above, top, top - 9, colours[-1]))
-        self.bar = {
-            "area": place,
-            "colours": colours,
-            "tips": [tip for is_needed, *tip in ends if is_needed],
-            "ticks": _ticks(axis, "right", place, grid=False, within=self.size[0]),
-        }
+        place, bottom = (left + width + 10, top, 12.0, height), top + height
+        tips = (bottom, bottom + 9, colours[0]), (top, top - 9, colours[-1])
+        ticks = _ticks(axis, "right", place, grid=False, within=self.size[0])
+        self.bar = {"area": place, "colours": colours, "tips": [*compress(tips, beyond)], "ticks": ticks}
 
     def source(self) -> str:
         """Return the chart as a data URI, with its legend below it."""

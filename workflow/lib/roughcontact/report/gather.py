@@ -192,11 +192,8 @@ def _by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[str, dict[st
 
 def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return the components of every interval of the surfaces (and cases) of `collect_statistics`."""
-    tables = []
     of_budget = statistics[[name for name in statistics.variables if is_of_budget(str(name))]]
-    for labels, result in solved_results(of_budget):
-        table = uncertainty_table(result)
-        for number, (dim, name) in enumerate(labels.items()):
-            table.insert(number, dim, name)
-        tables.append(table)
-    return pd.concat(tables, ignore_index=True)
+    tables = [uncertainty_table(result).assign(**labels) for labels, result in solved_results(of_budget)]
+    joined = pd.concat(tables, ignore_index=True)
+    labels = [dim for dim in ("case", "surface") if dim in joined]
+    return joined[labels + [column for column in joined if column not in labels]]

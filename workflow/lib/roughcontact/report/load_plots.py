@@ -198,24 +198,11 @@ def _theory_lines(chart: Chart, loads: np.ndarray, unit: float = 1.0) -> np.ndar
     return line
 
 
-def _area_chart(
-    loads: np.ndarray,
-    areas: np.ndarray,
-    *,
-    size: tuple[float, float] = (430.0, 360.0),
-    label: str = _RELATIVE,
-    top: Axis | None = None,
-    title: str = "",
-) -> Chart:
-    """Return the log-log axes of area (percent) against load that hold these shares."""
+def _area_chart(loads: np.ndarray, areas: np.ndarray, *, label: str = _RELATIVE, **options: Any) -> Chart:
+    """Return the log-log axes of area (percent) against load that hold these shares; `options` of `Chart`."""
     lowest = max(np.min(areas[areas > 0], initial=1.0) / 2, 1e-8)
-    return Chart(
-        log_axis(label, loads),
-        Axis("contact area A/A₀ (%)", 100 * lowest, 140.0, log=True),
-        top=top,
-        size=size,
-        title=title,
-    )
+    y = Axis("contact area A/A₀ (%)", 100 * lowest, 140.0, log=True)
+    return Chart(log_axis(label, loads), y, **options)
 
 
 def _clipped_ends(ends: np.ndarray, areas: np.ndarray) -> np.ndarray:

@@ -156,7 +156,7 @@ def framed(
         "points": list(values.shape[::-1]),
     }
     chart.note("values", values=values, bar=bar, colours=field.colours, bad=field.bad)
-    chart.colour_bar(bar, colours, below=extend[0], above=extend[1])
+    chart.colour_bar(bar, colours, extend)
     return chart
 
 

@@ -156,10 +156,9 @@ def _maps(
     counter_face: str | Path | None,
 ) -> list[tuple[str, str, str]]:
     """Return (title, image, caption) of the heights after each stage; of a pair, both measured faces."""
+    faces = [("Face, as measured" if counter_face else "As measured", measured)]
     if counter_face:
-        faces = [("Face, as measured", measured), ("Counter-face, as measured", _read_map(counter_face))]
-    else:
-        faces = [("As measured", measured)]
+        faces.append(("Counter-face, as measured", _read_map(counter_face)))
     drawn = partial(map_plots.height_map, unit=unit_of(numbers, "m"), along=unit_of(numbers, "m along"))
     return [
         *((title, drawn(face).source(), facts.measured_caption(face)) for title, face in faces),

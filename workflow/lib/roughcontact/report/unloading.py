@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import quantity
-from roughcontact.report.charts import COLOURS, DASHED, Chart, log_axis
+from roughcontact.report.charts import COLOURS, DASHED, Chart, load_label, log_axis
 from roughcontact.report.tables import TITLES, UNITS
 from roughcontact.report.template import sentence
 from roughcontact.report.units import unit_of
@@ -45,18 +45,15 @@ def _loading_and_unloading(loaded: xr.Dataset, unloadings: Sequence[xr.Dataset],
     curves = [loaded.sortby("mean_pressure"), *unloadings]
     if not all(result in curve for curve in curves):
         return None
-    (pascals, pressure), (factor, unit) = (unit_of(loaded, si) for si in ("Pa", UNITS[result]))
-    loads = np.concatenate([curve["mean_pressure"].values for curve in curves]) * pascals
-    values = np.concatenate([curve[result].values for curve in curves]) * factor
-    if not (values > 0).any():
+    pascals, unit = unit_of(loaded, "Pa"), unit_of(loaded, UNITS[result])
+    loads = [curve["mean_pressure"].values * pascals.factor for curve in curves]
+    values = [curve[result].values * unit.factor for curve in curves]
+    if not (np.concatenate(values) > 0).any():
         return None
-    chart = Chart(
-        log_axis(f"mean pressure p̄ ({pressure})", loads),
-        log_axis(f"{TITLES[result]} ({unit})", values, room=1.6),
-    )
-    for index, curve in enumerate(curves):
+    y_axis = log_axis(f"{TITLES[result]} ({unit.symbol})", np.concatenate(values), room=1.6)
+    chart = Chart(log_axis(load_label(pascals), np.concatenate(loads)), y_axis)
+    for index, (curve, x, y) in enumerate(zip(curves, loads, values, strict=True)):
         unloading = f"unloading from {quantity(float(curve['peak_pressure']), 'Pa')}" if index else "loading"
-        x, y = curve["mean_pressure"].values * pascals, curve[result].values * factor
         chart.line(x, y, colour=COLOURS[index % len(COLOURS)], dash=DASHED if index else "", label=unloading)
     return chart
 
