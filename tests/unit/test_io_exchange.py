@@ -69,7 +69,7 @@ def test_x3p(read, options, rtol):
 
 
 def test_a_wrong_checksum_is_noticed_whatever_the_root_element(refused):
-    refused(x3p_bytes(edit=renamed, restate=False), r"map.dat: the checksum of main.xml does not match")
+    refused(x3p_bytes(edit=renamed, restate=False), r"map.dat: The MD5 checksum of main.xml does not match")
 
 
 @pytest.mark.parametrize("encoding", [b"UTF-1.0", b"hex", b"rot13"])

@@ -106,7 +106,7 @@ def test_bare_numbers_are_refused_with_what_to_give(tmp_path):
     refuses("give dx, dy, unit", path, unit="um")
     refuses("give dx, dy, unit", path, dx=1, unit="um")
     refuses("dx = 1 is given without a unit", path, error=SettingsError, dx=1, dy=1)
-    refuses(r"dx = -1 must be a positive number", path, **wrong | {"dx": -1})
+    refuses(r"dx = -1 must be a positive finite number in um", path, **wrong | {"dx": -1})
     refuses(
         "unknown length unit 'milimeter'; did you mean 'millimeter'", path, **wrong | {"unit": "milimeter"}
     )

@@ -39,6 +39,10 @@ class UnevenPositionsError(InputFileError):
     """Positions that form no even grid; readers catch it and return the points as they are."""
 
 
+#: Along one axis a step, or positions in the file's units.
+Positions = np.ndarray | float | None
+
+
 class Points(NamedTuple):
     """Points (n,) that form no even grid, in the file's units."""
 
@@ -98,12 +102,6 @@ class MeasuredFile:
             if names.count(channel.name) > 1:
                 channel.name = f"{channel.name} ({names.count(channel.name)})"
 
-    def rows_of(self, channel: Channel) -> tuple[str, bool]:
-        """Return where row 0 of a channel lies, `top` or `bottom`, and whether that is only assumed."""
-        if channel.first_row:
-            return channel.first_row, True
-        return self.first_row, self.first_row_assumed
-
     @property
     def kind(self) -> instrument_kinds.Kind:
         """The kind of instrument that the file names, with the ranges that it can measure."""
@@ -133,30 +131,29 @@ def choose_channel(
     together = ""
     if len(names) > 1 and all(channel.shape[0] == 1 for channel in file.channels):
         together = f"; several profiles of one surface (lay: none) are '{'; '.join(names)}'"
-    if requested is None and file.question:
+    if requested is not None:
+        for spelling in (str, lambda name: str(name).strip().casefold()):
+            matches = [channel for channel in file.channels if spelling(channel.name) == spelling(requested)]
+            if len(matches) == 1:
+                return matches[0], f"{matches[0].name!r}, named by the user"
+        raise InputFileError(f"no channel is named {str(requested)!r}; the file has {listing}{together}")
+    if file.question:
         raise InputFileError(
             f"{file.question}; name one with channel (table of surfaces or argument), of {listing}; "
             f"or all, in a row each, as repeats of one part of a group{together}"
         )
-    if requested is None:
-        heights = [
-            channel for channel in file.channels if not channel.no_height or (unit_given and len(names) == 1)
-        ]
-        if heights:
-            channel = min(heights, key=lambda channel: NO_TOPOGRAPHY.search(channel.name) is not None)
-            chosen = f"the first height channel of {len(names)}" if len(names) > 1 else "the only channel"
-            return channel, f"{channel.name!r}, {chosen}"
+    heights = [
+        channel for channel in file.channels if not channel.no_height or (unit_given and len(names) == 1)
+    ]
+    if not heights:
         reasons = "; ".join(f"{channel.name!r}: {channel.no_height}" for channel in file.channels)
         raise InputFileError(
             f"no channel of this file holds heights ({reasons or 'it has none'}); if one does, "
             "name it with channel and give height_unit"
         )
-    matches = [channel for channel in file.channels if channel.name == str(requested)]
-    if not matches:
-        matches = [c for c in file.channels if c.name.casefold() == str(requested).strip().casefold()]
-    if len(matches) != 1:
-        raise InputFileError(f"no channel is named {str(requested)!r}; the file has {listing}{together}")
-    return matches[0], f"{matches[0].name!r}, named by the user"
+    channel = min(heights, key=lambda channel: NO_TOPOGRAPHY.search(channel.name) is not None)
+    chosen = f"the first height channel of {len(names)}" if len(names) > 1 else "the only channel"
+    return channel, f"{channel.name!r}, {chosen}"
 
 
 def unreadable(message: str) -> Callable[[], np.ndarray]:
@@ -248,6 +245,46 @@ def rounded_step(positions: ArrayLike) -> float | None:
     if not last or np.max(np.abs(positions / last - np.rint(positions / last))) > 1e-3:
         return None
     return float(step) if np.max(np.abs(positions - start - step * number)) <= 0.55 * last else None
+
+
+def placed(channel: Channel, x: Positions, y: Positions, names: tuple[str, str] = ("x", "y")) -> Channel:
+    """Return a channel with its steps, rows and columns by rising positions, or as points off a grid.
+
+    Along each axis a step, positions (n,), those of all points (ny, nx), or None where they are unknown.
+    """
+    try:
+        dx, dy = _step(x, names[0]), _step(y.T if isinstance(y, np.ndarray) else y, names[1])
+    except UnevenPositionsError as error:
+        if channel.no_height:
+            return channel
+        if x is None or (y is None and channel.shape[0] > 1):
+            raise InputFileError(f"{error}, and the other axis has no positions") from error
+        along_x = _of_all_points(x, channel.shape, 1)
+        along_y = None if y is None else _of_all_points(y, channel.shape, 0)
+        return scattered(channel, along_x, along_y, channel.read(), error)
+    read = channel.read
+    turned = np.s_[:: -1 if (dy or 0) < 0 else 1, :: -1 if (dx or 0) < 0 else 1]
+    return replace(channel, dx=dx and abs(dx), dy=dy and abs(dy), read=lambda: np.array(read()[turned]))
+
+
+def _step(positions: Positions, name: str) -> float | None:
+    """Return the step along an axis, those of all points being (lines, points along it); None if unknown."""
+    if not isinstance(positions, np.ndarray):
+        return positions
+    lines = np.atleast_2d(positions).astype(float)
+    if lines.shape[1] == 1:
+        return None
+    step = even_step(lines[0], name)
+    if not np.nanmax(np.abs(lines - lines[0])) <= 0.02 * abs(step):
+        raise UnevenPositionsError("the points do not lie on a rectangular grid")
+    return step
+
+
+def _of_all_points(positions: np.ndarray | float, shape: tuple[int, int], axis: int) -> np.ndarray:
+    """Return the positions (ny, nx) of all points along an axis, stored or counted."""
+    if not isinstance(positions, np.ndarray):
+        return positions * np.indices(shape)[axis]
+    return np.broadcast_to(positions[:, None] if positions.ndim == 1 and axis == 0 else positions, shape)
 
 
 def scattered(

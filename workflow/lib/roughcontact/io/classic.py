@@ -5,7 +5,7 @@ The netCDF library trusts every count of CDF-5, and reads zeros where a classic 
 
 from math import prod
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import BinaryIO
 
 from roughcontact.io.guards import refusing
 
@@ -16,14 +16,6 @@ MARKS = tuple(_WIDTHS)
 _BYTES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 4, 6: 8, 7: 1, 8: 2, 9: 4, 10: 8, 11: 8}
 _DIMENSIONS, _VARIABLES, _ATTRIBUTES = 10, 11, 12
 _MOST_AXES = 1024
-
-
-class _Variable(NamedTuple):
-    """Where a variable begins, its bytes (those of one record), and whether it has records."""
-
-    begin: int
-    length: int
-    recorded: bool
 
 
 def check_header(path: Path) -> int | None:
@@ -91,7 +83,8 @@ def _stated_size(header: _Header) -> int | None:
         lengths.append(header.number())
     header.skip_attributes()
     largest = 256**header.count - 4  # larger ones state nothing
-    variables: list[_Variable] = []
+    fixed: list[tuple[int, int]] = []  # where a variable begins, and its bytes
+    recorded: list[tuple[int, int]] = []  # the same of its first record
     for _ in header.entries(_VARIABLES):
         header.skip(header.number())
         count = header.number()
@@ -100,19 +93,16 @@ def _stated_size(header: _Header) -> int | None:
         _require(all(axis < len(lengths) for axis in axes), "a variable has an axis that does not exist")
         header.skip_attributes()
         sizes = [lengths[axis] for axis in axes]
-        recorded = sizes[:1] == [0]
-        length = header.value_bytes() * prod(sizes[recorded:])
+        has_records = sizes[:1] == [0]
+        length = header.value_bytes() * prod(sizes[has_records:])
         stated, padded = header.number(), length + -length % 4
         agrees = stated in (padded, length) or padded > largest
         _require(agrees, f"a variable of {length} bytes is said to have {stated}")
-        variables.append(_Variable(header.number(header.position), length, recorded))
+        (recorded if has_records else fixed).append((header.number(header.position), length))
     streaming = records == 256**header.count - 1
-    records = 0 if streaming else records
-    in_record = [variable.length for variable in variables if variable.recorded]
-    step = in_record[0] if len(in_record) == 1 else sum(length + -length % 4 for length in in_record)
-    end = header.stream.tell()
-    for begin, length, recorded in variables:
-        if records or not recorded:
-            end = max(end, begin + length + (step * (records - 1) if recorded else 0))
+    padding = 4 if len(recorded) > 1 else 1
+    step = sum(length + -length % padding for _, length in recorded)
+    last = [(begin + step * (records - 1), length) for begin, length in recorded if records and not streaming]
+    end = max([header.stream.tell(), *map(sum, fixed + last)])
     _require(end <= header.size, "numbers lie behind the end of the file")
-    return None if streaming and in_record else min(end + -end % 4, header.size)
+    return None if streaming and recorded else min(end + -end % 4, header.size)

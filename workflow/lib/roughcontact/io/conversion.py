@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from roughcontact.checking import check_choice, marker_values
-from roughcontact.choices import Checksum, FirstRow
+from roughcontact.checking import marker_values
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, Points, choose_channel
 from roughcontact.io.request import Request
@@ -34,12 +33,13 @@ class Converted:
 
     def centres(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the cell centres (x, y; m, rising), from the file's first one or half a step."""
-        ny, nx = self.heights.shape
-        factor = self.dx / self.channel.dx if self.channel.dx else None
-        return (
-            _centres(nx, self.dx, self.channel.first_x, factor),
-            _centres(ny, self.dy, self.channel.first_y, factor),
+        (ny, nx), channel = self.heights.shape, self.channel
+        x, y = (
+            (0.5 * step if first is None or not channel.dx else first * (self.dx / channel.dx))
+            + step * np.arange(n)
+            for n, step, first in ((nx, self.dx, channel.first_x), (ny, self.dy, channel.first_y))
         )
+        return x, y
 
 
 def convert(file: MeasuredFile, request: Request) -> Converted:
@@ -83,10 +83,9 @@ def _without_markers(channel: Channel, request: Request) -> tuple[Channel, list[
 
 def _first_row(file: MeasuredFile, channel: Channel, request: Request) -> tuple[str, bool, list[str]]:
     """Return where row 0 of the file lies, whether that is assumed, a note if the user overrides the file."""
-    orientation, assumed = file.rows_of(channel)
+    orientation = channel.first_row or file.first_row
+    assumed = bool(channel.first_row) or file.first_row_assumed
     requested = request.first_row
-    if requested is not None:
-        check_choice("first_row", requested, FirstRow)
     if requested is None or channel.shape[0] == 1:  # a profile has only one row
         return orientation, assumed and channel.shape[0] > 1, []
     if assumed or requested == orientation:
@@ -97,8 +96,6 @@ def _first_row(file: MeasuredFile, channel: Channel, request: Request) -> tuple[
 
 def _checksum_notes(file: MeasuredFile, request: Request) -> list[str]:
     """Refuse a file that differs from its checksum, or return a note where the user wants it read."""
-    if request.checksum is not None:
-        check_choice("checksum", request.checksum, Checksum)
     if not file.stale:
         return []
     if request.checksum is None:
@@ -137,9 +134,3 @@ def _checked(heights: np.ndarray) -> np.ndarray:
             "binary file whose line ends were converted)"
         )
     return heights
-
-
-def _centres(count: int, step: float, first: float | None, factor: float | None) -> np.ndarray:
-    """Return cell centres along one axis, m; `factor` is the metres per unit of `first`."""
-    start = 0.5 * step if first is None or factor is None else first * factor
-    return start + step * np.arange(count)

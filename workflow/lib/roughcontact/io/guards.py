@@ -2,12 +2,13 @@
 
 import hashlib
 import os
+import re
+import stat
 import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO
 
 from roughcontact.errors import InputFileError, RoughContactError
 
@@ -72,22 +73,23 @@ def check_file(path: Path) -> None:
             f"{name[:60]}...: a path of {len(name)} characters, longer than any file's; check the path"
         )
     try:
-        path.stat()
+        status = path.stat()
     except PermissionError as error:
         raise InputFileError("its folder may not be read by this user") from error
-    except (OSError, ValueError):
-        pass  # reported below
-    if path.is_dir():
+    except (OSError, ValueError) as error:
+        raise InputFileError(
+            "no such file; check the path (relative paths start at the working folder)"
+        ) from error
+    if stat.S_ISDIR(status.st_mode):
         raise InputFileError("is a folder; name one file in it (roughcontact inspect lists them)")
-    if not path.exists():
-        raise InputFileError("no such file; check the path (relative paths start at the working folder)")
-    if not path.is_file():
+    if not stat.S_ISREG(status.st_mode):
         raise InputFileError("is no regular file")
-    size = path.stat().st_size
-    if size == 0:
+    if status.st_size == 0:
         raise InputFileError("the file is empty")
-    if size > MAX_FILE_BYTES:
-        raise InputFileError(f"{size} bytes, more than the {MAX_FILE_BYTES} that are read; crop the map")
+    if status.st_size > MAX_FILE_BYTES:
+        raise InputFileError(
+            f"{status.st_size} bytes, more than the {MAX_FILE_BYTES} that are read; crop the map"
+        )
 
 
 def sha256(path: Path) -> str:
@@ -197,23 +199,18 @@ def _check_xml(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> None:
             f"{entry.filename} in the archive has {entry.file_size} bytes of XML, packed in "
             f"{entry.compress_size}: no description of a map is so long"
         )
-    with archive.open(entry) as stream:
-        for declaration in _declarations(stream, f"{entry.filename} in the archive"):
-            raise InputFileError(
-                f"{entry.filename} in the archive declares {declaration}, which is "
-                "refused because it can expand without limit or read other files; export the map again"
-            )
-
-
-def _declarations(stream: IO[bytes], where: str) -> Iterator[str]:
-    """Yield the declarations of entities in XML, reading it in pieces."""
     before, total, started = b"", 0, False
-    while block := stream.read(_PROLOG):
-        text = before + block.replace(b"\0", b"").upper()  # makes UTF-16 searchable
-        for declaration in (b"<!DOCTYPE", b"<!ENTITY"):
-            if declaration in text:
-                yield declaration.decode()[2:]
-        before, total = text[-16:], total + len(block)
-        started = started or bool(text.strip())
-        if not started and total >= _PROLOG:
-            raise InputFileError(f"{where} begins with {total} bytes of blanks: it is no XML")
+    with archive.open(entry) as stream:
+        while block := stream.read(_PROLOG):
+            text = before + block.replace(b"\0", b"").upper()  # makes UTF-16 searchable
+            if declaration := re.search(rb"<!(DOCTYPE|ENTITY)", text):
+                raise InputFileError(
+                    f"{entry.filename} in the archive declares {declaration[1].decode()}, which is "
+                    "refused because it can expand without limit or read other files; export the map again"
+                )
+            before, total = text[-16:], total + len(block)
+            started = started or bool(text.strip())
+            if not started and total >= _PROLOG:
+                raise InputFileError(
+                    f"{entry.filename} in the archive begins with {total} bytes of blanks: it is no XML"
+                )

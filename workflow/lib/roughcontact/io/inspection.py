@@ -129,17 +129,10 @@ def _measured(converted: Converted) -> dict:
 
 def _described(channel: Channel, path: Path, *, chosen: bool) -> dict:
     """Return properties of a channel, in the units of the file; large ones are read only if chosen."""
-    described = {
-        "name": channel.name,
-        "ny": channel.shape[0],
-        "nx": channel.shape[1],
-        "dx": channel.dx,
-        "dy": channel.dy,
-        "lateral_unit": channel.lateral_unit,
-        "height_unit": channel.height_unit,
-        "is_height": not channel.no_height,
-        "reason": channel.no_height,
-    }
+    ny, nx = channel.shape
+    stated = {key: getattr(channel, key) for key in ("dx", "dy", "lateral_unit", "height_unit")}
+    described = {"name": channel.name, "ny": ny, "nx": nx, **stated}
+    described |= {"is_height": not channel.no_height, "reason": channel.no_height}
     if channel.no_height or (prod(channel.shape) > _LARGE and not chosen):
         return described
     try:

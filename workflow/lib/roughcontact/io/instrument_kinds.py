@@ -40,7 +40,4 @@ def of_name(name: str | None) -> Kind:
     >>> of_name("optical profiler").words, of_name(None) is UNKNOWN
     ('an optical profiler', True)
     """
-    return next(
-        (instrument_kind for instrument_kind in (PROBE, OPTICAL, STYLUS) if instrument_kind.name == name),
-        UNKNOWN,
-    )
+    return {kind.name: kind for kind in (PROBE, OPTICAL, STYLUS)}.get(name or "", UNKNOWN)

@@ -7,17 +7,22 @@ from roughcontact.errors import InputFileError
 _EXAMINED = 2**20  # bytes of an excess that are compared with each other
 
 
+def refuse_cut_off(size: int, required_size: int) -> None:
+    """Refuse a file with fewer bytes than it needs."""
+    if size < required_size:
+        raise InputFileError(
+            f"{size} bytes where its header needs {required_size}: it was cut off, or lost bytes on "
+            "the way; copy or export it again"
+        )
+
+
 def compare_size(path: Path, required_size: int) -> tuple[str, list[str]]:
     """Return how the size of a file differs from the bytes needed, as in `MeasuredFile.stale`, and a warning.
 
     Equal excess bytes are padding at the end; others may have moved the heights. A file too short is refused.
     """
     size = path.stat().st_size
-    if size < required_size:
-        raise InputFileError(
-            f"{size} bytes where its header needs {required_size}: it was cut off, or lost bytes on "
-            "the way; copy or export it again"
-        )
+    refuse_cut_off(size, required_size)
     if size == required_size:
         return "", []
     with path.open("rb") as stream:

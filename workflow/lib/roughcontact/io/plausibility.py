@@ -1,5 +1,6 @@
 """Warnings about implausible properties of a map that was read. They change no number."""
 
+from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -36,16 +37,16 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = UNKNOWN
     """Return the implausible properties of a map (ny, nx; m; steps in m), with the numbers they rest on."""
     measured = height[np.isfinite(height)]
     low, high = measured.min(), measured.max()
-    spikes = _extremes(measured, low, high)
+    spikes = list(_extremes(measured, low, high))
     doubts = _geometry(height.shape, dx, dy)
     # a few points far from all others determine the span: they have a warning of their own
     span = np.ptp(np.quantile(_sample(measured), _CENTRAL_QUANTILES)) if spikes else high - low
-    units = _ranges(height.shape, span, dx, dy, kind)
+    units = list(_ranges(height.shape, span, dx, dy, kind))
     if low == high:
         heights = [f"all heights are equal ({quantity(low, 'm')}): the map is flat or holds no measurement"]
     else:
         units += _slopes(height, dx, dy)
-        heights = _levels(height, measured, low, high) + _lines(height) + _noise(height)
+        heights = [*_levels(height, measured, low, high), *_lines(height), *_noise(height)]
     doubts += [Suspicion("units", finding) for finding in units]
     advice = "level.outlier_threshold finds isolated ones"  # for a map as measured
     doubts += [Suspicion("spikes", finding, advice) for finding in spikes]
@@ -88,11 +89,9 @@ def quantisation_step(height: np.ndarray) -> float | None:
     """
     sampled = _sample(height.reshape(-1))  # large maps leave no room for a copy
     levels = np.unique(sampled[np.isfinite(sampled)])
-    if levels.size < 3:
-        return None
-    gaps = np.diff(levels)
     # levels that single precision cannot distinguish are one level
-    rounding = 4e-7 * max(abs(levels[0]), abs(levels[-1]))
+    rounding = 4e-7 * np.abs(levels).max(initial=0.0)
+    gaps = np.diff(levels)
     gaps = gaps[gaps > rounding]
     if gaps.size < 2:
         return None
@@ -129,14 +128,13 @@ def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[Suspicion]:
     return [Suspicion("pixels", doubts + "check the size of the map, or whether the file was cut")]
 
 
-def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kind) -> list[str]:
+def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kind) -> Iterator[str]:
     """Compare steps, field and heights with each other and with the ranges of the kind of instrument."""
     ny, nx = shape
     fields = [nx * dx, ny * dy] if ny > 1 else [nx * dx]
     steps = [dx, dy] if ny > 1 else [dx]
-    doubts = []
     if span > max(fields):
-        doubts.append(
+        yield (
             f"the heights span {quantity(span, 'm')}, more than the field of {quantity(max(fields), 'm')}: "
             "check the height unit"
         )
@@ -147,14 +145,13 @@ def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kin
     ):
         wrong = [value for value in values if not low <= value <= high]
         if wrong:
-            doubts.append(
+            yield (
                 f"{quantity_name.format(quantity(wrong[0], 'm'))} unusual for {kind.words} "
                 f"({quantity(low, 'm')} to {quantity(high, 'm')}): check the {unit} unit"
             )
-    return doubts
 
 
-def _slopes(height: np.ndarray, dx: float, dy: float) -> list[str]:
+def _slopes(height: np.ndarray, dx: float, dy: float) -> Iterator[str]:
     """Suspect slopes that no instrument measures."""
     _, gradient = roughness_off_plane(height, dx, dy)
     if gradient > STEEPEST:
@@ -163,15 +160,14 @@ def _slopes(height: np.ndarray, dx: float, dy: float) -> list[str]:
     elif 0 < gradient < _FLATTEST:
         wrong = f"smaller than those of polished optics (rms gradient {number(gradient)})"
     else:
-        return []
-    return [f"the slopes are {wrong}: check the units of heights and steps"]
+        return
+    yield f"the slopes are {wrong}: check the units of heights and steps"
 
 
-def _extremes(measured: np.ndarray, low: float, high: float) -> list[str]:
+def _extremes(measured: np.ndarray, low: float, high: float) -> Iterator[str]:
     """Suspect points far from all others."""
-    doubts: list[str] = []
     if measured.size < 100:
-        return doubts
+        return
     lower, upper = np.quantile(_sample(measured), _CENTRAL_QUANTILES)
     reach = 3 * (upper - lower)
     for count, side, worst in (
@@ -180,28 +176,27 @@ def _extremes(measured: np.ndarray, low: float, high: float) -> list[str]:
     ):
         if count:
             points = f"{count} points lie" if count > 1 else "1 point lies"
-            doubts.append(
+            yield (
                 f"{points} far {side} all others ({worst}, where 99 % lie between "
                 f"{quantity(lower, 'm')} and {quantity(upper, 'm')}): spikes, dust, or a marker for missing "
                 f"points that was taken for a height ({_MARKER_ADVICE})"
             )
-    return doubts
 
 
-def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -> list[str]:
+def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -> Iterator[str]:
     """Suspect few levels that are no multiples of a step, and plateaus; of a step the statistics judge."""
     if measured.size < 100:
-        return []
+        return
     levels, counts = np.unique(_sample(measured), return_counts=True)
     if levels.size < _FEW_LEVELS:
-        regular = quantisation_step(height) is not None
-        return [] if regular else [f"only {levels.size} different heights occur, at odd distances"]
-    doubts = []
+        if quantisation_step(height) is None:
+            yield f"only {levels.size} different heights occur, at odd distances"
+        return
     for value, name in ((low, "lowest"), (high, "highest")):
         count = np.count_nonzero(measured == value)
         share = count / measured.size
         if count > 1 and share > _PLATEAU:  # one point is always at the extreme
-            doubts.append(
+            yield (
                 f"{percent(share)} of the points have exactly the {name} height ({quantity(value, 'm')}): "
                 f"the instrument was saturated there, or this marks missing points ({_MARKER_ADVICE})"
             )
@@ -210,56 +205,44 @@ def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -
     neighbours = np.delete(counts[max(mode - 10, 0) : mode + 11], min(mode, 10))
     share = counts[mode] / counts.sum()
     if 0 < mode < levels.size - 1 and share > _PLATEAU and counts[mode] > 10 * max(int(neighbours.max()), 1):
-        doubts.append(
+        yield (
             f"{percent(share)} of the points have exactly the height {quantity(levels[mode], 'm')}, far more "
             f"than any other: a plateau that was filled in, or a marker for missing points ({_MARKER_ADVICE})"
         )
-    return doubts
 
 
-def _lines(height: np.ndarray) -> list[str]:
+def _lines(height: np.ndarray) -> Iterator[str]:
     """Suspect rows and columns that are constant or equal to the preceding one."""
-    doubts = []
     for values, name in ((height, "rows"), (height.T, "columns")):
         count, length = values.shape
         if count < 4 or length < 4:
             continue
-        first = np.take_along_axis(values, np.argmax(np.isfinite(values), axis=1)[:, None], axis=1)
         finite = np.isfinite(values)
+        first = np.take_along_axis(values, np.argmax(finite, axis=1)[:, None], axis=1)
         long_enough = finite.sum(axis=1) > max(3, length // 100)  # lines of three points are inconclusive
         flat = np.all((values == first) | ~finite, axis=1) & long_enough
+        both_missing = ~finite[1:] & ~finite[:-1]
+        repeated = np.all((values[1:] == values[:-1]) | both_missing, axis=1) & long_enough[1:]
+        first_half, second_half = values[: count // 2], values[count // 2 :]
         if 0 < flat.sum() < count / 2:
-            doubts.append(
-                f"{flat.sum()} of {count} {name} are constant: lost lines or a marker for missing points"
-            )
-            continue
-        repeated = (
-            np.all((values[1:] == values[:-1]) | (~finite[1:] & ~finite[:-1]), axis=1) & long_enough[1:]
-        )
-        if 0 < repeated.sum() < count / 2:
-            doubts.append(f"{repeated.sum()} of {count} {name} repeat the one before exactly: lost lines")
-        elif (
-            count % 2 == 0
-            and np.array_equal(values[: count // 2], values[count // 2 :], equal_nan=True)
-            and not repeated.any()
-        ):
-            doubts.append(
-                f"the second half of the {name} repeats the first exactly: exported twice, or periodic"
-            )
-    return doubts
+            yield f"{flat.sum()} of {count} {name} are constant: lost lines or a marker for missing points"
+        elif 0 < repeated.sum() < count / 2:
+            yield f"{repeated.sum()} of {count} {name} repeat the one before exactly: lost lines"
+        elif not repeated.any() and np.array_equal(first_half, second_half, equal_nan=True):
+            yield f"the second half of the {name} repeats the first exactly: exported twice, or periodic"
 
 
-def _noise(height: np.ndarray) -> list[str]:
+def _noise(height: np.ndarray) -> Iterator[str]:
     """Suspect a map with neighbours uncorrelated along x and y, as in files damaged by a transfer."""
     correlations = []
     for first, second in ((height[:, :-1], height[:, 1:]), (height[:-1], height[1:])):
         both_finite = np.isfinite(first) & np.isfinite(second)
         if both_finite.sum() < 1000:
-            return []
+            return
         with np.errstate(all="ignore"):  # equal heights have no correlation
             correlations.append(np.corrcoef(first[both_finite], second[both_finite])[0, 1])
     if not np.max(correlations) < 0.1:
-        return []
+        return
     values = "correlation {:.2f} along x, {:.2f} along y".format(*correlations)
     origin = "pure noise, or a binary file whose line ends were converted"
-    return [f"neighbouring points are unrelated ({values}): {origin}"]
+    yield f"neighbouring points are unrelated ({values}): {origin}"

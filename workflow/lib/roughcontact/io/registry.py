@@ -5,7 +5,14 @@ from pathlib import Path
 from pkgutil import iter_modules
 
 from roughcontact.io.channels import MeasuredFile
-from roughcontact.io.guards import check_archive, check_file, check_line_ends, check_memory, naming
+from roughcontact.io.guards import (
+    check_archive,
+    check_file,
+    check_line_ends,
+    check_memory,
+    check_points,
+    naming,
+)
 from roughcontact.io.interface import Reader, head_of
 from roughcontact.io.lengths import compare_size
 
@@ -42,6 +49,9 @@ def open_file(path: Path) -> MeasuredFile:
         if reader.binary:
             check_line_ends(path)
         file = reader.read(path)
+        for channel in file.channels:
+            if not channel.doubt:
+                check_points(channel.shape)
         if file.required_size is not None and not file.stale:
             file.stale, notes = compare_size(path, file.required_size)
             file.warnings += notes

@@ -4,7 +4,10 @@ import math
 from dataclasses import dataclass, fields
 from numbers import Real
 
-from roughcontact.checking import check_lay
+from roughcontact.checking import check_choice, check_lay
+from roughcontact.choices import Checksum, FirstRow, Resampling
+
+_CHOICES = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow}
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,8 @@ class Request:
         for field in fields(self):
             if _is_empty(getattr(self, field.name)):
                 object.__setattr__(self, field.name, None)
+            elif field.name in _CHOICES:
+                check_choice(field.name, getattr(self, field.name), _CHOICES[field.name])
         if self.lay is not None:
             check_lay(self.lay)
 

@@ -4,11 +4,10 @@ Interpolation between points lowers slopes and with them the pressures, so it is
 """
 
 from dataclasses import replace
+from math import prod
 
 import numpy as np
 
-from roughcontact.checking import check_choice
-from roughcontact.choices import Resampling
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import Channel, Points
 from roughcontact.io.guards import check_points
@@ -39,7 +38,6 @@ def on_even_grid(channel: Channel, request: Request) -> tuple[Channel, Request, 
             f"{points.uneven}; give resample = linear (table of surfaces or argument) to "
             "interpolate to an even grid, or interpolate and export it with the instrument's software"
         )
-    check_choice("resample", request.resample, Resampling)
     steps = given_steps(request)
     if any(steps):  # positions and steps in `unit`
         unit = request.unit or "m"
@@ -71,66 +69,51 @@ def resampled(
     (array([[ 0., 20., 40.]]), 2.0)
     """
     x, y, z, uneven = points
-    if z.size < (3 if y is None else 4):
+    positions = [x] if y is None else [x, y]
+    if z.size < 2 + len(positions):
         raise HeightMapError(f"{z.size} points are too few to be resampled; measure again")
-    along_x, along_y, heights = (_profile if y is None else _map)(x, y, z, steps)
-    gridded = replace(
-        channel,
-        shape=heights.shape,
-        read=heights.copy,
-        dx=float(along_x[1] - along_x[0]),
-        dy=None if y is None else float(along_y[1] - along_y[0]),
-        first_x=float(along_x[0]),
-        first_y=None if y is None else float(along_y[0]),
-        points=None,
-        otherwise=None,
-    )
-    size = f"{heights.shape[1]}" if y is None else f"{heights.shape[0]} x {heights.shape[1]}"
+    along, heights = _interpolated(positions, z, steps)
+    dx, dy = [*(float(axis[1] - axis[0]) for axis in along), None][:2]
+    first_x, first_y = [*(float(axis[0]) for axis in along), None][:2]
+    gridded = replace(channel, shape=heights.shape, read=heights.copy, points=None, otherwise=None)
+    gridded = replace(gridded, dx=dx, dy=dy, first_x=first_x, first_y=first_y)
+    size = " x ".join(str(axis.size) for axis in reversed(along))
     return gridded, (
         f"{uneven}: resampled as asked, {z.size} points interpolated linearly to {size} on an even "
         "grid, which lowers slopes and peak pressures"
     )
 
 
-def _profile(x, _, z, steps):
-    """Return the positions of the grid and the heights (1, nx) there, linear between neighbours."""
-    order = np.argsort(x, kind="stable")
-    x, z = x[order], z[order]
-    step = steps[0] or (x[-1] - x[0]) / (x.size - 1)
-    grid = _grid(x, step)
-    check_points((1, grid.size))
-    heights = np.interp(grid, x, z)
-    nearest = np.clip(np.searchsorted(x, grid), 1, x.size - 1)
-    away = np.minimum(np.abs(grid - x[nearest - 1]), np.abs(grid - x[nearest]))
-    heights[away > _REACH * step] = np.nan
-    return grid, None, heights[None, :]
-
-
-def _map(x, y, z, steps):
-    """Return the positions of the grid along x and y and the heights (ny, nx) there."""
+def _interpolated(positions, z, steps):
+    """Return the positions of the grid along x (and y), and the heights (ny, nx) there."""
     from scipy.interpolate import LinearNDInterpolator
     from scipy.spatial import QhullError, cKDTree
 
-    area = np.ptp(x) * np.ptp(y)
-    if not area > 0:
+    extent = np.prod([np.ptp(each) for each in positions])
+    if not extent > 0:
         raise HeightMapError("all points lie on one line; give the file as a profile (x, z)")
+    mean = extent / (z.size - 1) if len(positions) == 1 else np.sqrt(extent / z.size)
     dx, dy = steps
-    dx = dx or dy or np.sqrt(area / z.size)
-    dy = dy or dx
-    along_x, along_y = _grid(x, dx), _grid(y, dy)
-    check_points((along_y.size, along_x.size))
+    steps = (dx or dy or mean, dy or dx or mean)[: len(positions)]
+    along = [_grid(each, step) for each, step in zip(positions, steps, strict=True)]
+    check_points((prod(axis.size for axis in along[1:]), along[0].size))
     # in steps from the middle: the triangulation matches the grid, and rounding errors are small
-    scaled = np.column_stack([(x - x.mean()) / dx, (y - y.mean()) / dy])
-    grid = np.meshgrid((along_x - x.mean()) / dx, (along_y - y.mean()) / dy)
-    try:
-        heights = LinearNDInterpolator(scaled, z)(*grid)
-    except QhullError as error:
-        raise HeightMapError("all points lie on one line; give the file as a profile") from error
-    distance, _ = cKDTree(scaled).query(
-        np.column_stack([coordinates.ravel() for coordinates in grid]), workers=1
+    scaled, axes = (
+        [(each - middle.mean()) / step for each, middle, step in zip(of, positions, steps, strict=True)]
+        for of in (positions, along)
     )
+    points, grid = np.column_stack(scaled), np.meshgrid(*axes)
+    if len(positions) == 1:
+        order = np.argsort(positions[0], kind="stable")
+        heights = np.interp(along[0], positions[0][order], z[order])
+    else:
+        try:
+            heights = LinearNDInterpolator(points, z)(*grid)
+        except QhullError as error:
+            raise HeightMapError("all points lie on one line; give the file as a profile") from error
+    distance, _ = cKDTree(points).query(np.column_stack([each.ravel() for each in grid]), workers=1)
     heights[distance.reshape(heights.shape) > _REACH] = np.nan
-    return along_x, along_y, heights
+    return along, np.atleast_2d(heights)
 
 
 def _grid(positions, step):

@@ -3,28 +3,27 @@
 The user overrides the file, with a note where they differ. Missing values are never guessed.
 """
 
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
-import numpy as np
-
+from roughcontact.checking import check_positive
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.channels import Channel
 from roughcontact.io.request import Request
 from roughcontact.io.units import is_length, metres
-from roughcontact.units import carries_unit, in_base_unit
+from roughcontact.si import quantity_in
+from roughcontact.units import carries_unit
 
 _SHORTEST = 1e-30  # m; steps from this to its inverse cause no overflow
 _FEWEST_LINES = 10  # of a matrix whose pixels reveal that it was cut off
 
 
-@dataclass(frozen=True)
-class Scale:
+class Scale(NamedTuple):
     """Steps and height unit of one map."""
 
     dx: float  # m; of a profile without `dy` both are `dx`
     dy: float  # m
     height_factor: float  # metres per unit of the file's heights
-    notes: list[str] = field(default_factory=list)  # arguments of the user that contradict the file
+    notes: list[str]  # arguments of the user that contradict the file
 
 
 def decide_scale(channel: Channel, request: Request) -> Scale:
@@ -75,18 +74,12 @@ def _given_step(name: str, request: Request) -> float | None:
     value = getattr(request, name)
     if value is None:
         return None
-    try:
-        step = float(in_base_unit(value, "m"))
-    except (TypeError, ValueError) as error:
-        reason = f": {error}" if carries_unit(value) else " must be a positive number"
-        raise SettingsError(f"{name} = {value!r}{reason}") from error
-    if not (np.isfinite(step) and step > 0) or isinstance(value, bool):
-        raise SettingsError(f"{name} = {value!r} must be a positive number")
+    number = check_positive(name, quantity_in("m", name, value), unit=request.unit or "m")
     if carries_unit(value):
-        return step
+        return number
     if request.unit is None:
         raise SettingsError(f"{name} = {value} is given without a unit; append it, or give unit")
-    return step * metres(request.unit, where="unit", error=SettingsError)
+    return number * metres(request.unit, where="unit", error=SettingsError)
 
 
 def _step(
@@ -109,25 +102,15 @@ def _lateral_factor(channel: Channel, request: Request, notes: list[str]) -> flo
     stated, is_needed = channel.lateral_unit, request.dx is None or request.dy is None
     if request.unit is None:
         return metres(stated, where="lateral unit") if stated is not None and is_needed else None
-    factor = metres(request.unit, where="unit", error=SettingsError)
-    if is_needed and channel.dx is not None and _differs(stated, factor):
-        notes.append(
-            f"the steps are taken in {request.unit} as given by the user, where the file says {stated}"
-        )
-    return factor
+    contradicted = stated if is_needed and channel.dx is not None else None
+    return _given_factor("unit", request.unit, "steps", contradicted, notes)
 
 
 def _height_factor(channel: Channel, request: Request, notes: list[str]) -> float:
     """Return the metres per unit of the file's heights."""
     stated = channel.height_unit
     if request.height_unit is not None:
-        factor = metres(request.height_unit, where="height_unit", error=SettingsError)
-        if _differs(stated, factor):
-            notes.append(
-                f"the heights are taken in {request.height_unit} as given by the user, where the file says "
-                f"{stated}"
-            )
-        return factor
+        return _given_factor("height_unit", request.height_unit, "heights", stated, notes)
     if stated is not None:
         return metres(stated, where="height unit")
     if request.unit is None:
@@ -138,9 +121,12 @@ def _height_factor(channel: Channel, request: Request, notes: list[str]) -> floa
     return metres(request.unit, where="unit", error=SettingsError)
 
 
-def _differs(stated: str | None, factor: float) -> bool:
-    """Return whether the file's unit differs from one of `factor` metres."""
-    return stated is not None and (not is_length(stated) or metres(stated) != factor)
+def _given_factor(name: str, unit: str, what: str, stated: str | None, notes: list[str]) -> float:
+    """Return the metres of a unit that the user gives; add a note where the file says another one."""
+    factor = metres(unit, where=name, error=SettingsError)
+    if stated is not None and (not is_length(stated) or metres(stated) != factor):
+        notes.append(f"the {what} are taken in {unit} as given by the user, where the file says {stated}")
+    return factor
 
 
 def _missing_steps_message(channel: Channel) -> str:

@@ -190,14 +190,11 @@ def _steps(topography: Any, file_format: Format, header: Header) -> tuple[float 
 
 def _instrument(info: Any, file_format: Format, path: Path) -> dict:
     """Return vendor, name, serial number, lens, date and the like."""
-    stated = dict(info.info.get("instrument") or {})
-    stated.setdefault("vendor", file_format.vendor)
-    stated |= {"kind": file_format.kind.name, "acquisition_time": info.info.get("acquisition_time")}
-    instrument = {key: value for key, value in stated.items() if value is not None}
-    stated = file_format.instrument(path) | instrument
-    if info.info.get("comment"):
-        stated["comment"] = info.info["comment"]
-    return instrument_metadata(stated, info.info.get("raw_metadata"))
+    stated = {"vendor": file_format.vendor, **(info.info.get("instrument") or {})}
+    stated |= {"kind": file_format.kind.name}
+    stated |= {key: info.info.get(key) for key in ("acquisition_time", "comment")}
+    known = {key: value for key, value in stated.items() if value is not None}
+    return instrument_metadata(file_format.instrument(path) | known, info.info.get("raw_metadata"))
 
 
 #: Makes a reader, by the way in which it recognises files.

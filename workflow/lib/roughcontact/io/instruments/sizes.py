@@ -7,6 +7,7 @@ import mmap
 import re
 import struct
 from collections.abc import Mapping
+from configparser import RawConfigParser
 from typing import Any
 
 from roughcontact.io.instruments import nanoscope
@@ -102,17 +103,13 @@ def nanosurf(data: mmap.mmap, header: Header, points: int) -> int | None:
     begin = data.find(b"\r\n#!")
     if begin < 0:
         return None
-    sections: dict[bytes, dict[bytes, bytes]] = {}
-    for section in re.split(rb"\r\n(?=\[)", data[:begin]):
-        name, _, remainder = section.partition(b"]")
-        sections[name.strip().lstrip(b"[")] = dict(
-            re.findall(rb"^([^=\r\n]+)=([^\r\n]*)", remainder, re.MULTILINE)
-        )
+    sections = RawConfigParser(delimiters=("=",), allow_no_value=True, strict=False)
+    sections.read_string(data[:begin].decode("latin-1"))
     size = begin + 4
-    for key, name in sections.get(b"DataSet", {}).items():
-        statements = sections.get(name, {})
-        if re.fullmatch(rb"Gr\d+-Ch\d+", key) and b"SaveBits" in statements:
-            size += int(statements[b"Points"]) * int(statements[b"Lines"]) * int(statements[b"SaveBits"]) // 8
+    for key, name in sections["DataSet"].items():
+        if re.fullmatch(r"gr\d+-ch\d+", key) and sections.has_option(name, "SaveBits"):
+            points = sections.getint(name, "Points") * sections.getint(name, "Lines")
+            size += points * sections.getint(name, "SaveBits") // 8
     return size
 
 

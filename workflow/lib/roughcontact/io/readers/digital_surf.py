@@ -9,15 +9,15 @@ from collections.abc import Iterator
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import check_points
 from roughcontact.io.instruments.formats import IMPRINT, INVERTED
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
+from roughcontact.io.lengths import refuse_cut_off
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length, metres, same_length
 
@@ -49,32 +49,24 @@ _MIRRORED_X, _MIRRORED_Y = 2, 3  # inversions; 1 changes the sign alone, and so 
 _MISSING = -2  # beside the lowest integer
 
 
-class _Object(NamedTuple):
-    """One object of a file: its header, and where its points begin and end (bytes)."""
-
-    header: np.void
-    begin: int
-    end: int
-
-
 def read(path: Path) -> MeasuredFile:
     """Open a file; each object is a channel, in a series of profiles each row."""
-    objects = _objects(path)
-    first = objects[0].header
-    channels = [channel for item in objects for channel in _channels(item, path)]
+    objects, end = _objects(path)
+    first = objects[0][0]
+    channels = [channel for header, begin in objects for channel in _channels(header, begin, path)]
     if len(channels) > 1:
         for number, channel in enumerate(channels, 1):
             channel.name = f"{_text(first['object_name']) or 'object'} {number}"
-    end = objects[-1].end if first["type"] in _COMPLETE else None
-    return MeasuredFile("Digital Surf SUR", channels, "top", _instrument(first), required_size=end)
+    required_size = end if first["type"] in _COMPLETE else None
+    return MeasuredFile("Digital Surf SUR", channels, "top", _instrument(first), required_size=required_size)
 
 
-def _objects(path: Path) -> list[_Object]:
-    """Return all objects of a file, which lie one behind the other."""
-    objects: list[_Object] = []
+def _objects(path: Path) -> tuple[list[tuple[np.void, int]], int]:
+    """Return header and first byte of the points of all objects, one behind the other, and their end."""
+    objects: list[tuple[np.void, int]] = []
     size, end = path.stat().st_size, 0
     with path.open("rb") as stream:
-        while not objects or (objects[0].header["type"] != _SURFACE and stream.read(len(_MARK)) == _MARK):
+        while not objects or (objects[0][0]["type"] != _SURFACE and stream.read(len(_MARK)) == _MARK):
             stream.seek(end)
             data = stream.read(_HEADER_BYTES)
             if len(data) < _HEADER_BYTES:
@@ -86,25 +78,21 @@ def _objects(path: Path) -> list[_Object]:
                     f"damaged Digital Surf file: a header states {header['points']} points of "
                     f"{header['bits']} bits in {ny} rows of {nx}"
                 )
-            check_points((ny, nx))
             begin = end + _HEADER_BYTES + int(header["sizes"].sum())
             end = begin + nx * ny * int(header["bits"]) // 8
-            if end > size:
-                raise InputFileError(
-                    f"{size} bytes where its headers need {end}: it was cut off, or lost bytes on "
-                    "the way; copy or export it again"
-                )
-            objects.append(_Object(header, begin, end))
+            refuse_cut_off(size, end)
+            objects.append((header, begin))
             stream.seek(end)
-    stated = int(objects[0].header["objects"])
-    if objects[0].header["type"] in _SERIES and len(objects) < stated:
-        raise InputFileError(f"{len(objects)} objects where its header states {stated}: it was cut off")
-    return objects
+    first = objects[0][0]
+    if first["type"] in _SERIES and len(objects) < first["objects"]:
+        raise InputFileError(
+            f"{len(objects)} objects where its header states {first['objects']}: it was cut off"
+        )
+    return objects, end
 
 
-def _channels(item: _Object, path: Path) -> Iterator[Channel]:
+def _channels(header: np.void, begin: int, path: Path) -> Iterator[Channel]:
     """Yield the channels of one object."""
-    header = item.header
     nx, ny = map(int, header["shape"])
     dx, dy = (float(step) if 0 < step < np.inf else None for step in header["steps"][:2])
     unit, unit_y, height_unit = map(_unit, header["step_units"])
@@ -119,7 +107,7 @@ def _channels(item: _Object, path: Path) -> Iterator[Channel]:
         yield Channel(
             "Default",
             shape,
-            partial(_read, item, chosen_rows, path),
+            partial(_read, header, begin, chosen_rows, path),
             height_unit=height_unit or None,
             dx=dx,
             dy=dy if shape[0] > 1 else None,
@@ -128,11 +116,10 @@ def _channels(item: _Object, path: Path) -> Iterator[Channel]:
         )
 
 
-def _read(item: _Object, rows: slice, path: Path) -> np.ndarray:
+def _read(header: np.void, begin: int, rows: slice, path: Path) -> np.ndarray:
     """Return the heights of some rows of an object."""
-    header = item.header
     nx, ny = map(int, header["shape"])
-    counts = np.fromfile(path, f"<i{header['bits'] // 8}", nx * ny, offset=item.begin).reshape(ny, nx)
+    counts = np.fromfile(path, f"<i{header['bits'] // 8}", nx * ny, offset=begin).reshape(ny, nx)
     heights = as_heights(counts)
     if header["special_points"] == 1:
         heights[counts == int(header["lowest"]) + _MISSING] = np.nan

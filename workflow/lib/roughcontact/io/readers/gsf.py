@@ -10,7 +10,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import check_points
+from roughcontact.io.guards import refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 
 _MARK = b"Gwyddion Simple Field 1.0\n"
@@ -25,14 +25,11 @@ def read(path: Path) -> MeasuredFile:
     statements = {
         key.strip(): value.strip() for key, equals, value in (line.partition("=") for line in lines)
     }
-    try:
+    with refusing("looks like GSF, but is damaged: no size in its header"):
         nx, ny = int(statements["XRes"]), int(statements["YRes"])
         lengths = [float(statements[key]) if key in statements else None for key in ("XReal", "YReal")]
-    except (KeyError, ValueError) as error:
-        raise InputFileError(f"looks like GSF, but is damaged: no size in its header ({error})") from error
     if not zero or min(nx, ny) < 1 or not all(length is None or 0 < length < np.inf for length in lengths):
         raise InputFileError("looks like GSF, but its header is damaged or cut off")
-    check_points((ny, nx))
     begin = len(text) + 4 - len(text) % 4
     length_x, length_y = lengths
     channel = Channel(

@@ -16,7 +16,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import check_points, refusing
+from roughcontact.io.guards import refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
 
@@ -45,7 +45,6 @@ def _channel(container: dict[str, Any], number: str) -> Channel:
     """Return one image with its mask."""
     image, mask = container[f"{number}/data"], container.get(f"{number}/mask")
     shape = int(image["yres"]), int(image["xres"])
-    check_points(shape)
     values = image["data"].reshape(shape)
     if mask is not None:
         values = np.ma.masked_array(values, mask["data"].reshape(shape) > 0.5)

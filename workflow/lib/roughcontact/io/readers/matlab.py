@@ -13,7 +13,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, oversized
-from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, check_points, refusing
+from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.text.axes import refuse_points
 
@@ -54,7 +54,6 @@ def _read(path: Path, name: str, shape: tuple[int, int], index: int | None) -> n
     """Return one variable, or one matrix of it."""
     from scipy.io import loadmat
 
-    check_points(shape)
     with refusing(f"variable {name!r} is damaged"):
         values = np.asarray(loadmat(str(path), variable_names=[name])[name])
     refuse_points(values)

@@ -3,9 +3,8 @@
 Row 0 is the line of the smallest y; without positions it is assumed to be the lowest one.
 """
 
-import json
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from math import prod
 from pathlib import Path
@@ -18,21 +17,17 @@ from roughcontact.io import classic, hdf5
 from roughcontact.io.channels import (
     Channel,
     MeasuredFile,
-    UnevenPositionsError,
     as_heights,
-    even_step,
     oversized,
-    scattered,
+    placed,
     unreadable,
 )
-from roughcontact.io.guards import MAX_POINTS, check_points, refusing
+from roughcontact.io.guards import MAX_POINTS, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with, head_of
-from roughcontact.io.metadata import instrument_metadata
+from roughcontact.io.metadata import instrument_metadata, stored_instrument
 from roughcontact.io.seal import check_seal
 from roughcontact.io.units import same_length
 from roughcontact.si import unit_of
-
-_SCIPY = (b"CDF\x01", b"CDF\x02")  # read without the netCDF library
 
 
 def read(path: Path) -> MeasuredFile:
@@ -45,17 +40,15 @@ def read(path: Path) -> MeasuredFile:
     sealed = check_seal(path)
     required_size = classic.check_header(path) if head.startswith(classic.MARKS) else hdf5.stated_size(path)
     arrays = hdf5.datasets(path) if head.startswith(hdf5.MARK) else {}
-    engine = "scipy" if head.startswith(_SCIPY) else "netcdf4"
-    too_long = {} if engine == "scipy" else _oversized_variables(path)
-    with _opened(path, engine, too_long) as dataset:
-        opener = partial(_opened, path, engine, too_long)
+    too_long = _oversized_variables(path)
+    opener = partial(_opened, path, too_long)
+    with opener() as dataset:
         channels = [
             _variable(dataset, name, axes, selection, opener)
             for name in dataset.data_vars
             for axes, selection in _maps(dataset[name])
         ]
-        attributes = dict(dataset.attrs)
-        height_attrs = dict(dataset["height"].attrs) if "height" in dataset else {}
+        instrument = _instrument(dataset)
         names = sorted(map(str, dataset.variables))
     channels += [oversized(name, shape) for name, shape in too_long.items()]
     if not channels:
@@ -65,20 +58,27 @@ def read(path: Path) -> MeasuredFile:
         "netCDF",
         channels,
         first_row="bottom",
-        instrument=_instrument(height_attrs.get("instrument"), attributes),
+        instrument=instrument,
         required_size=required_size and required_size + sealed,
     )
 
 
+def _instrument(dataset: Any) -> dict[str, Any]:
+    """Return the instrument metadata that this project wrote, otherwise those in the file attributes."""
+    with suppress(KeyError, TypeError, ValueError, RecursionError):
+        return stored_instrument({"instrument": dataset["height"].attrs["instrument"]})
+    return instrument_metadata({}, dataset.attrs)
+
+
 @contextmanager
-def _opened(path: Path, engine: Any, left_out: Iterable[str]) -> Iterator[Any]:
+def _opened(path: Path, left_out: Iterable[str]) -> Iterator[Any]:
     """Open a file as a dataset; errors, also those within the block, are raised as `InputFileError`."""
     import xarray as xr
 
     with (
         refusing("damaged or cut off netCDF file"),
         xr.open_dataset(
-            path, engine=engine, decode_times=False, decode_timedelta=False, drop_variables=list(left_out)
+            path, engine="netcdf4", decode_times=False, decode_timedelta=False, drop_variables=list(left_out)
         ) as dataset,
     ):
         yield dataset
@@ -109,15 +109,6 @@ def _no_map_message(arrays: dict[str, tuple[int, ...]], names: list[str]) -> str
     return f"no variable over two axes (y, x) in this netCDF file; it has {', '.join(names)}"
 
 
-def _instrument(height_attrs: Any, attributes: dict) -> dict:
-    """Return the instrument metadata that this project wrote, otherwise those in the file attributes."""
-    try:
-        stated = json.loads(height_attrs)
-    except (TypeError, ValueError, RecursionError):
-        stated = None
-    return stated if isinstance(stated, dict) else instrument_metadata({}, attributes)
-
-
 def _variable(
     dataset: Any,
     name: Any,
@@ -139,12 +130,11 @@ def _variable(
         raise InputFileError(f"the axes {x} and {y} have different units, {unit_x!r} and {unit_y!r}")
     positive_down = str(variable.attrs.get("positive", "")).lower() == "down"  # the CF convention for depths
 
-    def read(turned: Any = ...) -> np.ndarray:
-        """Return the values over the axes, with the sign of heights, and reversed axes flipped."""
+    def read() -> np.ndarray:
+        """Return the values over the axes, with the sign of heights."""
         with opener() as again:
             stored = again[name].isel(selection)
-            check_points((1, prod(stored.shape)))
-            values = as_heights(stored.transpose(*filter(None, dims)).values)[turned].copy()
+            values = as_heights(stored.transpose(*filter(None, dims)).values)
             low, high = _valid_range(stored)
             values[(values < low) | (values > high)] = np.nan
         return -values if positive_down else values
@@ -164,14 +154,12 @@ def _variable(
         return channel
     if positive_down:
         channel.notes = [f"the file counts {name!r} positive downwards: its sign was changed"]
-    try:
-        along_x, along_y = _axis(dataset, x), _axis(dataset, y)
-    except UnevenPositionsError as error:
-        return channel if channel.no_height else _off_grid(dataset, dims, channel, error)
-    (channel.dx, channel.first_x, backwards_x), (channel.dy, channel.first_y, backwards_y) = along_x, along_y
-    channel.read = partial(read, np.s_[:: -1 if backwards_y else 1, :: -1 if backwards_x else 1])
-    channel.first_row = "" if channel.first_y is not None else "bottom"  # assumed without positions
-    return channel
+    along_x, along_y = _axis(dataset, x), _axis(dataset, y)
+    channel.first_x, channel.first_y = (
+        None if along is None else float(min(along[0], along[-1])) for along in (along_x, along_y)
+    )
+    channel.first_row = "bottom" if along_y is None else ""  # assumed without positions
+    return placed(channel, along_x, along_y, (str(x), str(y)))
 
 
 def _valid_range(variable: Any) -> np.ndarray:
@@ -217,27 +205,11 @@ def _maps(variable: Any) -> Iterator[tuple[tuple[str | None, str], dict[str, int
         yield (plane[0], plane[1]), selection | ({count: index} if count else {})
 
 
-def _off_grid(
-    dataset: Any, dims: tuple[str | None, str], channel: Channel, error: UnevenPositionsError
-) -> Channel:
-    """Return a channel as the points of a map whose coordinates are not evenly spaced."""
-    y, x = (dataset[axis].values if axis in dataset.coords else None for axis in dims)
-    if x is None or (y is None and dims[0] is not None):
-        raise InputFileError(f"{error}, and the other axis has no positions") from error
-    if y is not None:
-        y, x = np.meshgrid(y, x, indexing="ij")
-    return scattered(channel, x, y, channel.read(), error)
-
-
-def _axis(dataset: Any, name: str | None) -> tuple[float | None, float | None, bool]:
-    """Return step and first position of a coordinate, and whether the axis is reversed."""
+def _axis(dataset: Any, name: str | None) -> np.ndarray | None:
+    """Return the positions of a coordinate, None where there are none."""
     if name is None or name not in dataset.coords or dataset[name].dtype.kind not in "iuf":
-        return None, None, False
-    positions = dataset[name].values.astype(float)
-    if positions.size == 1:
-        return None, float(positions[0]), False
-    step = even_step(positions, name)
-    return abs(step), float(min(positions[0], positions[-1])), step < 0
+        return None
+    return dataset[name].values.astype(float)
 
 
 READER = Reader(RecognisedBy.MARK, begins_with(*classic.MARKS, hdf5.MARK), read)

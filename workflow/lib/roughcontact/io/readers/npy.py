@@ -6,7 +6,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import check_points, refusing
+from roughcontact.io.guards import refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.text.axes import axes_of, refuse_points
 
@@ -19,7 +19,6 @@ def read(path: Path) -> MeasuredFile:
     shape = (1, *values.shape) if values.ndim == 1 else values.shape
     if len(shape) != 2 or 0 in shape:
         raise InputFileError(f"an array of shape {values.shape}; a map has two axes (y, x), a profile one")
-    check_points(shape)
     channel = Channel("height", shape, lambda: as_heights(values))
     file = MeasuredFile("NumPy array", [channel], first_row="bottom", first_row_assumed=True)
     file.required_size = getattr(values, "offset", 0) + values.nbytes

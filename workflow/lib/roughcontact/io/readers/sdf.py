@@ -8,7 +8,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import check_points, refusing
+from roughcontact.io.guards import refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
 
@@ -26,7 +26,6 @@ def read(path: Path) -> MeasuredFile:
     header = file.header
     if not header.z_scale or not np.isfinite(header.z_scale):
         raise InputFileError(f"Zscale = {header.z_scale}, the height of a count: correct it in the file")
-    check_points(file.data.shape)
     instrument = instrument_metadata(
         {
             "vendor": header.manufacturer_id,

@@ -11,33 +11,29 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import check_points
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
 
 _MARK = b"Binary TrueMap Data File"
 _VERSION = b"v2.0"
 _HEADER = struct.Struct("<2I4f")
-_MAX_HEADER_BYTES = 4096  # bytes of mark and comment
+_MAX_HEADER_BYTES = 4096  # bytes
 
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one map; other versions are refused."""
     with path.open("rb") as stream:
-        fields = stream.read(_MAX_HEADER_BYTES).split(b"\0", 2)
-        if len(fields) < 3 or not fields[0].removeprefix(_MARK).strip().startswith(_VERSION):
-            raise InputFileError(
-                "looks like TrueMap TMD, but is damaged or of another version than 2.0; export the "
-                "map again, as X3P or SDF where the software can"
-            )
-        comment = fields[1].decode("latin-1").strip()
-        begin = len(fields[0]) + len(fields[1]) + 2 + _HEADER.size
-        stream.seek(begin - _HEADER.size)
-        header = stream.read(_HEADER.size)
-    if len(header) < _HEADER.size:
+        mark, *fields = stream.read(_MAX_HEADER_BYTES).split(b"\0", 2)
+    if len(fields) < 2 or not mark.removeprefix(_MARK).strip().startswith(_VERSION):
+        raise InputFileError(
+            "looks like TrueMap TMD, but is damaged or of another version than 2.0; export the "
+            "map again, as X3P or SDF where the software can"
+        )
+    if len(fields[1]) < _HEADER.size:
         raise InputFileError("the header of this TrueMap TMD is not whole: it was cut off")
-    nx, ny, length_x, length_y, *_ = _HEADER.unpack(header)
-    check_points((ny, nx))
+    comment = fields[0].decode("latin-1").strip()
+    begin = len(mark) + len(fields[0]) + 2 + _HEADER.size
+    nx, ny, length_x, length_y, *_ = _HEADER.unpack_from(fields[1])
     if not nx * ny or not (0 < length_x < np.inf and 0 < length_y < np.inf):
         raise InputFileError(
             f"looks like TrueMap TMD, but is damaged ({nx} x {ny} points on {length_x:g} x {length_y:g} mm)"

@@ -16,7 +16,7 @@ from roughcontact.io.channels import (
     MeasuredFile,
     UnevenPositionsError,
     as_heights,
-    even_step,
+    placed,
     scattered,
     unreadable,
 )
@@ -37,12 +37,18 @@ def read(path: Path) -> MeasuredFile:
 
     There is one channel for each layer.
     """
+    import x3pio
+
     with refusing("not readable as X3P"):
         name = _main_xmls(path)[0]
-        with zipfile.ZipFile(path) as archive:
-            main = archive.read(name)
+        with zipfile.ZipFile(path) as packed:
+            main = packed.read(name)
         _check_claimed_size(main)
-        file, stale = _parsed(path, name, main)
+        stale = ""
+        try:
+            file = x3pio.read(_normalised_archive(path, name, main))
+        except x3pio.X3pChecksumError as error:
+            file, stale = x3pio.read(_normalised_archive(path, name, main), verify=False), brief(error)
     channels = _channels(file)
     for channel in channels:
         channel.notes += _rotation_notes(file.placement)
@@ -63,24 +69,12 @@ def _starts_at_top(main: bytes, file: Any) -> bool:
     return re.search(rb"<Origin>\s*N[WE]\s*</Origin>", main) is not None and not file.header.y.increment < 0
 
 
-def _parsed(path: Path, name: str, main: bytes) -> tuple[Any, str]:
-    """Return the file, and which of its checksums differs from its content."""
-    import x3pio
-
-    try:
-        return x3pio.read(_normalised_archive(path, name, main, verify=True)), ""
-    except x3pio.X3pChecksumError as error:
-        return x3pio.read(_normalised_archive(path, name, main, verify=False), verify=False), brief(error)
-
-
 def _main_xmls(path: Path) -> list[str]:
     """Return the names of every main.xml in an archive, the outermost first."""
     with zipfile.ZipFile(path) as archive:
-        names = [
-            name for name in archive.namelist() if PurePosixPath(name.replace("\\", "/")).name == "main.xml"
-        ]
-    names = [name for name in names if "__MACOSX" not in name]
-    return sorted(names, key=_depth)
+        names = [name for name in archive.namelist() if "__MACOSX" not in name]
+    found = [name for name in names if PurePosixPath(name.replace("\\", "/")).name == "main.xml"]
+    return sorted(found, key=_depth)
 
 
 def _depth(name: str) -> int:
@@ -95,41 +89,33 @@ def _check_claimed_size(main: bytes) -> None:
     check_points((ny, nx))
 
 
-def _normalised_archive(path: Path, name: str, main: bytes, *, verify: bool) -> Path | io.BytesIO:
+def _normalised_archive(path: Path, name: str, main: bytes) -> Path | io.BytesIO:
     """Return an archive that x3pio can read: the file itself, or one repacked in memory.
 
     Repacked are main.xml more than one folder deep, or of another root than ISO5436_2, as some tools write
-    it; the checksum of main.xml is compared before, those of the data stay in it.
+    it; its checksum becomes that of the new one.
     """
-    folder = name[: -len("main.xml")]
-    strange_root = re.search(rb"<(?:\w+:)?ISO5436[\s>]", main) is not None
-    if _depth(folder) <= 1 and not strange_root:
+    folder = name.removesuffix("main.xml")
+    renamed = re.sub(rb"(</?)(\w+:)?ISO5436(?=[\s>])", rb"\1\2ISO5436_2", main)
+    if _depth(folder) <= 1 and renamed == main:
         return path
     packed = io.BytesIO()
     with zipfile.ZipFile(path) as archive, zipfile.ZipFile(packed, "w") as tidy:
         for entry in archive.infolist():
             inner = entry.filename.removeprefix(folder)
-            if entry.is_dir() or not entry.filename.startswith(folder) or inner == "main.xml":
+            if entry.is_dir() or not entry.filename.startswith(folder):
                 continue
-            content = archive.read(entry)
+            content = renamed if inner == "main.xml" else archive.read(entry)
             if inner.lower().endswith("md5checksum.hex"):
-                if verify:
-                    _check_md5(main, content)
-                continue
+                content = content.lower().replace(_md5(main), _md5(renamed))
             tidy.writestr(inner, content)
-        root = rb"(</?)(\w+:)?ISO5436(?=[\s>])"
-        tidy.writestr("main.xml", re.sub(root, rb"\1\2ISO5436_2", main) if strange_root else main)
     packed.seek(0)
     return packed
 
 
-def _check_md5(main: bytes, content: bytes) -> None:
-    """Refuse a main.xml whose checksum differs from the one in the archive, as x3pio does."""
-    import x3pio
-
-    stated = re.match(rb"\s*([0-9a-fA-F]{32})", content)
-    if stated and stated[1].decode().lower() != hashlib.md5(main, usedforsecurity=False).hexdigest():
-        raise x3pio.X3pChecksumError("the checksum of main.xml does not match its content")
+def _md5(content: bytes) -> bytes:
+    """Return the checksum that an archive states of its main.xml."""
+    return hashlib.md5(content, usedforsecurity=False).hexdigest().encode()
 
 
 def _channels(file: Any) -> list[Channel]:
@@ -151,37 +137,14 @@ def _channels(file: Any) -> list[Channel]:
 def _channel(file: Any, layer: Any, name: str) -> Channel:
     """Return one layer; a negative increment counts the columns or rows backwards."""
     z = np.atleast_2d(layer.z)
-    check_points(z.shape)
-    channel, is_map = Channel(name, z.shape, partial(as_heights, z), "m", lateral_unit="m"), z.shape[0] > 1
-    try:
-        dx = _step(layer.x, file.header.x, "x", z.shape)
-        dy = _step(layer.y, file.header.y, "y", z.shape) if is_map else 0.0
-    except UnevenPositionsError as error:
-        x, y = (_positions(file, layer, axis, z.shape) for axis in ("x", "y"))
-        return scattered(channel, x, y if is_map else None, channel.read(), error)
-    channel.read = partial(as_heights, z[:: -1 if dy < 0 else 1, :: -1 if dx < 0 else 1])
-    channel.dx, channel.dy = abs(dx), abs(dy) or None
-    return channel
-
-
-def _step(stored: np.ndarray | None, axis: Any, name: str, shape: tuple[int, ...]) -> float:
-    """Return the step along one axis, stated or between stored positions; negative where it runs back."""
-    if stored is None:
-        return float(axis.increment)
-    stored = np.asarray(stored, dtype=float).reshape(shape)
-    along = stored if name == "x" else stored.T
-    step = even_step(along[0], name)
-    if not np.nanmax(np.abs(along - along[0])) <= 0.02 * abs(step):
-        raise UnevenPositionsError("the points do not lie on a rectangular grid")
-    return step
-
-
-def _positions(file: Any, layer: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
-    """Return the position of every point along one axis, stored or counted."""
-    stored = getattr(layer, name)
-    if stored is not None:
-        return np.asarray(stored, dtype=float).reshape(shape)
-    return getattr(file.header, name).increment * np.indices(shape)[1 if name == "x" else 0]
+    channel = Channel(name, z.shape, partial(as_heights, z), "m", lateral_unit="m")
+    x, y = (
+        float(getattr(file.header, axis).increment)
+        if (stored := getattr(layer, axis)) is None
+        else np.asarray(stored, dtype=float).reshape(z.shape)
+        for axis in ("x", "y")
+    )
+    return placed(channel, x, y if z.shape[0] > 1 else None)
 
 
 def _rotation_notes(placement: Any) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile
-from roughcontact.io.guards import check_points, refusing
+from roughcontact.io.guards import refusing
 from roughcontact.io.instrument_kinds import OPTICAL
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.text.lines import lines_of
@@ -25,7 +25,6 @@ def read(path: Path) -> MeasuredFile:
     with refusing("looks like a Zygo XYZ data file, but is damaged"):
         nx, ny = map(int, lines[3].split()[2:4])
         pixel = float(lines[7].split()[6])
-        check_points((ny, nx))
         points = [line.split()[:3] for line in lines[ends[0] + 1 : [*ends, None][1]]]
         if len(ends) != 2 or len(points) != nx * ny:
             raise InputFileError(
