@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from roughcontact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.statistics.adhesion import adhesion_numbers
@@ -17,7 +18,7 @@ def add_lines(section: Section, *, finest_grid: int) -> None:
     critical = np.sqrt(4 * _WORK * _WAVELENGTH / (np.pi * _MODULUS))
     for ratio in (0.5, 1.0, 2.0):
         wave = height_map(ratio * critical * np.cos(phase)[None, :], _WAVELENGTH / 64)
-        computed = adhesion_numbers(wave, contact_modulus=_MODULUS, work_of_adhesion=_WORK)
+        computed = adhesion_numbers(wave, Elasticity(_MODULUS), work_of_adhesion=_WORK)
         section.compare(
             "wave", computed["effective_work_of_adhesion"] / _WORK, 1 - ratio**2, 1e-12, ratio=ratio
         )
@@ -30,6 +31,6 @@ def add_lines(section: Section, *, finest_grid: int) -> None:
         )
         power = 2 * hurst - 1
         mean_wavenumber = low * 2 * hurst / power * (1 - band**power) / (1 - band ** (2 * hurst))
-        energy = adhesion_numbers(height, contact_modulus=1.0)["conforming_energy"] / (rms**2 * low)
+        energy = adhesion_numbers(height, HALF_SPACE)["conforming_energy"] / (rms**2 * low)
         fields = {"hurst": hurst, "first": first, "last": last}
         section.compare("rough", energy, mean_wavenumber / (4 * low), 0.1 / np.sqrt(first), **fields)

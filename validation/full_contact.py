@@ -3,6 +3,7 @@
 import xarray as xr
 
 from roughcontact.elasticity.energy import conforming_energy
+from roughcontact.elasticity.influence import HALF_SPACE
 from roughcontact.maps import spacing
 from roughcontact.references import synthetic
 from roughcontact.roughness import parameters
@@ -35,7 +36,7 @@ def _lines(section: Section, name: str, height: xr.DataArray) -> None:
     loads = [0.999 * least, (1 + 1e-9) * least, 5 * least]
     below, just, far = solve(height, loads, 1e-6)
     energy = closed_forms.full_contact_energy(height.values, spacing(height), 1.0)
-    conforming = conforming_energy(height.values, spacing(height), contact_modulus=1.0)
+    conforming = conforming_energy(height.values, spacing(height), HALF_SPACE)
     for word, load, contact in (("just closed", loads[1], just), ("5 × that load", loads[2], far)):
         section.compare("pressure", contact.pressure, load + fluctuation, ROUNDING, map=name, load=word)
     section.compare("spread", far.pressure.std(), parameters.rms_gradient(height) / 2, ROUNDING, map=name)

@@ -101,7 +101,7 @@ def hertz_displacement_alone(points: int) -> tuple[np.ndarray, np.ndarray]:
     """
     x = (np.arange(points) - points // 2) * _CELL / points
     pressure = np.sqrt(np.maximum(1 - x[None, :] ** 2 - x[:, None] ** 2, 0))
-    kernel = TruncatedKernel("sampled", 2.0)  # the diameter
+    kernel = TruncatedKernel(2.0)  # the diameter
     shape, lengths = (points, points), (_CELL, _CELL)
     displaced = HalfSpace(shape, lengths, Elasticity(influence=kernel)).displacement(pressure)[points // 2]
     mean = kernel.mean_displacement(shape, (_CELL / points, _CELL / points))

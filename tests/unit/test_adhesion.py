@@ -7,6 +7,7 @@ import xarray as xr
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
 from roughcontact.elasticity.energy import conforming_energy
+from roughcontact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.statistics.adhesion import adhesion_in_words, adhesion_numbers
 from roughcontact.variables import describe
@@ -20,7 +21,7 @@ def test_energy_is_the_work_of_full_contact(shape):
     """Against the closed form written apart, and against half of pressure times displacement."""
     height = np.random.default_rng(1).standard_normal(shape) + 7.0
     steps = (0.3, 0.5)
-    found = conforming_energy(height, steps, contact_modulus=3.0)
+    found = conforming_energy(height, steps, Elasticity(3.0))
     assert found == pytest.approx(closed_forms.full_contact_energy(height, steps, 3.0), rel=1e-12)
     pressure = closed_forms.full_contact_fluctuation(height, steps, 3.0)
     assert found == pytest.approx((pressure * (height - height.mean())).mean() / 2, rel=1e-10)
@@ -37,11 +38,11 @@ def test_it_is_the_energy_of_the_solved_contact_when_all_of_it_touches():
 
 
 def test_words():
-    numbers = adhesion_numbers(ROUGH, contact_modulus=1.0, work_of_adhesion=1.0)
+    numbers = adhesion_numbers(ROUGH, HALF_SPACE, work_of_adhesion=1.0)
     assert adhesion_in_words(xr.Dataset(numbers)).startswith("sticky: of the work of adhesion (1000 mJ/m²)")
-    numbers = adhesion_numbers(ROUGH, contact_modulus=1e6, work_of_adhesion=0.05)
+    numbers = adhesion_numbers(ROUGH, Elasticity(1e6), work_of_adhesion=0.05)
     assert adhesion_in_words(xr.Dataset(numbers)).startswith("not sticky: pressing the surfaces flat costs")
-    assert adhesion_in_words(xr.Dataset(adhesion_numbers(ROUGH, contact_modulus=1.0))) == ""
+    assert adhesion_in_words(xr.Dataset(adhesion_numbers(ROUGH, HALF_SPACE))) == ""
 
 
 def test_work_of_adhesion_in_the_settings():

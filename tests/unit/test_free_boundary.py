@@ -40,13 +40,13 @@ def rough_body_map(seed, points):
 
 @pytest.mark.parametrize("influence", ["sampled", "elements"])
 def test_kernel_is_positive(influence):
-    kernel = TruncatedKernel(influence, 0.4)
+    kernel = TruncatedKernel(0.4, Elasticity(influence=influence))
     assert kernel(*wavevectors((120, 96), (1 / 96, 1 / 96)), (1 / 96, 1 / 96)).min() > 0
 
 
 def test_kernel_of_elements_is_exact_up_to_its_reach():
     shape, spacing = (120, 96), (1 / 96, 1 / 96)
-    kernel = TruncatedKernel("elements", 0.4)
+    kernel = TruncatedKernel(0.4, Elasticity(influence="elements"))
     symbol = kernel(*wavevectors(shape, spacing), spacing)
     symbol[0, 0] = kernel.mean_displacement(shape, spacing)
     response = np.fft.irfft2(symbol, shape)[:30, :20]
@@ -66,7 +66,7 @@ def test_sampled_symbol_is_the_transform_of_the_kernel():
     """2 times the integral of J0(q r), the kernel 1/(pi r) in polar coordinates, with the linear fade."""
     qy, qx = wavevectors((64, 64), (1 / 64, 1 / 64))
     reach, end = 0.4, 0.4 * FADE
-    symbol = TruncatedKernel("sampled", reach)(qy, qx, (1 / 64, 1 / 64))
+    symbol = TruncatedKernel(reach)(qy, qx, (1 / 64, 1 / 64))
     for row, column in ((0, 1), (1, 1), (0, 3), (7, 20), (32, 32)):
         q = np.hypot(qy[row, 0], qx[0, column])
         exact = quad(lambda r, q: 2 * j0(q * r), 0, reach, args=(q,), limit=200)[0]
@@ -136,7 +136,7 @@ def test_flat_punch_with_edges():
 def free_norm(pressure):
     """Return the root of the mean of p times its displacement without neighbours, by direct convolution."""
     n = pressure.shape[0]
-    kernel = TruncatedKernel("sampled", 1.5)
+    kernel = TruncatedKernel(1.5)
     symbol = kernel(*wavevectors((4 * n, 4 * n), (1 / n, 1 / n)), (1 / n, 1 / n))
     symbol[0, 0] = kernel.mean_displacement((4 * n, 4 * n), (1 / n, 1 / n))
     displacement = np.fft.irfft2(symbol * np.fft.rfft2(pressure, (4 * n, 4 * n)))[:n, :n]
@@ -224,7 +224,7 @@ def test_layers_displace_as_the_integral_of_their_compliance(body):
     r = np.hypot(x[:, None], x)
     pressure = np.zeros(cell)
     pressure[:128, :128] = np.maximum(1 - (r / a) ** 2, 0) ** 2
-    kernel = TruncatedKernel("sampled", 1.15, pair)
+    kernel = TruncatedKernel(1.15, Elasticity(layers=pair))
     symbol = kernel(*wavevectors(cell, (step, step)), (step, step))
     symbol[0, 0] = kernel.mean_displacement(cell, (step, step))
     assert symbol.min() > 0
@@ -264,7 +264,7 @@ def test_bound_is_above_the_error_with_layers(body, hardness):
     periodic = HalfSpace((96, 96), (1.0, 1.0), Elasticity(layers=layers))
     norm = np.sqrt((exact * periodic.displacement(exact)).mean())
     cell = (400, 400)  # where the images do not reach
-    kernel = TruncatedKernel("sampled", 1.5, layers)
+    kernel = TruncatedKernel(1.5, Elasticity(layers=layers))
     symbol = kernel(*wavevectors(cell, (1 / 96, 1 / 96)), (1 / 96, 1 / 96))
     symbol[0, 0] = kernel.mean_displacement(cell, (1 / 96, 1 / 96))
     for tolerance in (0.1, 1e-2, 1e-4):

@@ -164,14 +164,12 @@ def radii_of(body: xr.DataArray) -> list[float]:
 
 def sides_around(points: np.ndarray, margin: Callable[[int], int]) -> tuple[slice, slice]:
     """Return rows and columns of the rectangle around points (ny, nx; bool), with a margin by its width."""
-    ends = [
-        (int(line.min()), int(line.max()), n) for line, n in zip(points.nonzero(), points.shape, strict=True)
-    ]
-    rows, columns = (
-        slice(max(first - margin(last - first), 0), min(last + margin(last - first) + 1, n))
-        for first, last, n in ends
-    )
-    return rows, columns
+    sides = []
+    for line, n in zip(points.nonzero(), points.shape, strict=True):
+        first, last = int(line.min()), int(line.max())
+        wider = margin(last - first)
+        sides.append(slice(max(first - wider, 0), min(last + wider + 1, n)))
+    return sides[0], sides[1]
 
 
 def roughness_of(body: xr.DataArray) -> xr.DataArray:

@@ -4,8 +4,9 @@
 the solution itself.
 """
 
+import contextlib
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,27 +14,20 @@ import xarray as xr
 from roughcontact.contact.free_boundary import free_solutions
 from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.solve import MOST_LOAD, elasticity, periodic_solutions
+from roughcontact.errors import HeightMapError
 from roughcontact.kernels.arrays import SINGLE
 from roughcontact.maps import radii_of
 
 
-class LoadFields(NamedTuple):
-    """The solution of one load: fields (ny, nx) and the bound of the relative error in the energy norm."""
-
-    load_index: int  # in `mean_pressure`
-    pressure: np.ndarray  # Pa
-    gap: np.ndarray  # m
-    error_bound: float
-
-
 def solved_fields(
     window: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float, precision: str = SINGLE
-) -> Iterator[LoadFields]:
-    """Yield the fields of every load of a map (y, x; m), from the smallest to the largest.
+) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Yield index, pressure (Pa) and gap (m) of every load of a map (y, x; m) from the smallest on.
 
     Of the arguments `contact` of `solve_contact` the elasticity, loads, `boundary`, `hardness`, `influence`
-    and `threads` count; what misses the tolerance says so by its `error_bound`. A periodic map so flat that
-    rounding hides its contact is solved as flat, forces on a finite body are pressures times its `area` (m2).
+    and `threads` count. A load that misses the tolerance, or under which the contact leaves the map, is left
+    out. A periodic map so flat that rounding hides its contact is solved as flat, forces on a finite body are
+    pressures times its `area` (m2).
     """
     known = elasticity(**contact)
     loads = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
@@ -48,6 +42,8 @@ def solved_fields(
         if loads.max() > 0.5 * MOST_LOAD * known.modulus * problem.gradient:  # rounding errors only
             problem = nondimensionalise(xr.zeros_like(window), threads=threads)
         solutions = periodic_solutions(problem, rising, known, precision=precision, **options)
-    for index in order:
-        fields, solution, _ = next(solutions)
-        yield LoadFields(int(index), fields.pressure, fields.gap, solution.error_bound)
+    with contextlib.suppress(HeightMapError):  # and larger loads leave it, too
+        for index in order:
+            fields, solution, _ = next(solutions)
+            if solution.error_bound <= tolerance:
+                yield int(index), fields.pressure, fields.gap

@@ -137,8 +137,7 @@ class FreeBody:
         cell[:ny, :nx] = np.where(mask, heights, low)
         # the mean pressure is the unit
         problem = Problem(cell, self.spacing, highest, gradient=mean_pressure / modulus)
-        scaled = self.elasticity.scaled(unit)
-        kernel = TruncatedKernel(scaled.influence, region.reach / unit, scaled.layers)
+        kernel = TruncatedKernel(region.reach / unit, self.elasticity.scaled(unit))
         of_cell = Elasticity(influence=kernel, hardness=hardness / mean_pressure)
         (solution,) = sweep(problem, [1.0], of_cell, tolerance=tolerance, threads=self.threads)
         state = solution.state

@@ -3,7 +3,6 @@
 import numpy as np
 
 from roughcontact.elasticity.influence import Elasticity
-from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.kernels.waves import over_waves, over_wavevectors, wave_power
 
 
@@ -23,12 +22,7 @@ def elastic_energy(pressure: np.ndarray, steps: tuple[float, float], elasticity:
 
 
 def conforming_energy(
-    height: np.ndarray,
-    steps: tuple[float, float],
-    *,
-    contact_modulus: float,
-    power: np.ndarray | None = None,
-    layers: LayeredPair | None = None,
+    height: np.ndarray, steps: tuple[float, float], elasticity: Elasticity, *, power: np.ndarray | None = None
 ) -> float:
     """Return the elastic energy per area of a map that is pressed flat, U = E*/4 sum |q| |h(q)|^2, J/m^2.
 
@@ -39,7 +33,7 @@ def conforming_energy(
     total = 0.0
     for q2, weight in over_waves(power, height.shape, steps):
         q = np.sqrt(q2)
-        if layers is not None:
-            q /= layers.factor(np.where(q > 0, q, 1.0))
+        if elasticity.layers is not None:
+            q /= elasticity.layers.factor(np.where(q > 0, q, 1.0))
         total += float((q * weight).sum())
-    return total * contact_modulus / 4
+    return total * elasticity.modulus / 4

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from roughcontact.choices import Influence
-from roughcontact.elasticity.influence import InfluenceFunction
+from roughcontact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.errors import SettingsError
 
@@ -34,17 +33,16 @@ _SOFTEST = 1e-5  # |q| times the thickest layer, where it follows any base
 class TruncatedKernel:
     """An influence function (`roughcontact.elasticity.influence`), exact up to the distance `reach`."""
 
-    influence: Influence | InfluenceFunction
     reach: float
-    layers: LayeredPair | None = None  # thicknesses in the unit of the reach
+    elasticity: Elasticity = HALF_SPACE  # thicknesses in the unit of the reach
 
     def __call__(self, qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
         """Return the symbol; infinite at q = 0, whose displacement `mean_displacement` is."""
         q: np.ndarray = np.hypot(qy.astype(float), qx.astype(float))
         q[0, 0] = highest = q.max()
-        if self.layers is not None:
-            symbol = self._of_layers(q, self.layers)
-        elif self.influence == "elements":
+        if self.elasticity.layers is not None:
+            symbol = self._of_layers(q, self.elasticity.layers)
+        elif self.elasticity.influence == "elements":
             symbol = transform_of_pixels((qy.size, 2 * (qx.size - 1)), spacing, self.reach).copy()
         else:
             last = 2.0 ** np.ceil(np.log2(highest * self.reach))
@@ -54,10 +52,10 @@ class TruncatedKernel:
 
     def mean_displacement(self, shape: tuple[int, int], spacing: tuple[float, float]) -> float:
         """Return E* times the mean displacement per mean pressure: the symbol at q = 0."""
-        if self.layers is not None:
-            symbol, farthest = _faded_layers(self.layers, self.reach)
+        if self.elasticity.layers is not None:
+            symbol, farthest = _faded_layers(self.elasticity.layers, self.reach)
             return float(symbol(0.0) + farthest * np.prod(shape) * np.prod(spacing))
-        if self.influence == "elements":
+        if self.elasticity.influence == "elements":
             return float(transform_of_pixels(shape, spacing, self.reach)[0, 0])
         return (1 + FADE) * self.reach
 

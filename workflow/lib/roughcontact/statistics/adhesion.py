@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.elasticity.energy import conforming_energy
-from roughcontact.elasticity.layers import LayeredPair
+from roughcontact.elasticity.influence import Elasticity
 from roughcontact.maps import spacing
 from roughcontact.quantities import Unit, number
 
@@ -13,11 +13,10 @@ _ENERGY = Unit(1e3, "mJ/m²")
 
 def adhesion_numbers(
     height: xr.DataArray,
+    elasticity: Elasticity,
     *,
-    contact_modulus: float,
     work_of_adhesion: float | None = None,
     power: np.ndarray | None = None,
-    layers: LayeredPair | None = None,
 ) -> dict[str, float]:
     """Return the energy U of full conformity (J/m2) of a periodic map (y, x; m), and w - U, the work left.
 
@@ -26,9 +25,7 @@ def adhesion_numbers(
     and Robbins 2014, PNAS 111, 3298; disputed by Ciavarella 2016, arXiv 1602.02555). `power` (ny, nx // 2 +
     1; m2) is that of the waves, if known.
     """
-    energy = conforming_energy(
-        height.values, spacing(height), contact_modulus=contact_modulus, power=power, layers=layers
-    )
+    energy = conforming_energy(height.values, spacing(height), elasticity, power=power)
     if work_of_adhesion is None:
         return {"conforming_energy": energy}
     return {"conforming_energy": energy, "effective_work_of_adhesion": work_of_adhesion - energy}

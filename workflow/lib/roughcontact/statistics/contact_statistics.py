@@ -391,13 +391,9 @@ def surface_numbers(
     """
     roughness = roughness_of(height)
     power = wave_power(roughness.values)
-    parameters = surface_statistics(roughness, power) | adhesion_numbers(
-        roughness,
-        contact_modulus=contact_modulus,
-        work_of_adhesion=work_of_adhesion,
-        power=power,
-        layers=layers,
-    )
+    parameters = surface_statistics(roughness, power)
+    elasticity = Elasticity(contact_modulus, layers=layers)
+    parameters |= adhesion_numbers(roughness, elasticity, work_of_adhesion=work_of_adhesion, power=power)
     del power
     return SurfaceNumbers(parameters, summit_statistics(roughness), float(np.ptp(height.values)))
 

@@ -1,6 +1,5 @@
 """Ensemble members: solutions to a wider tolerance, at few loads, of which only some quantities are kept."""
 
-import contextlib
 import math
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any, NamedTuple
@@ -10,7 +9,6 @@ import xarray as xr
 
 from roughcontact.contact.fields import solved_fields
 from roughcontact.contact.solve import elasticity
-from roughcontact.errors import HeightMapError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 from roughcontact.maps import RIM, spacing
 from roughcontact.uncertainty.headline import quantities_of
@@ -44,23 +42,17 @@ def solve_member(
     pressures = loads_of(contact) if loads is None else loads_of(contact)[loads]
     tolerance = max(tolerance, contact.get("tolerance", 0.0))
     contact, steps, unit = {**contact, "mean_pressure": pressures}, spacing(window), 1.0
-    left_out: list[type[Exception]] = []
     if contact.get("boundary") == "free":
         rim = max(1, round(RIM * contact["pitch"] / steps[1]))
         window = finite_body(window, **contact["form"], rim=rim)
         unit = window.size * steps[0] * steps[1] / contact["area"]  # the area counts over that of the map
-        left_out = [HeightMapError]  # from the load on under which the contact leaves the map
     single = tolerance >= TOLERANCE or contact.get("precision") == "single"
     solutions = solved_fields(window, contact, tolerance=tolerance, precision=SINGLE if single else DOUBLE)
     known = elasticity(**contact)
     values = {name: np.full(pressures.shape, np.nan) for name in names}
-    with contextlib.suppress(*left_out):
-        for solution in solutions:
-            if solution.error_bound > tolerance:
-                continue
-            quantities = quantities_of(solution.pressure, solution.gap, names, known, steps=steps)
-            for name in names:
-                values[name][solution.load_index] = quantities[name] * (unit if name == AREA else 1.0)
+    for load, pressure, gap in solutions:
+        for name, value in quantities_of(pressure, gap, names, known, steps=steps).items():
+            values[name][load] = value * (unit if name == AREA else 1.0)
     return values
 
 

@@ -33,8 +33,6 @@ def rejected_load_share(
     if not rejected.any():
         return np.zeros(loads.shape)
     share, tolerance = np.full(loads.shape, np.nan), max(TOLERANCE, contact.get("tolerance", 0.0))
-    for solution in solved_fields(restored, contact, tolerance=tolerance):
-        if solution.error_bound <= tolerance:
-            pressure = solution.pressure
-            share[solution.load_index] = pressure[rejected].sum(dtype=float) / pressure.sum(dtype=float)
+    for load, pressure, _ in solved_fields(restored, contact, tolerance=tolerance):
+        share[load] = pressure[rejected].sum(dtype=float) / pressure.sum(dtype=float)
     return share
