@@ -48,7 +48,6 @@ from roughcontact.uncertainty.calibration import MAP_SCATTER
 from roughcontact.uncertainty.discretisation import extrapolated
 from roughcontact.uncertainty.ensemble import Result, solve_member
 from roughcontact.uncertainty.improvement import half_width_of_mean, median_of_chi
-from roughcontact.uncertainty.magnification import shortest_wave, without_shortest_waves
 from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import (
     AREA,
@@ -60,6 +59,7 @@ from roughcontact.uncertainty.scales import (
     to_scale,
 )
 from roughcontact.uncertainty.subwindows import scatter_of_subwindows
+from roughcontact.uncertainty.unresolved import shortest_wave, without_shortest_waves
 from validation.masters import KINDS, master_surface
 
 LOADS = (0.005, 0.02, 0.1, 0.4, 1.0)  # of E* times the rms gradient of the whole map

@@ -19,9 +19,14 @@ from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.calibration import octave_arms
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.instrument import instrument_components
-from roughcontact.uncertainty.magnification import magnification_curve, without_shortest_waves
 from roughcontact.uncertainty.scales import ANSWERS, AREA, GAP, PEAK, PRESSURE, QUANTITIES, to_scale
-from roughcontact.uncertainty.unresolved import growth_by_finer_spectrum, hidden_waves, next_octave
+from roughcontact.uncertainty.unresolved import (
+    growth_by_finer_spectrum,
+    hidden_waves,
+    magnification_curve,
+    next_octave,
+    without_shortest_waves,
+)
 from roughcontact.window.instrument import check_instrument, stated_instrument
 from roughcontact.window.transfer import (
     eroded,

@@ -9,7 +9,7 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.uncertainty import sample, subwindows
-from roughcontact.uncertainty.ensemble import Result, carried_to_all_loads, few_loads, solve_member
+from roughcontact.uncertainty.ensemble import Result, few_loads, solve_member
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, at_all_loads, to_scale
 from roughcontact.uncertainty.subwindows import divided, scatter_of_subwindows
 from roughcontact.window.periodic_window import periodic_window
@@ -205,6 +205,7 @@ def test_few_loads_have_both_ends_and_even_steps():
 def test_numbers_between_loads_are_linear_in_the_logarithm_of_the_load():
     load, solved = np.array([100.0, 1.0, 10.0]), np.array([0, 1])
     np.testing.assert_allclose(at_all_loads(np.array([4.0, 2.0]), solved, load), [4.0, 2.0, 3.0])
-    gap = np.array([1.0, 4.0, 2.0])
-    carried = carried_to_all_loads(GAP, np.array([3.0, 12.0]), solved, load, gap)
-    np.testing.assert_allclose(carried, [3.0, 12.0, 6.0])  # three times as large at all loads
+    load, gap = np.array([1.0, 1.1, 10.0, 100.0]), np.array([1.0, 1.2, 2.0, 4.0])
+    result = Result(surface(64, longest=32.0), {"mean_pressure": load}, {GAP: gap})
+    carried = result.carried({GAP: np.array([3.0, 6.0, 12.0])})[GAP]
+    np.testing.assert_allclose(carried, 3 * gap)  # three times as large at all loads

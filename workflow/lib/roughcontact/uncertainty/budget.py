@@ -27,12 +27,11 @@ from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.inputs import AMPLIFICATIONS, INPUTS, input_uncertainty
 from roughcontact.uncertainty.instrument import instrument_components, with_source_of_correction
 from roughcontact.uncertainty.intervals import Octave, interval_columns
-from roughcontact.uncertainty.magnification import magnification_curve
 from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.uncertainty.sample import attributes_of, constrictions_in_grooves
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PEAK, PRESSURE, to_scale
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
-from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, next_octave
+from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, magnification_curve, next_octave
 from roughcontact.window.instrument import stated_instrument
 from roughcontact.window.periodic_window import periodic_window
 from roughcontact.window.transfer import undone

@@ -18,7 +18,7 @@ from roughcontact.maps import height_map, refined, spacing
 from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
 from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.combination import Component, symmetric
-from roughcontact.uncertainty.ensemble import Result, solve_member
+from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
 from roughcontact.window.periodisation import periodic_plus_smooth
 
@@ -37,10 +37,8 @@ def discretisation_error(
     """
     values, few, free = result.values, result.few, result.contact.get("boundary") == "free"
     region = result.window if free else _region_around(result.window, peak_index)
-    coarse, fine = (
-        solve_member(grid, result.contact, names=values, loads=few)
-        for grid in (region, _halved(region) if free else refined(region, 2))
-    )
+    finer = _halved(region) if free else refined(region, 2)
+    coarse, fine = result.at_few_loads(region), result.at_few_loads(finer)
     corrections, components = {}, {}
     for name, value in values.items():
         change = to_scale(name, fine[name]) - to_scale(name, coarse[name])

@@ -65,17 +65,6 @@ def few_loads(load: np.ndarray, count: int = LOADS) -> np.ndarray:
     return np.unique(np.abs(logarithms[:, None] - even).argmin(axis=0))
 
 
-def carried_to_all_loads(
-    name: str, values: np.ndarray, solved: np.ndarray, load: np.ndarray, result: np.ndarray
-) -> np.ndarray:
-    """Return a quantity of a member (load), whose change from the result is interpolated on its scale."""
-    if solved.size == load.size:
-        return values
-    middle = to_scale(name, result)
-    change = at_all_loads(to_scale(name, values) - middle[solved], solved, load)
-    return from_scale(name, middle + change)
-
-
 def measured_slices(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slice]:
     """Return the rows ("y") and columns ("x") of a map in its window; blends and mirror images aside."""
     if "periodisation" not in periodic.attrs:  # a map that is its own window
@@ -114,14 +103,24 @@ class Result(NamedTuple):
         """Return numbers (load) from those at the few loads."""
         return at_all_loads(numbers, self.few, self.load)
 
+    def at_few_loads(self, window: xr.DataArray) -> dict[str, np.ndarray]:
+        """Return the results of another window at the few loads."""
+        return solve_member(window, self.contact, names=self.values, loads=self.few)
+
     def again(self, window: xr.DataArray) -> dict[str, np.ndarray]:
-        """Return the results of a changed window, the change interpolated between few loads."""
-        few, load = self.few, self.load
-        solved = solve_member(window, self.contact, names=self.values, loads=few)
-        return {
-            name: carried_to_all_loads(name, solved[name], few, load, value)
-            for name, value in self.values.items()
-        }
+        """Return the results of a changed window (load)."""
+        return self.carried(self.at_few_loads(window))
+
+    def carried(self, solved: Values) -> dict[str, np.ndarray]:
+        """Return results (load) from those at the few loads, the change interpolated on its scale."""
+        if self.few.size == self.load.size:
+            return {**solved}
+        carried = {}
+        for name, value in self.values.items():
+            middle = to_scale(name, value)
+            change = to_scale(name, solved[name]) - middle[self.few]
+            carried[name] = from_scale(name, middle + self.at_all_loads(change))
+        return carried
 
     def changes(self, results: Values) -> dict[str, np.ndarray]:
         """Return other results less these, on the scales: -inf for a gap that closes, 0 where unknown."""
@@ -134,9 +133,8 @@ class Result(NamedTuple):
 
     def members(self, windows: Iterable[xr.DataArray]) -> dict[str, np.ndarray]:
         """Return the results of other windows (member, load), NaN but at the few loads."""
-        few = self.few
-        solved = [solve_member(window, self.contact, names=self.values, loads=few) for window in windows]
+        solved = [self.at_few_loads(window) for window in windows]
         members = {name: np.full((len(solved), self.load.size), np.nan) for name in self.values}
         for name, results in members.items():
-            results[:, few] = [member[name] for member in solved]
+            results[:, self.few] = [member[name] for member in solved]
         return members

@@ -72,55 +72,59 @@ def interval_columns(
     have no interval; of an empty one, where the settings chose the band, it is that of `measurand`, as are
     `_lower` and `_upper`; `extent` is that of `window_components`.
     """
-    centres = _consistent(result, as_solved, middle)
+    centres, values = _consistent(result, as_solved, middle)
+    for name in {AREA, PRESSURE} & {*as_solved}:  # full contact, up to the rounding of its scale
+        values[name] = np.where(as_solved[AREA] >= 1, as_solved[name], values[name])
     windows: Windows = {key: {} for key in MEASURANDS}
     if scatter:
         windows = window_components(scatter, middle, as_solved[GAP], extent)
     components = {source: _with_pressure(causes, centres[AREA]) for source, causes in components.items()}
     windows = {key: _with_pressure(component, centres[AREA]) for key, component in windows.items()}
-    sources = [*components.values()]
-    # beginning of the name -> results in the middle, and what adds up about them
-    headline = [*sources, windows[measurand]]
-    intervals = {"": (centres, headline)}
-    intervals |= {f"{key}_": (centres, [*sources, windows[key]]) for key in MEASURANDS[1:]}
-    intervals["octave_"] = centres, [] if octave is None else headline
+    sources, by_source = [*components.values()], {**components, "window": windows[measurand]}
+    # beginning of the name -> results on their scales and in their units, and what adds up about them
+    intervals = {"": (centres, values, [*by_source.values()])}
+    intervals |= {f"{key}_": (centres, values, [*sources, windows[key]]) for key in MEASURANDS[1:]}
+    intervals["octave_"] = centres, values, [] if octave is None else [*by_source.values()]
     if octave:
         shorter = {name: centre + octave[name][0] for name, centre in middle.items()}
-        shorter = _consistent(result, as_solved, shorter)
+        shorter, moved = _consistent(result, as_solved, shorter)
         beyond = _with_pressure({name: pair[1] for name, pair in octave.items()}, shorter[AREA])
-        intervals["octave_"] = shorter, [*headline, beyond]
+        intervals["octave_"] = shorter, moved, [*by_source.values(), beyond]
     columns: dict[str, tuple] = {}
     for name, plain in as_solved.items():
-        value = _in_its_unit(name, centres[name], plain, result.hardness)
-        if name in (AREA, PRESSURE):  # full contact, up to the rounding of its scale
-            value = np.where(as_solved[AREA] >= 1, plain, value)
-        for prefix, (middles, causes) in intervals.items():
-            about = value
-            if middles is not centres:
-                about = _in_its_unit(name, middles[name], plain, result.hardness)
+        for prefix, (on_scales, in_units, causes) in intervals.items():
             present = [cause[name] for cause in causes if name in cause]
-            lower, upper = _ends(result, name, middles[name], about, present, scatter)
+            lower, upper = _ends(result, name, on_scales[name], in_units[name], present, scatter)
             columns |= {f"{name}_{prefix}lower": ("load", lower), f"{name}_{prefix}upper": ("load", upper)}
         if name in (*CORRECTED, PRESSURE):
             columns[f"{name}_as_solved"] = ("load", plain)
-        by_source = {**components, "window": windows[measurand]}
         of_name = {source: causes[name] for source, causes in by_source.items() if name in causes}
         ends = columns[f"{name}_lower"][1], columns[f"{name}_upper"][1]
-        columns |= columns_of_components(name, value, of_name, ends)
+        columns |= columns_of_components(name, values[name], of_name, ends)
     return columns
 
 
-def _consistent(result: Result, as_solved: Values, middle: Values) -> dict[str, np.ndarray]:
-    """Return results on their scales with the pressure in contact, each as large as the others ask for."""
+def _consistent(
+    result: Result, as_solved: Values, middle: Values
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Return results on their scales with the pressure in contact, as large as the others ask for; in units.
+
+    In full contact, which has no gap on its scale, they are as solved.
+    """
     # by the edges of its pixels alone the area may be too small for the load
     area = np.fmax(middle[AREA], to_scale(AREA, result.load / result.hardness))
-    consistent = {**middle, AREA: area, PRESSURE: np.log(result.load) - np.log(from_scale(AREA, area))}
+    centres = {**middle, AREA: area, PRESSURE: np.log(result.load) - np.log(from_scale(AREA, area))}
     # where few points touch, the pixels of the area and of the peak are corrected one without the other
     if PEAK in middle:
         flows = as_solved[PEAK] >= result.hardness  # points that flow do so with finer pixels too
-        highest = np.fmax(middle[PEAK], consistent[PRESSURE])
-        consistent[PEAK] = np.where(flows, to_scale(PEAK, as_solved[PEAK]), highest)
-    return consistent
+        highest = np.fmax(middle[PEAK], centres[PRESSURE])
+        centres[PEAK] = np.where(flows, to_scale(PEAK, as_solved[PEAK]), highest)
+    values = {}
+    for name, plain in as_solved.items():
+        values[name] = np.where(np.isnan(centres[name]), plain, from_scale(name, centres[name]))
+        if name in (PRESSURE, PEAK):
+            values[name] = np.minimum(values[name], result.hardness)
+    return centres, values
 
 
 def _with_pressure(components: Components, area: np.ndarray) -> Components:
@@ -130,12 +134,6 @@ def _with_pressure(components: Components, area: np.ndarray) -> Components:
     with np.errstate(divide="ignore"):
         ratio = from_scale(AREA, area) / from_scale(AREA, area + SIGNS * components[AREA])
     return {**components, PRESSURE: (-SIGNS * np.log(ratio))[[1, 0, 3, 2]]}
-
-
-def _in_its_unit(name: str, centre: np.ndarray, plain: np.ndarray, hardness: float) -> np.ndarray:
-    """Return a corrected result in its unit; as solved in full contact, which has no gap on its scale."""
-    value = np.where(np.isnan(centre), plain, from_scale(name, centre))
-    return np.minimum(value, hardness) if name in (PRESSURE, PEAK) else value
 
 
 def _ends(
