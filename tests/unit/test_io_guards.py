@@ -37,6 +37,21 @@ def test_rubbish_is_never_a_map(refused, size):
         assert "\n" not in said
 
 
+PROFILE = "".join(f"{0.5 * i}\t{i * i % 7}\n" for i in range(12))
+
+
+def test_of_many_profiles_the_first_ones_are_named(refused):
+    said = refused("x (µm)\tz (nm)\n" + 30 * PROFILE, "profiles of one surface")
+    assert "are 'profile 1; profile 2; ...'" in said
+    assert len(said) < 600
+
+
+@pytest.mark.parametrize("heading", ["{}\tz (nm)\n", "x (µm)\tz (nm) {}\n"])
+def test_of_tables_below_one_another_long_headings_are_cut(refused, heading):
+    tables = [heading.format("abcd " * 60 + name) + PROFILE for name in "ABCD"]
+    assert len(refused("".join(tables), "4 tables below one another")) < 600
+
+
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
 def test_entities_are_refused(refused, encoding):
     bomb = '<?xml version="1.0"?><!DOCTYPE a [<!ENTITY x "ha"><!ENTITY y "&x;&x;&x;">]><a>&y;</a>'

@@ -130,7 +130,8 @@ def choose_channel(
     listing = listed(names)
     together = ""
     if len(names) > 1 and all(channel.shape[0] == 1 for channel in file.channels):
-        together = f"; several profiles of one surface (lay: none) are '{'; '.join(names)}'"
+        first = "; ".join(names[:2]) + ("; ..." if len(names) > 2 else "")
+        together = f"; several profiles of one surface (lay: none) are '{first}'"
     if requested is not None:
         for spelling in (str, lambda name: str(name).strip().casefold()):
             matches = [channel for channel in file.channels if spelling(channel.name) == spelling(requested)]

@@ -20,6 +20,7 @@ MAX_XML_BYTES = 2**28
 ARCHIVE_ERRORS = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError)
 _LONGEST_PATH = 4095  # characters; limit of operating systems
 _LONGEST_NAME = 255
+_LONG_NAME = 40
 _PROLOG = 2**20  # bytes within which the root of XML must begin
 _PADDED = 100  # compression ratio above which XML of 16 MiB and more is only padding
 MAX_POINTS = 2**27  # 1 GiB as float64; a solution needs about ten such arrays
@@ -39,7 +40,8 @@ def brief(error: Exception) -> str:
 
 
 def listed(names: Sequence[str], most: int = 8) -> str:
-    """Return the first names of a sequence, in quotes, for a message."""
+    """Return the first names of a sequence, in quotes, for a message; fewer of long ones."""
+    most = most if max(map(len, names[:most]), default=0) <= _LONG_NAME else 2
     return ", ".join(map(repr, names[:most])) + (", ..." if len(names) > most else "")
 
 

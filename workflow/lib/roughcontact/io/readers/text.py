@@ -190,7 +190,7 @@ def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:
     profiles = [channel for channel in channels if channel.shape[0] == 1 and not channel.no_height]
     if file.question or len(profiles) > 1 or not any(titles):
         headings = "; ".join(
-            f"{text.rows.heading[text.rows.start - text.rows.first].strip()!r} at line {text.rows.start}"
+            f"{text.rows.heading[text.rows.start - text.rows.first].strip()[:30]!r} at line {text.rows.start}"
             for text in texts[1:4]
             if text.rows.start < text.rows.lines[0]
         )
