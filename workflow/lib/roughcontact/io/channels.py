@@ -24,6 +24,7 @@ _MARKERS = (
     9.9e37,  # SCPI-99, volume 1, 7.2.1: infinity, with either sign
     9.96921e36,  # netCDF, netcdf.h: NC_FILL_FLOAT and NC_FILL_DOUBLE
 )
+_LONGEST_LIST = 100  # characters of names
 _LONGEST = 1e100  # of positions, whose squares must be finite
 
 
@@ -130,8 +131,9 @@ def choose_channel(
     listing = listed(names)
     together = ""
     if len(names) > 1 and all(channel.shape[0] == 1 for channel in file.channels):
-        first = "; ".join(names[:2]) + ("; ..." if len(names) > 2 else "")
-        together = f"; several profiles of one surface (lay: none) are '{first}'"
+        all_names = "; ".join(names)
+        shown = all_names if len(all_names) < _LONGEST_LIST else "; ".join(names[:2]) + "; ..."
+        together = f"; several profiles of one surface (lay: none) are '{shown}'"
     if requested is not None:
         for spelling in (str, lambda name: str(name).strip().casefold()):
             matches = [channel for channel in file.channels if spelling(channel.name) == spelling(requested)]
