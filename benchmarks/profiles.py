@@ -31,8 +31,9 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 import roughcontact as rc
 from roughcontact.errors import RoughContactError
 from roughcontact.maps import height_map, spacing
+from roughcontact.profiles.ridges import LOADS, ridge_contrast
 from roughcontact.profiles.scatter import member_surfaces, moments
-from roughcontact.profiles.surface import stacked
+from roughcontact.profiles.surface import fit_of, stacked
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.roughness.texture import texture_parameters
 from roughcontact.uncertainty.calibration import entry
@@ -51,7 +52,6 @@ from roughcontact.uncertainty.scales import (
 HERE = Path(__file__).parent
 ERRORS = HERE / "results" / "profiles" / "errors.csv"
 CALIBRATION = HERE.parent / "workflow" / "lib" / "roughcontact" / "profiles" / "calibration.json"
-LOADS = np.array([0.02, 0.1, 0.4])
 MEMBERS, SEEDS = 9, 6
 CUTS = (0.5, 0.25)  # where the profiles lie between one another
 MOST = 512  # points per side of a map
@@ -60,6 +60,7 @@ PATTERNS = {"circles_holes.nid"}
 CALIBRATING = ["made", "measured"]  # kinds of maps
 COVERAGE = 0.95
 LEAST_SPREAD = 0.02  # of a logarithm, and of a mean gap; less is chance
+SHARES = np.linspace(0, 1, 21)  # of the contrast, that are tried
 NORMAL_MEDIAN = 0.6745  # of |e| over its standard deviation
 QUANTITIES = (AREA, GAP, PEAK, *ANSWERS)
 OFF_AXIS = 10.0  # degrees of the strongest waves from an axis, up to which profiles run across and along
@@ -90,7 +91,7 @@ def made(kind: str, seed: int, points: int = 384) -> xr.DataArray:
 
 
 def measured(folders: Sequence[Path]) -> Iterator[tuple[str, xr.DataArray, float]]:
-    """Yield name, levelled map and Str of each map in the folders, once, but those with an oblique lay.
+    """Yield name, levelled map and Str of each map in the folders, once, but those without, or oblique.
 
     Of those with a lay x is across it.
     """
@@ -105,7 +106,7 @@ def measured(folders: Sequence[Path]) -> Iterator[tuple[str, xr.DataArray, float
                 aspect, strongest = texture["Str"], texture["Std"]
                 name = (levelled.shape, round(aspect, 3), f"{levelled.attrs['Sku']:.3g}")
                 on_axis = abs((strongest + 45) % 90 - 45) <= OFF_AXIS
-                if (aspect > ISOTROPIC or on_axis) and name not in seen:
+                if (aspect > ISOTROPIC or (aspect <= ISOTROPIC and on_axis)) and name not in seen:
                     across_y = aspect <= ISOTROPIC and 45 < strongest < 135
                     yield path.name, transposed(levelled) if across_y else levelled, aspect
                 seen.add(name)
@@ -148,10 +149,9 @@ def rows_of(name: str, kind: str, aspect: float, levelled: xr.DataArray) -> list
             print(name, number, cut, error)
             continue
         result = solve_member(window, contact, tolerance=1e-2, names=QUANTITIES)
-        others = [
-            solve_member(surface, contact, tolerance=1e-2, names=QUANTITIES)
-            for surface in member_surfaces(stack, window, MEMBERS)
-        ]
+        surfaces = list(member_surfaces(stack, window, MEMBERS))
+        others = [solve_member(surface, contact, tolerance=1e-2, names=QUANTITIES) for surface in surfaces]
+        contrast = ridge_contrast(fit_of(stack).directions[0][0], surfaces)
         for quantity in QUANTITIES:
             unit = result[GAP] if quantity in CONSTRICTIONS else 1.0
             members = np.array([other[quantity] for other in others])
@@ -160,6 +160,7 @@ def rows_of(name: str, kind: str, aspect: float, levelled: xr.DataArray) -> list
             for load, p in enumerate(LOADS):
                 case = {"map": name, "kind": kind, "Str": round(aspect, 2), "profiles": number, "cut": cut}
                 columns = {"area": result[AREA], "error": error, "scatter": scatter, "truth": true[quantity]}
+                columns["contrast"] = contrast.get(quantity, np.zeros_like(LOADS))
                 numbers = {key: f"{column[load]:.4g}" for key, column in columns.items()}
                 rows.append(case | {"load": p, "quantity": quantity} | numbers)
     return rows
@@ -175,14 +176,17 @@ def solve(folders: Sequence[Path]) -> None:
     for name, levelled, aspect in measured(folders):
         kind = "measured" if aspect > ISOTROPIC else "measured lay"
         maps.append((name, "pattern" if name in PATTERNS else kind, aspect, levelled))
-    with ProcessPoolExecutor(3) as pool:
+    with ProcessPoolExecutor(2) as pool:
         rows = [row for part in pool.map(rows_of, *zip(*maps, strict=True)) for row in part]
     ERRORS.parent.mkdir(exist_ok=True)
     pd.DataFrame(rows).to_csv(ERRORS, index=False)
 
 
 def calibrated(errors: pd.DataFrame) -> dict[str, dict[str, list[float]]]:
-    """Return spread and quantile of each quantity at each load; made and measured maps weigh the same."""
+    """Return share, spread and quantile of each quantity at each load.
+
+    Made and measured maps weigh the same; the share of the contrast is that with the least mean |error|.
+    """
     # the smallest value up to which that share of the weight lies
     quantile = partial(np.quantile, method="inverted_cdf")
     table: dict[str, dict[str, list[float]]] = {}
@@ -190,37 +194,40 @@ def calibrated(errors: pd.DataFrame) -> dict[str, dict[str, list[float]]]:
     for quantity, group in errors.groupby(errors["quantity"].map(entry)):
         columns = []
         for _, rows in group[np.isfinite(group["error"])].groupby("load"):
-            error, scatter = rows["error"].abs().values, rows["scatter"].values
             weight = 1 / rows.groupby("map")["error"].transform("size")
             weight = (weight / rows.groupby("kind")["map"].transform("nunique")).values
+            residuals = np.abs(rows["error"].values - SHARES[:, None] * rows["contrast"].values)
+            best = np.argmin((residuals @ weight).round(9))
+            error, scatter = residuals[best], rows["scatter"].values
             spreads = np.geomspace(LEAST_SPREAD, 3, 200)
             medians = [quantile(error / np.hypot(scatter, c), 0.5, weights=weight) for c in spreads]
             spread = spreads[np.argmin(np.abs(np.array(medians) - NORMAL_MEDIAN))]
             level = min(1.0, COVERAGE * (1 + 1 / rows.groupby("kind")["map"].nunique().min()))
             wide = quantile(error / np.hypot(scatter, spread), level, weights=weight)
-            columns.append([np.log(inverse_erf_area(rows["area"].values)).mean(), spread, wide])
+            mean_area = np.log(inverse_erf_area(rows["area"].values)).mean()
+            columns.append([mean_area, SHARES[best], spread, wide])
         columns = [[float(f"{value:.4g}") for value in column] for column in zip(*columns, strict=True)]
-        table[str(quantity)] = dict(zip(("load", "spread", "quantile"), columns, strict=True))
+        table[str(quantity)] = dict(zip(("load", "share", "spread", "quantile"), columns, strict=True))
     return table
 
 
-def inside(errors: pd.DataFrame, table: dict) -> pd.Series:
-    """Return which errors lie inside the intervals of a calibration."""
+def judged(errors: pd.DataFrame, table: dict) -> pd.DataFrame:
+    """Return errors less their share of the contrast, and which are inside the intervals of a calibration."""
     quantity = errors["quantity"].map(entry)
     x = np.log(inverse_erf_area(errors["area"].values))
-    spread, wide = (
-        [np.interp(v, table[q]["load"], table[q][key]) for q, v in zip(quantity, x, strict=True)]
-        for key in ("spread", "quantile")
+    share, spread, wide = (
+        np.array([np.interp(v, table[q]["load"], table[q][key]) for q, v in zip(quantity, x, strict=True)])
+        for key in ("share", "spread", "quantile")
     )
-    return errors["error"].abs() <= np.array(wide) * np.hypot(errors["scatter"], spread)
+    error = errors["error"] - share * errors["contrast"]
+    return errors.assign(error=error, inside=error.abs() <= wide * np.hypot(errors["scatter"], spread))
 
 
 def report(errors: pd.DataFrame) -> pd.DataFrame:
     """Return coverage with each map left out, and medians of |result/truth - 1| of area and gap."""
-    left_out = [
-        inside(rows, calibrated(errors[errors["map"] != name])) for name, rows in errors.groupby("map")
-    ]
-    errors = errors.assign(inside=pd.concat(left_out))
+    errors = pd.concat(
+        judged(rows, calibrated(errors[errors["map"] != name])) for name, rows in errors.groupby("map")
+    )
     headline = errors[errors["quantity"].isin([AREA, GAP])]
     ratio = [
         from_scale(name, to_scale(name, truth) - error) / truth

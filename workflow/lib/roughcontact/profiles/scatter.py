@@ -1,8 +1,9 @@
 """Scatter of the results of surfaces behind profiles, and the arms of their intervals.
 
-The members are surfaces drawn from pieces of the profiles, with standard deviation s. The arms are q sqrt(s^2
-+ c^2) about their mean, c the spread beyond s of the errors e of profiles cut out of maps, and q the 95 %
-quantile of |e|/sqrt(s^2 + c^2) (split conformal prediction). `calibration.json` is written by
+The members are surfaces drawn from pieces of the profiles, with standard deviation s. Their mean is the
+result, that of area and gap corrected by a share of the contrast between the profiles and theirs (`ridges`).
+The arms are q sqrt(s^2 + c^2), c the spread beyond s of the errors e of profiles cut out of maps, and q the
+95 % quantile of |e|/sqrt(s^2 + c^2) (split conformal prediction). `calibration.json` is written by
 `benchmarks/profiles.py`.
 """
 
@@ -15,6 +16,7 @@ import xarray as xr
 from roughcontact.errors import HeightMapError
 from roughcontact.maps import height_map, spacing
 from roughcontact.profiles.finish import draw, finish_of
+from roughcontact.profiles.ridges import ridge_contrast
 from roughcontact.profiles.surface import fit_of, surface_from_profiles
 from roughcontact.quantities import counted_noun
 from roughcontact.uncertainty.calibration import at_area, entry, table
@@ -22,23 +24,30 @@ from roughcontact.uncertainty.discretisation import CORRECTED
 from roughcontact.uncertainty.ensemble import Result, solve_member
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
+from roughcontact.window.band import in_band
 
 
 def scatter_of_surfaces(
-    profiles: xr.DataArray, result: Result, *_: xr.DataArray, number: int, **__: Any
+    profiles: xr.DataArray, result: Result, *_: xr.DataArray, arguments: Mapping[str, Any], number: int
 ) -> Scatter:
     """Return the scatter of the results of surfaces that profiles (number, x; m) leave open, about the mean.
 
-    `number` is that of the members.
+    `arguments` are those of `periodic_window` that led to the window, `number` is that of the members.
     """
     few, values = result.few, result.values
-    ensemble = result.members(member_surfaces(profiles, result.window, number))
+    surfaces = member_surfaces(profiles, result.window, number)
+    drawn = [surface.assign_attrs(profiles.attrs) for surface in surfaces]
+    ensemble = result.members(in_band(surface, **arguments) for surface in drawn)
+    contrast = ridge_contrast(fit_of(profiles).directions[0][0], drawn, arguments)
     arms, shift = {}, {}
     for name, value in values.items():
         of_members = moments(name, ensemble[name][:, few], value[few], values[GAP][few])
         mean, deviation = (result.at_all_loads(moment) for moment in of_members)
         calibrated = table(__package__)["quantities"][entry(name)]
-        spread, quantile = at_area(calibrated, values[AREA], ("spread", "quantile"))
+        spread, quantile, share = at_area(calibrated, values[AREA], ("spread", "quantile", "share"))
+        if name in contrast:
+            [of_ridges] = at_area(calibrated | {"contrast": contrast[name]}, values[AREA], ["contrast"])
+            mean += share * of_ridges
         width = quantile * np.hypot(deviation, spread)
         if name in CORRECTED:
             arms[name], shift[name] = (width, width), mean
@@ -46,8 +55,9 @@ def scatter_of_surfaces(
             arms[name] = np.maximum(width - mean, 0.0), np.maximum(width + mean, 0.0)
     reason = (
         f"The ± is for surfaces with this spectrum: {number} surfaces that "
-        f"{counted_noun(len(profiles), 'profile')} might have shown were drawn and solved; what spectrum, "
-        "heights and slopes do not hold is that of maps that were cut into profiles."
+        f"{counted_noun(len(profiles), 'profile')} might have shown were drawn and solved. What spectrum, "
+        "heights and slopes do not hold is corrected as far as the profiles show it, pressed as ridges; the "
+        "rest is that of maps that were cut into profiles."
     )
     missed = bool(np.isnan(ensemble[GAP][:, few]).any())
     return Scatter(ensemble, {}, [], missed, arms=arms, shift=shift, reason=reason)

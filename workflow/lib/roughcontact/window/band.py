@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -111,6 +112,22 @@ def limit_band(
         band_removed_rms_gradient=math.sqrt((q**2 * removed).sum()),
         reliable_wavelength=limit,
         reliable_reason=limit_reason,
+    )
+
+
+def in_band(
+    window: xr.DataArray,
+    *,
+    shortest_wavelength: float | None = None,
+    longest_wavelength: float | None = None,
+    reliable_band: bool = False,
+    **_others: Any,
+) -> xr.DataArray:
+    """Return a periodic map (m) limited to the band that is asked of `periodic_window`, unchanged if none."""
+    if not (shortest_wavelength or longest_wavelength or reliable_band):
+        return window
+    return limit_band(
+        window, shortest=shortest_wavelength, longest=longest_wavelength, reliable=reliable_band
     )
 
 

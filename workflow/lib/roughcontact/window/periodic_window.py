@@ -19,7 +19,7 @@ from roughcontact.roughness.summits import summit_that_stands_out
 from roughcontact.roughness.traces import instrument_traces
 from roughcontact.si import in_si
 from roughcontact.window import periodisation
-from roughcontact.window.band import limit_band
+from roughcontact.window.band import in_band, limit_band
 from roughcontact.window.lay import lay_period, side_of_whole_periods
 from roughcontact.window.rectangle import largest_rectangle
 from roughcontact.window.sides import band_points, friendly_sides
@@ -152,11 +152,8 @@ def subwindow(
     *,
     method: WindowMethod = "smooth-cross-fade",
     width: float = 0.1,
-    shortest_wavelength: float | None = None,
-    longest_wavelength: float | None = None,
-    reliable_band: bool = False,
     correct_for: Mapping[str, Any] | None = None,
-    **_placement: Any,
+    **band: Any,
 ) -> xr.DataArray:
     """Return a part (y, x; m; no NaN) as the window it would be if measured alone, without a record.
 
@@ -165,14 +162,7 @@ def subwindow(
     fade = width if method in _BLENDING_METHODS else 0.0
     _, blended = _cut_out(part, _largest_cut(part, part.values, fade, 0.0), method=method, width=width)
     blended = blended.assign_attrs(part.attrs)
-    if correct_for:
-        blended = corrected(blended, correct_for)
-    waves: dict[str, Any] = {
-        "shortest": shortest_wavelength,
-        "longest": longest_wavelength,
-        "reliable": reliable_band,
-    }
-    return limit_band(blended, **waves) if any(waves.values()) else blended
+    return in_band(corrected(blended, correct_for) if correct_for else blended, **band)
 
 
 def _cut_out(
