@@ -5,11 +5,9 @@ assumption. Where positions are given, y increases upwards.
 """
 
 import re
-from collections.abc import Mapping
 from dataclasses import replace
 from itertools import takewhile
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,7 +28,7 @@ from roughcontact.io.guards import listed
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.axes import are_points, axes_of, begins_anew, form_a_grid, uneven
-from roughcontact.io.text.columns import Column, Layout, headed, layout, miscounted, of_a_map, unit_of_heights
+from roughcontact.io.text.columns import Column, headed, layout, miscounted, of_a_map, unit_of_heights
 from roughcontact.io.text.doubts import cut_number, not_understood, refuse_lost_row, thousands
 from roughcontact.io.text.header import (
     Stated,
@@ -132,7 +130,7 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
         raise InputFileError(wrong)
     first_values = first_of(stated)
     values[np.abs(values) > LEAST_MARKER] = np.nan  # infinite ones too
-    doubts += thousands(rows.heading, rows.texts, dialect)
+    doubts += thousands(stated, rows.texts, dialect)
     measured = values[np.isfinite(values) & ~np.isin(values, first_values.get("missing", []))]
     span = np.ptp(measured) if measured.size else 0.0
     if abs(first_values.get("height_range", np.inf) - span) <= 0.01 * span:  # in the unit of the heights
@@ -153,7 +151,7 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
         elif left_out := width - table.empty.size:
             doubts.append(_left_out(left_out, "column"))
             columns = headed(rows.heading, table.empty.size, dialect.delimiter)
-    above = next((line for line in reversed(rows.heading) if line.strip()), "")
+    above = rows.filled[-1][1] if rows.filled else ""
     if not columns and (named := miscounted(above, width, dialect.delimiter)):
         raise InputFileError(
             f"{above.strip()[:60]!r} names {named} columns, the table below it, from line "
@@ -173,15 +171,15 @@ def _left_out(count: int, lines: str) -> str:
 def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:
     """Return the tables of one text as channels of one file."""
     stated = [bool(text.stated or text.columns) for text in texts]
-    if not all(stated[1:]) and (stated[0] or not any(line.strip() for line in texts[0].rows.heading)):
-        number = texts[1 + stated[1:].index(False)].rows.start
+    if not all(stated[1:]) and (stated[0] or not texts[0].rows.filled):
+        number, _ = texts[1 + stated[1:].index(False)].rows.start
         raise InputFileError(f"{_second_table(number)}, or give each a heading of its own")
     channels = []
     titles = [text.first_values.get("channel") or _title(text) for text in texts]
-    for number, file in enumerate(files):
-        title = titles[number] or f"table {number + 1}"
+    for number, (file, title) in enumerate(zip(files, titles, strict=True), start=1):
         for channel in file.channels:
-            channel.name = title if len(file.channels) == 1 else f"{title}, {channel.name}"
+            own = "" if len(file.channels) == 1 else f", {channel.name}"
+            channel.name = (title or f"table {number}") + own
             channel.notes = file.warnings + channel.notes
             if file.first_row != files[0].first_row:
                 channel.first_row = file.first_row
@@ -189,11 +187,8 @@ def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:
     file = replace(files[0], channels=channels, warnings=[])
     profiles = [channel for channel in channels if channel.shape[0] == 1 and not channel.no_height]
     if file.question or len(profiles) > 1 or not any(titles):
-        headings = "; ".join(
-            f"{text.rows.heading[text.rows.start - text.rows.first].strip()[:30]!r} at line {text.rows.start}"
-            for text in texts[1:4]
-            if text.rows.start < text.rows.lines[0]
-        )
+        starts = [text.rows.start for text in texts[1:4] if text.rows.start[0] < text.rows.lines[0]]
+        headings = "; ".join(f"{line.strip()[:30]!r} at line {number}" for number, line in starts)
         file.question = f"{counted_noun(len(texts), 'table')} below one another ({headings})"
     return file
 
@@ -232,7 +227,7 @@ def _file(text: _Text) -> MeasuredFile:
         narrow = count <= 3 and rows > 2 and not text.table.empty_corner
         is_list = narrow and not _is_stated_matrix(values, text.first_values)
     if is_list:
-        return _lists(text, Layout([[*range(count - 1)]], [count - 1]))
+        return _lists(text, [[*range(count)]])
     if text.rows.broken:
         raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a row is missing")
     return _matrix_beside(text)
@@ -301,36 +296,37 @@ def _against(text: _Text, steps: dict[str, float], unit: str | None, shape: tupl
     return ""
 
 
-def _lists(text: _Text, found: Layout) -> MeasuredFile:
+def _lists(text: _Text, found: list[list[int]]) -> MeasuredFile:
     """Return lists of points or profiles: one for each column of heights, and each trace in it."""
     columns = text.columns or [Column("", None, "")] * text.table.values.shape[1]
     values, usual_name = text.table.values, text.first_values.get("channel", "height")
     valid = [index for index, column in enumerate(columns) if column.role == "valid"]
     invalid = (values[:, valid] == 0).any(axis=1)
     files: list[tuple[int, MeasuredFile]] = []  # with their ranks
-    for indices, height in zip(found.positions, found.heights, strict=True):
-        table = values[:, [*indices, height]]
+    for indices in found:
+        table = values[:, indices]
         table[invalid, -1] = np.nan
-        if not indices and len(found.heights) > 1:  # columns of several lengths
+        if len(indices) == 1 < len(found):  # columns of several lengths
             table = table[: len(table) - int(np.argmax(np.isfinite(table[::-1, 0])))]
-        file = _list(table, [columns[index] for index in (*indices, height)], text)
-        name = columns[height].name
+        file = _list(table, [columns[index] for index in indices], text)
+        column = columns[indices[-1]]
+        name = column.name
         for channel in file.channels:
-            if len(found.heights) > 1:
+            if len(found) > 1:
                 channel.name = name if channel.name == usual_name else f"{name}, {channel.name}"
             as_they_are = f"the heights are those of the column {name!r}, as they are"
             if name.lower().startswith(_DEPTHS):
                 channel.notes.append(f"{as_they_are}; if it counts downwards, change their sign")
             elif _COMPUTED.search(name):
                 channel.notes.append(as_they_are)
-        files.append((_rank(columns[height], file), file))
+        files.append((_rank(column, file), file))
     (rank, file), *others = sorted(files, key=lambda ranked: ranked[0])
     if not others:
         return file
     question = file.question
     if others[0][0] <= max(rank, _LENGTH) < _NO_HEIGHT:
-        names = ", ".join(repr(columns[height].name) for height in found.heights)
-        question = f"{counted_noun(len(found.heights), 'column')} that may be heights: {names}"
+        names = ", ".join(repr(columns[indices[-1]].name) for indices in found)
+        question = f"{counted_noun(len(found), 'column')} that may be heights: {names}"
     ordered = [file, *(other for _, other in files if other is not file)]
     return replace(file, channels=[each for one in ordered for each in one.channels], question=question)
 
@@ -363,19 +359,17 @@ def _is_stated_matrix(values: np.ndarray, first_values: dict[str, Any]) -> bool:
     grid of three lines and more each way (a profile: even steps), which heights do not.
     """
     rows, count = values.shape
-    if first_values.get("nx") is not None or first_values.get("ny") is not None:
-        return first_values.get("nx") in (count, None) and first_values.get("ny") in (rows, None)
-    if not any(sizes <= {*first_values} for sizes in ({"step"}, {"length_x", "length_y"}, {"dx", "dy"})):
+    if first_values.keys() & {"nx", "ny"}:
+        return first_values.get("nx", count) == count and first_values.get("ny", rows) == rows
+    if not any(sizes <= first_values.keys() for sizes in ({"step"}, {"length_x", "length_y"}, {"dx", "dy"})):
         return False
-    if not np.isfinite(values[:, : count - 1]).all():
+    if count == 3 or not np.isfinite(values[:, 0]).all():
+        return not (np.isfinite(values[:, :-1]).all() and form_a_grid(values[:, 0], values[:, 1]))
+    try:
+        even_step(np.sort(values[:, 0]), "x")
+    except UnevenPositionsError:
         return True
-    if count == 2:
-        try:
-            even_step(np.sort(values[:, 0]), "x")
-        except UnevenPositionsError:
-            return True
-        return False
-    return not form_a_grid(values[:, 0], values[:, 1])
+    return False
 
 
 def _refuse_cut_table(shape: tuple[int, ...], counts: list[int]) -> None:
@@ -402,7 +396,7 @@ def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFil
             "the map into one line"
         )
     unit = text.first_values.get("height_unit", column.unit)
-    file = _matrix(heights[None], text, height_unit=unit)
+    file = _matrix(heights[None], text, unit=unit)
     (channel,) = file.channels
     if not column.name:
         channel.otherwise = _channel(heights[:, None], text, unit, lateral_unit=channel.lateral_unit)
@@ -410,11 +404,7 @@ def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFil
 
 
 def _matrix(
-    table: np.ndarray,
-    text: _Text,
-    positions: Mapping[str, float] = MappingProxyType({}),
-    *,
-    height_unit: str | None = None,
+    table: np.ndarray, text: _Text, positions: dict[str, float] | None = None, unit: str | None = None
 ) -> MeasuredFile:
     """Return a matrix of heights, with steps or size from the header, or by the positions beside it."""
     ny, stated = len(table), text.stated
@@ -424,9 +414,9 @@ def _matrix(
         raise InputFileError("the header gives a size along y, the file has one line; it was cut off")
     wrong = contradiction(stated, table.shape)
     steps, lateral_unit = ({}, None) if wrong else _steps(text, table.shape)
-    steps = {**positions, **steps}
+    steps = (positions or {}) | steps
     dy = steps.get("dy") if ny > 1 else None
-    channel = _channel(table, text, height_unit, dx=steps.get("dx"), dy=dy, lateral_unit=lateral_unit)
+    channel = _channel(table, text, unit, dx=steps.get("dx"), dy=dy, lateral_unit=lateral_unit)
     if wrong:
         channel.otherwise = replace(channel)
         channel.doubt = f"{wrong}; {_SCALE_ADVICE}"
@@ -491,8 +481,7 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
     try:
         if not (np.isfinite(x) & np.isfinite(y)).all():
             raise InputFileError("a point of the list has no position")
-        _refuse_repeated(x, y, lines)
-        heights, steps, first = points_on_grid(x, y, z)
+        heights, steps, first = points_on_grid(x, y, z, lines)
         _refuse_lost_lines(heights.shape, text)
         stated_steps = {"d" + axis: step for axis, step in steps.items() if step}
         if wrong := _against(text, stated_steps, channel.lateral_unit, heights.shape):
@@ -518,17 +507,6 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
             "and unit"
         )
     return MeasuredFile("text list of points (x, y, z)", [channel], first_row="bottom")
-
-
-def _refuse_repeated(x: np.ndarray, y: np.ndarray, lines: list[int]) -> None:
-    """Refuse points with the position of one above."""
-    _, first = np.unique(x + 1j * y, return_index=True)
-    if first.size < x.size:
-        index = int(np.setdiff1d(np.arange(x.size), first)[0])
-        raise InputFileError(
-            f"several points of the list have the same position, the first is that in line {lines[index]}; "
-            "leave one map in the file"
-        )
 
 
 def _refuse_lost_lines(shape: tuple[int, ...], text: _Text, content: str = "the points make") -> None:

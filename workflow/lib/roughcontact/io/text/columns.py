@@ -30,13 +30,6 @@ class Column(NamedTuple):
     role: str
 
 
-class Layout(NamedTuple):
-    """Which columns hold positions, and which may hold heights: one profile or list of points for each."""
-
-    positions: list[list[int]]
-    heights: list[int]
-
-
 def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Column] | None:
     """Return one entry per column by the line that names them, and units below; None without names.
 
@@ -84,8 +77,8 @@ def miscounted(line: str, count: int, delimiter: str | None) -> int:
     return 0
 
 
-def layout(columns: Sequence[Column]) -> Layout | None:
-    """Return which columns hold positions and heights; None where the headings do not say it.
+def layout(columns: Sequence[Column]) -> list[list[int]]:
+    """Return the columns of each profile or list of points, its heights last; none if headings do not say it.
 
     Without names of positions, a few columns of heights are profiles, two or three others positions and
     heights.
@@ -93,27 +86,26 @@ def layout(columns: Sequence[Column]) -> Layout | None:
     Examples
     --------
     >>> layout([Column("index", None, "index"), Column("Weg", "mm", "x"), Column("Profil 1", "nm", "z")])
-    Layout(positions=[[1]], heights=[2])
+    [[1, 2]]
     >>> layout([Column(name, "nm", name[0]) for name in ("x", "z1", "z2")])
-    Layout(positions=[[0], [0]], heights=[1, 2])
+    [[0, 1], [0, 2]]
     """
     data = [index for index, column in enumerate(columns) if column.role not in ("index", "valid")]
     x, y = ([index for index in data if columns[index].role == axis] for axis in "xy")
     if y and not x:  # a profile along y
         x, y = y, x
     if len(x) == len(y) == 1 and len(data) == 2:  # "X (µm), y1"
-        return Layout([x], y)
+        return [x + y]
     if len(x) == 1 and len(y) <= 1:
-        heights = [index for index in data if index not in x + y]
-        return Layout([x + y] * len(heights), heights) if heights else None
+        return [[*x, *y, index] for index in data if index not in x + y]
     if len(x) > 1 and x == data[::2] and not y and len(data) == 2 * len(x):  # a pair for each profile
-        return Layout([[index] for index in x], data[1::2])
+        return [[*pair] for pair in zip(x, data[1::2], strict=True)]
     if data and all(columns[index].role == "z" for index in data) and len(data) < _WIDE_TABLE:
-        return Layout([[]] * len(data), data)
-    unnamed = not x and not y and not any(columns[index].role for index in data[:-1])
+        return [[index] for index in data]
     if len(data) == 3 and columns[data[-1]].role != "z" and any(columns[index].name for index in data):
-        return None
-    return Layout([data[:-1]], data[-1:]) if unnamed and len(data) in (2, 3) else None
+        return []
+    unnamed = not x and not y and not any(columns[index].role for index in data[:-1])
+    return [data] if unnamed and len(data) in (2, 3) else []
 
 
 def of_a_map(columns: Sequence[Column]) -> bool:

@@ -8,13 +8,12 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import NO_TOPOGRAPHY
-from roughcontact.io.text.header import Stated, statements
+from roughcontact.io.text.header import LENGTHS, Stated, statements
 from roughcontact.io.text.missing import is_missing
 from roughcontact.io.text.table import COMMENT_SIGNS, Dialect, Rows, word_in_row
 from roughcontact.io.vocabulary import words
 from roughcontact.quantities import counted_noun
 
-_LENGTHS = {"length_x", "length_y", "dx", "dy", "step"}  # entries of a header with a decimal sign
 _MAX_LINES = 1000  # lines above a table that are searched for other statements
 _LONGEST_LINE = 200  # characters of such a line
 _MIN_CELLS = 10  # cells with three digits behind the mark, of which fewer say nothing
@@ -35,17 +34,14 @@ _MAX_CELLS = 200_000  # cells that are compared column by column
 
 def refuse_lost_row(rows: Rows, width: int, dialect: Dialect) -> None:
     """Refuse a table of `width` columns below a line that is one of its rows except for a word."""
-    number = next((n for n in reversed(range(len(rows.heading))) if rows.heading[n].strip()), None)
-    if number is None:
-        return
-    line = rows.heading[number]
-    stray_word = word_in_row(line, width, dialect)
+    number, line = rows.filled[-1] if rows.filled else (0, "")
+    stray_word = word_in_row(line, width, dialect) if line else None
     if stray_word is None or re.search(r"[^\W\d]\s*[:=]", line) or statements([line]):
         return
     if width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS):
         return
     raise InputFileError(
-        f"line {rows.first + number} has as many cells as the rows of the table below it, and "
+        f"line {number} has as many cells as the rows of the table below it, and "
         f"{stray_word[:40]!r} in place of a number: correct it, write NaN for a missing point, or delete the "
         "line if it is no row of the map"
     )
@@ -102,7 +98,7 @@ def not_understood(rows: Rows, stated: Stated, heights: np.ndarray) -> list[str]
     return notes
 
 
-def thousands(header: list[str], body: list[str], dialect: Dialect) -> list[str]:
+def thousands(stated: Stated, body: list[str], dialect: Dialect) -> list[str]:
     """Return a warning where all numbers have three digits behind a mark that may separate thousands.
 
     A number below one, with four digits in a row or other decimals, also in a length of the header, shows a
@@ -110,35 +106,34 @@ def thousands(header: list[str], body: list[str], dialect: Dialect) -> list[str]
 
     Examples
     --------
-    >>> thousands([], ["1.250 2.500"] * 5, Dialect(None, False))[0][:60]
+    >>> thousands({}, ["1.250 2.500"] * 5, Dialect(None, False))[0][:60]
     "every number has three digits behind its '.', as in '1.250':"
-    >>> thousands([], ["0.250 2.500"] * 5, Dialect(None, False))
+    >>> thousands({}, ["0.250 2.500"] * 5, Dialect(None, False))
     []
     """
     if dialect.decimal_comma:
         _refuse_both_marks(body)
     sign = "," if dialect.decimal_comma else "."
-    grouped = re.compile(rf"[-+]?[1-9]\d{{0,2}}{re.escape(sign)}\d{{3}}")
-    below_thousand = re.compile(r"[-+]?[1-9]\d{0,2}")
-    columns: dict[re.Pattern, dict[int, str]] = {grouped: {}, below_thousand: {}}  # with an example of each
+    number = re.compile(rf"[-+]?[1-9]\d{{0,2}}({re.escape(sign)}\d{{3}})?")
+    whole: dict[int, str] = {}  # an example in each column
+    grouped: dict[int, str] = {}
     cells = (cell for line in body for cell in enumerate(line.strip().split(dialect.delimiter)))
     count = 0
     for column, cell in islice(cells, _MAX_CELLS):
         text = cell.strip()
-        pattern = next((pattern for pattern in columns if pattern.fullmatch(text)), None)
-        if pattern is not None:
-            columns[pattern].setdefault(column, text)
-            count += pattern is grouped
+        if match := number.fullmatch(text):
+            (grouped if match[1] else whole).setdefault(column, text)
+            count += bool(match[1])
         elif text != "0" and not is_missing(text):
             return []
-    lengths = (line for line in header if _LENGTHS & set(statements([line])))
-    if count < _MIN_CELLS or any(re.search(rf"\d{re.escape(sign)}\d{{1,2}}(?!\d)", line) for line in lengths):
+    lengths = [statement.text for meaning in LENGTHS for statement in stated.get(meaning, [])]
+    if count < _MIN_CELLS or any(re.search(rf"\d{re.escape(sign)}\d{{1,2}}(?!\d)", text) for text in lengths):
         return []
-    example = next(iter(columns[grouped].values()))
+    example = next(iter(grouped.values()))
     way_out = "write the numbers without separators of thousands"
-    if mixed := columns[grouped].keys() & columns[below_thousand].keys():
+    if mixed := grouped.keys() & whole.keys():
         raise InputFileError(
-            f"{example!r} and {columns[below_thousand][min(mixed)]!r} in one table, with three digits behind "
+            f"{example!r} and {whole[min(mixed)]!r} in one table, with three digits behind "
             f"every {sign!r}: it separates thousands or decimals; {way_out}, or with four decimals"
         )
     doubt = f"every number has three digits behind its {sign!r}, as in {example!r}: it is read as the decimal"

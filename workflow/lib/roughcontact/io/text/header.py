@@ -17,7 +17,7 @@ _MAX_LINES = 100_000  # lines
 
 # those with a text as value
 _TEXT_ENTRIES = ("channel", "height_unit", "lateral_unit", "unit", "instrument", "serial", "lens", "date")
-_LENGTHS = ("length_x", "length_y", "length", "dx", "dy", "step", "size")
+LENGTHS = ("length_x", "length_y", "length", "dx", "dy", "step", "size")
 _COUNTS = ("nx", "ny", "count")
 _REPEATED = ("channel", "instrument", "serial", "lens", "date", "missing", "height_range", "count", "length")
 _UNIT_IN_NAME = {"bit2nm": "nm"}  # keys that imply the unit of their value: counts to nanometres
@@ -104,7 +104,7 @@ def disagreeing(stated: Stated) -> str:
     for factor in stated.get("factor", []):
         if not is_length(factor.unit) and factor.value != 1 and "z_factor" not in stated:
             return f"{factor}: name a factor of the heights 'Z factor', with the unit of the products"
-    without_lengths = {meaning: repeated for meaning, repeated in stated.items() if meaning not in _LENGTHS}
+    without_lengths = {meaning: repeated for meaning, repeated in stated.items() if meaning not in LENGTHS}
     return next((f"{wrong}; correct one of them" for wrong in _repeated(without_lengths)), "")
 
 
@@ -118,7 +118,7 @@ def contradiction(stated: Stated, shape: tuple[int, int]) -> str:
     >>> contradiction(statements(["Pixel size: 0.5 µm", "Width: 6.5 µm"]), (9, 13))
     ''
     """
-    lengths = {meaning: repeated for meaning, repeated in stated.items() if meaning in _LENGTHS}
+    lengths = {meaning: repeated for meaning, repeated in stated.items() if meaning in LENGTHS}
     return next(chain(_repeated(lengths), _units_apart(stated), _lengths_apart(stated, shape)), "")
 
 
@@ -128,7 +128,7 @@ def _repeated(stated: Stated) -> Iterator[str]:
         for statement in (first, *repeats):
             if isinstance(statement.value, float) and math.isnan(statement.value):
                 yield f"{statement}: its mark may be the decimal sign or separate thousands"
-            elif meaning in _LENGTHS and statement.unit and not is_length(statement.unit):
+            elif meaning in LENGTHS and statement.unit and not is_length(statement.unit):
                 yield f"{statement}: {statement.unit!r} is no unit of length"
         for statement in repeats if meaning not in _REPEATED else ():
             if not _equal(first, statement, stated):
@@ -138,7 +138,7 @@ def _repeated(stated: Stated) -> Iterator[str]:
 def _units_apart(stated: Stated) -> Iterator[str]:
     """Yield sentences on lengths in another unit than the one that is stated for all of them."""
     for general in stated.get("lateral_unit", [])[:1]:
-        for length in (stated[meaning][0] for meaning in _LENGTHS if meaning in stated):
+        for length in (stated[meaning][0] for meaning in LENGTHS if meaning in stated):
             if is_length(length.unit) and not same_length(length.unit, general.value):
                 yield f"{length}, {general}: their units do not agree"
 
@@ -198,10 +198,8 @@ def _entries(text: str) -> Iterator[tuple[str, str]]:
     numbers = all(map(_NUMBER.match, value_texts))
     for value_text in value_texts[:-1] if numbers else ():  # a value, its unit, the next key
         tokens = re.split(r"[\s;]+|,\s+", value_text)
-        start = 1
-        while start < len(tokens) - 1 and not _meaning(" ".join(tokens[start:]).partition("(")[0]):
-            start += 1
-        start = min(start, len(tokens) - 1)
+        ends = [" ".join(tokens[start:]).partition("(")[0] for start in range(len(tokens))]
+        start = next((start for start in range(1, len(tokens)) if _meaning(ends[start])), len(tokens) - 1)
         values.append(" ".join(tokens[:start]))
         keys.append(" ".join(tokens[start:]))
     if values and all(key[:1].isalpha() for key in keys) and ("=" in text or _meaning(first)):
@@ -259,7 +257,7 @@ def _numbers_of(meaning: str, match: re.Match[str], unit: str, sign: str) -> Ite
     if meaning in _PIXELS and value_unit.lower() in _PIXEL_WORDS:
         meaning, value_unit = _PIXELS[meaning], ""
     bare_size = meaning == "size" and not is_length(value_unit)
-    if bare_size or meaning == "per_pixel" or (meaning in _LENGTHS and _RANGE.match(after)):
+    if bare_size or meaning == "per_pixel" or (meaning in LENGTHS and _RANGE.match(after)):
         return
     yield meaning, Statement(number, value_unit, rounding, 0, "")
     # both are named as they differ

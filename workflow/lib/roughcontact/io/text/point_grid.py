@@ -1,5 +1,7 @@
 """Conversion of lists of points x, y, z to the regular grid that they form."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from roughcontact.errors import InputFileError
@@ -9,23 +11,24 @@ from roughcontact.io.guards import check_points
 
 @np.errstate(all="ignore")  # infinite positions form no grid
 def points_on_grid(
-    x: np.ndarray, y: np.ndarray, z: np.ndarray
+    x: np.ndarray, y: np.ndarray, z: np.ndarray, lines: Sequence[int]
 ) -> tuple[np.ndarray, dict[str, float | None], tuple[float, float]]:
     """Return the map that points (n,) in any order form, NaN if absent, its steps and first position (x, y).
 
     Positions are sorted into lines by gaps larger than half the largest one, which tolerates rounding; the
-    step along an axis of one line is None.
+    step along an axis of one line is None. `lines` are those of the file.
 
     Examples
     --------
     >>> x, y, z = np.array([[0, 0, 1], [2, 0, 2], [0, 3, 4], [2, 3, 5]]).T
-    >>> heights, steps, first = points_on_grid(x, y, z)
+    >>> heights, steps, first = points_on_grid(x, y, z, range(1, 5))
     >>> heights
     array([[1., 2.],
            [4., 5.]])
     >>> steps
     {'x': 2.0, 'y': 3.0}
     """
+    _refuse_repeated(x + 1j * y, lines)
     along_x, column = _grid_lines(x, "x")
     along_y, row = _grid_lines(y, "y")
     nx, ny = along_x.size, along_y.size
@@ -34,32 +37,35 @@ def points_on_grid(
             f"{z.size} points x y z do not form an even grid ({nx} different x, {ny} different y)"
         )
     check_points((ny, nx))
-    if np.unique(row * nx + column).size != z.size:
-        raise InputFileError("several points of the list have the same position")
+    _refuse_repeated(row * nx + column, lines)  # within rounding
     _refuse_cut_list(row, column)
     heights = np.full((ny, nx), np.nan)
     heights[row, column] = z
-    lines = {"x": along_x, "y": along_y}
-    steps = {name: even_step(along, name) if along.size > 1 else None for name, along in lines.items()}
+    along_axes = ("x", along_x), ("y", along_y)
+    steps = {axis: even_step(along, axis) if along.size > 1 else None for axis, along in along_axes}
     return heights, steps, (float(along_x[0]), float(along_y[0]))
+
+
+def _refuse_repeated(places: np.ndarray, lines: Sequence[int]) -> None:
+    """Refuse points with the place of one above."""
+    _, first = np.unique(places, return_index=True)
+    if first.size < places.size:
+        index = int(np.setdiff1d(np.arange(places.size), first)[0])
+        raise InputFileError(
+            f"several points of the list have the same position, the first is that in line {lines[index]}; "
+            "leave one map in the file"
+        )
 
 
 def _refuse_cut_list(row: np.ndarray, column: np.ndarray) -> None:
     """Refuse a list in which only the grid line that stands last in the file is incomplete, at its end."""
     for line, across in ((row, column), (column, row)):
-        written_by_line = np.count_nonzero(np.diff(line)) == np.unique(line).size - 1
-        counts = np.bincount(line)
-        other_counts = np.delete(counts, line[-1])
-        if (
-            written_by_line
-            and other_counts.size
-            and other_counts.min() == other_counts.max() > counts[line[-1]]
-        ):
-            before = across[line != line[-1]][: other_counts[0]]
-            if np.array_equal(across[line == line[-1]], before[: counts[line[-1]]]):
-                raise InputFileError(
-                    "the list of points ends in the middle of a grid line: the file was cut off"
-                )
+        last, counts = line == line[-1], np.bincount(line)
+        here, others = counts[line[-1]], np.delete(counts, line[-1])
+        written_by_line = np.count_nonzero(np.diff(line)) == counts.size - 1
+        short = others.size and others.min() == others.max() > here
+        if written_by_line and short and np.array_equal(across[last], across[~last][:here]):
+            raise InputFileError("the list of points ends in the middle of a grid line: the file was cut off")
 
 
 def _grid_lines(positions: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:

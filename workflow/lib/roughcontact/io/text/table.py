@@ -6,6 +6,7 @@ from array import array
 from collections import Counter
 from collections.abc import Mapping
 from contextlib import suppress
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -66,11 +67,15 @@ class Rows(NamedTuple):
     labelled: bool = False
 
     @property
-    def start(self) -> int:
-        """Number of the first line that is not empty."""
-        lines = enumerate(self.heading, self.first)
-        filled = (number for number, line in lines if line.strip(_CELL_SEPARATORS))
-        return next(filled, self.lines[0])
+    def filled(self) -> list[tuple[int, str]]:
+        """Filled lines of the heading, with their numbers."""
+        return [(number, line) for number, line in enumerate(self.heading, self.first) if line.strip()]
+
+    @property
+    def start(self) -> tuple[int, str]:
+        """The first line that is not empty, with its number."""
+        filled = (numbered for numbered in self.filled if numbered[1].strip(_CELL_SEPARATORS))
+        return next(filled, (self.lines[0], self.texts[0]))
 
 
 def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
@@ -90,15 +95,12 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
 def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str]]:
     """Return the numbers of points alone in a line above the table (``23``, ``256 192``), and the table."""
     filled = [number for number, line in enumerate(body[:50]) if line.strip()][:2]
-    if len(filled) < 2:
+    alone, row = (body[number].strip().strip(delimiter or " ") for number in (filled[0], filled[-1]))
+    counts = re.findall(r"\d+", alone)
+    only_counts = len(alone) <= 40 and re.fullmatch(r"\d+(?:[;,\s]+\d+)?", alone)
+    if not only_counts or len(row[:_MAX_PREFIX].split(delimiter)) <= len(counts):
         return [], body
-    alone, row = (body[number].strip().strip(delimiter or " ") for number in filled)
-    cells = re.split(r"[;,\s]+", alone)
-    if len(alone) > 40 or len(cells) > 2 or not all(cell.isdecimal() for cell in cells):
-        return [], body
-    if len(row[:_MAX_PREFIX].split(delimiter)) <= len(cells):
-        return [], body
-    return [int(cell) for cell in cells], body[filled[0] + 1 :]
+    return [*map(int, counts)], body[filled[0] + 1 :]
 
 
 def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
@@ -110,15 +112,15 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
     if '"' not in first[:_MAX_PREFIX]:
         return header, body
     delimiter = next((sign for sign in ";\t" if sign in first), ",")
+    cells_of = partial(csv.reader, delimiter=delimiter, skipinitialspace=True)
     try:
-        cells_of_rows = [
-            [*csv.reader([line], delimiter=delimiter, skipinitialspace=True)] for line in (*header, *body)
-        ]
+        lines = [";".join(next(cells_of([line]), [])) for line in (*header, *body)]
     except csv.Error:  # a cell of more than 131 072 characters
         return header, body
-    lines = [";".join(rows[0]) if rows else "" for rows in cells_of_rows]
-    entries = [line if '"' not in line and re.search("[:=]", line) else "" for line in header]
-    return [entry or line for entry, line in zip(entries, lines, strict=False)], lines[len(header) :]
+    for number, line in enumerate(header):
+        if '"' not in line and re.search("[:=]", line):
+            lines[number] = line
+    return lines[: len(header)], lines[len(header) :]
 
 
 def separators(body: list[str]) -> Dialect:
@@ -160,15 +162,11 @@ def is_row(line: str) -> bool:
     >>> [is_row(line) for line in ("1.5;n/a", "0.5 hole", "Profile 2", "x (mm);z (µm)", "# 1 2 3", ";;")]
     [True, True, False, False, False, False]
     """
-    if not line.strip(_CELL_SEPARATORS):
-        return False
     if _PLAIN.match(line):
-        return True
-    if line.lstrip()[0] in COMMENT_SIGNS and not _starts_with_missing(line):
-        return False
-    cells = re.split(r'[;\t,\s"]+', joined(line[:_MAX_PREFIX]).strip(_CELL_SEPARATORS), maxsplit=_FEW_CELLS)
-    is_number = [_number_in(cell) is not None for cell in cells[:_FEW_CELLS]]
-    return 2 * sum(is_number) > len(is_number) or (is_number[0] and not is_missing(cells[0]))
+        return bool(line.strip(_CELL_SEPARATORS))
+    cells = _cells(line, _FEW_CELLS)[:_FEW_CELLS]
+    is_number = [_number_in(cell) is not None for cell in cells]
+    return 2 * sum(is_number) > len(cells) or (is_number[:1] == [True] and not is_missing(cells[0]))
 
 
 def split_tables(header: list[str], body: list[str], first: int, dialect: Dialect) -> list[Rows]:
@@ -193,7 +191,8 @@ def split_tables(header: list[str], body: list[str], first: int, dialect: Dialec
             continue
         width = width or len(line.strip().split(dialect.delimiter))
         if tables[-1].lines:
-            if any(_names_a_table(text) for text in skipped if text.strip(_CELL_SEPARATORS)):
+            filled = [text for text in skipped if text.strip(_CELL_SEPARATORS)]
+            if any(text.lstrip()[0] not in "#%" or statements([text]) for text in filled):
                 tables.append(Rows(skipped, number - len(skipped), [], []))
             elif skipped and not tables[-1].broken:
                 tables[-1] = tables[-1]._replace(broken=number)
@@ -232,11 +231,6 @@ def _below_a_label(rows: Rows, dialect: Dialect) -> Rows:
     return rows._replace(heading=rows.heading[:-1], texts=texts, lines=lines, labelled=True)
 
 
-def _names_a_table(line: str) -> bool:
-    """Return whether a line between rows is more than a comment: words, or an entry of a header."""
-    return line.lstrip()[0] not in "#%" or bool(statements([line]))
-
-
 def parse_table(rows: Rows, dialect: Dialect) -> Table:
     """Return the numbers of a table.
 
@@ -261,13 +255,8 @@ def parse_table(rows: Rows, dialect: Dialect) -> Table:
             spoken.update(filter(is_spoken, map(str.strip, cells)))
             row = [value for cell in cells if (value := _number_in(cell)) is not None]
             if len(row) < len(cells):
-                raise _no_row(
-                    next(
-                        (cell for cell in line.split(delimiter) if _number_in(dialect.plain(cell)) is None),
-                        line,
-                    ),
-                    number,
-                )
+                bad = [cell for cell in line.split(delimiter) if _number_in(dialect.plain(cell)) is None]
+                raise _no_row([*bad, line][0], number)
         numbers.extend(row)
         counts.append(len(row))
     if lacks_corner := _lacks_corner(counts):
@@ -360,25 +349,26 @@ def _plain_numbers(text: str, delimiter: str | None) -> list[float] | None:
 
 def _is_data(line: str) -> bool:
     """Return whether a line is a row of numbers."""
-    if re.match(r";[-+.\d]", line) and ";" in line[1:]:  # an empty first cell, no comment
-        line = line[1:]
-    if not line.strip() or (line.lstrip()[0] in COMMENT_SIGNS and not _starts_with_missing(line)):
-        return False
-    text = joined(line[:_MAX_PREFIX])
-    tokens = re.split(r'[;\t,\s"]+', text.strip().strip(';,"'))
+    cells = _cells(line)
     if len(line) > _MAX_PREFIX:
-        tokens.pop()  # it may be half a number
-    values = [_number_in(token) for token in tokens]
-    spoken = tokens and tokens[0][:1].isalpha() and (is_spoken(tokens[0]) or text != line[:_MAX_PREFIX])
-    if None in values or (spoken and len(values) <= 3):
+        del cells[-1:]  # it may be half a number
+    values = [_number_in(cell) for cell in cells]
+    if not cells or None in values:
+        return False
+    phrase = is_spoken(cells[0]) or joined(line[:_MAX_PREFIX]) != line[:_MAX_PREFIX]
+    if len(cells) <= 3 and cells[0][:1].isalpha() and phrase:
         return False  # "Masked 12" is an entry of the header
     ruled = "---" in line and not any(map(str.isalnum, line))  # a line drawn below headings
     return bool(np.isfinite(np.array(values, dtype=float)).any()) or (len(values) > 1 and not ruled)
 
 
-def _starts_with_missing(line: str) -> bool:
-    """Return whether a line begins with a token for a missing point, such as ``#N/A`` or ``***``."""
-    return is_missing(re.split(r"[;\t,\s]", line[:_MAX_PREFIX].lstrip(), maxsplit=1)[0])
+def _cells(line: str, most: int = 0) -> list[str]:
+    """Return the cells of a line, after `most` the rest; none of a comment, unlike ``#N/A`` or ``***``."""
+    start = line[:_MAX_PREFIX].lstrip()
+    text = joined(start).strip(_CELL_SEPARATORS)
+    first = re.split(r"[;\t,\s]", start, maxsplit=1)[0]
+    comment = start.startswith(tuple(COMMENT_SIGNS)) and not is_missing(first)
+    return [] if comment or not text else re.split(r'[;\t,\s"]+', text, maxsplit=most)
 
 
 def _number_in(token: str) -> float | None:
@@ -387,6 +377,8 @@ def _number_in(token: str) -> float | None:
     if is_missing(token):
         return np.nan
     try:
-        return float(_FORTRAN.sub(r"\1e\2", token)) if "_" not in token else None  # Python would read 1_000
+        if "d" in token or "D" in token:
+            token = _FORTRAN.sub(r"\1e\2", token)
+        return float(token) if "_" not in token else None  # Python would read 1_000
     except ValueError:
         return None
