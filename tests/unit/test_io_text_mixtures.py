@@ -205,7 +205,7 @@ def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, word
     ("lines", "words"),
     [
         (["Z unit: nm", "Value units: µm"], "line 1 says .*, line 2 says .*correct one"),
-        (["Z unit: µm", "Height (nm)"], "line 1 says 'Z unit: µm', and a heading of the heights 'nm'"),
+        (["Z unit: µm", "Height (nm)"], "line 1 says 'Z unit: µm', line 2 says 'Height .nm.': their units"),
         (["nx: 10", "Columns: 11"], "line 1 says .*, line 2 says"),
         (["X unit: mm", "Y unit: µm"], "line 1 says .*, line 2 says"),
         (["Bit2nm: 1", "Z unit: µm"], "line 1 says .*, line 2 says"),
@@ -333,10 +333,18 @@ def test_a_heading_that_contradicts_the_positions_is_said(read):
 
 
 @pytest.mark.parametrize(
-    ("line", "words"), [("Z unit: µm", "'µm'"), ("Z factor: 0.1", "a factor"), ("Z factor: 1 µm", "a factor")]
+    ("line", "words"),
+    [
+        ("Z unit: µm", "line 1 says 'Z unit: µm', line 2 says '.*nm.*: their units do not agree"),
+        ("Unit: mm", "line 1 says 'Unit: mm', line 2 says"),
+        ("Z factor: 0.1", "a column is in 'nm', and the header says a factor"),
+        ("Z factor: 1 µm", "a column is in 'nm', and the header says a factor"),
+    ],
 )
-def test_a_header_that_contradicts_the_unit_of_a_column_is_refused(refused, line, words):
-    refused(f"{line}\nx (µm);z (nm)\n{TRACE}", f"a column is in 'nm', and the header says {words}")
+@pytest.mark.parametrize("heading", ["x (µm);z (nm)", "z nm", "Height [nm]"])
+def test_a_header_that_contradicts_the_unit_of_a_column_is_refused(refused, line, words, heading):
+    table = TRACE if ";" in heading else columns(ONE[0])
+    refused(f"{line}\n{heading}\n{table}", words, dx=0.5, unit="um")
 
 
 def test_a_marker_of_the_header_is_none_of_positions(read):

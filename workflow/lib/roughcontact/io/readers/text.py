@@ -5,6 +5,7 @@ assumption. Where positions are given, y increases upwards.
 """
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import takewhile
 from pathlib import Path
@@ -31,6 +32,7 @@ from roughcontact.io.text.axes import are_points, axes_of, begins_anew, form_a_g
 from roughcontact.io.text.columns import Column, headed, layout, miscounted, of_a_map, unit_of_heights
 from roughcontact.io.text.doubts import cut_number, not_understood, refuse_lost_row, thousands
 from roughcontact.io.text.header import (
+    LENGTHS,
     Stated,
     Statement,
     contradiction,
@@ -137,10 +139,7 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
         first_values.setdefault("height_unit", stated["height_range"][0].unit or None)
     doubts += not_understood(rows, stated, measured)
     if unit := unit_of_heights(rows.heading):
-        if is_length(first_values.get("height_unit")) and not same_length(unit, first_values["height_unit"]):
-            raise InputFileError(
-                f"{stated['height_unit'][0]}, and a heading of the heights {unit!r}; correct one"
-            )
+        _refuse_other_units([unit], rows, stated.get("height_unit"))
         first_values.setdefault("height_unit", unit)
     columns = headed(rows.heading, width, dialect.delimiter)
     if table.empty.any() and not {"length_x", "length_y", "nx", "ny"} & {*stated}:
@@ -159,6 +158,17 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
         )
     _refuse_cut_table(table.values.shape, counts or [first_values.get("count", 0)])
     return _Text(rows, table, dialect.delimiter, stated, first_values, columns, doubts)
+
+
+def _refuse_other_units(units: Sequence[str | None], rows: Rows, stated: list[Statement] | None) -> None:
+    """Refuse the units of headings, the last one by name, where an entry of the header says another one."""
+    units_named = [unit for unit in units if unit]
+    for statement in (stated or ())[:1] if units_named else ():
+        if not any(same_length(unit, statement.value) for unit in units_named):
+            headings = (line for line in reversed(rows.filled) if units_named[-1] in line[1])
+            number, line = next(headings, rows.start)
+            heading = f"line {number} says {line.strip()[:60]!r}"
+            raise InputFileError(f"{statement}, {heading}: their units do not agree; correct one")
 
 
 def _left_out(count: int, lines: str) -> str:
@@ -395,11 +405,11 @@ def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFil
             f"a column of {heights.size} numbers, where the header states a size along y: write each row of "
             "the map into one line"
         )
-    unit = text.first_values.get("height_unit", column.unit)
-    file = _matrix(heights[None], text, unit=unit)
+    _units([column.unit], text)
+    file = _matrix(heights[None], text, unit=column.unit)
     (channel,) = file.channels
     if not column.name:
-        channel.otherwise = _channel(heights[:, None], text, unit, lateral_unit=channel.lateral_unit)
+        channel.otherwise = _channel(heights[:, None], text, column.unit, lateral_unit=channel.lateral_unit)
     return file
 
 
@@ -571,10 +581,12 @@ def _units(units: list[str | None], text: _Text) -> tuple[str | None, float]:
     factor = 1.0
     if len(lateral) == 2 and not same_length(*lateral):
         factor = metres(lateral[1], where="y") / metres(lateral[0], where="x")
-    for unit, key in ((next(iter(lateral), None), "lateral_unit"), (height, "height_unit")):
-        if unit and first_values.get(key) and not same_length(unit, first_values[key]):
-            wrong = f"a column is in {unit!r}, and the header says {first_values[key]!r}"
-            raise InputFileError(f"{wrong}; correct one of them")
+    _refuse_other_units(lateral[:1], text.rows, text.stated.get("lateral_unit"))
+    _refuse_other_units(units[-1:], text.rows, text.stated.get("height_unit"))
+    bare = any(not text.stated[key][0].unit for key in LENGTHS if key in text.stated)
+    if all(units) and not bare and "height_unit" not in text.stated:
+        every_unit = [column.unit for column in text.columns or ()]
+        _refuse_other_units([*every_unit, height], text.rows, text.stated.get("unit"))
     for scaled in text.stated.get("z_factor", [])[:1] if is_length(height) else ():
         if scaled.value != 1 or scaled.unit not in ("", height):
             wrong = f"a column is in {height!r}, and the header says a factor of the heights"
