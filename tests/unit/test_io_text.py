@@ -137,34 +137,22 @@ def test_cut_matrices_are_refused(read, refused):
     assert read(shorter, **GIVEN).shape == (12, 20)
 
 
+VOLTS = f"{SIZES}# Value units: V\n{MATRIX}"
 # a text, words of the refusal, what is given
-NO_MAPS = {
-    "fewer rows than stated": (
-        "ncols 4\nnrows 5\ncellsize 1\n" + cells(HEIGHTS, " "),
-        "header says 5 rows, the file has 3",
-        {},
-    ),
-    "ragged rows": ("1 2 3 4\n1 2 3\n1 2 3 4\n", "row 2 has 3 numbers where the others have 4", {}),
-    "a word": ("1 2 3 4\n1 2 3 4\n1 2 x 4\n1 2 3 4\n", r"line 3 is no row of numbers \(x\); write NaN", {}),
-    "volts": (
-        f"{SIZES}# Value units: V\n{MATRIX}",
-        r"no channel of this file holds heights .*values in V, no length",
-        {},
-    ),
-    "words": (
-        "Dear all\nhere is it\n",
-        "text without a table of numbers; it starts with 'Dear all'",
-        {},
-    ),
-    "either comma": ("1,5\n2,5\n3\n4,5\n", "may be a decimal sign or a separator", {"dx": 1, "unit": "um"}),
-    "one number": ("1.5\n", "single point", GIVEN),
-    "no number": ("nan nan nan\nnan nan nan\n", "all 6 points of the map are missing", GIVEN),
-}
+NO_MAPS = [
+    ("ncols 4\nnrows 5\ncellsize 1\n" + cells(HEIGHTS, " "), "header says 5 rows, the file has 3", {}),
+    ("1 2 3 4\n1 2 3\n1 2 3 4\n", "row 2 has 3 numbers where the others have 4", {}),
+    ("1 2 3 4\n1 2 3 4\n1 2 x 4\n1 2 3 4\n", r"line 3 is no row of numbers \(x\); write NaN", {}),
+    (VOLTS, r"no channel of this file holds heights .*values in V, no length", {}),
+    ("Dear all\nhere is it\n", "text without a table of numbers; it starts with 'Dear all'", {}),
+    ("1,5\n2,5\n3\n4,5\n", "may be a decimal sign or a separator", {"dx": 1, "unit": "um"}),
+    ("1.5\n", "single point", GIVEN),
+    ("nan nan nan\nnan nan nan\n", "all 6 points of the map are missing", GIVEN),
+]
 
 
-@pytest.mark.parametrize("name", NO_MAPS)
-def test_texts_that_are_no_map(refused, name):
-    text, words, given = NO_MAPS[name]
+@pytest.mark.parametrize(("text", "words", "given"), NO_MAPS, ids=[words for _, words, _ in NO_MAPS])
+def test_texts_that_are_no_map(refused, text, words, given):
     refused(text, words, error=HeightMapError if given is GIVEN else InputFileError, **given)
 
 

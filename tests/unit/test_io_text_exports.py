@@ -163,27 +163,22 @@ def test_one_height_in_each_line_is_a_profile(tmp_path):
 
 # a text that states how many points it has, and what is given; the same with another number or fewer rows
 PROFILE, MATRIX, LIST = trace(" "), "1 2 3 5\n" * 3, cells(points(GRID), " ")
-STATED = {
-    "a number above a profile": (
-        f"mm µm\n12\n{PROFILE}",
+NUMBERED, SIZED = "mm µm\n{}\n" + PROFILE, "nx: 4\nny: 3\n" + LIST
+STATED = [
+    (
+        NUMBERED.format(12),
         {},
-        f"mm µm\n13\n{PROFILE}",
-        "the file says 13 points, the table has 12 rows; it was cut off",
+        NUMBERED.format(13),
+        "the file says 13 points, the table has 12 rows; it was cut",
     ),
-    "samples of a profile": (f"samples: 12\n{PROFILE}", UM, f"samples: 13\n{PROFILE}", "13 columns.* 12"),
-    "numbers above a matrix": (f"4 3\n{MATRIX}", GIVEN, f"4 3\n{MATRIX[8:]}", "4 and 3.* 2 rows of 4"),
-    "sizes of a list": (
-        f"nx: 4\nny: 3\n{LIST}",
-        UM,
-        f"nx: 4\nny: 3\n{LIST[:-24]}",
-        "the header says 3 rows, the points make 2; it was cut off",
-    ),
-}
+    (f"samples: 12\n{PROFILE}", UM, f"samples: 13\n{PROFILE}", "13 columns.* 12"),
+    (f"4 3\n{MATRIX}", GIVEN, f"4 3\n{MATRIX[8:]}", "4 and 3.* 2 rows of 4"),
+    (SIZED, UM, SIZED[:-24], "the header says 3 rows, the points make 2; it was cut off"),
+]
 
 
-@pytest.mark.parametrize("name", STATED)
-def test_a_declared_number_of_points_is_compared(read, refused, name):
-    right, given, wrong, words = STATED[name]
+@pytest.mark.parametrize(("right", "given", "wrong", "words"), STATED, ids=[words for *_, words in STATED])
+def test_a_declared_number_of_points_is_compared(read, refused, right, given, wrong, words):
     assert read(right, **given).shape == ((1, 12) if PROFILE in right else (3, 4))
     refused(wrong, words, **given)
 

@@ -14,6 +14,7 @@ ONE, TWO = (np.round(RNG.normal(size=(8, 10)), 3) for _ in range(2))  # nm
 X, Y = 0.5 * np.arange(10), 0.25 * np.arange(8)  # µm
 NM = {"unit": "um", "height_unit": "nm"}
 GIVEN = NM | {"dx": 0.5, "dy": 0.25}
+WORN = {"resample": "linear", "height_unit": "nm"}
 # a matrix, alone and beside its positions along x, along y, and both; a list of points; a profile
 ROWS, ABOVE, BESIDE = cells(ONE), cells([X, *ONE]), cells(np.column_stack([Y, ONE]))
 BOTH = "\t" + ABOVE.partition("\n")[0] + "\n" + BESIDE
@@ -32,25 +33,6 @@ def holds_nm(height, heights):
 # ---------------------------------------------------------------- tables
 
 
-@pytest.mark.parametrize(
-    ("between", "words"),
-    [
-        ("\n", "a second table begins at line 10"),
-        ("\n\n\n", "a second table begins at line 12"),
-        ("\t" * 9 + "\nScan 2" + "\t" * 9 + "\n", "a second table begins at line 10"),
-        ("# second scan\n", "a second table begins at line 10"),
-        ("Scan 2\n", "a second table begins at line 9"),
-    ],
-)
-def test_a_second_table_without_headings_is_refused(refused, between, words):
-    refused(ROWS + between + cells(TWO), words, **GIVEN)
-
-
-def test_an_empty_column_divides_maps_beside_one_another(refused):
-    text = columns(ONE, np.full(8, np.nan), TWO).replace("nan", "")
-    refused(text, "line 1 .* has an empty column", **GIVEN)
-
-
 def test_tables_with_headings_are_channels_in_their_units(read, refused, tmp_path):
     head = "# Channel: {}\n# Width: 5 µm\n# Height: 2 µm\n# Value units: {}\n"
     text = head.format("Phase", "deg") + cells(TWO) + "\n" + head.format("Topography", "nm") + ROWS
@@ -64,12 +46,6 @@ def test_tables_with_headings_are_channels_in_their_units(read, refused, tmp_pat
     words = "Forward" + "\t" * 9 + "\n" + ROWS + "\nBackward\n" + cells(TWO)
     holds_nm(read(words, **GIVEN), ONE[::-1])
     holds_nm(read(words, **GIVEN, channel="Backward"), TWO[::-1])
-
-
-def test_points_at_the_positions_of_others_name_the_line(refused):
-    others, head = cells(points(TWO, 0.5, 0.25)), "x [um]\ty [um]\tz [nm]\n"
-    refused(POINTS + others, "the first is that in line 81", **NM)
-    refused(head + POINTS + head + others, r"2 tables below one another .*line 82.*channel")
 
 
 # ---------------------------------------------------------------- named columns
@@ -101,41 +77,44 @@ def test_columns_without_positions_are_profiles(read, refused):
     holds_nm(read(text, channel="Profil 2", dx=0.5, unit="um"), TWO[:1])
 
 
-# a text that may be a map, points or profiles: its rows, words of the refusal, what is given
-DOUBTFUL = {
-    "all points of a map in a column": (
-        "nx: 10\nny: 8\ndx: 0.5 µm\n" + columns(ONE.ravel()),
-        "a column of 80 numbers, where the header states a size along y",
+SECOND, NAMES = "a second table begins at line {}", "x [um]\ty [um]\tz [nm]\n"
+OTHERS = cells(points(TWO, 0.5, 0.25))
+WORDS_IN_ROW = "line 1 has as many cells.*'{}'"
+# a text that may be several things, or that contradicts itself: words of the refusal, and what is given
+REFUSED = [
+    (f"{ROWS}\n{cells(TWO)}", SECOND.format(10), GIVEN),
+    (f"{ROWS}\n\n\n{cells(TWO)}", SECOND.format(12), GIVEN),
+    (ROWS + "\t" * 9 + "\nScan 2" + "\t" * 9 + "\n" + cells(TWO), SECOND.format(10), GIVEN),
+    (f"{ROWS}# second scan\n{cells(TWO)}", SECOND.format(10), GIVEN),
+    (f"{ROWS}Scan 2\n{cells(TWO)}", SECOND.format(9), GIVEN),
+    (columns(ONE, np.full(8, np.nan), TWO).replace("nan", ""), "line 1 .* has an empty column", GIVEN),
+    (POINTS + OTHERS, "the first is that in line 81", NM),
+    (NAMES + POINTS + NAMES + OTHERS, r"2 tables below one another .*line 82.*channel", NM),
+    ("nx: 10\nny: 8\ndx: 0.5 µm\n" + columns(ONE.ravel()), "a column of 80 numbers, where the header", GIVEN),
+    ("a;b;c;d (V)\n" + columns(X, *ONE[:3]), r"which of the 4 columns 'a', .*'d \(V\)'.*name them x", GIVEN),
+    ("mm;unworn;worn\n" + columns(X, *ONE[:2]), "which of the 3 columns 'unworn', 'worn'", WORN),
+    (columns(X, *ONE[:3]), r"first of 4 columns holds positions: of 3 profiles.*or .* a map", NM),
+    ("dx: 0.5 µm\n" + columns(X, *ONE[:3]), "holds positions: of 3 profiles", NM),
+    ("n/d\t" * 9 + "n/d\n" + ROWS, WORDS_IN_ROW.format("n/d"), GIVEN),
+    ("Foo\t" * 9 + "Foo\n" + ROWS, WORDS_IN_ROW.format("Foo"), GIVEN),
+    (f"Z unit: nm\nValue units: µm\n{ROWS}", "line 1 says .*, line 2 says .*correct one", GIVEN),
+    (
+        f"Z unit: µm\nHeight (nm)\n{ROWS}",
+        "line 1 says 'Z unit: µm', line 2 says 'Height .nm.': their units",
         GIVEN,
     ),
-    "unknown names": (
-        "a;b;c;d (V)\n" + columns(X, *ONE[:3]),
-        r"which of the 4 columns 'a', 'b', 'c', 'd \(V\)'.*name them x",
-        GIVEN,
-    ),
-    "names of what was done": (
-        "mm;unworn;worn\n" + columns(X, *ONE[:2]),
-        "which of the 3 columns 'unworn', 'worn'",
-        {"resample": "linear", "height_unit": "nm"},
-    ),
-    "positions beside few columns": (
-        columns(X, *ONE[:3]),
-        r"first of 4 columns holds positions: of 3 profiles.*or .* a map",
-        NM,
-    ),
-    "positions beside few columns, and their step": (
-        "dx: 0.5 µm\n" + columns(X, *ONE[:3]),
-        "holds positions: of 3 profiles",
-        NM,
-    ),
-    "an unknown mark": ("n/d\t" * 9 + "n/d\n" + ROWS, "line 1 has as many cells.*'n/d'", GIVEN),
-    "an unknown word": ("Foo\t" * 9 + "Foo\n" + ROWS, "line 1 has as many cells.*'Foo'", GIVEN),
-}
+    (f"nx: 10\nColumns: 11\n{ROWS}", "line 1 says .*, line 2 says", GIVEN),
+    (f"X unit: mm\nY unit: µm\n{ROWS}", "line 1 says .*, line 2 says", GIVEN),
+    (f"Bit2nm: 1\nZ unit: µm\n{ROWS}", "line 1 says .*, line 2 says", GIVEN),
+    (f"Z scale (nm/LSB): 0.01\n{ROWS}", "line 1 says 'Z scale .*: name a factor", GIVEN),
+    (f"Z scale: 0.001\nZ unit: nm\n{ROWS}", "line 1 says 'Z scale: 0.001': name a factor", GIVEN),
+    (f"Width: 12 px\nHeight: 8 px\n{ROWS}", "the header says 12 columns, the file has 10", GIVEN),
+    (f"Image size: 10 x 9 pixels\n{ROWS}", "the header says 9 rows, the file has 8", GIVEN),
+]
 
 
-@pytest.mark.parametrize("name", DOUBTFUL)
-def test_columns_that_may_be_anything_are_asked_about(refused, name):
-    text, words, given = DOUBTFUL[name]
+@pytest.mark.parametrize(("text", "words", "given"), REFUSED, ids=[words for _, words, _ in REFUSED])
+def test_what_may_be_several_things_or_contradicts_itself_is_refused(refused, text, words, given):
     refused(text, words, **given)
 
 
@@ -199,24 +178,6 @@ def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, word
     text = "\n".join([*lines, "Z unit: nm", ROWS])
     refused(text, words)
     holds_nm(read(text, dx=0.5, dy=0.25, unit="um"), ONE[::-1])
-
-
-@pytest.mark.parametrize(
-    ("lines", "words"),
-    [
-        (["Z unit: nm", "Value units: µm"], "line 1 says .*, line 2 says .*correct one"),
-        (["Z unit: µm", "Height (nm)"], "line 1 says 'Z unit: µm', line 2 says 'Height .nm.': their units"),
-        (["nx: 10", "Columns: 11"], "line 1 says .*, line 2 says"),
-        (["X unit: mm", "Y unit: µm"], "line 1 says .*, line 2 says"),
-        (["Bit2nm: 1", "Z unit: µm"], "line 1 says .*, line 2 says"),
-        (["Z scale (nm/LSB): 0.01"], "line 1 says 'Z scale .*: name a factor"),
-        (["Z scale: 0.001", "Z unit: nm"], "line 1 says 'Z scale: 0.001': name a factor"),
-        (["Width: 12 px", "Height: 8 px"], "the header says 12 columns, the file has 10"),
-        (["Image size: 10 x 9 pixels"], "the header says 9 rows, the file has 8"),
-    ],
-)
-def test_other_statements_that_do_not_agree_are_refused(refused, lines, words):
-    refused("\n".join([*lines, ROWS]), words, **GIVEN)
 
 
 @pytest.mark.parametrize(
@@ -306,23 +267,14 @@ def test_a_heading_of_changed_or_other_heights_is_said(read, name):
     assert f"the heights are those of the column '{name}', as they are" in warnings_of(height)
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        (
-            ";" + columns(ONE).replace("\n", "\n;")[:-1],
-            "1 column of empty cells beside the table is left out",
-        ),
-        (
-            "\t" * 9 + "\n" + ROWS + 2 * ("\t" * 9 + "\n"),
-            "3 lines of empty cells beside the table are left out",
-        ),
-    ],
-)
-def test_empty_cells_beside_a_matrix_are_said(read, text, said):
+EMPTY, INDENTED = "\t" * 9 + "\n", "".join(f"\t{row}\n" for row in ROWS.splitlines())
+
+
+@pytest.mark.parametrize(("text", "what"), [(INDENTED, "1 column"), (EMPTY + ROWS + 2 * EMPTY, "3 lines")])
+def test_empty_cells_beside_a_matrix_are_said(read, text, what):
     height = read(text, **GIVEN)
     holds_nm(height, ONE[::-1])
-    assert said in warnings_of(height)
+    assert re.search(rf"{what} of empty cells beside the table (is|are) left out", warnings_of(height))
     assert "empty cells" not in warnings_of(read(f"\n{ROWS}\n\n", **GIVEN))
 
 
@@ -359,13 +311,8 @@ def test_a_marker_of_the_header_is_none_of_positions(read):
 def test_positions_in_the_first_row_and_column(read, refused):
     text = BOTH[1:].replace("\t", " ")  # without a corner
     closed = "y/x" + BOTH.replace("\n", "\t\n")
-    german = (
-        "y/x;"
-        + ABOVE.partition("\n")[0].replace("\t", ";")
-        + "\n"
-        + cells(np.column_stack([Y, ONE]), ";", "{:.6f}")
-    )
-    for each in (text, closed, closed.replace("\t\n", "\n", 1), german.replace(".", ",")):
+    german = ("y/x" + BOTH).replace("\t", ";").replace(".", ",")
+    for each in (text, closed, closed.replace("\t\n", "\n", 1), german):
         holds_nm(read(each, **NM), ONE)
     refused(text.replace("1.5", "9", 1), "line 1 has 10 numbers where the others have 11", **NM)
     uneven = "the first {} of the table, from line 1 on, holds positions that are not even"
