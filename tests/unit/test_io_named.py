@@ -82,6 +82,10 @@ def names(*listed):
     return archive(dict.fromkeys(listed, b"1 2 3 4\n"))
 
 
+def workbook(sheet):
+    return archive({"xl/workbook.xml": f'<sheet name="{sheet}" sheetId="1"/>'})
+
+
 def locked(packed):
     """Return an archive whose only member is marked as encrypted."""
     marked = bytearray(packed)
@@ -112,18 +116,9 @@ def locked(packed):
         (picture("TIFF"), "a TIFF picture, but none of Park Systems, JPK or Olympus LEXT"),
         (names("a.txt", "b/c.001"), r"none of the formats that are known .*it holds 'a\.txt', 'b/c\.001'"),
         (names("[Content_Types].xml", "xl/workbook.xml"), "Mitutoyo"),
-        (
-            names("[Content_Types].xml", "xl/other.xml"),
-            "Excel workbook.*save the sheet with the heights as CSV",
-        ),
-        (
-            archive({"xl/workbook.xml": '<sheet name="A &amp; B" sheetId="1"/>'}),
-            r"heights as CSV .*: 'A & B'\)",
-        ),
-        (
-            archive({"xl/workbook.xml": '<sheet name="DATA" sheetId="1"/>'}),
-            r"the heights as CSV .*: 'DATA'\)",
-        ),
+        (names("[Content_Types].xml", "xl/other.xml"), "Excel workbook.* the sheet with the heights as CSV"),
+        (workbook("A &amp; B"), r"the heights as CSV .*: 'A & B'\)"),
+        (workbook("DATA"), r"the heights as CSV .*: 'DATA'\)"),
         (names("word/document.xml"), "an Office document"),
         (names("z.npy"), r"NumPy arrays \(npz\); save the array of heights alone"),
         (

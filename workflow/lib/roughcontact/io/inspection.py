@@ -112,19 +112,10 @@ def _measured(converted: Converted) -> dict:
     heights, dx, dy = converted.heights, converted.dx, converted.dy
     ny, nx = heights.shape
     rms_height, rms_gradient = roughness_off_plane(heights, dx, dy)
-    return {
-        "ny": ny,
-        "nx": nx,
-        "dx": dx,
-        "dy": dy,
-        "size_x": nx * dx,
-        "size_y": ny * dy,
-        **_missing(heights),
-        **_range(heights),
-        "rms_height": rms_height,
-        "rms_gradient": rms_gradient,
-        "quantisation_step": quantisation_step(heights),
-    }
+    measured = {"ny": ny, "nx": nx, "dx": dx, "dy": dy, "size_x": nx * dx, "size_y": ny * dy}
+    measured |= _missing(heights) | _range(heights)
+    measured |= {"rms_height": rms_height, "rms_gradient": rms_gradient}
+    return measured | {"quantisation_step": quantisation_step(heights)}
 
 
 def _described(channel: Channel, path: Path, *, chosen: bool) -> dict:

@@ -455,13 +455,8 @@ def _profile(channel: Channel, x: np.ndarray, lines: list[int], text: _Text) -> 
         profiles = counted_noun(len(traces), "profile")
         question = f"{where}: {profiles} below one another, 'profile 1' to 'profile {len(traces)}'"
         return MeasuredFile("text profiles (x, z)", channels, first_row="bottom", question=question)
-    wrong = f"{where}: the heights are no profile over x"
-    channel.otherwise = _as_matrix(text)
-    if channel.otherwise is None:
-        raise InputFileError(f"{wrong}; cut it there, or correct the positions")
-    channel = Channel("height", channel.shape, unreadable(wrong), otherwise=channel.otherwise)
-    channel.doubt = f"{wrong}, or a map of 2 columns, then give dx, dy and unit"
-    return MeasuredFile("text profile (x, z)", [channel], first_row="bottom")
+    wrong = f"{where}: the heights are no profile over x; cut it there, or correct the positions"
+    return MeasuredFile("text profile (x, z)", [_matrix_instead(wrong, text)], first_row="bottom")
 
 
 def _trace(channel: Channel, x: np.ndarray, text: _Text) -> Channel:
@@ -487,7 +482,7 @@ def _trace(channel: Channel, x: np.ndarray, text: _Text) -> Channel:
 
 def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], text: _Text) -> MeasuredFile:
     """Return a list of points on the regular grid that it forms, or as an irregular list."""
-    z, matrix = channel.read()[0], _as_matrix(text)
+    z = channel.read()[0]
     try:
         if not (np.isfinite(x) & np.isfinite(y)).all():
             raise InputFileError("a point of the list has no position")
@@ -507,15 +502,9 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
             error = UnevenPositionsError(
                 f"{error}; the first column counts the rows: delete it if it is no x"
             )
-        channel = replace(scattered(channel, x, y, z, error), otherwise=matrix)
+        channel = replace(scattered(channel, x, y, z, error), otherwise=_as_matrix(text))
     except InputFileError as error:
-        if matrix is None:
-            raise
-        channel.shape, channel.read, channel.otherwise = matrix.shape, unreadable(str(error)), matrix
-        channel.doubt = (
-            f"{error}; if these are not points x, y, z but a map of {matrix.shape[1]} columns, give dx, dy "
-            "and unit"
-        )
+        channel = _matrix_instead(str(error), text)
     return MeasuredFile("text list of points (x, y, z)", [channel], first_row="bottom")
 
 
@@ -528,6 +517,15 @@ def _refuse_lost_lines(shape: tuple[int, ...], text: _Text, content: str = "the 
             raise InputFileError(
                 f"the header says {stated:g} {name}, {content} {count}; it was cut off or changed"
             )
+
+
+def _matrix_instead(wrong: str, text: _Text) -> Channel:
+    """Return a table that is no list as a matrix that needs both steps; refuse one that cannot be any."""
+    matrix = _as_matrix(text)
+    if matrix is None:
+        raise InputFileError(wrong)
+    doubt = f"{wrong}; if the table is a map of {matrix.shape[1]} columns, give dx, dy and unit"
+    return Channel("height", matrix.shape, unreadable(doubt), doubt=doubt, otherwise=matrix)
 
 
 def _as_matrix(text: _Text) -> Channel | None:
