@@ -31,7 +31,7 @@ from roughcontact.uncertainty.calibration import MAP_SCATTER
 from roughcontact.uncertainty.elastic_loads import elastic_loads
 from roughcontact.uncertainty.finite_body import finite_body_budget
 from roughcontact.uncertainty.improvement import with_halving
-from roughcontact.uncertainty.local_scale import hertz_pressures, whole_contact, with_whole_resistances
+from roughcontact.uncertainty.local_scale import hertz_pressures, whole_contact
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.window.band import lateral_period_limit
 from roughcontact.window.instrument import stated_instrument, window_arguments
@@ -157,8 +157,9 @@ def bound_error(
     options = {**settings["uncertainty"], "scatter_of": scatter_of}
     budget = error_budget(levelled, window, chain_sections, **options, solved=solved)
     if radius := _radius_of_form(settings):
-        whole = {"forces": settings["contact"]["force"], "radius": radius}
-        budget = budget.assign(whole_contact(levelled, window, chain_sections, **whole, **options))
+        whole = {"forces": settings["contact"]["force"], "bodies": settings["contact"]["bodies"]}
+        options |= {**whole, "radius": radius}
+        budget = budget.assign(whole_contact(levelled, window, chain_sections, **options))
     if 1 not in window.shape or "lay" in window.attrs or not settings["uncertainty"]["sources"]:
         return budget
     isotropic = isotropic_contact(levelled, solver)
@@ -227,8 +228,6 @@ def complete_statistics(
     """
     yielding = with_first_yield(statistics, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
-    if _radius_of_form(settings):
-        complete = with_whole_resistances(complete, settings["contact"]["bodies"])
     if "contact_area" in complete:  # of the corrected area, too
         ratio = complete["relative_contact_area"] / yielding["relative_contact_area"]
         corrected = {"contact_area": ratio, "contact_radius": ratio**0.5}

@@ -58,12 +58,14 @@ def whole_contact(
     *,
     forces: Sequence[float],
     radius: Sequence[float],
+    bodies: Bodies | None,
     sources: Sequence[UncertaintySource],
     **options: Any,
 ) -> dict[str, tuple[str, np.ndarray]]:
     """Return variables (load) of the whole contact under forces (N), with the ends of their intervals.
 
-    `settings`, `sources` and `options` are those of the `error_budget` of the map at `hertz_pressures`.
+    `settings`, `sources` and `options` are those of the `error_budget` of the map at `hertz_pressures`;
+    `bodies` of known conductivities have resistances.
     """
     contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
     inputs = {"mean_pressure": np.asarray(forces, float), "contact_modulus": contact["contact_modulus"]}
@@ -105,25 +107,16 @@ def whole_contact(
             known = np.where((value > 0) & (alone > 0), combined, alone)  # alone: that of the map
             columns[f"{name}{end}"] = np.where(np.isinf(known), np.nan, known)
     with np.errstate(divide="ignore"):
-        for end, other in _OPPOSITE.items():
-            if (area := columns.get(f"local_contact_area{other}")) is not None:
-                pressure = np.minimum(columns["force"] / area, contact.get("hardness") or np.inf)
-                columns[f"local_mean_contact_pressure{end}"] = np.where(area > 0, pressure, np.nan)
+        for end, other in _OPPOSITE.items() if f"{_CONDUCTANCE}_lower" in columns else [("", "")]:
+            area, conductance = columns[f"local_contact_area{other}"], columns[f"{_CONDUCTANCE}{other}"]
+            pressure = np.minimum(columns["force"] / area, contact.get("hardness") or np.inf)
+            columns[f"local_mean_contact_pressure{end}"] = np.where(area > 0, pressure, np.nan)
+            of_bodies = conductance_columns(conductance, contact_modulus=1.0, bodies=bodies)
+            del of_bodies[CONDUCTANCE]
+            for name, of_ends in of_bodies.items():
+                kind, resistance = name.replace("conductance", "resistance"), 1 / of_ends
+                columns[f"local_{kind}{end}"] = np.where(np.isinf(resistance), np.nan, resistance)
     return {name: ("load", column) for name, column in columns.items()}
-
-
-def with_whole_resistances(statistics: xr.Dataset, bodies: Bodies | None) -> xr.Dataset:
-    """Return statistics with the resistances of the `whole_contact` of bodies of known properties."""
-    columns: dict[str, xr.DataArray] = {}
-    for end, other in _OPPOSITE.items():
-        if (conductance := statistics.get(f"{_CONDUCTANCE}{other}")) is not None:
-            conductances = conductance_columns(conductance.values, contact_modulus=1.0, bodies=bodies)
-            del conductances[CONDUCTANCE]
-            for name, values in conductances.items():
-                resistance = 1 / conductance.copy(data=values)
-                kind = name.replace("conductance", "resistance")
-                columns[f"local_{kind}{end}"] = resistance.where(np.isfinite(resistance))
-    return statistics.assign(columns)
 
 
 def _places(
