@@ -41,7 +41,7 @@ from roughcontact.report.page import write_report
 from roughcontact.report.panel import write_panel
 from roughcontact.report.summary import read_summary, write_summary
 from roughcontact.report.template import template
-from roughcontact.results.collect import collect_statistics, summary_table
+from roughcontact.results.collect import collect_statistics, entry_of, summary_table
 from roughcontact.results.storage import provenance, read_dataset, table_text, write_dataset
 from roughcontact.statistics import checks, map_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
@@ -76,7 +76,7 @@ def run_surface(folder, name, height, *, case=None, loads=None, keep_fields=True
     files = {stage: folder / f"{stage}.nc" for stage in STAGES}
     panel = folder / "panel.html"
     write_panel(panel, surface=name, case=case, settings=SETTINGS, **files)
-    return {"surface": name, "case": case, "statistics": files["statistics"], "panel": panel}
+    return {"surface": name, "case": case, "statistics": files["statistics"]}
 
 
 def assemble(folder, runs, title="Trial", **more):
@@ -156,17 +156,7 @@ def test_page_is_self_contained_and_complete(page):
 
 @pytest.mark.parametrize("failures", [[], [{"surface": "bad", "case": None, "reason": "bad.txt: =empty"}]])
 def test_the_table_inside_the_page_is_that_beside_it(page, tmp_path, failures):
-    finished = [
-        {
-            "surface": name,
-            "case": None,
-            **{
-                key: page.parent / "all" / name / f"{key}.{ending}"
-                for key, ending in (("statistics", "nc"), ("panel", "html"))
-            },
-        }
-        for name in SURFACES
-    ]
+    finished = [entry_of(name, page.parent / "all" / name / "statistics.nc") for name in SURFACES]
     settings = {"settings": SETTINGS, "settings_of_statistics": {}, "groups": {}}
     superseded = page.parent / "all" / SURFACES[0] / "residual.nc"
     superseded.touch()  # of a run with contact.unload
@@ -191,7 +181,7 @@ def test_page_is_the_same_a_second_time(page, tmp_path):
     write_panel(again, surface="holes", case=None, settings=SETTINGS, **files)
     assert again.read_bytes() == (folder / "panel.html").read_bytes()
     folders = [page.parent / "all" / name for name in SURFACES]
-    finished = [{"surface": path.name, "case": None, "panel": path / "panel.html"} for path in folders]
+    finished = [entry_of(path.name, path / "statistics.nc") for path in folders]
     write_report(
         tmp_path / "report.html",
         finished=finished,
@@ -272,8 +262,7 @@ def test_a_reason_ends_with_one_mark(page, tmp_path, reason):
     known = read_summary(page.parent / "all" / "holes" / "panel.html")
     write_summary({**known, "reasons": [reason], "main_reason": reason}, panel)
     written = tmp_path / "report.html"
-    numbers = page.parent / "all" / "holes" / "statistics.nc"
-    entry = {"surface": "holes", "case": None, "statistics": numbers, "panel": panel}
+    entry = entry_of("holes", shutil.copy(page.parent / "all" / "holes" / "statistics.nc", tmp_path))
     collected = collect_statistics([entry])
     write_report(written, finished=[entry], statistics=collected, summary="", title="", settings={})
     mark = "" if reason[-1] in "?…" else "."
@@ -325,14 +314,14 @@ def test_cases_stand_side_by_side(tmp_path):
 
 @pytest.mark.parametrize("beside", [None, "", "[]", '{"name": "one"}', "\xff"])
 def test_a_panel_without_its_summary_is_refused(page, tmp_path, beside):
-    wrong = tmp_path / "wrong.html"
+    wrong = tmp_path / "panel.html"
     wrong.write_text("<p>no panel</p>", encoding="utf-8")
     if beside is not None:
         wrong.with_suffix(".json").write_text(beside, encoding="latin-1")
-    with pytest.raises(InputFileError, match=r"wrong\.json: no summary .* run again"):
+    with pytest.raises(InputFileError, match=r"panel\.json: no summary .* run again"):
         write_report(
             tmp_path / "r.html",
-            finished=[{"surface": "holes", "case": None, "panel": wrong}],
+            finished=[entry_of("holes", tmp_path / "statistics.nc")],
             statistics=read_dataset(page.parent / "statistics.nc"),
             summary="",
             title="x",

@@ -165,8 +165,8 @@ rule report:
     """Put all results into one dataset, one table, and one self-contained page."""
     input:
         statistics=expand("results/{result}/statistics.nc", result=REPORT["results"]),
+        # which are read beside the statistics
         panels=expand("results/{result}/panel.html", result=REPORT["results"]),
-        # which are read beside the panels
         summaries=expand("results/{result}/panel.json", result=REPORT["results"]),
         residuals=expand("results/{result}/residual.nc", result=REPORT["unloaded"]),
     output:

@@ -125,10 +125,9 @@ def _write(output: Path, folder: Path, *, surface: str, title: str) -> None:
 
     ending = output.suffix.lower()
     if ending in _WITHOUT_MAPS:
-        from roughcontact.results.collect import collect_statistics, summary_table
+        from roughcontact.results.collect import collect_statistics, entry_of, summary_table
 
-        entry: Any = {"surface": surface, "case": None, "statistics": folder / "statistics.nc"}
-        summary = summary_table(collect_statistics([entry]))
+        summary = summary_table(collect_statistics([entry_of(surface, folder / "statistics.nc")]))
         (write_table if ending == ".csv" else partial(_write_workbook, folder))(summary, output)
         return
     from roughcontact.results.exchange import write_gsf, write_tiff, write_vti
@@ -176,6 +175,7 @@ def _page(name: str, folder: Path, chain: "Chain", height: "xr.DataArray", setti
     from roughcontact.configuration.generated import changed_settings
     from roughcontact.report.gather import write_results
     from roughcontact.report.panel import write_panel
+    from roughcontact.results.collect import entry_of
     from roughcontact.results.storage import write_dataset
 
     datasets = {"height": height, **chain._asdict()}
@@ -184,10 +184,9 @@ def _page(name: str, folder: Path, chain: "Chain", height: "xr.DataArray", setti
         write_dataset(datasets[stage], path)
     panel: dict[str, Any] = files | {"contact": folder / "contact.nc", "linked": False}
     write_panel(folder / name / "panel.html", surface=name, settings=settings, **panel)
-    entry: Any = {"surface": name, "case": None, "statistics": files["statistics"]}
     write_results(
         folder,
-        finished=[entry | {"panel": folder / name / "panel.html"}],
+        finished=[entry_of(name, files["statistics"])],
         title=settings["report"]["title"],
         settings=settings,
         changed={"": changed_settings(settings)},

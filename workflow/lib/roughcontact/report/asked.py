@@ -26,7 +26,7 @@ def describe_problem(
     """
     return [
         (name, "; ".join([bodies_in_words(contact), _loads(contact), *(changed or {}).get(name, ())]))
-        for name, contact in _contacts(settings)
+        for name, contact in contacts(settings)
     ]
 
 
@@ -38,7 +38,7 @@ def same_loads(settings: Mapping[str, Any]) -> bool:
     >>> same_loads({"soft": {"contact": {"mean_pressure": 1e5}}, "hard": {"contact": {"target_area": 0.1}}})
     False
     """
-    return len({_loads(contact) for _, contact in _contacts(settings)}) < 2
+    return len({_loads(contact) for _, contact in contacts(settings)}) < 2
 
 
 def planned_in_words(settings: Mapping[str, Any], lightest: Mapping[tuple[str, str], float]) -> str:
@@ -54,7 +54,7 @@ def planned_in_words(settings: Mapping[str, Any], lightest: Mapping[tuple[str, s
     >>> planned_in_words(planned | {"contact": {"mean_pressure": 1.0}}, {("lens", ""): 1.0})
     ''
     """
-    planned = [name for name, contact in _contacts(settings) if not list(_stated_loads(contact))]
+    planned = [name for name, contact in contacts(settings) if not list(_stated_loads(contact))]
     light = {key: load for key, load in lightest.items() if key[1] in planned and load < LEAST_LOAD}
     names = list(dict.fromkeys(surface for surface, _ in light))
     if not names:
@@ -68,7 +68,7 @@ def planned_in_words(settings: Mapping[str, Any], lightest: Mapping[tuple[str, s
     )
 
 
-def _contacts(settings: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
+def contacts(settings: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
     """Return the settings of the contact by case, whose name is empty where there are none."""
     cases = {"": settings} if "contact" in settings else settings
     return [

@@ -10,10 +10,13 @@ import pandas as pd
 import xarray as xr
 
 from roughcontact.errors import RoughContactError
-from roughcontact.report.page import Finished, write_report
+from roughcontact.report.asked import contacts
+from roughcontact.report.page import write_report
 from roughcontact.results.collect import (
+    Entry,
     Failure,
     collect_statistics,
+    file_of,
     pairs_table,
     solved_results,
     summary_table,
@@ -29,7 +32,7 @@ from roughcontact.uncertainty.groups import group_statistics, needed_for_groups
 def write_results(
     folder: str | Path,
     *,
-    finished: Sequence[Finished],
+    finished: Sequence[Entry],
     title: str,
     settings: dict[str, Any],
     settings_of_statistics: dict[str, Any],
@@ -47,9 +50,10 @@ def write_results(
     """
     folder = Path(folder)
     remove_earlier(folder)
+    contact_of_case = dict(contacts(settings))
     for entry in finished:
-        if not entry.get("residual"):  # of an earlier run, with contact.unload
-            Path(entry["statistics"]).with_name("residual.nc").unlink(missing_ok=True)
+        if not contact_of_case[entry["case"] or ""].get("unload"):  # of an earlier run
+            file_of(entry, "residual.nc").unlink(missing_ok=True)
     statistics = collect_statistics(finished)
     checksums = statistics.attrs["source_sha256"]
     attrs = provenance(settings_of_statistics, source_sha256=checksums, stage="statistics")

@@ -5,7 +5,7 @@ import json
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NotRequired
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -26,7 +26,7 @@ from roughcontact.report.tables import is_finite_body
 from roughcontact.report.template import template
 from roughcontact.report.units import interval_of, unit_of
 from roughcontact.report.unloading import unloading_of
-from roughcontact.results.collect import Entry, Failure, solved_results
+from roughcontact.results.collect import Entry, Failure, file_of, solved_results
 from roughcontact.results.storage import write_text
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
@@ -39,17 +39,10 @@ _SORTED_BY = ("mean_pressure", _AREA, "mean_contact_pressure", "mean_gap", "", "
 Key = tuple[str, str | None]  # surface and case
 
 
-class Finished(Entry):
-    """The files of one surface (and case): statistics, part of the report, surface after the load or None."""
-
-    panel: str | Path
-    residual: NotRequired[str | Path | None]
-
-
 def write_report(
     path: str | Path,
     *,
-    finished: Sequence[Finished],
+    finished: Sequence[Entry],
     statistics: xr.Dataset,
     summary: str,
     title: str,
@@ -81,11 +74,14 @@ def write_report(
     compared_at = dict(zip(series, indices, strict=True))
     rows: list[dict[str, Any]] = []
     for entry in finished:
-        key, panel = (entry["surface"], entry["case"]), read_summary(entry["panel"])
+        key, path_of_panel = (entry["surface"], entry["case"]), file_of(entry, "panel.html")
+        panel = read_summary(path_of_panel)
         rows.append(
             {
                 **entry,
                 **panel,
+                "panel": path_of_panel,
+                "residual": file_of(entry, "residual.nc"),
                 "glance": glance_rows(series[key], units[key], panel["loads"]),
                 "numbers": _compared(series[key], units[key], compared_at[key]) if indexed else [],
                 "sample": sample_of(*styles[key]),
@@ -126,7 +122,7 @@ def write_report(
         unloadings=[
             unloading_of(row["name"], series[row["surface"], row["case"]], residual, folder)
             for row in rows
-            if (residual := row.get("residual"))
+            if (residual := row["residual"]).is_file()
         ],
         parts=[] if indexed else [_panel_html(row, folder) for row in rows],
         failures=named,

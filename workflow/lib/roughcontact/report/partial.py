@@ -13,8 +13,7 @@ from roughcontact.configuration.plan import Plan, split
 from roughcontact.errors import InputFileError
 from roughcontact.io.checksums import checksum
 from roughcontact.report.gather import remove_earlier, write_results
-from roughcontact.report.page import Finished
-from roughcontact.results.collect import Failure
+from roughcontact.results.collect import Entry, Failure, entry_of
 from roughcontact.results.storage import read_arrays
 
 # older than the script that makes it: of a first report Snakemake has no record whose params it compares
@@ -29,22 +28,16 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
     """
     # complete before they are moved there
     folder = Path(folder)
-    finished: list[Finished] = []
+    finished: list[Entry] = []
     failures: list[Failure] = []
     for result in plan.results:
-        case, surface = split(result)
+        entry = entry_of(result, f"results/{result}/statistics.nc")
         reason = _reason(plan, result)
         if reason is None and _is_of_this_run(plan, result):
-            entry = Finished(
-                surface=surface,
-                case=case or None,
-                statistics=f"results/{result}/statistics.nc",
-                panel=f"results/{result}/panel.html",
-                residual=f"results/{result}/residual.nc" if result in plan.unloaded else None,
-            )
             finished.append(entry)
         else:
-            failures.append(Failure(surface=surface, case=case or None, reason=reason or "not finished"))
+            surface, case = entry["surface"], entry["case"]
+            failures.append(Failure(surface=surface, case=case, reason=reason or "not finished"))
     if not (finished and failures):
         return failures
     staging = Path(".snakemake/partial")

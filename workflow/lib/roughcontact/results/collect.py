@@ -43,7 +43,7 @@ _WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged", "gap_percolates
 
 
 class Entry(TypedDict):
-    """One file of statistics, and the surface and case it belongs to."""
+    """The file of statistics of a surface (and case), beside which are all others of the result."""
 
     surface: str
     case: str | None
@@ -56,6 +56,17 @@ class Failure(TypedDict):
     surface: str
     case: str | None
     reason: str
+
+
+def entry_of(result: str, statistics: str | Path) -> Entry:
+    """Return the entry of a result, named by its folder: "ground", or "soft/ground" under a case."""
+    case, _, surface = result.rpartition("/")
+    return Entry(surface=surface, case=case or None, statistics=statistics)
+
+
+def file_of(entry: Entry, name: str) -> Path:
+    """Return the path of another file of a result."""
+    return Path(entry["statistics"]).with_name(name)
 
 
 def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
