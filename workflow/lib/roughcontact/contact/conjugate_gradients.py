@@ -41,7 +41,7 @@ def conjugate_gradients(
         del displaced, z  # no more large maps in memory than necessary
         solution += length * direction
         current_residual = centred(current_residual)
-        z = centred(grid.precondition_on_last_set(current_residual))
+        z = centred(grid.precondition_on(None, current_residual))
         before, rz = rz, mean_product(current_residual, z)
         direction *= rz / before
         direction += z

@@ -9,8 +9,8 @@ import xarray as xr
 
 from roughcontact.checking import check_choice
 from roughcontact.choices import Influence
+from roughcontact.contact.iteration import Solution
 from roughcontact.contact.problem import Problem
-from roughcontact.contact.sweep import Solution
 from roughcontact.elasticity.influence import Elasticity
 from roughcontact.elasticity.layers import LayeredPair, layered_pair
 from roughcontact.kernels.arrays import empty, to_numpy

@@ -219,22 +219,12 @@ class Grid:
             out = project_to_load(pressure - safe * gap, mean_pressure, cap=cap)
         return scale_to_load(out, mean_pressure, cap=cap)
 
-    def precondition_on(self, contact: Array, residual: Array) -> Array:
-        """Return M `residual` for the contact set where `contact` is not zero.
-
-        The residual is zero outside it.
-        """
-        interpolation = self.interpolation_in(precision_of(residual))
-        interpolation.set_active(in_precision(contact, precision_of(residual)))
-        return self.precondition_on_last_set(residual)
-
-    def precondition_on_last_set(self, residual: Array) -> Array:
-        """Return M `residual` for the active set of the last residual in its precision.
-
-        The residual is zero outside that set.
-        """
+    def precondition_on(self, contact: Array | None, residual: Array) -> Array:
+        """Return M `residual`, zero outside the set where `contact` is not zero; None: the last set."""
         interpolation = self.interpolation_in(precision_of(residual))
         field = interpolation.field
+        if contact is not None:
+            interpolation.set_active(in_precision(contact, precision_of(residual)))
         interpolation.prolong(residual, field)
         self.halfspace.pressure(field, out=field)
         interpolation.restrict(field, self.halfspace.scratch(precision_of(field)))

@@ -39,12 +39,14 @@ PREDICTION_MARGIN = 0.5
 
 
 @dataclass(frozen=True)
-class GridSolution:
-    """The final state on one grid, the bound of its relative error, and the number of steps."""
+class Solution:
+    """One load in dimensionless form: the final state on a grid and how it was reached."""
 
     state: State
-    error_bound: float
-    steps: int
+    error_bound: float  # of the relative error
+    steps: int  # on all grids
+    applications: float = 0.0  # transform pairs on all grids, weighted by size
+    floor: float = 0.0  # relative error below which rounding hides all changes
 
 
 def solve_on_grid(
@@ -56,7 +58,7 @@ def solve_on_grid(
     finish: str = DOUBLE,
     max_steps: int = 200,
     give_up: bool = False,
-) -> GridSolution:
+) -> Solution:
     """Improve a pressure (ny, nx) until the bound of its relative error is at most `tolerance`.
 
     Ends early after `max_steps` steps, at the rounding floor, or after `PATIENCE` steps in vain, with
@@ -78,7 +80,7 @@ def solve_on_grid(
             iterate.measure_residual()
         iterate.choose_precision()
         iterate.advance()
-    return GridSolution(iterate.state, iterate.bound, step)
+    return Solution(iterate.state, iterate.bound, step)
 
 
 class Iterate:

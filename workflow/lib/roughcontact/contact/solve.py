@@ -13,9 +13,10 @@ from roughcontact.checking import check_choice, check_positive, warn_of_map
 from roughcontact.choices import SMALLEST_TOLERANCE, Boundary, Influence, OnFailure, Precision, ZeroFrequency
 from roughcontact.contact.dataset import FieldsInUnits, fields_in_units, joined, of_one_load, unit_of_pressure
 from roughcontact.contact.free_boundary import free_solutions
+from roughcontact.contact.iteration import Solution
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.problem import Problem, nondimensionalise, on_host
-from roughcontact.contact.sweep import Solution, sweep
+from roughcontact.contact.sweep import sweep
 from roughcontact.elasticity.halfspace import zero_frequency_compliance
 from roughcontact.elasticity.influence import Elasticity
 from roughcontact.elasticity.layers import layered_pair
@@ -213,15 +214,16 @@ def solve_contact(
     working = DOUBLE if precision == "double" else SINGLE
     problem = nondimensionalise(window, precision=working, arrays=arrays, threads=threads)
     window = on_host(window)
-    attrs: dict[str, Any] = {"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence}
+    attrs: dict[str, Any] = {"tolerance": tolerance, "influence": influence}
     options: dict[str, Any] = {"tolerance": tolerance, "threads": threads}
     if free:
         solutions = free_solutions(problem, rising, known, radii=radii_of(window), **options)
-        attrs = {"tolerance": tolerance, "influence": influence, "boundary": boundary}
+        attrs["boundary"] = boundary
     else:
         _check_periodic(problem, rising, known, zero_frequency)
         options |= {"zero_frequency": zero_frequency, "precision": working, "give_up": on_failure == "raise"}
         solutions = periodic_solutions(problem, rising, known, **options)
+        attrs["zero_frequency"] = zero_frequency
     attrs |= {} if known.layers is None else {"bodies": json.dumps(known.layers.as_settings())}
     area = float(window.size * np.prod(problem.spacing))
     load_datasets: dict[int, xr.Dataset] = {}

@@ -105,21 +105,19 @@ def scale_below_cap(pressure: Array, mean_pressure: float, cap: float) -> float:
     return missing / free_load if free_load > 0 else np.inf
 
 
-def project_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.inf) -> Array:
+def project_to_load(pressure: Array, mean_pressure: float, *, cap: float) -> Array:
     """Return the nearest field to `pressure` between 0 and `cap` that has the prescribed mean.
 
     It is max(min(p - shift, cap), 0). The mean falls with the shift, linearly between the shifts at which a
     point comes to a bound: steps of Newton and of bisection, in turns, find it to the last digit.
     """
     xp = namespace(pressure)
-    top = None if cap == np.inf else cap
     low, high = float(xp.min(pressure)) - mean_pressure, float(xp.max(pressure))
-    if top is not None:
-        low -= cap
+    low -= cap if cap < np.inf else 0.0
     rounding_floor = float(xp.finfo(pressure.dtype).eps) * mean_pressure
     shift, by_newton = 0.5 * (low + high), False
     while True:
-        projected = xp.clip(pressure - shift, 0, top)
+        projected = xp.clip(pressure - shift, 0, cap)
         excess = mean(projected) - mean_pressure
         low, high = (shift, high) if excess > 0 else (low, shift)
         middle = 0.5 * (low + high)

@@ -1,14 +1,14 @@
 """Solve one map for a rising sequence of loads, which share the computations independent of the load."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from roughcontact.contact.certificate import bound_without_transform, rounding_by_unit, rounding_floor
 from roughcontact.contact.grid import Grid
-from roughcontact.contact.iteration import solve_on_grid
+from roughcontact.contact.iteration import Solution, solve_on_grid
 from roughcontact.contact.nested_iteration import first_guess, nested_heights
 from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, scale_to_load
@@ -19,17 +19,6 @@ from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision, nam
 # memory that counting takes, and allocating it again is a small part of the time.
 MAX_KEPT_POINTS = 2**22
 LARGE_LOAD = 1.0  # load in units of E* g; the full-contact pressure has a standard deviation of half that
-
-
-@dataclass(frozen=True)
-class Solution:
-    """One load in dimensionless form: the state on the finest grid and how it was reached."""
-
-    state: State
-    error_bound: float  # of the relative error
-    steps: int  # on all grids
-    applications: float  # transform pairs, weighted by grid size
-    floor: float  # relative error below which rounding hides all changes
 
 
 def sweep(
@@ -129,4 +118,4 @@ def _flat(problem: Problem, load: float, precision: str) -> Solution:
     xp = namespace(problem.heights)
     separation = in_precision(xp.zeros_like(problem.heights), precision, copy=False)
     state = State(pressure=separation + load, separation=separation, offset=0.0, norm=0.0, size=0.0)
-    return Solution(state=state, error_bound=0.0, steps=0, applications=0.0, floor=0.0)
+    return Solution(state, error_bound=0.0, steps=0)

@@ -140,11 +140,8 @@ class LayeredPair:
                 factor = self._of_body(q, body) if body.layers else 1.0
                 total += self.modulus / body.surface.plane_modulus * factor
             return total
-        from scipy.interpolate import CubicSpline  # the import takes half a second
-
-        logarithm = np.log(q)
-        nodes = np.linspace(logarithm.min(), logarithm.max(), _NODES)
-        factor = CubicSpline(nodes, np.log(self.factor(np.exp(nodes))))(logarithm)
+        nodes, at_waves = _nodes_over(q)
+        factor = at_waves(np.log(self.factor(nodes)))
         return np.exp(factor, out=factor)
 
     @staticmethod
@@ -226,7 +223,9 @@ def stress_amplitudes(q: np.ndarray, body: Stack) -> Callable[[int, float], np.n
     """
     q = np.asarray(q, float)
     if q.size > 2 * _NODES:
-        return _interpolated(q, body)
+        nodes, at_waves = _nodes_over(q)
+        exact = stress_amplitudes(nodes, body)
+        return lambda number, depth: at_waves(exact(number, depth))
     steps = [(_of_base(body.base, q.shape), np.empty(0))]  # of each material: C of its upper face, and T
     for thickness, material in reversed(body.layers):
         steps.insert(0, _through(steps[0][0], q * thickness, material))
@@ -252,16 +251,13 @@ def stress_amplitudes(q: np.ndarray, body: Stack) -> Callable[[int, float], np.n
     return stress_at
 
 
-def _interpolated(q: np.ndarray, body: Stack) -> Callable[[int, float], np.ndarray]:
-    """Return `stress_amplitudes` of many waves by a spline over the logarithm of |q|."""
+def _nodes_over(q: np.ndarray) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
+    """Return fewer wavenumbers, and the function from values there to values at all, by splines over ln q."""
     from scipy.interpolate import CubicSpline  # the import takes half a second
 
     logarithm = np.log(q)
     nodes = np.linspace(logarithm.min(), logarithm.max(), _NODES)
-    exact = stress_amplitudes(np.exp(nodes), body)
-    return lambda number, depth: np.stack(
-        [CubicSpline(nodes, stress)(logarithm) for stress in exact(number, depth)]
-    )
+    return np.exp(nodes), lambda values: CubicSpline(nodes, values, axis=-1)(logarithm)
 
 
 def _material(values: Mapping[str, Any]) -> Material:
