@@ -149,7 +149,7 @@ def test_steps_do_not_make_a_map_of_a_profile(refused):
 
 def test_an_index_without_a_name_is_doubted(refused):
     text = trace("\t", columns=(NUMBER, X, Z))
-    refused(text, "the first column counts the rows: delete it if it is no x", unit="um")
+    refused(text, "or delete the first one if it counts the rows", unit="um")
 
 
 def test_one_height_in_each_line_is_a_profile(tmp_path):

@@ -157,6 +157,7 @@ def test_columns_of_points_in_several_units(read):
         (["Length: 5 µm", "Width: 5 µm", "Height: 3 µm"], "line 3 says .* or the range of its heights"),
         (["dx: 0.5 µm", "Höhe: 3 µm"], "line 1 says .*, line 2 says .* range of its heights"),
         (["Spacing: 0.5 µm", "Track spacing: 0.25 µm"], "line 2 says .*, line 1 says"),
+        (["X step (motor): 0.5 µm", "Y step (motor): 0.5 µm"], "give dx, dy, unit"),
         (["Camera pixel size: 6.5 µm", "Pixel size: 6.5 µm (camera)"], "give dx, dy, unit"),
     ],
 )
@@ -224,6 +225,7 @@ def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, refus
         ("Binning: 2x2", "'Binning: 2x2', which is not followed: check the steps dx and dy"),
         ("Pixel size: 0.5 µm\nAspect ratio: 2", "line 2 .* which is not followed: check the steps"),
         ("Spacing: 0.5 µm", "line 1 says 'Spacing: 0.5 µm': taken as the step along x and along y"),
+        ("dx: 0.5 µm\ndy: 250 nm", "the steps are stated in µm along x and in nm along y: check both"),
         ("Channel: Phase", "channel 'Phase' is read as heights, which by its name it does not hold"),
     ],
 )

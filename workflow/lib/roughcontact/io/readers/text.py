@@ -405,6 +405,14 @@ def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFil
             f"a column of {heights.size} numbers, where the header states a size along y: write each row of "
             "the map into one line"
         )
+    for index, counter in enumerate(text.columns or ()):
+        pieces = runs(text.table.values[:, index]) if counter.role == "index" else []
+        if len(pieces) > 1:
+            line = text.rows.lines[pieces[1].start]
+            raise InputFileError(
+                f"the column {counter.name!r} begins anew or repeats at line {line}: several profiles below "
+                "one another; leave one of them in the file"
+            )
     _units([column.unit], text)
     file = _matrix(heights[None], text, unit=column.unit)
     (channel,) = file.channels
@@ -498,10 +506,11 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
         channel.shape, channel.read = heights.shape, lambda: heights
         channel.dx, channel.dy, channel.first_x, channel.first_y = steps["x"], steps["y"], *first
     except UnevenPositionsError as error:
-        if text.columns is None and np.ptp(np.diff(x)) == 0 and abs(x[1] - x[0]) == 1:
-            error = UnevenPositionsError(
-                f"{error}; the first column counts the rows: delete it if it is no x"
-            )
+        if text.columns is None and (are_points(np.column_stack([x, z])) or form_a_grid(y, z)):
+            raise InputFileError(
+                f"{error}; name the columns in a line above them, as x, z1, z2, or delete the first one if "
+                "it counts the rows"
+            ) from error
         channel = replace(scattered(channel, x, y, z, error), otherwise=_as_matrix(text))
     except InputFileError as error:
         channel = _matrix_instead(str(error), text)
@@ -555,9 +564,17 @@ def _steps(text: _Text, shape: tuple[int, ...]) -> tuple[dict[str, float], str |
             units["d" + axis] = length.unit or first_values.get("lateral_unit", first_values.get("unit"))
     lateral_unit = units.get("dx") or units.get("dy") or first_values.get("lateral_unit")
     for step, unit in units.items():
-        if unit and lateral_unit and unit != lateral_unit:  # x in µm, y in mm
-            steps[step] *= metres(unit) / metres(lateral_unit)
+        if unit and lateral_unit and not same_length(unit, lateral_unit):
+            steps[step] *= _ratio(unit, lateral_unit, text)
     return steps, lateral_unit
+
+
+def _ratio(unit_y: str, unit_x: str, text: _Text) -> float:
+    """Return the unit along y over that along x, with a warning that they differ."""
+    doubt = f"the steps are stated in {unit_x} along x and in {unit_y} along y: check both"
+    if doubt not in text.doubts:
+        text.doubts.append(doubt)
+    return metres(unit_y, where="y") / metres(unit_x, where="x")
 
 
 def _channel(numbers: np.ndarray, text: _Text, unit: str | None = None, **attributes: Any) -> Channel:
@@ -578,7 +595,7 @@ def _units(units: list[str | None], text: _Text) -> tuple[str | None, float]:
     lateral = [unit for unit in units[:-1] if unit]
     factor = 1.0
     if len(lateral) == 2 and not same_length(*lateral):
-        factor = metres(lateral[1], where="y") / metres(lateral[0], where="x")
+        factor = _ratio(lateral[1], lateral[0], text)
     _refuse_other_units(lateral[:1], text.rows, text.stated.get("lateral_unit"))
     _refuse_other_units(units[-1:], text.rows, text.stated.get("height_unit"))
     bare = any(not text.stated[key][0].unit for key in LENGTHS if key in text.stated)

@@ -135,7 +135,7 @@ def begins_anew(values: np.ndarray) -> int:
     repeated_rows = np.flatnonzero(np.all(values[1:, 1:] == values[0, 1:], axis=1))
     if repeated_rows.size and _progression(values[0, 1:], values[1:, 1:]) is not None:
         return int(repeated_rows[0]) + 1
-    return _row_of_positions(values[:, 1:])
+    return _row_of_positions(values[:, 1:]) or _row_of_positions(values[:, :-1])
 
 
 def _row_of_positions(values: np.ndarray) -> int:

@@ -29,8 +29,8 @@ _NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _BETWEEN_SIDES = re.compile(r"(?<=[\w)\]])(?: (?:x|by|/) |x(?=\d)|(?:;\s*|,\s+)(?=\d))|(?<=[^\W\d])\s+(?=\d)")
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
 _PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|px|point|pt|sample)s?$", re.IGNORECASE)
-# its pixels are not the map's
-_CAMERA = re.compile(r"(?=.*pixel).*\b(?:camera|sensor|detector|ccd)\b", re.IGNORECASE)
+# its pixels, or steps, are not the map's
+_CAMERA = re.compile(r"(?=.*pixel).*\b(?:camera|sensor|detector|ccd)\b|.*\b(?:motor|moteur)\b", re.IGNORECASE)
 _HEIGHT_WORD = re.compile(rf"\W*(?:{'|'.join(words('header')['height'])})\b", re.IGNORECASE)
 _LONGEST = 60  # characters of a line that a message shows
 _SLACK, _WIDEST_SLACK = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with rounding
