@@ -41,7 +41,7 @@ def scatter_of_surfaces(
     contrast = ridge_contrast(fit_of(profiles).directions[0][0], drawn, arguments)
     arms, shift = {}, {}
     for name, value in values.items():
-        of_members = moments(name, ensemble[name][:, few], value[few], values[GAP][few])
+        of_members = moments(name, ensemble[name], value[few], values[GAP][few])
         mean, deviation = (result.at_all_loads(moment) for moment in of_members)
         calibrated = table(__package__)["quantities"][entry(name)]
         spread, quantile, share = at_area(calibrated, values[AREA], ("spread", "quantile", "share"))
@@ -59,8 +59,7 @@ def scatter_of_surfaces(
         "heights and slopes do not hold is corrected as far as the profiles show it, pressed as ridges; the "
         "rest is that of maps that were cut into profiles."
     )
-    missed = bool(np.isnan(ensemble[GAP][:, few]).any())
-    return Scatter(ensemble, {}, [], missed, arms=arms, shift=shift, reason=reason)
+    return Scatter(ensemble, arms=arms, shift=shift, reason=reason)
 
 
 def member_surfaces(profiles: xr.DataArray, window: xr.DataArray, number: int) -> Iterator[xr.DataArray]:

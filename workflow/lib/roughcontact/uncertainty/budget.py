@@ -161,12 +161,10 @@ def error_budget(
         scatter = scatter_of(result, levelled, arguments=settings["window"], number=windows)
         middle |= {name: middle[name] + offset for name, offset in scatter.shift.items()}
         grooves = constrictions_in_grooves(window) if CONSTRICTIONS[0] in middle else []
-        scatter = scatter._replace(
-            open_ended={name: solved[f"{name}_half_way"].values > 0 for name in grooves}
-        )
-        attrs = attributes_of(scatter, levelled, grooves, extent if measurand == "longer" else None)
-        parts = scatter.members | {PRESSURE: load / scatter.members[AREA]}
-        columns |= {f"{name}_parts": (("member", "load"), results) for name, results in parts.items()}
+        open_ended = {name: solved[f"{name}_half_way"].values > 0 for name in grooves}
+        scatter = scatter._replace(open_ended=open_ended)
+        attrs = attributes_of(scatter, levelled, extent if measurand == "longer" else None)
+        columns |= _columns_of_members(result, scatter)
     instrument = stated_instrument(levelled, settings.get("instrument"))
     of_material = {key: settings["contact"].get(name) for name, key in MATERIAL_UNCERTAINTIES.items()}
     stated = (of_material if "material" in sources else {}) | (instrument if "instrument" in sources else {})
@@ -235,6 +233,17 @@ def _as_measured(
     if "corrected_for" not in window.attrs:
         return None
     return periodic_window(levelled, **{**arguments, "correct_for": None})
+
+
+def _columns_of_members(result: Result, scatter: Scatter) -> dict[str, tuple]:
+    """Return `{quantity}_parts` (member, load), NaN but at the loads that are solved."""
+    columns: dict[str, tuple] = {}
+    pressure = result.load[result.few] / scatter.members[AREA]
+    for name, results in {**scatter.members, PRESSURE: pressure}.items():
+        at_loads = np.full((len(results), result.load.size), np.nan)
+        at_loads[:, result.few] = results
+        columns[f"{name}_parts"] = ("member", "load"), at_loads
+    return columns
 
 
 def _index_of_the_peak(solved: xr.Dataset, hardness: float) -> int:

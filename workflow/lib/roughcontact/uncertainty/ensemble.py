@@ -132,9 +132,6 @@ class Result(NamedTuple):
         return changes
 
     def members(self, windows: Iterable[xr.DataArray]) -> dict[str, np.ndarray]:
-        """Return the results of other windows (member, load), NaN but at the few loads."""
+        """Return the results of other windows (member, few loads), each load in one piece of memory."""
         solved = [self.at_few_loads(window) for window in windows]
-        members = {name: np.full((len(solved), self.load.size), np.nan) for name in self.values}
-        for name, results in members.items():
-            results[:, self.few] = [member[name] for member in solved]
-        return members
+        return {name: np.array([member[name] for member in solved], order="F") for name in self.values}

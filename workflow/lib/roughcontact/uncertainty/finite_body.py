@@ -19,7 +19,7 @@ from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.inputs import STIFFNESS
 from roughcontact.uncertainty.random_effects import student
-from roughcontact.uncertainty.scales import ANSWERS, GAP, to_scale
+from roughcontact.uncertainty.scales import ANSWERS, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
 _FEWEST = 2  # further positions
@@ -66,7 +66,7 @@ def scatter_of_positions(
     )
     arms = {}
     for name, value in result.values.items():
-        changes = to_scale(name, np.vstack([value, members[name]])[:, few]) - to_scale(name, value)[few]
+        changes = to_scale(name, np.vstack([value[few], members[name]])) - to_scale(name, value[few])
         mean, count = np.nanmean(changes, axis=0), np.sum(np.isfinite(changes), axis=0)
         with np.errstate(invalid="ignore", divide="ignore"):
             quantile = student(count - 1) * np.sqrt(1 + 1 / count)
@@ -74,12 +74,11 @@ def scatter_of_positions(
         width[np.isnan(width)] = np.inf
         below, above = (result.at_all_loads(np.maximum(width + sign * mean, 0.0)) for sign in (-1, 1))
         arms[name] = below, above
-    missed = bool(np.isnan(members[GAP][:, few]).any())
     reason = (
         f"The ± is for this body at another position on the roughness: {len(shifts)} further positions on "
         "the map were solved; it holds no waves longer than the map."
     )
-    return Scatter(members, {}, [], missed, arms=arms, reason=reason, of_positions=True)
+    return Scatter(members, arms=arms, reason=reason, of_positions=True)
 
 
 def _shifts(roughness: xr.DataArray, contact: Mapping[str, Any], number: int) -> list[tuple[int, int]]:

@@ -149,7 +149,8 @@ def _ends(
         return (np.full(value.shape, np.nan),) * 2
     ends = ends_of(name, centre, added_up(components))
     if name == GAP and scatter:  # closed by full contact, it may be open elsewhere
-        widest = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
+        widest = np.zeros(value.shape)
+        widest[result.few] = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
         ends = np.where(value > 0, ends[0], 0.0), np.where(value > 0, ends[1], widest)
     ends = monotonic(name, ends, result.load)
     return limited(name, ends, value=value, load=result.load, hardness=result.hardness)

@@ -1,7 +1,6 @@
 """What is said of the subwindows of a map: what they are, and where they tell little."""
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from roughcontact.quantities import number, percent
 from roughcontact.sealing.percolation import half_way_levels
 from roughcontact.uncertainty.calibration import scatter_of_maps
 from roughcontact.uncertainty.measurands import measurand_in_words
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP
 from roughcontact.uncertainty.subwindows import Scatter
 
 _KURTOSIS_LIMIT = 8.0  # above it a few places hold most of the mean square height
@@ -19,15 +18,14 @@ _LAY_LIMIT = 0.07  # texture aspect ratio below which the subwindows along a lay
 _GROOVE_AREA_LIMIT = 0.2  # of the window: random valleys, of waves up to a third of the map, take up more
 
 
-def attributes_of(
-    scatter: Scatter, levelled: xr.DataArray, grooves: Sequence[str] = (), extent: float | None = None
-) -> dict[str, Any]:
+def attributes_of(scatter: Scatter, levelled: xr.DataArray, extent: float | None = None) -> dict[str, Any]:
     """Return what is said of the members of a map, what they do not tell, and the scatter of such maps.
 
-    `extent` is that of `measurand_in_words`, `grooves` are narrowest places without upper limit.
+    `extent` is that of `measurand_in_words`.
     """
+    missed = np.isnan(scatter.members[GAP]).any()
     if scatter.reason:
-        flag = "The solution of a surface missed the tolerance." if scatter.incomplete else ""
+        flag = "The solution of a surface missed the tolerance." if missed else ""
         return {"window_reason": scatter.reason, "window_flag": flag}
     ny, nx = levelled.isel(scatter.slices[0]).shape
     parts = len(scatter.slices)
@@ -44,21 +42,21 @@ def attributes_of(
         f"{percent(covered)} of the map, were solved separately; their scatter is held against that of "
         "measured and synthetic surfaces."
     )
-    if grooves:
-        axes = " and ".join(name[-1] for name in grooves)
+    if scatter.open_ended:
+        axes = " and ".join(name[-1] for name in scatter.open_ended)
         reason += (
             f" Grooves or valleys lead out of the map along {axes}: their narrowest place has no upper "
             "limit, as it may be wider elsewhere."
         )
     flag, kurtosis = "", levelled.attrs.get("Sku", 3.0)
-    if scatter.incomplete:
+    if missed:
         flag = "The solution of a part of the window missed the tolerance."
     elif kurtosis > _KURTOSIS_LIMIT:
         flag = (
             "A few places, deep pits or high peaks, contribute most of the mean square height (Sku = "
             f"{number(kurtosis)}): a single map does not tell their number elsewhere. Measure more places."
         )
-    elif scatter.lay < _LAY_LIMIT:
+    elif scatter.features[AREA]["lay"] < _LAY_LIMIT:
         flag = (
             f"The surface has a lay, and parts along it contain the same ridges: the {parts} parts are worth "
             "no more than three independent ones. Measure a map that is longer across the lay, or more "

@@ -8,7 +8,7 @@ scatter of the solved subwindows (3 x 3), their trend and Str are the features o
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise, product
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -24,7 +24,7 @@ from roughcontact.maps import spacing
 from roughcontact.roughness.texture import texture_parameters
 from roughcontact.uncertainty.calibration import Features
 from roughcontact.uncertainty.ensemble import Result, Values, measured_slices
-from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, to_scale
+from roughcontact.uncertainty.scales import CONSTRICTIONS, to_scale
 from roughcontact.window.periodic_window import subwindow
 
 _MIN_POINTS_PER_SIDE = 12  # of a subwindow
@@ -37,11 +37,9 @@ Slices = dict[str, slice]  # rows ("y") and columns ("x") of a map
 class Scatter(NamedTuple):
     """What the subwindows of a map, or other members, show of each quantity."""
 
-    members: dict[str, np.ndarray]  # results (member, load), NaN at loads not solved
-    features: dict[str, Features]  # (load) of calibrated arms; empty where the map is too small
-    slices: list[Slices]  # rows and columns of each subwindow in the map
-    incomplete: bool = False  # a solution missed its tolerance
-    lay: float = 0.5  # texture aspect ratio Str of the window
+    members: dict[str, np.ndarray]  # results (member, few loads), NaN where one missed its tolerance
+    features: Mapping[str, Features] = MappingProxyType({})  # (load) of calibrated arms
+    slices: Sequence[Slices] = ()  # rows and columns of each subwindow in the map
     # of surfaces behind profiles: how far the truth lies below and above, and mean of the members less the
     # result (load), on the scale; of places in mean gaps
     arms: Mapping[str, tuple[np.ndarray, np.ndarray]] = MappingProxyType({})
@@ -64,8 +62,8 @@ def scatter_of_subwindows(
     slices = divided(region, spacing(levelled), int(number), arguments.get("shortest_wavelength") or 0.0)
     order, few = form_order(levelled), result.few
     if len(slices) < 2:
-        unknown = np.full((len(slices), result.load.size), np.nan)
-        return Scatter(dict.fromkeys(result.values, unknown), {}, slices)
+        unknown = np.full((len(slices), few.size), np.nan)
+        return Scatter(dict.fromkeys(result.values, unknown), slices=slices)
     subwindows = (subwindow(_relevelled(levelled.isel(area), order), **arguments) for area in slices)
     members = result.members(subwindows)
     measured, aspect = levelled.isel(region), texture_parameters(result.window)["Str"]
@@ -77,11 +75,10 @@ def scatter_of_subwindows(
     for name, value in result.values.items():
         features[name] = common
         if name not in CONSTRICTIONS:
-            spread, trend = _spread_and_trend(name, members[name][:, few], value[few])
+            spread, trend = _spread_and_trend(name, members[name], value[few])
             of_members = {"scatter": np.log(spread), "trend": trend}
             features[name] = common | {key: result.at_all_loads(each) for key, each in of_members.items()}
-    missed = bool(np.isnan(members[GAP][:, few]).any())
-    return Scatter(members, features, slices, missed, common["lay"])
+    return Scatter(members, features, slices)
 
 
 def _spread_and_trend(
