@@ -240,7 +240,7 @@ def _table_of_group(answer: Mapping[str, Any]) -> list[str]:
 
 def _ends(load: Mapping[str, Any], name: str, unit: str) -> str:
     """Return an interval of a load by its ends; the number itself where it has none."""
-    low, high = (load.get(f"{name}_{end}", math.nan) for end in ("lower", "upper"))
+    _, low, high = _interval(load, name)
     if math.isnan(low):
         return _cell(load, name, unit) if name in load else "–"
     factor, symbol = (100.0, "%") if unit == "%" else prefix(low or high, unit)
@@ -285,7 +285,7 @@ def _precision(loads: Iterable[Mapping[str, Any]]) -> list[str]:
         percent = Unit(100.0, "%") if unit == "%" else None
         sentences = []
         for load in loads:
-            value, lower, upper = (load.get(f"{name}{end}", math.nan) for end in ("", "_lower", "_upper"))
+            value, lower, upper = _interval(load, name)
             unit_shown = percent or Unit(*prefix(upper if upper > 0 else value, unit))
             sentences.append(precision_in_words(value, lower, upper, unit_shown))
         if any(sentences):
@@ -323,9 +323,14 @@ def _wider_intervals(loads: Iterable[Mapping[str, Any]], extent: float) -> list[
     return lines
 
 
+def _interval(load: Mapping[str, Any], name: str) -> list[float]:
+    """Return a number of a load and both ends of its interval, NaN where it has none."""
+    return [load.get(f"{name}{end}", math.nan) for end in ("", "_lower", "_upper")]
+
+
 def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:
     """Return a number of a load with its unit, and with its interval if it has one."""
-    value, *ends = (load.get(f"{name}{end}", math.nan) for end in ("", "_lower", "_upper"))
+    value, *ends = _interval(load, name)
     if ends[0] == ends[1] or math.isnan(ends[0]):
         return percent(value) if unit == "%" else quantity(value, unit, digits=4 if unit == "Pa" else 3)
     factor, symbol = (100.0, "%") if unit == "%" else prefix(value or ends[1], unit)

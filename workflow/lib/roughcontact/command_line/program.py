@@ -319,19 +319,15 @@ def _solve(options: argparse.Namespace) -> int:
 
     try:
         settings = chosen_settings(options)
-        kwargs = {
-            "read_arguments": _read_arguments(options),
-            "settings": settings,
-            "threads": options.threads,
-        }
-        together = len(options.files) > 1
-        if options.output:
-            saving.check_output(options.output, options.files)
-            kwargs["output"] = options.output
+        arguments, threads = (_read_arguments(options), settings), options.threads
+        together, output = len(options.files) > 1, options.output
+        if output:
+            saving.check_output(output, options.files)
         with _warnings_in_words():
-            result = (
-                solve_files(options.files, **kwargs) if together else solve_file(options.files[0], **kwargs)
-            )
+            if together:
+                result = solve_files(options.files, *arguments, threads=threads)
+            else:
+                result, _ = solve_file(options.files[0], *arguments, threads=threads, output=output)
     except SettingsError as error:
         raise SettingsError(in_options(error)) from error
     print(as_json(result) if options.json else group(result) if together else solution(result))

@@ -43,7 +43,7 @@ def solve_files(
 
     For maps that are no group `none` has the reason.
     """
-    solved = [_solved(path, read_arguments, settings, threads=threads) for path in paths]
+    solved = [solve_file(path, read_arguments, settings, threads=threads) for path in paths]
     maps = [result for result, _ in solved]
     try:
         answer = group_statistics([statistics for _, statistics in solved], names=[*map(str, paths)])
@@ -73,24 +73,12 @@ def solve_file(
     *,
     threads: int = 1,
     output: Path | None = None,
-) -> dict[str, Any]:
-    """Read, level, window and solve one map; return the headline numbers as plain values in SI units.
+) -> tuple[dict[str, Any], xr.Dataset]:
+    """Read, level, window and solve one map; return its numbers as plain values (SI), and its statistics.
 
     `read_arguments` are those of `read_height_map`, `settings` one case of `resolve`; `output` is a file of
     one of the kinds of `saving`.
     """
-    return _solved(path, read_arguments, settings, threads=threads, output=output)[0]
-
-
-def _solved(
-    path: str | Path,
-    read_arguments: Mapping[str, Any],
-    settings: Mapping[str, Any],
-    *,
-    threads: int,
-    output: Path | None = None,
-) -> tuple[dict[str, Any], xr.Dataset]:
-    """Return the result of `solve_file`, and the statistics that it is made of."""
     with _progress() as show, TemporaryDirectory() as folder:
         show(0, None, "reading")
         height = read_height_map(path, **read_arguments)

@@ -68,13 +68,14 @@ def shown_budget(
     notes += [f"Not in the ±: {', '.join(absent)}." if absent else "", _note_on_open_ends(numbers)]
     listed = numbers.isel(load=list(loads))
     excess, intervals = _intervals(listed, extent)
+    by_cutoff = [against_cutoff(numbers, name) for name in _BY_CUTOFF]
     labels = [_SOURCE_LABELS[source] for source in present]
     return {
         "images": [(TITLES[name], budget_against_load(numbers, name).source()) for name in _HEADLINE],
         "components": _component_table(listed) if len(loads) else None,
         "beyond": excess,
         "intervals": intervals,
-        "magnification": _magnification(numbers),
+        "magnification": [(chart.title, chart.source()) for chart in by_cutoff if chart],
         "converged": _note_on_convergence(numbers),
         "header": ["mean pressure p̄", "contact area A/A₀", *labels, "largest part"],
         "rows": rows,
@@ -232,12 +233,6 @@ def _note_on_convergence(numbers: xr.Dataset) -> str:
     if settled:
         result.append(f"Converged, within {percent(_CONVERGED)}: {', '.join(settled)}.")
     return " ".join(result)
-
-
-def _magnification(numbers: xr.Dataset) -> list[tuple[str, str]]:
-    """Return (quantity, image) of the results against the shortest wave that is kept."""
-    charts = [against_cutoff(numbers, name) for name in _BY_CUTOFF]
-    return [(chart.title, chart.source()) for chart in charts if chart]
 
 
 def against_cutoff(numbers: xr.Dataset, name: str) -> Chart | None:

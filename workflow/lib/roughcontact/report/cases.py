@@ -1,6 +1,6 @@
 """The cases of a study side by side: of one surface load by load, of many by medians and spread."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +24,15 @@ Load = tuple[xr.Dataset, int]  # statistics, and the place of a load among their
 Row = dict[str, int]  # case -> place of a load among its own
 
 
+class _Changes(NamedTuple):
+    """The difference between two cases in percent, both ends of its interval, and the first number."""
+
+    change: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    first: np.ndarray
+
+
 class _Shared(NamedTuple):
     """The loads that the cases of a surface share."""
 
@@ -39,7 +48,7 @@ def case_table(cases: Mapping[str, xr.Dataset], *, equal_loads: bool = False) ->
     without what both share (`case_differences`). `groups` has `title` and `rows` of each quantity, `apart` a
     sentence on pairs that share no load.
     """
-    return _table([cases], equal_loads=equal_loads, as_medians=False) if len(cases) > 1 else None
+    return _table([cases], _value, _change, equal_loads=equal_loads) if len(cases) > 1 else None
 
 
 def case_medians(
@@ -52,11 +61,19 @@ def case_medians(
     """
     names = list(dict.fromkeys(name for surface in surfaces for name in surface))
     complete = [{name: result[name] for name in names} for result in surfaces if len(result) == len(names)]
-    return _table(complete, equal_loads=equal_loads, as_medians=True) if len(names) > 1 and complete else None
+    if len(names) < 2 or not complete:
+        return None
+    return _table(complete, _median_value, _median_change, equal_loads=equal_loads)
 
 
-def _table(surfaces: Sequence[Cases], *, equal_loads: bool, as_medians: bool) -> dict[str, Any]:
-    """Return the table of the cases of one surface, or the medians of many."""
+def _table(
+    surfaces: Sequence[Cases],
+    value: Callable[[Sequence[Load], str, Unit], str],
+    change: Callable[[_Changes], str],
+    *,
+    equal_loads: bool,
+) -> dict[str, Any]:
+    """Return the table of cases, with cells of numbers by `value` and of differences by `change`."""
     shared = [_shared(surface, equal_loads=equal_loads) for surface in surfaces]
     first = next((loads for loads in shared if loads.rows), shared[0])
     # those whose cases share as many loads; their indices differ where targets lie between
@@ -76,10 +93,7 @@ def _table(surfaces: Sequence[Cases], *, equal_loads: bool, as_medians: bool) ->
                 case: [(cases[case], loads.rows[number_of_row][case]) for cases, loads in retained]
                 for case in row
             }
-            cells = [
-                _value(at_load[case], name, unit, as_medians=as_medians) if case in row else "–"
-                for case in names
-            ]
+            cells = [value(at_load[case], name, unit) if case in row else "–" for case in names]
             for pair in pairs:
                 indices = row.get(pair[0], -1), row.get(pair[1], -1)
                 if indices not in first.indices[pair]:
@@ -87,7 +101,7 @@ def _table(surfaces: Sequence[Cases], *, equal_loads: bool, as_medians: bool) ->
                     continue
                 position = first.indices[pair].index(indices)
                 ratios = [_interval(loads.changes[pair], name, position) for _, loads in retained]
-                cells.append(_change([at_load[case] for case in pair], name, ratios, as_medians=as_medians))
+                cells.append(change(_changes([at_load[case] for case in pair], name, ratios)))
             rows.append([_load(at_load), *cells])
         groups.append({"title": TITLES[name], "rows": rows})
     disjoint = [pair for pair, indices in first.indices.items() if not indices]
@@ -154,11 +168,15 @@ def _load(at_load: Mapping[str, Sequence[Load]]) -> str:
     return " / ".join(of_pressure(float(median)) for median in np.median(pressures, axis=1))
 
 
-def _value(loads: Sequence[Load], name: str, unit: Unit, *, as_medians: bool) -> str:
-    """Return a number of a surface at a load, with its interval; or the median."""
-    if as_medians:
-        return _quantiles(_values(loads, name), unit)
-    return _in_brackets(unit.interval(*interval_at(loads[0][0], name, loads[0][1])), unit.symbol)
+def _value(loads: Sequence[Load], name: str, unit: Unit) -> str:
+    """Return a number of a surface at a load, with its interval."""
+    ((data, index),) = loads
+    return _in_brackets(unit.interval(*interval_at(data, name, index)), unit.symbol)
+
+
+def _median_value(loads: Sequence[Load], name: str, unit: Unit) -> str:
+    """Return the median of a number of many surfaces."""
+    return _quantiles(_values(loads, name), unit)
 
 
 def _values(loads: Sequence[Load], name: str) -> np.ndarray:
@@ -166,29 +184,33 @@ def _values(loads: Sequence[Load], name: str) -> np.ndarray:
     return np.array([float(data[name].values[index]) for data, index in loads])
 
 
-def _change(
-    loads: Sequence[Sequence[Load]], name: str, ratios: Sequence[tuple[float, float]], *, as_medians: bool
-) -> str:
-    """Return the difference between the `loads` of two cases in percent with its interval, or the median.
-
-    `ratios` has both ends of the interval of each ratio.
-    """
+def _changes(loads: Sequence[Sequence[Load]], name: str, ratios: Sequence[tuple[float, float]]) -> _Changes:
+    """Return the differences between the `loads` of two cases; `ratios` has both ends of each ratio."""
     first, second = (_values(of_case, name) for of_case in loads)
     with np.errstate(divide="ignore", invalid="ignore"):
         change, low, high = (100 * (ratio - 1) for ratio in (second / first, *np.transpose(ratios)))
     change, low, high = (np.where(np.abs(percent) < _DUST, 0.0, percent) for percent in (change, low, high))
-    # with of how many surfaces the difference is larger than its interval
-    if as_medians:
-        available = np.isfinite(low) & np.isfinite(high)
-        clear = available & ((low > 0) | (high < 0))
-        excess = f"; beyond ± {clear.sum()} of {available.sum()}" if available.any() else ""
-        return _quantiles(change, _PERCENT, decimals=2) + excess
-    if not first[0] > 0:
+    return _Changes(change, low, high, first)
+
+
+def _change(changes: _Changes) -> str:
+    """Return the difference of a surface with its interval."""
+    change, low, high, first = (values[0] for values in changes)
+    if not first > 0:
         return "–"
-    if change[0] > _MANIFOLD:
-        times = (1 + float(percent) / 100 for percent in (change[0], low[0], high[0]))
+    if change > _MANIFOLD:
+        times = (1 + float(percent) / 100 for percent in (change, low, high))
         return _in_brackets(with_interval(*times), "times as large")
-    return _in_brackets(with_interval(change[0], low[0], high[0], finest=_FINEST), "%")
+    return _in_brackets(with_interval(change, low, high, finest=_FINEST), "%")
+
+
+def _median_change(changes: _Changes) -> str:
+    """Return the median of the differences, and of how many surfaces they are larger than their interval."""
+    change, low, high, _ = changes
+    available = np.isfinite(low) & np.isfinite(high)
+    clear = available & ((low > 0) | (high < 0))
+    excess = f"; beyond ± {clear.sum()} of {available.sum()}" if available.any() else ""
+    return _quantiles(change, _PERCENT, decimals=2) + excess
 
 
 def _in_brackets(text: str, unit: str) -> str:

@@ -101,14 +101,10 @@ def _averaged(level: np.ndarray, missing: np.ndarray, together: int) -> tuple[np
 
 def _palette(name: str, of_colours: int, bad: str, steps: int) -> bytes:
     """Return so many colours of a scale, and after them their blends with the colour of bad points."""
-    anchors, second = (
-        np.array(
-            [[int(colour[start : start + 2], 16) for start in (1, 3, 5)] for colour in source], dtype=float
-        )
-        for source in (colour_scale(name), [bad])
-    )
+    *anchors, second = (list(bytes.fromhex(colour[1:])) for colour in [*colour_scale(name), bad])
     indices = np.linspace(0, len(anchors) - 1, of_colours)
-    scale = np.column_stack([np.interp(indices, np.arange(len(anchors)), channel) for channel in anchors.T])
+    channels = zip(*anchors, strict=True)
+    scale = np.column_stack([np.interp(indices, np.arange(len(anchors)), channel) for channel in channels])
     shares = np.linspace(0, 1, steps)[:, None, None] if steps > 1 else np.zeros((1, 1, 1))
-    blends = (1 - shares) * scale + shares * second
+    blends = (1 - shares) * scale + shares * np.array(second)
     return np.rint(blends).astype(np.uint8).tobytes()

@@ -47,10 +47,8 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
     """
     unit = float(statistics["contact_modulus"] * statistics["rms_gradient"])
     pascals = unit_of(statistics, "Pa")
-    load, relative = (
-        statistics["mean_pressure"].values * pascals.factor,
-        statistics["relative_pressure"].values,
-    )
+    load = statistics["mean_pressure"].values * pascals.factor
+    relative = statistics["relative_pressure"].values
     corrected, *ends = interval_of(statistics, _AREA)
     counted = statistics[f"{_AREA}_pixels"].values
     chart = _area_chart(

@@ -26,15 +26,9 @@ _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "rela
 # dimensions
 _NOT_IN_TABLE = {
     *_BINS,
-    "depth",
-    "source",
-    "hardness_over_modulus",
-    "tangential_load",
-    "input",
-    "cutoff",
-    "component",
+    *("depth", "source", "hardness_over_modulus", "tangential_load", "input", "cutoff", "component"),
+    *("member", "material", "interface"),
 }
-_NOT_IN_TABLE |= {"member", "material", "interface"}
 # labels of a dimension that are the same for all surfaces
 _COMMON_LABELS = {"source": object, "input": object, "component": object, "hardness_over_modulus": float}
 # attributes of each file
@@ -204,9 +198,9 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     frame = pd.concat([frame, pd.DataFrame(numbers)], axis="columns")
     real = np.isfinite(columns["mean_pressure"].to_numpy())
     frame = frame[real].reset_index(drop=True)
+    cases = frame["case"] if "case" in frame else [""] * len(frame)
     if "verdicts" in statistics.attrs:
         verdicts = json.loads(statistics.attrs["verdicts"])
-        cases = frame["case"] if "case" in frame else [""] * len(frame)
         rows = [*zip(cases, frame["surface"], columns["load"][real], strict=True)]
         if len(rows) != sum(len(verdicts[case][surface]) for case, surface in {row[:2] for row in rows}):
             raise SettingsError(
@@ -225,7 +219,6 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
         if name in frame and frame[name].notna().all():
             frame[name] = frame[name].astype(int)
     bands = json.loads(statistics.attrs.get("bands", "{}"))
-    cases = frame["case"] if "case" in frame else [""] * len(frame)
     corrected = [
         bands.get(c, {}).get(s, {}).get("corrected_for") for c, s in zip(cases, frame["surface"], strict=True)
     ]

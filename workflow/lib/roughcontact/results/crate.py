@@ -68,16 +68,17 @@ def write_crate(
     ended = datetime.fromtimestamp(int(max(path.stat().st_mtime for path in files)), UTC).isoformat()
     crate = ROCrate(version="1.1")
     crate.metadata.extra_terms |= _TERMS
-    profile = {"@type": "CreativeWork", "name": "Process Run Crate", "version": "0.5"}
     root = crate.root_dataset
     root["name"] = "True contact area and contact pressures of measured surfaces"
     root["description"] = (
         "Results of roughcontact: maps and numbers of each surface, and those of all together."
     )
-    licence = {"@type": "CreativeWork", "name": "Licence", "description": f"Licence of the results: {terms}"}
-    root["license"] = _add(crate, terms, licence) if terms.startswith("http") else terms
+    root["license"] = terms
+    if terms.startswith("http"):
+        text = f"Licence of the results: {terms}"
+        root["license"] = _add(crate, terms, "CreativeWork", name="Licence", description=text)
     root["datePublished"] = ended
-    root["conformsTo"] = _add(crate, _PROFILE, profile)
+    root["conformsTo"] = _add(crate, _PROFILE, "CreativeWork", name="Process Run Crate", version="0.5")
     results, measured, programs, settings = [], {}, {}, ""
     for path in files:
         name = path.relative_to(folder).as_posix()
@@ -100,20 +101,21 @@ def write_crate(
             crate.add_file(dest_path=path.relative_to(folder).as_posix(), properties=_about(path))
             for path in copies
         ]
-    action = {
-        "@type": "CreateAction",
-        "name": "Run of roughcontact",
-        "description": "Height maps were read, levelled and made periodic, and their contact was solved.",
-        "endTime": ended,
-        "actionStatus": "http://schema.org/CompletedActionStatus",
-    }
-    run = _add(crate, "#run", action)
+    run = _add(
+        crate,
+        "#run",
+        "CreateAction",
+        name="Run of roughcontact",
+        description="Height maps were read, levelled and made periodic, and their contact was solved.",
+        endTime=ended,
+        actionStatus="http://schema.org/CompletedActionStatus",
+    )
     instruments = [_add_program(crate, **program) for program in programs.values()]
     run["instrument"] = instruments if len(instruments) > 1 else instruments[0]
     run["object"] = [
         *(_add_measured(crate, source) for source in measured.values()),
         *inputs,
-        _add(crate, "#settings", {"@type": "PropertyValue", "name": "settings", "value": settings}),
+        _add(crate, "#settings", "PropertyValue", name="settings", value=settings),
     ]
     run["result"] = results
     root["mentions"] = run
@@ -153,46 +155,40 @@ def _about(path: Path) -> dict[str, str]:
     return about | ({"encodingFormat": media_type} if media_type else {})
 
 
-def _add(crate: "ROCrate", identifier: str, properties: dict[str, Any]) -> Any:
+def _add(crate: "ROCrate", identifier: str, entity_type: str, **properties: Any) -> Any:
     """Add to a crate an entity that is no file of it."""
     from rocrate.model.contextentity import ContextEntity
 
-    return crate.add(ContextEntity(crate, identifier, properties=properties))
+    return crate.add(ContextEntity(crate, identifier, properties={"@type": entity_type} | properties))
 
 
 def _add_named(crate: "ROCrate", entity_type: str, text: str) -> Any:
     """Add a person or an organisation, ``Name`` or ``Name <address>``."""
     name, address = (field.strip(" >") for field in (*text.split("<", 1), "")[:2])
     identifier = address if address.startswith("http") else "#" + re.sub(r"\W+", "-", name)
-    return _add(crate, identifier, {"@type": entity_type, "name": name or address})
+    return _add(crate, identifier, entity_type, name=name or address)
 
 
 def _add_measured(crate: "ROCrate", source: dict[str, Any]) -> Any:
     """Add a measured file, which lies elsewhere: its name, format and checksum."""
-    about = {
-        "@type": "CreativeWork",
-        "name": source["source_file"],
-        "description": f"Measured height map, {source['source_format']}",
-        "sha256": source["source_sha256"],
-    }
-    return _add(crate, f"#measured-{source['source_sha256']}", about)
+    checksum, text = source["source_sha256"], f"Measured height map, {source['source_format']}"
+    about = {"name": source["source_file"], "description": text, "sha256": checksum}
+    return _add(crate, f"#measured-{checksum}", "CreativeWork", **about)
 
 
 def _add_program(crate: "ROCrate", *, versions: str, commit: str) -> Any:
     """Add this program at a version and a commit, with the packages that it computed with."""
     packages = json.loads(versions or "{}")
     program_version = packages.pop("roughcontact", "unknown")
-    about = {
-        "@type": "SoftwareApplication",
-        "name": "roughcontact",
-        "softwareVersion": f"{program_version}, commit {commit}" if commit else program_version,
-        "softwareRequirements": [
-            _add(
-                crate,
-                f"#{name}-{version}",
-                {"@type": "SoftwareApplication", "name": name, "softwareVersion": version},
-            )
-            for name, version in packages.items()
-        ],
-    }
-    return _add(crate, "#" + "-".join(filter(None, ["roughcontact", program_version, commit])), about)
+    requirements = [
+        _add(crate, f"#{name}-{version}", "SoftwareApplication", name=name, softwareVersion=version)
+        for name, version in packages.items()
+    ]
+    return _add(
+        crate,
+        "#" + "-".join(filter(None, ["roughcontact", program_version, commit])),
+        "SoftwareApplication",
+        name="roughcontact",
+        softwareVersion=f"{program_version}, commit {commit}" if commit else program_version,
+        softwareRequirements=requirements,
+    )
