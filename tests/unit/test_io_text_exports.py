@@ -104,6 +104,7 @@ def test_quoted_cells_with_decimal_commas(read):
 def test_empty_cells_around_a_table(read, refused):
     text = trace().replace("\n", ";" * 300 + "\n") + (";" * 302 + "\n") * 2000
     assert_trace(read(text, unit="mm", height_unit="um"))
+    assert_trace(read(";x (mm);z (µm)\n;" + trace().replace("\n", "\n;")[:-1]))
     # an empty cell within the table is a missing point, also the last one of a row
     height = read("1;2;3;4\n5;6;7;\n;8;9;1\n", **GIVEN)
     np.testing.assert_array_equal(np.argwhere(np.isnan(height.values[::-1])), [[1, 3], [2, 0]])

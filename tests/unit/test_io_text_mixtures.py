@@ -55,14 +55,19 @@ def test_tables_with_headings_are_channels_in_their_units(read, refused, tmp_pat
     ("heading", "values", "wanted"),
     [
         ("X1 (um);Z1 (nm);X2 (um);Z2 (nm)", (X, ONE[0], X, TWO[0]), "Z2"),
+        ("x [um];y [nm];x [um];y [nm]", (X, ONE[0], X, TWO[0]), "y (2)"),
         ("Distance (mm);Total (nm);Roughness (nm)", (X / 1e3, ONE[0], TWO[0]), "Roughness"),
     ],
 )
 def test_several_columns_of_heights_are_asked_about(read, refused, heading, values, wanted):
-    text = f"{heading}\n{columns(*values)}"
+    text, name = f"{heading}\n{columns(*values)}", re.escape(wanted)
     for given in ({}, GIVEN):
-        refused(text, rf"2 columns that may be heights: .*{wanted}.*channel.* are '[^']*{wanted}", **given)
-    refused(text, rf"no channel is named 'all'; .* are '[^']*{wanted}", channel="all")
+        refused(
+            text,
+            rf"2 columns that may be heights: .*{wanted.split()[0]}'.*channel.* are '[^']*{name}",
+            **given,
+        )
+    refused(text, rf"no channel is named 'all'; .* are '[^']*{name}", channel="all")
     holds_nm(read(text, channel=wanted), TWO[:1])
 
 
@@ -222,6 +227,7 @@ def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, refus
         ("Z inverted: yes", "'Z inverted: yes', which is not followed: check first_row, the sign"),
         ("Origin: bottom left", "which is not followed"),
         ("Data: Deflection", "which is not followed"),
+        ("Aspect,0.5", "'Aspect,0.5', which is not followed"),
         ("Binning: 2x2", "'Binning: 2x2', which is not followed: check the steps dx and dy"),
         ("Pixel size: 0.5 µm\nAspect ratio: 2", "line 2 .* which is not followed: check the steps"),
         ("Spacing: 0.5 µm", "line 1 says 'Spacing: 0.5 µm': taken as the step along x and along y"),

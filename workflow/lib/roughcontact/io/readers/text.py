@@ -144,7 +144,8 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     columns = headed(rows.heading, width, dialect.delimiter)
     if table.empty.any() and not {"length_x", "length_y", "nx", "ny"} & {*stated}:
         filled = slice(*(np.flatnonzero(~table.empty)[[0, -1]] + (0, 1)))
-        table = table._replace(values=values[:, filled], empty=table.empty[filled])
+        corner = bool(np.isnan(values[0, filled.start])) if filled.start else table.empty_corner
+        table = table._replace(values=values[:, filled], empty=table.empty[filled], empty_corner=corner)
         if columns:
             columns = columns[filled]
         elif left_out := width - table.empty.size:

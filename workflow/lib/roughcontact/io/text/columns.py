@@ -98,7 +98,7 @@ def layout(columns: Sequence[Column]) -> list[list[int]]:
         return [x + y]
     if len(x) == 1 and len(y) <= 1:
         return [[*x, *y, index] for index in data if index not in x + y]
-    if len(x) > 1 and x == data[::2] and not y and len(data) == 2 * len(x):  # a pair for each profile
+    if len(x) > 1 and x == data[::2] and y in ([], data[1::2]) and len(data) == 2 * len(x):  # pairs x, z
         return [[*pair] for pair in zip(x, data[1::2], strict=True)]
     if data and all(columns[index].role == "z" for index in data) and len(data) < _WIDE_TABLE:
         return [[index] for index in data]

@@ -74,7 +74,7 @@ def not_understood(rows: Rows, stated: Stated, heights: np.ndarray) -> list[str]
     understood = {statement.line for repeated in stated.values() for statement in repeated}
     measured = heights[np.isfinite(heights)]
     for number, line in enumerate(rows.heading[:_MAX_LINES], rows.first):
-        if number in understood or len(line) > _LONGEST_LINE or not re.search(r"[:=\t]|\s[-+\d]", line):
+        if number in understood or len(line) > _LONGEST_LINE or not re.search(r"[:=\t;,]|\s[-+\d]", line):
             continue
         where = f"line {number} says {line.strip()[:60]!r}"
         value = _LAST_NUMBER.search(line.replace(",", "."))
