@@ -181,7 +181,7 @@ def error_budget(
         columns |= {f"{name}_as_measured": ("load", value) for name, value in uncorrected.items()}
     if "unresolved" in sources:
         curve = magnification_curve(result)
-        columns |= {str(name): (v.dims, v.values) for name, v in curve.variables.items()}
+        columns |= curve
         octave = {}
         if not band_is_chosen(settings, window):
             components["unresolved"] = hidden_waves(window, curve, instrument, true_shapes)

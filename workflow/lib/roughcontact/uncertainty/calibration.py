@@ -18,7 +18,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PRESSURE, inverse_erf_area
+from roughcontact.uncertainty.scales import CONSTRICTIONS, inverse_erf_area
 
 Measurand = Literal["surface", "next", "longer", "map"]
 Features = Mapping[str, np.ndarray | float]  # feature -> number, or array (load)
@@ -33,7 +33,7 @@ def table(package: str = __package__) -> dict[str, Any]:
 
 def entry(name: str) -> str:
     """Return the name under which a quantity stands in the table, both narrowest places in one entry."""
-    return "critical_constriction" if name in CONSTRICTIONS else AREA if name == PRESSURE else name
+    return "critical_constriction" if name in CONSTRICTIONS else name
 
 
 def _expected_size(slopes: Mapping[str, float], features: Features) -> np.ndarray:

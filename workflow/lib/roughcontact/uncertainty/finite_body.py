@@ -18,7 +18,7 @@ from roughcontact.references.closed_forms import hertz_ellipse
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.inputs import STIFFNESS
-from roughcontact.uncertainty.random_effects import student
+from roughcontact.uncertainty.random_effects import width_of_next
 from roughcontact.uncertainty.scales import ANSWERS, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
@@ -67,11 +67,7 @@ def scatter_of_positions(
     arms = {}
     for name, value in result.values.items():
         changes = to_scale(name, np.vstack([value[few], members[name]])) - to_scale(name, value[few])
-        mean, count = np.nanmean(changes, axis=0), np.sum(np.isfinite(changes), axis=0)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            quantile = student(count - 1) * np.sqrt(1 + 1 / count)
-            width = quantile * np.nanstd(changes, axis=0, ddof=1)
-        width[np.isnan(width)] = np.inf
+        mean, width = np.nanmean(changes, axis=0), width_of_next(changes)
         below, above = (result.at_all_loads(np.maximum(width + sign * mean, 0.0)) for sign in (-1, 1))
         arms[name] = below, above
     reason = (

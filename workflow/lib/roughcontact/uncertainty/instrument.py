@@ -24,7 +24,7 @@ from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.instrument_checks import coarse_step, suspected_noise
 from roughcontact.uncertainty.combination import Components, one_sided, symmetric
 from roughcontact.uncertainty.ensemble import MARGIN, Result, Values
-from roughcontact.uncertainty.random_effects import student
+from roughcontact.uncertainty.random_effects import width_of_next
 from roughcontact.uncertainty.scales import AREA, PEAK, PRESSURE
 from roughcontact.window.instrument import check_instrument
 from roughcontact.window.transfer import restored, unrounded, with_noise
@@ -125,10 +125,5 @@ def _chance_of_noise(result: Result, noise: float) -> Components:
     """Return what the noise (m, rms) of the map may do by chance: by Student's t, of other draws of it."""
     noisy = [with_noise(result.window, noise, seed=seed)[0] for seed in range(1, _DRAWS + 1)]
     draws = [result.changes(result.again(window)) for window in noisy]
-    factor = student(np.array(_DRAWS - 1.0)) * math.sqrt(1 + 1 / _DRAWS)
-    components = {}
-    for name in result.values:
-        with np.errstate(invalid="ignore"):  # of a gap that closes
-            width = factor * np.std([draw[name] for draw in draws], axis=0, ddof=1)
-        components[name] = symmetric(np.where(np.isnan(width), np.inf, width))
-    return components
+    widths = {name: width_of_next(np.stack([draw[name] for draw in draws])) for name in result.values}
+    return {name: symmetric(width) for name, width in widths.items()}

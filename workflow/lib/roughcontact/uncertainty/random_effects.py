@@ -92,6 +92,20 @@ def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
     )
 
 
+def width_of_next(values: np.ndarray) -> np.ndarray:
+    """Return how far from the mean of numbers (number, load) a further one lies; infinite where unknown.
+
+    Examples
+    --------
+    >>> width_of_next(np.array([[1.0, -np.inf], [2.0, 4.0], [3.0, 5.0]])).round(2)
+    array([4.97,  inf])
+    """
+    count = np.sum(np.isfinite(values), axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        width = student(count - 1) * np.sqrt(1 + 1 / count) * np.nanstd(values, axis=0, ddof=1)
+    return np.where(np.isnan(width), np.inf, width)
+
+
 def welch(first: Effects, second: Effects) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the difference of two means, its standard uncertainty, and degrees of freedom (Welch 1947).
 

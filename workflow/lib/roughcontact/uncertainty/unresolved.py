@@ -29,9 +29,10 @@ from roughcontact.uncertainty.combination import Component, Components, half_wid
 from roughcontact.uncertainty.ensemble import MARGIN, Result
 from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.random_effects import student
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, to_scale
+from roughcontact.uncertainty.scales import ANSWERS, AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, to_scale
 from roughcontact.window.transfer import reliability_length, shortest_transmitted
 
+Columns = dict[str, tuple[Any, np.ndarray]]  # variable -> dims, values
 Spectra = list[tuple[np.ndarray, np.ndarray]]  # of each axis: wavenumbers, and their square slopes
 
 _POINTS_PER_WAVE = 3  # of the shortest: with two, areas of small loads are a tenth and peaks a quarter off
@@ -70,8 +71,8 @@ def _passes(window: xr.DataArray, cutoff: float) -> np.ndarray:
     return wavenumbers(window.shape, spacing(window)) * cutoff <= 2 * np.pi * (1 + 1e-9)
 
 
-def magnification_curve(result: Result) -> xr.Dataset:
-    """Return the results of a periodic window without its shortest waves, octave by octave.
+def magnification_curve(result: Result) -> Columns:
+    """Return the results of a periodic window without its shortest waves, octave by octave, as variables.
 
     `{quantity}_at_cutoff` (load, cutoff) begins with the result; `cutoff_wavelength` (cutoff; m) is the
     shortest wave kept, `gradient_at_cutoff` (cutoff) the rms gradient.
@@ -90,16 +91,13 @@ def magnification_curve(result: Result) -> xr.Dataset:
         cutoff *= 2
     for results in levels:
         results[PRESSURE] = np.minimum(result.load / results[AREA], result.hardness)
-    return xr.Dataset(
-        {
-            f"{name}_at_cutoff": (("load", "cutoff"), np.stack([results[name] for results in levels], axis=1))
-            for name in quantities_in(levels[0])
-        },
-        coords={
-            "cutoff_wavelength": ("cutoff", lengths),
-            "gradient_at_cutoff": ("cutoff", [rms_gradient(m) for m in maps]),
-        },
-    )
+    curve: Columns = {}
+    for name in quantities_in(levels[0]):
+        at_cutoff = np.stack([results[name] for results in levels], axis=1)
+        curve[f"{name}_at_cutoff"] = ("load", "cutoff"), at_cutoff
+    curve["cutoff_wavelength"] = "cutoff", np.array(lengths)
+    curve["gradient_at_cutoff"] = "cutoff", np.array([rms_gradient(m) for m in maps])
+    return curve
 
 
 def band_is_chosen(settings: Mapping[str, Mapping[str, Any]], window: xr.DataArray) -> bool:
@@ -113,7 +111,7 @@ def band_is_chosen(settings: Mapping[str, Mapping[str, Any]], window: xr.DataArr
 
 def hidden_waves(
     window: xr.DataArray,
-    curve: xr.Dataset,
+    curve: Columns,
     instrument: Mapping[str, Any],
     true_shapes: Mapping[str, xr.DataArray],
 ) -> Components:
@@ -122,7 +120,7 @@ def hidden_waves(
     `curve` is the `magnification_curve` of the periodic window; what its `true_shapes` (`undone`) have of
     shorter waves does not count twice.
     """
-    wavelengths, gradients = curve["cutoff_wavelength"].values, curve["gradient_at_cutoff"].values
+    wavelengths, gradients = curve["cutoff_wavelength"][1], curve["gradient_at_cutoff"][1]
     resolved = shortest_transmitted(instrument)
     reference = true_shapes.get("lens") if resolved > wavelengths[0] else None
     if tip_radius := instrument.get("tip_radius"):
@@ -148,24 +146,23 @@ def hidden_waves(
 
 
 def next_octave(
-    window: xr.DataArray, curve: xr.Dataset, finer: str | xr.DataArray | None = None
+    window: xr.DataArray, curve: Columns, finer: str | xr.DataArray | None = None
 ) -> dict[str, tuple[np.ndarray, Component]] | None:
     """Return by how much waves one octave shorter shift each quantity (load), and the component about that.
 
     `curve` is the `magnification_curve` of the periodic window, `finer` a map or profile (m) of the same
     finish, or its path, whose spectrum tells how much steeper the surface is. None for a map too small.
     """
-    if curve.sizes["cutoff"] < 2:
+    gradients, growth, limit, octave = curve["gradient_at_cutoff"][1], 0.0, 0.0, {}
+    if len(gradients) < 2:
         return None
-    octave = {}
-    gradients, growth, limit = curve["gradient_at_cutoff"].values, 0.0, 0.0
     last = math.log(gradients[0] / gradients[1]) if gradients.min() > 0 else 0.0
     if finer is not None:
         finer = finer if isinstance(finer, xr.DataArray) else read_height_map(finer)
         growth, limit = growth_by_finer_spectrum(window, level(finer, form="plane"))
     for name, change in _changes(curve, 0).items():
         if finer is None:
-            unit = curve[f"{GAP}_at_cutoff"].values[:, 0] if name in CONSTRICTIONS else 1.0
+            unit = curve[f"{GAP}_at_cutoff"][1][:, 0] if name in CONSTRICTIONS else 1.0
             arms = (arm * np.hypot(change, unit) for arm in octave_arms(name))
             octave[name] = np.zeros_like(change), half_widths(*arms)
         else:  # as many octaves of the last one's growth
@@ -177,13 +174,12 @@ def next_octave(
     return octave
 
 
-def _changes(curve: xr.Dataset, index: int) -> dict[str, np.ndarray]:
+def _changes(curve: Columns, index: int) -> dict[str, np.ndarray]:
     """Return the change (load) of each quantity on its scale by one octave of the curve; 0 where unknown."""
     changes = {}
-    for variable in curve.data_vars:
-        name = str(variable).removesuffix("_at_cutoff")
-        if name != PRESSURE:
-            fine, coarse = to_scale(name, curve[variable].values[:, index : index + 2]).T
+    for name in (AREA, GAP, PEAK, *ANSWERS):
+        if f"{name}_at_cutoff" in curve:
+            fine, coarse = to_scale(name, curve[f"{name}_at_cutoff"][1][:, index : index + 2]).T
             changes[name] = np.nan_to_num(fine - coarse)
     return changes
 
