@@ -106,7 +106,10 @@ class Axis:
         """
         low, high = sorted((self.low, self.high))
         if self.log:
-            return _decades(low, high, max_count)
+            written, interior = _decades(low, high, max_count)
+            # of less than a factor of ten there may be one: then in even steps
+            if len(written) > 2 or high > 10 * low:
+                return written, interior
         raw = (high - low) / max_count
         power = 10.0 ** math.floor(math.log10(raw))
         step = next(s * power for s in (1, 2, 2.5, 5, 10) if s * power >= raw * (1 - 1e-9))
