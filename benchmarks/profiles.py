@@ -144,14 +144,14 @@ def rows_of(name: str, kind: str, aspect: float, levelled: xr.DataArray) -> list
             profiles = profiles_of(levelled, number, cut)
             along = profiles_of(transposed(levelled), number, cut) if kind.endswith("lay") else []
             window = rc.surface_from_profiles(profiles, along=along, points=min(truth.shape))
-            stack = stacked(profiles, along)
+            fit = fit_of(stacked(profiles, along))
         except RoughContactError as error:
             print(name, number, cut, error)
             continue
         result = solve_member(window, contact, tolerance=1e-2, names=QUANTITIES)
-        surfaces = list(member_surfaces(stack, window, MEMBERS))
+        surfaces = list(member_surfaces(fit, window, MEMBERS))
         others = [solve_member(surface, contact, tolerance=1e-2, names=QUANTITIES) for surface in surfaces]
-        contrast = ridge_contrast(fit_of(stack).directions[0][0], surfaces)
+        contrast = ridge_contrast(fit.pieces, surfaces)
         for quantity in QUANTITIES:
             unit = result[GAP] if quantity in CONSTRICTIONS else 1.0
             members = np.array([other[quantity] for other in others])
@@ -160,7 +160,7 @@ def rows_of(name: str, kind: str, aspect: float, levelled: xr.DataArray) -> list
             for load, p in enumerate(LOADS):
                 case = {"map": name, "kind": kind, "Str": round(aspect, 2), "profiles": number, "cut": cut}
                 columns = {"area": result[AREA], "error": error, "scatter": scatter, "truth": true[quantity]}
-                columns["contrast"] = contrast.get(quantity, np.zeros_like(LOADS))
+                columns["contrast"] = contrast[quantity]
                 numbers = {key: f"{column[load]:.4g}" for key, column in columns.items()}
                 rows.append(case | {"load": p, "quantity": quantity} | numbers)
     return rows

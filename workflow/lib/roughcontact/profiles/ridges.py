@@ -4,6 +4,7 @@ What spectrum, heights and slopes do not hold of a surface changes the contact o
 is known of the measured ones (Hammersley and Handscomb 1964, Monte Carlo Methods, section 5.5).
 """
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
@@ -34,21 +35,19 @@ def ridge_contrast(
     """Return how far results of profiles (number, points; m) lie above those of rows of surfaces, as ridges.
 
     Each is on the scale of its quantity, at `LOADS`, on the straight line over ln p that is nearest to all
-    loads. The surfaces have the pitch of the profiles. All are made periodic by the `arguments` of
-    `periodic_window`: in a band both are cut as profiles, whose long waves are also oblique short ones.
+    loads; 0 but for area and gap. The surfaces have the pitch of the profiles. All are made periodic by the
+    `arguments` of `periodic_window`: in a band both are cut as profiles, whose long waves are also oblique
+    short ones.
     """
     first = surfaces[0]
     side, rows = first.shape[1], np.arange(_ROWS) * first.shape[0] // _ROWS
     pieces = profiles[:, : profiles.shape[1] // side * side].reshape(-1, side)
     drawn = np.vstack([surface.values[rows] for surface in surfaces])
-    of_profiles, of_surfaces = (
-        [_ridges(line, spacing(first)[1], first.attrs, arguments) for line in lines]
-        for lines in (pieces, drawn)
-    )
+    of_profiles, of_surfaces = (_ridges(lines, first, arguments) for lines in (pieces, drawn))
     slope = np.sqrt(np.mean([rms_gradient(ridges) ** 2 for ridges in of_surfaces]))
     pressure = _LOADS * np.sqrt(2) * slope  # of all directions alike
     higher, lower = (_mean_results(ridges, pressure) for ridges in (of_profiles, of_surfaces))
-    contrast = {}
+    contrast: dict[str, np.ndarray] = defaultdict(lambda: np.zeros_like(LOADS))
     for name in COMPARED:
         difference = to_scale(name, higher[name]) - to_scale(name, lower[name])
         finite = np.isfinite(difference)  # nothing has a logarithm in full contact
@@ -57,12 +56,10 @@ def ridge_contrast(
     return contrast
 
 
-def _ridges(
-    line: np.ndarray, pitch: float, attrs: Mapping[str, Any], arguments: Mapping[str, Any]
-) -> xr.DataArray:
-    """Return a line (points; m) of a file with these attributes, levelled and made periodic."""
-    ridges = height_map(line, pitch).assign_attrs(attrs)
-    return subwindow(level(ridges, outlier_threshold=None), **arguments)
+def _ridges(lines: np.ndarray, like: xr.DataArray, arguments: Mapping[str, Any]) -> list[xr.DataArray]:
+    """Return lines (number, points; m) of the pitch and file of a map, levelled and made periodic."""
+    profiles = [height_map(line, spacing(like)[1]).assign_attrs(like.attrs) for line in lines]
+    return [subwindow(level(profile, outlier_threshold=None), **arguments) for profile in profiles]
 
 
 def _mean_results(windows: Sequence[xr.DataArray], pressure: np.ndarray) -> dict[str, np.ndarray]:

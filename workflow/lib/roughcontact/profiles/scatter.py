@@ -17,6 +17,7 @@ from roughcontact.errors import HeightMapError
 from roughcontact.maps import height_map, spacing
 from roughcontact.profiles.finish import draw, finish_of
 from roughcontact.profiles.ridges import ridge_contrast
+from roughcontact.profiles.spectrum import ProfileFit
 from roughcontact.profiles.surface import fit_of, surface_from_profiles
 from roughcontact.quantities import counted_noun
 from roughcontact.uncertainty.calibration import at_area, entry, table
@@ -26,6 +27,8 @@ from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 from roughcontact.window.band import in_band
 
+_CALIBRATED = ("spread", "quantile", "share", "contrast")
+
 
 def scatter_of_surfaces(
     profiles: xr.DataArray, result: Result, *_: xr.DataArray, arguments: Mapping[str, Any], number: int
@@ -34,21 +37,17 @@ def scatter_of_surfaces(
 
     `arguments` are those of `periodic_window` that led to the window, `number` is that of the members.
     """
-    few, values = result.few, result.values
-    surfaces = member_surfaces(profiles, result.window, number)
-    drawn = [surface.assign_attrs(profiles.attrs) for surface in surfaces]
+    few, values, fit = result.few, result.values, fit_of(profiles)
+    drawn = [surface.assign_attrs(profiles.attrs) for surface in member_surfaces(fit, result.window, number)]
     ensemble = result.members(in_band(surface, **arguments) for surface in drawn)
-    contrast = ridge_contrast(fit_of(profiles).directions[0][0], drawn, arguments)
+    contrast = ridge_contrast(fit.pieces, drawn, arguments)
     arms, shift = {}, {}
     for name, value in values.items():
         of_members = moments(name, ensemble[name], value[few], values[GAP][few])
         mean, deviation = (result.at_all_loads(moment) for moment in of_members)
-        calibrated = table(__package__)["quantities"][entry(name)]
-        spread, quantile, share = at_area(calibrated, values[AREA], ("spread", "quantile", "share"))
-        if name in contrast:
-            [of_ridges] = at_area(calibrated | {"contrast": contrast[name]}, values[AREA], ["contrast"])
-            mean += share * of_ridges
-        width = quantile * np.hypot(deviation, spread)
+        calibrated = table(__package__)["quantities"][entry(name)] | {"contrast": contrast[name]}
+        spread, quantile, share, of_ridges = at_area(calibrated, values[AREA], _CALIBRATED)
+        mean, width = mean + share * of_ridges, quantile * np.hypot(deviation, spread)
         if name in CORRECTED:
             arms[name], shift[name] = (width, width), mean
         else:
@@ -62,13 +61,12 @@ def scatter_of_surfaces(
     return Scatter(ensemble, arms=arms, shift=shift, reason=reason)
 
 
-def member_surfaces(profiles: xr.DataArray, window: xr.DataArray, number: int) -> Iterator[xr.DataArray]:
-    """Yield so many surfaces of the size of a window that profiles (number, x; m) leave open."""
-    fit, step = fit_of(profiles), spacing(window)[1]
+def member_surfaces(fit: ProfileFit, window: xr.DataArray, number: int) -> Iterator[xr.DataArray]:
+    """Yield so many surfaces of the size of a window that profiles leave open."""
+    points, step = window.shape[1], spacing(window)[1]
     for index in range(number):
-        rng = np.random.default_rng([index + 1, window.shape[1]])
-        redrawn = finish_of(fit, rng)
-        yield height_map(draw(redrawn, window.shape[1], step / fit.directions[0][1], rng), step)
+        rng = np.random.default_rng([index + 1, points])
+        yield height_map(draw(finish_of(fit, rng), points, step / fit.pitch, rng), step)
 
 
 def isotropic_contact(profile: xr.DataArray, contact: Mapping[str, Any]) -> dict[str, np.ndarray]:

@@ -48,14 +48,15 @@ class Spectrum(NamedTuple):
 class ProfileFit:
     """Periodograms of profiles, and the way to them from the spectrum of a surface.
 
-    `directions` are pieces (number, points; m) and pitch (m) of those across a lay and any along it, along
-    which waves are `stretch` times as long. `band` (bands,) are frequencies, `measured` (bands + 2,) mean
+    `directions` are `pieces` (number, points; m) and `pitch` (m) across a lay and along it, where given;
+    waves are `stretch` times as long along it. `band` (bands,) are frequencies, `measured` (bands + 2,) mean
     periodograms (m^2 points) and mean squares of steps and heights (m^2), with their degrees of `freedom`.
     """
 
     def __init__(self, directions: Sequence[tuple[np.ndarray, float]], order: int) -> None:
         """Take levelled profiles, from which polynomials of an order were removed."""
-        self.directions, (profiles, pitch), (along, pitch_along) = directions, directions[0], directions[-1]
+        self.directions, (along, pitch_along) = directions, directions[-1]
+        self.pieces, self.pitch = profiles, pitch = directions[0]
         self.stretch = float(np.diff(profiles).std() / np.diff(along).std() * (pitch_along / pitch))
         number, points = profiles.shape
         self._basis = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1, 1, points), order))[0]
@@ -69,6 +70,7 @@ class ProfileFit:
         size = np.diff(edges)
         self.band = np.sqrt(edges[:-1] * (edges[1:] - 1)) / points
         self.measured = np.array([power[:, band].mean() for band in bands])
+        self._fold = np.append(np.arange(size.size) % _FOLDS, [-1, -1])  # mean squares are never left out
         freedom = 2 * number * size
         squares = np.array([np.mean(np.diff(profiles) ** 2), np.mean(profiles**2)])  # of steps and heights
         shares = [size * self.measured * self.band**2, size * self.measured]
@@ -130,10 +132,9 @@ class ProfileFit:
         removed = np.sum(np.abs(np.fft.fft(self._basis.T, 2 * points)) ** 2, axis=0)[: points + 1] / points
         return np.array([weights * steps, weights * (1 - removed)])
 
-    def _solve(
-        self, measured: np.ndarray, damping: float, used: slice | np.ndarray = slice(None)
-    ) -> np.ndarray:
-        """Return the factors a (hats,) of measured values (bands + 2,), of which only some are used."""
+    def _solve(self, measured: np.ndarray, damping: float, left_out: int | None = None) -> np.ndarray:
+        """Return the factors a (hats,) of measured values (bands + 2,), perhaps with a fold left out."""
+        used = self._fold != left_out
         smooth = np.sqrt(damping) * np.diff(np.eye(self._frequency.size), 2, axis=0)
         expected = measured
         for _ in range(_WEIGHTINGS):
@@ -146,10 +147,9 @@ class ProfileFit:
 
     def _deviance(self, damping: float) -> float:
         """Return how badly bands that are left out are predicted by the others: Whittle's deviance."""
-        # the mean squares are never left out
-        total, fold = 0.0, np.append(np.arange(self.band.size) % _FOLDS, [-1, -1])
-        for number in range(_FOLDS):
-            predicted = self._matrix @ self._solve(self.measured, damping, fold != number)
+        total = 0.0
+        for fold in range(_FOLDS):
+            predicted = self._matrix @ self._solve(self.measured, damping, left_out=fold)
             ratio = (self.measured + self._floor) / (predicted + self._floor)
-            total += np.sum((self.freedom / 2 * (ratio - np.log(ratio)))[fold == number])
+            total += np.sum((self.freedom / 2 * (ratio - np.log(ratio)))[self._fold == fold])
         return float(total)

@@ -20,6 +20,7 @@ from roughcontact.si import in_si, labelled_in_si
 from roughcontact.window.finite_body import solved_map
 from roughcontact.window.sides import friendly_sides
 
+Profiles = xr.DataArray | Sequence[xr.DataArray]
 ISOTROPIC, BOTH = "none", "both"  # the lay of profiles that have a surface behind them: without, and of both
 _MOST_POINTS = 512  # per side of a surface, unless others are asked for
 _LONGEST_PIECE = 8192  # points of a profile: longer ones are cut
@@ -99,9 +100,9 @@ def surface_from_profiles(
         raise SettingsError("lay = 'across': such profiles are ridges, and are solved as they are (evaluate)")
     stack = stacked(profiles, along)
     fit = fit_of(stack)
-    (segments, pitch), *others = fit.directions
+    pitch = fit.pitch
     ratio = 1.0 if spacing is None else check_positive("spacing", spacing, unit="m") / pitch
-    side = int(friendly_sides(min(segments.shape[1], _MOST_POINTS))[-1]) if points is None else points
+    side = int(friendly_sides(min(fit.pieces.shape[1], _MOST_POINTS))[-1]) if points is None else points
     for key, value, least in (("points", side, 2), ("seed", seed, 0)):
         if not (isinstance(value, Real) and value % 1 == 0 and value >= least):
             raise SettingsError(f"{key} = {value!r}: give a whole number of {least} or more", keys=[key])
@@ -112,22 +113,20 @@ def surface_from_profiles(
         "profiles": fit.measured[:-2] * pitch,
         "fit": finish.spectrum.fitted[:-2] * pitch,
     }
-    facts = {
-        "lay": BOTH if others else ISOTROPIC,
-        "profiles": len(stack),
-        "correlation_length": correlation_length(segments) * pitch,
-        "stretch": finish.stretch,
-        "profile_warnings": json.dumps([*_warnings(fit, finish, side * ratio)], ensure_ascii=False),
-        "profile_spectra": json.dumps({key: values.tolist() for key, values in spectra.items()}),
-        "missing_points": 0,
-        "missing_share": 0.0,
-    }
-    return height_map(heights, pitch * ratio).assign_attrs(stack.attrs | facts)
+    return height_map(heights, pitch * ratio).assign_attrs(
+        stack.attrs,
+        lay=ISOTROPIC if len(fit.directions) == 1 else BOTH,
+        profiles=len(stack),
+        correlation_length=correlation_length(fit.pieces) * pitch,
+        stretch=finish.stretch,
+        profile_warnings=json.dumps([*_warnings(fit, finish, side * ratio)], ensure_ascii=False),
+        profile_spectra=json.dumps({key: values.tolist() for key, values in spectra.items()}),
+        missing_points=0,
+        missing_share=0.0,
+    )
 
 
-def stacked(
-    profiles: xr.DataArray | Sequence[xr.DataArray], along: xr.DataArray | Sequence[xr.DataArray] = ()
-) -> xr.DataArray:
+def stacked(profiles: Profiles, along: Profiles = ()) -> xr.DataArray:
     """Return profiles, or arrays of these, as the rows of one array (number, x; m), NaN beyond their ends.
 
     The last rows are any `along` a lay, of a pitch of their own.
@@ -140,17 +139,15 @@ def stacked(
     for index, row in enumerate(rows):
         values[index, : row.size] = row.values
     missing = sum(int(np.isnan(row).sum()) for row in rows)
-    facts: dict[str, Any] = {
-        "profiles": len(rows),
-        "missing_points": missing,
-        "missing_share": missing / values.size,
-    }
+    stack = height_map(values, spacing(rows[0])[1]).assign_attrs(
+        rows[0].attrs, profiles=len(rows), missing_points=missing, missing_share=missing / values.size
+    )
     if others:
-        facts |= {"lay": BOTH, "profiles_along": len(others), "pitch_along": spacing(others[0])[1]}
-    return height_map(values, spacing(rows[0])[1]).assign_attrs(rows[0].attrs | facts)
+        stack.attrs |= {"lay": BOTH, "profiles_along": len(others), "pitch_along": spacing(others[0])[1]}
+    return stack
 
 
-def _rows(profiles: xr.DataArray | Sequence[xr.DataArray]) -> list[xr.DataArray]:
+def _rows(profiles: Profiles) -> list[xr.DataArray]:
     """Return profiles, or arrays of these, one by one (1, x; m)."""
     listed = [profiles] if isinstance(profiles, xr.DataArray) else profiles
     arrays = [labelled_in_si(check_labelled(profile)) for profile in listed]
