@@ -5,7 +5,7 @@ import struct
 
 import numpy as np
 import pytest
-from measured_files import gwy, holds, jpk, labelled, matlab, sdf, steps, warnings_of
+from measured_files import gwy, holds, jpk, labelled, matlab, refuses, sdf, steps, warnings_of
 from shared_data import DATA
 
 from roughcontact.io.inspection import inspect_file
@@ -126,6 +126,8 @@ def test_a_map_of_three_axes_is_chosen_by_its_index(read, tmp_path):
         scans.transpose(*dims).to_netcdf(path)
         holds(read_height_map(path, channel="z[t=2]"), values[2], rtol=1e-12)
         assert "'z[t=0]', the first height channel of 3, was read" in warnings_of(read_height_map(path))
+    scans.transpose("y", "x", "t").rename(y="r", x="c").to_netcdf(path)
+    refuses("nothing says which axes of 'z' are those of a map: name two of r, c, t y and x", path)
     second = read(matlab({"z": values.transpose(1, 2, 0)}), channel="z(:,:,2)", dx=1, dy=1, unit="m")
     holds(second, values[1], rtol=1e-12)
 

@@ -145,11 +145,20 @@ def _variable(
         channel.no_height = f"values of type {variable.dtype}"
         channel.read = unreadable(f"variable {name!r} holds {channel.no_height}, not real numbers")
         return channel
-    if positions and name not in positions:
+    counted = [axis for axis in selection if variable.sizes[axis] > 1]
+    if (
+        counted
+        and not str(x).lower().startswith("x")
+        and shape[1] < min(shape[0], variable.sizes[counted[0]])
+    ):
+        axes = ", ".join(map(str, variable.dims))
+        channel.doubt = f"nothing says which axes of {name!r} are those of a map: name two of {axes} y and x"
+    elif positions and name not in positions:
         channel.doubt = (
             f"the positions {' and '.join(positions)} of {name!r} are variables over its axes; make "
             "them coordinates of a grid, or save the points as text x, y, z"
         )
+    if channel.doubt:
         channel.read = unreadable(channel.doubt)
         return channel
     if positive_down:
