@@ -9,7 +9,7 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.uncertainty import sample, subwindows
-from roughcontact.uncertainty.ensemble import Result, few_loads, solve_member
+from roughcontact.uncertainty.ensemble import Result, solve_member
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, at_all_loads, to_scale
 from roughcontact.uncertainty.subwindows import divided, scatter_of_subwindows
 from roughcontact.window.periodic_window import periodic_window
@@ -195,11 +195,13 @@ def test_a_window_that_is_flat_up_to_rounding_is_flat():
 
 
 def test_few_loads_have_both_ends_and_even_steps():
-    load = np.geomspace(1.0, 1e3, 10)[::-1]
-    chosen = few_loads(load, 4)
-    np.testing.assert_allclose(np.sort(load[chosen]), [1.0, 10.0, 100.0, 1000.0])
-    assert few_loads(load, 10).tolist() == list(range(10))
-    assert few_loads(np.array([2.0]), 4).tolist() == [0]
+    for load, chosen in (
+        (np.geomspace(1.0, 1e3, 7)[::-1], [0, 3, 6]),
+        ([40.0, 1.0, 20.0, 1000.0, 100.0], [0, 1, 3]),  # 32 lies between 20 and 40
+        ([1.0, 2.0, 1000.0], [0, 1, 2]),
+        (2.0, [0]),
+    ):
+        assert Result(surface(64, longest=32.0), {"mean_pressure": load}, {}).few.tolist() == chosen
 
 
 def test_numbers_between_loads_are_linear_in_the_logarithm_of_the_load():

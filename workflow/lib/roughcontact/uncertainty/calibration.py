@@ -41,9 +41,9 @@ def _expected_size(slopes: Mapping[str, float], features: Features) -> np.ndarra
     return np.exp(sum(slope * np.asarray(features.get(key, 1.0)) for key, slope in slopes.items()))
 
 
-def scatter_of_maps(features: Features | None) -> dict[str, np.ndarray]:
+def scatter_of_maps(features: Features) -> dict[str, np.ndarray]:
     """Return the attribute with the scatter of the area between maps of this size, on its scale (load)."""
-    return {MAP_SCATTER: _expected_size(table()[MAP_SCATTER], features)} if features else {}
+    return {MAP_SCATTER: _expected_size(table()[MAP_SCATTER], features)}
 
 
 def arms(

@@ -56,15 +56,6 @@ def solve_member(
     return values
 
 
-def few_loads(load: np.ndarray, count: int = LOADS) -> np.ndarray:
-    """Return the indices of at most `count` loads: both ends, and those nearest to even steps of ln p."""
-    if load.size <= count:
-        return np.arange(load.size)
-    logarithms = np.log(load)
-    even = np.linspace(logarithms.min(), logarithms.max(), count)
-    return np.unique(np.abs(logarithms[:, None] - even).argmin(axis=0))
-
-
 def measured_slices(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slice]:
     """Return the rows ("y") and columns ("x") of a map in its window; blends and mirror images aside."""
     if "periodisation" not in periodic.attrs:  # a map that is its own window
@@ -91,8 +82,12 @@ class Result(NamedTuple):
 
     @property
     def few(self) -> np.ndarray:
-        """The indices of the loads at which changes are solved."""
-        return few_loads(self.load)
+        """The indices of the loads at which changes are solved, nearest to even steps of ln p."""
+        if self.load.size <= LOADS:
+            return np.arange(self.load.size)
+        logarithms = np.log(self.load)
+        even = np.linspace(logarithms.min(), logarithms.max(), LOADS)
+        return np.unique(np.abs(logarithms[:, None] - even).argmin(axis=0))
 
     @property
     def hardness(self) -> float:
