@@ -35,6 +35,18 @@ def halfplane_weights(shape: Sequence[int]) -> np.ndarray:
     return weights
 
 
+def sums_of_products(lines: np.ndarray) -> np.ndarray:
+    """Return sum z(x) z(x + t) of lines (number, points) at shifts t (points,), their mean: no period.
+
+    Examples
+    --------
+    >>> sums_of_products(np.array([[1.0, 2.0, 3.0]])).round(9)
+    array([14.,  8.,  3.])
+    """
+    points = lines.shape[1]
+    return np.fft.irfft(np.mean(np.abs(np.fft.rfft(lines, 2 * points)) ** 2, axis=0))[:points]
+
+
 def has_few_factors(n: int) -> bool:
     """Return whether a number of points has no prime factors other than 2, 3 and 5: its transform is fast."""
     for factor in (2, 3, 5):

@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 
 from roughcontact.errors import SettingsError
-from roughcontact.fourier import halfplane_weights
+from roughcontact.fourier import halfplane_weights, sums_of_products
 from roughcontact.profiles.spectrum import ProfileFit, Spectrum
 from roughcontact.roughness.texture import DECAY
 
@@ -58,15 +58,9 @@ def _redrawn(profiles: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray
     return drawn, np.mean(np.diff(drawn) ** 2) / np.mean(np.diff(blocks) ** 2)
 
 
-def autocorrelation(values: np.ndarray) -> np.ndarray:
-    """Return the mean autocorrelation (points,) of rows (number, points), times their points."""
-    points = values.shape[1]
-    return np.fft.irfft(np.mean(np.abs(np.fft.rfft(values, 2 * points)) ** 2, axis=0))[:points]
-
-
 def correlation_length(profiles: np.ndarray) -> int:
     """Return the number of points within which the correlation of profiles (number, points) falls to 0.2."""
-    correlation = autocorrelation(profiles)
+    correlation = sums_of_products(profiles)
     below = np.flatnonzero(correlation < DECAY * correlation[0])
     return int(below[0]) if below.size else correlation.size
 

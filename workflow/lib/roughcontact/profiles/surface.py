@@ -10,10 +10,11 @@ import xarray as xr
 
 from roughcontact.checking import check_labelled, check_lay, check_positive
 from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.fourier import sums_of_products
 from roughcontact.levelling.forms import form_order
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map, spacing
-from roughcontact.profiles.finish import Finish, autocorrelation, correlation_length, draw, finish_of
+from roughcontact.profiles.finish import Finish, correlation_length, draw, finish_of
 from roughcontact.profiles.spectrum import ProfileFit
 from roughcontact.quantities import counted_noun, number, percent, quantity
 from roughcontact.si import in_si, labelled_in_si
@@ -315,6 +316,6 @@ def _warnings(fit: ProfileFit, finish: Finish, side: float) -> Iterator[str]:
 
 def _bandwidth(steps: np.ndarray) -> float:
     """Return the variance of the mean square slopes (pieces, points) over that of independent normal ones."""
-    correlation = autocorrelation(steps / steps.mean(axis=1, keepdims=True) - 1) / steps.shape[1]
+    correlation = sums_of_products(steps / steps.mean(axis=1, keepdims=True) - 1) / steps.shape[1]
     positive = np.argmax(correlation <= 0) or correlation.size
     return float(correlation[:positive].sum() - correlation[0] / 2)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from roughcontact.fourier import sums_of_products
 from roughcontact.window.sides import is_friendly
 
 _MIN_CORRELATION = 0.3  # autocorrelation after one period that a surface with a lay period must reach
@@ -24,9 +25,8 @@ def lay_period(values: np.ndarray, axis: int) -> float | None:
     lines = lines[:: max(1, len(lines) // _MAX_LINES)]
     points = lines.shape[-1]
     lines = lines - lines.mean(axis=1, keepdims=True)
-    power = np.mean(np.abs(np.fft.rfft(lines, 2 * points)) ** 2, axis=0)
     reach = points // _MIN_PERIODS
-    correlation = np.fft.irfft(power, 2 * points)[: reach + 1] / (points - np.arange(reach + 1))
+    correlation = sums_of_products(lines)[: reach + 1] / (points - np.arange(reach + 1))
     negative = np.nonzero(correlation < 0)[0]
     if not negative.size:
         return None
