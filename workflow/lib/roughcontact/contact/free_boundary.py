@@ -170,7 +170,7 @@ class FreeBody:
 
     def _region(self, touching: np.ndarray, margin: int) -> Region:
         """Return the region around all points that touch, with a margin of at least so many points."""
-        sides = sides_around(touching, lambda width: max(margin, int(MARGIN * width)) if margin else 0)
+        sides = sides_around(touching, lambda width: max(margin, int(MARGIN * width)))
         y, x = np.ogrid[sides]
         distance = np.hypot((y - y.mean()) * self.spacing[0], (x - x.mean()) * self.spacing[1])
         radius = float(distance[touching[sides]].max()) + margin * max(self.spacing)

@@ -40,13 +40,13 @@ def finite_body(
     if radius:
         y, x = ((np.arange(n) - (n - 1) / 2) * d for n, d in zip(heights.shape, steps, strict=True))
         heights = heights - x**2 / (2 * radius[0]) - y[:, None] ** 2 / (2 * radius[-1])
+    stated = {"form_radius_x": radius[0], "form_radius_y": radius[-1]} if radius else {}
+    margin = 0
     if edges:
+        margin, stated["form_edges"] = rim, 1
         below = float(heights.min()) - _DEPTH * max(np.ptp(heights), max(heights.shape) * max(steps) * 1e-3)
         heights = np.pad(heights, rim, constant_values=below)
     body = height_map(heights, steps)
-    margin = rim if edges else 0
     first = {axis: float(roughness[axis][0]) - margin * step for axis, step in zip("yx", steps, strict=True)}
     body = body.assign_coords({axis: body[axis] - body[axis][0] + first[axis] for axis in "yx"})
-    stated = {"form_radius_x": radius[0], "form_radius_y": radius[-1]} if radius else {}
-    stated |= {"form_edges": 1} if edges else {}
     return body.assign_attrs(roughness.attrs | stated | {"boundary": "free"})
