@@ -230,12 +230,13 @@ def _file(text: _Text) -> MeasuredFile:
             f"nothing says which of the {count} columns {listing} are positions and heights; name them "
             "x, y and z, in the line above the table, or delete that line above the heights of a map"
         )
-    if found and not text.table.empty_corner:
+    beside = text.table.empty_corner and axes_of(values, corner=True) is not None
+    if found and not beside:
         return _lists(text, found)
     if count == 1:
         is_list = rows > 1 and text.first_values.get("nx") != 1
     else:
-        narrow = count <= 3 and rows > 2 and not text.table.empty_corner
+        narrow = count <= 3 and rows > 2 and not beside
         is_list = narrow and not _is_stated_matrix(values, text.first_values)
     if is_list:
         return _lists(text, [[*range(count)]])
@@ -493,8 +494,9 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
     """Return a list of points on the regular grid that it forms, or as an irregular list."""
     z = channel.read()[0]
     try:
-        if not (np.isfinite(x) & np.isfinite(y)).all():
-            raise InputFileError("a point of the list has no position")
+        placed = np.isfinite(x) & np.isfinite(y)
+        if not placed.all():
+            raise InputFileError(f"the point in line {lines[int(np.argmin(placed))]} has no position")
         heights, steps, first = points_on_grid(x, y, z, lines)
         _refuse_lost_lines(heights.shape, text)
         stated_steps = {"d" + axis: step for axis, step in steps.items() if step}

@@ -47,7 +47,7 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
     for line in reversed(lines[-_MAX_DISTANCE:]):
         cells = _cells(line, count, delimiter)
         columns = [_column(cell) for cell in cells]
-        if not cells or sum(map(bool, cells)) < min(count, 2):
+        if not cells or (sum(map(bool, cells)) < min(count, 2) and not any(map(is_length, cells))):
             continue
         if not any(column.name for column in columns):  # a line of units, below the names
             if not any(units):

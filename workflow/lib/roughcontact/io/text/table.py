@@ -204,7 +204,8 @@ def split_tables(header: list[str], body: list[str], first: int, dialect: Dialec
         if line.strip(_CELL_SEPARATORS) and line.lstrip()[0] not in "#%":
             raise _no_row(line, number)
     if alone and len(tables) == 1 and len(tables[0].lines) > 2:
-        tables[0] = tables[0]._replace(broken=0)
+        gaps = np.diff(tables[0].lines)
+        tables[0] = tables[0]._replace(broken=tables[0].lines[gaps.argmax() + 1] if np.ptp(gaps) else 0)
     return [_below_a_label(table, dialect) for table in tables]
 
 
