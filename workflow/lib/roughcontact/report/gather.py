@@ -52,7 +52,7 @@ def write_results(
     remove_earlier(folder)
     contact_of_case = dict(contacts(settings))
     for entry in finished:
-        if not contact_of_case[entry["case"] or ""].get("unload"):  # of an earlier run
+        if contact_of_case[entry["case"] or ""].get("unload") is None:  # of an earlier run
             file_of(entry, "residual.nc").unlink(missing_ok=True)
     statistics = collect_statistics(finished)
     checksums = statistics.attrs["source_sha256"]
