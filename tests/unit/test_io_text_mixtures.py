@@ -117,6 +117,17 @@ REFUSED = [
     (f"Z scale: 0.001\nZ unit: nm\n{ROWS}", "line 1 says 'Z scale: 0.001': name a factor", GIVEN),
     (f"Width: 12 px\nHeight: 8 px\n{ROWS}", "the header says 12 columns, the file has 10", GIVEN),
     (f"Image size: 10 x 9 pixels\n{ROWS}", "the header says 9 rows, the file has 8", GIVEN),
+    (THREE, "do not lie on an even grid .*name the columns .*as x, z1, z2", GIVEN),
+    (THREE, "do not lie on an even grid .*name the columns .*as x, z1, z2", WORN),
+    ("Nr;z (nm)\n" + columns([*range(1, 6)] * 2, ONE[0]), "'Nr' begins anew or repeats at line 7", GIVEN),
+    (cells([*ONE, X]), "positions begin anew at line 9", GIVEN),
+    (
+        "x (µm);z1 (nm);z2 (nm)\n" + THREE[3:],
+        "the point in line 2 has no position",
+        GIVEN | {"channel": "z1"},
+    ),
+    ("x;z\n;1\n" + TRACE, "the point in line 2 has no position", NM),
+    ((ROWS + "\n" + cells(TWO)).replace("\n", "\n\n"), SECOND.format(19), GIVEN),
 ]
 
 
@@ -134,6 +145,7 @@ def test_columns_of_points_in_several_units(read):
     height = read("x [mm]\ty [um]\tz [nm]\tI\n" + columns(x / 1e3, y, z, z, separator="\t"))
     holds_nm(height, ONE)
     assert json.loads(height.attrs["channels"]) == ["z", "I"]
+    holds_nm(read("x;z\n;nm\n" + TRACE, unit="um"), ONE[:1])
     holds_nm(read("# columns: x z y\n" + columns(x, z, y, separator=" "), **NM), ONE)
 
 

@@ -95,7 +95,9 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
 def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str]]:
     """Return the numbers of points alone in a line above the table (``23``, ``256 192``), and the table."""
     filled = [number for number, line in enumerate(body[:50]) if line.strip()][:2]
-    alone, row = (body[number].strip().strip(delimiter or " ") for number in (filled[0], filled[-1]))
+    alone, row = (
+        body[number].strip(" \r\f").rstrip((delimiter or "") + " ") for number in (filled[0], filled[-1])
+    )
     counts = re.findall(r"\d+", alone)
     only_counts = len(alone) <= 40 and re.fullmatch(r"\d+(?:[;,\s]+\d+)?", alone)
     if not only_counts or len(row[:_MAX_PREFIX].split(delimiter)) <= len(counts):
