@@ -110,6 +110,7 @@ REFUSED = [
     ("Foo\t" * 9 + "Foo\n" + ROWS, WORDS_IN_ROW.format("Foo"), GIVEN),
     (f"Z unit: nm\nValue units: µm\n{ROWS}", "line 1 says .*, line 2 says .*correct one", GIVEN),
     (f"Z unit: µm\nHeight (nm)\n{ROWS}", "'Z unit: µm', line 2 says 'Height .nm.': their units", GIVEN),
+    ("x (µm);z (nm)\nmm;nm\n" + TRACE, "'x .µm.;z .nm.' and the units below it, 'µm' and 'mm'", GIVEN),
     (f"nx: 10\nColumns: 11\n{ROWS}", "line 1 says .*, line 2 says", GIVEN),
     (f"X unit: mm\nY unit: µm\n{ROWS}", "line 1 says .*, line 2 says", GIVEN),
     (f"Bit2nm: 1\nZ unit: µm\n{ROWS}", "line 1 says .*, line 2 says", GIVEN),

@@ -216,9 +216,7 @@ def even_step(positions: ArrayLike, name: str) -> float:
     deviation = np.max(np.abs(positions - positions[0] - step * np.arange(positions.size)))
     if not np.isfinite(step) or step == 0 or not deviation <= 0.02 * abs(step):
         worst = (
-            ""
-            if not step or not np.isfinite(deviation)
-            else f": up to {deviation / abs(step):.2g} of a step off"
+            f": up to {deviation / abs(step):.2g} of a step off" if step and np.isfinite(deviation) else ""
         )
         raise UnevenPositionsError(f"the positions along {name} are not evenly spaced{worst}")
     return step

@@ -116,9 +116,8 @@ def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[Suspicion]:
     # one step a small multiple of the other is a user's choice; an odd ratio suggests a file that was cut off
     if ny == 1 or (ratio < _LONGEST_PIXEL and abs(ratio / round(ratio) - 1) <= 0.01):
         return []
-    doubts = (
-        f"the pixels are not square: dx = {quantity(dx, 'm', digits=4)}, dy = {quantity(dy, 'm', digits=4)}: "
-    )
+    steps = "dx = {}, dy = {}".format(*(quantity(step, "m", digits=4) for step in (dx, dy)))
+    doubts = f"the pixels are not square: {steps}: "
     if abs(nx * dx / ny / (ny * dy / nx) - 1) <= 0.01:
         exchanged = "rows and columns, or the two sizes, were exchanged"
         return [Suspicion("units", f"{doubts}they would be with {nx} rows of {ny} points: {exchanged}")]

@@ -14,14 +14,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import classic, hdf5
-from roughcontact.io.channels import (
-    Channel,
-    MeasuredFile,
-    as_heights,
-    oversized,
-    placed,
-    unreadable,
-)
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, oversized, placed, unreadable
 from roughcontact.io.guards import MAX_POINTS, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with, head_of
 from roughcontact.io.metadata import instrument_metadata, stored_instrument
@@ -145,12 +138,8 @@ def _variable(
         channel.no_height = f"values of type {variable.dtype}"
         channel.read = unreadable(f"variable {name!r} holds {channel.no_height}, not real numbers")
         return channel
-    counted = [axis for axis in selection if variable.sizes[axis] > 1]
-    if (
-        counted
-        and not str(x).lower().startswith("x")
-        and shape[1] < min(shape[0], variable.sizes[counted[0]])
-    ):
+    counts = [variable.sizes[axis] for axis in selection if variable.sizes[axis] > 1]
+    if counts and not str(x).lower().startswith("x") and shape[1] < min(shape[0], counts[0]):
         axes = ", ".join(map(str, variable.dims))
         channel.doubt = f"nothing says which axes of {name!r} are those of a map: name two of {axes} y and x"
     elif positions and name not in positions:

@@ -4,8 +4,9 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from roughcontact.errors import InputFileError
 from roughcontact.io.text.header import statements
-from roughcontact.io.units import is_length
+from roughcontact.io.units import is_length, same_length
 from roughcontact.io.vocabulary import meanings, words
 
 _MAX_LINE_LENGTH = 4096  # characters of a line of headings
@@ -53,8 +54,11 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
             if not any(units):
                 units = [column.unit for column in columns]
         elif any(column.unit or column.role for column in columns):
-            pairs = zip(columns, units, strict=True)
-            columns = [column._replace(unit=column.unit or unit) for column, unit in pairs]
+            for index, (column, unit) in enumerate(zip(columns, units, strict=True)):
+                if column.unit and unit and not same_length(column.unit, unit):
+                    wrong = f"{line.strip()[:60]!r} and the units below it, {column.unit!r} and {unit!r}"
+                    raise InputFileError(f"{wrong}, do not agree: correct one of them")
+                columns[index] = column._replace(unit=column.unit or unit)
             first, *others = columns
             if not first.name and not first.unit and all(column.name for column in others):
                 columns[0] = first._replace(role="index")
