@@ -321,6 +321,7 @@ def test_positions_in_the_first_row_and_column(read, refused):
     german = ("y/x" + BOTH).replace("\t", ";").replace(".", ",")
     for each in (text, closed, closed.replace("\t\n", "\n", 1), german):
         holds_nm(read(each, **NM), ONE)
+    assert "'y (mm)' in the corner is not used: check" in warnings_of(read("y (mm)" + BOTH, **NM))
     refused(text.replace("1.5", "9", 1), "line 1 has 10 numbers where the others have 11", **NM)
     uneven = "the first {} of the table, from line 1 on, holds positions that are not even"
     refused(text.replace("1.5", "1.9", 1), uneven.format("row"), **NM)

@@ -277,7 +277,9 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
         return file
     file = _matrix(axes.values, text, axes.steps)
     (channel,) = file.channels
-    file.warnings.append(axes.note)
+    unit_in_corner = any(map(is_length, re.split(r"[^\wµ]+", text.rows.label)))
+    unused = f"; {text.rows.label!r} in the corner is not used: check the units" if unit_in_corner else ""
+    file.warnings.append(axes.note + unused)
     if axes.turned:
         file.first_row, file.first_row_assumed = "bottom", False
     if channel.doubt:

@@ -56,7 +56,7 @@ class Rows(NamedTuple):
     """Rows of a table and their numbers in the file, below `heading`, whose first line is number `first`.
 
     `broken` is the number of the first row behind an empty line between the rows; 0 where there is none.
-    `labelled`: the first of them had a word in its corner.
+    `label` is the word in the corner of the first of them.
     """
 
     heading: list[str]
@@ -64,7 +64,7 @@ class Rows(NamedTuple):
     texts: list[str]
     lines: list[int]
     broken: int = 0
-    labelled: bool = False
+    label: str = ""
 
     @property
     def filled(self) -> list[tuple[int, str]]:
@@ -231,7 +231,7 @@ def _below_a_label(rows: Rows, dialect: Dialect) -> Rows:
         return rows
     texts = [(delimiter or " ").join(["NaN", *cells]) + closing, *rows.texts]
     lines = [rows.lines[0] - 1, *rows.lines]
-    return rows._replace(heading=rows.heading[:-1], texts=texts, lines=lines, labelled=True)
+    return rows._replace(heading=rows.heading[:-1], texts=texts, lines=lines, label=label)
 
 
 def parse_table(rows: Rows, dialect: Dialect) -> Table:
@@ -272,7 +272,7 @@ def parse_table(rows: Rows, dialect: Dialect) -> Table:
     empty = np.isnan(values).all(axis=0) & (delimiter is not None and not lacks_corner)
     for text in texts if empty.any() else ():
         empty &= [not cell.strip() for cell in text.split(delimiter)]
-    short = rows.labelled or lacks_corner
+    short = bool(rows.label) or lacks_corner
     return Table(values, empty, short or not texts[0].split(delimiter)[0].strip(), short, spoken)
 
 
