@@ -73,6 +73,16 @@ def test_sliding_needs_both_conductivities():
         )
 
 
+def test_sliding_on_layers_is_refused():
+    layer = {"thickness": 2e-5, "youngs_modulus": 3e9, "poissons_ratio": 0.4, "thermal_conductivity": 0.2}
+    bodies, sliding = [STEEL | {"layers": [layer]}, STEEL], {"coefficient": 0.2, "speed": 1.0}
+    with pytest.raises(rc.SettingsError, match=r"friction\.speed: .* without layers"):
+        statistics_with(sliding, bodies=bodies)
+    contact = rc.solve_contact(rough_reference_surface(64), bodies=bodies, mean_pressure=1e7)
+    with pytest.raises(rc.SettingsError, match="without layers"):
+        rc.contact_statistics(contact, friction=sliding, bodies=bodies)
+
+
 def test_flash_temperatures_are_proportional_to_a_slow_speed():
     slow, fast = (statistics_with({"coefficient": 0.2, "speed": speed}) for speed in (0.1, 1.0))
     for name in ("mean_flash_temperature", "max_flash_temperature"):

@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 from scipy.integrate import quad
 
+from roughcontact.contact.flash_temperature import flash_temperature
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.named_materials import material
@@ -481,6 +482,15 @@ def test_a_load_selected_without_its_dimension_is_refused_with_the_way_out():
     assert contact_statistics(contact.isel(load=[1]))["relative_contact_area"].values == area[1]
     with pytest.raises(SettingsError, match=r"no dimension load.*isel\(load=\[0\]\)"):
         contact_statistics(contact.isel(load=1))
+
+
+def test_a_transposed_solution_is_refused():
+    contact = solve_contact(rough_reference_surface(64), contact_modulus=1.0, mean_pressure=0.1)
+    turned = contact.transpose("load", "x", "y").copy(deep=True)
+    with pytest.raises(SettingsError, match="the pressure has the dimensions"):
+        contact_statistics(turned)
+    with pytest.raises(SettingsError, match="the pressure has the dimensions"):
+        flash_temperature(turned, friction_coefficient=0.2, speed=1.0, thermal_conductivity=[50, 50])
 
 
 def test_options_of_the_statistics_by_name_and_with_their_keys():

@@ -85,7 +85,7 @@ def _check_positions(positions: "np.ndarray", coordinate: str) -> None:
 
 
 def check_solution(contact: object, *, of_loads: bool = True) -> None:
-    """Raise SettingsError, with what is missing, unless it is a solution with its maps, `of_loads` or one."""
+    """Raise SettingsError, with what is wrong, unless it is a solution with its maps, `of_loads` or one."""
     import xarray as xr
 
     problem = f"this is of type {type(contact).__name__}"
@@ -94,6 +94,8 @@ def check_solution(contact: object, *, of_loads: bool = True) -> None:
         problem = " ".join(f"the dataset has no {name}" for name in [*missing][:1])
         if of_loads and not problem and "load" not in contact["pressure"].dims:
             raise SettingsError("the dataset has no dimension load: select by a list, contact.isel(load=[0])")
+        if not problem and contact["pressure"].dims[-2:] != ("y", "x"):
+            problem = f"the pressure has the dimensions {contact['pressure'].dims}"
     if problem:
         raise SettingsError(
             f"{problem}: give the solution of solve_contact, or contact.nc (contact.keep_fields: true)"

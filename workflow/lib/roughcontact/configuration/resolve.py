@@ -155,8 +155,9 @@ def _mistakes_in_statistics(settings: Mapping[str, Any]) -> Iterator[str]:
         yield "statistics.stress = 'always': needs contact.bodies, for their Poisson's ratios"
     if "seal" in stated and statistics["flow"] == "never":
         yield "statistics.seal: leaks by the flow, and statistics.flow = 'never'; leave one of them out"
-    if _SHEAR in stated and have_layers(contact["bodies"]):
-        yield f"statistics.{_SHEAR}: stick and slip are those of half-spaces, without layers; leave it out"
+    if have_layers(contact["bodies"]):
+        for key in sorted({_SHEAR, _SPEED} & stated):
+            yield f"statistics.{key}: its results are those of half-spaces, without layers; leave it out"
     if _SHEAR in stated and contact["hardness"] is not None:
         yield (
             f"statistics.friction.tangential_load: stick and slip are of elastic bodies, and the hardness is "

@@ -30,9 +30,8 @@ def settings_of(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
         selected |= {"form": settings["form"], "contact": selected.get("contact", {"boundary": "free"})}
     if "contact" in sections and settings["form"]["local_scale"]:
         selected["form"] = settings["form"]
-    omitted = {"unload"} if stage != "residual" else set()
-    if stage == "uncertainty":  # the same with and without fields
-        omitted.add("keep_fields")
+    # uncertainty.nc is the same with and without fields
+    omitted = {"residual": (), "uncertainty": ("unload", "keep_fields")}.get(stage, ("unload",))
     if "contact" in selected:
         selected["contact"] = {k: value for k, value in selected["contact"].items() if k not in omitted}
     return selected

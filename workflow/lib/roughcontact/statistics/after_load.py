@@ -35,10 +35,8 @@ def after_the_load(
         )
         numbers = count(unloaded)
         numbers = numbers[[name for name in numbers.variables if numbers[name].dims in ((), ("load",))]]
-        height = unloaded["height"].drop_attrs()
-        results.append(
-            numbers.merge(unloaded[_FLOW]).assign({"height": height, "peak_pressure": peak} | before)
-        )
+        further = {"height": unloaded["height"].drop_attrs(), "peak_pressure": peak} | before
+        results.append(numbers.merge(unloaded[_FLOW]).assign(further))
     if len(results) == 1:
         return describe(results[0])
     # other peaks have other loads below them

@@ -48,10 +48,10 @@ def friction_statistics(
     if speed is not None:
         if coefficient is None and shear_strength is None:
             raise _missing("speed", "coefficient or shear_strength")
-        stated = [body.get("thermal_conductivity") for body in bodies or ()]
+        stated = [body.get("thermal_conductivity") for body in bodies or () if not body.get("layers")]
         conductivities = [conductivity for conductivity in stated if conductivity]
         if len(conductivities) != 2:
-            raise _missing("speed", "thermal_conductivity of both bodies")
+            raise _missing("speed", "thermal_conductivity of both bodies, without layers")
         if coefficient is None:
             coefficient = columns["friction_coefficient"].item()
             columns.attrs["flash_temperature_by"] = "shear_strength"
