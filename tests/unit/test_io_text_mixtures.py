@@ -245,6 +245,7 @@ def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, refus
         ("Pixel size: 0.5 µm\nAspect ratio: 2", "line 2 .* which is not followed: check the steps"),
         ("Spacing: 0.5 µm", "line 1 says 'Spacing: 0.5 µm': taken as the step along x and along y"),
         ("dx: 0.5 µm\ndy: 250 nm", "the steps are stated in µm along x and in nm along y: check both"),
+        ("Surface 1 [µm]", "the unit in 'Surface 1 .µm.' is not used: check that of the heights"),
         ("Channel: Phase", "channel 'Phase' is read as heights, which by its name it does not hold"),
     ],
 )

@@ -67,6 +67,7 @@ _DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that 
 _COMPUTED = re.compile(  # headings of heights that were multiplied, turned, or are others than heights
     rf"[*×·/^]|\bx\s?\d|^[-−]|\blog\b|invert|{NO_TOPOGRAPHY.pattern}", re.IGNORECASE
 )
+_UNIT_ALONE = re.compile(r"^[^:=]*[(\[]([^)\]]+)[)\]]\W*$")  # in the line above a matrix, as "Surface 1 [nm]"
 _SQUARE = re.compile("|".join(words("aside")["square"]), re.IGNORECASE)  # names of the step of both axes
 # key of `roughcontact.io.metadata` -> key of the header
 _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}
@@ -157,6 +158,8 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
             f"{above.strip()[:60]!r} names {named} columns, the table below it, from line "
             f"{rows.lines[0]} on, has {width}: correct that line"
         )
+    if not columns and not unit and (alone := _UNIT_ALONE.search(above)) and is_length(alone[1].strip()):
+        doubts.append(f"the unit in {above.strip()[:60]!r} is not used: check that of the heights")
     _refuse_cut_table(table.values.shape, counts or [first_values.get("count", 0)])
     return _Text(rows, table, dialect.delimiter, stated, first_values, columns, doubts)
 

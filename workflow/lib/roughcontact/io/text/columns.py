@@ -50,15 +50,15 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
         columns = [_column(cell) for cell in cells]
         if not cells or (sum(map(bool, cells)) < min(count, 2) and not any(map(is_length, cells))):
             continue
+        known = any(column.unit or column.role for column in columns)
+        for index, (column, unit) in enumerate(zip(columns, units, strict=True)):
+            if column.unit and unit and not same_length(column.unit, unit):
+                wrong = f"{line.strip()[:60]!r} and the units below it, {column.unit!r} and {unit!r}"
+                raise InputFileError(f"{wrong}, do not agree: correct one of them")
+            columns[index] = column._replace(unit=column.unit or unit)
         if not any(column.name for column in columns):  # a line of units, below the names
-            if not any(units):
-                units = [column.unit for column in columns]
-        elif any(column.unit or column.role for column in columns):
-            for index, (column, unit) in enumerate(zip(columns, units, strict=True)):
-                if column.unit and unit and not same_length(column.unit, unit):
-                    wrong = f"{line.strip()[:60]!r} and the units below it, {column.unit!r} and {unit!r}"
-                    raise InputFileError(f"{wrong}, do not agree: correct one of them")
-                columns[index] = column._replace(unit=column.unit or unit)
+            units = [column.unit for column in columns]
+        elif known:
             first, *others = columns
             if not first.name and not first.unit and all(column.name for column in others):
                 columns[0] = first._replace(role="index")
