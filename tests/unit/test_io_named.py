@@ -57,6 +57,9 @@ def test_matrices_of_matlab(read, refused, compressed):
     assert json.loads(height.attrs["channels"])[0] == "z"
     holds(read(data, channel="x", dx=1, unit="um"), 1e-6 * np.arange(9.0)[None], 1e-6)
     refused(data, "give dx, dy, unit")
+    said = warnings_of(read(matlab({"z": [np.arange(9.0), *HEIGHTS]}), dx=2, dy=3, unit="um"))
+    assert "the first row (0, 1, 2 ...) may be numbers or positions" in said
+    assert "left out" not in said
     for cut in (0.3, 0.6, 0.9):
         refused(data[: int(cut * len(data))], r"map\.", channel="z", dx=2, dy=3, unit="um")
 

@@ -13,6 +13,7 @@ from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, Point
 from roughcontact.io.request import Request
 from roughcontact.io.resampling import on_even_grid
 from roughcontact.io.scale import decide_scale
+from roughcontact.io.text.axes import axes_of
 
 _LARGEST_HEIGHT = 1e5  # m; higher than any mountain
 
@@ -54,8 +55,11 @@ def convert(file: MeasuredFile, request: Request) -> Converted:
     channel, marked = _without_markers(channel, request)
     channel, request, resampling = on_even_grid(channel, request)
     scale = decide_scale(channel, request)
+    numbers = channel.read()
+    if axes := axes_of(numbers):
+        notes.append(axes.note.replace("is taken as", "may be").replace(", and left out", ""))
     with np.errstate(over="ignore"):  # infinite heights are refused below
-        heights = _checked(channel.read() * scale.height_factor)
+        heights = _checked(numbers * scale.height_factor)
     first_row, assumed, turned = _first_row(file, channel, request)
     if first_row == "top":
         heights = np.ascontiguousarray(heights[::-1])

@@ -8,7 +8,7 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
-from roughcontact.io.text.axes import axes_of, refuse_points
+from roughcontact.io.text.axes import refuse_points
 
 
 def read(path: Path) -> MeasuredFile:
@@ -26,8 +26,6 @@ def read(path: Path) -> MeasuredFile:
         channel.no_height = f"values of type {values.dtype}, not real numbers"
         return file
     refuse_points(values)
-    if values.ndim == 2 and (axes := axes_of(values)):
-        file.warnings.append(axes.note.replace("is taken as", "may be"))
     return file
 
 

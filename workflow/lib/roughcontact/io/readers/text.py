@@ -275,9 +275,7 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
     if axes is None or (first_values.get("ny"), first_values.get("nx")) == (ny, nx):
         if text.table.short:
             raise InputFileError(f"line {text.rows.lines[0]} has {nx - 1} numbers where the others have {nx}")
-        file = _matrix(values, text)
-        file.warnings += [] if axes is None else [f"{axes.note.replace('is taken as', 'may be')}"]
-        return file
+        return _matrix(values, text)
     file = _matrix(axes.values, text, axes.steps)
     (channel,) = file.channels
     unit_in_corner = any(map(is_length, re.split(r"[^\wµ]+", text.rows.label)))
