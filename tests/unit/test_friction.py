@@ -1,5 +1,7 @@
 """Friction in the statistics: stick and slip, the coefficient from the area, flash temperatures."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -53,6 +55,7 @@ def test_the_interval_of_friction_is_that_of_the_area():
     [
         ({"coefficient": 0}, "coefficient = 0"),
         ({"coefficient": -0.1}, "coefficient = -0.1"),
+        ({"coefficient": 20, "speed": 1.0}, "coefficient = 20: must not be greater than 5"),
         ({"coefficient": 0.2, "tangential_load": 1.1}, "1 is full slip"),
         ({"tangential_load": 0.5}, "needs the coefficient"),
         ({"coefficient": 0.2}, "add tangential_load, shear_strength or speed"),
@@ -81,6 +84,22 @@ def test_sliding_on_layers_is_refused():
     contact = rc.solve_contact(rough_reference_surface(64), bodies=bodies, mean_pressure=1e7)
     with pytest.raises(rc.SettingsError, match="without layers"):
         rc.contact_statistics(contact, friction=sliding, bodies=bodies)
+
+
+@pytest.mark.parametrize(
+    ("friction", "text"),
+    [
+        ({"shear_strength": "100 GPa"}, ""),
+        ({"shear_strength": "150 GPa"}, "coefficient of friction by the area is 6.5"),
+        ({"coefficient": 0.3, "speed": "1 mm/s"}, ""),
+        ({"coefficient": 0.3, "speed": "10 mm/s"}, "which no solid bears"),
+    ],
+)
+def test_friction_in_a_wrong_unit_is_doubted(friction, text):
+    found = statistics_with(friction, relative_pressure=0.1)
+    doubts = {reason["check"]: reason["text"] for reason in json.loads(found.attrs["reasons"])}
+    assert text in doubts.get("Units", "")
+    assert bool(text) == ("Units" in doubts)
 
 
 def test_flash_temperatures_are_proportional_to_a_slow_speed():

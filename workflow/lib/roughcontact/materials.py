@@ -31,6 +31,8 @@ LEAST_RELATIVE_LOAD = 1e-8  # mean pressure over contact modulus: 1 kPa on steel
 # the same; above this value a load below `LEAST_LOAD` is plausible: on real surfaces a thousandth of the area
 # is in contact
 SOFT_RELATIVE_LOAD = 1e-4
+MOST_FRICTION = 5.0  # coefficient of friction: soft rubber on clean glass comes to 3 or 4
+HOTTEST = 4e3  # K, where no solid is left: tungsten melts at 3.7e3 K, carbon sublimes at 3.9e3 K
 
 _GIGA, _MEGA, _KILO = 1e9, 1e6, 1e3
 

@@ -101,9 +101,8 @@ def modulus_uncertainty(
         compliance = (1 - surface["poissons_ratio"] ** 2) / surface["youngs_modulus"]
         total += compliance
         source = {"material": name} if isinstance(name, str) else (name.get("layers") or [name])[0]
-        named = None if "youngs_modulus" in source else source.get("material")
-        if named:
-            value, lowest, highest = _properties(named)["youngs_modulus"]
+        if "youngs_modulus" not in source and source.get("material"):
+            value, lowest, highest = _properties(source["material"])["youngs_modulus"]
             uncertain.append(compliance * (highest - lowest) / (2 * value))
     return round(math.hypot(*uncertain) / total, 3) if uncertain else None
 

@@ -39,7 +39,7 @@ from roughcontact.choices import (
     ZeroFrequency,
 )
 from roughcontact.configuration.plausible import Range, bare_number
-from roughcontact.materials import HARDEST, LEAST_LOAD, RIGID, SOFTEST, STIFFEST
+from roughcontact.materials import HARDEST, LEAST_LOAD, MOST_FRICTION, RIGID, SOFTEST, STIFFEST
 from roughcontact.units import carries_unit
 
 
@@ -417,7 +417,7 @@ class Joint(Section):
 class Friction(Section):
     """A tangential load, or sliding; see docs/how-to/friction.md."""
 
-    coefficient: Positive | None = _example(0.2)
+    coefficient: Annotated[Number, Field(gt=0, le=MOST_FRICTION)] | None = _example(0.2)
     """coefficient of friction mu, no unit"""
     tangential_load: Slips | None = _example([0.3, 0.6])
     """Q/(mu P), below the load of sliding; 1 is full slip; needs the coefficient"""

@@ -109,8 +109,7 @@ def partial_slip(
     rows = []
     total = energy(pressure)
     for share in shares:
-        lower, lower_gap = np.zeros_like(pressure), height.values.max() - height.values
-        error = 0.0
+        lower, lower_gap, error = np.zeros_like(pressure), height.values.max() - height.values, 0.0
         if share < 1:
             solved = solve_contact(height, mean_pressure=load * (1 - share), **problem).isel(load=0)
             lower, lower_gap = solved["pressure"].values, solved["gap"].values

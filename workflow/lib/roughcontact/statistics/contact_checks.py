@@ -261,6 +261,12 @@ def units(statistics: xr.Dataset) -> Check:
         return not_made("Not made: the contact modulus is 1, so that pressures are in units of it.")
     if doubt := materials.doubt_of_modulus(modulus):
         return review(f"Contact modulus: {doubt.question().rstrip('.')}")
+    for name, limit, text in (
+        ("friction_coefficient", materials.MOST_FRICTION, "The coefficient of friction by the area is {}"),
+        ("max_flash_temperature", materials.HOTTEST, "Sliding warms by {} K, which no solid bears"),
+    ):
+        if name in statistics and (largest := float(statistics[name].max())) > limit:
+            return review(f"{text.format(number(largest))}: check the units in statistics.friction.")
     stated = f"A contact modulus of {quantity(modulus, 'Pa')}"
     # loads that nobody stated have no unit to be wrong
     if statistics.attrs.get("loads") == "found":

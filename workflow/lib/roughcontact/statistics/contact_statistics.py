@@ -278,9 +278,7 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     """
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
-    window_attrs = {
-        key: value for key, value in budget.attrs.items() if key in ("window_reason", "window_flag")
-    }
+    window_attrs = {key: budget.attrs[key] for key in ("window_reason", "window_flag") if key in budget.attrs}
     corrected = [str(name).removesuffix("_as_solved") for name in budget if str(name).endswith("_as_solved")]
     statistics = statistics.assign({name: budget[f"{name}_estimate"].variable for name in corrected})
     if "max_pressure" in corrected and "max_pressure_over_modulus" in statistics:

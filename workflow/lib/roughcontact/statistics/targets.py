@@ -131,11 +131,9 @@ def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: i
     )
     loads = plan_loads(window, **material, **stated) if stated or not targets else []
     if targets:
-        solver = {key: contact[key] for key in _SOLVER if key in contact}
-        loads_at_targets = target_loads(
-            window, **material, **targets, bodies=contact.get("bodies"), threads=threads, **solver
-        )
-        loads += [load for load in loads_at_targets if load not in loads]
+        solver = {key: contact[key] for key in (*_SOLVER, "bodies") if key in contact}
+        found = target_loads(window, **material, **targets, threads=threads, **solver)
+        loads += [load for load in found if load not in loads]
     if not loads:
         raise SettingsError(
             f"{' and '.join(targets)}: what is asked for is there as soon as the surfaces touch, at any "
