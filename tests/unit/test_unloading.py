@@ -102,6 +102,14 @@ def test_the_residual_heights_are_a_map(cycle):
     np.testing.assert_allclose(again["pressure"], known["pressure"], atol=1e-6 * HARDNESS)
 
 
+def test_what_flows_of_a_profile_has_no_volume():
+    x = np.linspace(0, 1, 64, endpoint=False)
+    profile = rc.height_map(1e-7 * np.cos(2 * np.pi * x), 1e-6)
+    down = rc.unload(rc.solve_contact(profile, contact_modulus=1e9, mean_pressure=2e6, hardness=5e6))
+    assert float(down["mean_plastic_depth"]) > 0
+    assert np.isnan(float(down["plastic_volume"]))
+
+
 def test_layers_unload_as_layers():
     layer = {"thickness": 0.05, "youngs_modulus": 3.0, "poissons_ratio": 0.3}
     bodies = [

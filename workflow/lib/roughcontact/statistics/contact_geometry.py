@@ -24,6 +24,11 @@ def relative_contact_area(touching: np.ndarray) -> float:
     return float(corrected / touching.size)
 
 
+def point_area(shape: tuple[int, ...], steps: tuple[float, float]) -> float:
+    """Return the area (m2) of a point; NaN for a profile, which has no width."""
+    return np.nan if 1 in shape else steps[0] * steps[1]
+
+
 def contact_perimeter(touching: np.ndarray, steps: tuple[float, float]) -> float:
     """Return an estimate of the length (m) of the contact line; `steps` are (dy, dx) in m; NaN for a profile.
 

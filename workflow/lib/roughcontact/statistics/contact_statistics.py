@@ -30,7 +30,7 @@ from roughcontact.statistics import conductance, densities, subsurface, theory
 from roughcontact.statistics.adhesion import adhesion_numbers
 from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers, carrying
 from roughcontact.statistics.conductance import Bodies
-from roughcontact.statistics.contact_geometry import contact_perimeter, relative_contact_area
+from roughcontact.statistics.contact_geometry import contact_perimeter, point_area, relative_contact_area
 from roughcontact.statistics.densities import density, logarithmic_edges
 from roughcontact.statistics.finite_body import THEORIES, of_finite_body
 from roughcontact.statistics.friction import friction_statistics
@@ -176,7 +176,7 @@ def contact_statistics(
         "pressure": (modulus * gradient or modulus)
         * logarithmic_edges(densities.PRESSURE_DECADES, pressure_bins),
         "gap": (surface.peak_to_valley or steps[1]) * logarithmic_edges(densities.GAP_DECADES, gap_bins),
-        "patch": _point_area(height.shape, steps)
+        "patch": point_area(height.shape, steps)
         * logarithmic_edges(densities.PATCH_DECADES, densities.PATCH_BINS),
     }
     small_or_sealing = height.size <= FLOW_POINTS or seal is not None
@@ -587,7 +587,7 @@ def _one_load(
     if gas is not None:
         passage |= conductance.gas_columns(open_gap, **gas)
     del open_gap
-    patches = region_sizes(touching) * _point_area(touching.shape, steps)
+    patches = region_sizes(touching) * point_area(touching.shape, steps)
     of_points = partial(linear_response, touching, steps)
     conductions = {
         name: of_points(Elasticity(pair.modulus, elasticity.influence, pair))
@@ -611,11 +611,6 @@ def _one_load(
         **bearing,
     }
     return of_finite_body(columns, contact, load) if free else columns
-
-
-def _point_area(shape: tuple[int, ...], steps: tuple[float, float]) -> float:
-    """Return the area of a point; NaN for a profile, which has no width."""
-    return np.nan if 1 in shape else steps[0] * steps[1]
 
 
 def _stiffness(

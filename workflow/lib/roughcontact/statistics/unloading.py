@@ -13,7 +13,7 @@ from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.errors import SettingsError
 from roughcontact.maps import spacing
 from roughcontact.si import in_si
-from roughcontact.statistics.contact_geometry import relative_contact_area
+from roughcontact.statistics.contact_geometry import point_area, relative_contact_area
 from roughcontact.variables import describe
 
 
@@ -51,7 +51,7 @@ def unload(
     Dataset
         as of `solve_contact`, so that `contact_statistics` counts in it, with `relative_contact_area`,
         `residual_height` and `plastic_depth` (y, x) m, the heights that are left and by how much they were
-        lowered, their `mean_plastic_depth` and `max_plastic_depth` (m), `plastic_volume` (m3), and
+        lowered, their `mean_plastic_depth` and `max_plastic_depth` (m), `plastic_volume` (m3, of maps), and
         `dissipated_energy` (J m-2): the hardness times the mean depth, the area between the curves of mean
         pressure over approach of one cycle. `height` is the residual height: a map to solve again.
 
@@ -109,7 +109,7 @@ def unload(
             plastic_depth=depth,
             mean_plastic_depth=mean_depth,
             max_plastic_depth=float(depth.max()),
-            plastic_volume=float(depth.sum()) * float(np.prod(spacing(height))),
+            plastic_volume=float(depth.sum()) * point_area(height.shape, spacing(height)),
             dissipated_energy=hardness * mean_depth,
         )
     )
