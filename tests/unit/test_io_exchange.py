@@ -37,6 +37,10 @@ def x3p_bytes(**options):
     return x3p(HEIGHTS, DX, DY, **options)
 
 
+def gsf_bytes(**changed):
+    return gsf(HEIGHTS, **({"XReal": 4 * DX, "YReal": 3 * DY, "Title": "T"} | changed))
+
+
 def infinite(main):
     assert b"<Datum />" in main or b"<Datum/>" in main
     return re.sub(rb"<Datum ?/>", b"<Datum>INF</Datum>", main)
@@ -66,10 +70,6 @@ def test_x3p(read, options, rtol):
     check(height, rtol=rtol)
     assert height.attrs["source_sha256"] == hashlib.sha256(data).hexdigest()
     assert height.attrs["source_file"] == "map.dat"
-
-
-def test_a_wrong_checksum_is_noticed_whatever_the_root_element(refused):
-    refused(x3p_bytes(edit=renamed, restate=False), r"map.dat: The MD5 checksum of main.xml does not match")
 
 
 @pytest.mark.parametrize("encoding", [b"UTF-1.0", b"hex", b"rot13"])
@@ -152,27 +152,47 @@ def test_npy_of_a_profile_in_whole_numbers(read):
     holds(read(array(np.arange(6, dtype=np.int16)), dx=1, unit="nm"), 1e-9 * np.arange(6.0)[None], 1e-9)
 
 
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        (np.ones((3, 3), complex), "values of type complex128"),
-        (np.full((3, 3), "a"), "values of type <U1"),
-        (np.ones((3, 3), bool), "values of type bool"),
-        (np.ones((2, 3, 3)), r"an array of shape \(2, 3, 3\)"),
-        (np.ones((0, 3)), r"an array of shape \(0, 3\)"),
-        (np.column_stack([*map(np.ravel, np.indices((3, 4))), np.ones(12)]), "points, not heights; save"),
-        (np.vstack([np.arange(9), np.random.default_rng(1).normal(size=9)]), "points, not heights; save"),
-    ],
-)
-def test_npy_of_other_things(refused, values, words):
-    refused(array(values), words, **GIVEN)
+ONES, POINTS = array(np.ones((50, 50))), np.column_stack([*map(np.ravel, np.indices((3, 4))), np.ones(12)])
+TRACE = np.vstack([np.arange(9), np.random.default_rng(1).normal(size=9)])
+# a file, words of its refusal, what is given
+REFUSED = [
+    # X3P, whose checksum counts whatever the root element
+    (x3p_bytes(edit=renamed, restate=False), "map.dat: The MD5 checksum of main.xml does not match", {}),
+    # NumPy
+    (array(np.ones((3, 3), complex)), "values of type complex128", GIVEN),
+    (array(np.full((3, 3), "a")), "values of type <U1", GIVEN),
+    (array(np.ones((3, 3), bool)), "values of type bool", GIVEN),
+    (array(np.ones((2, 3, 3))), r"an array of shape \(2, 3, 3\)", GIVEN),
+    (array(np.ones((0, 3))), r"an array of shape \(0, 3\)", GIVEN),
+    (array(POINTS), "points, not heights; save", GIVEN),
+    (array(TRACE), "points, not heights; save", GIVEN),
+    (array(np.full((3, 3), np.nan)), "all 9 points", GIVEN | {"error": HeightMapError}),
+    (ONES[: len(ONES) // 2], "NumPy", GIVEN),
+    (ONES.replace(b"(50, 50)", b"(90000, 90000)"), "NumPy", GIVEN),
+    # Gwyddion Simple Field
+    (gsf_bytes(ZUnits=None), "give height_unit", {}),
+    (gsf_bytes(XReal=None, YReal=None, XYUnits=None), "give dx, dy, unit", {}),
+    (gsf_bytes(ZUnits="V"), "values in V", {}),
+    (gsf_bytes()[:-5], "cut off", {}),
+    (gsf_bytes() + b"1234", "changed", {}),
+    (gsf_bytes(XRes=5), "header needs", {}),
+    (gsf_bytes(XRes=None), "no size in its header", {}),
+    (gsf_bytes(YRes="many"), "no size in its header", {}),
+    (gsf_bytes(YRes=-3), "its header is damaged", {}),
+    (gsf_bytes(YReal="nan"), "its header is damaged", {}),
+    (gsf_bytes(XRes=10**9, YRes=10**9), "points", {}),
+    (gsf_bytes()[:40], "size in its header|damaged", {}),
+]
+
+
+@pytest.mark.parametrize(("data", "words", "given"), REFUSED, ids=[words for _, words, _ in REFUSED])
+def test_what_is_damaged_incomplete_or_no_map_is_refused(refused, data, words, given):
+    refused(data, words, **given)
 
 
 def test_positions_in_an_array_are_said(read):
-    heights, said = (
-        np.random.default_rng(2).normal(size=(9, 12)),
-        "the first row (0, 0.5, 1 ...) may be positions",
-    )
+    heights = np.random.default_rng(2).normal(size=(9, 12))
+    said = "the first row (0, 0.5, 1 ...) may be positions"
     assert said in warnings_of(read(array(np.vstack([np.arange(12) / 2, heights])), **GIVEN))
     assert said not in warnings_of(read(array(heights), **GIVEN))
 
@@ -186,13 +206,6 @@ def test_npy_never_unpickles(refused, tmp_path):
 
     refused(array(np.array([[Payload()]], dtype=object)), "not readable as a NumPy array", **GIVEN)
     assert not marker.exists()
-
-
-def test_npy_cut_off_or_claiming_too_much(refused):
-    data = array(np.ones((50, 50)))
-    refused(data[: len(data) // 2], "NumPy", **GIVEN)
-    refused(data.replace(b"(50, 50)", b"(90000, 90000)"), "NumPy", **GIVEN)
-    refused(array(np.full((3, 3), np.nan)), "all 9 points", error=HeightMapError, **GIVEN)
 
 
 def test_own_netcdf_comes_back_as_it_was(read, tmp_path):
@@ -255,36 +268,11 @@ def test_values_outside_their_valid_range_are_missing(tmp_path, kind, limits, pa
     refuses("the valid_range, valid_min or valid_max of 'z' is no number", path)
 
 
-def gsf_bytes(**changed):
-    return gsf(HEIGHTS, **({"XReal": 4 * DX, "YReal": 3 * DY, "Title": "T"} | changed))
-
-
 @pytest.mark.parametrize("title", ["T", "Ti", "Tit", "Titl"])  # bytes of padding
 def test_gwyddion_simple_field(read, title):
     height = read(gsf_bytes(Title=title))
     check(height, first_row="top", rtol=1e-7)
     assert height.attrs["channel"] == title
-
-
-@pytest.mark.parametrize(
-    ("data", "said"),
-    [
-        (gsf_bytes(ZUnits=None), "give height_unit"),
-        (gsf_bytes(XReal=None, YReal=None, XYUnits=None), "give dx, dy, unit"),
-        (gsf_bytes(ZUnits="V"), "values in V"),
-        (gsf_bytes()[:-5], "cut off"),
-        (gsf_bytes() + b"1234", "changed"),
-        (gsf_bytes(XRes=5), "header needs"),
-        (gsf_bytes(XRes=None), "no size in its header"),
-        (gsf_bytes(YRes="many"), "no size in its header"),
-        (gsf_bytes(YRes=-3), "damaged"),
-        (gsf_bytes(YReal="nan"), "damaged"),
-        (gsf_bytes(XRes=10**9, YRes=10**9), "points"),
-        (gsf_bytes()[:40], "size in its header|damaged"),
-    ],
-)
-def test_gwyddion_simple_field_that_is_damaged_or_leaves_things_out(refused, data, said):
-    refused(data, said)
 
 
 def test_numbers_by_peak_of_the_load_are_no_profiles(tmp_path):
