@@ -126,8 +126,9 @@ def test_the_order_is_the_documented_one():
     assert ranks.count(RecognisedBy.NOTHING) == 1
 
 
-def test_damaged_hdf5_is_refused_whoever_wrote_it(refused):
+def test_damaged_or_empty_hdf5_is_refused_whoever_wrote_it(refused):
     refused(hdf5("MetaData")[:200], "damaged or cut off HDF5 file")
+    refused(hdf5("a"), "it has no variable at all")
 
 
 def test_values_that_are_no_numbers_are_refused_in_a_sentence(tmp_path):
