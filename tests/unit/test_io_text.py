@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from measured_files import GIVEN, cells, holds, points, refuses, saved, steps, warnings_of
 
-from roughcontact.errors import HeightMapError, InputFileError, SettingsError
+from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
 
@@ -138,6 +138,14 @@ def test_cut_matrices_are_refused(read, refused):
 
 
 VOLTS = f"{SIZES}# Value units: V\n{MATRIX}"
+QUOTED = "Width: 1,234 µm\nHeight: 4 µm\n" + '"1.5","2.25","3.5","4.5"\n' * 4
+OTHER_ROWS = "1 2\nProfile1 3 0\nCX A 120 MM 1.0 D\nEOR\n12\n13\n14\n"
+INDEXED = cells((n, 0.5 * n, height) for n, height in enumerate(HEIGHTS.flat))
+LIST = points(HEIGHTS, 0.5, 0.25)
+BY_COLUMN = LIST[np.lexsort(LIST.T[1::-1])]
+UM, MM, NO_MAP = {"unit": "um"}, {"unit": "mm"}, GIVEN | {"error": HeightMapError}
+AXIS = (0.0, 1.0, 2.3, 3.0, 4.0)
+UNEVEN = "".join(f"{a} {b} {a * b + 1}\n" for b in range(4) for a in AXIS)
 # a text, words of the refusal, what is given
 NO_MAPS = [
     ("ncols 4\nnrows 5\ncellsize 1\n" + cells(HEIGHTS, " "), "header says 5 rows, the file has 3", {}),
@@ -145,15 +153,24 @@ NO_MAPS = [
     ("1 2 3 4\n1 2 3 4\n1 2 x 4\n1 2 3 4\n", r"line 3 is no row of numbers \(x\); write NaN", {}),
     (VOLTS, r"no channel of this file holds heights .*values in V, no length", {}),
     ("Dear all\nhere is it\n", "text without a table of numbers; it starts with 'Dear all'", {}),
-    ("1,5\n2,5\n3\n4,5\n", "may be a decimal sign or a separator", {"dx": 1, "unit": "um"}),
-    ("1.5\n", "single point", GIVEN),
-    ("nan nan nan\nnan nan nan\n", "all 6 points of the map are missing", GIVEN),
+    ("1,5\n2,5\n3\n4,5\n", "may be a decimal sign or a separator", UM | {"dx": 1}),
+    (QUOTED, "line 1 says 'Width: 1,234 µm': its mark may be", {}),
+    (OTHER_ROWS, r"line 2 is no row of numbers .* export the map as X3P or SDF", {}),
+    ("so it goes\n" * 100_002 + "1 2 3\n", "without a table of numbers in its first 100000 lines", {}),
+    (INDEXED, "or delete the first one if it counts the rows", UM),
+    (cells(LIST[:-1], " "), "ends in the middle of a grid line", MM),
+    (cells(BY_COLUMN[:-1], " "), "ends in the middle of a grid line", MM),
+    (UNEVEN, "even.*resample = linear", UM),
+    (UNEVEN, "even.*resample = linear", GIVEN),
+    ("".join(f"{a} {a * a}\n" for a in AXIS), "resample = linear", GIVEN),  # steps make no map of a profile
+    ("1.5\n", "single point", NO_MAP),
+    ("nan nan nan\nnan nan nan\n", "all 6 points of the map are missing", NO_MAP),
 ]
 
 
 @pytest.mark.parametrize(("text", "words", "given"), NO_MAPS, ids=[words for _, words, _ in NO_MAPS])
 def test_texts_that_are_no_map(refused, text, words, given):
-    refused(text, words, error=HeightMapError if given is GIVEN else InputFileError, **given)
+    refused(text, words, **given)
 
 
 def test_one_line_is_a_profile_and_no_number_is_05(read):
@@ -174,20 +191,6 @@ def test_rounded_positions_are_even(read):
     assert height.shape == (30, 30)
     assert height.attrs["missing_points"] == 0
     assert steps(height) == pytest.approx([1e-6 / 3, 1e-6 / 3], rel=1e-4)
-
-
-def test_uneven_points_are_refused_with_a_way_out(refused):
-    x = np.array([0.0, 1.0, 2.3, 3.0, 4.0])
-    text = "".join(f"{a} {b} {a * b + 1}\n" for b in range(4) for a in x)
-    for given in ({"unit": "um"}, GIVEN):
-        refused(text, r"even.*resample = linear", **given)
-
-
-@pytest.mark.parametrize("order", ["row", "column"])
-def test_cut_list_of_points_is_refused(refused, order):
-    table = points(HEIGHTS, 0.5, 0.25)
-    table = table if order == "row" else table[np.lexsort(table.T[1::-1])]
-    refused(cells(table[:-1], " "), "ends in the middle of a grid line", unit="mm")
 
 
 def test_profile_with_unit_in_the_column_name(tmp_path):

@@ -40,7 +40,7 @@ def numbered(numbers, separator="\t"):
 
 
 TEXT, CSV = cells(ROUGH), cells(ROUGH, ",")
-CORNER, END = (0, 0), (11, 15)
+CORNER, END = ENDS = (0, 0), (11, 15)
 LOST = r"line 1 has as many cells as the rows of the table below it.*{}.*write NaN for a missing point"
 NO_ROW = "line {} is no row of numbers"
 THOUSANDS = "every number has three digits behind its '{}'"
@@ -59,10 +59,7 @@ DIALECTS = {
     "lost separator": (marked("1.5", (0, 3)).replace("1.5\t", "1.5x", 1), LOST.format("'1.5x")),
     "hash in the corner": (marked("#", CORNER), LOST.format("'#'")),
     "hash in the corner, blanks": (marked("#", CORNER, separator=" "), LOST.format("'#'")),
-    "unknown words in four rows": (
-        marked("n.b.", (0, 2), (1, 2), (2, 2), (3, 2)),
-        "line 4 has as many cells",
-    ),
+    "unknown word in four rows": (marked("n.b.", (0, 2), (1, 2), (2, 2), (3, 2)), "line 4 has as many cells"),
     "first row of unknown words": (marked("n.b.", *np.ndindex(1, 16)), LOST.format("'n.b.'")),
     "first row of more words than numbers": (marked("n.b.", *np.ndindex(1, 12)), LOST.format("'n.b.'")),
     "units of all columns": ("nm\t" * 15 + "nm\n" + TEXT, ROUGH),
@@ -73,11 +70,7 @@ DIALECTS = {
     "hash at the beginning of a later row": (marked("#", (8, 0)), NO_ROW.format(9)),
     "known word in the first row": (marked("out", CORNER), without(CORNER), "'out' occurs in 1 cell"),
     "known word at the end": (marked("Ungültig", END), without(END), "'Ungültig' occurs in 1 cell"),
-    "known word at both ends": (
-        marked("undefined", CORNER, END),
-        without(CORNER, END),
-        "'undefined' occurs in 2 cells",
-    ),
+    "known word at both ends": (marked("undefined", *ENDS), without(*ENDS), "'undefined' occurs in 2 cells"),
     "No Data in the first row": (marked("No Data", CORNER), without(CORNER)),
     "No Data in the first row, blanks": (marked("No Data", CORNER, separator=" "), without(CORNER)),
     "out of range in the first row": (marked("Out of range", (0, 2)), without((0, 2)), "'outofrange' occurs"),
