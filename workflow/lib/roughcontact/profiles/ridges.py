@@ -22,7 +22,7 @@ from roughcontact.window.periodic_window import subwindow
 COMPARED = (AREA, GAP)
 LOADS = np.array([0.02, 0.1, 0.4])  # of the result, mean pressure over E* and the rms gradient
 # at which ridges are solved: chance averages out between them, and heavier loads nearly close ridges
-_LOADS = np.geomspace(0.02, 0.2, 4)
+_RIDGE_LOADS = np.geomspace(0.02, 0.2, 4)
 _ROWS = 6  # of each surface
 _TOLERANCE = 1e-2  # of their pressure, far below their scatter
 
@@ -45,13 +45,13 @@ def ridge_contrast(
     drawn = np.vstack([surface.values[rows] for surface in surfaces])
     of_profiles, of_surfaces = (_ridges(lines, first, arguments) for lines in (pieces, drawn))
     slope = np.sqrt(np.mean([rms_gradient(ridges) ** 2 for ridges in of_surfaces]))
-    pressure = _LOADS * np.sqrt(2) * slope  # of all directions alike
+    pressure = _RIDGE_LOADS * np.sqrt(2) * slope  # of all directions alike
     higher, lower = (_mean_results(ridges, pressure) for ridges in (of_profiles, of_surfaces))
     contrast: dict[str, np.ndarray] = defaultdict(lambda: np.zeros_like(LOADS))
     for name in COMPARED:
         difference = to_scale(name, higher[name]) - to_scale(name, lower[name])
         finite = np.isfinite(difference)  # nothing has a logarithm in full contact
-        line = np.polyfit(np.log(_LOADS[finite]), difference[finite], 1) if finite.sum() > 1 else [0.0]
+        line = np.polyfit(np.log(_RIDGE_LOADS[finite]), difference[finite], 1) if finite.sum() > 1 else [0.0]
         contrast[name] = np.polyval(line, np.log(LOADS))
     return contrast
 
