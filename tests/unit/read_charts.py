@@ -66,9 +66,10 @@ def read_chart(chart: Chart | str, *, log: str = "") -> Drawn:
     area = root.find(f"{_SVG}svg")
     left, upper_edge, width, height = (float(area.get(name)) for name in ("x", "y", "width", "height"))
     ticks = {"below": [], "above": [], "beside": []}
-    edges = {round(upper_edge + height + 18, 1): "below", round(upper_edge - 9, 1): "above"}
+    letters = float(root.get("font-size"))
+    edges = {round(upper_edge + height + 6 + letters, 1): "below", round(upper_edge - 9, 1): "above"}
     for each in root.iter(f"{_SVG}text"):
-        place = float(each.get("x", "nan")) - left, float(each.get("y", "nan")) - 4 - upper_edge
+        place = float(each.get("x", "nan")) - left, float(each.get("y", "nan")) - letters / 3 - upper_edge
         if each.get("text-anchor") == "end":
             ticks["beside"].append((place[1], _value(each.text)))
         elif each.get("text-anchor") == "middle" and float(each.get("y", "nan")) in edges:
@@ -104,13 +105,13 @@ def read_chart(chart: Chart | str, *, log: str = "") -> Drawn:
 
 
 def _legend(root: ElementTree.Element) -> dict[str, tuple[str, str]]:
-    """Return colour and style of the sample that is drawn before each small text."""
+    """Return colour and style of the sample that is drawn right before each text of the legend."""
     found, sample = {}, None
-    for each in root:
+    for each in root.find(f"{_SVG}g[@id='legend']"):
         if each.tag == f"{_SVG}path" and each.get("stroke"):
             filled = each.get("transform") is not None
             sample = each.get("stroke"), each.get("fill") if filled else each.get("stroke-dasharray", "")
-        elif each.tag == f"{_SVG}text" and each.get("font-size") == "11" and sample:
+        elif each.tag == f"{_SVG}text":
             found[each.text] = sample
     return found
 

@@ -76,7 +76,7 @@ def test_a_long_map_says_that_it_is_not_to_scale(ratio, in_scale):
         for value in re.search(r'<image width="([\d.]+)" height="([\d.]+)"', unquote(chart.source())).groups()
     )
     assert height / width == pytest.approx(ratio if in_scale else 1.0, rel=0.01)
-    assert max(width / 290, height / 400) == pytest.approx(1.0, rel=0.01)
+    assert max(width / 240, height / 330) == pytest.approx(1.0, rel=0.01)
 
 
 def test_pressures_and_gaps_share_their_colours_among_loads():

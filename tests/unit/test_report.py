@@ -1004,6 +1004,22 @@ def test_a_surface_is_printed_on_two_pages_and_what_is_unfolded_on_more(page, tm
     assert pages_printed(text, tmp_path) <= 2 + 2 * len(parts) + 2  # at a glance, how to read
 
 
+def test_labels_of_charts_have_six_points_in_print(page):
+    """On A4 within margins of 10 mm three stand side by side, those of several surfaces two."""
+    whole, *surfaces = page.read_text(encoding="utf-8").split('<section class="surface"')
+    for text, width in ((whole, 94.0), *((surface, 62.0) for surface in surfaces)):  # mm
+        charts = [unquote(uri) for uri in re.findall(r'<figure><img src="data:image/svg\+xml,([^"]*)"', text)]
+        assert charts
+        for chart in charts:
+            units = float(re.search(r'viewBox="0 0 ([\d.]+) ', chart)[1])
+            assert 72 / 25.4 * width / units * float(re.search(r'font-size="([\d.]+)"', chart)[1]) >= 6.0
+
+
+def test_exponents_are_raised_in_escaped_texts():
+    raised = template("report.css").environment.filters["raised"]
+    assert raised("<b> q^−16. As q^−5.3: x") == "&lt;b&gt; q<sup>−16</sup>. As q<sup>−5.3</sup>: x"
+
+
 # --- units -------------------------------------------------------------------------------------------------
 
 

@@ -123,7 +123,6 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
         log_axis(load_label(pascals), load),
         Axis("± in percent of the value", _SMALLEST_SHARE, 2 * highest, log=True),
         title=TITLES[name],
-        size=(330.0, 290.0),
     )
     for index, (source, share) in enumerate(zip(present, shares[:-2], strict=True)):
         chart.series(index, load, share, label=_SOURCE_LABELS[source])
@@ -255,7 +254,6 @@ def against_cutoff(numbers: xr.Dataset, name: str) -> Chart | None:
         log_axis(f"shortest wave kept ({unit})", wavelengths * factor, room=1.3),
         log_axis(f"{text} ({selected.symbol})", displayed),
         title=text,
-        size=(330.0, 290.0),
     )
     for index, (load, values) in enumerate(zip(loads, displayed, strict=True)):
         label = unit_of(numbers, "Pa").text(float(pressures[load]))

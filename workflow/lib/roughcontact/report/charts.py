@@ -28,11 +28,10 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 INK = "#222222"
 GREY = "#444444"  # of lines for comparison
 DASHED, DOTTED, DASH_DOTTED = "6 3", "2 2.5", "7 3 2 3"
-_SIZE = 12.0  # of the text, in units of the chart (pixels where it is shown at its own size)
-_SMALL = 11.0  # of legends
 _MOST_COLUMNS = 3  # of legends
 _LETTER_WIDTH = 0.56  # of a letter, on average, in units of the size of the text
 _DIGIT_WIDTH = 0.64  # of the wider fonts
+_NARROW = re.compile(r"[ ,.ijlt]")  # letters about half as wide as others
 _MOST_POINTS = 1500  # of a line; of longer ones the extremes of each few points are drawn
 
 # outlines of the marks around (0, 0), for a radius of 1
@@ -177,8 +176,9 @@ class Chart:
     y: Axis
     top: Axis | None = None  # another scale for x
     title: str = ""
-    size: tuple[float, float] = (430.0, 360.0)  # of the whole, pixels
+    size: tuple[float, float] = (430.0, 345.0)  # of the whole, pixels
     margins: Rectangle | None = None  # room around the axes (left, top, right, bottom); None: for labels
+    letters: float = 15.0  # size of the text, in units of the chart: 6 pt and more in print
     grid: bool = True  # lines go through from the ticks
     reading: dict[str, Any] = field(default_factory=dict)  # what a script needs to read values of a picture
     steps: list[tuple[str, dict[str, Any]]] = field(default_factory=list)  # what is drawn, in this order
@@ -187,8 +187,8 @@ class Chart:
     @property
     def area(self) -> Rectangle:
         """The rectangle (left, top, width, height) between the axes."""
-        above = 16.0 + 36 * (self.top is not None) + 16 * bool(self.title)
-        left, top, right, bottom = self.margins or (72.0, above, 18.0, 46.0)
+        above = 16.0 + (12 + 2 * self.letters) * (self.top is not None) + 16 * bool(self.title)
+        left, top, right, bottom = self.margins or (6 * self.letters, above, 18.0, 3.5 * self.letters)
         return left, top, self.size[0] - left - right, self.size[1] - top - bottom
 
     def line(self, x: np.ndarray, y: np.ndarray, **style: Unpack[Style]) -> None:
@@ -271,7 +271,7 @@ class Chart:
         left, top, width, height = self.area
         place, bottom = (left + width + 10, top, 12.0, height), top + height
         tips = (bottom, bottom + 9, colours[0]), (top, top - 9, colours[-1])
-        ticks = _ticks(axis, "right", place, grid=False, within=self.size[0])
+        ticks = self._ticks(axis, "right", place, grid=False)
         self.bar = {"area": place, "colours": colours, "tips": [*compress(tips, beyond)], "ticks": ticks}
 
     def source(self) -> str:
@@ -282,18 +282,16 @@ class Chart:
         legend, rows = self._legend_below()
         axes = {"x": self.x.reading(), "y": self.y.reading(), "area": [round(side, 1) for side in area]}
         reading = html.escape(json.dumps(axes | self.reading, ensure_ascii=False), quote=False)
-        svg = template("chart.svg").render(
-            axes=[_ticks(axis, side, area, grid=grid) for axis, side, grid in sides],
-            title=self.title,
-            area=area,
-            size=(self.size[0], self.size[1] + rows),
-            steps=self.steps,
-            bar=self.bar,
-            legend=legend,
-            outlines=_OUTLINES,
+        drawn = {
+            "axes": [self._ticks(axis, side, area, grid) for axis, side, grid in sides],
+            "area": area,
+            "size": (self.size[0], self.size[1] + rows),
+            "legend": legend,
+            "outlines": _OUTLINES,
             # the double quotes of JSON take less room as they are
-            reading=reading.replace("'", "&#39;"),
-        )
+            "reading": reading.replace("'", "&#39;"),
+        }
+        svg = template("chart.svg").render(vars(self) | drawn)
         return data_uri(svg.replace("\n", ""))
 
     def note(self, method: str, **arguments: Any) -> None:
@@ -317,6 +315,46 @@ class Chart:
                 fragments.append("M" + "L".join(f"{a:g} {b:g}" for a, b in points))
         return "".join(fragments)
 
+    def _ticks(self, axis: Axis, side: str, area: Rectangle, grid: bool) -> dict[str, Any]:
+        """Return the lines and the texts of an axis at a side of an area; its label ends within the chart.
+
+        A text has its place, the words, anchor, and whether it is turned.
+        """
+        letters, (left, top, width, height) = self.letters, area
+        flat = side in ("bottom", "top")
+        edge = {"bottom": top + height, "top": top, "left": left, "right": left + width}[side]
+        sign = 1 if side in ("bottom", "right") else -1
+        written, interior = axis.ticks(6 if (width if flat else height) > 150 else 4)
+
+        def position(value: float) -> float:
+            share = float(axis.position(value))
+            return left + share * width if flat else top + (1 - share) * height
+
+        def stubs(values: list[float], length: float) -> str:
+            form = "M{0:.1f} {1:.1f}v{2:g}" if flat else "M{1:.1f} {0:.1f}h{2:g}"
+            return "".join(form.format(position(value), edge, length) for value in values)
+
+        texts = [tick_text(value) for value in written]
+        name: tuple[Any, ...]
+        if flat:
+            anchor, near = "middle", 6 + letters if side == "bottom" else -9.0
+            places = [(position(value), edge + near) for value in written]
+            name = left + width / 2, edge + near + sign * 1.55 * letters, axis.label, "middle"
+        else:
+            anchor, across = ("end", -8.0) if side == "left" else ("start", 8.0)
+            places = [(edge + across, position(value) + letters / 3) for value in written]
+            longest = max(map(len, texts), default=1) * _DIGIT_WIDTH * letters
+            far = edge - 18 - longest if side == "left" else edge + 14 + letters + longest
+            half = len(axis.label) * _LETTER_WIDTH * letters / 2  # it must not be cut off above a low picture
+            middle = max(top + height / 2, half)
+            name = min(max(far, letters), self.size[0] - 4), middle, axis.label, "middle", True
+        line = f"M{left:.1f} {edge:.1f}h{width:.1f}" if flat else f"M{edge:.1f} {top:.1f}v{height:.1f}"
+        return {
+            "grid": stubs(written, -sign * (height if flat else width)) if grid else "",
+            "line": line + stubs(written, 4.5 * sign) + stubs(interior, 2.5 * sign),
+            "texts": [*((*place, text, anchor) for place, text in zip(places, texts, strict=True)), name],
+        }
+
     def _legend_below(self) -> tuple[list[tuple[float, float, str, str, dict[str, Any]]], float]:
         """Return place, label and sample of each line of the legend below the chart, and its height.
 
@@ -325,17 +363,17 @@ class Chart:
         listed = [(kind, step) for kind, step in self.steps if step.get("label") and step.get("listed", True)]
         if not listed:
             return [], 0.0
-        across, letter = self.size[0] - 24, _LETTER_WIDTH * _SMALL
-        longest = 38 + letter * max(len(step["label"]) for _, step in listed)
+        across, letter = self.size[0] - 24, _LETTER_WIDTH * self.letters
+        longest = 38 + letter / 2 * max(len(_NARROW.sub("", s["label"]) + s["label"]) for _, s in listed)
         columns = min(max(int(across / longest), 1), _MOST_COLUMNS)
         room = int((across - 38) / letter)
         lines = []
         for index, (kind, step) in enumerate(listed):
             row, column = divmod(index, columns)
             label = step["label"] if len(step["label"]) <= room else f"{step['label'][: room - 1]}…"
-            place = round(12 + across / columns * column, 1), self.size[1] + 9 + 18 * row
+            place = round(12 + across / columns * column, 1), self.size[1] + 9 + 1.5 * self.letters * row
             lines.append((*place, label, kind, step))
-        return lines, 18.0 * -(-len(listed) // columns) + 6
+        return lines, 1.5 * self.letters * -(-len(listed) // columns) + 6
 
 
 _NOT_IN_URI = re.compile(r"[^\w =:/+;,'()!*@?$~.-]+", re.ASCII)
@@ -352,47 +390,6 @@ def data_uri(svg: str) -> str:
     """
     # character by character `quote` would take a fifth of the time of a page
     return "data:image/svg+xml," + _NOT_IN_URI.sub(lambda match: _quoted(match[0]), svg)
-
-
-def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float = math.inf) -> dict[str, Any]:
-    """Return the lines and the texts of an axis at a side of an area; its label ends within a width.
-
-    A text has its place, the words, anchor, size (empty: the usual one), and whether it is turned.
-    """
-    left, top, width, height = area
-    flat = side in ("bottom", "top")
-    edge = {"bottom": top + height, "top": top, "left": left, "right": left + width}[side]
-    sign = 1 if side in ("bottom", "right") else -1
-    written, interior = axis.ticks(6 if (width if flat else height) > 150 else 4)
-
-    def position(value: float) -> float:
-        share = float(axis.position(value))
-        return left + share * width if flat else top + (1 - share) * height
-
-    def stubs(values: list[float], length: float) -> str:
-        form = "M{0:.1f} {1:.1f}v{2:g}" if flat else "M{1:.1f} {0:.1f}h{2:g}"
-        return "".join(form.format(position(value), edge, length) for value in values)
-
-    texts = [tick_text(value) for value in written]
-    name: tuple[Any, ...]
-    if flat:
-        lower, far, anchor = (18.0, 37.0, "middle") if side == "bottom" else (-9.0, -27.0, "middle")
-        places = [(position(value), edge + lower) for value in written]
-        name = left + width / 2, edge + far, axis.label, "middle"
-    else:
-        anchor, across = ("end", -8.0) if side == "left" else ("start", 8.0)
-        places = [(edge + across, position(value) + 4) for value in written]
-        longest = max(map(len, texts), default=1) * _DIGIT_WIDTH * _SIZE
-        far = edge - 18 - longest if side == "left" else edge + 22 + longest
-        half = len(axis.label) * _LETTER_WIDTH * _SIZE / 2  # it must not be cut off above a low picture
-        middle = max(top + height / 2, half)
-        name = min(max(far, 12.0), within - 4), middle, axis.label, "middle", "", True
-    line = f"M{left:.1f} {edge:.1f}h{width:.1f}" if flat else f"M{edge:.1f} {top:.1f}v{height:.1f}"
-    return {
-        "grid": stubs(written, -sign * (height if flat else width)) if grid else "",
-        "line": line + stubs(written, 4.5 * sign) + stubs(interior, 2.5 * sign),
-        "texts": [*((*place, text, anchor) for place, text in zip(places, texts, strict=True)), name],
-    }
 
 
 def _extremes(values: np.ndarray) -> np.ndarray:

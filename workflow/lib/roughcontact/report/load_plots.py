@@ -29,7 +29,7 @@ _AREA = "relative_contact_area"
 _DASHES = ("", DASHED, DOTTED, DASH_DOTTED)  # of cases
 _SHOWN_BELOW = 0.1  # of the least area: an interval that ends below is drawn as far as the axis reaches
 _RELATIVE = "relative pressure p′ = p̄ / (E* g)"
-_WIDE = 560.0, 430.0  # size of a chart of several surfaces
+_WIDE: dict[str, Any] = {"size": (560.0, 430.0), "letters": 13.0}  # a chart of several surfaces
 # of a distribution: unit, quantity, share, and what is dotted
 _DISTRIBUTIONS = {
     "pressure": ("Pa", "contact pressure p", "p P(p), share of the contact", "mean over the contact"),
@@ -94,7 +94,7 @@ def compare_areas(
     drawn = np.concatenate([area for _, _, area in series])
     factor = pressure.factor if pressure else 1.0
     label = load_label(pressure) if pressure else _RELATIVE
-    chart = _area_chart(loads * factor, _clipped_ends(areas, drawn), size=_WIDE, label=label)
+    chart = _area_chart(loads * factor, _clipped_ends(areas, drawn), **_WIDE, label=label)
     if pressure is None:
         _theory_lines(chart, loads)
     multiple = len({case for _, case in styles}) > 1
@@ -126,8 +126,8 @@ def group_areas(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit, *, cur
     loads = np.concatenate([answer["mean_pressure"].values for _, answer in groups])
     keys = f"{_AREA}_of_maps", f"{_AREA}_lower"
     areas = np.concatenate([np.ravel(answer[key].values) for _, answer in groups for key in keys])
-    chart = _area_chart(loads * pressure.factor, areas, size=_WIDE, label=load_label(pressure))
-    room = min(0.08, 0.5 / len(groups))  # ln(load) between the maps of a group and its mean
+    chart = _area_chart(loads * pressure.factor, areas, **_WIDE, label=load_label(pressure))
+    room = min(0.08, 0.3 / len(groups))  # ln(load) between the maps of a group and its mean
     for index, (name, answer) in enumerate(groups):
         style = _style(index)
         load = answer["mean_pressure"].values * pressure.factor

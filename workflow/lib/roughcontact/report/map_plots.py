@@ -14,8 +14,8 @@ from roughcontact.report.colours import colour_scale, coloured
 from roughcontact.report.units import length_unit
 
 _MICROMETRES, _MEGAPASCALS = Unit(1e6, "µm"), Unit(1e-6, "MPa")
-_WIDTH = 290.0  # of a square picture, pixels
-_HIGHEST = 400.0  # of a picture, pixels
+_WIDTH = 240.0  # of a square picture, pixels
+_HIGHEST = 330.0  # of a picture, pixels
 _LONGEST_ASPECT = 4.0  # longer pictures are drawn out of scale
 
 Frame = tuple[float, float, float, float]  # x, y, length x, length y
@@ -143,8 +143,8 @@ def framed(
         aspect = 1.0
         y = Axis(f"{y.label}, not to scale", y.low, y.high)
     width = min(_WIDTH, _HIGHEST / aspect)
-    margins = (72.0, 14.0, _WIDTH - width + 94.0, 46.0)
-    size = (72.0 + _WIDTH + 94.0, width * aspect + 60.0)
+    margins = (84.0, 14.0, _WIDTH - width + 106.0, 53.0)
+    size = (84.0 + _WIDTH + 106.0, width * aspect + 67.0)
     chart = Chart(x, y, size=size, margins=margins, grid=False)
     colours = colour_scale(field.colours)
     source, coarse = coloured(values[::-1], (bar.low, bar.high), field.colours, bad=field.bad)  # y upwards
@@ -208,7 +208,7 @@ def _profile(
     chart = Chart(
         Axis(f"{axis} ({of_lengths})", 0.0, float(position[-1]) * factor),
         Axis(f"{label} ({unit.symbol})", low - room, high + room),
-        size=(450.0, 290.0),
+        size=(430.0, 290.0),
     )
     for values, name, colour in lines:
         listed = name if len(lines) > 1 else ""

@@ -48,6 +48,7 @@ def stack_of_layers(bodies: Sequence[Mapping[str, Any]], window: xr.DataArray) -
     chart = Chart(
         x,
         _Rows("", len(rows), 0.0),
+        letters=12.0,
         size=(430.0, 58 + _ROW * len(rows)),
         margins=(12.0, 8.0, 12.0, 50.0),
         grid=False,

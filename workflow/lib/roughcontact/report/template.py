@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from roughcontact.quantities import number, percent, quantity
 
@@ -41,8 +41,14 @@ def _environment(folder: Path | None) -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"digests": _digests, "number": number, "percent": percent, "quantity": quantity}
+    environment.filters |= {"digests": _digests, "raised": _raised}
+    environment.filters |= {"number": number, "percent": percent, "quantity": quantity}
     return environment
+
+
+def _raised(text: str) -> Markup:
+    """Return a text as markup, with raised exponents where it has them as in q^−3."""
+    return Markup(re.sub(r"\^(−?[\d.]*\d)", r"<sup>\1</sup>", str(escape(text))))
 
 
 def _digests(markup: str) -> Markup:

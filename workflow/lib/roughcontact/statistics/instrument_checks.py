@@ -49,8 +49,8 @@ _SQUARE = "mean square gradient"
 _PROBE_PIXEL = 1e-7  # a smaller pixel is that of a probe microscope, whatever the file says
 _CAMERA = (1e-6, 6e-5)  # pitch of camera pixels, binned ones included
 
-_UNFILTERED = "export the map without filters"
-_RESOLVED = "state instrument.resolution or .numerical_aperture"
+_UNFILTERED = "export it unfiltered"
+_RESOLVED = "state instrument.resolution or instrument.numerical_aperture"
 _SMOOTHED_MEANS = (
     "Contact areas are then too large, pressures and gaps too small, but not those of longer waves alone "
     "(level.s_filter, coarser pixels)"
@@ -112,7 +112,7 @@ def _shape_of_spectrum(window: Attributes) -> _Trace | None:
             "The shortest waves are too low: in its last octave the spectrum falls more steeply than in the "
             f"one before, its exponent by {number(-window['spectrum_bend'], digits=2)} or more. A lens that "
             "resolves little more than the pixels does this",
-            ("state the lens (instrument.numerical_aperture or .resolution)",),
+            ("state the lens (instrument.numerical_aperture or instrument.resolution)",),
         )
     return None
 

@@ -34,8 +34,8 @@ def window_arguments(levelled: xr.DataArray, settings: Mapping[str, Mapping[str,
         wrong = "is a pair of faces, each with an instrument of its own; leave it out for pairs"
     elif not any(stated.get(key) for key in CORRECTED):
         wrong = (
-            "has nothing to be corrected for; state instrument.noise, .resolution or .numerical_aperture, or "
-            "leave it out"
+            "has nothing to be corrected for; state instrument.noise, instrument.resolution or "
+            "instrument.numerical_aperture, or leave it out"
         )
     if wrong:
         raise SettingsError(f"instrument.correct = true: {name} {wrong}", keys=["instrument.correct"])
