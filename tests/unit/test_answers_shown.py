@@ -10,12 +10,15 @@ import xarray as xr
 
 import roughcontact as rc
 from roughcontact.maps import height_map
-from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
 from roughcontact.report import load_plots
 from roughcontact.report.charts import COLOURS
 from roughcontact.report.facts import _closing, surface_facts
 from roughcontact.report.glance import NOT_JUDGED, Cell, _seals, _yields, glance_rows, glance_units
+from roughcontact.report.page import _comparisons
 from roughcontact.report.tables import number_tables
+from roughcontact.results.collect import collect_statistics, entry_of, solved_results
+from roughcontact.results.storage import write_dataset
 from roughcontact.statistics.subsurface import with_subsurface_yield
 
 BODIES = [
@@ -200,3 +203,30 @@ def test_the_axis_of_the_gap_spans_what_is_drawn(scale):
     first, last = re.findall(r"(-?[\d.]+) (-?[\d.]+)", line.get("d"))
     share = (float(last[1]) - float(first[1])) / float(axes.get("height"))
     assert share == pytest.approx(np.log(2) / np.log(2 * 1.6**2), rel=0.01)
+
+
+def test_periodic_results_beside_those_of_a_finite_body(tmp_path):
+    """A case of the one kind has NaN for what only the other has, in the dataset of all."""
+    contacts = {
+        "whole": {"mean_pressure": "1 MPa"},
+        "free": {"boundary": "free", "force": "1 mN"},
+        "free2": {"boundary": "free", "force": "2 mN"},
+    }
+    runs = []
+    for case, contact in contacts.items():
+        found = rc.evaluate(
+            self_affine_surface((48, 48), 1e-6, hurst=0.8, shortest=6e-6, longest=4e-5, rms_height=5e-9),
+            contact={"contact_modulus": "2 GPa"} | contact,
+            form={"radius": "1 mm"} if "force" in contact else None,
+            uncertainty={"sources": []},
+        )
+        write_dataset(found, tmp_path / case / "a" / "statistics.nc")
+        runs.append(entry_of(f"{case}/a", tmp_path / case / "a" / "statistics.nc"))
+    series = {
+        (labels["surface"], labels["case"]): data for labels, data in solved_results(collect_statistics(runs))
+    }
+    forces = {case: glance_rows(data)[0][0].details for (_, case), data in series.items()}
+    assert forces == {"whole": "", "free": "1.00 mN", "free2": "2.00 mN"}
+    ((_, text),) = _comparisons(series, {}, grouped=False, many=True)
+    assert "theories" in text
+    assert _comparisons(dict([*series.items()][1:]), {}, grouped=False, many=True) == []

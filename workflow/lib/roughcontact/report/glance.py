@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, number, percent, quantity, with_interval
-from roughcontact.report.tables import UNITS, as_the_area, is_finite_body, is_profile
+from roughcontact.report.tables import UNITS, as_the_area, has_number, is_finite_body, is_profile
 from roughcontact.report.units import interval_at, middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.outcome import FAILED, VERDICTS
@@ -136,9 +136,9 @@ def glance_rows(
 def _load_cell(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return the mean pressure of a load, with the force where that is what was stated."""
     cell = interval_cell(numbers, "mean_pressure", units, index)._replace(outcome=outcome_of(numbers, index))
-    return (
-        cell._replace(details=quantity(float(numbers["force"][index]), "N")) if "force" in numbers else cell
-    )
+    if not has_number(numbers, "force"):
+        return cell
+    return cell._replace(details=quantity(float(numbers["force"][index]), "N"))
 
 
 def _judged(cells: Sequence[Cell], numbers: Numbers, index: int) -> list[Cell]:
@@ -162,17 +162,12 @@ def outcome_of(numbers: Numbers, index: int, answer: str = "") -> str:
     return list(VERDICTS)[int(code)] if code > 0 else ""
 
 
-def _has_number(numbers: Numbers, name: str) -> bool:
-    """Return whether a number is present, at one load at least."""
-    return name in numbers and bool(np.isfinite(np.asarray(numbers[name], float)).any())
-
-
 def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> Cell:
     """Return a number of a load and its interval."""
     factor, unit_label = units[name]
     value, lower, upper = (number * factor for number in interval_at(numbers, name, index))
-    if not _has_number(numbers, f"{name}_lower"):
-        has_area = _has_number(numbers, "relative_contact_area_lower")
+    if not has_number(numbers, f"{name}_lower"):
+        has_area = has_number(numbers, "relative_contact_area_lower")
         if name.endswith(("_conductance", "_resistance")) and has_area:
             return Cell(f"{as_the_area(numbers, name, units[name], index)} {unit_label}", _NO_INTERVAL)
         return Cell(f"{number(value)} {unit_label}")
@@ -183,7 +178,7 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
 
 def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return whether the gap is closed to a fluid, else leak rate and narrowest place."""
-    if not _has_number(numbers, "gap_percolates_x"):
+    if not has_number(numbers, "gap_percolates_x"):
         return Cell(NOT_JUDGED, "a body of finite size" if is_finite_body(numbers) else "")
     if is_profile(numbers):
         return Cell(NOT_JUDGED, "a profile does not tell")
@@ -194,7 +189,7 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     displayed = [axis for axis in "xy" if axis in is_open + doubted]
     doubt, details = " (in doubt)" if doubted else "", [] if is_open else ["gap closed along x and y"]
     for sentence, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
-        if displayed and _has_number(numbers, f"{name}_x"):
+        if displayed and has_number(numbers, f"{name}_x"):
             result = {axis: _unbroken(numbers, f"{name}_{axis}", units, index) for axis in displayed}
             if len(displayed) == 2 and len(set(result.values())) == 1:  # one place decides both ways
                 result = {"x and y": result["x"]}
@@ -217,7 +212,7 @@ def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int
 def _yields(load: Mapping[str, Any]) -> Cell:
     """Return whether a body yields at a load, at its surface or below."""
     below = float(load.get("volume_above_yield", np.nan)) > 0  # infinite where all of the body yields
-    if _has_number(load, "hardness"):
+    if has_number(load, "hardness"):
         share, decided = float(load["load_share_above_hardness"]), float(yield_is_decided(load))
         if share == 0 and below:
             return Cell("yes", "below the surface")
@@ -227,7 +222,7 @@ def _yields(load: Mapping[str, Any]) -> Cell:
         details = "hardness just reached" if limited else "hardness nowhere reached"
         details = f"{percent(share)} of the load flows" if share > 0 else details
         return Cell(f"{'yes' if share > 0 else 'no'}{doubt}", details, precision=precision)
-    if below or _has_number(load, "volume_above_yield"):
+    if below or has_number(load, "volume_above_yield"):
         return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")
     if rubber_like(load):
         return Cell(NOT_JUDGED, "rubber-like")
@@ -252,7 +247,7 @@ def is_limited(numbers: Numbers, index: int) -> bool:
     >>> is_limited(xr.Dataset({"max_pressure": ("load", [2e8, 3e8]), "hardness": 3e8}), 1)
     True
     """
-    if not _has_number(numbers, "hardness"):
+    if not has_number(numbers, "hardness"):
         return False
     return bool(float(numbers["max_pressure"][index]) >= float(numbers["hardness"]) * (1 - 1e-9))
 
@@ -264,7 +259,7 @@ def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
         ("electrical_conductance", "current"),
         ("conductance_per_conductivity", "by conductivity"),
     ):
-        if _has_number(numbers, name):
+        if has_number(numbers, name):
             text, interval, _, precision = interval_cell(numbers, name, units, index)
             details = [f"{interval}, {sentence}" if interval else sentence]
             if (second := name.replace("conductance", "resistance")) in numbers:

@@ -188,10 +188,10 @@ def _comparisons(
     `styles` is of `_line_styles`, `grouped` whether there are groups of maps.
     """
     rough = {key: data for key, data in series.items() if np.isfinite(data["relative_pressure"]).all()}
-    # the panel of a single surface has the same
-    if len(rough) < 2:
-        return []
     half_spaces = {key: data for key, data in rough.items() if not is_finite_body(data)}
+    # the panel of a single surface has the same
+    if len(rough) < 2 or (many and not half_spaces):
+        return []
     in_these_units = (
         "Over the pressure relative to E* times the rms gradient rough surfaces fall close together; the "
         "dark lines without marks are theories, in which the rms gradient alone stands for the surface."

@@ -92,9 +92,14 @@ def is_profile(numbers: Numbers) -> bool:
     return any(np.isnan(float(numbers.get(f"window_length_{axis}", 0.0))) for axis in "xy")
 
 
+def has_number(numbers: Numbers, name: str) -> bool:
+    """Return whether a number is present, at one load at least."""
+    return name in numbers and bool(np.isfinite(np.asarray(numbers[name], float)).any())
+
+
 def is_finite_body(numbers: Numbers) -> bool:
     """Return whether numbers are those of a body of finite size."""
-    return "contact_radius" in numbers
+    return has_number(numbers, "contact_radius")
 
 
 def _column(
