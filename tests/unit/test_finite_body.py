@@ -23,6 +23,7 @@ from roughcontact.report.glance import Cell, glance_rows
 from roughcontact.report.load_plots import area_against_load
 from roughcontact.report.map_plots import height_map as height_map_chart
 from roughcontact.report.map_plots import pressure_map
+from roughcontact.report.panel import _fields
 from roughcontact.report.tables import number_tables
 from roughcontact.results.storage import read_dataset
 from roughcontact.statistics.finite_body import hertz_contact
@@ -545,6 +546,18 @@ def test_maps_of_a_finite_body_are_written_with_any_pitch(tmp_path, pitch):
     force = solution["pressure"].sum(("y", "x")) * pitch**2
     np.testing.assert_allclose(force, [2e-3, 1e-3], rtol=1e-9)
     np.testing.assert_array_equal(solution["mean_pressure"], chain.statistics["mean_pressure"])
+
+
+@pytest.mark.parametrize(
+    ("form", "red"),
+    [({"radius": 5e-3}, "; red: the contact of the smooth bodies (Hertz)"), ({"edges": True}, "")],
+)
+def test_the_caption_of_a_map_says_what_is_outlined(tmp_path, form, red):
+    chosen = {"contact": FREE | {"force": [2e-3]}, "form": form, "uncertainty": {"sources": []}}
+    path = tmp_path / "contact.nc"
+    chain = run_chain(ground(1e-8, (64, 64)), resolve(chosen)[""], fields=path)
+    ((caption, *_),) = _fields(path, chain.window, chain.statistics, np.array([0]))
+    assert caption.partition("touch")[2] == red
 
 
 def test_the_page_of_a_body_shows_force_and_radius_and_no_empty_interval():

@@ -43,6 +43,7 @@ def statistics():
         (0.1, 10.0, "order of magnitude"),
         (0.099, 2.0, "not by this map: at most 2.00 "),
         (0.0, 0.33, "not by this map: at most 0.330 "),
+        (0.0, 248796.3, "not by this map: at most 249000 "),
         (0.5, np.nan, "not by this map: at least 0.500 "),
         (0.0, np.nan, "not by this map"),
         (np.nan, np.nan, ""),

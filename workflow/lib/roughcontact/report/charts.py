@@ -364,7 +364,7 @@ class Chart:
         if not listed:
             return [], 0.0
         across, letter = self.size[0] - 24, _LETTER_WIDTH * self.letters
-        longest = 38 + letter / 2 * max(len(_NARROW.sub("", s["label"]) + s["label"]) for _, s in listed)
+        longest = 44 + letter / 2 * max(len(_NARROW.sub("", s["label"]) + s["label"]) for _, s in listed)
         columns = min(max(int(across / longest), 1), _MOST_COLUMNS)
         room = int((across - 38) / letter)
         lines = []

@@ -32,8 +32,8 @@ _RELATIVE = "relative pressure p′ = p̄ / (E* g)"
 _WIDE: dict[str, Any] = {"size": (560.0, 430.0), "letters": 13.0}  # a chart of several surfaces
 # of a distribution: unit, quantity, share, and what is dotted
 _DISTRIBUTIONS = {
-    "pressure": ("Pa", "contact pressure p", "p P(p), share of the contact", "mean over the contact"),
-    "gap": ("m", "gap u", "u P(u), share of the open area", "mean out of contact"),
+    "pressure": ("Pa", "contact pressure p", "share of the contact", "mean over the contact"),
+    "gap": ("m", "gap u", "share of the open area", "mean out of contact"),
     "patch": ("m2", "area of a patch", "share of the contact", "largest patch"),
 }
 

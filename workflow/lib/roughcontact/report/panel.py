@@ -194,14 +194,13 @@ def _fields(
         for load in loads:
             pressure, gap = maps(load)
             area = percent(np.count_nonzero(pressure > 0) / pressure.size)
-            ellipse = hertz_contact(window, numbers, load)
-            pressure_chart = map_plots.pressure_map(
-                window, pressure, highest=highest, unit=of_pressure, ellipse=ellipse
-            )
+            hertz = hertz_contact(window, numbers, load)
+            shown = map_plots.pressure_map(window, pressure, highest=highest, unit=of_pressure, ellipse=hertz)
             gap_chart = map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap)
             mean = of_pressure.text(float(contact["mean_pressure"][load]))
-            caption = f"p̄ = {mean}: {area} of the pixels touch"
-            fields.append((caption, pressure_chart.source(), gap_chart.source()))
+            outlined = "; red: the contact of the smooth bodies (Hertz)" if hertz else ""
+            caption = f"p̄ = {mean}: {area} of the pixels touch{outlined}"
+            fields.append((caption, shown.source(), gap_chart.source()))
             del pressure, gap  # before the next ones are read
     return fields
 

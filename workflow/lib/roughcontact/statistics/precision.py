@@ -65,7 +65,8 @@ def precision_in_words(value: float, lower: float, upper: float, unit: Unit) -> 
         return f"to a factor {number(limit, digits=2)}"
     if precision_class in ("at most", "at least"):
         trivial = unit.symbol == "%" and limit * unit.factor >= 99.95  # all of the area
-        return "not by this map" if trivial else f"not by this map: {precision_class} {unit.text(limit)}"
+        bound = unit.text(float(f"{limit:.3g}"))
+        return "not by this map" if trivial else f"not by this map: {precision_class} {bound}"
     return {"exactly": "exactly", "magnitude": "order of magnitude"}.get(precision_class, "not by this map")
 
 
