@@ -37,7 +37,7 @@ from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.gather import write_results
 from roughcontact.report.glance import shown_loads
-from roughcontact.report.page import write_report
+from roughcontact.report.page import _series, write_report
 from roughcontact.report.panel import write_panel
 from roughcontact.report.summary import read_summary, write_summary
 from roughcontact.report.template import template
@@ -1320,6 +1320,26 @@ def test_loads_of_cases_are_named_by_what_they_have_in_common():
             row = table["groups"][0]["rows"][0]
             assert row[0] == shown
             assert row[-1] in ("0 %", "0 % (0 to 0)")
+
+
+def test_the_load_of_a_target_is_compared_with_that_of_the_other_case():
+    names = ("mean_contact_pressure", "max_pressure", "mean_gap", "relative_contact_area")
+
+    def surface(*pressures):
+        """Two loads that are stated, and that of a target."""
+        numbers = {name: ("load", np.array([0.3, 0.4, 0.1])) for name in names}
+        return xr.Dataset(numbers | {"surface_name": "a"}, {"mean_pressure": ("load", [*pressures])})
+
+    def on_the_page(data):
+        (series,) = _series(data.expand_dims("surface")).values()
+        return series
+
+    soft, stiff, other = (on_the_page(surface(5e7, 2e8, target)) for target in (1e8, 4e8, 3e8))
+    (table,) = case_table({"one": soft, "two": stiff}, equal_loads=True)["groups"][:1]
+    assert [row[0] for row in table["rows"]] == ["50.0 MPa", "100 MPa / 400 MPa", "200 MPa"]
+    assert [row[1:3] for row in table["rows"]] == [[text] * 2 for text in ("30.0 %", "10.0 %", "40.0 %")]
+    many = case_medians([{"one": soft, "two": stiff}, {"one": stiff, "two": other}], equal_loads=True)
+    assert [row[1][:6] for row in many["groups"][0]["rows"]] == ["30.0 %", "10.0 %", "40.0 %"]
 
 
 def test_cases_are_compared_at_the_loads_that_they_share_and_at_no_others():

@@ -253,8 +253,7 @@ def _mistakes_in_finite_bodies(settings: Mapping[str, Any]) -> Iterator[str]:
         yield "contact.influence: layers of a finite body are solved with 'sampled'; leave it out"
     if layered and statistics["stress"] == "always":
         yield "statistics.stress = 'always': stresses in layers are those of periodic maps"
-    friction = statistics["friction"] or {}
-    if names := [key for key in ("speed", "tangential_load") if friction.get(key)]:
+    if names := [key for key in ("speed", "tangential_load") if (statistics["friction"] or {}).get(key)]:
         yield f"statistics.friction: {' and '.join(names)} {_PERIODIC}"
     defaults = Settings().model_dump()
     for section, keys in _OF_PERIODIC_MAPS.items():

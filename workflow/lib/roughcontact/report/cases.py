@@ -86,9 +86,14 @@ def _table(
     names, pairs = list(compared[0]), [pair for pair, indices in first.indices.items() if indices]
     middle = middle_of([cases[names[0]] for cases in compared])
     groups = []
+
+    def pressure_of(numbered: tuple[int, Row]) -> float:
+        """Return the lowest mean pressure of a row."""
+        return min(float(compared[0][name]["mean_pressure"][index]) for name, index in numbered[1].items())
+
     for name in _COMPARED if first.rows else ():
         unit, rows = unit_of(middle, UNITS[name]), []
-        for number_of_row, row in enumerate(first.rows):
+        for number_of_row, row in sorted(enumerate(first.rows), key=pressure_of):
             at_load = {
                 case: [(cases[case], loads.rows[number_of_row][case]) for cases, loads in retained]
                 for case in row
@@ -119,10 +124,12 @@ def _shared(cases: Cases, *, equal_loads: bool) -> _Shared:
     """Return the loads at which the cases of a surface are compared, and the changes there."""
     rows: list[Row] = []
     shared, changes = {}, {}
+    # as stated: between them, where loads rise, lie those of targets, at other places under other cases
+    stated = {name: data.get("place", data["mean_pressure"]).values for name, data in cases.items()}
     for pair in case_pairs(list(cases)):
         datasets = [cases[name] for name in pair]
         in_order = equal_loads and datasets[0].sizes["load"] == datasets[1].sizes["load"]
-        indices = [np.arange(datasets[0].sizes["load"])] * 2 if in_order else shared_loads(datasets)
+        indices = [np.argsort(stated[name]) for name in pair] if in_order else shared_loads(datasets)
         changes[pair] = case_differences(
             *(data.isel(load=selected) for data, selected in zip(datasets, indices, strict=True))
         )
@@ -133,9 +140,7 @@ def _shared(cases: Cases, *, equal_loads: bool) -> _Shared:
             if not (row := next(joined, {})):
                 rows.append(row)
             row |= loads
-    rows.sort(
-        key=lambda row: min(float(cases[name]["mean_pressure"].values[index]) for name, index in row.items())
-    )
+    rows.sort(key=lambda row: min(stated[name][index] for name, index in row.items()))
     return _Shared(rows, shared, changes)
 
 

@@ -251,11 +251,15 @@ def _line_styles(series: Iterable[Key], grouped: Mapping[str, str]) -> dict[Key,
 
 
 def _series(statistics: xr.Dataset) -> dict[Key, xr.Dataset]:
-    """Return {(surface, case): statistics}, loads rising, without padding and failed surfaces."""
-    return {
-        (labels["surface"], labels.get("case")): result.isel(load=np.argsort(result["mean_pressure"].values))
-        for labels, result in solved_results(statistics)
-    }
+    """Return {(surface, case): statistics}, loads rising, without padding and failed surfaces.
+
+    `place` (load) is that of a load among the stated ones and targets.
+    """
+    series = {}
+    for labels, result in solved_results(statistics):
+        placed = result.assign_coords(place=("load", np.arange(result.sizes["load"])))
+        series[labels["surface"], labels.get("case")] = placed.sortby("mean_pressure")
+    return series
 
 
 def _name(surface: str, case: str | None) -> str:

@@ -531,10 +531,9 @@ def _with_friction(
 ) -> xr.Dataset:
     """Return the statistics with the friction of each load, where it is asked for."""
     if friction is not None:
-        areas = statistics["relative_contact_area"].values
         sheared = [
             friction_statistics(contact.isel(load=[load]), area, bodies, **friction)
-            for load, area in enumerate(areas)
+            for load, area in enumerate(statistics["relative_contact_area"].values)
         ]
         if sheared[0].variables:  # a coefficient alone adds nothing
             statistics = statistics.merge(joined(sheared)).assign_attrs(sheared[0].attrs)

@@ -101,10 +101,12 @@ def unload(
     residual = (height - depth).assign_attrs(height.attrs)
     unloaded = solve_contact(residual, mean_pressure=loads, **problem)
     mean_depth = float(depth.mean())
-    areas = [relative_contact_area(touching) for touching in unloaded["contact"].values > 0]
     return describe(
         unloaded.assign(
-            relative_contact_area=("load", areas),
+            relative_contact_area=(
+                "load",
+                [relative_contact_area(c) for c in unloaded["contact"].values > 0],
+            ),
             residual_height=residual,
             plastic_depth=depth,
             mean_plastic_depth=mean_depth,
