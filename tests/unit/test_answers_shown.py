@@ -159,7 +159,7 @@ def test_whether_a_body_yields_is_answered_where_it_can_be():
     assert _yields(limited) == Cell("no", "hardness just reached")
     elastic = kept.assign(volume_above_yield=0.0, max_pressure=1e9)
     assert _yields(elastic.assign(max_pressure_upper=2e9)) == Cell(
-        "no", "hardness nowhere reached", precision="throughout the ±"
+        "no", "hardness nowhere reached", precision="in all of the ±"
     )
     assert _yields(elastic.assign(max_pressure_upper=3e9)) == Cell(
         "no (in doubt)", "hardness nowhere reached", precision="either in the ±"

@@ -28,7 +28,7 @@ HEADINGS = (
 )
 
 _NO_INTERVAL = "no ±"
-_ONE_SIDED, _TWO_SIDED = "throughout the ±", "either in the ±"  # of a yes or no
+_ONE_SIDED, _TWO_SIDED = "in all of the ±", "either in the ±"  # of a yes or no
 _COMMON_UNIT_RATIO = 100.0  # ratio of rms heights up to which one unit does for all
 
 
