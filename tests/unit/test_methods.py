@@ -111,3 +111,32 @@ def test_of_profiles_the_paragraph_says_which_surfaces_were_solved():
         "was drawn at random from the surfaces with the spectrum, heights and slopes of 3 profiles;" in text
     )
     assert "periodic as measured" not in text
+
+
+def test_the_paragraph_says_how_rows_scars_and_waves_were_treated():
+    made = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=4e-6, longest=3.2e-5, rms_height=1e-7)
+    rows = np.random.default_rng(1).normal(0, 1e-6, (64, 1))
+    text = methods_paragraph(
+        evaluate(
+            made + rows,
+            level={"robust": True, "line_alignment": "auto", "scar_threshold": 5},
+            window={"reliable_band": True},
+            instrument={"noise": "2 nm", "correct": True},
+            contact={"contact_modulus": 1e9, "mean_pressure": 5e6},
+            uncertainty={"sources": ["solver"]},
+        )
+    )
+    assert "levelled by a robustly fitted plane, outliers" in text
+    assert "scars beyond 5.0 standard deviations rejected, rows aligned (jitter), missing" in text
+    assert "was corrected for noise of 2.00 nm, waves shorter than 2.00 µm were removed;" in text
+
+
+@pytest.mark.parametrize(
+    ("sources", "about"),
+    [(["solver", "material"], "this map alone"), (["solver", "window"], "the mean of maps of this size")],
+)
+def test_the_intervals_are_of_the_surface_where_they_include_it(sources, about):
+    made = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=3.2e-5, rms_height=1e-7)
+    contact = {"contact_modulus": 1e9, "mean_pressure": 5e6}
+    text = methods_paragraph(evaluate(made, contact=contact, uncertainty={"sources": sources}))
+    assert f"The intervals hold 95 % and are for {about}" in text

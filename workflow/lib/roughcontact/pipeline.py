@@ -36,9 +36,9 @@ from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.window.band import lateral_period_limit
 from roughcontact.window.instrument import stated_instrument, window_arguments
 
-_OF_WINDOW = (  # what a group of maps has to have in common, and where a summit stands out
+_OF_WINDOW = (  # what a group of maps has in common, how rows were aligned, where a summit stands out
     *("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "profiles"),
-    *("summit_x", "summit_y"),
+    *("line_alignment", "summit_x", "summit_y"),
 )
 _LOADS = ("mean_pressure", "relative_pressure", "force")
 

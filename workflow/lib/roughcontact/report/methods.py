@@ -84,4 +84,6 @@ def _measurand(statistics: xr.Dataset, uncertainty: dict[str, Any]) -> str:
     if is_finite_body(statistics):
         positions = statistics.attrs.get("window_reason")
         return f"this body{', also at other positions on its roughness' if positions else ''}"
+    if "window" not in uncertainty["sources"]:
+        return "this map alone"
     return measurand_in_words(uncertainty["extent"] if uncertainty["measurand"] == "longer" else None)
