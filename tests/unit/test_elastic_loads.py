@@ -29,6 +29,17 @@ def test_every_planned_load_stays_below_what_materials_bear(gradient, fewest):
     assert (np.diff(found["mean_pressure"]) > 0).all()
 
 
+def test_planned_loads_of_two_moduli_are_the_same_over_them():
+    steep, undisturbed = rough(0.25)[:64, :64], {"uncertainty": {"sources": []}}
+    stiff, soft = (
+        rc.evaluate(steep, contact={"contact_modulus": modulus}, **undisturbed)["relative_pressure"].values
+        for modulus in (115e9, 77.7e9)
+    )
+    np.testing.assert_allclose(stiff, soft, rtol=1e-9)
+    assert stiff.size == 4
+    assert stiff[-1] < 0.02  # no step of the plan
+
+
 def test_a_surface_too_steep_at_every_load_says_so():
     found = rc.evaluate(rough(1.0), contact={"contact_modulus": STEEL}, uncertainty={"sources": []})
     assert (found["verdict"] == 2).all()

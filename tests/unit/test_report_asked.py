@@ -10,7 +10,7 @@ import pytest
 from roughcontact.configuration.generated import changed_settings
 from roughcontact.configuration.resolve import resolve
 from roughcontact.maps import height_map
-from roughcontact.report.asked import describe_problem, planned_in_words
+from roughcontact.report.asked import describe_problem, planned_in_words, same_loads
 from roughcontact.report.stack import stack_of_layers
 
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
@@ -51,6 +51,12 @@ def test_each_case_has_its_own():
         ("soft", "contact modulus E* = 1.00 MPa; mean gap 1.00 µm"),
         ("stiff", "contact modulus E* = 1.00 GPa; mean gap 1.00 µm"),
     ]
+
+
+def test_planned_loads_are_not_the_same_in_order():
+    planned, stated = {"contact": {"contact_modulus": 1e9}}, {"contact": {"mean_pressure": [1e6]}}
+    assert same_loads({"rough": stated, "smooth": stated})
+    assert not same_loads({"rough": planned, "smooth": planned})
 
 
 def test_settings_that_differ_from_their_defaults_follow_each_with_its_unit():

@@ -45,7 +45,7 @@ def elastic_loads(window: xr.DataArray, loads: Sequence[float], contact: Mapping
         return list(loads)
     if elastic.size >= _FEWEST_LOADS or not below.size:
         return [float(pressure[index]) for index in elastic]
-    spread = pressure[0] * np.exp(
-        fine[below[np.linspace(0, below.size - 1, _FEWEST_LOADS).round().astype(int)]]
-    )
-    return list(dict.fromkeys(float(f"{load:.3g}") for load in spread))
+    places = below[np.linspace(0, below.size - 1, _FEWEST_LOADS).round().astype(int)]
+    unit = modulus * gradient  # in which loads are round, so that those of two moduli are the same
+    spread = pressure[0] / unit * np.exp(fine[places])
+    return [load * unit for load in dict.fromkeys(float(f"{load:.3g}") for load in spread)]
