@@ -115,6 +115,17 @@ def test_loads_of_other_bodies_belong_together_by_their_relative_pressure(share)
     assert list(lost["mean_pressure"].unique()) == LOADS
 
 
+def test_a_load_that_was_left_out_does_not_bring_others_together():
+    def run(modulus, *loads):
+        """A gap that the load alone decides, and a relative pressure."""
+        same = statistics(gaps=loads, loads=loads, area=loads)
+        return same.assign_coords(relative_pressure=("load", np.divide(loads, modulus)))
+
+    assert different(run(1e9, 1e6, 2e6, 4e6), run(2e9, 2e6, 4e6)) == [("mean_pressure", 1e6)]
+    # a target that comes at twice the load, beside a stated load
+    assert different(run(1e9, 2e6, 3e6), run(2e9, 2e6, 6e6)) == [("mean_gap", 3e6)]
+
+
 def test_surfaces_belong_together_by_name(tmp_path):
     def run(folder, **surfaces):
         for name, dataset in surfaces.items():

@@ -79,10 +79,8 @@ def write_results(
     solved = _by_map(statistics, requested)
     answers, omitted = group_answers(solved, groups)
     compared, not_compared = comparisons(answers, same_area_pairs)
-    omitted += not_compared
     of_maps, not_shared = compare_maps(_shared_maps(solved, groups, same_area_pairs))
-    compared |= of_maps
-    omitted += not_shared
+    compared, omitted = compared | of_maps, omitted + not_compared + not_shared
     if groups or same_area_pairs:
         attrs["left_out"] = json.dumps(omitted, ensure_ascii=False)
         attrs = {key: text for key, text in attrs.items() if key != "comment"} | {"title": "Groups of maps"}

@@ -1,6 +1,7 @@
 """Comparison of two runs: the numbers that differ by more than their uncertainties."""
 
 from collections.abc import Iterator
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from roughcontact.results.collect import solved_results
 from roughcontact.variables import VARIABLES
 
 _LABELS = ("case", "surface")
-# two loads are the same where one of these agrees to a thousandth
+# by which loads are the same, where it agrees to a thousandth
 _LOADS = ("mean_pressure", "relative_pressure")
 _SAME_LOAD = 1e-3
 # how a load was solved and judged, not results
@@ -43,8 +44,8 @@ def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | 
     ----------
     before, after : Dataset
         from `contact_statistics` or `collect_statistics`, both of one kind. Surfaces and cases belong
-        together by name, loads by `mean_pressure` or `relative_pressure`, where one of them agrees to a
-        thousandth.
+        together by name, loads by `mean_pressure` or `relative_pressure`, to a thousandth, first by that in
+        which more of them agree.
     share : float, optional
         largest change allowed, over the number itself.
 
@@ -108,20 +109,17 @@ def _surfaces(statistics: xr.Dataset) -> Surfaces:
 
 def _pairs(before: list[xr.Dataset], after: list[xr.Dataset]) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
     """Yield the loads of both that belong together; one without a partner comes with an empty dataset."""
-    unmatched = list(after)
-    for old in before:
-        index = next((index for index, new in enumerate(unmatched) if _same_load(old, new)), None)
-        yield old, xr.Dataset() if index is None else unmatched.pop(index)
-    for new in unmatched:
-        yield xr.Dataset(), new
-
-
-def _same_load(old: xr.Dataset, new: xr.Dataset) -> bool:
-    """Return whether two loads are one and the same."""
-    return any(
-        name in old and name in new and bool(np.isclose(old[name], new[name], rtol=_SAME_LOAD, atol=0))
-        for name in _LOADS
-    )
+    alike = []
+    for name in _LOADS:
+        old, new = (np.array([float(load.get(name, np.nan)) for load in side]) for side in (before, after))
+        alike.append(np.argwhere(np.isclose(old[:, None], new, rtol=_SAME_LOAD, atol=0)).tolist())
+    partners: dict[int, int] = {}
+    for before_index, index in chain(*sorted(alike, key=len, reverse=True)):
+        if before_index not in partners and index not in partners.values():
+            partners[before_index] = index
+    empty = xr.Dataset()
+    yield from ((load, after[partners[i]] if i in partners else empty) for i, load in enumerate(before))
+    yield from ((empty, load) for i, load in enumerate(after) if i not in partners.values())
 
 
 def _judged(old: xr.Dataset, new: xr.Dataset, share: float | None) -> Iterator[dict[str, Any]]:
