@@ -454,8 +454,22 @@ def test_groups_of_the_same_places_are_compared_place_by_place():
     known = stats.ttest_1samp(np.log(factors), 0.0).pvalue
     found, _ = compare_all(groups, same_area_pairs=pairs)
     assert found["new", "worn"]["p_value"].item() == pytest.approx(known)
-    apart, _ = compare_all(groups, same_area_pairs=pairs[:2])
+    apart, (said,) = compare_all(groups, same_area_pairs=pairs[:2])
     assert apart["new", "worn"]["p_value"].item() > 10 * known
+    assert said.startswith("new and worn place by place: not all maps have one of their place")
+
+
+def test_the_first_and_the_third_state_of_the_same_places_are_compared_place_by_place():
+    gaps, factors = np.array([1.0, 2.0, 4.0]), np.array([1.1, 1.11, 1.09])
+    groups = {
+        state: group_of(gaps * factors**power, names=[f"{place}{power}" for place in "abc"])
+        for power, state in enumerate(("new", "run-in", "worn"))
+    }
+    pairs = [(f"{place}{power}", f"{place}{power + 1}") for power in (1, 0) for place in "abc"]
+    found, left_out = compare_all(groups, same_area_pairs=pairs)
+    p_values = [pair["p_value"].item() for pair in found.values()]
+    assert p_values == pytest.approx([3 * stats.ttest_1samp(np.log(factors), 0.0).pvalue] * 3)
+    assert not left_out
 
 
 @pytest.fixture(scope="module")

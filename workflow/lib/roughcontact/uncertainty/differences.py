@@ -112,17 +112,27 @@ def compare_all(
     """Return the comparisons of every two groups by their names, and a sentence for each that is left out.
 
     The p-values are adjusted for all loads and pairs together. `cases` are pairs of the same maps under two
-    cases, compared instead; groups of the areas in `same_area_pairs` are compared map by map.
+    cases, compared instead; groups of the areas in `same_area_pairs`, in two or more states, are compared map
+    by map.
     """
     results, skipped = {}, []
-    repeated_pairs = {*map(tuple, same_area_pairs), *(tuple(pair)[::-1] for pair in same_area_pairs)}
+    maps_of_place: dict[str, set[str]] = {}  # by each of them
+    for earlier_map, later_map in same_area_pairs:
+        joined = {name for of in (earlier_map, later_map) for name in maps_of_place.get(of, {of})}
+        maps_of_place |= dict.fromkeys(joined, joined)
     for pair in cases or combinations(groups, 2):
         first_group, second_group = (groups[name].assign_attrs(group=name) for name in pair)
+        maps = list(first_group["map"].values)
         earlier = [
-            "".join(map_name for map_name in first_group["map"].values if (map_name, name) in repeated_pairs)
+            "".join(map_name for map_name in maps if map_name in maps_of_place.get(name, ()))
             for name in second_group["map"].values
         ]
-        paired = bool(cases) or sorted(earlier) == sorted(first_group["map"].values)
+        paired = bool(cases) or sorted(earlier) == sorted(maps)
+        if any(earlier) and not paired:
+            skipped.append(
+                f"{' and '.join(pair)} place by place: not all maps have one of their place in the other, "
+                "so that they are compared as groups of different places; leave out those with none"
+            )
         try:
             results[pair] = _compared(
                 first_group,

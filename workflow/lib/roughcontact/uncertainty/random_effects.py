@@ -56,26 +56,14 @@ def random_effects(values: np.ndarray, part_names: Sequence[str]) -> Effects:
         map_variance = (1 - 1 / harmonic) * residual  # a single map scatters more than the mean of a part
         next_map = next_part + map_variance
         with np.errstate(invalid="ignore", divide="ignore"):
-            of_map = next_map**2 / (
-                next_part**2 / freedom + map_variance**2 / within_freedom
-            )  # Satterthwaite (1946)
+            # as of Satterthwaite, 1946
+            of_map = next_map**2 / (next_part**2 / freedom + map_variance**2 / within_freedom)
         of_map = np.where(np.isfinite(of_map), of_map, freedom)
-        scatter_of_parts, scatter_of_maps = (
-            np.sqrt(np.maximum(scatter - residual / harmonic, 0.0)),
-            np.sqrt(residual),
-        )
-    return Effects(
-        units,
-        mean,
-        averages - mean,
-        np.sqrt(scatter / units),
-        freedom,
-        np.sqrt(next_map),
-        of_map,
-        np.sqrt(next_part) if nested else undefined,
-        scatter_of_parts,
-        scatter_of_maps,
-    )
+        scatter_of_parts = np.sqrt(np.maximum(scatter - residual / harmonic, 0.0))
+        scatter_of_maps = np.sqrt(residual)
+    of_mean = units, mean, averages - mean, np.sqrt(scatter / units), freedom
+    of_next = np.sqrt(next_map), of_map, np.sqrt(next_part) if nested else undefined
+    return Effects(*of_mean, *of_next, scatter_of_parts, scatter_of_maps)
 
 
 def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
