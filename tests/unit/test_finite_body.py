@@ -12,6 +12,7 @@ from scipy.special import ellipk
 
 import roughcontact as rc
 from roughcontact import pipeline
+from roughcontact.command_line.program import main
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.stages import settings_of
 from roughcontact.maps import height_map, roughness_of, spacing
@@ -26,6 +27,7 @@ from roughcontact.report.map_plots import pressure_map
 from roughcontact.report.panel import _fields
 from roughcontact.report.tables import number_tables
 from roughcontact.results.storage import read_dataset
+from roughcontact.statistics.contact_checks import plasticity
 from roughcontact.statistics.finite_body import hertz_contact
 from roughcontact.uncertainty import local_scale
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP
@@ -266,6 +268,27 @@ def test_hardness_limits_the_pressure_of_a_study():
     answer = rc.evaluate(ground(1.5e-7), contact=FREE | {"hardness": "1 GPa"}, form={"radius": "5 mm"})
     assert answer["max_pressure"].item() == pytest.approx(1e9)
     assert answer["error_bound"].item() <= 1e-4
+
+
+def test_first_yield_beyond_the_map_is_left_out_and_refuses_no_load(tmp_path, capsys):
+    form = {"radius": "5 mm"}
+    contact = FREE | {"hardness": "20 GPa", "force": "0.5 N"}  # touches over 1.7 mm at first yield
+    answer = rc.evaluate(ground(1e-9), contact=contact, form=form, uncertainty={"sources": []})
+    assert "first_yield_pressure" not in answer
+    assert "First yield" not in plasticity(answer).sentence
+    softer = rc.evaluate(
+        ground(1e-9), contact=contact | {"hardness": "2 GPa"}, form=form, uncertainty={"sources": []}
+    )
+    assert "First yield" in plasticity(softer).sentence
+    rc.write_dataset(ground(1e-9).rename("height"), file := tmp_path / "ball.nc")
+    stated = ["--contact-modulus", "115GPa", "--hardness", "20GPa", "--boundary", "free"]
+    stated += ["--force", "0.5N", "0.2N", "--form-radius", "5mm", "--uncertainty-sources"]
+    assert main(["solve", str(file), *stated]) == 0
+    out = capsys.readouterr().out
+    assert "hardness          20.0 GPa" in out
+    assert "first yield" not in out
+    assert "\n  ±  " not in out  # nothing has one
+    assert out.index("at 200 mN") < out.index("at 500 mN")  # as the table
 
 
 def test_flat_punch_with_the_edges_of_the_map():

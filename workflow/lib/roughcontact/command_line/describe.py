@@ -187,7 +187,7 @@ def solution(result: Mapping[str, Any]) -> str:
         *([_line("bodies", bodies_in_words(contact))] if contact["bodies"] else []),
         _line("contact modulus", quantity(surface["contact_modulus"], "Pa")),
         *_lines_of_hardness(surface),
-        *_lines_of_finite_body(result["loads"]),
+        *_lines_of_finite_body(rising),
         "",
         *_table(rising),
         *_precision(rising),
@@ -272,10 +272,12 @@ def _lines_of_finite_body(loads: Iterable[Mapping[str, Any]]) -> list[str]:
 
 def _lines_of_hardness(surface: Mapping[str, Any]) -> list[str]:
     """Return hardness and first yield, if a hardness is given."""
-    if "hardness" not in surface:
-        return []
-    first = f"mean pressure {quantity(surface['first_yield_pressure'], 'Pa')}"
-    return [_line("hardness", quantity(surface["hardness"], "Pa")), _line("first yield", first)]
+    stated = {"hardness": "", "first_yield_pressure": "mean pressure "}
+    return [
+        _line(name.removesuffix("_pressure").replace("_", " "), f"{text}{quantity(surface[name], 'Pa')}")
+        for name, text in stated.items()
+        if name in surface
+    ]
 
 
 def _precision(loads: Iterable[Mapping[str, Any]]) -> list[str]:
@@ -301,13 +303,12 @@ def _about(result: Mapping[str, Any], loads: Iterable[Mapping[str, Any]]) -> lis
     if corrected := result["window"].get("corrected_for"):
         lines.append(_line("corrected", f"for {corrected}"))
     uncertainty = result["settings"]["uncertainty"]
+    sampled = "window" in uncertainty["sources"]
     if result["settings"]["contact"]["boundary"] == "free":
-        lines.append(
-            _line("±", "for this body, elsewhere on the roughness too where the map is large enough")
-        )
-    elif "window" in uncertainty["sources"]:
-        extent = uncertainty["extent"]
-        longer = uncertainty["measurand"] == "longer"
+        elsewhere = ", elsewhere on the roughness too where the map is large enough" if sampled else ""
+        lines += [_line("±", f"for this body{elsewhere}")] if uncertainty["sources"] else []
+    elif sampled:
+        extent, longer = uncertainty["extent"], uncertainty["measurand"] == "longer"
         lines.append(_line("±", f"for {measurand_in_words(extent if longer else None)}"))
         lines += _wider_intervals(loads, extent)
     return lines if lines[1:] else []

@@ -49,11 +49,9 @@ def solve_files(
         answer = group_statistics([statistics for _, statistics in solved], names=[*map(str, paths)])
     except RoughContactError as error:  # what was computed is not lost
         return {"maps": maps, "group": {"maps": len(maps), "none": str(error)}}
-    numbers = {str(name): answer[name].values for name in answer.variables if answer[name].dims == ("load",)}
-    loads = [
-        {name: values[index].item() for name, values in numbers.items()}
-        for index in range(answer.sizes["load"])
-    ]
+    names = [name for name in map(str, answer.variables) if answer[name].dims == ("load",)]
+    numbers = {name: answer[name].values.tolist() for name in names}
+    loads = [dict(zip(numbers, row, strict=True)) for row in zip(*numbers.values(), strict=True)]
     return {
         "maps": maps,
         "group": {
@@ -113,12 +111,7 @@ def solve_file(
             json.loads(statistics.attrs["verdicts"]),
         ),
         "checks": [
-            {
-                "name": check.name,
-                "outcome": check.outcome,
-                "sentence": check.sentence,
-                "answers": check.answers,
-            }
+            {key: getattr(check, key) for key in ("name", "outcome", "sentence", "answers")}
             for check in outcome
         ],
         "verdict": VERDICTS[verdict_of(outcome)],

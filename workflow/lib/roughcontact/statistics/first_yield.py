@@ -9,6 +9,7 @@ import xarray as xr
 from roughcontact.bodies import have_layers
 from roughcontact.checking import check_positive
 from roughcontact.contact.solve import MOST_LOAD, solve_contact
+from roughcontact.errors import HeightMapError
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.si import in_si
@@ -122,6 +123,7 @@ def with_first_yield(
 ) -> xr.Dataset:
     """Return the statistics with `first_yield_pressure` (Pa) of the solved map `window` (y, x; m).
 
+    It is left out where the contact of a finite body reaches the border of the map before.
     Without a hardness, `first_yield_pressure_by_ratio` for each `hardness_over_modulus`, NaN beyond the
     solved loads; of the settings `contact`, `tolerance`, `influence` and `precision` count.
     """
@@ -138,15 +140,18 @@ def with_first_yield(
     start = float(loads[elastic][-1]) if elastic.any() else None
     if start is None and window.attrs.get("boundary") == "free":
         start = float(loads[0])  # under a larger load the contact may leave the map
-    pressures = first_yield_pressure(
-        window,
-        contact_modulus=modulus,
-        hardness=hardness,
-        start=start,
-        threads=threads,
-        **{key: contact[key] for key in _SOLVER_SETTINGS if key in contact},
-        **({"bodies": contact["bodies"]} if have_layers(contact.get("bodies")) else {}),
-    )
+    try:
+        pressures = first_yield_pressure(
+            window,
+            contact_modulus=modulus,
+            hardness=hardness,
+            start=start,
+            threads=threads,
+            **{key: contact[key] for key in _SOLVER_SETTINGS if key in contact},
+            **({"bodies": contact["bodies"]} if have_layers(contact.get("bodies")) else {}),
+        )
+    except HeightMapError:  # the contact of a finite body leaves the map before
+        return statistics
     return statistics.assign(first_yield_pressure=pressures)
 
 
