@@ -199,6 +199,21 @@ def test_one_map_is_what_it_was_and_two_are_a_range():
     assert json.loads(of_two_parts.attrs["remarks"])[0].startswith("Two parts: a range")
 
 
+def test_a_load_that_all_maps_have_stays_beside_those_of_targets():
+    def targeted(*targets):
+        loads = np.array([1e6, 3e6, *targets])
+        return one_map(1e6 / loads, load=loads)
+
+    maps = [targeted(4.1e6, 9e6), targeted(5e6, 8e6), targeted(6e6, 7e6)]
+    found = rc.group_statistics(maps)
+    assert {1e6, 3e6} <= {*found["mean_pressure"].values}
+    assert found["mean_gap"].sel(load=found["mean_pressure"] == 3e6).item() == pytest.approx(1 / 3)
+    both = rc.compare_groups(
+        found, rc.group_statistics([map_.assign(mean_gap=2 * map_["mean_gap"]) for map_ in maps])
+    )
+    assert 3e6 in both["mean_pressure"]
+
+
 def test_other_loads_are_interpolated_within_the_common_range_alone():
     """A power law is a line in logarithms, which is met exactly."""
     loads = [(1e6, 4e6, 9e6), (2e6, 8e6), (1.5e6, 3e6, 6e6)]

@@ -10,6 +10,7 @@ without waves longer than a map.
 import hashlib
 import json
 from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -87,9 +88,9 @@ def group_statistics(
     """Return one answer of several maps of a finish, with its interval.
 
     Three parts (maps, where each is of its own part) or more have intervals, two have the range of their
-    maps; a single map keeps its own numbers. Loads are those that all maps have; where these differ, those of
-    the maps within their common range, at which the others are interpolated (monotone cubic in the logarithm
-    of the load, on the scale of the quantity), never beyond.
+    maps; a single map keeps its own numbers. Loads are those that all maps have; where these differ, also
+    others within their common range, at which maps are interpolated (monotone cubic in the logarithm of the
+    load, on the scale of the quantity), never beyond.
 
     Parameters
     ----------
@@ -363,7 +364,10 @@ def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset
     limit = max(value.size for value in map_loads)
     if distinct.size <= limit:
         return distinct
-    return np.geomspace(low, high, limit)
+    is_same = partial(np.isclose, rtol=SAME_LOAD, atol=0.0)
+    known = np.all([is_same(distinct[:, None], value).any(axis=1) for value in map_loads], axis=0)
+    grid = np.geomspace(low, high, limit)
+    return np.sort(np.r_[distinct[known], grid[~is_same(grid[:, None], distinct[known]).any(axis=1)]])
 
 
 def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:
@@ -372,9 +376,7 @@ def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]
         values = [float(data.get(key, np.nan)) for data in datasets]
         for name, value in zip(names, values, strict=True):
             if not np.isclose(value, values[0], rtol=SAME_LOAD, equal_nan=True):
-                first, second = (
-                    quantity(value, "Pa") if value > 0 else "none" for value in (values[0], value)
-                )
+                first, second = (quantity(v, "Pa") if v > 0 else "none" for v in (values[0], value))
                 raise SettingsError(
                     f"{label}: {names[0]} was solved with {symbol} = {first} and {name} with {second}; solve "
                     "them with the same bodies, or put them into two groups"
