@@ -179,7 +179,8 @@ def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str,
     """Return lines on the contact area beyond band and map, and the table of all intervals."""
     if not numbers.sizes["load"] or f"{_HEADLINE[0]}_next_lower" not in numbers:
         return [], None
-    beyond = beyond_the_map(extent)
+    elsewhere = "window_reason" in numbers.attrs or "window" in present_sources(numbers)
+    beyond = {key: text for key, text in beyond_the_map(extent).items() if elsewhere or key == "octave"}
     text = {"": "the ±", **beyond, "map": "this map"}
     loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"].values]
     rows: list[list[str]] = []
@@ -190,8 +191,7 @@ def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str,
             for end in ("lower", "upper")
         )
         for index, load in enumerate(loads):
-            pairs = zip(lower[:, index], upper[:, index], strict=True)
-            texts = [unit.ends(*pair) for pair in pairs]
+            texts = [unit.ends(*pair) for pair in zip(lower[:, index], upper[:, index], strict=True)]
             rows.append([f"{TITLES[name]} at {load}", unit.text(float(solved[index])), *texts])
     header = ["result", "as solved", *text.values()]
     lines = [
