@@ -365,9 +365,9 @@ def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset
     if distinct.size <= limit:
         return distinct
     is_same = partial(np.isclose, rtol=SAME_LOAD, atol=0.0)
-    known = np.all([is_same(distinct[:, None], value).any(axis=1) for value in map_loads], axis=0)
+    known = np.all([np.any(is_same(distinct[:, None], value), axis=1) for value in map_loads], axis=0)
     grid = np.geomspace(low, high, limit)
-    return np.sort(np.r_[distinct[known], grid[~is_same(grid[:, None], distinct[known]).any(axis=1)]])
+    return np.sort(np.r_[distinct[known], grid[~np.any(is_same(grid[:, None], distinct[known]), axis=1)]])
 
 
 def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:
