@@ -59,6 +59,11 @@ def test_the_command_prints_it_for_each_result(statistics, tmp_path, capsys):
     assert main(["methods", str(tmp_path)]) == 0
     out = capsys.readouterr().out
     assert out.startswith(f"# one\n{methods_paragraph(statistics)}\n# two\n")
+    assert main(["methods", str(tmp_path / "one")]) == 0  # the folder of a surface
+    assert capsys.readouterr().out == f"{methods_paragraph(statistics)}\n"
+    (tmp_path / "empty").mkdir()
+    assert main(["methods", str(tmp_path / "empty")]) == 2
+    assert "empty/statistics.nc: no such file; name the" in capsys.readouterr().err.replace("\\", "/")
     several = xr.concat([statistics, statistics], dim="surface", data_vars="all")
     write_dataset(several, tmp_path / "all.nc")
     assert main(["methods", str(tmp_path / "all.nc")]) == 2

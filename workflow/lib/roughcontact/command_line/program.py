@@ -411,11 +411,10 @@ def _methods(options: argparse.Namespace) -> int:
     """Print the paragraph of methods of each result."""
     from roughcontact.report.methods import methods_paragraph
 
-    files = [
-        path
-        for name in options.files
-        for path in (sorted(Path(name).glob("**/*/statistics.nc")) if Path(name).is_dir() else [Path(name)])
-    ]
+    files: list[Path] = []
+    for path in map(Path, options.files):
+        within = sorted(path.glob("**/*/statistics.nc")) or [path / "statistics.nc"]
+        files += within if path.is_dir() else [path]
     for path in files:
         statistics = _statistics_of(str(path), single=True)
         print(*([f"# {path.parent.name}"] if len(files) > 1 else []), methods_paragraph(statistics), sep="\n")
