@@ -311,6 +311,10 @@ def test_a_profile_is_solved(capsys):
             ["solve", PERIODIC, "--contact-modulus", "1e9", "--colour", "red"],
             "unrecognized arguments: --colour",
         ),
+        (
+            ["solve", PERIODIC, "--contact-modulus", "4.67", "GPa"],
+            "unrecognized arguments: GPa; write a number and its unit as one word: 5GPa; see",
+        ),
         (["solve", PERIODIC, "--contact-modulus", "1e9", "--mean-pressure", "0"], "--mean-pressure"),
         (["solve", PERIODIC, "--contact-modulus", "1e9", "--dx", "1"], "is given without a unit"),
         (

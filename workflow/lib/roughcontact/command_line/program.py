@@ -63,7 +63,9 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Exit with one sentence instead of the whole usage."""
-        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+        stray = message.partition("unrecognized arguments: ")[2]
+        hint = "; write a number and its unit as one word: 5GPa" if stray[:1].isalpha() else ""
+        self.exit(2, f"{self.prog}: {message}{hint}; see {self.prog} --help\n")
 
 
 def main(arguments: list[str] | None = None) -> int:
