@@ -214,6 +214,17 @@ def test_a_load_that_all_maps_have_stays_beside_those_of_targets():
     assert 3e6 in both["mean_pressure"]
 
 
+def test_bodies_of_finite_size_on_maps_of_different_size_are_no_group():
+    def pressed(size):
+        pressure = np.array([1e-3, 2e-3]) / size
+        radius = ("load", [1e-6, 2e-6])
+        return one_map([2.0, 1.0], load=pressure).assign(force=("load", [1e-3, 2e-3]), contact_radius=radius)
+
+    assert rc.group_statistics([pressed(4e-9) for _ in range(3)]).sizes["load"] == 2
+    with pytest.raises(rc.SettingsError, match="maps differ in size"):
+        rc.group_statistics([pressed(4e-9), pressed(4e-9), pressed(6e-9)])
+
+
 def test_other_loads_are_interpolated_within_the_common_range_alone():
     """A power law is a line in logarithms, which is met exactly."""
     loads = [(1e6, 4e6, 9e6), (2e6, 8e6), (1.5e6, 3e6, 6e6)]

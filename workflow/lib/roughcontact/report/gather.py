@@ -55,8 +55,7 @@ def write_results(
         if contact_of_case[entry["case"] or ""].get("unload") is None:  # of an earlier run
             file_of(entry, "residual.nc").unlink(missing_ok=True)
     statistics = collect_statistics(finished)
-    checksums = statistics.attrs["source_sha256"]
-    attrs = provenance(settings_of_statistics, source_sha256=checksums, stage="statistics")
+    attrs = provenance(settings_of_statistics, source_sha256=statistics.source_sha256, stage="statistics")
     if failures:
         attrs["failed"] = json.dumps(list(failures), sort_keys=True)
     write_dataset(statistics.assign_attrs(attrs), folder / "statistics.nc")

@@ -74,6 +74,7 @@ def needed_for_groups(names: Iterable[str]) -> list[str]:
     ends = ("", "_lower", "_upper", "_components", "_parts")
     endings = {f"{name}{end}" for name in (*QUANTITIES, *ANSWERS) for end in ends}
     needed_names = {*endings, "mean_pressure", "contact_modulus", "hardness", "rms_height"}
+    needed_names |= {"force", "contact_radius"}  # of bodies of finite size
     return [name for name in names if name in needed_names]
 
 
@@ -338,12 +339,10 @@ def at_loads(map_loads: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np
         return values[nearest]
     finite = np.isfinite(values)
     within = np.clip(np.log(loads), *np.log(map_loads[[0, -1]]))  # up to rounding
-    interpolated = scipy.interpolate.PchipInterpolator(np.log(map_loads), np.where(finite, values, 0.0))(
-        within
-    )
+    curve = scipy.interpolate.PchipInterpolator(np.log(map_loads), np.where(finite, values, 0.0))
     next_index = np.clip(np.searchsorted(map_loads, loads), 1, map_loads.size - 1)
     unknown = np.where(finite, 0.0, values)  # 0, NaN or infinite
-    return interpolated + unknown[next_index] + unknown[next_index - 1]
+    return curve(within) + unknown[next_index] + unknown[next_index - 1]
 
 
 def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> np.ndarray:
@@ -381,12 +380,18 @@ def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]
                     f"{label}: {names[0]} was solved with {symbol} = {first} and {name} with {second}; solve "
                     "them with the same bodies, or put them into two groups"
                 )
+    sizes = [
+        float((data["force"] / data["mean_pressure"])[0]) for data in datasets if "contact_radius" in data
+    ]
+    if sizes and max(sizes) > min(sizes) * (1 + SAME_LOAD):
+        raise SettingsError(
+            f"{label}: its maps differ in size, over which the mean pressure and the relative area of a body "
+            "of finite size are taken, so that equal forces are other loads; cut them to one size"
+        )
+    named = [*zip(names, datasets, strict=True)]
     for noun, limit in _SAME_BAND.items():
-        limits = {
-            name: float(data.attrs[f"band_{noun}"])
-            for name, data in zip(names, datasets, strict=True)
-            if f"band_{noun}" in data.attrs
-        }
+        key = f"band_{noun}"
+        limits = {name: float(data.attrs[key]) for name, data in named if key in data.attrs}
         low, high = (choose(limits, key=limits.__getitem__, default="") for choose in (min, max))
         if limits and limits[high] > limit * limits[low]:
             band = limits[high if noun == "shortest" else low]
@@ -395,9 +400,7 @@ def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]
                 f"{quantity(limits[low], 'm')}, that of {high} {quantity(limits[high], 'm')}; state one band "
                 f"for all (window: {noun}_wavelength: {quantity(band, 'm')}), or compare them as two groups"
             )
-    instruments = {
-        data.attrs.get("measured_by", ""): name for name, data in zip(names, datasets, strict=True)
-    }
+    instruments = {data.attrs.get("measured_by", ""): name for name, data in named}
     instruments.pop("", None)
     # a band that the settings state, and not the pixels
     stated = all(data.attrs.get("band_reason", _GRID) != _GRID for data in datasets)
