@@ -566,6 +566,15 @@ class TestForm:
         Page().after("write", QueryParams(urllib.parse.urlencode(fields_of(Page().first("a page")))))
         assert (tmp_path / "config/config.yaml").read_text() == written
 
+    def test_columns_are_explained_by_columns_not_by_options(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        maps(tmp_path / "measured")
+        (tmp_path / "config").mkdir()
+        (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tmeasured/one.x3p\n")
+        page = Page().first("a page")
+        assert "unit of dx and dy, and of the heights without height_unit: m" in page
+        assert "--height-unit" not in page
+
     def test_what_is_typed_into_a_list(self):
         bodies = {f"contact.bodies.{index}.material": "steel" for index in (0, 1)}
         for text, unload in (("true", []), ("1 MPa", [1e6]), ("1 MPa, 2e6", [1e6, 2e6])):
