@@ -223,6 +223,10 @@ def test_bodies_of_finite_size_on_maps_of_different_size_are_no_group():
     assert rc.group_statistics([pressed(4e-9) for _ in range(3)]).sizes["load"] == 2
     with pytest.raises(rc.SettingsError, match="maps differ in size"):
         rc.group_statistics([pressed(4e-9), pressed(4e-9), pressed(6e-9)])
+    small, large = (rc.group_statistics([pressed(size)] * 3) for size in (4e-9, 6e-9))
+    assert rc.compare_groups(small, small)["ratio"].values.tolist() == [[1.0, 1.0]]
+    with pytest.raises(rc.SettingsError, match="maps differ in size"):
+        rc.compare_groups(small, large)
 
 
 def test_other_loads_are_interpolated_within_the_common_range_alone():

@@ -111,8 +111,8 @@ def solve_file(
             json.loads(statistics.attrs["verdicts"]),
         ),
         "checks": [
-            {key: getattr(check, key) for key in ("name", "outcome", "sentence", "answers")}
-            for check in outcome
+            {key: getattr(each, key) for key in ("name", "outcome", "sentence", "answers")}
+            for each in outcome
         ],
         "verdict": VERDICTS[verdict_of(outcome)],
         "verdicts": {title: VERDICTS[verdict_of(outcome, answer)] for answer, title in ANSWERS.items()},

@@ -21,6 +21,7 @@ from roughcontact.uncertainty.groups import (
     SHARED,
     at_loads,
     check_alike,
+    check_sizes,
     common_loads,
     from_scale,
     needed_for_groups,
@@ -315,6 +316,7 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
             first, second = first.isel(load=matching[0]), second.isel(load=matching[1])
             second = second.assign_coords(mean_pressure=first["mean_pressure"])
     groups = first, second
+    check_sizes(" and ".join(labels), groups)
     loads = common_loads(" and ".join(labels), labels, groups)
     correlation = _source_correlations(first, second)
     names = _names(first, second)
@@ -474,11 +476,9 @@ def _correlation(first: np.ndarray, second: np.ndarray, load: np.ndarray) -> np.
         size = np.sqrt(np.sum(first**2, axis=0) * np.sum(second**2, axis=0))
         correlation = np.sum(first * second, axis=0) / size
     solved = np.flatnonzero(np.isfinite(correlation))
-    return (
-        np.clip(at_all_loads(correlation[solved], solved, load), -1.0, 1.0)
-        if solved.size
-        else np.zeros(load.shape)
-    )
+    if not solved.size:
+        return np.zeros(load.shape)
+    return np.clip(at_all_loads(correlation[solved], solved, load), -1.0, 1.0)
 
 
 def _unshared_half_widths(
@@ -491,9 +491,8 @@ def _unshared_half_widths(
         along = np.where(correlation >= 0, first[..., side], first[..., opposite])
         with np.errstate(invalid="ignore"):
             squares = (second[..., side] - correlation * along) ** 2
-            squares = squares + np.where(
-                correlation**2 < 1, (1 - correlation**2) * first[..., opposite] ** 2, 0.0
-            )
+            alone = (1 - correlation**2) * first[..., opposite] ** 2
+            squares = squares + np.where(correlation**2 < 1, alone, 0.0)
             shifts = np.maximum(second[..., 2 + side] - first[..., 2 + side], 0.0)
             shifts = shifts + np.maximum(first[..., 2 + opposite] - second[..., 2 + opposite], 0.0)
             widths.append(np.sqrt(squares.sum(axis=-1)) + shifts.sum(axis=-1))
@@ -530,10 +529,8 @@ def _ratios(
     first, second = (_log_widths(name, *both) for both in zip(values, widths, strict=True))
     below, above = (np.hypot(scatter, side) for side in _unshared_half_widths(first, second, correlation))
     with np.errstate(invalid="ignore", over="ignore"):  # of closed gaps and unbounded ends, NaN below
-        ratios = [
-            np.exp(mean + values) / np.exp(mean)
-            for values in (difference, difference - below, difference + above)
-        ]
+        ends = difference, difference - below, difference + above
+        ratios = [np.exp(mean + values) / np.exp(mean) for values in ends]
     return [np.where(np.isfinite(values), values, np.nan) for values in ratios]
 
 

@@ -164,8 +164,7 @@ def group_statistics(
                 f"{label}: {copied} and {name} have the same results, as copies of one map have, which says "
                 "nothing new; leave one out"
             )
-    if len(datasets) > 1:
-        check_alike(label, names, datasets)
+    check_alike(label, names, datasets)
     loads = common_loads(label, names, datasets)
     quantities = [name for name in quantities_in(datasets[0]) if all(name in data for data in datasets)]
     columns: dict[str, tuple] = {}
@@ -198,9 +197,8 @@ def group_statistics(
         "content": ("map", np.array(contents, object)),
     }
     remarks = _remarks(datasets, names, parts, loads, is_outlier, placements=placements)
-    return xr.Dataset(
-        columns, coordinates, {"group": group, "remarks": json.dumps(remarks, ensure_ascii=False)}
-    )
+    attrs = {"group": group, "remarks": json.dumps(remarks, ensure_ascii=False)}
+    return xr.Dataset(columns, coordinates, attrs | {"body_size": _body_size(datasets[0])})
 
 
 def is_range(answer: xr.Dataset) -> bool:
@@ -369,6 +367,23 @@ def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset
     return np.sort(np.r_[distinct[known], grid[~np.any(is_same(grid[:, None], distinct[known]), axis=1)]])
 
 
+def check_sizes(label: str, datasets: Sequence[xr.Dataset]) -> None:
+    """Reject bodies of finite size on maps, or in groups of maps, of different size."""
+    sizes = [_body_size(data) for data in datasets]
+    if max(sizes) > min(sizes) * (1 + SAME_LOAD):
+        raise SettingsError(
+            f"{label}: its maps differ in size, over which the mean pressure and the relative area of a body "
+            "of finite size are taken, so that equal forces are other loads; cut them to one size"
+        )
+
+
+def _body_size(data: xr.Dataset) -> float:
+    """Return the size (m²) of the maps of a body of finite size; NaN for a periodic map."""
+    if "contact_radius" not in data:
+        return float(data.attrs.get("body_size", np.nan))
+    return float((data["force"] / data["mean_pressure"] + 0 * data["contact_radius"])[0])
+
+
 def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:
     """Reject maps that do not answer the same question, in one sentence."""
     for key, symbol in (("contact_modulus", "E*"), ("hardness", "H")):
@@ -380,14 +395,7 @@ def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]
                     f"{label}: {names[0]} was solved with {symbol} = {first} and {name} with {second}; solve "
                     "them with the same bodies, or put them into two groups"
                 )
-    sizes = [
-        float((data["force"] / data["mean_pressure"])[0]) for data in datasets if "contact_radius" in data
-    ]
-    if sizes and max(sizes) > min(sizes) * (1 + SAME_LOAD):
-        raise SettingsError(
-            f"{label}: its maps differ in size, over which the mean pressure and the relative area of a body "
-            "of finite size are taken, so that equal forces are other loads; cut them to one size"
-        )
+    check_sizes(label, datasets)
     named = [*zip(names, datasets, strict=True)]
     for noun, limit in _SAME_BAND.items():
         key = f"band_{noun}"
