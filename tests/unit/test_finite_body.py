@@ -20,6 +20,7 @@ from roughcontact.pipeline import run_chain
 from roughcontact.references.closed_forms import hertz, hertz_ellipse
 from roughcontact.references.synthetic import westergaard_surface
 from roughcontact.report.budget_plots import shown_budget
+from roughcontact.report.facts import surface_facts
 from roughcontact.report.glance import Cell, glance_rows
 from roughcontact.report.load_plots import area_against_load
 from roughcontact.report.map_plots import height_map as height_map_chart
@@ -291,12 +292,19 @@ def test_first_yield_beyond_the_map_is_left_out_and_refuses_no_load(tmp_path, ca
     assert out.index("at 200 mN") < out.index("at 500 mN")  # as the table
 
 
-def test_flat_punch_with_the_edges_of_the_map():
+def test_flat_punch_with_the_edges_of_the_map(tmp_path, capsys):
     """F = pi C E* δ, with the capacitance C = 0.36679 of a square of side 1 (Read 1997)."""
     flat = height_map(1e-12 * np.indices((128, 128)).sum(axis=0) % 2e-12, 5e-6)
     answer = rc.evaluate(flat, contact=FREE, form={"edges": True}, level={"form": "mean"})
     side = 128 * 5e-6
     assert answer["contact_area"].item() == pytest.approx(side**2, rel=0.02)
+    rc.write_dataset(flat[:20, :30].rename("height"), file := tmp_path / "punch.nc")
+    stated = ["--contact-modulus", "115GPa", "--boundary", "free", "--force", "5N", "--form-edges", "true"]
+    main(["solve", str(file), *stated, "--level-form", "mean", "--uncertainty-sources"])
+    assert "30 × 20 points, 150 µm × 100 µm, 100 % of the map" in capsys.readouterr().out
+    levelled = rc.level(flat, form="mean")
+    facts = dict(surface_facts(flat, levelled, finite_body(levelled, edges=True), answer))
+    assert facts["Window"].startswith("640 µm × 640 µm, 128 × 128 points")
     stiffness = -5.0 / (115e9 * side * answer["approach"].item())
     assert stiffness == pytest.approx(np.pi * 0.3667896, rel=4e-3)
 

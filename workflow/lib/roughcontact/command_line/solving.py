@@ -15,6 +15,7 @@ from roughcontact.configuration.stages import settings_of
 from roughcontact.errors import HeightMapError, RoughContactError, with_path
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.record import removed_and_filled
+from roughcontact.maps import within_edges
 from roughcontact.pipeline import run_chain
 from roughcontact.statistics import checks
 from roughcontact.statistics.outcome import ANSWERS, VERDICTS, verdict_of
@@ -49,8 +50,7 @@ def solve_files(
         answer = group_statistics([statistics for _, statistics in solved], names=[*map(str, paths)])
     except RoughContactError as error:  # what was computed is not lost
         return {"maps": maps, "group": {"maps": len(maps), "none": str(error)}}
-    names = [name for name in map(str, answer.variables) if answer[name].dims == ("load",)]
-    numbers = {name: answer[name].values.tolist() for name in names}
+    numbers = {str(name): v.values.tolist() for name, v in answer.variables.items() if v.dims == ("load",)}
     loads = [dict(zip(numbers, row, strict=True)) for row in zip(*numbers.values(), strict=True)]
     return {
         "maps": maps,
@@ -98,8 +98,7 @@ def solve_file(
         | {name: json.loads(levelled.attrs[name]) for name in _LEVELLED_JSON}
         | {"removed_and_filled": removed_and_filled(levelled.attrs)},
         "window": {
-            "ny": window.shape[0],
-            "nx": window.shape[1],
+            **dict(zip(("ny", "nx"), window[within_edges(window)].shape, strict=True)),
             "periodisation": window.attrs.get("periodisation", "none"),
             "share": float(window.attrs.get("window_share", 1.0)),
             "corrected_for": window.attrs.get("corrected_for"),

@@ -11,7 +11,7 @@ import xarray as xr
 
 from roughcontact.io.metadata import labelled, stored_instrument
 from roughcontact.levelling.record import removed_and_filled
-from roughcontact.maps import side_lengths, spacing
+from roughcontact.maps import side_lengths, spacing, within_edges
 from roughcontact.profiles.surface import is_drawn, surfaces_behind
 from roughcontact.quantities import counted_noun, number, percent, quantity
 from roughcontact.report.tables import is_finite_body, material_name
@@ -48,7 +48,7 @@ def surface_facts(
         ("Filters", sentence("filters", json.loads(levelled.attrs.get("filters_removed", "{}")), length)),
         ("Corrected for", str(window.attrs.get("corrected_for", ""))),
         *_parameters(levelled, length),
-        ("Window", _size(window)),
+        ("Window", _size(window[within_edges(window)])),
         ("Periodisation", str(window.attrs.get("periodisation", "none"))),
         ("Sal, Str, lay", _texture(numbers)),
         ("rms height", length(float(numbers["rms_height"]))),
