@@ -142,3 +142,11 @@ def test_first_yield_in_the_settings_needs_a_limit():
     with pytest.raises(rc.SettingsError, match="first_yield needs the yield_stress of a body"):
         resolve({"contact": {"contact_modulus": 1e9, "target": "first_yield"}})
     assert resolve({"contact": {"contact_modulus": 1e9, "hardness": "2 GPa", "target": "first_yield"}})
+
+
+def test_the_load_of_first_yield_stands_before_those_at_which_the_gap_closes():
+    """Of the latter there are one or two, and placements of two faces are joined load by load."""
+    names, bodies = ["percolation", "first_yield"], {"contact_modulus": 1.0, "hardness": 1.0}
+    found, other = (target_loads(ROUGH, target=order, **bodies) for order in (names, names[::-1]))
+    assert found == other
+    assert found[0] == target_loads(ROUGH, target="first_yield", **bodies)[0]

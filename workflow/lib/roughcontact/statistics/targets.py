@@ -111,7 +111,8 @@ def target_loads(
             )
         load = crossing(partial(gap_excess, target_value), 0.05 * unit)
         loads += [] if load is None else [load]
-    for event in [target] if isinstance(target, str) else target or []:
+    # those of which there may be none, one or two come last: first yields stand at one place in all results
+    for event in sorted([target] if isinstance(target, str) else target or [], key="percolation".__eq__):
         check_choice("target", event, LoadTarget)
         if event == "percolation":
             crossings = (crossing(partial(closed, axis), 0.25 * unit, steady=False) for axis in (1, 0))
