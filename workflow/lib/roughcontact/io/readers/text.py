@@ -67,7 +67,7 @@ _DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that 
 _COMPUTED = re.compile(  # headings of heights that were multiplied, turned, or are others than heights
     rf"[*×·/^]|\bx\s?\d|^[-−]|\blog\b|invert|{NO_TOPOGRAPHY.pattern}", re.IGNORECASE
 )
-_UNIT_ALONE = re.compile(r"^[^:=]*[(\[]([^)\]]+)[)\]]\W*$")  # in the line above a matrix, as "Surface 1 [nm]"
+_UNIT_ALONE = re.compile(r"^[^:=()\[\]]{1,60}[(\[]([^()\[\]]{1,20})[)\]]\s*$")  # as "Surface 1 [nm]"
 _SQUARE = re.compile("|".join(words("aside")["square"]), re.IGNORECASE)  # names of the step of both axes
 # key of `roughcontact.io.metadata` -> key of the header
 _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}

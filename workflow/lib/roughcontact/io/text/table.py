@@ -82,9 +82,11 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
     """Return the lines of the header and those of the table."""
     filled = 0
     for number, line in enumerate(lines):
+        if not line.strip():
+            continue
         if _is_data(line):
             return lines[:number], lines[number:]
-        filled += not (line.isspace() or not line)
+        filled += 1
         if filled > _MAX_HEADER_LINES:
             break
     first = next((line.strip() for line in lines if line.strip()), "")
