@@ -272,12 +272,12 @@ def _lines_of_finite_body(loads: Iterable[Mapping[str, Any]]) -> list[str]:
 
 def _lines_of_hardness(surface: Mapping[str, Any]) -> list[str]:
     """Return hardness and first yield, if a hardness is given."""
-    stated = {"hardness": "", "first_yield_pressure": "mean pressure "}
-    return [
-        _line(name.removesuffix("_pressure").replace("_", " "), f"{text}{quantity(surface[name], 'Pa')}")
-        for name, text in stated.items()
-        if name in surface
-    ]
+    lines = []
+    if "hardness" in surface:
+        lines.append(_line("hardness", quantity(surface["hardness"], "Pa")))
+    if "first_yield_pressure" in surface:
+        lines.append(_line("first yield", f"mean pressure {quantity(surface['first_yield_pressure'], 'Pa')}"))
+    return lines
 
 
 def _precision(loads: Iterable[Mapping[str, Any]]) -> list[str]:

@@ -89,6 +89,7 @@ def solve_file(
             show(0, None, "writing")
             saving.save(output, Path(folder), chain, source=path, height=height, settings=dict(settings))
     levelled, window, statistics = chain
+    ny, nx = window[within_edges(window)].shape
     outcome = checks.window_checks(statistics, window)
     result = {
         "file": str(path),
@@ -98,7 +99,8 @@ def solve_file(
         | {name: json.loads(levelled.attrs[name]) for name in _LEVELLED_JSON}
         | {"removed_and_filled": removed_and_filled(levelled.attrs)},
         "window": {
-            **dict(zip(("ny", "nx"), window[within_edges(window)].shape, strict=True)),
+            "ny": ny,
+            "nx": nx,
             "periodisation": window.attrs.get("periodisation", "none"),
             "share": float(window.attrs.get("window_share", 1.0)),
             "corrected_for": window.attrs.get("corrected_for"),

@@ -381,7 +381,8 @@ def _body_size(data: xr.Dataset) -> float:
     """Return the size (m²) of the maps of a body of finite size; NaN for a periodic map."""
     if "contact_radius" not in data:
         return float(data.attrs.get("body_size", np.nan))
-    return float((data["force"] / data["mean_pressure"] + 0 * data["contact_radius"])[0])
+    size = data["force"] / data["mean_pressure"]
+    return float(size.where(np.isfinite(data["contact_radius"]))[0])
 
 
 def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:

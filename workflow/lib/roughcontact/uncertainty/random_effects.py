@@ -61,9 +61,18 @@ def random_effects(values: np.ndarray, part_names: Sequence[str]) -> Effects:
         of_map = np.where(np.isfinite(of_map), of_map, freedom)
         scatter_of_parts = np.sqrt(np.maximum(scatter - residual / harmonic, 0.0))
         scatter_of_maps = np.sqrt(residual)
-    of_mean = units, mean, averages - mean, np.sqrt(scatter / units), freedom
-    of_next = np.sqrt(next_map), of_map, np.sqrt(next_part) if nested else undefined
-    return Effects(*of_mean, *of_next, scatter_of_parts, scatter_of_maps)
+    return Effects(
+        units=units,
+        mean=mean,
+        deviations=averages - mean,
+        error=np.sqrt(scatter / units),
+        freedom=freedom,
+        next_map=np.sqrt(next_map),
+        next_map_freedom=of_map,
+        next_part=np.sqrt(next_part) if nested else undefined,
+        between=scatter_of_parts,
+        within=scatter_of_maps,
+    )
 
 
 def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
