@@ -703,6 +703,33 @@ def worth(bank: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def shared_with_area(bank: pd.DataFrame) -> pd.DataFrame:
+    """Return how much of the errors of gap and conductance goes with that of the area of the same part.
+
+    Half the range of 95 % of the errors stands beside that of what a straight line through those of the area
+    leaves, the line fitted to the other maps.
+    """
+    area, rows = errors_of(bank, SHORT[AREA], "surface")["error"], []  # with the same index by part and load
+    for quantity in ("gap", "conductance"):
+        errors = errors_of(bank, quantity, "surface").assign(of_area=area).dropna(subset="of_area")
+        for load, at_load in errors[errors["load"].isin(JUDGED_LOADS)].groupby("load"):
+            row = {"quantity": quantity, "p/(E* g)": f"{load:g}"}
+            for kind, some in at_load.groupby("kind"):
+                left = some["error"].copy()
+                for name, own in some.groupby("map"):
+                    rest = some[some["map"] != name]
+                    line = np.polyfit(rest["of_area"], rest["error"], 1, w=np.sqrt(rest["weight"]))
+                    left[own.index] -= np.polyval(line, own["of_area"])
+                weight = some["weight"].to_numpy()
+                widths = [
+                    np.ptp(quantiles(e.to_numpy(), weight, COVERAGE)) / 2 for e in (some["error"], left)
+                ]
+                row[f"{kind}: correlation"] = f"{some['error'].corr(some['of_area']):+.2f}".replace("-", "−")
+                row[f"{kind}: half-width"], row[f"{kind}: given the area"] = (f"{w:.2f}" for w in widths)
+            rows.append(row)
+    return pd.DataFrame(rows)
+
+
 def _use(quantity: str, features: tuple[str, ...], by_trend: tuple[str, ...]) -> None:
     """Fit the size of the error of a quantity to some features from now on."""
     global MOVED_BY_TREND
@@ -748,7 +775,7 @@ def main() -> None:
         sources(arguments.folders, bank).to_csv(BANK / "sources.csv", index=False)
     bank = read_bank()
     tables = {"coverage": shown(coverage(bank)), "features": worth(bank)}
-    tables |= {"claims": claims(bank), "halving": halving(bank)}
+    tables |= {"claims": claims(bank), "halving": halving(bank), "shared": shared_with_area(bank)}
     TABLE.write_text(json.dumps(calibration(bank), indent=1) + "\n")
     pages.publish("bank", tables)
 

@@ -14,13 +14,17 @@ def errors():
     return pd.read_csv(benchmark.ERRORS)
 
 
+@pytest.fixture(scope="module")
+def reached(errors):
+    return benchmark.report(errors)
+
+
 def test_the_calibration_is_that_of_the_table(errors):
     content = json.loads(benchmark.CALIBRATION.read_text())
     assert content["quantities"] == benchmark.calibrated(errors)
 
 
-def test_with_each_map_left_out_the_truth_is_in_nine_of_ten_intervals(errors):
-    reached = benchmark.report(errors)
+def test_with_each_map_left_out_the_truth_is_in_nine_of_ten_intervals(reached):
     written = pd.read_csv(benchmark.ERRORS.with_name("reached.csv"), index_col=[0, 1, 2])
     assert written["coverage"].tolist() == reached["coverage"].tolist()
     for kind in ("made", "measured"):
@@ -29,8 +33,7 @@ def test_with_each_map_left_out_the_truth_is_in_nine_of_ten_intervals(errors):
                 assert reached.loc[(kind, number, quantity), "coverage"] >= 0.9
 
 
-def test_the_interval_of_the_area_holds_for_surfaces_with_a_lay_as_well(errors):
-    reached = benchmark.report(errors)
+def test_the_interval_of_the_area_holds_for_surfaces_with_a_lay_as_well(errors, reached):
     for kind, maps in (("made lay", 12), ("measured lay", 10)):
         assert errors.loc[errors["kind"] == kind, "map"].nunique() == maps
         for number in (1, 5):
@@ -46,9 +49,8 @@ def test_a_wrong_spread_would_be_noticed(errors):
     assert benchmark.judged(area, table)["inside"].mean() < as_calibrated["inside"].mean()
 
 
-def test_the_contrast_of_ridges_brings_the_area_nearer(errors):
+def test_the_contrast_of_ridges_brings_the_area_nearer(errors, reached):
     without = benchmark.report(errors.assign(contrast=0.0))
-    reached = benchmark.report(errors)
     for load in benchmark.LOADS:
         assert reached.loc[("measured", 5, AREA), load] < without.loc[("measured", 5, AREA), load]
     together = "all loads"

@@ -116,6 +116,12 @@ def test_a_reduce_that_cannot_reduce_is_named():
         rc.solve_contact(rough(), reduce=lambda contact: None, **kwargs)
 
 
+@pytest.mark.parametrize("threads", [0, -3])
+def test_a_number_of_threads_is_one_or_more(threads):
+    with pytest.raises(rc.SettingsError, match=rf"threads = {threads}: give a whole number of 1 or more"):
+        rc.solve_contact(rough(), contact_modulus=MODULUS, mean_pressure=[1e7], threads=threads)
+
+
 def test_progress_is_told_after_every_load():
     calls = []
     rc.solve_contact(

@@ -97,7 +97,7 @@ def test_all_that_is_known_of_a_surface():
         "Gap closes": "along x between 5.00 MPa and 20.0 MPa; along y not up to 20.0 MPa",
         "Contact modulus E*": "115 GPa",
         "Hardness": "3000 MPa",
-        "First yield at p̄": "2.00 MPa",
+        "First yield at the surface, p̄": "2.00 MPa",
     }
 
 

@@ -49,6 +49,16 @@ def test_components_are_those_of_the_measurand(budgets):
     assert not np.array_equal(of_window["surface"], of_window["longer"])
 
 
+def test_without_other_places_there_is_no_interval_for_them():
+    height = level(rough_reference_surface(96))
+    budget = error_budget(height, periodic_window(height), SETTINGS, sources=["solver"])
+    for name in QUANTITIES:
+        assert np.isfinite(budget[f"{name}_map_upper"]).all()
+        for key in ("next", "longer"):
+            assert budget[f"{name}_{key}_lower"].isnull().all()
+            assert budget[f"{name}_{key}_upper"].isnull().all()
+
+
 def test_the_sentence_says_what_it_is_for(budgets):
     assert "all over the surface" in budgets["surface"].attrs["window_reason"]
     assert "for the surface over 5 times the length of the map." in budgets["longer"].attrs["window_reason"]

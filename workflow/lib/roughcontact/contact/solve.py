@@ -205,6 +205,8 @@ def solve_contact(
     check_choice("influence", influence, Influence)
     check_choice("precision", precision, Precision)
     check_choice("zero_frequency", zero_frequency, ZeroFrequency)
+    if not threads >= 1:
+        raise SettingsError(f"threads = {threads!r}: give a whole number of 1 or more")
     if reduce is not None and not callable(reduce):
         raise SettingsError(
             f"reduce = {reduce!r}: give a function of a Dataset, such as roughcontact.contact_statistics"

@@ -179,8 +179,11 @@ def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str,
     """Return lines on the contact area beyond band and map, and the table of all intervals."""
     if not numbers.sizes["load"] or f"{_HEADLINE[0]}_next_lower" not in numbers:
         return [], None
-    elsewhere = "window_reason" in numbers.attrs or "window" in present_sources(numbers)
-    beyond = {key: text for key, text in beyond_the_map(extent).items() if elsewhere or key == "octave"}
+    beyond = {
+        key: text
+        for key, text in beyond_the_map(extent).items()
+        if np.isfinite([numbers[f"{_HEADLINE[0]}_{key}_{end}"] for end in ("lower", "upper")]).any()
+    }
     text = {"": "the ±", **beyond, "map": "this map"}
     loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"].values]
     rows: list[list[str]] = []
@@ -197,8 +200,7 @@ def _intervals(numbers: xr.Dataset, extent: float) -> tuple[list[str], dict[str,
     lines = [
         f"{header[column].capitalize()}: {TITLES[_HEADLINE[0]]} "
         + ", ".join(f"{row[column]} at {load}" for row, load in zip(rows, loads, strict=False))
-        for column, key in enumerate(beyond, start=3)
-        if np.isfinite([numbers[f"{_HEADLINE[0]}_{key}_{end}"][0] for end in ("lower", "upper")]).any()
+        for column in range(3, 3 + len(beyond))
     ]
     return lines, {"header": header, "rows": rows}
 

@@ -63,7 +63,7 @@ def surface_facts(
         ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
         ("Body of finite size", _finite_body(numbers)),
         ("Hardness", _of_softer_body(numbers, "hardness")),
-        ("First yield at p̄", _of_softer_body(numbers, "first_yield_pressure")),
+        ("First yield at the surface, p̄", _of_softer_body(numbers, "first_yield_pressure")),
     ]
     return [(name, text) for name, text in facts if text]
 

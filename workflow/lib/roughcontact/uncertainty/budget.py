@@ -99,15 +99,16 @@ def error_budget(
     Dataset
         along `load`, for each quantity the ends of its intervals: `{quantity}_lower`, `_upper` (`measurand`),
         `_next_lower`, `_next_upper`, `_longer_lower`, `_longer_upper`, `_octave_lower`, `_octave_upper`,
-        `_map_lower`, `_map_upper`; NaN for an upper end that nothing bounds. `{quantity}_estimate`: the
-        corrected result, `{quantity}_as_solved` the result before the correction. With dims (load, source)
-        the half-widths `{quantity}_uncertainty`, `source` being the six and `combined`, and
-        `{quantity}_components`, along `component` down, up, shift_down and shift_up; a source that was not
-        requested, or that this map does not allow, is NaN. `{quantity}_as_measured` (load): of a map that was
-        corrected for its instrument, the result without that. `{quantity}_at_cutoff` (load, cutoff): the
-        magnification curve; `{quantity}_sensitivity` (load, input); `{quantity}_parts` (member, load): the
-        results of the subwindows. For any sources `rejected_load_share` (load). Attributes: `window_reason`
-        describes the subwindows, `window_flag` their deficiency.
+        `_map_lower`, `_map_upper`; NaN for an upper end that nothing bounds, and for next map and longer
+        surface without `window`. `{quantity}_estimate`: the corrected result, `{quantity}_as_solved` the
+        result before the correction. With dims (load, source) the half-widths `{quantity}_uncertainty`,
+        `source` being the six and `combined`, and `{quantity}_components`, along `component` down, up,
+        shift_down and shift_up; a source that was not requested, or that this map does not allow, is NaN.
+        `{quantity}_as_measured` (load): of a map that was corrected for its instrument, the result without
+        that. `{quantity}_at_cutoff` (load, cutoff): the magnification curve; `{quantity}_sensitivity` (load,
+        input); `{quantity}_parts` (member, load): the results of the subwindows. For any sources
+        `rejected_load_share` (load). Attributes: `window_reason` describes the subwindows, `window_flag`
+        their deficiency.
 
     Raises
     ------

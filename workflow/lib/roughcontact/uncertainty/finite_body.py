@@ -40,9 +40,8 @@ def finite_body_budget(
     contact = {**settings["contact"], "mean_pressure": solved["mean_pressure"].values, "form": form}
     contact |= {"area": window.size * steps[0] * steps[1], "pitch": steps[1]}
     shifts = _shifts(roughness, contact, windows - 1)
-    # the positions say nothing of longer waves, and a single one nothing of further ones
-    without = ("_longer_",) if len(shifts) >= _FEWEST else ("_longer_", "_next_")
-    meaningless = ("unresolved", "window")[: len(without)]
+    # a single further position says nothing of others
+    meaningless = ("unresolved", "window")[: 1 if len(shifts) >= _FEWEST else 2]
     budget = error_budget(
         roughness,
         roughness,
@@ -52,7 +51,7 @@ def finite_body_budget(
         solved=solved.drop_vars([STIFFNESS, *ANSWERS], errors="ignore"),
         scatter_of=partial(scatter_of_positions, shifts),
     )
-    ends = [name for name in budget if any(key in str(name) for key in without)]
+    ends = [name for name in budget if "_longer_" in str(name)]  # positions have no longer waves
     return budget.assign({name: xr.full_like(budget[name], np.nan) for name in ends})
 
 

@@ -83,7 +83,9 @@ def interval_columns(
     sources, by_source = [*components.values()], {**components, "window": windows[measurand]}
     # beginning of the name -> results on their scales and in their units, and what adds up about them
     intervals = {"": (centres, values, [*by_source.values()])}
-    intervals |= {f"{key}_": (centres, values, [*sources, windows[key]]) for key in MEASURANDS[1:]}
+    for key in MEASURANDS[1:]:  # without the source `window` nothing is known of other places
+        causes = [*sources, windows[key]] if scatter or key == "map" else []
+        intervals[f"{key}_"] = centres, values, causes
     intervals["octave_"] = centres, values, [] if octave is None else [*by_source.values()]
     if octave:
         shorter = {name: centre + octave[name][0] for name, centre in middle.items()}
