@@ -359,6 +359,14 @@ def test_finite_elements_return_the_contact_law(tmp_path):
     np.testing.assert_allclose(forces / side**2, expected, rtol=1e-5)
 
 
+def test_the_rows_of_the_window_stay_where_they_are():
+    """Rows that jump are those of the map that was given, as for `solve_contact`."""
+    jumps = 0.05 * np.random.default_rng(0).normal(size=(64, 1))
+    window = 0.01 * (rough_reference_surface(64) + jumps - jumps.mean())
+    load = {"contact_modulus": "1 GPa", "mean_pressure": "1 MPa", "tolerance": 1e-3}
+    assert rc.contact_table(window, **load).attrs["rms_height"] == pytest.approx(float(window.std()))
+
+
 def test_statistics_without_flow_are_refused(statistics):
     with pytest.raises(rc.SettingsError, match=r"statistics\.flow: always"):
         over_mean_gap(statistics.drop_vars("flow_factor_xx"))

@@ -18,6 +18,7 @@ from roughcontact.units import carries_unit, in_base_unit, unknown_unit
         ("7 N/cm2", "Pa", 7e4),
         ("250 bar", "Pa", 25e6),
         ("3 mbar", "Pa", 300.0),
+        ("1.15 Mbar", "Pa", 115e9),
         ("12 kPa", "Pa", 12e3),
         ("115 Pa", "Pa", 115.0),
         ("1 psi", "Pa", 6894.757293168361),  # NIST Special Publication 811 (2008), appendix B.8

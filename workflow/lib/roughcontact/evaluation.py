@@ -207,7 +207,7 @@ def contact_table(
         stated["relative_pressure"] = (heaviest * np.geomspace(_LIGHTEST, 1, loads)).tolist()
     statistics = evaluate(
         window,
-        level={"form": "none", "outlier_threshold": None},
+        level={"form": "none", "line_alignment": "none", "outlier_threshold": None},
         window={"method": "raw"},
         contact=stated,
         statistics={"flow": "always"},
