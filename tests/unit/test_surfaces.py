@@ -386,6 +386,19 @@ def test_places_that_contradict_one_another_are_refused_with_their_names(table, 
 
 
 @pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        (("a\ta\t\t", "b\ta\t\t2x2"), "a and b-1-1 are the same file, a; leave one out"),
+        (("a\ta\tz1; z2\t", "b\ta\tz2;z3\t"), "a and b are the same file, a z2; leave one out"),
+    ],
+)
+def test_what_maps_of_a_group_have_in_common_is_measured_once(table, rows, said):
+    header = "surface\tpath\tchannel\tparts\tgroup"
+    assert said in mistakes(table(header, *(f"{row}\tg" for row in rows)))
+    assert len(read_surfaces(table(header, "a\ta\tz1; z2\t\tg", "b\ta\tz3\t2x2\tg"))) == 5
+
+
+@pytest.mark.parametrize(
     ("cell", "rule"),
     [
         ("-1 nm", "must be greater than 0"),
