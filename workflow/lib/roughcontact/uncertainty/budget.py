@@ -132,7 +132,8 @@ def error_budget(
     >>> budget["mean_gap_uncertainty"].sel(source="combined").item() < 1e-5
     True
     """
-    _check_arguments(levelled, window, sources, measurand, extent)
+    _check_maps(levelled, window)
+    _check_choices(sources, measurand, extent)
     contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
     # a load that does not converge gives NaN instead of ending the job
     lenient, load = {**contact, "on_failure": "flag"}, loads_of(contact)
@@ -140,8 +141,7 @@ def error_budget(
     columns: dict[str, tuple] = {"rejected_load_share": ("load", rejected)}
     if not (sources := with_source_of_correction(sources, window)):
         return xr.Dataset(columns, {"mean_pressure": ("load", load)})
-    if solved is None:
-        solved = solve_contact(window, **contact, reduce=budget_inputs)
+    solved = solve_contact(window, **contact, reduce=budget_inputs) if solved is None else solved
     as_solved = {name: solved[name].values for name in quantities_in(solved)}
     result = Result(window, lenient, {name: as_solved[name] for name in as_solved if name != PRESSURE})
     middle = {name: to_scale(name, value) for name, value in result.values.items()}
@@ -162,8 +162,7 @@ def error_budget(
         scatter = scatter_of(result, levelled, arguments=settings["window"], number=windows)
         middle |= {name: middle[name] + offset for name, offset in scatter.shift.items()}
         grooves = constrictions_in_grooves(window) if CONSTRICTIONS[0] in middle else []
-        open_ended = {name: solved[f"{name}_half_way"].values > 0 for name in grooves}
-        scatter = scatter._replace(open_ended=open_ended)
+        scatter = scatter._replace(open_ended={key: solved[f"{key}_half_way"].values > 0 for key in grooves})
         attrs = attributes_of(scatter, levelled, extent if measurand == "longer" else None)
         columns |= _columns_of_members(result, scatter)
     instrument = stated_instrument(levelled, settings.get("instrument"))
@@ -175,9 +174,12 @@ def error_budget(
     if "material" in sources:
         components["material"] = _summed(of_inputs[key] for key in of_material)
     if "instrument" in sources:
-        causes, uncorrected = instrument_components(
-            result, instrument, _as_measured(levelled, window, settings["window"]), true_shapes
+        as_measured = (
+            periodic_window(levelled, **{**settings["window"], "correct_for": None})
+            if "corrected_for" in window.attrs
+            else None
         )
+        causes, uncorrected = instrument_components(result, instrument, as_measured, true_shapes)
         components["instrument"] = _summed([*causes, *(of_inputs[key] for key in AMPLIFICATIONS)])
         columns |= {f"{name}_as_measured": ("load", value) for name, value in uncorrected.items()}
     if "unresolved" in sources:
@@ -201,14 +203,8 @@ def error_budget(
     return xr.Dataset(columns, {"mean_pressure": ("load", load), **labels}, attrs)
 
 
-def _check_arguments(
-    levelled: xr.DataArray,
-    window: xr.DataArray,
-    sources: Sequence[UncertaintySource],
-    measurand: HeadlineMeasurand,
-    extent: float,
-) -> None:
-    """Refuse an unknown source or measurand, an extent below 1, a map that `level` has not returned."""
+def _check_maps(levelled: xr.DataArray, window: xr.DataArray) -> None:
+    """Refuse a map that `level` has not returned, or of which the window is not a part."""
     wrong = ""
     for height in (levelled, window):
         check_labelled(height)
@@ -220,20 +216,15 @@ def _check_arguments(
         raise HeightMapError(
             f"error_budget: {wrong}: pass the map that level returned, of which the window is a part"
         )
+
+
+def _check_choices(sources: Sequence[UncertaintySource], measurand: HeadlineMeasurand, extent: float) -> None:
+    """Refuse an unknown source or measurand, and an extent below 1."""
     check_choice("uncertainty.measurand", measurand, HeadlineMeasurand)
     for source in sources:
         check_choice("uncertainty.sources", source, UncertaintySource)
     if not extent >= 1:
         raise SettingsError(f"extent = {extent!r}: give a number of 1 or more")
-
-
-def _as_measured(
-    levelled: xr.DataArray, window: xr.DataArray, arguments: Mapping[str, Any]
-) -> xr.DataArray | None:
-    """Return the window before a correction for its instrument; None where there was none."""
-    if "corrected_for" not in window.attrs:
-        return None
-    return periodic_window(levelled, **{**arguments, "correct_for": None})
 
 
 def _columns_of_members(result: Result, scatter: Scatter) -> dict[str, tuple]:

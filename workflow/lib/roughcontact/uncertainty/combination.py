@@ -100,10 +100,8 @@ def limited(name: str, ends: Ends, *, value: np.ndarray, load: np.ndarray, hardn
     A result at a physical limit, up to rounding, stays inside its own interval.
     """
     # no area above 1, no pressure above the hardness, none in contact below the load
-    of_pressure = load, hardness
-    lowest, highest = {AREA: (load / hardness, 1.0), PRESSURE: of_pressure, PEAK: of_pressure}.get(
-        name, (0.0, np.inf)
-    )
+    limits = {AREA: (load / hardness, 1.0), PRESSURE: (load, hardness), PEAK: (load, hardness)}
+    lowest, highest = limits.get(name, (0.0, np.inf))
     lower = np.fmin(np.fmax(ends[0], lowest), value)
     upper = np.fmax(np.fmin(ends[1], highest), value)
     unknown = np.isnan(value)

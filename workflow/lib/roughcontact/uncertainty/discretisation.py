@@ -86,9 +86,7 @@ def _region_around(window: xr.DataArray, index: int) -> xr.DataArray:
     axes = sum(n > 1 for n in window.shape)
     share = max(0.25, _REFINED_POINTS / window.size) ** (1 / axes)
     sides = [n if n == 1 else 2 * math.ceil(n * share / 2) for n in window.shape]
-    rows, columns = (
-        np.arange(centre - side // 2, centre - side // 2 + side) % n
-        for centre, side, n in zip(np.unravel_index(index, window.shape), sides, window.shape, strict=True)
-    )
-    heights = window.values[rows[:, None], columns]
+    heights = window.values
+    for axis, (centre, side) in enumerate(zip(np.unravel_index(index, window.shape), sides, strict=True)):
+        heights = heights.take(centre - side // 2 + np.arange(side), axis=axis, mode="wrap")
     return window[: sides[0], : sides[1]].copy(data=periodic_plus_smooth(heights, spacing(window)))

@@ -32,9 +32,7 @@ def elastic_loads(window: xr.DataArray, loads: Sequence[float], contact: Mapping
     lenient = {**contact, "mean_pressure": pressure, "on_failure": "flag"}
     values = solve_member(window, lenient, names=[AREA])
     correction, _ = discretisation_error(
-        Result(window, lenient, values),
-        pixel_share=values[AREA],
-        peak_index=int(window.values.argmax()),
+        Result(window, lenient, values), pixel_share=values[AREA], peak_index=int(window.values.argmax())
     )
     area = from_scale(AREA, to_scale(AREA, values[AREA]) + correction[AREA])
     excess = np.log(pressure / area / (HARDEST * modulus))

@@ -25,10 +25,6 @@ ADVICE = {
     "unresolved": "measure with pixels half as large, or state instrument.finer_spectrum",
 }
 _LONGER_FIELD = "measure a field 3 times as long"
-_LENS = "state the lens (instrument.numerical_aperture)"  # of a smoothed map
-_FINER_STEPS = (  # of rounded heights, or a suspected noise, where nothing is stated
-    "export the heights in finer steps, or measure the place twice (repeat_of), which tells the noise"
-)
 
 
 def half_width_of_mean(scatter: float, maps: int, shared: float) -> float:
@@ -89,7 +85,7 @@ def halving_line(statistics: xr.Dataset, scatter: np.ndarray | None) -> str:
     for rank, source in enumerate(by_size, start=1):
         actions.append(advice[source])
         remaining = math.sqrt(sum(widths[name] ** 2 for name in by_size[rank:]))
-        if remaining + widths[source] / 2 <= half_width / 2 or remaining <= half_width / 2:
+        if remaining <= half_width / 2:
             break
     return "; ".join(dict.fromkeys(actions))
 
@@ -99,9 +95,11 @@ def _advice(statistics: xr.Dataset) -> tuple[list[str], dict[str, str]]:
     attrs, advice = statistics.attrs, {**ADVICE}
     doubted = {entry["check"] for entry in json.loads(attrs.get("reasons", "[]"))}
     if not any(key.startswith("instrument_") for key in attrs):
-        advice["instrument"] = _FINER_STEPS
+        advice["instrument"] = (  # of rounded heights, or a suspected noise
+            "export the heights in finer steps, or measure the place twice (repeat_of), which tells the noise"
+        )
     if CheckName.SMOOTHED in doubted:
-        advice = dict.fromkeys(advice, _LENS)
+        advice = dict.fromkeys(advice, "state the lens (instrument.numerical_aperture)")
     if CheckName.ISOLATED_PEAK not in doubted or "summit_x" not in attrs:
         return [], advice
     x, y = (quantity(float(attrs[f"summit_{axis}"]), "m") for axis in "xy")

@@ -21,12 +21,7 @@ from roughcontact.references.closed_forms import hertz_ellipse
 from roughcontact.statistics.conductance import Bodies, conductance_columns
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
-from roughcontact.uncertainty.combination import (
-    added_up,
-    component_from_units,
-    ends_of,
-    half_widths,
-)
+from roughcontact.uncertainty.combination import added_up, component_from_units, ends_of, half_widths
 from roughcontact.uncertainty.ensemble import Values, solve_member
 from roughcontact.uncertainty.inputs import effect
 from roughcontact.uncertainty.instrument import with_source_of_correction

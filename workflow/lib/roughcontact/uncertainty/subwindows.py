@@ -81,12 +81,10 @@ def scatter_of_subwindows(
     return Scatter(members, features, slices)
 
 
-def _spread_and_trend(
-    name: str, by_subwindow: np.ndarray, result: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _spread_and_trend(name: str, members: np.ndarray, result: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return standard deviation and mean of the members (member, load) about the result, on the scale."""
     positive = np.where(result > 0, result, 1.0)
-    clipped = np.where(np.isnan(by_subwindow), positive, np.fmax(by_subwindow, _LEAST_SCATTER * positive))
+    clipped = np.where(np.isnan(members), positive, np.fmax(members, _LEAST_SCATTER * positive))
     deviations = to_scale(name, clipped) - to_scale(name, positive)
     return np.hypot(np.std(deviations, axis=0, ddof=1), _LEAST_SCATTER), deviations.mean(axis=0)
 

@@ -102,10 +102,7 @@ def magnification_curve(result: Result) -> Columns:
 
 def band_is_chosen(settings: Mapping[str, Mapping[str, Any]], window: xr.DataArray) -> bool:
     """Return whether the settings, by four pixels or more, and not the pixels, define the shortest wave."""
-    limits = (
-        settings.get("level", {}).get("s_filter"),
-        settings.get("window", {}).get("shortest_wavelength"),
-    )
+    limits = settings.get("level", {}).get("s_filter"), settings["window"].get("shortest_wavelength")
     return max(limit or 0.0 for limit in limits) >= 4 * max(spacing(window))
 
 
