@@ -227,6 +227,10 @@ def test_bodies_of_finite_size_on_maps_of_different_size_are_no_group():
     assert rc.compare_groups(small, small)["ratio"].values.tolist() == [[1.0, 1.0]]
     with pytest.raises(rc.SettingsError, match="maps differ in size"):
         rc.compare_groups(small, large)
+    endless = rc.group_statistics([one_map([gap, 1.0], load=(2e5, 6e5)) for gap in (2.0, 3.0, 4.0)])
+    for first, second in ((small, endless), (endless, small)):
+        with pytest.raises(rc.SettingsError, match="a body of finite size and one without end"):
+            rc.compare_groups(first, second)
 
 
 def test_other_loads_are_interpolated_within_the_common_range_alone():

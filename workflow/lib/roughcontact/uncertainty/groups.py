@@ -368,8 +368,13 @@ def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset
 
 
 def check_sizes(label: str, datasets: Sequence[xr.Dataset]) -> None:
-    """Reject bodies of finite size on maps, or in groups of maps, of different size."""
+    """Reject bodies of finite size beside periodic maps, or on maps, or groups of maps, of other size."""
     sizes = [_body_size(data) for data in datasets]
+    if len({np.isfinite(size) for size in sizes}) > 1:
+        raise SettingsError(
+            f"{label}: a body of finite size and one without end, whose relative area and mean gap at a mean "
+            "pressure are not the same numbers; give both the same contact.boundary"
+        )
     if max(sizes) > min(sizes) * (1 + SAME_LOAD):
         raise SettingsError(
             f"{label}: its maps differ in size, over which the mean pressure and the relative area of a body "
