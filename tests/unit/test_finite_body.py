@@ -51,6 +51,18 @@ def ground(rms_height, shape=(160, 200)):
     )
 
 
+@pytest.mark.parametrize(("radius", "warns"), [("2 mm", True), (None, False)])
+def test_a_ball_is_in_the_map_or_in_the_settings(radius, warns):
+    """A map that is a ball itself, with a radius stated as well, has half the radius."""
+    place = (np.arange(64) - 31.5) * 1e-6
+    ball = rc.height_map(-(place**2 + place[:, None] ** 2) / 4e-3, 1e-6)
+    contact = {"contact_modulus": "100 GPa", "boundary": "free", "force": "20 mN"}
+    found = rc.evaluate(ball, contact=contact, form={"radius": radius})
+    assert ('"Form"' in found.attrs["reasons"]) == warns
+    hertz = (0.75 * 0.02 * (1e-3 if warns else 2e-3) / 100e9) ** (1 / 3)
+    assert found["contact_radius"].item() == pytest.approx(hertz, rel=0.05)
+
+
 def test_smooth_ball_is_that_of_hertz():
     answer = rc.evaluate(ground(1e-10), contact=FREE, form={"radius": "5 mm"})
     exact = hertz(5.0, 5e-3, 115e9)

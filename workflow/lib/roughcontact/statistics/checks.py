@@ -56,7 +56,7 @@ _IN_THE_INTERVAL: dict[str, str] = {
 # checks of what a body of finite size, whose form and edges are meant, does not have
 _OF_PERIODIC_MAPS = {
     *(CheckName.PERIODIC_WINDOW, CheckName.WINDOW, CheckName.LONGEST_WAVE, CheckName.SAMPLE),
-    *(CheckName.LOAD_RANGE, CheckName.SLOPES, CheckName.STEEP_PLACES, CheckName.FORM),
+    *(CheckName.LOAD_RANGE, CheckName.SLOPES, CheckName.STEEP_PLACES),
 }
 
 
@@ -126,6 +126,7 @@ def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
     limits: dict[str, Callable[[Attributes], bool]] = {
         CheckName.NOISE: instrument_checks.is_mostly_noise,
         CheckName.QUANTISATION: instrument_checks.is_too_coarse,
+        CheckName.FORM: lambda window: "form_radius_x" in window,
     }
     if check.outcome != REVIEW or (check.name in limits and limits[check.name](window)):
         return check

@@ -124,20 +124,27 @@ def _lay_along_rows(statistics: xr.Dataset) -> bool:
     return isotropy <= _LAY and abs(direction - 90) <= _ALONG
 
 
-def form(levelled: Attributes, window: Attributes) -> Check:
-    """Check that no bow decides where the surfaces touch.
+def form(levelled: Attributes, window: Attributes) -> Check | None:
+    """Check that no bow decides where the surfaces touch; of a body of finite size, that none counts twice.
 
     Examples
     --------
     >>> form({"form": "plane"}, {"form_share": 0.9}).outcome
     'review'
     """
-    share = window.get("form_share", 0.0)
+    share, is_added = window.get("form_share", 0.0), "form_radius_x" in window
+    if window.get("boundary") == "free" and not is_added:
+        return None  # its form is meant
     text = (
         f"A bow (second-order polynomial) makes up {percent(share)} of the mean square height of the window"
     )
     if share <= FORM:
         return passed(f"{text}.")
+    if is_added:
+        return review(
+            f"{text}, and form.radius adds another: a form of the body that is in the map counts twice.",
+            advice="Leave form.radius out, or set level.form: polynomial.",
+        )
     remedy = "Remove it with level.form: polynomial, unless it belongs to the contact."
     if levelled.get("form") in ("polynomial", "sphere", "cylinder"):
         remedy = "Compare another window.method: it came with the periodic window."
