@@ -478,6 +478,19 @@ def test_groups_under_two_cases_are_compared_at_the_loads_that_they_share():
     assert said.startswith("first and apart: no load in common, first begins at 1")
 
 
+def test_maps_of_two_cases_are_not_compared_between_two_loads_alone():
+    def under(*loads):
+        """Return maps with gaps that fall ever faster with the load: equal under both cases."""
+        pressure = 1e6 * np.array(loads)
+        maps = [one_map(gap * np.exp(-pressure / 4e6), load=pressure) for gap in (1.0, 2.0, 4.0)]
+        return rc.group_statistics(maps, group="g")
+
+    groups = {"a": under(1, 4), "b": under(2, 3, 8), "c": under(*np.geomspace(1.1, 7, 12))}
+    found, (said,) = compare_all(groups, cases=[("a", "b"), ("b", "c")])
+    assert said.startswith("a and b: no load in common, and a has two loads alone")
+    np.testing.assert_allclose(found["b", "c"]["ratio"], 1.0, atol=0.1)
+
+
 def test_groups_of_the_same_places_are_compared_place_by_place():
     gaps, factors = np.array([1.0, 2.0, 4.0]), [1.1, 1.11, 1.09]
     groups = {

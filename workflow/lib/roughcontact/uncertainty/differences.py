@@ -318,6 +318,12 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
     groups = first, second
     check_sizes(" and ".join(labels), groups)
     loads = common_loads(" and ".join(labels), labels, groups)
+    few = [label for label, data in zip(labels, groups, strict=True) if data.sizes["load"] <= 2]
+    if few and paired and not matching[0].size:  # a chord misses a gap by more than paired maps scatter
+        raise SettingsError(
+            f"compare_groups: {' and '.join(labels)}: no load in common, and {few[0]} has two loads alone, "
+            "between which a difference is not known; solve them at the same mean_pressure, or at more loads"
+        )
     correlation = _source_correlations(first, second)
     names = _names(first, second)
     count = 0
