@@ -12,7 +12,6 @@ from roughcontact.uncertainty.combination import (
     SIGNS,
     Component,
     Components,
-    Ends,
     added_up,
     columns_of_components,
     ends_of,
@@ -95,8 +94,16 @@ def interval_columns(
     columns: dict[str, tuple] = {}
     for name, plain in as_solved.items():
         for prefix, (on_scales, in_units, causes) in intervals.items():
-            present = [cause[name] for cause in causes if name in cause]
-            lower, upper = _ends(result, name, on_scales[name], in_units[name], present, scatter)
+            value = in_units[name]
+            lower = upper = np.full(value.shape, np.nan)
+            if present := [cause[name] for cause in causes if name in cause]:
+                ends = ends_of(name, on_scales[name], added_up(present))
+                if name == GAP and scatter:  # closed by full contact, it may be open elsewhere
+                    widest = np.zeros(value.shape)
+                    widest[result.few] = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
+                    ends = np.where(value > 0, ends[0], 0.0), np.where(value > 0, ends[1], widest)
+                ends = monotonic(name, ends, result.load)
+                lower, upper = limited(name, ends, value=value, load=result.load, hardness=result.hardness)
             columns |= {f"{name}_{prefix}lower": ("load", lower), f"{name}_{prefix}upper": ("load", upper)}
         if name in (*CORRECTED, PRESSURE):
             columns[f"{name}_as_solved"] = ("load", plain)
@@ -136,23 +143,3 @@ def _with_pressure(components: Components, area: np.ndarray) -> Components:
     with np.errstate(divide="ignore"):
         ratio = from_scale(AREA, area) / from_scale(AREA, area + SIGNS * components[AREA])
     return {**components, PRESSURE: (-SIGNS * np.log(ratio))[[1, 0, 3, 2]]}
-
-
-def _ends(
-    result: Result,
-    name: str,
-    centre: np.ndarray,
-    value: np.ndarray,
-    components: list[Component],
-    scatter: Scatter | None,
-) -> Ends:
-    """Return both ends of an interval, in the unit of the quantity; NaN without any source."""
-    if not components:
-        return (np.full(value.shape, np.nan),) * 2
-    ends = ends_of(name, centre, added_up(components))
-    if name == GAP and scatter:  # closed by full contact, it may be open elsewhere
-        widest = np.zeros(value.shape)
-        widest[result.few] = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
-        ends = np.where(value > 0, ends[0], 0.0), np.where(value > 0, ends[1], widest)
-    ends = monotonic(name, ends, result.load)
-    return limited(name, ends, value=value, load=result.load, hardness=result.hardness)

@@ -9,7 +9,7 @@ scatter of the solved subwindows (3 x 3), their trend and Str are the features o
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import pairwise, product
+from itertools import product
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -149,11 +149,7 @@ def divided(region: Slices, step: tuple[float, float], number: int, shortest: fl
     pairs = product(*(range(1, min(number, limit) + 1) for limit in limits))
     cuts = [cut for cut in pairs if math.prod(cut) <= number]
     rows, columns = (
-        region[axis].start + np.arange(k + 1) * n // k
+        [slice(region[axis].start + i * n // k, region[axis].start + (i + 1) * n // k) for i in range(k)]
         for axis, n, k in zip("yx", sides, max(cuts, key=score), strict=True)
     )
-    return [
-        {"y": slice(int(top), int(bottom)), "x": slice(int(start), int(stop))}
-        for top, bottom in pairwise(rows)
-        for start, stop in pairwise(columns)
-    ]
+    return [{"y": y, "x": x} for y, x in product(rows, columns)]
