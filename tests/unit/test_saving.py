@@ -193,6 +193,17 @@ def test_a_finished_run_is_exported_as_solve_writes_it(measured, tmp_path, endin
         assert path.read_bytes() == of_solve.read_bytes()
 
 
+def test_the_workbook_has_the_instrument_of_the_table(measured, tmp_path):
+    """Columns of the table of surfaces prevail over the settings, and are no part of them."""
+    settings = resolve({"contact": CONTACT, "instrument": {"noise": 2e-9}})[""]
+    chain = run_chain(rc.read_height_map(measured, instrument={"noise": 5e-9}), settings)
+    rc.write_dataset(chain.statistics, tmp_path / "small-1/statistics.nc")
+    assert main(["export", str(tmp_path / "small-1"), "-o", str(tmp_path / "small.xlsx")]) == 0
+    stated = pd.read_excel(tmp_path / "small.xlsx", sheet_name="settings").set_index("setting")["value"]
+    assert float(stated["instrument.noise"]) == 2e-9
+    assert float(stated["instrument.noise of this map"]) == 5e-9
+
+
 @pytest.mark.parametrize(
     ("output", "said"),
     [

@@ -162,6 +162,11 @@ def _write_workbook(folder: Path, summary: "pd.DataFrame", output: Path) -> None
     statistics = read_dataset(folder / "statistics.nc")
     settings: dict[str, dict[str, Any]] = json.loads(statistics.attrs["settings"])
     stated = [(f"{name}.{key}", str(value)) for name, keys in settings.items() for key, value in keys.items()]
+    stated += [  # the table of surfaces prevails over the settings
+        (f"{key.replace('_', '.', 1)} of this map", str(value))
+        for key, value in statistics.attrs.items()
+        if key.startswith("instrument_")
+    ]
     sheets = {
         "summary": summary,
         "uncertainty": uncertainty_table(statistics),
