@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
+from roughcontact.report.gather import comparisons
 from roughcontact.report.glance import Cell
 from roughcontact.report.groups import HEADINGS, _comparison, comparison_rows, group_pictures, group_rows
 from roughcontact.uncertainty.differences import compare_all
@@ -84,6 +85,13 @@ def test_placements_and_differences_in_words():
     )
     low, high = (float(end) for end in row["cells"][0].details.split(" to "))
     assert low < float(row["cells"][0].text) < high
+
+
+def test_a_case_with_a_single_map_left_does_not_hide_the_differences_of_the_others():
+    maps = {"a": (1.0,), "b": (0.9, 1.0, 1.2), "c": (1.8, 2.0, 2.3)}
+    found, left_out = comparisons([named("g", gaps)._replace(case=case) for case, gaps in maps.items()])
+    assert list(found) == [("g · b", "g · c")]
+    assert [text.partition(" has a single map")[0] for text in left_out] == ["g · a", "g · a"]
 
 
 def test_pressures_at_the_hardness_have_no_interval_and_no_difference():

@@ -155,7 +155,7 @@ def comparisons(
         result, omitted = result | compared, omitted + reasons
     for name in dict.fromkeys(group.name for group in answers):
         selected = {group.label: group.answer for group in answers if group.name == name}
-        if len(selected) > 1 and next(iter(selected.values())).sizes["map"] > 1:
+        if len(selected) > 1 and any(answer.sizes["map"] > 1 for answer in selected.values()):
             compared, reasons = compare_all(selected, cases=case_pairs(list(selected)))
             result, omitted = result | compared, omitted + reasons
     return result, omitted

@@ -132,7 +132,7 @@ def compare_all(
         if any(earlier) and not paired:
             skipped.append(
                 f"{' and '.join(pair)} place by place: not all maps have one of their place in the other, "
-                "so that they are compared as groups of different places; leave out those with none"
+                "and no more, so that they are compared as groups of different places; leave out the others"
             )
         try:
             results[pair] = _compared(
@@ -300,7 +300,8 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
             )
     if paired and set(first["map"].values) != set(second["map"].values):
         raise SettingsError(
-            f"compare_groups: {labels[0]} and {labels[1]} are not of the same maps; leave `paired` out"
+            f"compare_groups: {labels[0]} and {labels[1]} are not of the same maps; solve those "
+            "that one of them lacks (in Python: or leave `paired` out)"
         )
     for name, content in () if paired else zip(first["map"].values, first["content"].values, strict=True):
         if content and content in second["content"]:
