@@ -127,10 +127,11 @@ def test_the_paragraph_says_how_rows_scars_and_waves_were_treated():
             level={"robust": True, "line_alignment": "auto", "scar_threshold": 5},
             window={"reliable_band": True},
             instrument={"noise": "2 nm", "correct": True},
-            contact={"contact_modulus": 1e9, "mean_pressure": 5e6},
+            contact={"contact_modulus": 1e9, "mean_pressure": 5e6, "influence": "elements"},
             uncertainty={"sources": ["solver"]},
         )
     )
+    assert "on the grid of the window, its pressure constant on every pixel; the relative" in text
     assert "levelled by a robustly fitted plane, outliers" in text
     assert "scars beyond 5.0 standard deviations rejected, rows aligned (jitter), missing" in text
     assert "was corrected for noise of 2.00 nm, waves shorter than 2.00 µm were removed;" in text
