@@ -37,10 +37,7 @@ from roughcontact.window.periodic_window import periodic_window
 from roughcontact.window.transfer import undone
 
 # settings of the contact that are uncertainties -> the input whose they are
-MATERIAL_UNCERTAINTIES = {
-    "contact_modulus_uncertainty": "contact_modulus",
-    "mean_pressure_uncertainty": "mean_pressure",
-}
+MATERIAL_UNCERTAINTIES = {f"{name}_uncertainty": name for name in ("contact_modulus", "mean_pressure")}
 
 
 @in_si

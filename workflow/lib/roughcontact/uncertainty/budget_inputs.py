@@ -28,9 +28,5 @@ def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> 
     plain["index_of_the_peak"] = np.array([pressure.argmax() for pressure, _ in fields_of(contact)])
     levels = [half_way_levels(np.where(pressure > 0, 0.0, gap)) for pressure, gap in fields_of(contact)]
     plain |= {f"{name}_half_way": np.array([level[name] for level in levels]) for name in CONSTRICTIONS}
-    return xr.Dataset(
-        {name: ("load", values) for name, values in plain.items()}
-        | {"contact_modulus": contact["contact_modulus"].variable},
-        coords={"mean_pressure": contact["mean_pressure"].variable},
-        attrs=contact.attrs,
-    )
+    known = contact[["contact_modulus", "mean_pressure"]]
+    return known.assign({name: ("load", values) for name, values in plain.items()})

@@ -70,9 +70,8 @@ def component_from_units(name: str, value: np.ndarray, sides: Component) -> Comp
     """
     lower_limit = 0.0 if name in CONSTRICTIONS else scales.SMALLEST * value
     with np.errstate(invalid="ignore"):
-        moved = SIGNS * (
-            to_scale(name, np.maximum(value + SIGNS * sides, lower_limit)) - to_scale(name, value)
-        )
+        ends = np.maximum(value + SIGNS * sides, lower_limit)
+        moved = SIGNS * (to_scale(name, ends) - to_scale(name, value))
     return np.where(np.isinf(sides), np.inf, np.where(sides == 0, 0.0, moved))
 
 

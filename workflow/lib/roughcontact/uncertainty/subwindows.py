@@ -71,13 +71,11 @@ def scatter_of_subwindows(
         "gradient": _at_the_size_of_the_map(_gradient_variances(measured.values, spacing(measured))),
         "lay": 0.5 if math.isnan(aspect) else aspect,
     }
-    features: dict[str, Features] = {}
-    for name, value in result.values.items():
-        features[name] = common
-        if name not in CONSTRICTIONS:
-            spread, trend = _spread_and_trend(name, members[name], value[few])
-            of_members = {"scatter": np.log(spread), "trend": trend}
-            features[name] = common | {key: result.at_all_loads(each) for key, each in of_members.items()}
+    features: dict[str, Features] = dict.fromkeys(result.values, common)
+    for name in result.values.keys() - {*CONSTRICTIONS}:
+        spread, trend = _spread_and_trend(name, members[name], result.values[name][few])
+        of_members = {"scatter": np.log(spread), "trend": trend}
+        features[name] = common | {key: result.at_all_loads(each) for key, each in of_members.items()}
     return Scatter(members, features, slices)
 
 
