@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.report.gather import comparisons
+from roughcontact.report.gather import comparisons, map_comparisons
 from roughcontact.report.glance import Cell
 from roughcontact.report.groups import HEADINGS, _comparison, comparison_rows, group_pictures, group_rows
 from roughcontact.uncertainty.differences import compare_all
@@ -92,6 +92,24 @@ def test_a_case_with_a_single_map_left_does_not_hide_the_differences_of_the_othe
     found, left_out = comparisons([named("g", gaps)._replace(case=case) for case, gaps in maps.items()])
     assert list(found) == [("g · b", "g · c")]
     assert [text.partition(" has a single map")[0] for text in left_out] == ["g · a", "g · a"]
+
+
+def test_maps_of_a_place_are_adjusted_over_the_pairs_of_a_case():
+    def gap(value):
+        ends = {
+            f"mean_gap_{end}": ("load", [value * factor]) for end, factor in (("lower", 0.9), ("upper", 1.1))
+        }
+        return xr.Dataset({"mean_gap": ("load", [value]), **ends, "mean_pressure": ("load", [1e6])})
+
+    maps = {"new": gap(1.0), "worn": gap(1.2)}
+    alone, _ = map_comparisons({"": maps}, {}, [("new", "worn")])
+    known = alone["new", "worn"]["p_value"].item()
+    assert 0 < known < 0.05
+    both, left_out = map_comparisons({"soft": maps, "hard": maps}, {}, [("new", "worn")])
+    assert list(both) == [("new · soft", "worn · soft"), ("new · hard", "worn · hard")]
+    assert not left_out
+    for found in both.values():
+        assert found["p_value"].item() == pytest.approx(known)
 
 
 def test_pressures_at_the_hardness_have_no_interval_and_no_difference():

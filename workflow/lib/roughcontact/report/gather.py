@@ -78,7 +78,7 @@ def write_results(
     solved = _by_map(statistics, requested)
     answers, omitted = group_answers(solved, groups)
     compared, not_compared = comparisons(answers, same_area_pairs)
-    of_maps, not_shared = compare_maps(_shared_maps(solved, groups, same_area_pairs))
+    of_maps, not_shared = map_comparisons(solved, groups, same_area_pairs)
     compared, omitted = compared | of_maps, omitted + not_compared + not_shared
     if groups or same_area_pairs:
         attrs["left_out"] = json.dumps(omitted, ensure_ascii=False)
@@ -161,22 +161,29 @@ def comparisons(
     return result, omitted
 
 
-def _shared_maps(
+def map_comparisons(
     solved: Mapping[str, Mapping[str, xr.Dataset]],
     groups: Mapping[str, tuple[Mapping[str, str], bool]],
     same_area_pairs: Sequence[Sequence[str]],
-) -> dict[tuple[str, str], tuple[xr.Dataset, xr.Dataset]]:
-    """Return the statistics of every two maps of a place, of the first placement and of each other."""
+) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
+    """Return the comparisons under each case of maps of a place, and of the first placement with the others.
+
+    With them comes a sentence for each that cannot be made.
+    """
     pairs = [(earlier, later) for earlier, later in same_area_pairs]
     for first, *remaining in (list(components) for components, placements in groups.values() if placements):
         pairs += [(first, second) for second in remaining]
-    shared = {}
+    result: dict[tuple[str, str], xr.Dataset] = {}
+    omitted: list[str] = []
     for case, of_case in solved.items():
+        shared = {}
         for pair in pairs:
             if of_case.keys() >= {*pair}:
                 first, second = (f"{name} · {case}" if case else name for name in pair)
                 shared[first, second] = of_case[pair[0]], of_case[pair[1]]
-    return shared
+        compared, reasons = compare_maps(shared)
+        result, omitted = result | compared, omitted + reasons
+    return result, omitted
 
 
 def _by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[str, dict[str, xr.Dataset]]:
