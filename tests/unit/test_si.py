@@ -225,6 +225,32 @@ def test_the_names_of_quantities_are_those_of_the_settings():
     assert missing.keys() <= {"target_gap", "force", "area", "unload", "radius"}, missing
 
 
+def test_settings_below_sections_keep_the_units_of_their_arrays():
+    """An array in a list or in a mapping of a section says its unit as one that stands by itself does."""
+    text = {"youngs_modulus": "210 GPa", "pressure": "300 Pa", "viscosity": "1 mPa s"}
+    array = {
+        key: xr.DataArray(float(number), attrs={"units": unit})
+        for key, (number, unit) in ((key, quantity.split(" ", 1)) for key, quantity in text.items())
+    }
+    surface = self_affine_surface((48, 48), 1e-6, hurst=0.8, rms_height=1e-8, shortest=6e-6, longest=24e-6)
+    by_text, by_array = (
+        rc.evaluate(
+            surface,
+            contact={
+                "bodies": [{"youngs_modulus": stated["youngs_modulus"], "poissons_ratio": 0.3}, "steel"],
+                "mean_pressure": [stated["pressure"]],
+            },
+            statistics={
+                "seal": {"viscosity": stated["viscosity"], "pressure_difference": 1e5, "width": 1e-3}
+            },
+            uncertainty={"sources": []},
+        )
+        for stated in (text, array)
+    )
+    np.testing.assert_allclose(numbers(by_array), numbers(by_text), rtol=1e-9)
+    assert by_array["leak_rate_x"].item() == pytest.approx(by_text["leak_rate_x"].item(), rel=1e-9) > 0
+
+
 def test_statistics_are_of_a_solution(surface):
     for wrong, text in (
         (surface, "type DataArray"),

@@ -112,14 +112,9 @@ def evaluate(
     }
     if file and isinstance(source, xr.DataArray):
         raise SettingsError(f"{', '.join(file)}: of a file, the source is a map; read it with them")
-    stated = {
-        section: {
-            key: listed(value) if hasattr(value, "__array__") else value for key, value in values.items()
-        }
-        for section, values in sections.items()
-        if values is not None
-    }
-    full = resolve(stated)[""]
+    full = resolve({section: _plain(values) for section, values in sections.items() if values is not None})[
+        ""
+    ]
     if full["contact"]["unload"] is not None:
         text = "contact.unload: is of a run; give the result of solve_contact to rc.unload, or leave it out"
         raise SettingsError(text, keys=["contact.unload"])
@@ -136,6 +131,15 @@ def evaluate(
         result = run_chain(height, full, threads=threads)
     warn_of_map(result.window.shape, float(result.statistics["rms_gradient"]), stacklevel=3)
     return result.statistics
+
+
+def _plain(value: Any) -> Any:
+    """Return a setting with its arrays, at any depth, as lists or numbers with their units (`listed`)."""
+    if isinstance(value, Mapping):
+        return {key: _plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    return listed(value) if hasattr(value, "__array__") else value
 
 
 def contact_table(
