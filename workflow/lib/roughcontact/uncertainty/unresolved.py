@@ -27,7 +27,6 @@ from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.uncertainty.calibration import octave_arms
 from roughcontact.uncertainty.combination import Component, Components, half_widths, one_sided, symmetric
 from roughcontact.uncertainty.ensemble import MARGIN, Result
-from roughcontact.uncertainty.headline import quantities_in
 from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import ANSWERS, AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, to_scale
 from roughcontact.window.transfer import reliability_length, shortest_transmitted
@@ -79,7 +78,7 @@ def magnification_curve(result: Result) -> Columns:
     """
     window = result.window
     maps, q = [window], wavenumbers(window.shape, spacing(window))
-    levels = [{**result.values}]
+    levels = [result.values]
     by_grid = window.attrs.get("band_reason", "the grid") == "the grid"
     lengths = [max(2 * np.pi / q.max(), 0.0 if by_grid else window.attrs["band_shortest"])]
     side = min((s for s, n in zip(side_lengths(window), window.shape, strict=True) if n > 1), default=0.0)
@@ -89,12 +88,9 @@ def magnification_curve(result: Result) -> Columns:
         lengths.append(max(2 * np.pi / q[_passes(window, cutoff)].max(), lengths[0]))
         levels.append(result.again(maps[-1]))
         cutoff *= 2
-    for results in levels:
-        results[PRESSURE] = np.minimum(result.load / results[AREA], result.hardness)
-    curve: Columns = {}
-    for name in quantities_in(levels[0]):
-        at_cutoff = np.stack([results[name] for results in levels], axis=1)
-        curve[f"{name}_at_cutoff"] = ("load", "cutoff"), at_cutoff
+    numbers = {name: np.stack([results[name] for results in levels], axis=1) for name in result.values}
+    numbers[PRESSURE] = np.minimum(result.load[:, None] / numbers[AREA], result.hardness)
+    curve: Columns = {f"{name}_at_cutoff": (("load", "cutoff"), each) for name, each in numbers.items()}
     curve["cutoff_wavelength"] = "cutoff", np.array(lengths)
     curve["gradient_at_cutoff"] = "cutoff", np.array([rms_gradient(m) for m in maps])
     return curve
