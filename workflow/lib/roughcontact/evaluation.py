@@ -112,9 +112,8 @@ def evaluate(
     }
     if file and isinstance(source, xr.DataArray):
         raise SettingsError(f"{', '.join(file)}: of a file, the source is a map; read it with them")
-    full = resolve({section: _plain(values) for section, values in sections.items() if values is not None})[
-        ""
-    ]
+    stated = {section: _plain(values) for section, values in sections.items() if values is not None}
+    full = resolve(stated)[""]
     if full["contact"]["unload"] is not None:
         text = "contact.unload: is of a run; give the result of solve_contact to rc.unload, or leave it out"
         raise SettingsError(text, keys=["contact.unload"])
