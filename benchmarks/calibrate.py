@@ -707,27 +707,34 @@ def shared_with_area(bank: pd.DataFrame) -> pd.DataFrame:
     """Return how much of the errors of gap and conductance goes with that of the area of the same part.
 
     Half the range of 95 % of the errors stands beside that of what a straight line through those of the area
-    leaves, the line fitted to the other maps.
+    leaves.
     """
-    area, rows = errors_of(bank, SHORT[AREA], "surface")["error"], []  # with the same index by part and load
+    area_errors = errors_of(bank, SHORT[AREA], "surface")["error"]  # with the same index by part and load
+    rows = []
     for quantity in ("gap", "conductance"):
-        errors = errors_of(bank, quantity, "surface").assign(of_area=area).dropna(subset="of_area")
-        for load, at_load in errors[errors["load"].isin(JUDGED_LOADS)].groupby("load"):
+        errors = errors_of(bank, quantity, "surface").assign(area_error=area_errors)
+        errors = errors[errors["load"].isin(JUDGED_LOADS)].dropna(subset="area_error")
+        for load, at_load in errors.groupby("load"):
             row = {"quantity": quantity, "p/(E* g)": f"{load:g}"}
-            for kind, some in at_load.groupby("kind"):
-                left = some["error"].copy()
-                for name, own in some.groupby("map"):
-                    rest = some[some["map"] != name]
-                    line = np.polyfit(rest["of_area"], rest["error"], 1, w=np.sqrt(rest["weight"]))
-                    left[own.index] -= np.polyval(line, own["of_area"])
-                weight = some["weight"].to_numpy()
-                widths = [
-                    np.ptp(quantiles(e.to_numpy(), weight, COVERAGE)) / 2 for e in (some["error"], left)
-                ]
-                row[f"{kind}: correlation"] = f"{some['error'].corr(some['of_area']):+.2f}".replace("-", "−")
-                row[f"{kind}: half-width"], row[f"{kind}: given the area"] = (f"{w:.2f}" for w in widths)
+            for kind, of_kind in at_load.groupby("kind"):
+                correlation = of_kind["error"].corr(of_kind["area_error"])
+                residuals = _residuals_over_area(of_kind)
+                row[f"{kind}: correlation"] = f"{correlation:+.2f}".replace("-", "−")
+                for heading, values in (("half-width", of_kind["error"]), ("given the area", residuals)):
+                    ends = quantiles(values.to_numpy(), of_kind["weight"].to_numpy(), COVERAGE)
+                    row[f"{kind}: {heading}"] = f"{np.ptp(ends) / 2:.2f}"
             rows.append(row)
     return pd.DataFrame(rows)
+
+
+def _residuals_over_area(errors: pd.DataFrame) -> pd.Series:
+    """Return errors less their line over those of the area, fitted to the other maps."""
+    residuals = errors["error"].copy()
+    for name, of_map in errors.groupby("map"):
+        others = errors[errors["map"] != name]
+        line = np.polyfit(others["area_error"], others["error"], 1, w=np.sqrt(others["weight"]))
+        residuals[of_map.index] -= np.polyval(line, of_map["area_error"])
+    return residuals
 
 
 def _use(quantity: str, features: tuple[str, ...], by_trend: tuple[str, ...]) -> None:

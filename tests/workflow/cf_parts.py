@@ -17,12 +17,14 @@ REFERENCES = ("coordinates", "bounds")  # attributes that name other variables
 
 def with_references(file: netCDF4.Dataset, names: list[str]) -> list[str]:
     """Return names of variables, and those of the variables that they refer to."""
-    found = [*names]
-    for name in found:  # it grows
+    needed = [*names]
+    for name in needed:  # it grows
         words = [str(getattr(file[name], attribute, "")) for attribute in REFERENCES]
         mentioned = dict.fromkeys([*file[name].dimensions, *" ".join(words).split()])
-        found += [other for other in mentioned if other in file.variables and other not in found]
-    return found
+        needed += [
+            variable for variable in mentioned if variable in file.variables and variable not in needed
+        ]
+    return needed
 
 
 def divide(path: Path, folder: Path) -> None:
@@ -37,12 +39,12 @@ def divide(path: Path, folder: Path) -> None:
                 for dimension in file.dimensions.values():
                     part.createDimension(dimension.name, dimension.size)
                 for name in with_references(file, names[first : first + AT_ONCE]):
-                    whole, attributes = file[name], dict(file[name].__dict__)
+                    source, attributes = file[name], dict(file[name].__dict__)
                     fill = attributes.pop("_FillValue", None)
-                    variable = part.createVariable(name, whole.dtype, whole.dimensions, fill_value=fill)
+                    variable = part.createVariable(name, source.dtype, source.dimensions, fill_value=fill)
                     variable.set_auto_maskandscale(False)
                     variable.setncatts(attributes)
-                    variable[...] = whole[...]
+                    variable[...] = source[...]
 
 
 if __name__ == "__main__":

@@ -112,7 +112,7 @@ def evaluate(
     }
     if file and isinstance(source, xr.DataArray):
         raise SettingsError(f"{', '.join(file)}: of a file, the source is a map; read it with them")
-    stated = {section: _plain(values) for section, values in sections.items() if values is not None}
+    stated = {section: listed(values) for section, values in sections.items() if values is not None}
     full = resolve(stated)[""]
     if full["contact"]["unload"] is not None:
         text = "contact.unload: is of a run; give the result of solve_contact to rc.unload, or leave it out"
@@ -130,15 +130,6 @@ def evaluate(
         result = run_chain(height, full, threads=threads)
     warn_of_map(result.window.shape, float(result.statistics["rms_gradient"]), stacklevel=3)
     return result.statistics
-
-
-def _plain(value: Any) -> Any:
-    """Return a setting with its arrays, at any depth, as lists or numbers with their units (`listed`)."""
-    if isinstance(value, Mapping):
-        return {key: _plain(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    return listed(value) if hasattr(value, "__array__") else value
 
 
 def contact_table(

@@ -72,17 +72,23 @@ def _in_si(name: str, value: Any) -> Any:
     return quantity_in(QUANTITIES[name], name, value) if name in QUANTITIES else value
 
 
-def listed(array: Any) -> Any:
-    """Return an array of numbers as a list, or its only number: text with the unit that the array states.
+def listed(value: Any) -> Any:
+    """Return a setting with its arrays, at any depth, as lists or numbers: texts with the unit they state.
 
     Examples
     --------
     >>> listed(xr.DataArray([1.0, 2.0], attrs={"units": "MPa"})), listed(np.float32(0.5))
     (['1.0 MPa', '2.0 MPa'], 0.5)
     """
-    unit = unit_of(array.attrs) if isinstance(array, xr.DataArray) else None
-    numbers = [f"{number!r} {unit}" if unit else number for number in np.ravel(array).tolist()]
-    return numbers if np.ndim(array) else numbers[0]
+    if isinstance(value, Mapping):
+        return {key: listed(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [listed(entry) for entry in value]
+    if not hasattr(value, "__array__"):
+        return value
+    unit = unit_of(value.attrs) if isinstance(value, xr.DataArray) else None
+    numbers = [f"{number!r} {unit}" if unit else number for number in np.ravel(value).tolist()]
+    return numbers if np.ndim(value) else numbers[0]
 
 
 def quantity_in(base: str, name: str, value: Any) -> Any:

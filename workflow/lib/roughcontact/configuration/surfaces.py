@@ -284,11 +284,12 @@ def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> Iterator[str]:
         read: dict[str, Surface] = {}
         for row in rows:
             arguments = {key: value for key, value in row.read_arguments.items() if key != TILES}
-            for channel in dict.fromkeys(arguments.pop("channel", "").split(";")):  # of profiles several
-                key = f"{row.path} {row.counter_face} {channel.strip()} {arguments}"
-                if (first := read.setdefault(key, row)).origin != row.origin:
-                    both, place = f"{first.name} and {row.name}", f"{row.path} {channel.strip()}".strip()
-                    yield f"{origin}: {both} are the same file, {place}; leave one out"
+            channels = arguments.pop("channel", "").split(";")  # of profiles several
+            for channel in dict.fromkeys(map(str.strip, channels)):
+                first = read.setdefault(f"{row.path} {row.counter_face} {channel} {arguments}", row)
+                if first.origin != row.origin:
+                    file = f"{row.path} {channel}".strip()
+                    yield f"{origin}: {first.name} and {row.name} are the same file, {file}; leave one out"
         if len(rows) == 1 and rows[0].counter_face is None:
             yield (
                 f"{origin}: has {rows[0].name} alone; name further maps of the finish, or leave the cell "

@@ -92,6 +92,9 @@ def interval_columns(
         beyond = _with_pressure({name: pair[1] for name, pair in octave.items()}, shorter[AREA])
         intervals["octave_"] = shorter, moved, [*by_source.values(), beyond]
     columns: dict[str, tuple] = {}
+    widest = np.zeros(result.load.size)  # gap of a member
+    if scatter:
+        widest[result.few] = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
     for name, plain in as_solved.items():
         for prefix, (on_scales, in_units, causes) in intervals.items():
             value = in_units[name]
@@ -99,8 +102,6 @@ def interval_columns(
             if present := [cause[name] for cause in causes if name in cause]:
                 ends = ends_of(name, on_scales[name], added_up(present))
                 if name == GAP and scatter:  # closed by full contact, it may be open elsewhere
-                    widest = np.zeros(value.shape)
-                    widest[result.few] = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
                     ends = np.where(value > 0, ends[0], 0.0), np.where(value > 0, ends[1], widest)
                 ends = monotonic(name, ends, result.load)
                 lower, upper = limited(name, ends, value=value, load=result.load, hardness=result.hardness)
