@@ -1,8 +1,10 @@
 """The result of a reader: the channels of one file, in the file's own units."""
 
 import re
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from math import prod
 from typing import Any, NamedTuple
 
@@ -11,10 +13,10 @@ from numpy.typing import ArrayLike
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import instrument_kinds
-from roughcontact.io.guards import MAX_POINTS, listed
+from roughcontact.io.guards import MAX_CHANNELS, MAX_POINTS, check_count, listed
 from roughcontact.io.units import is_length
 
-LEAST_MARKER = 1e36  # no unit makes a height so large
+MIN_MARKER = 1e36  # no unit makes a height so large
 # numbers without unit or scale that programs write for a missing point
 _MARKERS = (
     1.70141e38,  # Surfer: blanked node of a grid
@@ -24,7 +26,7 @@ _MARKERS = (
     9.9e37,  # SCPI-99, volume 1, 7.2.1: infinity, with either sign
     9.96921e36,  # netCDF, netcdf.h: NC_FILL_FLOAT and NC_FILL_DOUBLE
 )
-_LONGEST_LIST = 100  # characters of names
+_MAX_LIST_LENGTH = 100  # characters of names
 _LONGEST = 1e100  # of positions, whose squares must be finite
 
 
@@ -75,7 +77,15 @@ class Channel:
     otherwise: "Channel | None" = None
     points: Points | None = None  # where they form no even grid
     notes: list[str] = field(default_factory=list)  # statements of the header that the user should know
+    # what the file says where: `dx`, `unit`, `first_row` ... -> "line 3"; without it by the format
+    sources: dict[str, str] = field(default_factory=dict)
+    unused: list[tuple[int, str]] = field(default_factory=list)  # lines of its header that nothing uses
     first_row: str = ""  # where row 0 lies, if not as in the rest of the file; assumed
+
+    @property
+    def is_line(self) -> bool:
+        """Whether it is a single profile."""
+        return self.shape[0] == 1
 
     def __post_init__(self) -> None:
         if not self.no_height and self.height_unit is not None and not is_length(self.height_unit):
@@ -95,13 +105,14 @@ class MeasuredFile:
     required_size: int | None = None  # bytes by the header; readers leave the comparison to `open_file`
     first_row_assumed: bool = False  # stated neither by file nor format
     question: str = ""  # what there are several of, where the user has to name one
+    close: Callable[[], object] = lambda: None  # of channels that are read from an open file
 
     def __post_init__(self) -> None:
-        names: list[str] = []
-        for channel in self.channels:  # a name again gets a number, so that each can be asked for
-            names.append(channel.name)
-            if names.count(channel.name) > 1:
-                channel.name = f"{channel.name} ({names.count(channel.name)})"
+        names: Counter[str] = Counter()
+        for channel in counted_channels(self.channels):
+            names[channel.name] += 1
+            if (count := names[channel.name]) > 1:  # a number, so that each can be asked for
+                channel.name = f"{channel.name} ({count})"
 
     @property
     def kind(self) -> instrument_kinds.Kind:
@@ -109,8 +120,15 @@ class MeasuredFile:
         return instrument_kinds.of_name(self.instrument.get("kind"))
 
 
+def counted_channels(channels: Iterable[Channel]) -> list[Channel]:
+    """Return channels, and refuse a file of more than 10 000 before all of them are made."""
+    counted = list(islice(channels, MAX_CHANNELS + 1))
+    check_count(len(counted))
+    return counted
+
+
 def choose_channel(
-    file: MeasuredFile, requested: str | None, *, unit_given: bool = False
+    file: MeasuredFile, choice: str | None, *, unit_given: bool = False
 ) -> tuple[Channel, str]:
     """Return the channel of that name, else the first that holds heights, and a sentence on the choice.
 
@@ -130,20 +148,23 @@ def choose_channel(
     names = [channel.name for channel in file.channels]
     listing = listed(names)
     together = ""
-    if len(names) > 1 and all(channel.shape[0] == 1 for channel in file.channels):
+    if len(names) > 1 and all(channel.is_line for channel in file.channels):
         all_names = "; ".join(names)
-        shown = all_names if len(all_names) < _LONGEST_LIST else "; ".join(names[:2]) + "; ..."
-        together = f"; several profiles of one surface (lay: none) are '{shown}'"
-    if requested is not None:
+        listing_text = all_names if len(all_names) < _MAX_LIST_LENGTH else "; ".join(names[:2]) + "; ..."
+        together = f"; several profiles of one surface (lay: none) are '{listing_text}'"
+    if choice is not None:
         for spelling in (str, lambda name: str(name).strip().casefold()):
-            matches = [channel for channel in file.channels if spelling(channel.name) == spelling(requested)]
+            matches = [channel for channel in file.channels if spelling(channel.name) == spelling(choice)]
             if len(matches) == 1:
                 return matches[0], f"{matches[0].name!r}, named by the user"
-        raise InputFileError(f"no channel is named {str(requested)!r}; the file has {listing}{together}")
+        raise InputFileError(
+            f"no channel is named {str(choice)!r}; the file has {listing}{together}", keys=["channel"]
+        )
     if file.question:
         raise InputFileError(
             f"{file.question}; name one with channel (table of surfaces or argument), of {listing}; "
-            f"or all, in a row each, as repeats of one part of a group{together}"
+            f"or all, in a row each, as repeats of one part of a group{together}",
+            keys=["channel"],
         )
     heights = [
         channel for channel in file.channels if not channel.no_height or (unit_given and len(names) == 1)
@@ -152,7 +173,8 @@ def choose_channel(
         reasons = "; ".join(f"{channel.name!r}: {channel.no_height}" for channel in file.channels)
         raise InputFileError(
             f"no channel of this file holds heights ({reasons or 'it has none'}); if one does, "
-            "name it with channel and give height_unit"
+            "name it with channel and give height_unit",
+            keys=["channel", "height_unit"],
         )
     channel = min(heights, key=lambda channel: NO_TOPOGRAPHY.search(channel.name) is not None)
     chosen = f"the first height channel of {len(names)}" if len(names) > 1 else "the only channel"
@@ -196,7 +218,7 @@ def as_heights(values: ArrayLike) -> np.ndarray:
     if mask is not None:
         heights[np.atleast_2d(mask)] = np.nan
     heights[~np.isfinite(heights)] = np.nan
-    if np.nanmax(np.abs(heights), initial=0.0) > LEAST_MARKER:
+    if np.nanmax(np.abs(heights), initial=0.0) > MIN_MARKER:
         for marker in _MARKERS:
             heights[np.abs(np.abs(heights) / marker - 1) < 1e-5] = np.nan
     return heights
@@ -248,7 +270,9 @@ def rounded_step(positions: ArrayLike) -> float | None:
     return float(step) if np.max(np.abs(positions - start - step * number)) <= 0.55 * last else None
 
 
-def placed(channel: Channel, x: Positions, y: Positions, names: tuple[str, str] = ("x", "y")) -> Channel:
+def channel_on_grid(
+    channel: Channel, x: Positions, y: Positions, names: tuple[str, str] = ("x", "y")
+) -> Channel:
     """Return a channel with its steps, rows and columns by rising positions, or as points off a grid.
 
     Along each axis a step, positions (n,), those of all points (ny, nx), or None where they are unknown.
@@ -260,12 +284,12 @@ def placed(channel: Channel, x: Positions, y: Positions, names: tuple[str, str] 
             return channel
         if x is None or (y is None and channel.shape[0] > 1):
             raise InputFileError(f"{error}, and the other axis has no positions") from error
-        along_x = _of_all_points(x, channel.shape, 1)
-        along_y = None if y is None else _of_all_points(y, channel.shape, 0)
+        along_x = _expand_positions(x, channel.shape, 1)
+        along_y = None if y is None else _expand_positions(y, channel.shape, 0)
         return scattered(channel, along_x, along_y, channel.read(), error)
     read = channel.read
-    turned = np.s_[:: -1 if (dy or 0) < 0 else 1, :: -1 if (dx or 0) < 0 else 1]
-    return replace(channel, dx=dx and abs(dx), dy=dy and abs(dy), read=lambda: np.array(read()[turned]))
+    orientation = np.s_[:: -1 if (dy or 0) < 0 else 1, :: -1 if (dx or 0) < 0 else 1]
+    return replace(channel, dx=dx and abs(dx), dy=dy and abs(dy), read=lambda: np.array(read()[orientation]))
 
 
 def _step(positions: Positions, name: str) -> float | None:
@@ -281,7 +305,7 @@ def _step(positions: Positions, name: str) -> float | None:
     return step
 
 
-def _of_all_points(positions: np.ndarray | float, shape: tuple[int, int], axis: int) -> np.ndarray:
+def _expand_positions(positions: np.ndarray | float, shape: tuple[int, int], axis: int) -> np.ndarray:
     """Return the positions (ny, nx) of all points along an axis, stored or counted."""
     if not isinstance(positions, np.ndarray):
         return positions * np.indices(shape)[axis]
@@ -295,8 +319,8 @@ def scattered(
 
     Points without a height are left out.
     """
-    columns = [np.asarray(each, dtype=float).ravel() for each in (x, z, *(() if y is None else (y,)))]
-    measured = np.isfinite(columns).all(axis=0)
-    along_x, heights, *along_y = (column[measured] for column in columns)
+    columns = [np.asarray(series, dtype=float).ravel() for series in (x, z, *(() if y is None else (y,)))]
+    is_finite = np.isfinite(columns).all(axis=0)
+    along_x, heights, *along_y = (column[is_finite] for column in columns)
     points = Points(along_x, along_y[0] if along_y else None, heights, str(error))
     return replace(channel, shape=(1, heights.size), read=heights[None, :].copy, points=points)

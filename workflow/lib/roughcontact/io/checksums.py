@@ -11,29 +11,29 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
-from roughcontact.io.guards import sha256, state_of
+from roughcontact.io.guards import file_state, sha256
 
 NOTED = Path(".snakemake/roughcontact-checksums")
 # ns without a change after which the dates of the next change differ: FAT counts them by two seconds
 _SETTLED = 3_000_000_000
 
 
-def checksum(path: str | Path, *, noted: Path = NOTED) -> str:
+def checksum(path: str | Path, *, memo: Path = NOTED) -> str:
     """Return the SHA-256 of a file, as it was noted if the file has not changed since; empty if unreadable.
 
-    `noted` has a line of JSON for each, the last of a path counts; lines are added where its folder exists.
+    `memo` has a line of JSON for each, the last of a path counts; lines are added where its folder exists.
     """
-    state = state_of(path)
-    recorded = _noted(noted).get(str(path))
-    if recorded and recorded[0] == state:
-        return recorded[1]
+    state = file_state(path)
+    record = _noted(memo).get(str(path))
+    if record and record[0] == state:
+        return record[1]
     try:
         digest = sha256(Path(path))
     except OSError:
         return ""
-    if state and state == state_of(path) and _is_settled(state):
-        _noted(noted)[str(path)] = state, digest
-        with suppress(OSError), noted.open("a", encoding="utf-8") as file:
+    if state and state == file_state(path) and _is_settled(state):
+        _noted(memo)[str(path)] = state, digest
+        with suppress(OSError), memo.open("a", encoding="utf-8") as file:
             file.write(json.dumps([str(path), state, digest]) + "\n")
     return digest
 
@@ -52,5 +52,5 @@ def _noted(file: Path) -> dict[str, tuple[list[int], str]]:
 
 def _is_settled(state: list[int]) -> bool:
     """Return whether the next change of a file will show in its dates."""
-    _, modified, changed, _ = state
-    return time.time_ns() - (modified if os.name == "nt" else changed) > _SETTLED
+    _, modification, status_change, _ = state
+    return time.time_ns() - (modification if os.name == "nt" else status_change) > _SETTLED

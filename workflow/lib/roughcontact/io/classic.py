@@ -15,7 +15,7 @@ MARKS = tuple(_WIDTHS)
 # type -> bytes per value
 _BYTES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 4, 6: 8, 7: 1, 8: 2, 9: 4, 10: 8, 11: 8}
 _DIMENSIONS, _VARIABLES, _ATTRIBUTES = 10, 11, 12
-_MOST_AXES = 1024
+_MAX_AXES = 1024
 
 
 def check_header(path: Path) -> int | None:
@@ -51,8 +51,8 @@ class _Header:
     def entries(self, tag: int) -> range:
         """Return the numbers of the entries of a list; each has at least eight bytes."""
         list_tag, count = self.number(4), self.number()
-        listed = list_tag == tag or (list_tag == 0 and not count)
-        _require(listed and count <= self.size // 8, "its header has no list where one is due")
+        is_list = list_tag == tag or (list_tag == 0 and not count)
+        _require(is_list and count <= self.size // 8, "its header has no list where one is due")
         return range(count)
 
     def value_bytes(self) -> int:
@@ -68,9 +68,9 @@ class _Header:
             self.skip(self.value_bytes() * self.number())
 
 
-def _require(fulfilled: bool, why: str) -> None:
+def _require(condition: bool, why: str) -> None:
     """Raise the error for a damaged file."""
-    if not fulfilled:
+    if not condition:
         raise ValueError(why)
 
 
@@ -83,26 +83,28 @@ def _stated_size(header: _Header) -> int | None:
         lengths.append(header.number())
     header.skip_attributes()
     largest = 256**header.count - 4  # larger ones state nothing
-    fixed: list[tuple[int, int]] = []  # where a variable begins, and its bytes
-    recorded: list[tuple[int, int]] = []  # the same of its first record
+    fixed_sizes: list[tuple[int, int]] = []  # where a variable begins, and its bytes
+    record_sizes: list[tuple[int, int]] = []  # the same of its first record
     for _ in header.entries(_VARIABLES):
         header.skip(header.number())
         count = header.number()
-        _require(count <= _MOST_AXES, "a variable has too many axes")
+        _require(count <= _MAX_AXES, "a variable has too many axes")
         axes = [header.number() for _ in range(count)]
         _require(all(axis < len(lengths) for axis in axes), "a variable has an axis that does not exist")
         header.skip_attributes()
         sizes = [lengths[axis] for axis in axes]
         has_records = sizes[:1] == [0]
         length = header.value_bytes() * prod(sizes[has_records:])
-        stated, padded = header.number(), length + -length % 4
-        agrees = stated in (padded, length) or padded > largest
-        _require(agrees, f"a variable of {length} bytes is said to have {stated}")
-        (recorded if has_records else fixed).append((header.number(header.position), length))
+        header_size, padded_size = header.number(), length + -length % 4
+        agrees = header_size in (padded_size, length) or padded_size > largest
+        _require(agrees, f"a variable of {length} bytes is said to have {header_size}")
+        (record_sizes if has_records else fixed_sizes).append((header.number(header.position), length))
     streaming = records == 256**header.count - 1
-    padding = 4 if len(recorded) > 1 else 1
-    step = sum(length + -length % padding for _, length in recorded)
-    last = [(begin + step * (records - 1), length) for begin, length in recorded if records and not streaming]
-    end = max([header.stream.tell(), *map(sum, fixed + last)])
-    _require(end <= header.size, "numbers lie behind the end of the file")
-    return None if streaming and recorded else min(end + -end % 4, header.size)
+    padding = 4 if len(record_sizes) > 1 else 1
+    step = sum(length + -length % padding for _, length in record_sizes)
+    last = [
+        (start + step * (records - 1), length) for start, length in record_sizes if records and not streaming
+    ]
+    stop = max([header.stream.tell(), *map(sum, fixed_sizes + last)])
+    _require(stop <= header.size, "numbers lie behind the end of the file")
+    return None if streaming and record_sizes else min(stop + -stop % 4, header.size)

@@ -7,15 +7,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from roughcontact.checking import marker_values
+from roughcontact.arguments.checking import marker_values
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, Points, choose_channel
 from roughcontact.io.request import Request
-from roughcontact.io.resampling import on_even_grid
+from roughcontact.io.resampling import resample_evenly
 from roughcontact.io.scale import decide_scale
-from roughcontact.io.text.axes import axes_of
+from roughcontact.io.sources import lines_not_used, sources
+from roughcontact.io.text.axes import find_axes
 
-_LARGEST_HEIGHT = 1e5  # m; higher than any mountain
+_MAX_HEIGHT = 1e5  # m; higher than any mountain
+_USUAL_MARKERS = (-9999.0, -99999.0)  # of missing points, where no header says so
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,7 @@ class Converted:
     dy: float  # m
     notes: list[str]  # sentences for the user
     facts: list[str]  # those that say what the user asked for
+    sources: dict  # column of the table -> where it comes from; "not used" -> lines of the header
     first_row: str  # of the file, in the picture: `top` or `bottom`
     first_row_assumed: bool
 
@@ -36,9 +39,9 @@ class Converted:
         """Return the cell centres (x, y; m, rising), from the file's first one or half a step."""
         (ny, nx), channel = self.heights.shape, self.channel
         x, y = (
-            (0.5 * step if first is None or not channel.dx else first * (self.dx / channel.dx))
+            (0.5 * step if origin is None or not channel.dx else origin * (self.dx / channel.dx))
             + step * np.arange(n)
-            for n, step, first in ((nx, self.dx, channel.first_x), (ny, self.dy, channel.first_y))
+            for n, step, origin in ((nx, self.dx, channel.first_x), (ny, self.dy, channel.first_y))
         )
         return x, y
 
@@ -51,51 +54,59 @@ def convert(file: MeasuredFile, request: Request) -> Converted:
         notes.append(f"channel {channel.name!r} is read as heights on request ({channel.no_height})")
     elif request.channel is None and NO_TOPOGRAPHY.search(channel.name):
         notes.append(f"channel {channel.name!r} is read as heights, which by its name it does not hold")
-    channel, settled = _settled(channel, request)
-    channel, marked = _without_markers(channel, request)
-    channel, request, resampling = on_even_grid(channel, request)
+    channel, unit_notes = _settled(channel, request)
+    channel, marker_notes = _drop_markers(channel, request)
+    channel, request, resampling = resample_evenly(channel, request)
     scale = decide_scale(channel, request)
     numbers = channel.read()
-    if axes := axes_of(numbers):
+    for marker in _USUAL_MARKERS if request.missing_value is None else ():
+        if (count := np.count_nonzero(numbers == marker)) > 1:
+            notes.append(
+                f"{count} points are {marker:g}: if that marks missing points, missing_value states it"
+            )
+    if axes := find_axes(numbers):
         notes.append(axes.note.replace("is taken as", "may be").replace(", and left out", ""))
     with np.errstate(over="ignore"):  # infinite heights are refused below
         heights = _checked(numbers * scale.height_factor)
-    first_row, assumed, turned = _first_row(file, channel, request)
+    steps, factor = (scale.dx, scale.dy), scale.height_factor
+    header_lines, doubts = lines_not_used(channel, request, steps, factor, numbers)
+    origins = sources(file, channel, request) | {"not used": header_lines}
+    first_row, is_assumption, turn_notes = _first_row(file, channel, request)
     if first_row == "top":
         heights = np.ascontiguousarray(heights[::-1])
-    facts = [*marked, *resampling, *scale.notes, *turned]
-    notes += [*settled, *facts]
-    return Converted(channel, choice, heights, scale.dx, scale.dy, notes, facts, first_row, assumed)
+    facts = [*marker_notes, *resampling, *scale.notes, *turn_notes]
+    notes += [*unit_notes, *doubts, *facts]
+    return Converted(channel, choice, heights, *steps, notes, facts, origins, first_row, is_assumption)
 
 
-def _without_markers(channel: Channel, request: Request) -> tuple[Channel, list[str]]:
+def _drop_markers(channel: Channel, request: Request) -> tuple[Channel, list[str]]:
     """Return a channel without the numbers that mark missing points by the user, and how often they occur."""
     markers = marker_values(request.missing_value)
     if not markers:
         return channel, []
     points = channel.points
     values = np.array(channel.read() if points is None else points.z, dtype=float)
-    marked = np.any([np.isclose(values, marker, rtol=1e-6, atol=0.0) for marker in markers], axis=0)
-    note = f"{marked.sum()} points are {request.missing_value} and taken as missing (missing_value)"
+    is_marker = np.any([np.isclose(values, marker, rtol=1e-6, atol=0.0) for marker in markers], axis=0)
+    note = f"{is_marker.sum()} points are {request.missing_value} and taken as missing (missing_value)"
     if points is not None:
-        y = None if points.y is None else points.y[~marked]
-        unmarked = Points(points.x[~marked], y, points.z[~marked], points.uneven)
-        return replace(channel, points=unmarked), [note]
-    values[marked] = np.nan
+        y = None if points.y is None else points.y[~is_marker]
+        remaining = Points(points.x[~is_marker], y, points.z[~is_marker], points.uneven)
+        return replace(channel, points=remaining), [note]
+    values[is_marker] = np.nan
     return replace(channel, read=lambda: values), [note]
 
 
 def _first_row(file: MeasuredFile, channel: Channel, request: Request) -> tuple[str, bool, list[str]]:
     """Return where row 0 of the file lies, whether that is assumed, a note if the user overrides the file."""
     orientation = channel.first_row or file.first_row
-    assumed = bool(channel.first_row) or file.first_row_assumed
-    requested = request.first_row
-    if requested is None or channel.shape[0] == 1:  # a profile has only one row
-        return orientation, assumed and channel.shape[0] > 1, []
-    if assumed or requested == orientation:
-        return requested, False, []
-    note = f"first_row = {requested} is given, the file has its first row at the {orientation}"
-    return requested, False, [note]
+    is_assumption = bool(channel.first_row) or file.first_row_assumed
+    requested_row = request.first_row
+    if requested_row is None or channel.is_line:  # a profile has only one row
+        return orientation, is_assumption and channel.shape[0] > 1, []
+    if is_assumption or requested_row == orientation:
+        return requested_row, False, []
+    note = f"first_row = {requested_row} is given, the file has its first row at the {orientation}"
+    return requested_row, False, [note]
 
 
 def _checksum_notes(file: MeasuredFile, request: Request) -> list[str]:
@@ -106,7 +117,8 @@ def _checksum_notes(file: MeasuredFile, request: Request) -> list[str]:
         raise InputFileError(
             f"{file.stale}: not readable as {file.format.partition(' (')[0]}, because "
             "it was changed or damaged after it was written; export it again, or, where you know the change, "
-            "give checksum = ignore (table of surfaces or argument)"
+            "give checksum = ignore (table of surfaces or argument)",
+            keys=["checksum"],
         )
     return [f"{file.stale}: read nevertheless, as asked (checksum = ignore)"]
 
@@ -131,10 +143,11 @@ def _checked(heights: np.ndarray) -> np.ndarray:
     if not np.isfinite(heights).any():
         raise HeightMapError(f"all {heights.size} points of the map are missing; check the channel")
     largest = np.nanmax(np.abs(heights))
-    if largest > _LARGEST_HEIGHT:
+    if largest > _MAX_HEIGHT:
         raise HeightMapError(
             f"heights up to {largest:.3g} m are no measurement: the height unit is wrong, the "
             "number marks missing points (give it as missing_value), or the file is damaged (for instance a "
-            "binary file whose line ends were converted)"
+            "binary file whose line ends were converted)",
+            keys=["missing_value"],
         )
     return heights

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from roughcontact.errors import InputFileError
+from roughcontact.io.guards import naming
 from roughcontact.io.registry import recognised
 from roughcontact.io.text.table import split_header
 
@@ -22,11 +23,11 @@ def is_folder(path: str | Path) -> bool:
         return False
 
 
-def measurements_in(folder: Path) -> tuple[list[Path], list[Path]]:
+def list_measurements(folder: Path) -> tuple[list[Path], list[Path]]:
     """Return the files of a folder that can be measurements, by name, and the others but for hidden ones."""
     files = sorted(path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
-    measured = [path for path in files if _can_be_measured(path)]
-    return measured, [path for path in files if path not in measured]
+    candidates = [path for path in files if _can_be_measured(path)]
+    return candidates, [path for path in files if path not in candidates]
 
 
 def _can_be_measured(path: Path) -> bool:
@@ -34,8 +35,9 @@ def _can_be_measured(path: Path) -> bool:
     if path.suffix.lower() in _DOCUMENTS or path.stat().st_size == 0:
         return False
     try:
-        if recognised(path)[0] != "text":
-            return True
+        with naming(path):
+            if recognised(path)[0] != "text":
+                return True
     except InputFileError:  # a damaged container
         return True
     with path.open("rb") as stream:

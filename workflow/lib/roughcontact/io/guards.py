@@ -4,6 +4,7 @@ import hashlib
 import os
 import re
 import stat
+import traceback
 import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
@@ -18,12 +19,13 @@ MAX_XML_BYTES = 2**28
 # errors of zipfile for archives that are damaged; a compression that it does not know raises
 # NotImplementedError, a member with a password RuntimeError
 ARCHIVE_ERRORS = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError)
-_LONGEST_PATH = 4095  # characters; limit of operating systems
-_LONGEST_NAME = 255
+_MAX_PATH_LENGTH = 4095  # characters; limit of operating systems
+_MAX_NAME_LENGTH = 255
 _LONG_NAME = 40
 _PROLOG = 2**20  # bytes within which the root of XML must begin
 _PADDED = 100  # compression ratio above which XML of 16 MiB and more is only padding
 MAX_POINTS = 2**27  # 1 GiB as float64; a solution needs about ten such arrays
+MAX_CHANNELS = 10_000  # of one file
 BYTES_PER_POINT = 32  # while a map is read: as stored, in double precision, and a copy
 
 
@@ -39,21 +41,40 @@ def brief(error: Exception) -> str:
     return text if len(text) <= 160 else text[:157] + "..."
 
 
-def listed(names: Sequence[str], most: int = 8) -> str:
+def listed(names: Sequence[str], max_count: int = 8) -> str:
     """Return the first names of a sequence, in quotes, for a message; fewer of long ones."""
-    most = most if max(map(len, names[:most]), default=0) <= _LONG_NAME else 2
-    return ", ".join(map(repr, names[:most])) + (", ..." if len(names) > most else "")
+    max_count = max_count if max(map(len, names[:max_count]), default=0) <= _LONG_NAME else 2
+    return ", ".join(map(repr, names[:max_count])) + (", ..." if len(names) > max_count else "")
 
 
 @contextmanager
 def naming(path: Path) -> Iterator[None]:
-    """Put the path before the messages of errors that do not begin with it."""
+    """Raise every error as one of this package, whose message begins with the path."""
     try:
         yield
     except RoughContactError as error:
         if not str(error).startswith(str(path)[:60]):
             error.args = (f"{path}: {error}",)
         raise
+    except Exception as error:  # whatever a reader, or a library, did not foresee
+        raise InputFileError(f"{path}: {_reason(error)}") from error
+
+
+def _reason(error: Exception) -> str:
+    """Return why a file cannot be read, for an error that its reader did not foresee."""
+    if isinstance(error, MemoryError):
+        return "needs more memory than there is; crop the map, or read it on a larger computer"
+    if isinstance(error, ImportError):
+        *_, (frame, _) = traceback.walk_tb(error.__traceback__)
+        package = frame.f_globals["__name__"].partition(".")[0]
+        return f"cannot be read, as the package {package} is not complete ({brief(error)}); install it again"
+    if isinstance(error, OSError) and error.strerror:
+        return f"cannot be read ({error.strerror})"
+    wrong = "" if brief(error) == type(error).__name__ else f": {brief(error)}"
+    return (
+        f"cannot be read ({type(error).__name__}{wrong}): it is damaged, or its reader does not foresee it; "
+        "export it in another format, and report this"
+    )
 
 
 @contextmanager
@@ -61,7 +82,7 @@ def refusing(message: str, way_out: str = "") -> Iterator[None]:
     """Raise errors of a library as `InputFileError` with a message and their own."""
     try:
         yield
-    except RoughContactError:
+    except (RoughContactError, ImportError, MemoryError):
         raise
     except Exception as error:  # libraries fail on damaged files in any way
         raise InputFileError(f"{message} ({brief(error)}){way_out}") from error
@@ -69,7 +90,7 @@ def refusing(message: str, way_out: str = "") -> Iterator[None]:
 
 def check_file(path: Path) -> None:
     """Refuse a path that is no regular file, and a file that is empty or larger than 4 GiB."""
-    if len(str(path)) > _LONGEST_PATH or max(map(len, path.parts), default=0) > _LONGEST_NAME:
+    if len(str(path)) > _MAX_PATH_LENGTH or max(map(len, path.parts), default=0) > _MAX_NAME_LENGTH:
         name = str(path)
         raise InputFileError(
             f"{name[:60]}...: a path of {len(name)} characters, longer than any file's; check the path"
@@ -100,7 +121,7 @@ def sha256(path: Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def state_of(path: str | Path) -> list[int] | None:
+def file_state(path: str | Path) -> list[int] | None:
     """Return what changes when a file is written or replaced: size, dates (ns), inode; None without it."""
     try:
         status = Path(path).stat()
@@ -112,11 +133,11 @@ def state_of(path: str | Path) -> list[int] | None:
 @contextmanager
 def unchanged(path: Path) -> Iterator[None]:
     """Refuse a file that changes within the block, also instead of the error of a reader of half a file."""
-    before = state_of(path)
+    initial_state = file_state(path)
     try:
         yield
     finally:
-        if state_of(path) != before:
+        if file_state(path) != initial_state:
             raise InputFileError("changed while it was read; wait until it is complete, and read it again")
 
 
@@ -128,12 +149,20 @@ def check_points(shape: tuple[int, int]) -> None:
     check_memory(ny * nx * BYTES_PER_POINT, f"{ny} x {nx} points")
 
 
-def check_memory(required: float, data_name: str) -> None:
+def check_count(channels: int) -> None:
+    """Refuse a file of more than 10 000 maps, profiles or tables."""
+    if channels > MAX_CHANNELS:
+        raise InputFileError(
+            f"more than the {MAX_CHANNELS} maps or profiles that are listed; save some in a file of their own"
+        )
+
+
+def check_memory(size: float, data_name: str) -> None:
     """Refuse to read data that need more memory (bytes) than this computer has."""
     total = memory_bytes()
-    if total is not None and required > total:
+    if total is not None and size > total:
         raise InputFileError(
-            f"{data_name} need {required / 2**30:.1f} GiB of memory to be read, this computer has "
+            f"{data_name} need {size / 2**30:.1f} GiB of memory to be read, this computer has "
             f"{total / 2**30:.1f} GiB; crop the map, or read it on a larger computer"
         )
 
@@ -201,18 +230,18 @@ def _check_xml(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> None:
             f"{entry.filename} in the archive has {entry.file_size} bytes of XML, packed in "
             f"{entry.compress_size}: no description of a map is so long"
         )
-    before, total, started = b"", 0, False
+    tail, total, has_content = b"", 0, False
     with archive.open(entry) as stream:
         while block := stream.read(_PROLOG):
-            text = before + block.replace(b"\0", b"").upper()  # makes UTF-16 searchable
+            text = tail + block.replace(b"\0", b"").upper()  # makes UTF-16 searchable
             if declaration := re.search(rb"<!(DOCTYPE|ENTITY)", text):
                 raise InputFileError(
                     f"{entry.filename} in the archive declares {declaration[1].decode()}, which is "
                     "refused because it can expand without limit or read other files; export the map again"
                 )
-            before, total = text[-16:], total + len(block)
-            started = started or bool(text.strip())
-            if not started and total >= _PROLOG:
+            tail, total = text[-16:], total + len(block)
+            has_content = has_content or bool(text.strip())
+            if not has_content and total >= _PROLOG:
                 raise InputFileError(
                     f"{entry.filename} in the archive begins with {total} bytes of blanks: it is no XML"
                 )

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 MARK = b"\x89HDF\r\n\x1a\n"
 _HEAP = b"GCOL\x01\0\0\0"
 _HEAP_HEAD = 16  # bytes; of a heap and of each of its objects
-_MOST_IN_HEAPS = 1_000_000
-_MOST_OBJECTS = 10_000
-_DEEPEST = 32  # nested groups; the netCDF library is recursive
+_MAX_HEAP_OBJECTS = 1_000_000
+_MAX_OBJECTS = 10_000
+_MAX_DEPTH = 32  # nested groups; the netCDF library is recursive
 
 
 @contextmanager
@@ -42,8 +42,8 @@ def stated_size(path: Path) -> int | None:
     offset = {0: 24, 1: 28, 2: 12, 3: 12}.get(version)
     if offset is None or head[13 if version < 2 else 9] != 8:  # bytes of an address
         return None
-    base, _, end = struct.unpack_from("<3Q", head, offset)
-    return end if base == 0 else None
+    base, _, end_of_file = struct.unpack_from("<3Q", head, offset)
+    return end_of_file if base == 0 else None
 
 
 def datasets(path: Path) -> dict[str, tuple[int, ...]]:
@@ -59,13 +59,13 @@ def _check_heaps(path: Path) -> None:
 
     A heap has a mark, a version, its size, then objects: a number (0 for the free space), a count, a size.
     """
-    remaining = _MOST_IN_HEAPS
+    remaining = _MAX_HEAP_OBJECTS
     with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
         start = data.find(_HEAP)
         while start >= 0:
             offset = start + _HEAP_HEAD
-            end = start + int.from_bytes(data[start + len(_HEAP) : offset], "little")
-            while offset + _HEAP_HEAD <= min(end, len(data)):
+            stop = start + int.from_bytes(data[start + len(_HEAP) : offset], "little")
+            while offset + _HEAP_HEAD <= min(stop, len(data)):
                 number, size = struct.unpack_from("<H6xQ", data, offset)
                 remaining -= 1
                 if remaining == 0 or (number == 0 and size == 0):
@@ -79,7 +79,7 @@ def _arrays(file: "h5py.File") -> Iterator[tuple[str, tuple[int, ...]]]:
     import h5py
 
     groups: list[tuple[Any, int]] = [(file, 0)]
-    visited = {h5py.h5o.get_info(file.id).addr}
+    addresses = {h5py.h5o.get_info(file.id).addr}
     while groups:
         group, depth = groups.pop()
         for name in group:
@@ -93,16 +93,16 @@ def _arrays(file: "h5py.File") -> Iterator[tuple[str, tuple[int, ...]]]:
                     continue
                 raise
             address = h5py.h5o.get_info(entry.id).addr
-            if isinstance(entry, h5py.Group) and (address in visited or depth == _DEEPEST):
+            if isinstance(entry, h5py.Group) and (address in addresses or depth == _MAX_DEPTH):
                 raise InputFileError(
                     f"{group.name.rstrip('/')}/{name} is a group that occurs twice or lies more than "
-                    f"{_DEEPEST} groups deep in this HDF5 file, which is refused: the file may have no end"
+                    f"{_MAX_DEPTH} groups deep in this HDF5 file, which is refused: the file may have no end"
                 )
-            if address in visited:
+            if address in addresses:
                 continue
-            visited.add(address)
-            if len(visited) > _MOST_OBJECTS:
-                raise InputFileError(f"more than {_MOST_OBJECTS} objects in this HDF5 file")
+            addresses.add(address)
+            if len(addresses) > _MAX_OBJECTS:
+                raise InputFileError(f"more than {_MAX_OBJECTS} objects in this HDF5 file")
             if isinstance(entry, h5py.Group):
                 groups.append((entry, depth + 1))
             elif isinstance(entry, h5py.Dataset):

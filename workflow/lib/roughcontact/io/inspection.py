@@ -1,14 +1,16 @@
 """Content of a measured file, and the map that it would give."""
 
+from collections.abc import Iterator
+from contextlib import closing
 from math import prod
 from pathlib import Path
 
 import numpy as np
 
 from roughcontact.errors import HeightMapError, InputFileError
-from roughcontact.io.channels import Channel
+from roughcontact.io.channels import Channel, MeasuredFile
 from roughcontact.io.conversion import Converted, convert
-from roughcontact.io.guards import naming, sha256
+from roughcontact.io.guards import MAX_POINTS, naming, sha256
 from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
 from roughcontact.io.registry import open_file
 from roughcontact.io.request import Request
@@ -28,6 +30,7 @@ def inspect_file(
     checksum: str | None = None,
     first_row: str | None = None,
     missing_value: float | str | None = None,
+    ignore_lines: int | str | None = None,
     lay: str | None = None,
 ) -> dict:
     r"""Return the content of a file, without asking for missing units.
@@ -35,7 +38,7 @@ def inspect_file(
     Parameters
     ----------
     path : str or Path
-    channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, lay : optional
+    channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, ignore_lines, lay
         As for `read_height_map`.
 
     Returns
@@ -49,7 +52,9 @@ def inspect_file(
         `map`, the result of `read_height_map`, None where it would fail: `ny`, `nx`, `dx`, `dy`, `size_x`,
         `size_y`, `missing_points`, `missing_share`, `lowest`, `highest`, `rms_height` and `rms_gradient` (off
         the mean plane), `quantisation_step` (None where heights are not quantised), in m;
-        `problem`: the error message of `read_height_map`, or None; `warnings`.
+        `problem`: the error message of `read_height_map`, or None; `needed`: the arguments that it asks for;
+        `warnings`; `sources`, as the attribute
+        `ingest_sources` of `read_height_map`.
 
     Raises
     ------
@@ -74,66 +79,89 @@ def inspect_file(
     >>> folder.cleanup()
     """
     path = Path(path)
-    request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, lay)
-    file = open_file(path)
-    problem, warnings, name, choice, measured = None, list(file.warnings), None, None, None
-    rows, assumed = file.first_row, file.first_row_assumed
+    request = Request(
+        channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, ignore_lines, lay
+    )
+    with naming(path), closing(open_file(path)) as file:
+        return _content(path, request, file)
+
+
+def _content(path: Path, request: Request, file: MeasuredFile) -> dict:
+    """Return the content of an open file."""
+    problem, warnings, name, choice, map_properties = None, list(file.warnings), None, None, None
+    needed: tuple[str, ...] = ()
+    rows, is_assumption = file.first_row, file.first_row_assumed
+    sources: dict = {}
     try:
         with naming(path):
-            converted = convert(file, request)
+            result = convert(file, request)
     except (InputFileError, HeightMapError) as error:
-        problem = str(error)
+        problem, needed = str(error), error.keys
         if request.channel is None:
-            name = next((listed.name for listed in file.channels if not listed.no_height), None)
+            name = next((channel.name for channel in file.channels if not channel.no_height), None)
     else:
-        name, choice, measured = converted.channel.name, converted.choice, _measured(converted)
-        doubts = suspicions(converted.heights, converted.dx, converted.dy, kind=file.kind)
-        warnings = [*converted.notes, *map(str, doubts)]
-        rows, assumed = converted.first_row, converted.first_row_assumed
+        name, choice, map_properties = result.channel.name, result.choice, _measured(result)
+        doubts = suspicions(result.heights, result.dx, result.dy, kind=file.kind)
+        warnings = [*result.notes, *map(str, doubts)]
+        rows, is_assumption = result.first_row, result.first_row_assumed
+        sources = result.sources
     return {
         "file": path.name,
         "bytes": path.stat().st_size,
         "sha256": sha256(path),
         "format": file.format,
         "first_row": rows,
-        "first_row_assumed": assumed,
+        "first_row_assumed": is_assumption,
         "instrument": file.instrument,
         "channel": name,
         "channel_choice": choice,
-        "channels": [_described(listed, path, chosen=listed.name == name) for listed in file.channels],
-        "map": measured,
+        "channels": list(_descriptions(file.channels, path, chosen=name)),
+        "map": map_properties,
         "problem": problem,
+        "needed": list(needed),
         "warnings": warnings,
+        "sources": sources,
     }
 
 
-def _measured(converted: Converted) -> dict:
+def _measured(result: Converted) -> dict:
     """Return properties of a map (m) as measured."""
-    heights, dx, dy = converted.heights, converted.dx, converted.dy
+    heights, dx, dy = result.heights, result.dx, result.dy
     ny, nx = heights.shape
     rms_height, rms_gradient = roughness_off_plane(heights, dx, dy)
-    measured = {"ny": ny, "nx": nx, "dx": dx, "dy": dy, "size_x": nx * dx, "size_y": ny * dy}
-    measured |= _missing(heights) | _range(heights)
-    measured |= {"rms_height": rms_height, "rms_gradient": rms_gradient}
-    return measured | {"quantisation_step": quantisation_step(heights)}
+    properties = {"ny": ny, "nx": nx, "dx": dx, "dy": dy, "size_x": nx * dx, "size_y": ny * dy}
+    properties |= _missing(heights) | _range(heights)
+    properties |= {"rms_height": rms_height, "rms_gradient": rms_gradient}
+    return properties | {"quantisation_step": quantisation_step(heights)}
 
 
-def _described(channel: Channel, path: Path, *, chosen: bool) -> dict:
-    """Return properties of a channel, in the units of the file; large ones are read only if chosen."""
+def _descriptions(channels: list[Channel], path: Path, *, chosen: str | None) -> Iterator[dict]:
+    """Yield properties of the channels; of large ones, and of many, the chosen one alone is read."""
+    total = 0
+    for channel in channels:
+        points = prod(channel.shape)
+        total += points
+        yield _described(
+            channel, path, read=channel.name == chosen or (points <= _LARGE and total <= MAX_POINTS)
+        )
+
+
+def _described(channel: Channel, path: Path, *, read: bool) -> dict:
+    """Return properties of a channel, in the units of the file, those of its heights where these are read."""
     ny, nx = channel.shape
-    stated = {key: getattr(channel, key) for key in ("dx", "dy", "lateral_unit", "height_unit")}
-    described = {"name": channel.name, "ny": ny, "nx": nx, **stated}
-    described |= {"is_height": not channel.no_height, "reason": channel.no_height}
-    if channel.no_height or (prod(channel.shape) > _LARGE and not chosen):
-        return described
+    scale = {key: getattr(channel, key) for key in ("dx", "dy", "lateral_unit", "height_unit")}
+    properties = {"name": channel.name, "ny": ny, "nx": nx, **scale}
+    properties |= {"is_height": not channel.no_height, "reason": channel.no_height}
+    if channel.no_height or not read:
+        return properties
     try:
         with naming(path):
             values = channel.read()
     except InputFileError as error:
-        return described | {"reason": str(error)}
+        return properties | {"reason": str(error)}
     if np.isfinite(values).any():
-        described |= _missing(values) | {"rms_height": float(np.nanstd(values))} | _range(values)
-    return described
+        properties |= _missing(values) | {"rms_height": float(np.nanstd(values))} | _range(values)
+    return properties
 
 
 def _missing(heights: np.ndarray) -> dict:

@@ -54,7 +54,7 @@ class Reader:
     binary: bool = False
 
 
-def head_of(path: Path) -> bytes:
+def read_head(path: Path) -> bytes:
     """Return the first bytes of a file, which identify most formats.
 
     Parameters

@@ -5,14 +5,13 @@ persons are left out.
 """
 
 import datetime
-import json
 import math
 import re
 from collections.abc import Mapping
 from typing import Any
 
+from roughcontact.arguments.quantities import number
 from roughcontact.io.vocabulary import words
-from roughcontact.quantities import number
 
 # key -> label, in the order of display
 LABELS = {
@@ -42,10 +41,10 @@ _SILENT = {"", "0", "-", "none", "(none)", "null", "unknown", "not available", "
 _LONGEST = 200  # characters of a name
 
 
-def instrument_metadata(stated: Mapping[str, Any], header: Mapping | None = None) -> dict[str, Any]:
+def instrument_metadata(facts: Mapping[str, Any], header: Mapping | None = None) -> dict[str, Any]:
     """Return the known metadata of the instrument, as plain JSON values in the order of `LABELS`.
 
-    `stated` wins over the file's `header`, searched two levels deep for the usual spellings, but for sections
+    `facts` wins over the file's `header`, searched two levels deep for the usual spellings, but for sections
     on software, whose serial number is that of a licence.
 
     Examples
@@ -53,10 +52,10 @@ def instrument_metadata(stated: Mapping[str, Any], header: Mapping | None = None
     >>> instrument_metadata({"vendor": "Zygo"}, {"Objective": "20X Mirau", "Serial Number": 594, "date": "-"})
     {'vendor': 'Zygo', 'serial': 594, 'lens': '20X Mirau'}
     """
-    ranked: dict[str, tuple[int, str | float]] = {}
-    _search(header, ranked, depth=0)
-    best = {entry: value for entry, (_, value) in ranked.items()}
-    for entry, value in stated.items():
+    candidates: dict[str, tuple[int, str | float]] = {}
+    _search(header, candidates, depth=0)
+    best = {entry: value for entry, (_, value) in candidates.items()}
+    for entry, value in facts.items():
         if (plain := _plain(value)) is not None:
             best[entry] = plain
     aperture = best.get("numerical_aperture")
@@ -69,32 +68,20 @@ def instrument_metadata(stated: Mapping[str, Any], header: Mapping | None = None
     return {entry: best.pop(entry) for entry in LABELS if entry in best} | best
 
 
-def stored_instrument(attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Return the metadata of the instrument from the attributes of a stored map; empty where it has none.
-
-    Examples
-    --------
-    >>> stored_instrument({"instrument": '{"lens": "20X Mirau"}'}), stored_instrument({"instrument": ""})
-    ({'lens': '20X Mirau'}, {})
-    """
-    instrument = json.loads(attributes.get("instrument") or "{}")
-    return instrument if isinstance(instrument, dict) else {}
-
-
-def _search(header: Any, ranked: dict[str, tuple[int, str | float]], depth: int) -> None:
-    """Add the entries of a header to `ranked` (key -> rank of its spelling, value)."""
+def _search(header: Any, candidates: dict[str, tuple[int, str | float]], depth: int) -> None:
+    """Add the entries of a header to `candidates` (key -> rank of its spelling, value)."""
     for key, value in header.items() if hasattr(header, "items") else ():
         name = re.sub(r"[^a-z0-9]", "", str(key).lower())
         if hasattr(value, "items"):
             if depth < 2 and name != "software":
-                _search(value, ranked, depth + 1)
+                _search(value, candidates, depth + 1)
             continue
         if name.endswith("serialnumber") and name.startswith(("tip", "software")):
             continue
         entry, rank = _MEANING.get(name, ("", 0))
         plain = _plain(value) if entry else None
-        if plain is not None and (entry not in ranked or rank < ranked[entry][0]):
-            ranked[entry] = rank, plain
+        if plain is not None and (entry not in candidates or rank < candidates[entry][0]):
+            candidates[entry] = rank, plain
 
 
 def _plain(value: Any) -> str | float | None:

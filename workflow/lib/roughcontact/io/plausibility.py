@@ -5,12 +5,12 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from roughcontact.checking import STEEPEST
+from roughcontact.arguments.checking import MAX_GRADIENT
+from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.io.instrument_kinds import UNKNOWN, Kind
-from roughcontact.quantities import number, percent, quantity
 
 _SAMPLE = 2**18  # quantiles and distinct values are estimated from about this many points
-_LONGEST_PIXEL = 4.04  # ratio of the steps above which a slip is more likely than a choice
+_MAX_PIXEL_RATIO = 4.04  # ratio of the steps above which a slip is more likely than a choice
 _FLATTEST = 1e-8  # rms gradient below that of polished optics
 _PLATEAU = 0.005  # share of the points at one height
 _FEW_LEVELS = 64
@@ -35,18 +35,18 @@ class Suspicion(NamedTuple):
 
 def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = UNKNOWN) -> list[Suspicion]:
     """Return the implausible properties of a map (ny, nx; m; steps in m), with the numbers they rest on."""
-    measured = height[np.isfinite(height)]
-    low, high = measured.min(), measured.max()
-    spikes = list(_extremes(measured, low, high))
+    finite = height[np.isfinite(height)]
+    low, high = finite.min(), finite.max()
+    spikes = list(_extremes(finite, low, high))
     doubts = _geometry(height.shape, dx, dy)
     # a few points far from all others determine the span: they have a warning of their own
-    span = np.ptp(np.quantile(_sample(measured), _CENTRAL_QUANTILES)) if spikes else high - low
+    span = np.ptp(np.quantile(_sample(finite), _CENTRAL_QUANTILES)) if spikes else high - low
     units = list(_ranges(height.shape, span, dx, dy, kind))
     if low == high:
         heights = [f"all heights are equal ({quantity(low, 'm')}): the map is flat or holds no measurement"]
     else:
         units += _slopes(height, dx, dy)
-        heights = [*_levels(height, measured, low, high), *_lines(height), *_noise(height)]
+        heights = [*_levels(height, finite, low, high), *_lines(height), *_noise(height)]
     doubts += [Suspicion("units", finding) for finding in units]
     advice = "level.outlier_threshold finds isolated ones"  # for a map as measured
     doubts += [Suspicion("spikes", finding, advice) for finding in spikes]
@@ -58,24 +58,24 @@ def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float
 
     The gradient, sqrt(var(dh/dx) + var(dh/dy)), is between measured neighbours, NaN where there are none.
     """
-    measured = np.isfinite(height)
-    count = np.count_nonzero(measured)
-    z = np.where(measured, height, 0.0)
-    z = np.where(measured, z - z.sum() / count, 0.0)
+    is_finite = np.isfinite(height)
+    count = np.count_nonzero(is_finite)
+    z = np.where(is_finite, height, 0.0)
+    z = np.where(is_finite, z - z.sum() / count, 0.0)
     y, x = (np.arange(n) - (n - 1) / 2 for n in height.shape)
     # normal equations of 1, x, y from sums along rows and columns, without map-sized arrays for x and y
-    columns, rows = measured.sum(axis=0), measured.sum(axis=1)
+    columns, rows = is_finite.sum(axis=0), is_finite.sum(axis=1)
     sum_x, sum_y = columns @ x, rows @ y
     normal = np.array(
         [
             [count, sum_x, sum_y],
-            [sum_x, columns @ x**2, y @ (measured @ x)],
-            [sum_y, y @ (measured @ x), rows @ y**2],
+            [sum_x, columns @ x**2, y @ (is_finite @ x)],
+            [sum_y, y @ (is_finite @ x), rows @ y**2],
         ]
     )
     right = np.array([0.0, z.sum(axis=0) @ x, z.sum(axis=1) @ y])
     plane = np.linalg.lstsq(normal, right, rcond=None)[0]
-    residual = np.where(measured, z - plane[0] - plane[1] * x - (plane[2] * y)[:, None], 0.0)
+    residual = np.where(is_finite, z - plane[0] - plane[1] * x - (plane[2] * y)[:, None], 0.0)
     slopes = [np.diff(height, axis=1) / dx, np.diff(height, axis=0) / dy]
     spread = [slope[np.isfinite(slope)].var() for slope in slopes if np.isfinite(slope).any()]
     rms_gradient = float(np.sqrt(sum(spread))) if spread else np.nan
@@ -87,8 +87,8 @@ def quantisation_step(height: np.ndarray) -> float | None:
 
     It is the usual distance of neighbouring levels, if the levels lie on its lattice to a tenth of it.
     """
-    sampled = _sample(height.reshape(-1))  # large maps leave no room for a copy
-    levels = np.unique(sampled[np.isfinite(sampled)])
+    sample = _sample(height.reshape(-1))  # large maps leave no room for a copy
+    levels = np.unique(sample[np.isfinite(sample)])
     # levels that single precision cannot distinguish are one level
     rounding = 4e-7 * np.abs(levels).max(initial=0.0)
     gaps = np.diff(levels)
@@ -104,9 +104,9 @@ def quantisation_step(height: np.ndarray) -> float | None:
     return float(step)
 
 
-def _sample(measured: np.ndarray) -> np.ndarray:
+def _sample(heights: np.ndarray) -> np.ndarray:
     """Return about `_SAMPLE` of the heights, evenly taken."""
-    return measured[:: max(1, measured.size // _SAMPLE)]
+    return heights[:: max(1, heights.size // _SAMPLE)]
 
 
 def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[Suspicion]:
@@ -114,14 +114,14 @@ def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[Suspicion]:
     ny, nx = shape
     ratio = max(dx / dy, dy / dx)
     # one step a small multiple of the other is a user's choice; an odd ratio suggests a file that was cut off
-    if ny == 1 or (ratio < _LONGEST_PIXEL and abs(ratio / round(ratio) - 1) <= 0.01):
+    if ny == 1 or (ratio < _MAX_PIXEL_RATIO and abs(ratio / round(ratio) - 1) <= 0.01):
         return []
     steps = "dx = {}, dy = {}".format(*(quantity(step, "m", digits=4) for step in (dx, dy)))
     doubts = f"the pixels are not square: {steps}: "
     if abs(nx * dx / ny / (ny * dy / nx) - 1) <= 0.01:
-        exchanged = "rows and columns, or the two sizes, were exchanged"
-        return [Suspicion("units", f"{doubts}they would be with {nx} rows of {ny} points: {exchanged}")]
-    if ratio > _LONGEST_PIXEL:
+        swap = "rows and columns, or the two sizes, were exchanged"
+        return [Suspicion("units", f"{doubts}they would be with {nx} rows of {ny} points: {swap}")]
+    if ratio > _MAX_PIXEL_RATIO:
         advice = f"one is {number(ratio)} times the other: check both, and their units"
         return [Suspicion("units", doubts + advice)]
     return [Suspicion("pixels", doubts + "check the size of the map, or whether the file was cut")]
@@ -153,7 +153,7 @@ def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kin
 def _slopes(height: np.ndarray, dx: float, dy: float) -> Iterator[str]:
     """Suspect slopes that no instrument measures."""
     _, gradient = roughness_off_plane(height, dx, dy)
-    if gradient > STEEPEST:
+    if gradient > MAX_GRADIENT:
         angle = f"{np.degrees(np.arctan(gradient)):.0f}°"
         wrong = f"steeper than anything that is measured (rms gradient {number(gradient)}, {angle})"
     elif 0 < gradient < _FLATTEST:
@@ -163,15 +163,15 @@ def _slopes(height: np.ndarray, dx: float, dy: float) -> Iterator[str]:
     yield f"the slopes are {wrong}: check the units of heights and steps"
 
 
-def _extremes(measured: np.ndarray, low: float, high: float) -> Iterator[str]:
+def _extremes(heights: np.ndarray, low: float, high: float) -> Iterator[str]:
     """Suspect points far from all others."""
-    if measured.size < 100:
+    if heights.size < 100:
         return
-    lower, upper = np.quantile(_sample(measured), _CENTRAL_QUANTILES)
+    lower, upper = np.quantile(_sample(heights), _CENTRAL_QUANTILES)
     reach = 3 * (upper - lower)
     for count, side, worst in (
-        (np.count_nonzero(measured < lower - reach), "below", f"down to {quantity(low, 'm')}"),
-        (np.count_nonzero(measured > upper + reach), "above", f"up to {quantity(high, 'm')}"),
+        (np.count_nonzero(heights < lower - reach), "below", f"down to {quantity(low, 'm')}"),
+        (np.count_nonzero(heights > upper + reach), "above", f"up to {quantity(high, 'm')}"),
     ):
         if count:
             points = f"{count} points lie" if count > 1 else "1 point lies"
@@ -182,18 +182,18 @@ def _extremes(measured: np.ndarray, low: float, high: float) -> Iterator[str]:
             )
 
 
-def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -> Iterator[str]:
+def _levels(height: np.ndarray, heights: np.ndarray, low: float, high: float) -> Iterator[str]:
     """Suspect few levels that are no multiples of a step, and plateaus; of a step the statistics judge."""
-    if measured.size < 100:
+    if heights.size < 100:
         return
-    levels, counts = np.unique(_sample(measured), return_counts=True)
+    levels, counts = np.unique(_sample(heights), return_counts=True)
     if levels.size < _FEW_LEVELS:
         if quantisation_step(height) is None:
             yield f"only {levels.size} different heights occur, at odd distances"
         return
     for value, name in ((low, "lowest"), (high, "highest")):
-        count = np.count_nonzero(measured == value)
-        share = count / measured.size
+        count = np.count_nonzero(heights == value)
+        share = count / heights.size
         if count > 1 and share > _PLATEAU:  # one point is always at the extreme
             yield (
                 f"{percent(share)} of the points have exactly the {name} height ({quantity(value, 'm')}): "
@@ -217,29 +217,29 @@ def _lines(height: np.ndarray) -> Iterator[str]:
         if count < 4 or length < 4:
             continue
         finite = np.isfinite(values)
-        first = np.take_along_axis(values, np.argmax(finite, axis=1)[:, None], axis=1)
+        reference = np.take_along_axis(values, np.argmax(finite, axis=1)[:, None], axis=1)
         long_enough = finite.sum(axis=1) > max(3, length // 100)  # lines of three points are inconclusive
-        flat = np.all((values == first) | ~finite, axis=1) & long_enough
+        flat = np.all((values == reference) | ~finite, axis=1) & long_enough
         both_missing = ~finite[1:] & ~finite[:-1]
-        repeated = np.all((values[1:] == values[:-1]) | both_missing, axis=1) & long_enough[1:]
+        repeats = np.all((values[1:] == values[:-1]) | both_missing, axis=1) & long_enough[1:]
         first_half, second_half = values[: count // 2], values[count // 2 :]
         if 0 < flat.sum() < count / 2:
             yield f"{flat.sum()} of {count} {name} are constant: lost lines or a marker for missing points"
-        elif 0 < repeated.sum() < count / 2:
-            yield f"{repeated.sum()} of {count} {name} repeat the one before exactly: lost lines"
-        elif not repeated.any() and np.array_equal(first_half, second_half, equal_nan=True):
+        elif 0 < repeats.sum() < count / 2:
+            yield f"{repeats.sum()} of {count} {name} repeat the one before exactly: lost lines"
+        elif not repeats.any() and np.array_equal(first_half, second_half, equal_nan=True):
             yield f"the second half of the {name} repeats the first exactly: exported twice, or periodic"
 
 
 def _noise(height: np.ndarray) -> Iterator[str]:
     """Suspect a map with neighbours uncorrelated along x and y, as in files damaged by a transfer."""
     correlations = []
-    for first, second in ((height[:, :-1], height[:, 1:]), (height[:-1], height[1:])):
-        both_finite = np.isfinite(first) & np.isfinite(second)
+    for a, b in ((height[:, :-1], height[:, 1:]), (height[:-1], height[1:])):
+        both_finite = np.isfinite(a) & np.isfinite(b)
         if both_finite.sum() < 1000:
             return
         with np.errstate(all="ignore"):  # equal heights have no correlation
-            correlations.append(np.corrcoef(first[both_finite], second[both_finite])[0, 1])
+            correlations.append(np.corrcoef(a[both_finite], b[both_finite])[0, 1])
     if not np.max(correlations) < 0.1:
         return
     values = "correlation {:.2f} along x, {:.2f} along y".format(*correlations)

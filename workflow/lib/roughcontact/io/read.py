@@ -5,14 +5,15 @@ file is refused. Every map is right-handed, row 0 the bottom line of the instrum
 `first_row` keeps where the file's first row lies.
 """
 
-import json
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from roughcontact.arguments.measurement import Instrument, Measurement
 from roughcontact.errors import InputFileError
 from roughcontact.io.conversion import convert
 from roughcontact.io.guards import naming, sha256, unchanged
@@ -36,6 +37,7 @@ def read_height_map(
     checksum: str | None = None,
     first_row: str | None = None,
     missing_value: float | str | None = None,
+    ignore_lines: int | str | None = None,
     lay: str | None = None,
     instrument: Mapping[str, float] | None = None,
 ) -> "xr.DataArray":
@@ -67,6 +69,8 @@ def read_height_map(
         do not state it (NumPy, MATLAB, numbers without a header); it overrides the file, with a warning.
     missing_value : float or str, optional
         Number that marks missing points, in the unit of the file's heights; several as text, ``"-9999 0"``.
+    ignore_lines : int or str, optional
+        Numbers of lines of a header that do not concern the map, ``"5 7"``: no question or warning.
     lay : str, optional
         Of a profile: ``across`` a lay, whose ridges are endless, or ``none`` for a surface that has none;
         kept as the attribute `lay`.
@@ -84,7 +88,8 @@ def read_height_map(
         "bottom" of the picture: position of the file's first row), `first_row_assumed` (1 where it is only
         the usual convention of the format), `missing_points`, `missing_share`, `ingest_warnings` (JSON list
         of sentences), `ingest_facts` (those of them that say what was asked for or chosen), `ingest_spikes`
-        (JSON object: those about spikes, and each without the advice to remove them).
+        (JSON object: those about spikes, and each without the advice to remove them), `ingest_sources` (JSON
+        object: where steps, units, sign, marker and order of rows come from, and the lines `not used`).
 
     Raises
     ------
@@ -112,50 +117,58 @@ def read_height_map(
      [ 1.  2.  3.  4.]]
     >>> folder.cleanup()
     """
-    import xarray as xr
-
     path = Path(path)
-    request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, lay)
+    request = Request(
+        channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, ignore_lines, lay
+    )
     if request.lay and ";" in (request.channel or ""):
         return _together(path, request, instrument)
-    with naming(path), unchanged(path):
-        file = open_file(path)
-        converted = convert(file, request)
+    with naming(path):
+        height = _read(path, request)
+    return height.assign_attrs(
+        **({"lay": request.lay} if request.lay else {}),
+        **Instrument(**{key: float(value) for key, value in (instrument or {}).items()}).attributes(),
+    )
+
+
+def _read(path: Path, request: Request) -> "xr.DataArray":
+    """Return the height map of a file."""
+    import xarray as xr
+
+    with unchanged(path), closing(open_file(path)) as file:
+        result = convert(file, request)
         digest = sha256(path)
-    notes, facts = list(converted.notes), list(converted.facts)
+    notes, facts = list(result.notes), list(result.facts)
     if len(file.channels) > 1 and request.channel is None:
-        facts.append(f"channel {converted.choice}, was read; name another one with channel")
+        facts.append(f"channel {result.choice}, was read; name another one with channel")
         notes.append(facts[-1])
-    doubts = suspicions(converted.heights, converted.dx, converted.dy, kind=file.kind)
+    doubts = suspicions(result.heights, result.dx, result.dy, kind=file.kind)
     notes += map(str, doubts)
     facts += [str(doubt) for doubt in doubts if doubt.kind == "pixels"]
     spikes = {str(doubt): doubt.finding for doubt in doubts if doubt.kind == "spikes"}
-    x, y = converted.centres()
-    missing = int(np.isnan(converted.heights).sum())
+    x, y = result.centres()
+    missing = int(np.isnan(result.heights).sum())
     return xr.DataArray(
-        converted.heights,
+        result.heights,
         dims=("y", "x"),
         coords={"x": ("x", x, {"units": "m"}), "y": ("y", y, {"units": "m"})},
         name="height",
-        attrs={
-            "units": "m",
-            "source_file": path.name,
-            "source_sha256": digest,
-            "source_format": file.format,
-            "channel": converted.channel.name,
-            "channels": json.dumps([listed.name for listed in file.channels], ensure_ascii=False),
-            "instrument": json.dumps(file.instrument, ensure_ascii=False, sort_keys=True),
-            "y_axis": "up",
-            "first_row": converted.first_row,
-            "first_row_assumed": int(converted.first_row_assumed),
-            "missing_points": missing,
-            "missing_share": missing / converted.heights.size,
-            "ingest_warnings": json.dumps(notes, ensure_ascii=False),
-            "ingest_facts": json.dumps(facts, ensure_ascii=False),
-            "ingest_spikes": json.dumps(spikes, ensure_ascii=False),
-            **({"lay": request.lay} if request.lay else {}),
-            **{f"instrument_{key}": float(value) for key, value in (instrument or {}).items()},
-        },
+        attrs=Measurement(
+            source_file=path.name,
+            source_sha256=digest,
+            source_format=file.format,
+            channel=result.channel.name,
+            channels=[channel.name for channel in file.channels],
+            instrument=dict(sorted(file.instrument.items())),
+            first_row=result.first_row,
+            first_row_assumed=result.first_row_assumed,
+            missing_points=missing,
+            missing_share=missing / result.heights.size,
+            warnings=notes,
+            sources=result.sources,
+            facts=facts,
+            spikes=spikes,
+        ).attributes(),
     )
 
 
@@ -165,12 +178,12 @@ def _together(path: Path, request: Request, instrument: Mapping[str, float] | No
 
     names = [name.strip() for name in str(request.channel).split(";") if name.strip()]
     arguments = [asdict(replace(request, channel=name)) for name in names]
-    rows = [read_height_map(path, **each, instrument=instrument) for each in arguments]
+    rows = [read_height_map(path, **options, instrument=instrument) for options in arguments]
     if any(row.shape != (1, rows[0].size) for row in rows):
         raise InputFileError(f"{path}: channel = {request.channel}: are no profiles of one length; name one")
-    joined = xr.concat(rows, "y", join="override", combine_attrs="override")
+    stack = xr.concat(rows, "y", join="override", combine_attrs="override")
     step = float(rows[0]["x"][1] - rows[0]["x"][0])
-    joined = joined.assign_coords(y=("y", (np.arange(len(rows)) + 0.5) * step, {"units": "m"}))
+    stack = stack.assign_coords(y=("y", (np.arange(len(rows)) + 0.5) * step, {"units": "m"}))
     missing = sum(row.attrs["missing_points"] for row in rows)
-    facts = {"missing_points": missing, "missing_share": missing / joined.size, "profiles": len(rows)}
-    return joined.assign_attrs(facts | {"channel": "; ".join(names)})
+    facts = {"missing_points": missing, "missing_share": missing / stack.size, "profiles": len(rows)}
+    return stack.assign_attrs(facts | {"channel": "; ".join(names)})

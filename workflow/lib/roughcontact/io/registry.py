@@ -13,7 +13,7 @@ from roughcontact.io.guards import (
     check_points,
     naming,
 )
-from roughcontact.io.interface import Reader, head_of
+from roughcontact.io.interface import Reader, read_head
 from roughcontact.io.lengths import compare_size
 
 _READERS = "roughcontact.io.readers"
@@ -29,13 +29,13 @@ def readers() -> list[tuple[str, Reader]]:
     """
     package = import_module(_READERS)
     names = sorted(module.name for module in iter_modules(package.__path__))
-    registered = [(name, import_module(f"{_READERS}.{name}").READER) for name in names]
-    return sorted(registered, key=lambda named: named[1].recognised_by)
+    entries = [(name, import_module(f"{_READERS}.{name}").READER) for name in names]
+    return sorted(entries, key=lambda entry: entry[1].recognised_by)
 
 
 def recognised(path: Path) -> tuple[str, Reader]:
     """Return the reader that recognises a file (the last takes every file), and the name of its module."""
-    head = head_of(path)
+    head = read_head(path)
     return next((name, reader) for name, reader in readers() if reader.recognises(path, head))
 
 

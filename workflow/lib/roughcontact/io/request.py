@@ -4,9 +4,23 @@ import math
 from dataclasses import dataclass, fields
 from numbers import Real
 
-from roughcontact.checking import check_choice, check_lay
-from roughcontact.choices import Checksum, FirstRow, Resampling
+from roughcontact.arguments.checking import check_choice, check_lay
+from roughcontact.arguments.choices import Checksum, FirstRow, Resampling
 
+# information missing in a file: the arguments of read_height_map, the columns of the table of surfaces
+FILE_OPTIONS = {
+    "channel": "which channel of the file, by name",
+    "dx": "step from point to point along x, in --unit, or with its own: 1.5um",
+    "dy": "step from point to point along y, in --unit, or with its own: 1.5um",
+    "unit": "unit of --dx and --dy, and of the heights without --height-unit: m, mm, um, nm, ...",
+    "height-unit": "unit of the heights",
+    "resample": "linear: interpolate points on an uneven grid to an even one",
+    "checksum": "ignore: read a file that differs from the checksum in it (X3P edited by hand)",
+    "first-row": "top or bottom: position of the first row of the file in the picture of the surface",
+    "missing-value": "number that marks missing points, in the unit of the heights; several: '-9999 0'",
+    "ignore-lines": "numbers of lines of a header that do not concern the map: '5 7'",
+    "lay": "of a profile: across (a lay, ridges) or none (an isotropic surface with its spectrum is solved)",
+}
 _CHOICES = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow}
 
 
@@ -29,6 +43,7 @@ class Request:
     checksum: str | None = None
     first_row: str | None = None
     missing_value: float | str | None = None
+    ignore_lines: int | str | None = None
     lay: str | None = None
 
     def __post_init__(self) -> None:

@@ -18,7 +18,7 @@ from roughcontact.io.units import is_length, metres
 _REACH = 2.0  # steps from the nearest point beyond which a grid point counts as not measured
 
 
-def on_even_grid(channel: Channel, request: Request) -> tuple[Channel, Request, list[str]]:
+def resample_evenly(channel: Channel, request: Request) -> tuple[Channel, Request, list[str]]:
     """Return the channel on an even grid, the request less the steps used, and how it was resampled.
 
     The list of sentences is empty where it was not resampled.
@@ -31,12 +31,14 @@ def on_even_grid(channel: Channel, request: Request) -> tuple[Channel, Request, 
         raise InputFileError(
             f"{columns} columns of numbers without names: a map of {columns} columns, then "
             f"give dx, dy and unit; or points ({points.uneven}), then give resample = linear to interpolate "
-            "to an even grid (table of surfaces or arguments)"
+            "to an even grid (table of surfaces or arguments)",
+            keys=["dx", "dy", "unit", "resample"],
         )
     if request.resample is None:
         raise InputFileError(
             f"{points.uneven}; give resample = linear (table of surfaces or argument) to "
-            "interpolate to an even grid, or interpolate and export it with the instrument's software"
+            "interpolate to an even grid, or interpolate and export it with the instrument's software",
+            keys=["resample"],
         )
     steps = given_steps(request)
     if any(steps):  # positions and steps in `unit`
@@ -46,8 +48,8 @@ def on_even_grid(channel: Channel, request: Request) -> tuple[Channel, Request, 
         points = points._replace(x=points.x * factor, y=y)
         steps = steps[0] and steps[0] / metres(unit), steps[1] and steps[1] / metres(unit)
         channel = replace(channel, lateral_unit=unit)
-    gridded, description = resampled(channel, points, steps)
-    return gridded, replace(request, dx=None, dy=None), [description]
+    grid_channel, description = resampled(channel, points, steps)
+    return grid_channel, replace(request, dx=None, dy=None), [description]
 
 
 def resampled(
@@ -75,10 +77,10 @@ def resampled(
     along, heights = _interpolated(positions, z, steps)
     dx, dy = [*(float(axis[1] - axis[0]) for axis in along), None][:2]
     first_x, first_y = [*(float(axis[0]) for axis in along), None][:2]
-    gridded = replace(channel, shape=heights.shape, read=heights.copy, points=None, otherwise=None)
-    gridded = replace(gridded, dx=dx, dy=dy, first_x=first_x, first_y=first_y)
+    grid_channel = replace(channel, shape=heights.shape, read=heights.copy, points=None, otherwise=None)
+    grid_channel = replace(grid_channel, dx=dx, dy=dy, first_x=first_x, first_y=first_y)
     size = " x ".join(str(axis.size) for axis in reversed(along))
-    return gridded, (
+    return grid_channel, (
         f"{uneven}: resampled as asked, {z.size} points interpolated linearly to {size} on an even "
         "grid, which lowers slopes and peak pressures"
     )
@@ -89,20 +91,23 @@ def _interpolated(positions, z, steps):
     from scipy.interpolate import LinearNDInterpolator
     from scipy.spatial import QhullError, cKDTree
 
-    extent = np.prod([np.ptp(each) for each in positions])
+    extent = np.prod([np.ptp(coords) for coords in positions])
     if not extent > 0:
         raise HeightMapError("all points lie on one line; give the file as a profile (x, z)")
     mean = extent / (z.size - 1) if len(positions) == 1 else np.sqrt(extent / z.size)
     dx, dy = steps
     steps = (dx or dy or mean, dy or dx or mean)[: len(positions)]
-    along = [_grid(each, step) for each, step in zip(positions, steps, strict=True)]
+    along = [_grid(coords, step) for coords, step in zip(positions, steps, strict=True)]
     check_points((prod(axis.size for axis in along[1:]), along[0].size))
     # in steps from the middle: the triangulation matches the grid, and rounding errors are small
-    scaled, axes = (
-        [(each - middle.mean()) / step for each, middle, step in zip(of, positions, steps, strict=True)]
-        for of in (positions, along)
+    rescaled, axes = (
+        [
+            (coords - middle.mean()) / step
+            for coords, middle, step in zip(group, positions, steps, strict=True)
+        ]
+        for group in (positions, along)
     )
-    points, grid = np.column_stack(scaled), np.meshgrid(*axes)
+    points, grid = np.column_stack(rescaled), np.meshgrid(*axes)
     if len(positions) == 1:
         order = np.argsort(positions[0], kind="stable")
         heights = np.interp(along[0], positions[0][order], z[order])
@@ -111,7 +116,7 @@ def _interpolated(positions, z, steps):
             heights = LinearNDInterpolator(points, z)(*grid)
         except QhullError as error:
             raise HeightMapError("all points lie on one line; give the file as a profile") from error
-    distance, _ = cKDTree(points).query(np.column_stack([each.ravel() for each in grid]), workers=1)
+    distance, _ = cKDTree(points).query(np.column_stack([coords.ravel() for coords in grid]), workers=1)
     heights[distance.reshape(heights.shape) > _REACH] = np.nan
     return along, np.atleast_2d(heights)
 

@@ -5,16 +5,17 @@ The user overrides the file, with a note where they differ. Missing values are n
 
 from typing import NamedTuple
 
-from roughcontact.checking import check_positive
+from roughcontact.arguments.checking import check_positive
+from roughcontact.arguments.si import convert_quantity
+from roughcontact.arguments.units import carries_unit
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.channels import Channel
 from roughcontact.io.request import Request
+from roughcontact.io.sources import quoted, says_another_unit
 from roughcontact.io.units import is_length, metres
-from roughcontact.si import quantity_in
-from roughcontact.units import carries_unit
 
 _SHORTEST = 1e-30  # m; steps from this to its inverse cause no overflow
-_FEWEST_LINES = 10  # of a matrix whose pixels reveal that it was cut off
+_MIN_LINES = 10  # of a matrix whose pixels reveal that it was cut off
 
 
 class Scale(NamedTuple):
@@ -41,20 +42,23 @@ def decide_scale(channel: Channel, request: Request) -> Scale:
     if channel.no_height and request.height_unit is None and not is_length(channel.height_unit):
         raise InputFileError(
             f"channel {channel.name!r} holds no heights ({channel.no_height}); if it does, give "
-            "height_unit, the length that a value of 1 stands for"
+            "height_unit, the length that a value of 1 stands for",
+            keys=["height_unit"],
         )
     notes: list[str] = []
     factor = _lateral_factor(channel, request, notes)
     dx, dy = (_step(name, channel, request, factor, notes) for name in ("dx", "dy"))
-    if channel.shape[0] == 1 and dy is None:
+    if channel.is_line and dy is None:
         dy = dx
-    if dx is None or dy is None:
-        raise InputFileError(_missing_steps_message(channel))
+    if dx is None or dy is None or _is_half_stated(channel, request):
+        raise _missing_steps(channel, request)
     if not (_SHORTEST < dx < 1 / _SHORTEST and _SHORTEST < dy < 1 / _SHORTEST):
-        raise InputFileError(f"steps of {dx:g} m x {dy:g} m are impossible; give dx, dy and unit")
+        raise InputFileError(
+            f"steps of {dx:g} m x {dy:g} m are impossible; give dx, dy and unit", keys=["dx", "dy", "unit"]
+        )
     if channel.size_rounding is not None and request.dx is None and request.dy is None:
         _refuse_cut_matrix(channel.shape, dx, dy, sum(channel.size_rounding))
-    height_factor = _height_factor(channel, request, notes)
+    height_factor = _height_factor(channel, request, (dx, dy), notes)
     return Scale(dx, dy, height_factor, notes)
 
 
@@ -74,7 +78,7 @@ def _given_step(name: str, request: Request) -> float | None:
     value = getattr(request, name)
     if value is None:
         return None
-    number = check_positive(name, quantity_in("m", name, value), unit=request.unit or "m")
+    number = check_positive(name, convert_quantity("m", name, value), unit=request.unit or "m")
     if carries_unit(value):
         return number
     if request.unit is None:
@@ -86,12 +90,12 @@ def _step(
     name: str, channel: Channel, request: Request, factor: float | None, notes: list[str]
 ) -> float | None:
     """Return one step in m, None if unknown; add a note where file and user differ."""
-    step, stated = _given_step(name, request), getattr(channel, name)
+    step, file_step = _given_step(name, request), getattr(channel, name)
     if step is None:
-        return None if stated is None or factor is None else stated * factor
+        return None if file_step is None or factor is None else file_step * factor
     stated_unit = channel.lateral_unit or request.unit
-    if stated is not None and is_length(stated_unit):
-        in_file = stated * metres(stated_unit)
+    if file_step is not None and is_length(stated_unit):
+        in_file = file_step * metres(stated_unit)
         if abs(in_file / step - 1) > 1e-3:
             notes.append(f"{name} = {step:.6g} m as given by the user, where the file says {in_file:.6g} m")
     return step
@@ -99,46 +103,73 @@ def _step(
 
 def _lateral_factor(channel: Channel, request: Request, notes: list[str]) -> float | None:
     """Return the metres per unit of the file's own steps, None if unknown or not needed."""
-    stated, is_needed = channel.lateral_unit, request.dx is None or request.dy is None
+    file_unit, is_needed = channel.lateral_unit, request.dx is None or request.dy is None
     if request.unit is None:
-        return metres(stated, where="lateral unit") if stated is not None and is_needed else None
-    contradicted = stated if is_needed and channel.dx is not None else None
-    return _given_factor("unit", request.unit, "steps", contradicted, notes)
+        return metres(file_unit, where="lateral unit") if file_unit is not None and is_needed else None
+    conflict = file_unit if is_needed and channel.dx is not None else None
+    return _given_factor("unit", request.unit, "steps", conflict, notes)
 
 
-def _height_factor(channel: Channel, request: Request, notes: list[str]) -> float:
+def _is_half_stated(channel: Channel, request: Request) -> bool:
+    """Return whether the user gives one step, a line the other, and a length is there that nothing uses.
+
+    Length and width, of which either may be along x.
+    """
+    has_step = [request.dx is not None, request.dy is not None]
+    source = channel.sources.get("dy" if has_step[0] else "dx", "")
+    is_half = channel.shape[0] > 1 and any(has_step) != all(has_step) and "line" in source
+    return is_half and bool(quoted(channel, request))
+
+
+def _height_factor(channel: Channel, request: Request, steps: tuple[float, float], notes: list[str]) -> float:
     """Return the metres per unit of the file's heights."""
-    stated = channel.height_unit
+    file_unit = channel.height_unit
     if request.height_unit is not None:
-        return _given_factor("height_unit", request.height_unit, "heights", stated, notes)
-    if stated is not None:
-        return metres(stated, where="height unit")
-    if request.unit is None:
+        return _given_factor("height_unit", request.height_unit, "heights", file_unit, notes)
+    if file_unit is not None:
+        return metres(file_unit, where="height unit")
+    lengths = [*steps, steps[0] * channel.shape[1], steps[1] * channel.shape[0]]
+    if request.unit is None or says_another_unit(channel, request, lengths):
         raise InputFileError(
-            "the file does not say the unit of its heights; give height_unit (or unit) "
-            "in the table of surfaces or as an argument"
+            f"the file does not say the unit of its heights{quoted(channel, request)}; give height_unit in "
+            "the table of surfaces or as an argument",
+            keys=["height_unit"],
         )
+    notes.append(
+        f"the file does not say the unit of its heights: they are taken in {request.unit}, as x and y"
+    )
     return metres(request.unit, where="unit", error=SettingsError)
 
 
-def _given_factor(name: str, unit: str, what: str, stated: str | None, notes: list[str]) -> float:
+def _given_factor(name: str, unit: str, what: str, file_unit: str | None, notes: list[str]) -> float:
     """Return the metres of a unit that the user gives; add a note where the file says another one."""
     factor = metres(unit, where=name, error=SettingsError)
-    if stated is not None and (not is_length(stated) or metres(stated) != factor):
-        notes.append(f"the {what} are taken in {unit} as given by the user, where the file says {stated}")
+    if file_unit is not None and (not is_length(file_unit) or metres(file_unit) != factor):
+        notes.append(f"the {what} are taken in {unit} as given by the user, where the file says {file_unit}")
     return factor
 
 
-def _missing_steps_message(channel: Channel) -> str:
-    """Return the error message for missing steps, with the arguments that the user must give."""
+def _missing_steps(channel: Channel, request: Request) -> InputFileError:
+    """Return the error for missing steps, with all arguments that the user must give.
+
+    A unit given for x and y alone would be that of the heights too: theirs is asked for in one question.
+    """
     ny, nx = channel.shape
     description = f"a profile of {nx} points" if ny == 1 else f"a map of {ny} x {nx} points"
-    height_note = f" (its heights are in {channel.height_unit})" if channel.height_unit else ""
     stated = {"dx": channel.dx} if ny == 1 else {"dx": channel.dx, "dy": channel.dy}
     absent = [name for name, step in stated.items() if step is None]
-    return (
-        f"{description} that does not say its {'size' if absent else 'lateral unit'}{height_note}; "
-        f"give {', '.join([*absent, 'unit'])} in the table of surfaces or as arguments"
+    lines = quoted(channel, request)
+    if lines and absent and any("line" in channel.sources.get(name, "") for name in stated):
+        absent = [*stated]  # which side the other line means is not known
+    needed, heights = [*absent, "unit"], ""
+    if channel.height_unit is not None:
+        heights = f" (its heights are in {channel.height_unit})"
+    elif request.height_unit is None:
+        needed, heights = [*needed, "height_unit"], ", nor the unit of its heights"
+    return InputFileError(
+        f"{description} that does not say its {'size' if absent else 'lateral unit'}{heights}{lines}; "
+        f"give {', '.join(needed)} in the table of surfaces or as arguments",
+        keys=needed,
     )
 
 
@@ -154,13 +185,14 @@ def _refuse_cut_matrix(shape: tuple[int, int], dx: float, dy: float, rounding: f
     square_rows = ny * ratio  # number of lines of square pixels
     slack = square_rows * rounding
     chosen = any(abs(ratio / simple - 1) <= 0.5 / ny for simple in (max(round(ratio), 1), 3 / 2, 4 / 3))
-    if ny < _FEWEST_LINES or square_rows - ny <= 0.5 + slack or chosen:
+    if ny < _MIN_LINES or square_rows - ny <= 0.5 + slack or chosen:
         return
     from_first_to_last = (ny * dy) / (nx * dx) * (nx - 1) + 1
-    ends = abs(from_first_to_last - ny) <= 0.01 + slack and abs(square_rows - ny - 1) > 0.01
-    if ends or abs(square_rows - round(square_rows)) > 0.01 + slack:
+    from_ends = abs(from_first_to_last - ny) <= 0.01 + slack and abs(square_rows - ny - 1) > 0.01
+    if from_ends or abs(square_rows - round(square_rows)) > 0.01 + slack:
         return
     raise InputFileError(
         f"{ny} lines of {nx} numbers do not fit the size in the header: the pixels would be "
-        f"{dx:.6g} m x {dy:.6g} m; the file seems to be cut off. If it is whole, give dx, dy and unit"
+        f"{dx:.6g} m x {dy:.6g} m; the file seems to be cut off. If it is whole, give dx, dy and unit",
+        keys=["dx", "dy", "unit"],
     )

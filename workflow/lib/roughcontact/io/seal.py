@@ -37,12 +37,12 @@ def check_seal(path: str | Path) -> int:
     (0, None, 62, b'a6669d7d\n')
     """
     path = Path(path)
-    if not (stated := stated_seal(path)):
+    if not (crc := stated_seal(path)):
         return 0
-    if (checksum := f"{_crc(path, path.stat().st_size - _LENGTH):08x}") != stated:
+    if (checksum := f"{_crc(path, path.stat().st_size - _LENGTH):08x}") != crc:
         raise InputFileError(
             f"{path}: damaged, or changed by another program, since it was written (its CRC-32 is "
-            f"{checksum}, it was {stated}); {WAY_OUT}"
+            f"{checksum}, it was {crc}); {WAY_OUT}"
         )
     return _LENGTH
 
@@ -54,8 +54,8 @@ def stated_seal(path: Path) -> str:
         return ""
     with path.open("rb") as file:
         file.seek(content)
-        stated = _PATTERN.fullmatch(file.read())
-    return stated[1].decode() if stated else ""
+        match = _PATTERN.fullmatch(file.read())
+    return match[1].decode() if match else ""
 
 
 def _crc(path: Path, size: int) -> int:

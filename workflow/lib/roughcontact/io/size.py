@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.io.guards import ARCHIVE_ERRORS, MAX_POINTS
-from roughcontact.io.interface import head_of
+from roughcontact.io.interface import read_head
 from roughcontact.io.text.lines import looks_like_text
 
 _SAMPLE_BYTES = 2**16  # bytes of a text that are examined
@@ -31,26 +31,26 @@ def estimate_points(path: str | Path) -> int:
     """
     path = Path(path)
     try:
-        head, size = head_of(path), path.stat().st_size
+        head, size = read_head(path), path.stat().st_size
         if head.startswith(b"\x93NUMPY"):
-            points = _in_array(path)
+            points = _count_array_points(path)
         elif head.startswith(b"PK"):
-            points = _in_archive(path)
+            points = _count_archive_points(path)
         else:
-            points = _in_text(path, size) if looks_like_text(head) else 0
+            points = _count_text_points(path, size) if looks_like_text(head) else 0
         return min(points or size // _BYTES_PER_POINT, MAX_POINTS)
     except OSError:  # the job that reads it reports the error
         return 0
 
 
-def _in_array(path: Path) -> int:
+def _count_array_points(path: Path) -> int:
     """Return the number of points that the header of an array of NumPy states; 0 for a damaged one."""
     with suppress(Exception):  # a damaged header fails in any way
         return np.load(path, mmap_mode="r", allow_pickle=False).size
     return 0
 
 
-def _in_archive(path: Path) -> int:
+def _count_archive_points(path: Path) -> int:
     """Return the number of points from the header of X3P, or the unpacked size of another archive."""
     try:
         with zipfile.ZipFile(path) as archive:
@@ -63,7 +63,7 @@ def _in_archive(path: Path) -> int:
         return 0
 
 
-def _in_text(path: Path, size: int) -> int:
+def _count_text_points(path: Path, size: int) -> int:
     """Estimate the number of points of a text from a piece in its middle; 0 where that is no text."""
     with path.open("rb") as stream:
         stream.seek(max(0, (size - _SAMPLE_BYTES) // 2))

@@ -1,18 +1,39 @@
-"""Words that files in several languages use for sizes, columns, instruments and missing points."""
+"""The tables of this folder: words of files in several languages, and first bytes of formats."""
 
 from functools import cache
 from pathlib import Path
 
 
+def rows_of(name: str) -> list[list[str]]:
+    """Return the rows of a table of this folder, without its comments."""
+    lines = Path(__file__).with_name(name).read_text(encoding="utf-8").splitlines()
+    return [line.split("\t") for line in lines if not line.startswith("#")]
+
+
+def marks(listed: str) -> tuple[bytes, ...]:
+    r"""Return first bytes of files from a cell of a table, separated by blanks, with escapes as Python's.
+
+    Examples
+    --------
+    >>> marks(r"II*\x00 KPK0")
+    (b'II*\x00', b'KPK0')
+    """
+    return tuple(
+        mark.encode().decode("unicode_escape").encode("latin-1") for mark in listed.split(" ") if mark
+    )
+
+
 @cache
 def words(used_in: str) -> dict[str, list[str]]:
-    """Return the words of each meaning in a `header`, a `column` or the like, as `words.tsv` lists them."""
-    text = Path(__file__).with_name("words.tsv").read_text(encoding="utf-8")
-    rows = (line.split("\t") for line in text.splitlines() if not line.startswith("#"))
-    return {meaning: listed.split(", ") for user, meaning, listed in rows if user == used_in}
+    """Return words by meaning in a `header`, a `column` or the like, of all languages; ``""``: of any."""
+    phrases_by_meaning: dict[str, list[str]] = {}
+    for user, meaning, _, phrases in rows_of("words.tsv"):
+        if used_in in ("", user):
+            phrases_by_meaning.setdefault(meaning, []).extend(phrases.split(", "))
+    return phrases_by_meaning
 
 
 @cache
 def meanings(used_in: str) -> dict[str, str]:
     """Return the meaning of each word."""
-    return {word: meaning for meaning, listed in words(used_in).items() for word in listed}
+    return {word: meaning for meaning, phrases in words(used_in).items() for word in phrases}

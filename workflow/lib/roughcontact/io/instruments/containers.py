@@ -16,7 +16,7 @@ from roughcontact.io.guards import ARCHIVE_ERRORS, listed
 TIFF = (b"II*\0", b"MM\0*")
 ZIP = (b"PK\x03\x04",)
 OLE = (b"\xd0\xcf\x11\xe0",)
-_MOST_PAGES = 10_000
+_MAX_PAGES = 10_000
 _WORKBOOK = 2**20  # bytes of the list of sheets that are read
 # all others: bytes
 _TIFF_TYPES = {3: "u2", 4: "u4", 5: "u8", 8: "i2", 9: "i4", 10: "i8", 11: "f4", 12: "f8"}
@@ -46,23 +46,23 @@ class Tag(NamedTuple):
 
 def tiff_tags(data: mmap.mmap) -> Iterator[Tag]:
     """Yield the tags of all pages of a TIFF that `check_tiff` has passed."""
-    for begin, entries in _tiff_pages(data):
+    for start, entries in _tiff_pages(data):
         order = entries.dtype[0].byteorder
         for index, (number, value_type, count, position) in enumerate(entries.tolist()):
             element = np.dtype(_TIFF_TYPES.get(value_type, "u1")).newbyteorder(order)
             length = count * element.itemsize
-            yield Tag(number, element, position if length > 4 else begin + 10 + 12 * index, length)
+            yield Tag(number, element, position if length > 4 else start + 10 + 12 * index, length)
 
 
 def tiff_end(data: mmap.mmap) -> int:
     """Return the end of the last page, value or strip of a TIFF that `check_tiff` has passed, bytes."""
-    ends = [begin + 6 + entries.nbytes for begin, entries in _tiff_pages(data)]
+    stops = [start + 6 + entries.nbytes for start, entries in _tiff_pages(data)]
     strips: dict[int, list[int]] = {_STRIPS: [], _STRIP_LENGTHS: []}
     for tag in tiff_tags(data):
-        ends.append(tag.place + tag.length)
-        if tag.number in strips and ends[-1] <= len(data):
-            strips[tag.number] += np.frombuffer(data[tag.place : ends[-1]], tag.value_type).tolist()
-    return max([*ends, *map(sum, zip(*strips.values(), strict=False))])
+        stops.append(tag.place + tag.length)
+        if tag.number in strips and stops[-1] <= len(data):
+            strips[tag.number] += np.frombuffer(data[tag.place : stops[-1]], tag.value_type).tolist()
+    return max([*stops, *map(sum, zip(*strips.values(), strict=False))])
 
 
 def _tiff_pages(data: mmap.mmap) -> Iterator[tuple[int, np.ndarray]]:
@@ -70,22 +70,22 @@ def _tiff_pages(data: mmap.mmap) -> Iterator[tuple[int, np.ndarray]]:
     order: Literal["little", "big"] = "little" if data[:4] == TIFF[0] else "big"
     entry = np.dtype("u2, u2, u4, u4").newbyteorder("<" if order == "little" else ">")
     position = int.from_bytes(data[4:8], order)
-    visited: set[int] = set()
+    positions: set[int] = set()
     while position:
-        if position in visited or len(visited) == _MOST_PAGES:
-            raise InputFileError(f"damaged TIFF: its pages form a loop, or are more than {_MOST_PAGES}")
-        visited.add(position)
-        end = position + 2 + entry.itemsize * int.from_bytes(data[position : position + 2], order)
-        if end + 4 > len(data):
+        if position in positions or len(positions) == _MAX_PAGES:
+            raise InputFileError(f"damaged TIFF: its pages form a loop, or are more than {_MAX_PAGES}")
+        positions.add(position)
+        stop = position + 2 + entry.itemsize * int.from_bytes(data[position : position + 2], order)
+        if stop + 4 > len(data):
             raise InputFileError("damaged or cut off TIFF: a page lies outside the file")
-        yield position, np.frombuffer(data[position + 2 : end], entry)
-        position = int.from_bytes(data[end : end + 4], order)
+        yield position, np.frombuffer(data[position + 2 : stop], entry)
+        position = int.from_bytes(data[stop : stop + 4], order)
 
 
 def formats_within(path: Path) -> set[str]:
     """Return the formats whose members a ZIP archive has; empty for an archive of another kind."""
     names = [name.lower() for name in _entry_names(path)]
-    return {format_ for end, format_ in _FORMATS.items() if any(name.endswith(end) for name in names)}
+    return {format_ for suffix, format_ in _FORMATS.items() if any(name.endswith(suffix) for name in names)}
 
 
 def foreign(path: Path, head: bytes) -> str:
@@ -104,7 +104,7 @@ def _archive(path: Path) -> str:
     """Return the kind of an archive by the files in it, and how to convert it."""
     names = _entry_names(path)
     if any(name.startswith("xl/") for name in names):
-        sheets = _sheets(path) if "xl/workbook.xml" in names else []
+        sheets = list_sheets(path) if "xl/workbook.xml" in names else []
         return (
             "an Excel workbook, but not one of Mitutoyo's profiles; save the sheet with the heights as CSV "
             "or text" + (f" (its sheets: {listed(sheets, 5)})" if sheets else "")
@@ -119,7 +119,7 @@ def _archive(path: Path) -> str:
     )
 
 
-def _sheets(path: Path) -> list[str]:
+def list_sheets(path: Path) -> list[str]:
     """Return the names of the sheets of an Excel workbook."""
     with zipfile.ZipFile(path) as archive, archive.open("xl/workbook.xml") as stream:
         text = stream.read(_WORKBOOK).decode("utf-8", "replace")

@@ -30,8 +30,8 @@ from roughcontact.io.channels import (
 from roughcontact.io.guards import brief, check_points
 from roughcontact.io.instruments import containers
 from roughcontact.io.instruments.formats import FORMATS, Format, marked
-from roughcontact.io.instruments.sizes import Header
-from roughcontact.io.interface import Reader, head_of
+from roughcontact.io.instruments.rules import INVERTED, Header
+from roughcontact.io.interface import Reader, read_head
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
@@ -44,13 +44,13 @@ def read_instrument(path: Path) -> MeasuredFile:
 
     A file without a mark, as a container too damaged to be examined may be, is tried as each format without.
     """
-    head = head_of(path)
+    head = read_head(path)
     if head.startswith(containers.TIFF):
         containers.check_tiff(path)
     formats = marked(head) or [format_ for format_ in FORMATS if not format_.marks]
     if head.startswith(containers.ZIP):
-        within = containers.formats_within(path)
-        formats = [format_ for format_ in formats if format_.name in within]
+        names = containers.formats_within(path)
+        formats = [format_ for format_ in formats if format_.name in names]
     failures: list[tuple[str, Exception]] = []
     with _silence():
         from SurfaceTopography.Exceptions import FileFormatMismatch
@@ -59,8 +59,8 @@ def read_instrument(path: Path) -> MeasuredFile:
         for format_ in formats:
             library = lookup_reader_by_format[format_.name]
             try:
-                return _open(library(str(path)), format_, path)
-            except InputFileError:
+                return _open(library(format_.rules.source(path)), format_, path)
+            except (InputFileError, ImportError, MemoryError):
                 raise
             except FileFormatMismatch:
                 continue
@@ -84,7 +84,7 @@ def read_instrument(path: Path) -> MeasuredFile:
 
 def _is_foreign(file_format: Format, error: Exception) -> bool:
     """Return whether an error shows that a container holds something else than this format."""
-    without_tags = isinstance(error, IndexError | KeyError | AttributeError)
+    without_tags = isinstance(error, IndexError | KeyError | AttributeError | TypeError)
     return file_format.name == "mitutoyo" or (file_format.marks == containers.TIFF and without_tags)
 
 
@@ -98,13 +98,13 @@ def _message(error: Exception) -> str:
 @contextmanager
 def _silence() -> Iterator[None]:
     """Keep the library's warnings and log lines (whole byte arrays among them) off the screen."""
-    before = logging.root.manager.disable
+    previous_level = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:
         with warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
             yield
     finally:
-        logging.disable(before)
+        logging.disable(previous_level)
 
 
 def _header(info: Any) -> Header:
@@ -117,20 +117,20 @@ def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
     from SurfaceTopography.Exceptions import FileFormatMismatch
 
     infos = reader.channels
-    if not infos and file_format.marks == containers.TIFF:
-        raise FileFormatMismatch  # a picture
-    if not infos:
+    rules = file_format.rules
+    if not infos and file_format.marks != containers.TIFF:
         raise InputFileError(f"this {reader.name()} file holds no map")
-    if not file_format.is_plausible(_header(infos[0])):
+    if not infos or not rules.is_plausible(_header(infos[0])):  # a picture, or bytes of something else
         raise FileFormatMismatch
-    notes = file_format.corrected(infos, path)
+    notes = rules.corrected(infos, path)
     # Heights are read once here: an incomplete channel shows that the file was cut off.
     channels = [_channel(info, file_format) for info in infos]
     header = _header(infos[0])
     with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
-        required = file_format.size(data, header, prod(infos[0].nb_grid_pts))
-    stale, instrument = file_format.contradiction(path, header), _instrument(infos[0], file_format, path)
-    return MeasuredFile(reader.name(), channels, "top", instrument, notes, stale, required)
+        expected_size = rules.size(data, header, prod(infos[0].nb_grid_pts))
+        stale, beyond = rules.contradiction(data, header), rules.instrument(data)
+    instrument = _instrument(infos[0], file_format, beyond)
+    return MeasuredFile(reader.name(), channels, "top", instrument, notes, stale, expected_size)
 
 
 def _channel(info: Any, file_format: Format) -> Channel:
@@ -148,11 +148,13 @@ def _channel(info: Any, file_format: Format) -> Channel:
         values = topography.heights()
     except CorruptFile as error:
         raise InputFileError(f"channel {info.channel_id!r} is incomplete: the file was cut off") from error
+    except (ImportError, MemoryError):
+        raise
     except Exception as error:
-        refused = f"channel {info.channel_id!r} cannot be read ({brief(error)})"
+        reason = f"channel {info.channel_id!r} cannot be read ({brief(error)})"
         if not no_height:
-            raise InputFileError(refused) from error
-        return replace(channel, read=unreadable(refused))
+            raise InputFileError(reason) from error
+        return replace(channel, read=unreadable(reason))
     if isinstance(topography.unit, str):  # the library converts steps and heights to one unit
         channel.lateral_unit = topography.unit
         channel.height_unit = topography.unit if is_length(unit) else unit
@@ -163,9 +165,12 @@ def _channel(info: Any, file_format: Format) -> Channel:
     if topography.dim == 2:
         heights = heights.T
     header = _header(info)
-    heights[file_format.not_measured(header, heights)] = np.nan
-    channel.dx, channel.dy = _steps(topography, file_format, header)
-    return replace(channel, read=lambda: heights, notes=file_format.sign_notes(header))
+    rules = file_format.rules
+    heights[rules.not_measured(header, heights)] = np.nan
+    if info.physical_sizes is not None:
+        steps = np.asarray(topography.physical_sizes, dtype=float) / np.asarray(topography.nb_grid_pts)
+        channel.dx, channel.dy = [*map(float, rules.steps(header, steps)), None][:2]  # a profile has one
+    return replace(channel, read=lambda: heights, notes=[INVERTED] if rules.is_inverted(header) else [])
 
 
 def _units(info: Any) -> tuple[str | None, str | None, str]:
@@ -179,22 +184,13 @@ def _units(info: Any) -> tuple[str | None, str | None, str]:
     return lateral_unit, unit, "by its name no topography" if NO_TOPOGRAPHY.search(info.name) else ""
 
 
-def _steps(topography: Any, file_format: Format, header: Header) -> tuple[float | None, float | None]:
-    """Return the steps (dx, dy) of a map in its unit, None where the file does not state them."""
-    if topography.physical_sizes is None:
-        return None, None
-    steps = np.asarray(topography.physical_sizes, dtype=float) / np.asarray(topography.nb_grid_pts)
-    steps = file_format.steps(header, steps)
-    return float(steps[0]), float(steps[1]) if steps.size > 1 else None
-
-
-def _instrument(info: Any, file_format: Format, path: Path) -> dict:
+def _instrument(info: Any, file_format: Format, beyond: dict[str, Any]) -> dict:
     """Return vendor, name, serial number, lens, date and the like."""
-    stated = {"vendor": file_format.vendor, **(info.info.get("instrument") or {})}
-    stated |= {"kind": file_format.kind.name}
-    stated |= {key: info.info.get(key) for key in ("acquisition_time", "comment")}
-    known = {key: value for key, value in stated.items() if value is not None}
-    return instrument_metadata(file_format.instrument(path) | known, info.info.get("raw_metadata"))
+    metadata = {"vendor": file_format.vendor, **(info.info.get("instrument") or {})}
+    metadata |= {"kind": file_format.kind.name}
+    metadata |= {key: info.info.get(key) for key in ("acquisition_time", "comment")}
+    known_metadata = {key: value for key, value in metadata.items() if value is not None}
+    return instrument_metadata(beyond | known_metadata, info.info.get("raw_metadata"))
 
 
 #: Makes a reader, by the way in which it recognises files.

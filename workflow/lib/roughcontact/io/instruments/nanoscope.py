@@ -4,11 +4,13 @@ The stated lines and second size may be those of the planned scan: the length of
 there are.
 """
 
+import io
 import re
 from pathlib import Path
 from typing import Any
 
-from roughcontact.quantities import number
+from roughcontact.arguments.quantities import number
+from roughcontact.errors import InputFileError
 
 END = b"\\*File list end"
 _HEADER = 2**20  # bytes in which it ends
@@ -33,6 +35,13 @@ def sections(header: bytes) -> list[dict[str, str]]:
     ]
 
 
+def with_micro_signs(path: Path) -> str | io.BytesIO:
+    """Return a file for the library, which knows ``~m`` in sizes but takes a sensitivity in it for none."""
+    data = path.read_bytes()
+    header, end, behind = data.partition(END)
+    return io.BytesIO(header.replace(b"~m", b"\xb5m") + end + behind) if b"~m/" in header else str(path)
+
+
 def corrected(channels: list[Any], path: Path) -> list[str]:
     """Give the library's channels, in place, the lines and sizes of the file; return what was changed.
 
@@ -47,14 +56,16 @@ def corrected(channels: list[Any], path: Path) -> list[str]:
     for index, info in enumerate(channels):
         image = info.info["raw_metadata"]
         (nx, ny), (x, y) = info.nb_grid_pts, info.physical_sizes
-        stored, bytes_of_line = int(image["data length"]), nx * info.tags["elsize"]
-        lines = stored // bytes_of_line
-        if lines * bytes_of_line != stored or lines != int(image.get("valid data len y", lines)):
+        if not x * y:
+            raise InputFileError(f"its scan size is {image['scan size']}: it did not move over the surface")
+        n_bytes, bytes_of_line = int(image["data length"]), nx * info.tags["elsize"]
+        lines = n_bytes // bytes_of_line
+        if lines * bytes_of_line != n_bytes or lines != int(image.get("valid data len y", lines)):
             lines = ny
         length = y * lines / ny if "slow axis size" in scan else x * _aspect(scan, nx, lines, image)
-        if unread := stored - lines * bytes_of_line:
+        if unread := n_bytes - lines * bytes_of_line:
             notes.append(
-                f"{unread} of the {stored} bytes of channel {info.name!r} are no part of its {lines} lines"
+                f"{unread} of the {n_bytes} bytes of channel {info.name!r} are no part of its {lines} lines"
             )
         if lines == ny and abs(length / y - 1) < 1e-9:
             continue
@@ -64,21 +75,23 @@ def corrected(channels: list[Any], path: Path) -> list[str]:
             f"{image['scan size']}; the data are {lines} lines of {nx}, on {number(x)} x "
             f"{number(length)} {unit}"
         )
-        kept = {name: getattr(info, name) for name in ("name", "height_scale_factor", "unit", "info", "tags")}
+        attributes = {
+            name: getattr(info, name) for name in ("name", "height_scale_factor", "unit", "info", "tags")
+        }
         grid = {"dim": 2, "nb_grid_pts": (nx, lines), "physical_sizes": (x, length)}
-        channels[index] = ChannelInfo(info.reader, index, periodic=False, uniform=True, **grid, **kept)
+        channels[index] = ChannelInfo(info.reader, index, periodic=False, uniform=True, **grid, **attributes)
     return list(dict.fromkeys(notes))
 
 
 def _aspect(scan: dict[str, str], nx: int, lines: int, image: dict[str, str]) -> float:
     """Return the length along y over that along x."""
     sizes = re.match(r"([\d.]+) +([\d.]+)", image["scan size"])
-    stated = float(sizes[2]) / float(sizes[1]) if sizes else 1.0
+    header_aspect = float(sizes[2]) / float(sizes[1]) if sizes else 1.0
     if int(scan.get("samps/line", 0)) != nx:
-        return stated
+        return header_aspect
     ratio = re.match(r"([\d.]+):([\d.]+)", scan.get("aspect ratio", ""))
     aspect = float(ratio[2]) / float(ratio[1]) if ratio else 1.0
-    planned = int(scan["lines"])
-    if lines == planned:
-        return aspect if stated == 1 else stated
-    return aspect * lines / planned if lines < planned else lines / nx
+    planned_lines = int(scan["lines"])
+    if lines == planned_lines:
+        return aspect if header_aspect == 1 else header_aspect
+    return aspect * lines / planned_lines if lines < planned_lines else lines / nx

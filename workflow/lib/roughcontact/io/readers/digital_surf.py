@@ -1,34 +1,39 @@
 """Digital Surf's SUR and PRO (MountainsMap): surfaces, profiles, and series of them.
 
 Each object is a header of 512 bytes, a comment, a private zone, and integer points, row by row from the top;
-in a series of profiles the rows are the profiles. The offset of the heights is left out.
+in a series of profiles the rows are the profiles. The offset of the heights is left out. Points may be packed
+(zlib): a number of streams, the bytes of each unpacked and packed (4 bytes each), and the streams.
 """
 
 import datetime
-from collections.abc import Iterator
+import zlib
+from collections.abc import Callable, Iterator
 from contextlib import suppress
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.instruments.formats import IMPRINT, INVERTED
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, counted_channels
+from roughcontact.io.guards import check_count, check_points, refusing
+from roughcontact.io.instruments.rules import IMPRINT, INVERTED
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.lengths import refuse_cut_off
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length, metres, same_length
 
-_MARK = b"DIGITAL SURF"
+_PLAIN, _PACKED = b"DIGITAL SURF", b"DSCOMPRESSED"
 _HEADER_BYTES = 512
 _FIELDS: Any = {  # name -> type, and position in the header
+    "mark": ("S12", 0),
     "objects": ("<u2", 14),
     "type": ("<u2", 18),
     "object_name": ("S30", 20),
     "instrument_name": ("S30", 50),
     "special_points": ("<u2", 86),
+    "spectrum": ("<u4", 94),  # points at each place, perhaps 0 of a map
     "bits": ("<u2", 98),
     "lowest": ("<i4", 100),
     "shape": (("<i4", 2), 108),  # points of a row, rows
@@ -39,11 +44,13 @@ _FIELDS: Any = {  # name -> type, and position in the header
     "inversion": ("<u2", 290),
     "time": (("<u2", 6), 306),  # second, minute, hour, day, month, year
     "sizes": (("<u2", 2), 334),  # comment, private zone
+    "client": ("S128", 338),
 }
 _LAYOUT = np.dtype(_FIELDS)
 # types of objects; behind those of other types may lie colours
 _PROFILE, _SURFACE, _PROFILES, _SURFACES = 1, 2, 4, 5
 _SERIES = (_PROFILES, _SURFACES)
+_IMAGES = (3, 10, 12, 18)  # binary, of intensities, of colours, and series of these
 _COMPLETE = (_PROFILE, _SURFACE, *_SERIES)
 _MIRRORED_X, _MIRRORED_Y = 2, 3  # inversions; 1 changes the sign alone, and so do these
 _MISSING = -2  # beside the lowest integer
@@ -51,95 +58,132 @@ _MISSING = -2  # beside the lowest integer
 
 def read(path: Path) -> MeasuredFile:
     """Open a file; each object is a channel, in a series of profiles each row."""
-    objects, end = _objects(path)
-    first = objects[0][0]
-    channels = [channel for header, begin in objects for channel in _channels(header, begin, path)]
+    objects, stop = _objects(path)
+    header = objects[0][0]
+    channels = counted_channels(
+        channel for header, start in objects for channel in _channels(header, start, path)
+    )
     if len(channels) > 1:
         for number, channel in enumerate(channels, 1):
-            channel.name = f"{_text(first['object_name']) or 'object'} {number}"
-    required_size = end if first["type"] in _COMPLETE else None
-    return MeasuredFile("Digital Surf SUR", channels, "top", _instrument(first), required_size=required_size)
+            channel.name = f"{_text(header['object_name']) or 'object'} {number}"
+    required_size = stop if header["type"] in _COMPLETE else None
+    return MeasuredFile("Digital Surf SUR", channels, "top", _instrument(header), required_size=required_size)
 
 
 def _objects(path: Path) -> tuple[list[tuple[np.void, int]], int]:
     """Return header and first byte of the points of all objects, one behind the other, and their end."""
     objects: list[tuple[np.void, int]] = []
-    size, end = path.stat().st_size, 0
+    size, stop = path.stat().st_size, 0
     with path.open("rb") as stream:
-        while not objects or (objects[0][0]["type"] != _SURFACE and stream.read(len(_MARK)) == _MARK):
-            stream.seek(end)
+        while not objects or (objects[0][0]["type"] != _SURFACE and stream.read(12) in (_PLAIN, _PACKED)):
+            stream.seek(stop)
             data = stream.read(_HEADER_BYTES)
             if len(data) < _HEADER_BYTES:
                 raise InputFileError("a header of this Digital Surf file is cut off")
             header = np.frombuffer(data, _LAYOUT, 1)[0]
-            nx, ny = map(int, header["shape"])
-            if min(nx, ny) < 1 or nx * ny != header["points"] or header["bits"] not in (16, 32):
+            nx, ny, bits = map(int, (*header["shape"], header["bits"]))
+            start = stop + _HEADER_BYTES + int(header["sizes"].sum())
+            stream.seek(start)
+            sizes = _stream_sizes(stream, header, size)
+            stop = stream.tell() + int(sizes[:, 1].sum())
+            if header["spectrum"] > 1:
+                raise InputFileError(f"it holds spectra of {header['spectrum']} points each, no heights")
+            points = min(nx, ny) > 0 and nx * ny == header["points"] and bits in (16, 32)
+            if not points or sizes[:, 0].sum() != nx * ny * bits // 8:
                 raise InputFileError(
                     f"damaged Digital Surf file: a header states {header['points']} points of "
-                    f"{header['bits']} bits in {ny} rows of {nx}"
+                    f"{bits} bits in {ny} rows of {nx}"
                 )
-            begin = end + _HEADER_BYTES + int(header["sizes"].sum())
-            end = begin + nx * ny * int(header["bits"]) // 8
-            refuse_cut_off(size, end)
-            objects.append((header, begin))
-            stream.seek(end)
-    first = objects[0][0]
-    if first["type"] in _SERIES and len(objects) < first["objects"]:
+            check_points((ny, nx))
+            refuse_cut_off(size, stop)
+            objects.append((header, start))
+            check_count(len(objects))
+            stream.seek(stop)
+    first_header = objects[0][0]
+    if first_header["type"] in _SERIES and len(objects) < first_header["objects"]:
         raise InputFileError(
-            f"{len(objects)} objects where its header states {first['objects']}: it was cut off"
+            f"{len(objects)} objects where its header states {first_header['objects']}: it was cut off"
         )
-    return objects, end
+    return objects, stop
 
 
-def _channels(header: np.void, begin: int, path: Path) -> Iterator[Channel]:
+def _stream_sizes(stream: BinaryIO, header: np.void, size: int) -> np.ndarray:
+    """Return the bytes (n, 2), unpacked and packed, of the streams of points that follow in a file."""
+    if header["mark"] == _PLAIN:
+        return np.full((1, 2), int(header["points"]) * int(header["bits"]) // 8)
+    count = int.from_bytes(stream.read(4), "little")
+    refuse_cut_off(size, stream.tell() + 8 * count)
+    return np.frombuffer(stream.read(8 * count), "<u4").reshape(-1, 2).astype(int)
+
+
+def _channels(header: np.void, start: int, path: Path) -> Iterator[Channel]:
     """Yield the channels of one object."""
     nx, ny = map(int, header["shape"])
     dx, dy = (float(step) if 0 < step < np.inf else None for step in header["steps"][:2])
     unit, unit_y, height_unit = map(_unit, header["step_units"])
-    notes = [IMPRINT] if header["imprint"] else []
+    names = [_text(header[key]) for key in ("object_name", "instrument_name", "client")]
+    # two programs mark all files as imprints: Gwyddion, under these names, and surfalize
+    always = names[:2] == ["SCRATCH", "csm"] or "surfalize" in names[2]
+    notes = [IMPRINT] if header["imprint"] and not always else []
     notes += [INVERTED] if header["inversion"] else []
-    rows = [slice(row, row + 1) for row in range(ny)] if header["type"] == _PROFILES else [slice(0, ny)]
-    if rows[0].stop > 1 and dy and unit and not same_length(unit, unit_y):
+    height = 1 if header["type"] == _PROFILES else ny
+    if height > 1 and dy and unit and not same_length(unit, unit_y):
         notes.append(f"the axes have different units, {unit} along x and {unit_y or 'none'} along y")
         dy = dy * metres(unit_y) / metres(unit) if is_length(unit) and is_length(unit_y) else None
-    for chosen_rows in rows:
-        shape = chosen_rows.stop - chosen_rows.start, nx
+    load = cache(partial(_counts, header, start, path))
+    for first_row in range(0, ny, height):
         yield Channel(
             "Default",
-            shape,
-            partial(_read, header, begin, chosen_rows, path),
+            (height, nx),
+            partial(_read, header, load, slice(first_row, first_row + height)),
             height_unit=height_unit or None,
             dx=dx,
-            dy=dy if shape[0] > 1 else None,
+            dy=dy if height > 1 else None,
             lateral_unit=unit or None,
+            no_height="an image" if header["type"] in _IMAGES else "",
             notes=list(notes),
         )
 
 
-def _read(header: np.void, begin: int, rows: slice, path: Path) -> np.ndarray:
-    """Return the heights of some rows of an object."""
+def _counts(header: np.void, start: int, path: Path) -> np.ndarray:
+    """Return the integer points (ny, nx) of an object."""
     nx, ny = map(int, header["shape"])
-    counts = np.fromfile(path, f"<i{header['bits'] // 8}", nx * ny, offset=begin).reshape(ny, nx)
+    number_type = f"<i{header['bits'] // 8}"
+    with path.open("rb") as stream, refusing("its packed points are damaged"):
+        stream.seek(start)
+        if header["mark"] == _PLAIN:
+            return np.fromfile(stream, number_type, nx * ny).reshape(ny, nx)
+        data = bytearray()
+        for raw_size, stored_size in _stream_sizes(stream, header, path.stat().st_size).tolist():
+            unpacker = zlib.decompressobj()
+            data += unpacker.decompress(stream.read(stored_size), raw_size + 1)
+            if not unpacker.eof:
+                raise ValueError("a stream is longer than its header says")
+    return np.frombuffer(data, number_type).reshape(ny, nx)
+
+
+def _read(header: np.void, load: Callable[[], np.ndarray], rows: slice) -> np.ndarray:
+    """Return the heights of some rows of an object, whose points are loaded once."""
+    inversion = int(header["inversion"])
+    counts = load()[:: -1 if inversion == _MIRRORED_Y else 1, :: -1 if inversion == _MIRRORED_X else 1][rows]
     heights = as_heights(counts)
     if header["special_points"] == 1:
         heights[counts == int(header["lowest"]) + _MISSING] = np.nan
-    inversion = int(header["inversion"])
     heights *= float(header["steps"][2]) * (-1 if inversion in (1, _MIRRORED_X, _MIRRORED_Y) else 1)
-    turned = heights[:: -1 if inversion == _MIRRORED_Y else 1, :: -1 if inversion == _MIRRORED_X else 1]
-    return turned[rows].copy()
+    return heights
 
 
 def _instrument(header: np.void) -> dict[str, Any]:
     """Return name, sample and date that a header states."""
-    stated = {
+    metadata = {
         "vendor": "Digital Surf",
         "name": _text(header["instrument_name"]),
         "sample": _text(header["object_name"]),
     }
     with suppress(ValueError):  # no date
-        year, month, day, hour, minute, second = map(int, header["time"][::-1])
-        stated["acquisition_time"] = datetime.datetime(year, month, day, hour, minute, second).isoformat()
-    return instrument_metadata(stated)
+        year, month, day, hour, minute, seconds = map(int, header["time"][::-1])
+        metadata["acquisition_time"] = datetime.datetime(year, month, day, hour, minute, seconds).isoformat()
+    return instrument_metadata(metadata)
 
 
 def _unit(data: bytes) -> str:
@@ -156,4 +200,4 @@ def _text(data: bytes) -> str:
         return data.decode("latin-1")
 
 
-READER = Reader(RecognisedBy.MARK, begins_with(_MARK + b"\0"), read, binary=True)
+READER = Reader(RecognisedBy.MARK, begins_with(_PLAIN + b"\0", _PACKED + b"\0"), read, binary=True)

@@ -30,18 +30,18 @@ def read(path: Path) -> MeasuredFile:
         lengths = [float(statements[key]) if key in statements else None for key in ("XReal", "YReal")]
     if not zero or min(nx, ny) < 1 or not all(length is None or 0 < length < np.inf for length in lengths):
         raise InputFileError("looks like GSF, but its header is damaged or cut off")
-    begin = len(text) + 4 - len(text) % 4
+    start = len(text) + 4 - len(text) % 4
     length_x, length_y = lengths
     channel = Channel(
         statements.get("Title") or "height",
         (ny, nx),
-        lambda: as_heights(np.fromfile(path, "<f4", nx * ny, offset=begin).reshape(ny, nx)),
+        lambda: as_heights(np.fromfile(path, "<f4", nx * ny, offset=start).reshape(ny, nx)),
         height_unit=statements.get("ZUnits") or None,
         dx=length_x / nx if length_x else None,
         dy=length_y / ny if length_y else None,
         lateral_unit=statements.get("XYUnits") or None,
     )
-    return MeasuredFile("Gwyddion Simple Field", [channel], "top", required_size=begin + 4 * nx * ny)
+    return MeasuredFile("Gwyddion Simple Field", [channel], "top", required_size=start + 4 * nx * ny)
 
 
 READER = Reader(RecognisedBy.MARK, begins_with(_MARK.rstrip()), read, binary=True)

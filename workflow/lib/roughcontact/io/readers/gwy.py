@@ -48,11 +48,11 @@ def _channel(container: dict[str, Any], number: str) -> Channel:
     values = image["data"].reshape(shape)
     if mask is not None:
         values = np.ma.masked_array(values, mask["data"].reshape(shape) > 0.5)
-    # like Gwyddion: a size of 0 is 1, a negative one has a wrong sign
-    dy, dx = (float(abs(image[key]) or 1) / n for key, n in zip(("yreal", "xreal"), shape, strict=True))
+    # a size of 0 is unknown, a negative one has a wrong sign
+    dy, dx = (float(abs(image[key])) / n or None for key, n in zip(("yreal", "xreal"), shape, strict=True))
     lateral_unit, unit = (image.get(key, {}).get("unitstr", "") for key in ("si_unit_xy", "si_unit_z"))
     return Channel(
-        container.get(f"{number}/data/title", f"image {number[1:]}"),
+        str(container.get(f"{number}/data/title", f"image {number[1:]}")),
         shape,
         partial(as_heights, values),
         height_unit=unit or "no unit",
@@ -66,11 +66,11 @@ def _channel(container: dict[str, Any], number: str) -> Channel:
 def _object(data: mmap.mmap) -> dict[str, Any]:
     """Return the components of the object at the position of a file, and go behind it."""
     _text(data)
-    end = _count(data) + data.tell()
-    if end > len(data):
-        raise ValueError(f"an object ends at {end}, the file at {len(data)}")
+    stop = _count(data) + data.tell()
+    if stop > len(data):
+        raise ValueError(f"an object ends at {stop}, the file at {len(data)}")
     components = {}
-    while data.tell() < end:
+    while data.tell() < stop:
         name = _text(data)
         components[name] = _value(data, data.read(1).decode())
     return components
@@ -80,6 +80,8 @@ def _value(data: mmap.mmap, kind: str) -> Any:
     """Return a value of some type."""
     if kind in "so":
         return (_text if kind == "s" else _object)(data)
+    if kind == "c":  # gwyfile, the Python package, writes a text of one letter so
+        return data.read(1).decode("latin-1")
     count = _count(data) if kind.isupper() else 1
     if kind in "SO":
         return [_value(data, kind.lower()) for _ in range(count)]
@@ -90,10 +92,10 @@ def _value(data: mmap.mmap, kind: str) -> Any:
 
 def _text(data: mmap.mmap) -> str:
     """Return the text up to the next zero."""
-    end = data.find(b"\0", data.tell())
-    if end < 0:
+    stop = data.find(b"\0", data.tell())
+    if stop < 0:
         raise ValueError("a text has no end")
-    return data.read(end + 1 - data.tell())[:-1].decode("utf-8", "replace")
+    return data.read(stop + 1 - data.tell())[:-1].decode("utf-8", "replace")
 
 
 def _count(data: mmap.mmap) -> int:

@@ -62,8 +62,8 @@ def read(path: Path) -> MeasuredFile:
         ]
         if not channels:
             raise InputFileError("this JPK file holds no map")
-        stated = {key: _stated(measurements[0], name) for key, name in _INSTRUMENT.items()}
-    instrument = instrument_metadata({"kind": instrument_kinds.PROBE.name, "vendor": "JPK", **stated})
+        metadata = {key: _stated(measurements[0], name) for key, name in _INSTRUMENT.items()}
+    instrument = instrument_metadata({"kind": instrument_kinds.PROBE.name, "vendor": "JPK", **metadata})
     size = hdf5.stated_size(path)
     return MeasuredFile("JPK (HDF5)", channels, "bottom", instrument, required_size=size)
 
@@ -89,9 +89,9 @@ def _frames(measurement: Any, group: Any, several: bool, path: Path) -> Iterator
     unit = _stated(group, _SCALE + "unit.unit")
     scale = float(group.attrs[_SCALE + "multiplier"]), float(group.attrs[_SCALE + "offset"])
     direction = "retrace" if _stated(group, "retrace") == "true" else "trace"
-    turned = abs(float(grid.get("theta", 0.0))) > 1e-3
-    before = f"{measurement.name[1:]} " if several else ""
-    label = before + _stated(group, "channel.fancy-name", _stated(group, "channel.name", array.name))
+    is_turned = abs(float(grid.get("theta", 0.0))) > 1e-3
+    prefix = f"{measurement.name[1:]} " if several else ""
+    label = prefix + _stated(group, "channel.fancy-name", _stated(group, "channel.name", array.name))
     frames = array.shape[1]
     for frame in range(frames):
         yield Channel(
@@ -105,7 +105,7 @@ def _frames(measurement: Any, group: Any, several: bool, path: Path) -> Iterator
             no_height="by its name no topography"
             if is_length(unit) and _rank(group) == len(_HEIGHTS)
             else "",
-            notes=[_TURNED] if turned else [],
+            notes=[_TURNED] if is_turned else [],
         )
 
 
@@ -118,9 +118,9 @@ def _read(
     return as_heights(counts.reshape(shape) * scale[0] + scale[1])
 
 
-def _stated(group: Any, name: str, default: str = "") -> str:
+def _stated(group: Any, name: str, fallback: str = "") -> str:
     """Return an attribute of a group or file as text."""
-    value = group.attrs.get(name, default)
+    value = group.attrs.get(name, fallback)
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 

@@ -3,8 +3,10 @@
 Row j is the j-th y; row 0 is the lowest line.
 """
 
+import io
 import zlib
-from functools import partial
+from collections.abc import Callable, Iterator
+from functools import cache, partial
 from math import prod
 from pathlib import Path
 from typing import Literal
@@ -12,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights, oversized
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, counted_channels, oversized
 from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.text.axes import refuse_points
@@ -29,40 +31,60 @@ def read(path: Path) -> MeasuredFile:
     from scipy.io import whosmat
 
     with refusing("damaged or cut off MATLAB file"):
-        _check_unpacked_size(path)
+        ranges = _places(path)
         variables = whosmat(str(path))
-    # those named height, heights or z come first
-    channels = []
-    for name, shape, value_type in variables:
-        if value_type not in _NUMBERS or len(shape) not in (2, 3) or shape[0] * shape[1] < 2:
-            continue
-        ny, nx = (1, max(shape[:2])) if min(shape[:2]) == 1 else shape[:2]
-        if prod(shape) > MAX_POINTS:
-            channels.append(oversized(name, shape))
-            continue
-        for index in range(*shape[2:]) if len(shape) == 3 else [None]:
-            label = name if index is None else f"{name}(:,:,{index + 1})"
-            channels.append(Channel(label, (ny, nx), partial(_read, path, name, (ny, nx), index)))
+    channels = counted_channels(
+        channel
+        for byte_range, (name, shape, value_type) in zip(ranges, variables, strict=True)
+        if value_type in _NUMBERS and len(shape) in (2, 3) and shape[0] * shape[1] > 1
+        for channel in _channels(path, byte_range, name, shape)
+    )
     if not channels:
-        listed = ", ".join(f"{name} ({value_type})" for name, _, value_type in variables[:8])
-        raise InputFileError(f"no matrix of real numbers in this MATLAB file; it has {listed or 'nothing'}")
+        names = ", ".join(f"{name} ({value_type})" for name, _, value_type in variables[:8])
+        raise InputFileError(f"no matrix of real numbers in this MATLAB file; it has {names or 'nothing'}")
+    # those named height, heights or z come first
     channels.sort(key=lambda channel: channel.name.lower().partition("(")[0] not in _FIRST)
     return MeasuredFile("MATLAB matrix", channels, first_row="bottom", first_row_assumed=True)
 
 
-def _read(path: Path, name: str, shape: tuple[int, int], index: int | None) -> np.ndarray:
-    """Return one variable, or one matrix of it."""
+def _channels(path: Path, byte_range: slice, name: str, shape: tuple[int, ...]) -> Iterator[Channel]:
+    """Yield the channels of a variable, one for each page, which are read from one copy of it."""
+    ny, nx = (1, max(shape[:2])) if min(shape[:2]) == 1 else shape[:2]
+    if prod(shape) > MAX_POINTS:
+        yield oversized(name, shape)
+        return
+    load = cache(partial(_load, path, byte_range, name))
+    for index in range(*shape[2:]) if len(shape) == 3 else [None]:
+        label = name if index is None else f"{name}(:,:,{index + 1})"
+        yield Channel(label, (ny, nx), partial(_read, load, (ny, nx), index))
+
+
+def _load(path: Path, byte_range: slice, name: str) -> np.ndarray:
+    """Return one variable, from its place in a file: to look for it would read all before it."""
     from scipy.io import loadmat
 
-    with refusing(f"variable {name!r} is damaged"):
-        values = np.asarray(loadmat(str(path), variable_names=[name])[name])
+    with refusing(f"variable {name!r} is damaged"), path.open("rb") as stream:
+        header = stream.read(_HEADER_BYTES)
+        stream.seek(byte_range.start)
+        variable_file = io.BytesIO(header + stream.read(byte_range.stop - byte_range.start))
+        values = np.asarray(loadmat(variable_file, variable_names=[name])[name])
     refuse_points(values)
+    return values
+
+
+def _read(load: Callable[[], np.ndarray], shape: tuple[int, int], index: int | None) -> np.ndarray:
+    """Return one variable, or one matrix of it."""
+    values = load()
     return as_heights((values if index is None else values[:, :, index]).reshape(shape))
 
 
-def _check_unpacked_size(path: Path) -> None:
-    """Refuse a file that was cut off, or whose variables, unpacked piece by piece, are more than 1 GiB."""
+def _places(path: Path) -> list[slice]:
+    """Return the bytes of each variable of a file.
+
+    A file that was cut off, or whose variables, unpacked piece by piece, are more than 1 GiB, is refused.
+    """
     total, size = 0, path.stat().st_size
+    ranges = []
     with path.open("rb") as stream:
         order: Literal["little", "big"] = "little" if stream.read(_HEADER_BYTES)[126:128] == b"IM" else "big"
         while len(tag := stream.read(8)) == 8:
@@ -72,15 +94,16 @@ def _check_unpacked_size(path: Path) -> None:
                     f"damaged MATLAB file: no variable begins {stream.tell() - 8} bytes from its "
                     "beginning, where the one before ends; copy or save it again"
                 )
-            if stream.tell() + count > size:
+            ranges.append(slice(stream.tell() - 8, stream.tell() + count))
+            if ranges[-1].stop > size:
                 raise InputFileError("the last variable of this MATLAB file is not whole: it was cut off")
             if data_type != _COMPRESSED:
                 stream.seek(count, 1)
                 continue
-            packed, unpacker = stream.read(count), zlib.decompressobj()
-            while packed:
-                total += len(unpacker.decompress(packed, 2**20))
-                packed = unpacker.unconsumed_tail
+            block, unpacker = stream.read(count), zlib.decompressobj()
+            while block:
+                total += len(unpacker.decompress(block, 2**20))
+                block = unpacker.unconsumed_tail
                 if total > MAX_UNPACKED_BYTES:
                     raise InputFileError(
                         f"its variables unpack to more than the {MAX_UNPACKED_BYTES} bytes allowed"
@@ -89,6 +112,7 @@ def _check_unpacked_size(path: Path) -> None:
             raise InputFileError(
                 f"damaged MATLAB file: {len(tag)} bytes follow its last variable; copy or save it again"
             )
+    return ranges
 
 
 READER = Reader(RecognisedBy.MARK, begins_with(_MARK), read)

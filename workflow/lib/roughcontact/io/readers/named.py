@@ -4,15 +4,12 @@ from pathlib import Path
 from typing import NoReturn
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.interface import Reader, RecognisedBy, head_of
+from roughcontact.io.interface import Reader, RecognisedBy, read_head
 from roughcontact.io.text.lines import looks_like_text
+from roughcontact.io.vocabulary import marks, rows_of
 
-_LINES = Path(__file__).with_name("refused.tsv").read_text(encoding="utf-8").splitlines()
-# (first bytes, with escapes as Python's; whether they may begin a text; kind of file and advice)
-_ROWS = [
-    (mark.encode().decode("unicode_escape").encode("latin-1"), in_text == "yes", description)
-    for mark, in_text, description in (line.split("\t") for line in _LINES if not line.startswith("#"))
-]
+# (first bytes, whether they may begin a text, kind of file and advice)
+_ROWS = [(marks(mark), in_text == "yes", advice) for mark, in_text, advice in rows_of("refused.tsv")]
 
 
 def _description(head: bytes) -> str | None:
@@ -28,7 +25,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Examples
     --------
-    >>> recognises(Path("map.sur"), b"DSCOMPRESSED\0\0"), recognises(Path("map.txt"), b"BZh is a name")
+    >>> recognises(Path("map.png"), b"GIF89a\0\0"), recognises(Path("map.txt"), b"BZh is a name")
     (True, False)
     """
     return _description(head) is not None
@@ -36,7 +33,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> NoReturn:
     """Refuse a file by the name of its format, and say how to convert it."""
-    raise InputFileError(f"this is {_description(head_of(path))}")
+    raise InputFileError(f"this is {_description(read_head(path))}")
 
 
 READER = Reader(RecognisedBy.MARK, recognises, read)

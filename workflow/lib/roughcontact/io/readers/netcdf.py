@@ -3,87 +3,120 @@
 Row 0 is the line of the smallest y; without positions it is assumed to be the lowest one.
 """
 
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
-from functools import partial
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, suppress
 from math import prod
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from roughcontact.arguments.measurement import Measurement, map_attributes
+from roughcontact.arguments.si import unit_of
 from roughcontact.errors import InputFileError
 from roughcontact.io import classic, hdf5
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights, oversized, placed, unreadable
+from roughcontact.io.channels import (
+    Channel,
+    MeasuredFile,
+    as_heights,
+    channel_on_grid,
+    counted_channels,
+    oversized,
+    unreadable,
+)
 from roughcontact.io.guards import MAX_POINTS, refusing
-from roughcontact.io.interface import Reader, RecognisedBy, begins_with, head_of
-from roughcontact.io.metadata import instrument_metadata, stored_instrument
+from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
+from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.seal import check_seal
 from roughcontact.io.units import same_length
-from roughcontact.si import unit_of
+
+_DAMAGED = "damaged or cut off netCDF file"
+_MAX_POSITIONS = MAX_POINTS // 4  # of all coordinates; copies are made of them
+_ALONG = (["time"], ["peak"], ["sliding_distance"])  # numbers along these are no profile
 
 
 def read(path: Path) -> MeasuredFile:
     """Open a netCDF file; a map that this project wrote is restored unchanged.
 
-    There is one channel for each variable over two axes (y, x), or one that is no time, load or peak of the
-    load, and for each index of a third; those named height, heights or z come first.
+    There is one channel for each variable over two axes (y, x), or one that is no time, load, peak of the
+    load or sliding distance, and for each index of a third; those named height, heights or z come first.
     """
-    head = head_of(path)
-    sealed = check_seal(path)
+    head = read_head(path)
+    seal_size = check_seal(path)
     required_size = classic.check_header(path) if head.startswith(classic.MARKS) else hdf5.stated_size(path)
     arrays = hdf5.datasets(path) if head.startswith(hdf5.MARK) else {}
-    too_long = _oversized_variables(path)
-    opener = partial(_opened, path, too_long)
-    with opener() as dataset:
-        channels = [
-            _variable(dataset, name, axes, selection, opener)
-            for name in dataset.data_vars
-            for axes, selection in _maps(dataset[name])
-        ]
+    with refusing(_DAMAGED), ExitStack() as after_failure:
+        too_long = _oversized_variables(path)
+        dataset = after_failure.enter_context(_dataset(path, too_long))
+        channels = counted_channels(_channels(dataset))
         instrument = _instrument(dataset)
         names = sorted(map(str, dataset.variables))
+        after_failure.pop_all()
     channels += [oversized(name, shape) for name, shape in too_long.items()]
     if not channels:
         raise InputFileError(_no_map_message(arrays, names))
-    channels.sort(key=lambda channel: channel.name.partition("[")[0] not in ("height", "heights", "z"))
+    channels.sort(
+        key=lambda channel: (
+            channel.name.partition("[")[0] not in ("height", "heights", "z"),
+            bool(channel.doubt),
+        )
+    )
     return MeasuredFile(
         "netCDF",
         channels,
         first_row="bottom",
         instrument=instrument,
-        required_size=required_size and required_size + sealed,
+        required_size=required_size and required_size + seal_size,
+        close=dataset.close,
     )
+
+
+def _channels(dataset: Any) -> Iterator[Channel]:
+    """Yield the channels of all variables, while the points that this reads are not too many in all."""
+    total = 0
+    for name in dataset.data_vars:
+        for axes, selection in _maps(dataset.variables[name]):
+            yield (channel := _variable(dataset, name, axes, selection))
+            sizes = [dataset.variables[name].sizes[axis] for axis in axes if axis]
+            total += sum(sizes) + (prod(sizes) if channel.points else 0)  # positions, and uneven maps
+            if total > MAX_POINTS:
+                raise InputFileError(
+                    f"maps with more than the {MAX_POINTS} positions that are read; save the map alone"
+                )
 
 
 def _instrument(dataset: Any) -> dict[str, Any]:
     """Return the instrument metadata that this project wrote, otherwise those in the file attributes."""
     with suppress(KeyError, TypeError, ValueError, RecursionError):
-        return stored_instrument({"instrument": dataset["height"].attrs["instrument"]})
+        attrs = map_attributes(dataset["height"].attrs)
+        return dict(Measurement.read({"instrument": attrs["instrument"]}).instrument)
     return instrument_metadata({}, dataset.attrs)
 
 
-@contextmanager
-def _opened(path: Path, left_out: Iterable[str]) -> Iterator[Any]:
-    """Open a file as a dataset; errors, also those within the block, are raised as `InputFileError`."""
+def _dataset(path: Path, excluded: Iterable[str]) -> Any:
+    """Return a file as a dataset, which channels read from until `MeasuredFile.close`."""
     import xarray as xr
 
-    with (
-        refusing("damaged or cut off netCDF file"),
-        xr.open_dataset(
-            path, engine="netcdf4", decode_times=False, decode_timedelta=False, drop_variables=list(left_out)
-        ) as dataset,
-    ):
-        yield dataset
+    options: Any = {"decode_times": False, "decode_timedelta": False, "cache": False}
+    return xr.open_dataset(path, engine="netcdf4", drop_variables=list(excluded), **options)
 
 
 def _oversized_variables(path: Path) -> dict[str, tuple[int, ...]]:
-    """Return the shapes of variables above the size limit, since opening alone would read coordinates."""
+    """Return the shapes of variables above the size limit; refuse coordinates that are above it in all.
+
+    Opening alone would read all coordinates.
+    """
     import netCDF4
 
-    with refusing("damaged or cut off netCDF file"), netCDF4.Dataset(path) as file:
+    with netCDF4.Dataset(path) as file:
         shapes = {name: tuple(variable.shape) for name, variable in file.variables.items()}
-    return {name: shape for name, shape in shapes.items() if prod(shape) > MAX_POINTS}
+        axes = [name for name in shapes if file[name].dimensions == (name,)]
+    too_long = {name: shape for name, shape in shapes.items() if prod(shape) > MAX_POINTS}
+    if (total := sum(prod(shapes[name]) for name in axes if name not in too_long)) > _MAX_POSITIONS:
+        raise InputFileError(
+            f"coordinates of {total} points, more than the {_MAX_POSITIONS} that are read; save the map alone"
+        )
+    return too_long
 
 
 def _no_map_message(arrays: dict[str, tuple[int, ...]], names: list[str]) -> str:
@@ -107,10 +140,9 @@ def _variable(
     name: Any,
     dims: tuple[str | None, str],
     selection: dict[str, int],
-    opener: Callable[[], Any],
 ) -> Channel:
     """Return one variable, at some index of its other axes, as a channel that is read on demand."""
-    variable = dataset[name]
+    variable = dataset.variables[name]  # a DataArray of each would look through all others
     label = str(name) + "".join(
         f"[{axis}={index}]" for axis, index in selection.items() if variable.sizes[axis] > 1
     )
@@ -118,22 +150,26 @@ def _variable(
     shape = variable.sizes[y] if y else 1, variable.sizes[x]
     if prod(shape) > MAX_POINTS:
         return oversized(label, shape)
-    unit_x, unit_y = (unit_of(dataset[axis].attrs) if axis in dataset.coords else None for axis in (x, y))
+    unit_x, unit_y = (
+        unit_of(dataset.variables[axis].attrs) if axis in dataset.coords else None for axis in (x, y)
+    )
     if unit_x and unit_y and not same_length(unit_x, unit_y):
         raise InputFileError(f"the axes {x} and {y} have different units, {unit_x!r} and {unit_y!r}")
     positive_down = str(variable.attrs.get("positive", "")).lower() == "down"  # the CF convention for depths
 
     def read() -> np.ndarray:
         """Return the values over the axes, with the sign of heights."""
-        with opener() as again:
-            stored = again[name].isel(selection)
-            values = as_heights(stored.transpose(*filter(None, dims)).values)
-            low, high = _valid_range(stored)
+        with refusing(_DAMAGED):
+            selection_values = variable.isel(selection)
+            values = as_heights(selection_values.transpose(*filter(None, dims)).values)
+            low, high = _valid_range(name, variable)
             values[(values < low) | (values > high)] = np.nan
         return -values if positive_down else values
 
     channel = Channel(label, shape, read, unit_of(variable.attrs), lateral_unit=unit_x or unit_y)
-    positions = [axis for axis in "xy" if axis in dataset and dataset[axis].dims == variable.dims != (axis,)]
+    positions = [
+        axis for axis in "xy" if axis in dataset and dataset.variables[axis].dims == variable.dims != (axis,)
+    ]
     if variable.dtype.kind not in "iuf":
         channel.no_height = f"values of type {variable.dtype}"
         channel.read = unreadable(f"variable {name!r} holds {channel.no_height}, not real numbers")
@@ -157,18 +193,18 @@ def _variable(
         None if along is None else float(min(along[0], along[-1])) for along in (along_x, along_y)
     )
     channel.first_row = "bottom" if along_y is None else ""  # assumed without positions
-    return placed(channel, along_x, along_y, (str(x), str(y)))
+    return channel_on_grid(channel, along_x, along_y, (str(x), str(y)))
 
 
-def _valid_range(variable: Any) -> np.ndarray:
+def _valid_range(name: Any, variable: Any) -> np.ndarray:
     """Return the lowest and the highest value that is no missing point (NetCDF Users Guide, appendix A).
 
     Limits of the type of packed values are packed too; half a step of these is allowed for rounding.
     """
-    stated, packing = variable.attrs, variable.encoding
-    with refusing(f"the valid_range, valid_min or valid_max of {variable.name!r} is no number"):
-        low, high = stated.get(
-            "valid_range", (stated.get("valid_min", -np.inf), stated.get("valid_max", np.inf))
+    attrs, packing = variable.attrs, variable.encoding
+    with refusing(f"the valid_range, valid_min or valid_max of {name!r} is no number"):
+        low, high = attrs.get(
+            "valid_range", (attrs.get("valid_min", -np.inf), attrs.get("valid_max", np.inf))
         )
         limits = np.array([low, high], dtype=float)
     scale = packing.get("scale_factor", 1.0)
@@ -189,13 +225,13 @@ def _maps(variable: Any) -> Iterator[tuple[tuple[str | None, str], dict[str, int
         if len(dims) > 2 and variable.sizes[axis] == 1:
             dims.remove(axis)
             selection[axis] = 0
-    if len(dims) not in (1, 2, 3) or 0 in variable.shape or "load" in dims or dims in (["time"], ["peak"]):
+    if len(dims) not in (1, 2, 3) or 0 in variable.shape or "load" in dims or dims in _ALONG:
         return
     if len(dims) == 1:
         yield (None, dims[0]), selection
         return
-    named = [axis for axis in dims if str(axis).lower().startswith(("x", "y"))]
-    plane = named if len(named) == 2 else dims[-2:]
+    plane_axes = [axis for axis in dims if str(axis).lower().startswith(("x", "y"))]
+    plane = plane_axes if len(plane_axes) == 2 else dims[-2:]
     if plane[0].lower().startswith("x") and plane[1].lower().startswith("y"):
         plane = plane[::-1]
     count = next((axis for axis in dims if axis not in plane), None)
@@ -205,9 +241,9 @@ def _maps(variable: Any) -> Iterator[tuple[tuple[str | None, str], dict[str, int
 
 def _axis(dataset: Any, name: str | None) -> np.ndarray | None:
     """Return the positions of a coordinate, None where there are none."""
-    if name is None or name not in dataset.coords or dataset[name].dtype.kind not in "iuf":
+    if name is None or name not in dataset.coords or dataset.variables[name].dtype.kind not in "iuf":
         return None
-    return dataset[name].values.astype(float)
+    return dataset.variables[name].values.astype(float)
 
 
 READER = Reader(RecognisedBy.MARK, begins_with(*classic.MARKS, hdf5.MARK), read)

@@ -5,7 +5,7 @@ assumption. Where positions are given, y increases upwards.
 """
 
 import re
-from collections.abc import Sequence
+from collections import Counter
 from dataclasses import replace
 from itertools import takewhile
 from pathlib import Path
@@ -13,9 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from roughcontact.arguments.quantities import counted_noun
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import (
-    LEAST_MARKER,
+    MIN_MARKER,
     NO_TOPOGRAPHY,
     Channel,
     MeasuredFile,
@@ -28,20 +29,21 @@ from roughcontact.io.channels import (
 from roughcontact.io.guards import listed
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
-from roughcontact.io.text.axes import are_points, axes_of, begins_anew, form_a_grid, uneven
-from roughcontact.io.text.columns import Column, headed, layout, miscounted, of_a_map, unit_of_heights
-from roughcontact.io.text.doubts import cut_number, not_understood, refuse_lost_row, thousands
+from roughcontact.io.sources import parse_lengths
+from roughcontact.io.text.axes import are_points, begins_anew, find_axes, form_a_grid, uneven, wrapped
+from roughcontact.io.text.columns import Column, are_map_columns, headed, layout, miscounted, unit_of_heights
+from roughcontact.io.text.doubts import cut_number, refuse_lost_row, thousands
 from roughcontact.io.text.header import (
     LENGTHS,
     Stated,
     Statement,
     contradiction,
     disagreeing,
-    first_of,
+    first_statements,
     lengths_along,
     statements,
 )
-from roughcontact.io.text.lines import lines_of, looks_like_text
+from roughcontact.io.text.lines import looks_like_text, read_lines
 from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import (
     Dialect,
@@ -49,16 +51,17 @@ from roughcontact.io.text.table import (
     Table,
     counted,
     is_empty_row,
+    left_out_below,
     parse_table,
-    separators,
+    split_footer,
     split_header,
     split_tables,
+    strip_remarks,
     unquoted,
 )
 from roughcontact.io.text.traces import are_traces, runs, turn
 from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.io.vocabulary import words
-from roughcontact.quantities import counted_noun
 
 _SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # header entries on the size of a map
 _MANY_PROFILES = 10  # columns; fewer beside a first one of positions may be profiles
@@ -67,11 +70,25 @@ _DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that 
 _COMPUTED = re.compile(  # headings of heights that were multiplied, turned, or are others than heights
     rf"[*×·/^]|\bx\s?\d|^[-−]|\blog\b|invert|{NO_TOPOGRAPHY.pattern}", re.IGNORECASE
 )
-_UNIT_ALONE = re.compile(r"^[^:=()\[\]]{1,60}[(\[]([^()\[\]]{1,20})[)\]]\s*$")  # as "Surface 1 [nm]"
 _SQUARE = re.compile("|".join(words("aside")["square"]), re.IGNORECASE)  # names of the step of both axes
 # key of `roughcontact.io.metadata` -> key of the header
 _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}
 _NAMED, _LENGTH, _UNKNOWN, _NO_HEIGHT = range(4)  # ranks of columns of heights
+_MAX_LINES = 1000  # lines above a table that are searched for other statements
+_LONGEST_LINE, _LONGEST_QUOTE = 200, 60  # characters of such a line, and of what is shown of it
+# column of the table of surfaces -> entries of the header that state the same, the one that counts last
+_ENTRIES = {
+    "dx": ("length_x", "step", "dx"),
+    "dy": ("length_y", "step", "dy"),
+    "unit": ("unit", "lateral_unit"),
+    "height_unit": ("unit", "height_unit", "z_factor"),
+    "missing_value": ("missing",),
+    "factor": ("z_factor",),
+}
+_MAX_DISTANCE = 20  # lines above the table among which may be a heading with a unit
+_SIDE = {axis: "|".join(names) for axis, names in words("side").items()}
+_KEYENCE = -99999.9999  # that VR and VK series write for a missing point
+_ARC_INFO = {"ncols", "nrows", "cellsize"}  # first words of the header of a grid
 _SCALE_ADVICE = "correct the file, or give dx, dy and unit"
 
 
@@ -85,6 +102,7 @@ class _Text(NamedTuple):
     first_values: dict[str, Any]
     columns: list[Column] | None
     doubts: list[str]
+    unused: list[tuple[int, str]]  # lines of the header, with their numbers
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -94,20 +112,24 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a text file as a matrix, a list of points or a profile, by its content; both readings: refused."""
-    header, body = unquoted(*split_header(lines_of(path)))
-    dialect = separators(body)
-    cut = cut_number(body, dialect.delimiter, path, len(header) + len(body))
+    header, body = unquoted(*split_header(read_lines(path)))
+    body, footer, dialect = split_footer(body)
+    header, body, remarks = strip_remarks(header, body, dialect)
+    last_line = len(header) + len(body)
+    notes = [*left_out_below(footer, last_line + 1), *remarks]
+    if not footer:
+        notes += cut_number(body, dialect.delimiter, path, last_line)
     counts, rows = counted(body, dialect.delimiter)
-    empty = sum(len([*takewhile(is_empty_row, reversed(lines))]) for lines in (header, body))
-    first = len(header) + 1 + len(body) - len(rows)
+    empty = sum(len([*takewhile(is_empty_row, reversed(lines))]) for lines in (header, footer))
+    number = len(header) + 1 + len(body) - len(rows)
     texts: list[_Text] = []
     files: list[MeasuredFile] = []
-    for table in split_tables(header, rows, first, dialect):
+    for table in split_tables(header, rows, number, dialect):
         texts.append(_parsed(table, [] if texts else counts, dialect))
         files.append(_file(texts[-1]))
         files[-1].warnings += texts[-1].doubts
     file = files[0] if len(files) == 1 else _together(texts, files)
-    file.warnings += cut
+    file.warnings += notes
     if empty:
         file.warnings.append(_left_out(empty, "line"))
     first_values = texts[0].first_values
@@ -122,57 +144,72 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     table = parse_table(rows, dialect)
     values, width = table.values, table.values.shape[1]
     sign = "," if dialect.decimal_comma else "." if any("." in line for line in rows.texts) else ""
-    stated = statements(rows.heading, first=rows.first, sign=sign)
+    by_meaning = statements(rows.heading, start=rows.first, sign=sign)
+    headings = ((each, unit_of_heights(each[1])) for each in rows.filled[: -_MAX_DISTANCE - 1 : -1])
+    for (number, line), unit in [heading for heading in headings if heading[1]][:1]:
+        heading = Statement(unit, "", 0.0, number, line.strip()[:_LONGEST_QUOTE])
+        by_meaning.setdefault("height_unit", []).append(heading)
     refuse_lost_row(rows, width, dialect)
     doubts = [
         f"{marker!r} occurs in {counted_noun(count, 'cell')} of the table and is taken as missing: "
         "write NaN if the point is missing, or correct it"
         for marker, count in table.spoken.items()
     ]
-    if wrong := disagreeing(stated):
+    if wrong := disagreeing(by_meaning):
         raise InputFileError(wrong)
-    first_values = first_of(stated)
-    values[np.abs(values) > LEAST_MARKER] = np.nan  # infinite ones too
-    doubts += thousands(stated, rows.texts, dialect)
-    measured = values[np.isfinite(values) & ~np.isin(values, first_values.get("missing", []))]
-    span = np.ptp(measured) if measured.size else 0.0
+    first_values = first_statements(by_meaning)
+    values[(np.abs(values) > MIN_MARKER) | (values == _KEYENCE)] = np.nan  # infinite ones too
+    if {line.split()[0].lower() for _, line in rows.filled} >= _ARC_INFO:
+        first_values.setdefault("missing", [-9999.0])  # by default of the format
+    doubts += thousands(by_meaning, rows.texts[table.empty_corner :], dialect)  # without positions
+    finite = values[np.isfinite(values) & ~np.isin(values, first_values.get("missing", []))]
+    span = np.ptp(finite) if finite.size else 0.0
     if abs(first_values.get("height_range", np.inf) - span) <= 0.01 * span:  # in the unit of the heights
-        first_values.setdefault("height_unit", stated["height_range"][0].unit or None)
-    doubts += not_understood(rows, stated, measured)
-    if unit := unit_of_heights(rows.heading):
-        _refuse_other_units([unit], rows, stated.get("height_unit"))
-        first_values.setdefault("height_unit", unit)
+        first_values.setdefault("height_unit", by_meaning["height_range"][0].unit or None)
     columns = headed(rows.heading, width, dialect.delimiter)
-    if table.empty.any() and not {"length_x", "length_y", "nx", "ny"} & {*stated}:
-        filled = slice(*(np.flatnonzero(~table.empty)[[0, -1]] + (0, 1)))
-        corner = bool(np.isnan(values[0, filled.start])) if filled.start else table.empty_corner
-        table = table._replace(values=values[:, filled], empty=table.empty[filled], empty_corner=corner)
+    if table.empty.any() and not {"length_x", "length_y", "nx", "ny"} & {*by_meaning}:
+        occupied = slice(*(np.flatnonzero(~table.empty)[[0, -1]] + (0, 1)))
+        corner = bool(np.isnan(values[0, occupied.start])) if occupied.start else table.empty_corner
+        table = table._replace(values=values[:, occupied], empty=table.empty[occupied], empty_corner=corner)
         if columns:
-            columns = columns[filled]
-        elif left_out := width - table.empty.size:
-            doubts.append(_left_out(left_out, "column"))
+            columns = columns[occupied]
+        elif omitted := width - table.empty.size:
+            doubts.append(_left_out(omitted, "column"))
             columns = headed(rows.heading, table.empty.size, dialect.delimiter)
     above = rows.filled[-1][1] if rows.filled else ""
-    if not columns and (named := miscounted(above, width, dialect.delimiter)):
+    units = above.split()
+    if table.empty_corner and len(units) == 3 < width and all(map(is_length, units)):
+        first_values |= {"lateral_unit": units[0], "height_unit": units[2]}  # FemtoScan: of x, y, z
+    elif not columns and (name_count := miscounted(above, width, dialect.delimiter)):
         raise InputFileError(
-            f"{above.strip()[:60]!r} names {named} columns, the table below it, from line "
+            f"{above.strip()[:60]!r} names {name_count} columns, the table below it, from line "
             f"{rows.lines[0]} on, has {width}: correct that line"
         )
-    if not columns and not unit and (alone := _UNIT_ALONE.search(above)) and is_length(alone[1].strip()):
-        doubts.append(f"the unit in {above.strip()[:60]!r} is not used: check that of the heights")
-    _refuse_cut_table(table.values.shape, counts or [first_values.get("count", 0)])
-    return _Text(rows, table, dialect.delimiter, stated, first_values, columns, doubts)
+    points = by_meaning.get("count", [])
+    counts = counts or [count.value for count in points if count.line == points[0].line]
+    _refuse_cut_table(table.values.shape, counts)
+    idle_lines = _unused(rows, by_meaning, columns, dialect.delimiter)
+    return _Text(rows, table, dialect.delimiter, by_meaning, first_values, columns, doubts, idle_lines)
 
 
-def _refuse_other_units(units: Sequence[str | None], rows: Rows, stated: list[Statement] | None) -> None:
-    """Refuse the units of headings, the last one by name, where an entry of the header says another one."""
-    units_named = [unit for unit in units if unit]
-    for statement in (stated or ())[:1] if units_named else ():
-        if not any(same_length(unit, statement.value) for unit in units_named):
-            headings = (line for line in reversed(rows.filled) if units_named[-1] in line[1])
-            number, line = next(headings, rows.start)
-            heading = f"line {number} says {line.strip()[:60]!r}"
-            raise InputFileError(f"{statement}, {heading}: their units do not agree; correct one")
+def _unused(
+    rows: Rows, by_meaning: Stated, columns: list[Column] | None, delimiter: str | None
+) -> list[tuple[int, str]]:
+    """Return the lines above a table, with their numbers, that are no statement and name no columns."""
+    used = Counter(
+        statement.line
+        for meaning, group in by_meaning.items()
+        for statement in group
+        if meaning not in ("length", "size")
+    )
+    return [
+        (number, line.strip()[:_LONGEST_QUOTE])
+        for number, line in rows.filled[:_MAX_LINES]
+        if (number not in used or len(parse_lengths(line)) > used[number])
+        and len(line) <= _LONGEST_LINE
+        and not (columns and headed([line], len(columns), delimiter))
+        and not unit_of_heights(line)
+    ]
 
 
 def _left_out(count: int, lines: str) -> str:
@@ -184,22 +221,27 @@ def _left_out(count: int, lines: str) -> str:
 
 def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:
     """Return the tables of one text as channels of one file."""
-    stated = [bool(text.stated or text.columns) for text in texts]
-    if not all(stated[1:]) and (stated[0] or not texts[0].rows.filled):
-        number, _ = texts[1 + stated[1:].index(False)].rows.start
+    titles = [text.first_values.get("channel") or _title(text) for text in texts]
+    has_heading = [
+        text.stated or text.columns or (titles[0] and title)
+        for text, title in zip(texts, titles, strict=True)
+    ]
+    if not all(has_heading[1:]) and (has_heading[0] or not texts[0].rows.filled):
+        number, _ = next(
+            text for text, name in zip(texts[1:], has_heading[1:], strict=True) if not name
+        ).rows.start
         raise InputFileError(f"{_second_table(number)}, or give each a heading of its own")
     channels = []
-    titles = [text.first_values.get("channel") or _title(text) for text in texts]
     for number, (file, title) in enumerate(zip(files, titles, strict=True), start=1):
         for channel in file.channels:
-            own = "" if len(file.channels) == 1 else f", {channel.name}"
-            channel.name = (title or f"table {number}") + own
+            label = "" if len(file.channels) == 1 else f", {channel.name}"
+            channel.name = (title or f"table {number}") + label
             channel.notes = file.warnings + channel.notes
             if file.first_row != files[0].first_row:
                 channel.first_row = file.first_row
             channels.append(channel)
     file = replace(files[0], channels=channels, warnings=[])
-    profiles = [channel for channel in channels if channel.shape[0] == 1 and not channel.no_height]
+    profiles = [channel for channel in channels if channel.is_line and not channel.no_height]
     if file.question or len(profiles) > 1 or not any(titles):
         starts = [text.rows.start for text in texts[1:4] if text.rows.start[0] < text.rows.lines[0]]
         headings = "; ".join(f"{line.strip()[:30]!r} at line {number}" for number, line in starts)
@@ -213,9 +255,9 @@ def _second_table(line: int) -> str:
 
 
 def _title(text: _Text) -> str:
-    """Return the first line above a table that is neither an entry of a header nor names its columns."""
+    """Return the line next above a table that is neither an entry of a header nor names its columns."""
     width = text.table.values.shape[1]
-    for line in text.rows.heading:
+    for line in reversed(text.rows.heading):
         title = line.strip('#%;!," \t\r')
         if title and not statements([line]) and not headed([line], width, text.delimiter):
             return title[:60]
@@ -226,25 +268,30 @@ def _file(text: _Text) -> MeasuredFile:
     """Return the file contents; header and headings decide on its kind, then the form of the columns."""
     values, columns = text.table.values, text.columns
     rows, count = values.shape
-    found = layout(columns) if columns else None
-    if columns and not found and any(column.name for column in columns) and not of_a_map(columns):
+    groups = layout(columns) if columns else None
+    if columns and not groups and any(column.name for column in columns) and not are_map_columns(columns):
         listing = listed([f"{name} ({unit})" if unit else name for name, unit, _ in columns if name])
         raise InputFileError(
             f"nothing says which of the {count} columns {listing} are positions and heights; name them "
             "x, y and z, in the line above the table, or delete that line above the heights of a map"
         )
-    beside = text.table.empty_corner and axes_of(values, corner=True) is not None
-    if found and not beside:
-        return _lists(text, found)
+    has_positions = text.table.empty_corner and find_axes(values, corner=True) is not None
+    if groups and not has_positions:
+        return _lists(text, groups)
     if count == 1:
         is_list = rows > 1 and text.first_values.get("nx") != 1
     else:
-        narrow = count <= 3 and rows > 2 and not beside
+        narrow = count <= 3 and rows > 2 and not has_positions
         is_list = narrow and not _is_stated_matrix(values, text.first_values)
     if is_list:
         return _lists(text, [[*range(count)]])
     if text.rows.broken:
-        raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a row is missing")
+        between = np.array(text.rows.lines) - text.rows.lines[0]
+        if text.first_values.get("ny") != between[-1] + 1:
+            raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a row is missing")
+        whole = np.full((between[-1] + 1, count), np.nan)  # as many rows as are stated
+        whole[between] = values
+        text = text._replace(table=text.table._replace(values=whole))
     return _matrix_beside(text)
 
 
@@ -262,7 +309,7 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
             f"line {text.rows.lines[0]} begins anew, or has an empty column: maps beside one another; leave "
             "one of them in the file, or write NaN where a column is missing"
         )
-    axes = axes_of(values, corner=text.table.empty_corner)
+    axes = find_axes(values, corner=text.table.empty_corner)
     if are_points(values.T):
         raise InputFileError(
             f"line {text.rows.lines[0]} holds positions: write the points in columns, x, (y,) z"
@@ -276,16 +323,15 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
         if text.table.short:
             raise InputFileError(f"line {text.rows.lines[0]} has {nx - 1} numbers where the others have {nx}")
         return _matrix(values, text)
-    file = _matrix(axes.values, text, axes.steps)
+    unit, note = _unit_in_corner(text.rows.label)
+    file = _matrix(axes.values, text, axes.steps, lateral_unit=unit if len(axes.steps) == 2 else None)
     (channel,) = file.channels
-    unit_in_corner = any(map(is_length, re.split(r"[^\wµ]+", text.rows.label)))
-    unused = f"; {text.rows.label!r} in the corner is not used: check the units" if unit_in_corner else ""
-    file.warnings.append(axes.note + unused)
+    file.warnings.append(axes.note + (note if channel.lateral_unit is None else ""))
     if axes.turned:
         file.first_row, file.first_row_assumed = "bottom", False
     if channel.doubt:
         return file
-    if wrong := _against(text, axes.steps, None, axes.values.shape):
+    if wrong := _contradictions(text, axes.steps, None, (len(axes.values), axes.values.shape[1])):
         channel.doubt = f"{axes.note}: {wrong}; {_SCALE_ADVICE}"
     elif not axes.rows and nx < _MANY_PROFILES and not {"length_y", "dy", "step", "ny"} & {*first_values}:
         channel.doubt = (
@@ -297,37 +343,52 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
     return file
 
 
-def _against(text: _Text, steps: dict[str, float], unit: str | None, shape: tuple[int, ...]) -> str:
+def _unit_in_corner(label: str) -> tuple[str | None, str]:
+    r"""Return the unit of both axes in the corner of a matrix, and a note on a unit that is not used.
+
+    Examples
+    --------
+    >>> _unit_in_corner("Y[µm]\\X[µm]"), _unit_in_corner("y (mm)")
+    (('µm', ''), (None, "; 'y (mm)' in the corner is not used: check the units"))
+    """
+    tokens = re.findall(r"\w+", label)
+    units = {token for token in tokens if is_length(token)}
+    axes = [axis for token in tokens for axis in "xy" if re.fullmatch(_SIDE[axis], token, re.IGNORECASE)]
+    if len(units) == 1 and axes == ["y", "x"] and len(tokens) <= 4:  # the rows are named first
+        return units.pop(), ""
+    return None, f"; {label!r} in the corner is not used: check the units" if units else ""
+
+
+def _contradictions(text: _Text, steps: dict[str, float], unit: str | None, shape: tuple[int, int]) -> str:
     """Return what of the header the steps of positions contradict; without a unit they have its unit."""
     for key, step in steps.items():
-        entries = [entry for entry in (key, "step", f"length_{key[1]}") if entry in text.stated]
-        matching = {entry: text.stated[entry][:1] for entry in entries}
-        if not unit:
-            matching = {entry: [statement._replace(unit="")] for entry, (statement,) in matching.items()}
         name = f"the positions have {key} = {step:.6g} {unit or ''}".strip()
-        position = Statement(step, unit or "", 0.01 * step, text.rows.lines[0], name)
-        if wrong := contradiction(matching | {key: [position, *matching.get(key, [])]}, (shape[0], shape[1])):
+        stated = {key: [Statement(step, unit or "", 0.01 * step, text.rows.lines[0], name)]}
+        for entry in (key, "step", f"length_{key[1]}"):
+            entries = [each if unit else each._replace(unit="") for each in text.stated.get(entry, [])[:1]]
+            stated[entry] = [*stated.get(entry, []), *entries]
+        if wrong := contradiction({entry: each for entry, each in stated.items() if each}, shape):
             return wrong
     return ""
 
 
-def _lists(text: _Text, found: list[list[int]]) -> MeasuredFile:
+def _lists(text: _Text, groups: list[list[int]]) -> MeasuredFile:
     """Return lists of points or profiles: one for each column of heights, and each trace in it."""
     columns = text.columns or [Column("", None, "")] * text.table.values.shape[1]
     values, usual_name = text.table.values, text.first_values.get("channel", "height")
     valid = [index for index, column in enumerate(columns) if column.role == "valid"]
     invalid = (values[:, valid] == 0).any(axis=1)
     files: list[tuple[int, MeasuredFile]] = []  # with their ranks
-    for indices in found:
+    for indices in groups:
         table = values[:, indices]
         table[invalid, -1] = np.nan
-        if len(indices) == 1 < len(found):  # columns of several lengths
+        if len(indices) == 1 < len(groups):  # columns of several lengths
             table = table[: len(table) - int(np.argmax(np.isfinite(table[::-1, 0])))]
         file = _list(table, [columns[index] for index in indices], text)
         column = columns[indices[-1]]
         name = column.name
         for channel in file.channels:
-            if len(found) > 1:
+            if len(groups) > 1:
                 channel.name = name if channel.name == usual_name else f"{name}, {channel.name}"
             as_they_are = f"the heights are those of the column {name!r}, as they are"
             if name.lower().startswith(_DEPTHS):
@@ -335,26 +396,31 @@ def _lists(text: _Text, found: list[list[int]]) -> MeasuredFile:
             elif _COMPUTED.search(name):
                 channel.notes.append(as_they_are)
         files.append((_rank(column, file), file))
-    (rank, file), *others = sorted(files, key=lambda ranked: ranked[0])
-    if not others:
+    (rank, file), *alternatives = sorted(files, key=lambda entry: entry[0])
+    if not alternatives:
         return file
     question = file.question
-    if others[0][0] <= max(rank, _LENGTH) < _NO_HEIGHT:
-        names = ", ".join(repr(columns[indices[-1]].name) for indices in found)
-        question = f"{counted_noun(len(found), 'column')} that may be heights: {names}"
-    ordered = [file, *(other for _, other in files if other is not file)]
-    return replace(file, channels=[each for one in ordered for each in one.channels], question=question)
+    if alternatives[0][0] <= max(rank, _LENGTH) < _NO_HEIGHT:
+        names = ", ".join(repr(columns[indices[-1]].name) for indices in groups)
+        question = f"{counted_noun(len(groups), 'column')} that may be heights: {names}"
+    parts = [file, *(part for _, part in files if part is not file)]
+    return replace(file, channels=[channel for part in parts for channel in part.channels], question=question)
 
 
 def _list(table: np.ndarray, columns: list[Column], text: _Text) -> MeasuredFile:
     """Return one list with columns x (y) z, or z alone, of which x and y may have no name."""
+    units, first_values = [column.unit for column in columns], text.first_values
+    _refuse_other_units(units, text)
     if len(columns) == 1:
         return _one_column(table[:, 0], columns[0], text)
-    lateral_unit, factor = _units([column.unit for column in columns], text)
+    lateral = [unit for unit in units[:-1] if unit]
+    factor = 1.0 if len(lateral) < 2 or same_length(*lateral) else _ratio(lateral[1], lateral[0], text)
+    lateral_unit = [*lateral, first_values.get("lateral_unit", first_values.get("unit"))][0]
     has_values = ~np.isnan(table).all(axis=1)
     lines = [line for line, has_value in zip(text.rows.lines, has_values, strict=True) if has_value]
     *positions, heights = table[has_values].T
     channel = _channel(heights[None], text, columns[-1].unit, lateral_unit=lateral_unit)
+    channel.sources |= {"dx": "positions", "dy": "positions"}
     if len(positions) == 1:
         return _profile(channel, positions[0], lines, text)
     return _points(channel, positions[0], positions[1] * factor, lines, text)
@@ -392,7 +458,7 @@ def _refuse_cut_table(shape: tuple[int, ...], counts: list[int]) -> None:
     rows, columns = shape
     if len(counts) == 2 and sorted(counts) != sorted(shape) and counts[0] * counts[1] != rows:
         raise InputFileError(
-            f"the line above the table says {counts[0]} and {counts[1]}, the table has {rows} rows of "
+            f"the line above the table says {counts[0]:g} and {counts[1]:g}, the table has {rows} rows of "
             f"{columns} numbers; it was cut off or changed"
         )
     if len(counts) == 1 and counts[0] > rows and counts[0] not in (columns, rows * columns):
@@ -418,7 +484,6 @@ def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFil
                 f"the column {counter.name!r} begins anew or repeats at line {line}: several profiles below "
                 "one another; leave one of them in the file"
             )
-    _units([column.unit], text)
     file = _matrix(heights[None], text, unit=column.unit)
     (channel,) = file.channels
     if not column.name:
@@ -427,27 +492,34 @@ def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFil
 
 
 def _matrix(
-    table: np.ndarray, text: _Text, positions: dict[str, float] | None = None, unit: str | None = None
+    table: np.ndarray,
+    text: _Text,
+    positions: dict[str, float] | None = None,
+    *,
+    unit: str | None = None,
+    lateral_unit: str | None = None,
 ) -> MeasuredFile:
     """Return a matrix of heights, with steps or size from the header, or by the positions beside it."""
-    ny, stated = len(table), text.stated
-    sizes = _SIZES & {*stated}
+    ny, entries = len(table), text.stated
+    sizes = _SIZES & {*entries}
     _refuse_lost_lines(table.shape, text, "the file has")
-    if ny == 1 and "length_y" in stated:
+    if ny == 1 and "length_y" in entries:
         raise InputFileError("the header gives a size along y, the file has one line; it was cut off")
-    wrong = contradiction(stated, table.shape)
-    steps, lateral_unit = ({}, None) if wrong else _steps(text, table.shape)
+    wrong = contradiction(entries, table.shape) or wrapped(table)
+    steps, unit_of_steps = ({}, None) if wrong else _steps(text, table.shape)
+    lateral_unit = unit_of_steps or lateral_unit
     steps = (positions or {}) | steps
     dy = steps.get("dy") if ny > 1 else None
     channel = _channel(table, text, unit, dx=steps.get("dx"), dy=dy, lateral_unit=lateral_unit)
+    channel.sources = dict.fromkeys(positions or (), "positions") | channel.sources
     if wrong:
         channel.otherwise = replace(channel)
         channel.doubt = f"{wrong}; {_SCALE_ADVICE}"
     elif sizes == {"length_x", "length_y"}:
-        lengths = [stated[f"length_{axis}"][0] for axis in "xy"]
+        lengths = [entries[f"length_{axis}"][0] for axis in "xy"]
         channel.size_rounding = tuple(length.rounding / (length.value or np.inf) for length in lengths)
-    elif ny > 1 and sizes == {"step"} and not _SQUARE.search(stated["step"][0].text):
-        channel.notes.append(f"{stated['step'][0]}: taken as the step along x and along y")
+    elif ny > 1 and sizes == {"step"} and not _SQUARE.search(entries["step"][0].text):
+        channel.notes.append(f"{entries['step'][0]}: taken as the step along x and along y")
     # programs that write sizes begin at the top
     return MeasuredFile("text matrix", [channel], first_row="top", first_row_assumed=not sizes)
 
@@ -487,7 +559,7 @@ def _trace(channel: Channel, x: np.ndarray, text: _Text) -> Channel:
         channel.notes.append(
             "the positions are even up to the rounding of their last digit in the file, and taken as even"
         )
-    if wrong := _against(text, {"dx": channel.dx}, channel.lateral_unit, channel.shape):
+    if wrong := _contradictions(text, {"dx": channel.dx}, channel.lateral_unit, channel.shape):
         channel.notes.append(f"{wrong}; the positions are used")
     channel.first_x = float(x[0])
     return channel
@@ -497,20 +569,20 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
     """Return a list of points on the regular grid that it forms, or as an irregular list."""
     z = channel.read()[0]
     try:
-        placed = np.isfinite(x) & np.isfinite(y)
-        if not placed.all():
-            raise InputFileError(f"the point in line {lines[int(np.argmin(placed))]} has no position")
-        heights, steps, first = points_on_grid(x, y, z, lines)
+        has_position = np.isfinite(x) & np.isfinite(y)
+        if not has_position.all():
+            raise InputFileError(f"the point in line {lines[int(np.argmin(has_position))]} has no position")
+        heights, steps, origin = points_on_grid(x, y, z, lines)
         _refuse_lost_lines(heights.shape, text)
         stated_steps = {"d" + axis: step for axis, step in steps.items() if step}
-        if wrong := _against(text, stated_steps, channel.lateral_unit, heights.shape):
+        if wrong := _contradictions(text, stated_steps, channel.lateral_unit, heights.shape):
             channel.notes.append(f"{wrong}; the positions are used")
-        if not channel.lateral_unit and set(steps.values()) == {1} and {*first} <= {0, 1}:
+        if not channel.lateral_unit and set(steps.values()) == {1} and {*origin} <= {0, 1}:
             channel.notes.append(
-                f"the positions count from {first[0]:g} on: if they number the points, give dx and dy"
+                f"the positions count from {origin[0]:g} on: if they number the points, give dx and dy"
             )
         channel.shape, channel.read = heights.shape, lambda: heights
-        channel.dx, channel.dy, channel.first_x, channel.first_y = steps["x"], steps["y"], *first
+        channel.dx, channel.dy, channel.first_x, channel.first_y = steps["x"], steps["y"], *origin
     except UnevenPositionsError as error:
         if text.columns is None and (are_points(np.column_stack([x, z])) or form_a_grid(y, z)):
             raise InputFileError(
@@ -526,11 +598,11 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
 def _refuse_lost_lines(shape: tuple[int, ...], text: _Text, content: str = "the points make") -> None:
     """Refuse a map with fewer lines or columns than its header states, a matrix also with more."""
     for entry, count, name in (("nx", shape[1], "columns"), ("ny", shape[0], "rows")):
-        stated = text.first_values.get(entry, count)
-        more = stated > count and (name == "columns" or shape[0] > 1)
-        if more if content == "the points make" else stated != count:
+        expected = text.first_values.get(entry, count)
+        exceeds = expected > count and (name == "columns" or shape[0] > 1)
+        if exceeds if content == "the points make" else expected != count:
             raise InputFileError(
-                f"the header says {stated:g} {name}, {content} {count}; it was cut off or changed"
+                f"the header says {expected:g} {name}, {content} {count}; it was cut off or changed"
             )
 
 
@@ -592,27 +664,32 @@ def _channel(numbers: np.ndarray, text: _Text, unit: str | None = None, **attrib
     for factor in text.stated.get("z_factor", [])[:1]:  # of counts or phases: it makes them lengths
         numbers, unit = numbers * factor.value, factor.unit or unit
     name = first_values.get("channel", "height")
+    sources = {
+        column: f"line {text.stated[entry][0].line}"
+        for column, entries in _ENTRIES.items()
+        for entry in entries
+        if entry in text.stated
+    }
+    sources = {"unit": sources.get("dx", "headings"), "missing_value": "words and NaN"} | sources
+    attributes |= {"sources": {"height_unit": "headings"} | sources, "unused": text.unused}
     return Channel(name, (len(numbers), numbers.shape[1]), lambda: numbers, unit, **attributes)
 
 
-def _units(units: list[str | None], text: _Text) -> tuple[str | None, float]:
-    """Return the lateral unit of a list with columns x (y) z in `units`, and the unit of y over that of x."""
-    first_values, height = text.first_values, units[-1]
-    lateral = [unit for unit in units[:-1] if unit]
-    factor = 1.0
-    if len(lateral) == 2 and not same_length(*lateral):
-        factor = _ratio(lateral[1], lateral[0], text)
-    _refuse_other_units(lateral[:1], text.rows, text.stated.get("lateral_unit"))
-    _refuse_other_units(units[-1:], text.rows, text.stated.get("height_unit"))
-    bare = any(not text.stated[key][0].unit for key in LENGTHS if key in text.stated)
-    if all(units) and not bare and "height_unit" not in text.stated:
-        every_unit = [column.unit for column in text.columns or ()]
-        _refuse_other_units([*every_unit, height], text.rows, text.stated.get("unit"))
-    for scaled in text.stated.get("z_factor", [])[:1] if is_length(height) else ():
-        if scaled.value != 1 or scaled.unit not in ("", height):
-            wrong = f"a column is in {height!r}, and the header says a factor of the heights"
+def _refuse_other_units(units: list[str | None], text: _Text) -> None:
+    """Refuse the units of headings, that of heights last, where an entry of the header says others."""
+    entries = text.stated
+    bare = any(not entries[key][0].unit for key in LENGTHS if key in entries)  # "Unit" is that of these
+    general = [column.unit for column in text.columns or ()] if all(units) and not bare else []
+    for entry, own in (("lateral_unit", units[:-1]), ("height_unit", units[-1:]), ("unit", general)):
+        known = [unit for unit in own if unit]
+        for statement in entries.get(entry, [])[:1] if known else ():
+            if not any(same_length(unit, statement.value) for unit in known):
+                wrong = f"{statement}, a heading says {known[-1]!r}: their units do not agree"
+                raise InputFileError(f"{wrong}; correct one")
+    for scaled in entries.get("z_factor", [])[:1] if is_length(units[-1]) else ():
+        if scaled.value != 1 or scaled.unit not in ("", units[-1]):
+            wrong = f"a column is in {units[-1]!r}, and the header says a factor of the heights"
             raise InputFileError(f"{wrong}; correct one of them")
-    return next(iter(lateral), first_values.get("lateral_unit", first_values.get("unit"))), factor
 
 
 READER = Reader(RecognisedBy.TEXT, recognises, read, memory_per_byte=12)

@@ -32,7 +32,7 @@ def read(path: Path) -> MeasuredFile:
     if len(fields[1]) < _HEADER.size:
         raise InputFileError("the header of this TrueMap TMD is not whole: it was cut off")
     comment = fields[0].decode("latin-1").strip()
-    begin = len(mark) + len(fields[0]) + 2 + _HEADER.size
+    start = len(mark) + len(fields[0]) + 2 + _HEADER.size
     nx, ny, length_x, length_y, *_ = _HEADER.unpack_from(fields[1])
     if not nx * ny or not (0 < length_x < np.inf and 0 < length_y < np.inf):
         raise InputFileError(
@@ -41,7 +41,7 @@ def read(path: Path) -> MeasuredFile:
     channel = Channel(
         "Default",
         (ny, nx),
-        lambda: as_heights(np.fromfile(path, "<f4", nx * ny, offset=begin).reshape(ny, nx)),
+        lambda: as_heights(np.fromfile(path, "<f4", nx * ny, offset=start).reshape(ny, nx)),
         height_unit="mm",
         dx=length_x / nx,
         dy=length_y / ny,
@@ -50,7 +50,7 @@ def read(path: Path) -> MeasuredFile:
     instrument = instrument_metadata(
         {"vendor": "TrueMap" if "TrueMap" in comment else "", "comment": comment}
     )
-    return MeasuredFile("TrueMap TMD", [channel], "top", instrument, required_size=begin + 4 * nx * ny)
+    return MeasuredFile("TrueMap TMD", [channel], "top", instrument, required_size=start + 4 * nx * ny)
 
 
 READER = Reader(RecognisedBy.MARK, begins_with(_MARK, in_text=False), read, binary=True)

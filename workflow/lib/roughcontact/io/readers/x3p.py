@@ -16,7 +16,7 @@ from roughcontact.io.channels import (
     MeasuredFile,
     UnevenPositionsError,
     as_heights,
-    placed,
+    channel_on_grid,
     scattered,
     unreadable,
 )
@@ -41,15 +41,15 @@ def read(path: Path) -> MeasuredFile:
 
     with refusing("not readable as X3P"):
         name = _main_xmls(path)[0]
-        with zipfile.ZipFile(path) as packed:
-            main = packed.read(name)
+        with zipfile.ZipFile(path) as archive:
+            main = archive.read(name)
         _check_claimed_size(main)
         stale = ""
         try:
             file = x3pio.read(_normalised_archive(path, name, main))
         except x3pio.X3pChecksumError as error:
             file, stale = x3pio.read(_normalised_archive(path, name, main), verify=False), brief(error)
-    channels = _channels(file)
+    channels = _channels(file, main)
     for channel in channels:
         channel.notes += _rotation_notes(file.placement)
     return MeasuredFile(
@@ -73,8 +73,8 @@ def _main_xmls(path: Path) -> list[str]:
     """Return the names of every main.xml in an archive, the outermost first."""
     with zipfile.ZipFile(path) as archive:
         names = [name for name in archive.namelist() if "__MACOSX" not in name]
-    found = [name for name in names if PurePosixPath(name.replace("\\", "/")).name == "main.xml"]
-    return sorted(found, key=_depth)
+    main_files = [name for name in names if PurePosixPath(name.replace("\\", "/")).name == "main.xml"]
+    return sorted(main_files, key=_depth)
 
 
 def _depth(name: str) -> int:
@@ -83,10 +83,10 @@ def _depth(name: str) -> int:
 
 
 def _check_claimed_size(main: bytes) -> None:
-    """Refuse a map whose stated size is above the limit, before it is read."""
-    sizes = [re.search(rb"<Size%s>\s*(\d{1,15})\s*<" % axis, main) for axis in (b"X", b"Y")]
-    nx, ny = (int(size[1]) if size else 0 for size in sizes)
-    check_points((ny, nx))
+    """Refuse layers whose stated size is above the limit in all, before they are read."""
+    sizes = [re.search(rb"<Size%c>\s*(\d{1,15})\s*<" % axis, main) for axis in b"XYZ"]
+    nx, ny, layers = (int(size[1]) if size else 0 for size in sizes)
+    check_points((ny * max(layers, 1), nx))
 
 
 def _normalised_archive(path: Path, name: str, main: bytes) -> Path | io.BytesIO:
@@ -96,21 +96,21 @@ def _normalised_archive(path: Path, name: str, main: bytes) -> Path | io.BytesIO
     it; its checksum becomes that of the new one.
     """
     folder = name.removesuffix("main.xml")
-    renamed = re.sub(rb"(</?)(\w+:)?ISO5436(?=[\s>])", rb"\1\2ISO5436_2", main)
-    if _depth(folder) <= 1 and renamed == main:
+    normalised = re.sub(rb"(</?)(\w+:)?ISO5436(?=[\s>])", rb"\1\2ISO5436_2", main)
+    if _depth(folder) <= 1 and normalised == main:
         return path
-    packed = io.BytesIO()
-    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(packed, "w") as tidy:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(buffer, "w") as tidy:
         for entry in archive.infolist():
             inner = entry.filename.removeprefix(folder)
             if entry.is_dir() or not entry.filename.startswith(folder):
                 continue
-            content = renamed if inner == "main.xml" else archive.read(entry)
+            content = normalised if inner == "main.xml" else archive.read(entry)
             if inner.lower().endswith("md5checksum.hex"):
-                content = content.lower().replace(_md5(main), _md5(renamed))
+                content = content.lower().replace(_md5(main), _md5(normalised))
             tidy.writestr(inner, content)
-    packed.seek(0)
-    return packed
+    buffer.seek(0)
+    return buffer
 
 
 def _md5(content: bytes) -> bytes:
@@ -118,7 +118,7 @@ def _md5(content: bytes) -> bytes:
     return hashlib.md5(content, usedforsecurity=False).hexdigest().encode()
 
 
-def _channels(file: Any) -> list[Channel]:
+def _channels(file: Any, main: bytes) -> list[Channel]:
     """Return the layers of a file."""
     import x3pio
 
@@ -129,22 +129,29 @@ def _channels(file: Any) -> list[Channel]:
         return [scattered(channel, cloud.x, cloud.y, cloud.z, error)]
     several = len(file.layers) > 1
     return [
-        _channel(file, layer, f"layer {number}" if several else "height")
+        _channel(file, main, layer, f"layer {number}" if several else "height")
         for number, layer in enumerate(file.layers, 1)
     ]
 
 
-def _channel(file: Any, layer: Any, name: str) -> Channel:
+def _channel(file: Any, main: bytes, layer: Any, name: str) -> Channel:
     """Return one layer; a negative increment counts the columns or rows backwards."""
     z = np.atleast_2d(layer.z)
     channel = Channel(name, z.shape, partial(as_heights, z), "m", lateral_unit="m")
     x, y = (
-        float(getattr(file.header, axis).increment)
-        if (stored := getattr(layer, axis)) is None
-        else np.asarray(stored, dtype=float).reshape(z.shape)
+        _increment(file, main, axis)
+        if (positions := getattr(layer, axis)) is None
+        else np.asarray(positions, dtype=float).reshape(z.shape)
         for axis in ("x", "y")
     )
-    return placed(channel, x, y if z.shape[0] > 1 else None)
+    return channel_on_grid(channel, x, y if z.shape[0] > 1 else None)
+
+
+def _increment(file: Any, main: bytes, axis: str) -> float | None:
+    """Return the step along an axis, None where the file does not state it (x3pio then has 1 m)."""
+    name = axis.upper().encode()
+    increment = re.search(rb"C%s>(?:(?!</(?:\w+:)?C).)*Increment>" % name, main, re.DOTALL)
+    return float(getattr(file.header, axis).increment) if increment else None
 
 
 def _rotation_notes(placement: Any) -> list[str]:

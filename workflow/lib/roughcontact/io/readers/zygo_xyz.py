@@ -13,20 +13,20 @@ from roughcontact.io.channels import Channel, MeasuredFile
 from roughcontact.io.guards import refusing
 from roughcontact.io.instrument_kinds import OPTICAL
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
-from roughcontact.io.text.lines import lines_of
+from roughcontact.io.text.lines import read_lines
 
 _MARK = b"Zygo XYZ Data File - Format 1"
 
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one map."""
-    lines = [line.strip() for line in lines_of(path)]
-    ends = [number for number, line in enumerate(lines) if line == "#"]
+    lines = [line.strip() for line in read_lines(path)]
+    marks = [number for number, line in enumerate(lines) if line == "#"]
     with refusing("looks like a Zygo XYZ data file, but is damaged"):
         nx, ny = map(int, lines[3].split()[2:4])
         pixel = float(lines[7].split()[6])
-        points = [line.split()[:3] for line in lines[ends[0] + 1 : [*ends, None][1]]]
-        if len(ends) != 2 or len(points) != nx * ny:
+        points = [line.split()[:3] for line in lines[marks[0] + 1 : [*marks, None][1]]]
+        if len(marks) != 2 or len(points) != nx * ny:
             raise InputFileError(
                 f"{len(points)} lines of points where the header needs {nx} x {ny}: it was cut off or changed"
             )

@@ -8,13 +8,14 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.text.traces import are_traces, runs
 
 _FEW_POSITIONS = 6  # positions in a row or column alone; fewer are even by chance, unless they begin at 0
-_LEAST_FROM_ZERO = 4
+_MIN_FROM_ZERO = 4
 _MANY_POSITIONS = 12  # positions
-_LEAST_AMONG_HEIGHTS = 8  # positions; fewer levels of a quantised map may be even
+_MIN_AMONG_HEIGHTS = 8  # positions; fewer levels of a quantised map may be even
 # of a step: largest deviation of few positions, and of many, which may be rounded
 _CLOSE, _ROUNDED = 0.02, 0.06
 _EXACT = 1e-3  # of a step: largest deviation of a row among heights
 _STEP_RATIO = 2.0  # ratio of the steps of lines of heights, which are even on a tilted plane
+_ALIKE = 0.7  # of the usual distance of two rows: that of rows of one part of wrapped lines
 _COMPARED = 50  # rows or columns that would be even as well if the first one were heights
 
 
@@ -31,7 +32,7 @@ class Axes(NamedTuple):
     rows: int
 
 
-def axes_of(values: np.ndarray, *, corner: bool = False) -> Axes | None:
+def find_axes(values: np.ndarray, *, corner: bool = False) -> Axes | None:
     """Return the heights of a table and the positions beside them, None where there are none.
 
     Positions are a first row or column that is an even progression, as the others are not; the cell that both
@@ -40,32 +41,36 @@ def axes_of(values: np.ndarray, *, corner: bool = False) -> Axes | None:
     Examples
     --------
     >>> heights = np.random.default_rng(1).normal(size=(6, 5))
-    >>> found = axes_of(np.vstack([np.arange(5) / 2, heights]))
+    >>> found = find_axes(np.vstack([np.arange(5) / 2, heights]))
     >>> found.steps, found.note
     ({'dx': 0.5}, 'the first row (0, 0.5, 1 ...) is taken as positions along x')
-    >>> axes_of(heights) is None
+    >>> find_axes(heights) is None
     True
     """
     if min(values.shape) < 3:
         return None
     x, y = _progression(values[0, 1:], values[1:, 1:]), _progression(values[1:, 0], values[1:, 1:].T)
-    both = x is not None and y is not None
-    if corner and not both:
+    has_both = x is not None and y is not None
+    if corner and not has_both:
         return None
-    if not corner and not (both and min(values.shape) > _LEAST_FROM_ZERO):  # one of them, from the corner on
-        least = _LEAST_FROM_ZERO if values[0, 0] == 0 else _FEW_POSITIONS
-        x = _progression(values[0], values[1:]) if values.shape[1] >= least else None
-        y = _progression(values[:, 0], values[:, 1:].T) if x is None and len(values) >= least else None
+    if not corner and not (
+        has_both and min(values.shape) > _MIN_FROM_ZERO
+    ):  # one of them, from the corner on
+        min_points = _MIN_FROM_ZERO if values[0, 0] == 0 else _FEW_POSITIONS
+        x = _progression(values[0], values[1:]) if values.shape[1] >= min_points else None
+        y = _progression(values[:, 0], values[:, 1:].T) if x is None and len(values) >= min_points else None
     rows, columns = int(x is not None), int(y is not None)
     if not rows and not columns:
         return None
-    steps, notes, heights, turned = {}, [], values[rows:, columns:], False
+    steps, notes, heights, reverse = {}, [], values[rows:, columns:], False
     for line, step, axis in ((values[0, columns:], x, "x"), (values[rows:, 0], y, "y")):
         if step is None:
             continue
         counts = step == 1 and line[0] in (0, 1)
         example = ", ".join(f"{number:g}" for number in line[:3])
         description = "numbers or positions, and left out" if counts else f"positions along {axis}"
+        if counts and axis == "y":
+            description += "; if positions, first_row is bottom"
         notes.append(
             f"the first {'row' if axis == 'x' else 'column'} ({example} ...) is taken as {description}"
         )
@@ -74,8 +79,8 @@ def axes_of(values: np.ndarray, *, corner: bool = False) -> Axes | None:
         if axis == "x":
             heights = heights[:, :: -1 if step < 0 else 1]
         elif not counts:
-            turned, heights = True, heights[:: -1 if step < 0 else 1]
-    return Axes(heights, steps, "; ".join(notes), turned, rows)
+            reverse, heights = True, heights[:: -1 if step < 0 else 1]
+    return Axes(heights, steps, "; ".join(notes), reverse, rows)
 
 
 def uneven(values: np.ndarray) -> str:
@@ -125,24 +130,47 @@ def begins_anew(values: np.ndarray) -> int:
     >>> begins_anew(np.column_stack([np.tile(np.arange(5), 3), heights]))
     5
     """
-    if min(values.shape) < _LEAST_FROM_ZERO:
+    if min(values.shape) < _MIN_FROM_ZERO:
         return 0
-    for first, column in ((0, values[:, 0]), (0, values[:, 1]), (1, values[1:, 0])):
+    for offset, column in ((0, values[:, 0]), (0, values[:, 1]), (1, values[1:, 0])):
         monotonic_runs = runs(column)
         even = all(_step(column[run]) is not None for run in monotonic_runs)
         if len(monotonic_runs) > 1 and even and are_traces(column, monotonic_runs):
-            return first + monotonic_runs[1].start
+            return offset + monotonic_runs[1].start
     repeated_rows = np.flatnonzero(np.all(values[1:, 1:] == values[0, 1:], axis=1))
     if repeated_rows.size and _progression(values[0, 1:], values[1:, 1:]) is not None:
         return int(repeated_rows[0]) + 1
     return _row_of_positions(values[:, 1:]) or _row_of_positions(values[:, :-1])
 
 
+def wrapped(values: np.ndarray) -> str:
+    """Return a sentence where rows are the second, third or fourth parts of longer ones; else nothing.
+
+    Rows are then most like those of the same part, and their ends like the next one's beginnings.
+
+    Examples
+    --------
+    >>> heights = np.add.outer(np.arange(8) ** 2.0, 30 * np.sin(np.arange(20) / 3))
+    >>> wrapped(heights), wrapped(heights.reshape(16, 10))[:45]
+    ('', '2 lines each go on where the one above ends: ')
+    """
+    distances = [np.inf]  # of rows one, two ... lines apart
+    for count in (1, 2, 3, 4) if values.shape[1] >= _FEW_POSITIONS else ():
+        if len(values) < _MIN_FROM_ZERO * count:
+            break
+        distances.append(float(np.nanmedian(np.abs(values[count:] - values[:-count]))))
+        joins = np.abs(values[1:, 0] - values[:-1, -1])[np.arange(1, len(values)) % count != 0]
+        is_wrapped = count > 1 and len(values) % count == 0 and distances[-1] < _ALIKE * min(distances[:-1])
+        if is_wrapped and np.nanmedian(joins) < 1.5 * np.nanmedian(np.abs(np.diff(values))):
+            return f"{count} lines each go on where the one above ends: if lines were wrapped, join them"
+    return ""
+
+
 def _row_of_positions(values: np.ndarray) -> int:
     """Return the first row below others whose many numbers are even to their digits, as few are; or 0."""
     steps = np.diff(values[:, :3])
     begins_even = np.isclose(steps[:, 0], steps[:, 1], rtol=_EXACT, atol=0.0) & (steps[:, 0] != 0)
-    for row in np.flatnonzero(begins_even[1:]) + 1 if values.shape[1] >= _LEAST_AMONG_HEIGHTS else ():
+    for row in np.flatnonzero(begins_even[1:]) + 1 if values.shape[1] >= _MIN_AMONG_HEIGHTS else ():
         differences = np.diff(values[row])
         even = np.allclose(differences, differences[0], rtol=_EXACT, atol=0.0)
         if even and _progression(values[row], values) is not None:

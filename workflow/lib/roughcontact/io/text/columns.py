@@ -50,7 +50,7 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
         columns = [_column(cell) for cell in cells]
         if not cells or (sum(map(bool, cells)) < min(count, 2) and not any(map(is_length, cells))):
             continue
-        known = any(column.unit or column.role for column in columns)
+        has_headings = any(column.unit or column.role for column in columns)
         for index, (column, unit) in enumerate(zip(columns, units, strict=True)):
             if column.unit and unit and not same_length(column.unit, unit):
                 wrong = f"{line.strip()[:60]!r} and the units below it, {column.unit!r} and {unit!r}"
@@ -58,10 +58,10 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
             columns[index] = column._replace(unit=column.unit or unit)
         if not any(column.name for column in columns):  # a line of units, below the names
             units = [column.unit for column in columns]
-        elif known:
-            first, *others = columns
-            if not first.name and not first.unit and all(column.name for column in others):
-                columns[0] = first._replace(role="index")
+        elif has_headings:
+            corner, *named_columns = columns
+            if not corner.name and not corner.unit and all(column.name for column in named_columns):
+                columns[0] = corner._replace(role="index")
             return columns
         elif delimiter is not None and delimiter in line and nearest is None:
             nearest = columns
@@ -70,13 +70,15 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
 
 def miscounted(line: str, count: int, delimiter: str | None) -> int:
     """Return how many columns a line names, where the table below it has another `count`; or 0."""
-    delimited = delimiter is not None and delimiter in line
-    most = len(line.strip(" \r\n").split(delimiter if delimited else None))
-    for width in range(2, most + 1):
+    has_delimiter = delimiter is not None and delimiter in line
+    if len(line) > _MAX_LINE_LENGTH:  # no headings; to try all widths would never end
+        return 0
+    max_width = len(line.strip(" \r\n").split(delimiter if has_delimiter else None))
+    for width in range(2, max_width + 1):
         columns = [_column(cell) for cell in _cells(line, width, delimiter)]
-        known = [column for column in columns if column.role or column.unit]
-        positions = any(column.role in ("x", "y") for column in known)
-        if 2 * len(known) > width and len(known) > 1 and (positions or delimited):
+        useful = [column for column in columns if column.role or column.unit]
+        positions = any(column.role in ("x", "y") for column in useful)
+        if 2 * len(useful) > width and len(useful) > 1 and (positions or has_delimiter):
             return width if width != count else 0
     return 0
 
@@ -98,8 +100,8 @@ def layout(columns: Sequence[Column]) -> list[list[int]]:
     x, y = ([index for index in data if columns[index].role == axis] for axis in "xy")
     if y and not x:  # a profile along y
         x, y = y, x
-    if len(x) == len(y) == 1 and len(data) == 2:  # "X (µm), y1"
-        return [x + y]
+    if len(x) == len(data) == 2 or (len(x) == len(y) == 1 and len(data) == 2):
+        return [x + y]  # a sensor above a stage, "position, distance"; "X (µm), y1"
     if len(x) == 1 and len(y) <= 1:
         return [[*x, *y, index] for index in data if index not in x + y]
     if len(x) > 1 and x == data[::2] and y in ([], data[1::2]) and len(data) == 2 * len(x):  # pairs x, z
@@ -108,27 +110,22 @@ def layout(columns: Sequence[Column]) -> list[list[int]]:
         return [[index] for index in data]
     if len(data) == 3 and columns[data[-1]].role != "z" and any(columns[index].name for index in data):
         return []
-    unnamed = not x and not y and not any(columns[index].role for index in data[:-1])
-    return [data] if unnamed and len(data) in (2, 3) else []
+    is_anonymous = not x and not y and not any(columns[index].role for index in data[:-1])
+    return [data] if is_anonymous and len(data) in (2, 3) else []
 
 
-def of_a_map(columns: Sequence[Column]) -> bool:
+def are_map_columns(columns: Sequence[Column]) -> bool:
     """Return whether headings are those of the columns of a map: many, and equal but for numbers."""
-    distinct_headings = {(re.sub(r"[\W\d_]", "", column.name), column.unit) for column in columns}
+    headings = [column for column in columns if column.name and column.role != "index"]  # R numbers its rows
+    distinct_headings = {(re.sub(r"[\W\d_]", "", column.name), column.unit) for column in headings}
     return len(distinct_headings) == 1 and len(columns) >= _WIDE_TABLE
 
 
-def unit_of_heights(lines: Sequence[str]) -> str | None:
-    """Return the unit in a heading above a matrix, as ``Height (nm)``.
-
-    None where no line among the last ones of the header is such a heading.
-    """
-    for line in reversed(lines[-_MAX_DISTANCE:]):
-        text = line.strip(' \r\n\t"#%')
-        column = _column(text) if _HEADING.fullmatch(text) else Column("", None, "")
-        if column.role == "z" and is_length(column.unit):
-            return column.unit
-    return None
+def unit_of_heights(line: str) -> str | None:
+    """Return the unit in a heading above a matrix, as ``Height (nm)``; None for any other line."""
+    text = line.strip(' \r\n\t"#%')
+    column = _column(text) if _HEADING.fullmatch(text) else Column("", None, "")
+    return column.unit if column.role == "z" and is_length(column.unit) else None
 
 
 def is_heading(cell: str) -> bool:
@@ -139,19 +136,21 @@ def is_heading(cell: str) -> bool:
 
 def _cells(line: str, count: int, delimiter: str | None) -> list[str]:
     """Return the cells of a line of headings; none if it is an entry, or if they are not `count`."""
-    text = line.strip(" \r\n").lstrip("#%").strip(" " if delimiter == "\t" else None)
+    text = line.strip(" \r\n").lstrip("#%/").strip(" " if delimiter == "\t" else None)
     text = _LABEL.sub("", text)
     if len(text) > _MAX_LINE_LENGTH or not text:
         return []
-    delimited = delimiter is not None and delimiter in text
-    cells = text.split(delimiter) if delimited else re.split(r"\t|\s\s+", text)
+    has_delimiter = delimiter is not None and delimiter in text
+    cells = text.split(delimiter) if has_delimiter else re.split(r"\t|\s\s+", text)
+    if not has_delimiter and all(map(is_length, text.split())):
+        cells = text.split()
     while len(cells) > count and not cells[-1].strip():
         cells.pop()
-    if len(cells) != count and not delimited:
-        cells = re.sub(r"\s+(?=[(\[])|\s+in\s+", "\0", text).split()
+    if len(cells) != count and not has_delimiter:
+        cells = re.sub(r"(?<!\s)\s+(?:(?=[(\[])|in\s+)", "\0", text).split()
     if len(cells) != count or _ENTRY.search(line) or statements([line]):
         return []
-    return [cell.replace("\0", " ").strip().strip('"').strip() for cell in cells]
+    return [cell.replace("\0", " ").strip(' "').rstrip(",;").strip() for cell in cells]
 
 
 def _column(cell: str) -> Column:
@@ -163,10 +162,10 @@ def _column(cell: str) -> Column:
 def _role(name: str) -> str:
     """Return the role of a column by its name: with its numbers, without them, or by the first word."""
     name_parts = re.split(r"[\s_]+", name.lower())
-    numbered = re.sub(r"[\W_]", "", "".join(name_parts))
-    spellings = (numbered, *("".join(filter(str.isalpha, text)) for text in (numbered, name_parts[0])))
-    known = (_ROLE[spelling] for spelling in spellings if spelling in _ROLE)
-    return "index" if name == "#" else next(known, "")
+    full_name = re.sub(r"[\W_]", "", "".join(name_parts))
+    spellings = (full_name, *("".join(filter(str.isalpha, text)) for text in (full_name, name_parts[0])))
+    roles = (_ROLE[spelling] for spelling in spellings if spelling in _ROLE)
+    return "index" if name == "#" else next(roles, "")
 
 
 def _name_and_unit(cell: str) -> tuple[str, str | None]:
@@ -174,19 +173,21 @@ def _name_and_unit(cell: str) -> tuple[str, str | None]:
     if is_length(cell):
         return "", cell
     name, opening, remainder = cell.replace("[", "(").partition("(")
-    inside, closing, after = remainder.replace("]", ")").partition(")")
+    inside, closing, tail = remainder.replace("]", ")").partition(")")
     if opening and closing and inside.strip():
-        return f"{name} {after}".strip(" _"), inside.strip()
+        return f"{name} {tail}".strip(" _"), inside.strip()
     if "/" in cell:
         name, _, unit = cell.rpartition("/")
         if is_length(unit.strip()) or (" " not in unit.strip() and _role(name) in ("x", "y", "z")):
             return name.strip(), unit.strip()
-    first, *others = re.split(r"[\s_,:]+", cell.strip())
-    if others and is_length(others[-1]):
-        name_words = [first, *others[:-1]]
-        if others[-2:-1] and others[-2].lower() == "in":
-            name_words.pop()
-        return " ".join(name_words), others[-1]
-    if others and is_length(first) and first != "in":  # "µm x"
-        return " ".join(others), first
+    head, *parts = re.split(r"[\s_,:]+", cell.strip())
+    for start in (len(parts) - 2, len(parts) - 1):  # "1e-6 m" before "m"
+        unit = " ".join(parts[start:]) if start >= 0 else ""
+        if is_length(unit):
+            name_words = [head, *parts[:start]]
+            if parts[:start] and name_words[-1].lower() == "in":
+                name_words.pop()
+            return " ".join(name_words), unit
+    if parts and is_length(head) and head != "in":  # "µm x"
+        return " ".join(parts), head
     return cell, None

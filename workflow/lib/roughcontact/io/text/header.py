@@ -6,6 +6,7 @@ All of them are collected before any is used, so that those that contradict each
 import math
 import re
 from collections.abc import Iterable, Iterator
+from functools import cache
 from itertools import chain, combinations, islice
 from typing import Any, NamedTuple
 
@@ -21,18 +22,47 @@ LENGTHS = ("length_x", "length_y", "length", "dx", "dy", "step", "size")
 _COUNTS = ("nx", "ny", "count")
 _REPEATED = ("channel", "instrument", "serial", "lens", "date", "missing", "height_range", "count", "length")
 _UNIT_IN_NAME = {"bit2nm": "nm"}  # keys that imply the unit of their value: counts to nanometres
-_TWO_VALUES = {"size": ("length_x", "length_y"), "step": ("dx", "dy")}  # entries with two values in one line
+# entries with two values in one line: meanings of these as lengths, as pixels, and without a unit
+_TWO_VALUES = {
+    "size": ("length_{}", "n{}", ""),
+    "step": ("d{}", "", ""),
+    "per_pixel": ("d{}", "n{}", "count"),
+    "count": ("", "count", "count"),
+}
+_RESOLUTIONS = {"resolution_x": "dx", "resolution_y": "dy"}  # without a unit of length a number of points
 _PIXELS = {"length_x": "nx", "length_y": "ny"}  # a size in pixels is a number of them
-_PIXEL_WORDS = ("px", "pixel", "pixels", "points", "pts", "samples")
+_PIXEL_WORDS = ("px", "pixel", "pixels", "points", "pts", "samples", "lines", "rows", "columns")
 _MEANING = meanings("header") | dict.fromkeys(words("header")["height"], "length_y")
-_NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
-_BETWEEN_SIDES = re.compile(r"(?<=[\w)\]])(?: (?:x|by|/) |x(?=\d)|(?:;\s*|,\s+)(?=\d))|(?<=[^\W\d])\s+(?=\d)")
+_COMPOSED, _PART = meanings("composed"), meanings("part")
+_SIDES = {axis: "|".join(words("side")[axis]) for axis in "xy"}
+_SIDE = f"(?:{_SIDES['x']}|{_SIDES['y']})"
+_ORDER = re.compile(rf"\(?(?<!\w)(d?{_SIDE})\s*[x×,;/*]\s*(d?{_SIDE})(?!\w)\)?", re.IGNORECASE)
+# the name of a side before its number, or behind it; an x between numbers is none
+_LABEL = re.compile(
+    rf"(?:^|(?<=[,;/(]))\s*({_SIDE})\b\s*[=:]?\s*(?=[-+.\d])|(?<=\s)({_SIDE})\s*[=:]\s*(?=[-+.\d])|"
+    rf"(?:\s*[(\[]|\s+)(?:in |along |en )?({_SIDE})\b[)\]]?(?=\s*(?:$|[,;/×]|(?:x|by|and|und|et)\b))",
+    re.IGNORECASE,
+)
+_TWO_SIDES = re.compile(
+    rf"([^\d:=]*?[^\W\d])\W*?[\s:=]\s*((?:{_SIDE}\b\s*[=:]?\s*)?[-+.\d].*)", re.IGNORECASE
+)
+_BEFORE_A_NUMBER = re.compile(r"([^\d;,]*[^\W\d])\s+([\[(]?[-+.]?\d.*)")
+_UNIT_OF_AXES = re.compile(r"([^\d:=]*[^\W\d]\s+[^\W\d]+)\s+(\S+)")
+_AXES_AND_UNITS = {"unit", "none", "x", "y", "z", "in", "and", "und"}
+_MAX_UNIT = 20  # characters of a unit behind words
+_MAX_PHRASE = 200  # characters of an entry in words; the patterns take the square of their number
+NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
+_BETWEEN_SIDES = re.compile(
+    r"(?<=[\w)\].])\s?(?:\bx\b|x(?=\d)|\bby\b|\band\b|\bund\b|(?<=\D)[/|](?=\s?[\d.])|[/|](?=\s?\d*[.,]\d)|;(?=\s*\d)|,(?=\s+\d))\s*|"
+    r"(?<=[^\W\d])\s+(?=\d)"
+)
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
 _PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|px|point|pt|sample)s?$", re.IGNORECASE)
 # its pixels, or steps, are not the map's
-_CAMERA = re.compile(r"(?=.*pixel).*\b(?:camera|sensor|detector|ccd)\b|.*\b(?:motor|moteur)\b", re.IGNORECASE)
+CAMERA = re.compile(r"(?=.*pixel).*\b(?:camera|sensor|detector|ccd)\b|.*\b(?:motor|moteur)\b", re.IGNORECASE)
 _HEIGHT_WORD = re.compile(rf"\W*(?:{'|'.join(words('header')['height'])})\b", re.IGNORECASE)
 _LONGEST = 60  # characters of a line that a message shows
+_AMBIGUOUS = "its mark may be the decimal sign or separate thousands"
 _SLACK, _WIDEST_SLACK = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with rounding
 _ODD_PIXEL = 10.0  # ratio of the sides of a pixel above which two different units of them are doubted
 
@@ -53,10 +83,10 @@ class Statement(NamedTuple):
 Stated = dict[str, list[Statement]]
 
 
-def statements(lines: Iterable[str], *, first: int = 1, sign: str = "") -> Stated:
+def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> Stated:
     """Return the entries of a header that are understood, by meaning, in the order of the lines.
 
-    `first` is the number of the first line in the file, `sign` the decimal sign of its table, empty for whole
+    `start` is the number of the first line in the file, `sign` the decimal sign of its table, empty for whole
     numbers; lines of more than 4096 characters, and those after the first 100 000, are skipped.
 
     Examples
@@ -69,46 +99,63 @@ def statements(lines: Iterable[str], *, first: int = 1, sign: str = "") -> State
     >>> print(*statements(["Width: 1,234 µm"], sign=".")["length_x"])
     line 1 says 'Width: 1,234 µm'
     """
-    stated: Stated = {}
-    for number, line in enumerate(islice(lines, _MAX_LINES), start=first):
+    by_meaning: Stated = {}
+    for number, line in enumerate(islice(lines, _MAX_LINES), start=start):
         text = line.strip().lstrip("#%;!\\*/ \t").strip()
-        if not text or len(line) > _MAX_LINE_LENGTH or _CAMERA.search(text):
+        if not text or len(line) > _MAX_LINE_LENGTH or CAMERA.match(text):
             continue
+        if len(text) > _MAX_PHRASE:
+            text = re.sub(r"(\s)\s+", r"\1", text)
         for key, value in _entries(text):
-            for meaning, statement in _statements_of(key, value, sign):
-                stated.setdefault(meaning, []).append(statement._replace(line=number, text=text[:_LONGEST]))
-    return stated
+            for meaning, statement in _parse_entry(key, value, sign):
+                by_meaning.setdefault(meaning, []).append(
+                    statement._replace(line=number, text=text[:_LONGEST])
+                )
+    return by_meaning
 
 
-def first_of(stated: Stated) -> dict[str, Any]:
+def first_statements(by_meaning: Stated) -> dict[str, Any]:
     """Return the first value of each meaning; of numbers that mark missing points all."""
-    first_values = {meaning: repeated[0].value for meaning, repeated in stated.items()}
-    if "missing" in stated:
-        first_values["missing"] = [statement.value for statement in stated["missing"]]
+    first_values = {meaning: entries[0].value for meaning, entries in by_meaning.items()}
+    if "missing" in by_meaning:
+        first_values["missing"] = [statement.value for statement in by_meaning["missing"]]
     return first_values
 
 
-def lengths_along(stated: Stated, axis: str, count: int) -> list[tuple[Statement, int]]:
-    """Return the first step and size along an axis of `count` points, and how many steps each has."""
-    keys = {"d" + axis: 1, "step": 1, "length_" + axis: count}
-    return [(stated[key][0], points) for key, points in keys.items() if key in stated]
+def lengths_along(by_meaning: Stated, axis: str, count: int) -> list[tuple[Statement, int]]:
+    """Return the steps and sizes along an axis of `count` points, and how many steps each has."""
+    single, common, sizes = (by_meaning.get(key, []) for key in ("d" + axis, "step", "length_" + axis))
+    if {length.line for length in single} & {
+        length.line for length in common
+    }:  # "spacing ...; line spacing ..."
+        common = []
+    # beside a step a size without a unit may be their number
+    sizes = [size for size in sizes if size.unit or size.value != count or not single + common]
+    return [*((step, 1) for step in single + common), *((size, count) for size in sizes)]
 
 
-def disagreeing(stated: Stated) -> str:
+def disagreeing(by_meaning: Stated) -> str:
     """Return a sentence on repeated units, numbers of points and factors that do not agree, else nothing."""
-    for scaled, bare in zip(stated.get("z_factor", []), stated.get("height_unit", []), strict=False):
-        if is_length(scaled.unit) and is_length(bare.value):  # of the products, or of the numbers
-            product = scaled.value * metres(scaled.unit)
-            if not same_length(scaled.unit, bare.value) and not math.isclose(product, metres(bare.value)):
-                return f"{scaled}, {bare}: they do not agree; correct one of them"
-    for factor in stated.get("factor", []):
-        if not is_length(factor.unit) and factor.value != 1 and "z_factor" not in stated:
+    for ratio, bare in zip(by_meaning.get("z_factor", []), by_meaning.get("height_unit", []), strict=False):
+        # of the products, or of the numbers, as radians; a factor of 1 makes no lengths of volts
+        if is_length(ratio.unit) and (is_length(bare.value) or ratio.value == 1):
+            product = ratio.value * metres(ratio.unit)
+            stated_unit = metres(bare.value) if is_length(bare.value) else math.nan
+            if not same_length(ratio.unit, bare.value) and not math.isclose(product, stated_unit):
+                return f"{ratio}, {bare}: they do not agree; correct one of them"
+    for factor in by_meaning.get("factor", []):
+        if not is_length(factor.unit) and factor.value != 1 and "z_factor" not in by_meaning:
             return f"{factor}: name a factor of the heights 'Z factor', with the unit of the products"
-    without_lengths = {meaning: repeated for meaning, repeated in stated.items() if meaning not in LENGTHS}
-    return next((f"{wrong}; correct one of them" for wrong in _repeated(without_lengths)), "")
+    for meaning, (first, *repeats) in by_meaning.items():
+        for statement in (first, *repeats) if meaning not in LENGTHS else ():
+            if statement.value != statement.value:
+                return f"{statement}: {_AMBIGUOUS}; correct one of them"
+            if meaning not in _REPEATED and not _agree((first, 1), (statement, 1)):
+                return f"{first}, {statement}: they do not agree; correct one of them"
+    return ""
 
 
-def contradiction(stated: Stated, shape: tuple[int, int]) -> str:
+def contradiction(by_meaning: Stated, shape: tuple[int, int]) -> str:
     """Return a sentence on statements that contradict each other or the table (ny, nx); empty where none do.
 
     Examples
@@ -118,56 +165,46 @@ def contradiction(stated: Stated, shape: tuple[int, int]) -> str:
     >>> contradiction(statements(["Pixel size: 0.5 µm", "Width: 6.5 µm"]), (9, 13))
     ''
     """
-    lengths = {meaning: repeated for meaning, repeated in stated.items() if meaning in LENGTHS}
-    return next(chain(_repeated(lengths), _units_apart(stated), _lengths_apart(stated, shape)), "")
+    first = {meaning: entries[0] for meaning, entries in by_meaning.items()}
+    return next(chain(_no_lengths(by_meaning, first), _lengths_apart(by_meaning, first, shape)), "")
 
 
-def _repeated(stated: Stated) -> Iterator[str]:
-    """Yield sentences on numbers of two meanings, unknown units, and repeated entries that differ."""
-    for meaning, (first, *repeats) in stated.items():
-        for statement in (first, *repeats):
-            if isinstance(statement.value, float) and math.isnan(statement.value):
-                yield f"{statement}: its mark may be the decimal sign or separate thousands"
-            elif meaning in LENGTHS and statement.unit and not is_length(statement.unit):
-                yield f"{statement}: {statement.unit!r} is no unit of length"
-        for statement in repeats if meaning not in _REPEATED else ():
-            if not _equal(first, statement, stated):
-                yield f"{first}, {statement}: they do not agree"
+def _no_lengths(stated: Stated, first: dict[str, Statement]) -> Iterator[str]:
+    """Yield sentences on ambiguous lengths, and on those whose unit is none or not that of all."""
+    lateral = first.get("lateral_unit")
+    for length in (length for meaning in LENGTHS for length in stated.get(meaning, ())):
+        if length.value != length.value:
+            yield f"{length}: {_AMBIGUOUS}"
+        elif length.unit and not is_length(length.unit):
+            yield f"{length}: {length.unit!r} is no unit of length"
+        elif length.unit and lateral and not same_length(length.unit, lateral.value):
+            yield f"{length}, {lateral}: their units do not agree"
 
 
-def _units_apart(stated: Stated) -> Iterator[str]:
-    """Yield sentences on lengths in another unit than the one that is stated for all of them."""
-    for general in stated.get("lateral_unit", [])[:1]:
-        for length in (stated[meaning][0] for meaning in LENGTHS if meaning in stated):
-            if is_length(length.unit) and not same_length(length.unit, general.value):
-                yield f"{length}, {general}: their units do not agree"
-
-
-def _lengths_apart(stated: Stated, shape: tuple[int, int]) -> Iterator[str]:
+def _lengths_apart(by_meaning: Stated, single: dict[str, Statement], shape: tuple[int, int]) -> Iterator[str]:
     """Yield sentences on sizes and steps that differ, may be numbers of points, or have units far apart."""
-    first = {meaning: repeated[0] for meaning, repeated in stated.items()}
+    general = next((single[key].value for key in ("lateral_unit", "unit") if key in single), "")
     used = []
     for axis, count, name in (("x", shape[1], "columns"), ("y", shape[0], "rows")):
-        lengths = lengths_along(stated, axis, count) if count > 1 else []
-        for (length, points), (second, second_points) in combinations(lengths, 2):
-            if not _equal(length, second, stated, (points, second_points)):
-                yield f"{length}, {second}: they do not agree for {count} {name}"
+        lengths = lengths_along(by_meaning, axis, count) if count > 1 else []
+        for one, another in combinations(lengths, 2):
+            if not _agree(one, another, general):
+                yield f"{one[0]}, {another[0]}: they do not agree for {count} {name}"
         used += lengths[:1]
-        bare = not {"d" + axis, "step", "n" + axis, "lateral_unit"} & {*first}
+        bare = not {"d" + axis, "step", "n" + axis, "lateral_unit"} & {*single}
         for length, _ in lengths if bare else ():
             if not length.unit and length.value == count:
                 yield f"{length}, and there are {count} {name}: a size without a unit, or their number"
-    if (height := first.get("length_y")) and _HEIGHT_WORD.match(height.text) and shape[0] > 1:
-        third = first.get("length") or (not {"length_x", "dy", "step"} & {*first} and first.get("dx"))
+    if (height := single.get("length_y")) and _HEIGHT_WORD.match(height.text) and shape[0] > 1:
+        third = single.get("length") or (not {"length_x", "dy", "step"} & {*single} and single.get("dx"))
         if third and is_length(third.unit):
             yield f"{third}, {height}: a side of the map, or the range of its heights"
     if len(used) < 2:
         return
+    for size in by_meaning.get("size", []):  # of one side, or of both
+        if not any(_agree((size, n), side, general) for n, side in zip(shape[::-1], used, strict=True)):
+            yield f"{size}, {used[0][0]}: they do not agree for {shape[1]} columns and {shape[0]} rows"
     (width, nx), (height, ny) = used
-    side = first.get("size")  # of one side, or of both
-    sides = (width, (shape[1], nx)), (height, (shape[0], ny))
-    if side and not any(_equal(side, length, stated, points) for length, points in sides):
-        yield f"{side}, {width}: they do not agree for {shape[1]} columns and {shape[0]} rows"
     if all(is_length(length.unit) and length.value > 0 for length in (width, height)):
         ratio = width.value / nx / (height.value / ny)
         pixel = ratio * metres(width.unit) / metres(height.unit)
@@ -175,89 +212,187 @@ def _lengths_apart(stated: Stated, shape: tuple[int, int]) -> Iterator[str]:
             yield f"{width}, {height}: their units make pixels of {pixel:.3g} : 1"
 
 
-def _equal(first: Statement, second: Statement, stated: Stated, points: tuple[int, int] = (1, 1)) -> bool:
-    """Return whether two statements agree: texts, or lengths of so many points."""
-    if isinstance(first.value, str):
-        return same_length(first.value, second.value)
-    general = next((stated[key][0].value for key in ("lateral_unit", "unit") if key in stated), "")
-    units = [statement.unit or general for statement in (first, second)]
-    in_metres = all(map(is_length, units))
+def _agree(first: tuple[Statement, int], second: tuple[Statement, int], general: str = "") -> bool:
+    """Return whether two texts are the same, or two numbers of so many steps, by default in one unit."""
+    if isinstance(first[0].value, str):
+        return same_length(first[0].value, second[0].value)
+    units = [statement.unit or general for statement, _ in (first, second)]
+    factors = [*map(metres, units)] if all(map(is_length, units)) else [1.0, 1.0]
     steps, slack = [], _SLACK
-    for statement, unit, number in zip((first, second), units, points, strict=True):
-        steps.append(statement.value * (metres(unit) if in_metres else 1.0) / number)
+    for (statement, points), factor in zip((first, second), factors, strict=True):
+        steps.append(statement.value * factor / points)
         slack += min(statement.rounding / abs(statement.value or 1), _WIDEST_SLACK)
-    slack *= max(map(abs, steps))
-    between_ends = 1 - (points[0] != points[1]) / points[1]  # a length from the first point to the last
-    return any(abs(steps[0] * ratio - steps[1]) <= slack for ratio in (1, between_ends))
+    count = second[1]
+    between_ends = 1 - (first[1] != count) / count  # a length from the first point to the last
+    return any(math.isclose(steps[0] * ratio, steps[1], rel_tol=slack) for ratio in (1, between_ends))
 
 
 def _entries(text: str) -> Iterator[tuple[str, str]]:
     """Yield the keys and values of a line: one, as ``Width: 5 mm``, or several, as ``h=305 w=75``."""
-    first, *value_texts = re.split(r"\s*[:=]\s*", text)
-    keys, values = [first], []
-    numbers = all(map(_NUMBER.match, value_texts))
+    pair = _TWO_SIDES.fullmatch(text) if len(text) < _MAX_PHRASE else None
+    if pair and len(_LABEL.findall(pair[2])) == 2 and _meaning(pair[1]) in _TWO_VALUES:
+        yield pair[1], pair[2]
+        return
+    if axes := _units_of_axes(text):
+        yield from zip(("lateral unit", "lateral unit", "height unit"), axes, strict=True)
+        return
+    pieces = re.split(r";\s*|(?<!\bx),\s+", text) if len(text) < _MAX_PHRASE else []
+    units = [match for match in map(_UNIT_OF_AXES.fullmatch, pieces) if match and is_length(match[2])]
+    meant = {match[0]: _meaning(match[1]) or "" for match in units}  # "x,y in um; z in nm", no headings
+    if "lateral_unit" in meant.values() or any(sign in text for sign in ":="):
+        yield from ((meant[match[0]].replace("_", " "), match[2]) for match in units if meant[match[0]])
+        text = ", ".join(piece for piece in pieces if not meant.get(piece))
+    head, *value_texts = re.split(r"\s*[:=]\s*", text)
+    keys, values = [head], []
+    numbers = all(map(NUMBER.match, value_texts))
     for value_text in value_texts[:-1] if numbers else ():  # a value, its unit, the next key
         tokens = re.split(r"[\s;]+|,\s+", value_text)
-        ends = [" ".join(tokens[start:]).partition("(")[0] for start in range(len(tokens))]
-        start = next((start for start in range(1, len(tokens)) if _meaning(ends[start])), len(tokens) - 1)
+        tails = [" ".join(tokens[start:]).partition("(")[0] for start in range(len(tokens))]
+        start = next((start for start in range(1, len(tokens)) if _meaning(tails[start])), len(tokens) - 1)
         values.append(" ".join(tokens[:start]))
         keys.append(" ".join(tokens[start:]))
-    if values and all(key[:1].isalpha() for key in keys) and ("=" in text or _meaning(first)):
+    if values and all(key[:1].isalpha() for key in keys) and ("=" in text or _meaning(head)):
         yield from zip(keys, [*values, value_texts[-1]], strict=True)
-    elif (end := min((text.find(sign) for sign in ":=\t" if sign in text), default=-1)) > 0:
-        yield text[:end], text[end + 1 :]
+    elif (stop := min((text.find(sign) for sign in ":=\t" if sign in text), default=-1)) > 0:
+        yield text[:stop], text[stop + 1 :]
+    elif behind := _BEFORE_A_NUMBER.fullmatch(text):
+        yield behind[1], behind[2]
     elif any(sign in text for sign in ";,"):  # a line of a table, as "Width";"640,5";"µm"
         separator = next(sign for sign in (";", '","', ",") if sign in text)
         key, *cells = (cell.strip().strip('"').strip() for cell in text.split(separator))
         yield key, " ".join(cells[:2])
-    elif len(tokens := text.split()) == 2:
-        yield tokens[0], tokens[1]
+    else:  # "heights in nm"
+        lengths = (stop for stop in range(max(1, len(text) - _MAX_UNIT), len(text)) if is_length(text[stop:]))
+        for stop in islice(lengths, 1):
+            if _meaning(text[:stop]) != "z":
+                yield text[:stop], text[stop:]
 
 
+def _units_of_axes(text: str) -> list[str]:
+    """Return the units of x, y and z in a line that says no more, as "Units: mm, mm, nm"; else none."""
+    tokens = re.findall(r"[^\W\d_]+", text) if len(text) < _MAX_PHRASE else []
+    units = [token for token in tokens if is_length(token) and token != "in"]
+    kinds = {_PART.get(token.lower(), token) for token in tokens if token not in units}
+    if "unit" not in kinds or not kinds <= _AXES_AND_UNITS or re.search(r"\d", text):
+        return []
+    units = units[:1] * (len(units) == 2 and {"x", "y", "z"} <= kinds) + units  # "of x and y mm, of z nm"
+    return units if len(units) == 3 and same_length(*units[:2]) else []
+
+
+@cache
+def _parts() -> re.Pattern[str]:
+    """Return the pattern of the words that compose keys: it takes 0.1 s, and is for text files alone."""
+    return re.compile(  # those of languages without blanks may be anywhere
+        "|".join(
+            re.escape(part)
+            if ord(part[-1]) > 0x2E7F
+            else rf"(?<![a-zß-ՙ]){re.escape(part)}" + r"(?![a-zß-ՙ])" * part[-1].isalpha()
+            for part in sorted(_PART, key=len, reverse=True)
+        )
+    )
+
+
+@cache
 def _meaning(key: str) -> str | None:
-    """Return the meaning of a key, or None for an unknown key."""
-    return _MEANING.get(re.sub(r"[\s_-]+", " ", key).strip().strip('"').lower())
+    """Return the meaning of a key: a word, or composed of such; None for an unknown key."""
+    name = re.sub(r"[\s_-]+|(?<=[a-z])(?=[A-Z])", " ", key).strip().strip('"').lower()
+    parts = {_PART[part] for part in _parts().findall(name[:_MAX_PHRASE])} - {"none"}
+    is_phrase = len(name) < _MAX_PHRASE and not re.search(r"\w", _parts().sub("", name))
+    composites = (_COMPOSED.get(" ".join(sorted(kinds))) for kinds in (parts, parts - {"in"}) if is_phrase)
+    return _MEANING.get(name) or next(filter(None, composites), None)
 
 
-def _statements_of(key: str, value: str, sign: str) -> Iterator[tuple[str, Statement]]:
+def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Statement]]:
     """Yield the meanings and statements of one entry; none where it is not understood."""
+    key, value, axes = _strip_sides(key, value.strip(' "\t;,'))  # a spreadsheet fills lines with separators
     name, opening, remainder = key.replace("[", "(").partition("(")
     unit = remainder.replace("]", ")").partition(")")[0].removeprefix("->").strip() if opening else ""
-    meaning, value = _meaning(name), value.strip(' "\t;,')  # a spreadsheet fills lines with separators
+    head, _, last = re.sub(r"[\s_]+(?:in[\s_]+)?(?=[^\s_]+$)", "\0", name.strip()).partition("\0")
+    if not opening and last != "in" and is_length(last) and _meaning(head):  # "width_um"
+        name, unit = head, last
+    meaning = _meaning(name)
+    if meaning == "z":
+        meaning = "height_unit" if is_length(value) else None
     if meaning is None:
         return
     if meaning in _TEXT_ENTRIES:
-        if value and (meaning != "unit" or is_length(value)):
+        no_unit = meaning in ("unit", "lateral_unit") or (meaning == "height_unit" and value[:1].isdigit())
+        if value and (is_length(value) or not no_unit):
             yield meaning, Statement(value, "", 0.0, 0, "")
         return
-    sides = _BETWEEN_SIDES.split(value.replace("×", "x").replace("*", "x"))
-    if len(sides) > 1 and meaning in _TWO_VALUES:
-        units = [_NUMBER.sub("", side, count=1).strip() for side in sides]
-        both = units[1] or unit
-        unit_known = is_length(both) or (both.lower() in _PIXEL_WORDS and meaning == "size")
-        understood = unit_known and len(sides) == 2
-        for axis, side, own in zip(_TWO_VALUES[meaning], sides, units, strict=True) if understood else ():
-            yield from _statements_of(words("header")[axis][0], side if own else f"{side} {both}", sign)
-    elif match := _NUMBER.match(value):
-        unit = unit or _UNIT_IN_NAME.get(name.strip().lower(), "")
-        yield from _numbers_of(meaning, match, unit, sign)
+    value = re.sub(r"[\[(](?=[-+.\d])|(?<=\d)[\])]", "", value.replace("×", "x").replace("*", "x"))
+    sides = _BETWEEN_SIDES.split(value)
+    if len(sides) == 1 or meaning not in _TWO_VALUES:
+        if match := NUMBER.match(value):
+            of_counts = _UNIT_IN_NAME.get(name.strip().lower(), "")
+            if of_counts:  # SPIP: the lengths too
+                yield "lateral_unit", Statement(of_counts, "", 0.0, 0, "")
+            yield from _parse_numbers(meaning, match, unit or of_counts, sign)
+        return
+    units = [_PER_PIXEL.sub("", NUMBER.sub("", side, count=1).strip()) for side in sides]
+    common = units[1] or unit
+    kinds, first_kinds = (
+        (is_length(candidate), candidate.lower() in _PIXEL_WORDS, not candidate)
+        for candidate in (common, units[0].partition(" ")[0] or common)
+    )
+    form = next((form for form, is_kind in zip(_TWO_VALUES[meaning], kinds, strict=True) if is_kind), "")
+    form = form if kinds == first_kinds else ""  # "2 µm, binned to 4 µm"
+    texts = [side if unit_text else f"{side} {common}" for side, unit_text in zip(sides, units, strict=True)]
+    numbers = [number for text in texts if (number := NUMBER.match(text))]
+    for axis, number in zip(axes, numbers, strict=True) if form and len(sides) == len(numbers) == 2 else ():
+        yield from _parse_numbers(form.format(axis), number, unit, sign)
 
 
-def _numbers_of(meaning: str, match: re.Match[str], unit: str, sign: str) -> Iterator[tuple[str, Statement]]:
+def _strip_sides(key: str, value: str) -> tuple[str, str, str]:
+    """Return a key and a value without the names of the sides of a map, and the axes of its two numbers.
+
+    Examples
+    --------
+    >>> _strip_sides("Size (height x width)", "5 x 7 µm"), _strip_sides("Pixel", "3 µm (x), 4 µm (y)")
+    (('Size ', '5 x 7 µm', 'yx'), ('Pixel', '3 µm , 4 µm', 'xy'))
+    """
+    if len(key) + len(value) > _MAX_PHRASE:
+        return key, value, "xy"
+    order_match = _ORDER.search(key)
+    names = [
+        *(order_match.groups() if order_match else ()),
+        *("".join(groups) for groups in _LABEL.findall(value)),
+    ][-2:]
+    is_x = re.compile(f"d?(?:{_SIDES['x']})", re.IGNORECASE).fullmatch
+    axes = "".join("x" if is_x(name) else "y" for name in names)
+    if axes not in ("xy", "yx"):
+        return key, value, "xy"
+    if order_match:
+        key = _ORDER.sub("", key)
+        whole_name = "step" if order_match[1][0] in "dD" else "size" * (len(order_match[1]) > 1)
+        key = key if key.strip() else whole_name
+    return key, _LABEL.sub(" ", value).strip("[( "), axes
+
+
+def _parse_numbers(
+    meaning: str, match: re.Match[str], unit: str, sign: str
+) -> Iterator[tuple[str, Statement]]:
     """Yield the meaning and statement of a number at the beginning of a value; two where its units differ."""
-    number, rounding = _number(match[0].rstrip(".,"), sign)
-    if meaning in _COUNTS and math.isnan(number):
-        number = float(re.sub(r"\D", "", match[0]))
-    after = match.string[match.end() :].strip().strip("()[]")
-    value_unit = _PER_PIXEL.sub("", after).partition(" ")[0].strip("()[],;")
-    if meaning == "per_pixel" and _PER_PIXEL.search(after or unit):
+    number, rounding = number_and_rounding(match[0].rstrip(".,"), sign)
+    if meaning in _COUNTS:  # 1,024 and 18.0000001
+        number = float(re.sub(r"\D", "", match[0])) if math.isnan(number) else round(number, 6)
+    suffix = match.string[match.end() :].strip().strip("()[]")
+    value_unit = _PER_PIXEL.sub("", suffix).partition(" ")[0].strip("()[],;")
+    if meaning == "per_pixel" and _PER_PIXEL.search(suffix or unit):
         meaning = "step"
+    elif meaning in _RESOLUTIONS and is_length(_PER_PIXEL.sub("", value_unit or unit)):
+        meaning = _RESOLUTIONS[meaning]
     unit = _PER_PIXEL.sub("", unit)
     value_unit = value_unit or unit
     if meaning in _PIXELS and value_unit.lower() in _PIXEL_WORDS:
         meaning, value_unit = _PIXELS[meaning], ""
+    elif meaning in _PIXELS.values() and is_length(value_unit):
+        meaning = "length_" + meaning[1]
+    if meaning in _COUNTS and number % 1:
+        return
     bare_size = meaning == "size" and not is_length(value_unit)
-    if bare_size or meaning == "per_pixel" or (meaning in LENGTHS and _RANGE.match(after)):
+    unclear = bare_size or meaning == "per_pixel" or meaning in _RESOLUTIONS
+    if unclear or (meaning in LENGTHS and _RANGE.match(suffix)):
         return
     yield meaning, Statement(number, value_unit, rounding, 0, "")
     # both are named as they differ
@@ -265,7 +400,7 @@ def _numbers_of(meaning: str, match: re.Match[str], unit: str, sign: str) -> Ite
         yield meaning, Statement(number, unit, rounding, 0, "")
 
 
-def _number(text: str, sign: str) -> tuple[float, float]:
+def number_and_rounding(text: str, sign: str) -> tuple[float, float]:
     """Return a number and half a unit of its last digit; NaN where a mark in it may have two meanings.
 
     A mark of the other kind, or a repeated one, separates thousands; a single one before three digits does so

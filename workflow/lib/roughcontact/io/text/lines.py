@@ -1,13 +1,23 @@
 """Lines of text files: recognition of text, and its encoding."""
 
+import re
+import unicodedata
+from itertools import chain
 from pathlib import Path
 
+from roughcontact.arguments.units import spellings
 from roughcontact.errors import InputFileError
+from roughcontact.io.vocabulary import words
 
 _BYTE_ORDER_MARKS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
 _MAX_BYTES = 2**30  # bytes
 _PLAIN_SIGNS = str.maketrans("−：＝　（）［］，；", "-:= ()[],;")
+_MICRO = re.compile(r"\$\\mu\$|&micro;")  # of TeX and HTML
 _TEXT_BYTES = bytes([*b"\t\n\r\f", *range(32, 127), *range(128, 256)])
+_DOS_END = b"\x1a"  # behind the last line of old programs
+# in which programs wrote before UTF-8; the first that makes the most of the words that headers use is taken
+_CODES = ("latin-1", "cp1250", "cp1251", "gb18030", "cp932", "cp949", "cp437")
+_MAX_HEAD = 2**16  # bytes that decide on the encoding
 
 
 def looks_like_text(head: bytes) -> bool:
@@ -20,13 +30,14 @@ def looks_like_text(head: bytes) -> bool:
     """
     if head.startswith(tuple(_BYTE_ORDER_MARKS)) or _unmarked_utf16(head):
         return True
-    return bool(head) and not head.translate(None, _TEXT_BYTES)
+    return bool(head) and not head.removesuffix(_DOS_END).translate(None, _TEXT_BYTES)
 
 
 def is_text(path: Path) -> bool:
     """Return whether a file is text to its end, not only at its beginning."""
     with path.open("rb") as stream:
-        return all(not block.translate(None, _TEXT_BYTES) for block in iter(lambda: stream.read(2**20), b""))
+        blocks = iter(lambda: stream.read(2**20), b"")
+        return all(not block.removesuffix(_DOS_END).translate(None, _TEXT_BYTES) for block in blocks)
 
 
 def _unmarked_utf16(head: bytes) -> str | None:
@@ -38,13 +49,14 @@ def _unmarked_utf16(head: bytes) -> str | None:
     return None
 
 
-def lines_of(path: Path) -> list[str]:
+def read_lines(path: Path) -> list[str]:
     """Return the lines of a text file, with plain signs for those of typography and East Asian keyboards."""
-    return _decode(path.read_bytes()).translate(_PLAIN_SIGNS).splitlines()
+    text = _decode(path.read_bytes()).removesuffix(_DOS_END.decode()).translate(_PLAIN_SIGNS)
+    return _MICRO.sub("µ", text).splitlines()
 
 
 def _decode(data: bytes) -> str:
-    """Return the text by its byte order mark, else as UTF-8, else as Latin-1."""
+    """Return the text by its byte order mark, else as UTF-8, else in the code that makes words of it."""
     if len(data) > _MAX_BYTES:
         raise InputFileError(f"{len(data)} bytes of text; convert the map to X3P, SDF or netCDF")
     for mark, encoding in _BYTE_ORDER_MARKS.items():
@@ -60,4 +72,22 @@ def _decode(data: bytes) -> str:
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError:
-        return data.decode("latin-1")
+        head = data[:_MAX_HEAD]
+        return data.decode(max(_CODES, key=lambda code: _letters(head.decode(code, "replace"))), "replace")
+
+
+def _letters(text: str) -> int:
+    """Return how many letters of a text make words or units of headers that ASCII lacks."""
+    common_words = _foreign_words(text) & _WORDS
+    return sum(
+        map(len, common_words | {word for word in _WORDS if word[0] > "\u2e7f" and word[1:] and word in text})
+    )
+
+
+def _foreign_words(text: str) -> set[str]:
+    """Return the words of a text, in lower case, that are not ASCII."""
+    words_in_text = re.findall(r"[^\W\d_]+", unicodedata.normalize("NFKC", text).lower())
+    return {word for word in words_in_text if not word.isascii()}
+
+
+_WORDS = _foreign_words(" ".join(chain(spellings("m"), *words("").values())))

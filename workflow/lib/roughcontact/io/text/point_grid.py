@@ -46,11 +46,11 @@ def points_on_grid(
     return heights, steps, (float(along_x[0]), float(along_y[0]))
 
 
-def _refuse_repeated(places: np.ndarray, lines: Sequence[int]) -> None:
+def _refuse_repeated(indices: np.ndarray, lines: Sequence[int]) -> None:
     """Refuse points with the place of one above."""
-    _, first = np.unique(places, return_index=True)
-    if first.size < places.size:
-        index = int(np.setdiff1d(np.arange(places.size), first)[0])
+    _, unique = np.unique(indices, return_index=True)
+    if unique.size < indices.size:
+        index = int(np.setdiff1d(np.arange(indices.size), unique)[0])
         raise InputFileError(
             f"several points of the list have the same position, the first is that in line {lines[index]}; "
             "leave one map in the file"
@@ -61,10 +61,10 @@ def _refuse_cut_list(row: np.ndarray, column: np.ndarray) -> None:
     """Refuse a list in which only the grid line that stands last in the file is incomplete, at its end."""
     for line, across in ((row, column), (column, row)):
         last, counts = line == line[-1], np.bincount(line)
-        here, others = counts[line[-1]], np.delete(counts, line[-1])
+        line_count, counts_elsewhere = counts[line[-1]], np.delete(counts, line[-1])
         written_by_line = np.count_nonzero(np.diff(line)) == counts.size - 1
-        short = others.size and others.min() == others.max() > here
-        if written_by_line and short and np.array_equal(across[last], across[~last][:here]):
+        short = counts_elsewhere.size and counts_elsewhere.min() == counts_elsewhere.max() > line_count
+        if written_by_line and short and np.array_equal(across[last], across[~last][:line_count]):
             raise InputFileError("the list of points ends in the middle of a grid line: the file was cut off")
 
 

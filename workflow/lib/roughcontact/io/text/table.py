@@ -11,23 +11,34 @@ from typing import NamedTuple
 
 import numpy as np
 
+from roughcontact.arguments.quantities import counted_noun
 from roughcontact.errors import InputFileError
-from roughcontact.io.guards import brief, check_points
+from roughcontact.io.guards import brief, check_count, check_points
 from roughcontact.io.text.columns import is_heading
 from roughcontact.io.text.header import statements
 from roughcontact.io.text.missing import is_missing, is_spoken, joined
-from roughcontact.quantities import counted_noun
+from roughcontact.io.units import is_length
+from roughcontact.io.vocabulary import meanings
 
 COMMENT_SIGNS = "#%;!\\*/"  # at the beginning of a line
 _FORTRAN = re.compile(r"^([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)$")  # double precision, 1.5D-03
+# between the thousands of a number with decimals, and of one that is a cell
+_GROUPS = {
+    mark: re.compile(rf"(?<=\d){re.escape(mark)}(?=\d{{3}}(?:{re.escape(mark)}\d{{3}})*[.,]\d)")
+    for mark in ".,"
+}
+_GROUPED = re.compile(r"[-+]?\d{1,3}(?:[ '’\xa0\u202f]\d{3})+(?:\.\d*)?")
+_ENTRY = re.compile(r"\s*[^\W\d][^;\t]*[:=]")  # a word that says of what the number is, as "Mean: 0.25"
 _MAX_HEADER_LINES = 100_000  # without empty lines
 _MAX_PREFIX = 2**16  # characters of a line that decide whether it contains numbers
 _WIDE_TABLE = 8  # columns; the headings of so many differ from one another
 _MAX_CELL = 64  # characters of a cell, on the average
 _PLAIN = re.compile(r'[-+\d.,;\s"eEdD]*\Z')  # of a row without words
+_ENDS = meanings("end")
 _CELL_SEPARATORS = ' \t;,"\r\n\f'  # what may stand between cells
 _UNEVEN = 0.1  # of a step, between positions that are rounded
 _FEW_ROWS = 3  # that show what a first row with one cell less is
+_SHORT_WORD = 5  # letters; longer ones behind a number are a line of a header
 _FEW_CELLS = 32  # at the beginning of a line, which tell a row with words from a heading
 
 
@@ -38,7 +49,10 @@ class Dialect(NamedTuple):
     decimal_comma: bool
 
     def plain(self, line: str) -> str:
-        """Return a line with decimal points."""
+        """Return a line with decimal points, and without the other mark where both are in one number."""
+        mark = "." if self.decimal_comma else ","
+        if mark in line and self.delimiter != mark:
+            line = _GROUPS[mark].sub("", line)
         return line.replace(",", ".") if self.decimal_comma else line
 
 
@@ -74,37 +88,132 @@ class Rows(NamedTuple):
     @property
     def start(self) -> tuple[int, str]:
         """The first line that is not empty, with its number."""
-        filled = (numbered for numbered in self.filled if numbered[1].strip(_CELL_SEPARATORS))
-        return next(filled, (self.lines[0], self.texts[0]))
+        rows = (numbered_line for numbered_line in self.filled if numbered_line[1].strip(_CELL_SEPARATORS))
+        return next(rows, (self.lines[0], self.texts[0]))
 
 
 def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
-    """Return the lines of the header and those of the table."""
-    filled = 0
+    """Return the lines of the header and those of the table, whose first rows may hold words.
+
+    Examples
+    --------
+    >>> split_header(["x;z;note", "0;1.5;start", "1;2.5;"])
+    (['x;z;note'], ['0;1.5;start', '1;2.5;'])
+    """
+    row_count, start = 0, len(lines)
     for number, line in enumerate(lines):
-        if not line.strip():
-            continue
-        if _is_data(line):
-            return lines[:number], lines[number:]
-        filled += 1
-        if filled > _MAX_HEADER_LINES:
+        remark = line.lstrip().startswith(";") and not any(
+            ";" in below for below in lines[number + 1 : number + 3]
+        )
+        if line.strip() and not remark and _is_data(line):
+            start = number
             break
-    first = next((line.strip() for line in lines if line.strip()), "")
-    within = f" in its first {_MAX_HEADER_LINES} lines" if filled > _MAX_HEADER_LINES else ""
-    raise InputFileError(f"text without a table of numbers{within}; it starts with {first[:60]!r}")
+        row_count += bool(line.strip())
+        if row_count > _MAX_HEADER_LINES:
+            break
+    if start == len(lines):  # rows of numbers are none of labelled ones
+        pairs = (
+            number
+            for number in range(min(start, _MAX_HEADER_LINES))
+            if _are_labelled(lines[number : number + 2])
+        )
+        start = next(pairs, start)
+    first_row = next((line for line in (lines[start:] or lines[::-1]) if line.strip()), "")
+    while start and row_count <= _MAX_HEADER_LINES and _is_row_like(lines[start - 1], first_row):
+        start -= 1
+    if start < len(lines):
+        return lines[:start], lines[start:]
+    sample = next((line.strip() for line in lines if line.strip()), "")
+    extent = f" in its first {_MAX_HEADER_LINES} lines" if row_count > _MAX_HEADER_LINES else ""
+    raise InputFileError(f"text without a table of numbers{extent}; it starts with {sample[:60]!r}")
+
+
+def _are_labelled(lines: list[str]) -> bool:
+    """Return whether two lines are rows of numbers behind labels, as "Row 1", or a time of day."""
+    delimiter = next((sign for sign in ";\t," if all(sign in line for line in lines)), None)
+    if delimiter is None or len(lines) < 2:
+        return False
+    (label, *cells), (below, *cells_below) = (line.strip().split(delimiter) for line in lines)
+    alike = label != below and re.sub(r"\d", "", label) == re.sub(r"\d", "", below)
+    if not alike or not 1 < len(cells) == len(cells_below) or len(label) > _MAX_CELL:
+        return False
+    numbers = [_parse_number(cell.replace(",", ".")) for cell in cells + cells_below if cell.strip()]
+    return bool(numbers) and None not in numbers
+
+
+def _is_row_like(line: str, row: str) -> bool:
+    """Return whether a line is a row that begins with a number and has a word, as wide as those below it."""
+    delimiter = next((sign for sign in ";\t," if sign in row), None)
+    cells = [cell.strip() for cell in line.split(delimiter)]
+    if not is_row(line) or len(cells) < len(row.split(delimiter)) or len(line) > len(cells) * _MAX_CELL:
+        return False
+    if not cells[0] or is_missing(cells[0]) or _parse_number(cells[0].replace(",", ".")) is None:
+        return False
+    # between blanks "3 points" and "10 µm" are lines of a header
+    words = [] if delimiter else [cell for cell in cells if _parse_number(cell) is None]
+    return 2 * len(words) < len(cells) or (max(map(len, words)) < _SHORT_WORD and not is_length(words[0]))
+
+
+def strip_remarks(
+    header: list[str], body: list[str], dialect: Dialect
+) -> tuple[list[str], list[str], list[str]]:
+    """Return header and table without columns of words, and what stands right of them; a note on these.
+
+    Examples
+    --------
+    >>> strip_remarks(["x;z;note"], ["0;1.5;start", "1;2.5;"], Dialect(";", False))
+    (['x;z'], ['0;1.5', '1;2.5'], ["column 3 ('note', 'start') holds words and is left out"])
+    """
+    delimiter, words = dialect.delimiter, dict[int, str]()
+
+    def cells(line: str) -> list[str]:
+        return [cell.strip() for cell in joined(line.strip(" \r\f")).split(delimiter)]
+
+    def number(cell: str) -> float | None:
+        return _parse_number(dialect.plain(cell))
+
+    def finite(cell: str) -> bool:
+        return (value := number(cell)) is not None and bool(np.isfinite(value))
+
+    for line in body:
+        if not _PLAIN.match(line) and is_row(line):
+            words = {index: cell for index, cell in enumerate(cells(line)) if number(cell) is None} | words
+    rows = [cells(line) for line in body if is_row(line)] if words else []
+    width = max(map(len, rows), default=0)
+    cells_by_column = [
+        [row[index] for row in rows if row[index : index + 1] not in ([], [""])] for index in range(width)
+    ]
+    columns = {index for index in words if not any(map(finite, cells_by_column[index]))}
+    if not columns or len(columns) == width:
+        return header, body, []
+    # right of them results beside the table, below which are empty cells
+    remarks = {index for index in range(min(columns), width) if 2 * len(cells_by_column[index]) < len(rows)}
+    notes = []
+    for index in sorted(columns):
+        names = [line_cells[index] for line in header if len(line_cells := cells(line)) == width]
+        listing = ", ".join(map(repr, [*names[-1:], words[index]]))
+        notes.append(f"column {index + 1} ({listing}) holds words and is left out")
+
+    def kept(line: str) -> str:
+        if len(all_cells := line.strip(" \r\f").split(delimiter)) != width and not is_row(line):
+            return line
+        kept_cells = [cell for index, cell in enumerate(all_cells) if index not in columns | remarks]
+        return (delimiter or " ").join(kept_cells)
+
+    return [*map(kept, header)], [*map(kept, body)], notes
 
 
 def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str]]:
     """Return the numbers of points alone in a line above the table (``23``, ``256 192``), and the table."""
-    filled = [number for number, line in enumerate(body[:50]) if line.strip()][:2]
-    alone, row = (
-        body[number].strip(" \r\f").rstrip((delimiter or "") + " ") for number in (filled[0], filled[-1])
+    numbers = [number for number, line in enumerate(body[:50]) if line.strip()][:2]
+    count_line, row = (
+        body[number].strip(" \r\f").rstrip((delimiter or "") + " ") for number in (numbers[0], numbers[-1])
     )
-    counts = re.findall(r"\d+", alone)
-    only_counts = len(alone) <= 40 and re.fullmatch(r"\d+(?:[;,\s]+\d+)?", alone)
+    counts = re.findall(r"\d+", count_line)
+    only_counts = len(count_line) <= 40 and re.fullmatch(r"\d+(?:[;,\s]+\d+)?", count_line)
     if not only_counts or len(row[:_MAX_PREFIX].split(delimiter)) <= len(counts):
         return [], body
-    return [*map(int, counts)], body[filled[0] + 1 :]
+    return [*map(int, counts)], body[numbers[0] + 1 :]
 
 
 def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
@@ -112,10 +221,10 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
 
     Where there were quotes, semicolons separate the cells; entries of the header without quotes stay.
     """
-    first = next((line for line in body if line.strip()), "")
-    if '"' not in first[:_MAX_PREFIX]:
+    sample = next((line for line in body if line.strip()), "")
+    if '"' not in sample[:_MAX_PREFIX]:
         return header, body
-    delimiter = next((sign for sign in ";\t" if sign in first), ",")
+    delimiter = next((sign for sign in ";\t" if sign in sample), ",")
     cells_of = partial(csv.reader, delimiter=delimiter, skipinitialspace=True)
     try:
         lines = [";".join(next(cells_of([line]), [])) for line in (*header, *body)]
@@ -130,27 +239,63 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
 def separators(body: list[str]) -> Dialect:
     """Return the delimiter of the columns, and whether the decimal sign is a comma."""
     sample = [line.strip() for line in body[:50] if is_row(line)]
-    joined = "\n".join(sample)
+    text = "\n".join(sample)
     for sign in ";\t":
-        if sign in joined:
-            doubled = all(line.count(sign) == 2 * line.count(2 * sign) > 0 for line in sample)
-            return Dialect(2 * sign if doubled else sign, any(map(re.compile(r"\d,|,\d").search, body)))
-    if "," not in joined:
+        if sign in text:
+            is_doubled = all(line.count(sign) == 2 * line.count(2 * sign) > 0 for line in sample)
+            comma = any(map(re.compile(r"\d,|,\d").search, body)) and not any(map(_GROUPS[","].search, body))
+            return Dialect(2 * sign if is_doubled else sign, comma)
+    if "," not in text:
         return Dialect(None, False)
     tokens = [line.split() for line in sample]
-    separating = re.search(r",\S*,|,(?:\s|\Z)", joined) or ("." in joined and re.search(r"\s,", joined))
+    # two in a number, one at its end, or behind decimals
+    separating = re.search(r",\S*,|,(?:\s|\Z)|\.(?!\d{3}[.,])\d*,", text) or (
+        "." in text and re.search(r"\s,", text)
+    )
     if any(len(row) > 1 for row in tokens) and not separating:
         return Dialect(None, True)
     one_comma = max(line.count(",") for line in sample) == 1
-    leading_zero = re.search(r"(?<!\d)0\d", joined)  # only decimals begin so
-    if "." not in joined and one_comma and leading_zero:
+    leading_zero = re.search(r"(?<![\d:-])0\d", text)  # only decimals, dates and times begin so
+    if "." not in text and one_comma and leading_zero:
         return Dialect(None, True)
-    if "." not in joined and (leading_zero or (one_comma and len(sample) > 1)):
+    if "." not in text and (leading_zero or (one_comma and len(sample) > 1)):
         raise InputFileError(
             f"the comma in {sample[0]!r} may be a decimal sign or a separator; "
             "write decimals with a point, or separate columns with a tab or a semicolon"
         )
     return Dialect(",", False)
+
+
+def split_footer(body: list[str]) -> tuple[list[str], list[str], Dialect]:
+    """Return a table, the lines of words below it, and how the table is written.
+
+    Examples
+    --------
+    >>> split_footer(["1.5;2.5", "3.5;4.5", "", "Ra;0,25;µm"])[:2]
+    (['1.5;2.5', '3.5;4.5'], ['', 'Ra;0,25;µm'])
+    """
+    stop = next((number for number in range(len(body), 0, -1) if is_row(body[number - 1])), len(body))
+    table, footer = body[:stop], body[stop:]
+    dialect = separators(table)
+    width = len(table[-1].strip().split(dialect.delimiter))
+    rows = [line for line in footer if line.strip() and word_in_row(line, width, dialect) is not None]
+    return (body, [], dialect) if rows else (table, footer, dialect)  # rows with unknown words
+
+
+def left_out_below(footer: list[str], start: int) -> list[str]:
+    """Return a note on the lines below a table, but for comments and words that only say that it ends."""
+    lines = [
+        (number, line.strip())
+        for number, line in enumerate(footer, start)
+        if line.strip(_CELL_SEPARATORS) and not _is_end(line) and line.lstrip()[0] not in "#%"
+    ]
+    note = f" and {counted_noun(len(lines) - 1, 'line')} more" if len(lines) > 1 else ""
+    return [f"below the table, line {lines[0][0]} ({lines[0][1][:60]!r}){note} is left out"] if lines else []
+
+
+def _is_end(line: str) -> bool:
+    """Return whether a line only says that the table ends."""
+    return len(line) < _MAX_CELL and re.sub(r"[\W_]+", " ", line).strip().lower() in _ENDS
 
 
 def is_empty_row(line: str) -> bool:
@@ -168,13 +313,15 @@ def is_row(line: str) -> bool:
     """
     if _PLAIN.match(line):
         return bool(line.strip(_CELL_SEPARATORS))
+    if _ENTRY.match(line) or _is_end(line):
+        return False
     cells = _cells(line, _FEW_CELLS)[:_FEW_CELLS]
-    is_number = [_number_in(cell) is not None for cell in cells]
+    is_number = [_parse_number(cell) is not None for cell in cells]
     return 2 * sum(is_number) > len(cells) or (is_number[:1] == [True] and not is_missing(cells[0]))
 
 
-def split_tables(header: list[str], body: list[str], first: int, dialect: Dialect) -> list[Rows]:
-    """Return the tables of a text, which end at headings between rows; `first` numbers the first line.
+def split_tables(header: list[str], body: list[str], start: int, dialect: Dialect) -> list[Rows]:
+    """Return the tables of a text, which end at headings between rows; `start` numbers the first line.
 
     Empty lines and comments without entries are no headings.
 
@@ -184,36 +331,37 @@ def split_tables(header: list[str], body: list[str], first: int, dialect: Dialec
     >>> [(table.heading, table.lines) for table in split_tables([], body, 1, Dialect(None, False))]
     [([], [1, 2]), (['', 'Phase'], [5, 6])]
     """
-    tables = [Rows(header, first - len(header), [], [])]
-    skipped: list[str] = []
-    width, alone = 0, True
-    for number, line in enumerate(body, start=first):
+    tables = [Rows(header, start - len(header), [], [])]
+    gap_lines: list[str] = []
+    width, is_separate = 0, True
+    for number, line in enumerate(body, start=start):
         comment = line.lstrip()[:1] in ("#", "%")
-        ruled = not any(map(str.isalnum, line)) and any(text.strip() for text in skipped)
-        if not ((is_row(line) and not ruled) or (comment and word_in_row(line, width, dialect) is not None)):
-            skipped.append(line)
+        rule = not any(map(str.isalnum, line)) and any(text.strip() for text in gap_lines)
+        if not ((is_row(line) and not rule) or (comment and word_in_row(line, width, dialect) is not None)):
+            gap_lines.append(line)
             continue
         width = width or len(line.strip().split(dialect.delimiter))
         if tables[-1].lines:
-            filled = [text for text in skipped if text.strip(_CELL_SEPARATORS)]
-            if any(text.lstrip()[0] not in "#%" or statements([text]) for text in filled):
-                tables.append(Rows(skipped, number - len(skipped), [], []))
-            elif skipped and not tables[-1].broken:
+            words = [text for text in gap_lines if text.strip(_CELL_SEPARATORS)]
+            if any(text.lstrip()[0] not in "#%" or statements([text]) for text in words):
+                tables.append(Rows(gap_lines, number - len(gap_lines), [], []))
+                check_count(len(tables))
+            elif gap_lines and not tables[-1].broken:
                 tables[-1] = tables[-1]._replace(broken=number)
-            alone = alone and bool(skipped)
+            is_separate = is_separate and bool(gap_lines)
         tables[-1].texts.append(line)
         tables[-1].lines.append(number)
-        skipped = []
-    for number, line in enumerate(skipped, start=first + len(body) - len(skipped)):
+        gap_lines = []
+    for number, line in enumerate(gap_lines, start=start + len(body) - len(gap_lines)):
         if line.strip(_CELL_SEPARATORS) and line.lstrip()[0] not in "#%":
             raise _no_row(line, number)
-    if alone and len(tables) == 1 and len(tables[0].lines) > 2:
+    if is_separate and len(tables) == 1 and len(tables[0].lines) > 2:
         gaps = np.diff(tables[0].lines)
         tables[0] = tables[0]._replace(broken=tables[0].lines[gaps.argmax() + 1] if np.ptp(gaps) else 0)
-    return [_below_a_label(table, dialect) for table in tables]
+    return [_add_label_row(table, dialect) for table in tables]
 
 
-def _below_a_label(rows: Rows, dialect: Dialect) -> Rows:
+def _add_label_row(rows: Rows, dialect: Dialect) -> Rows:
     """Return rows with the line above them, where that has a word in its corner and positions beside it."""
     line = rows.heading[-1] if rows.heading else ""
     if not line.strip() or line.lstrip()[0] in COMMENT_SIGNS:
@@ -224,8 +372,8 @@ def _below_a_label(rows: Rows, dialect: Dialect) -> Rows:
     first_row = rows.texts[0].strip(around)
     closing = delimiter if delimiter and first_row.endswith(delimiter) else ""
     width = len(first_row.removesuffix(closing).split(delimiter))
-    positions = [_number_in(dialect.plain(cell)) for cell in cells]
-    if not _FEW_ROWS <= len(cells) == width - 1 or None in positions or _number_in(label) is not None:
+    positions = [_parse_number(dialect.plain(cell)) for cell in cells]
+    if not _FEW_ROWS <= len(cells) == width - 1 or None in positions or _parse_number(label) is not None:
         return rows
     steps = np.diff(np.array(positions, dtype=float))
     even = steps.any() and np.ptp(steps) <= _UNEVEN * abs(steps.mean())  # also no missing point
@@ -251,16 +399,16 @@ def parse_table(rows: Rows, dialect: Dialect) -> Table:
     delimiter = dialect.delimiter
     texts = [dialect.plain(line.strip(" \r\f" if delimiter == "\t" else None)) for line in rows.texts]
     if delimiter is not None:
-        texts = _without_closing(texts, delimiter)
+        texts = _drop_closing_separators(texts, delimiter)
     numbers, counts, spoken = array("d"), array("q"), Counter[str]()
     for number, line, text in zip(rows.lines, rows.texts, texts, strict=True):
         row = _plain_numbers(text, delimiter)
         if row is None:
             cells = joined(text).split(delimiter)
             spoken.update(filter(is_spoken, map(str.strip, cells)))
-            row = [value for cell in cells if (value := _number_in(cell)) is not None]
+            row = [value for cell in cells if (value := _parse_number(cell)) is not None]
             if len(row) < len(cells):
-                bad = [cell for cell in line.split(delimiter) if _number_in(dialect.plain(cell)) is None]
+                bad = [cell for cell in line.split(delimiter) if _parse_number(dialect.plain(cell)) is None]
                 raise _no_row([*bad, line][0], number)
         numbers.extend(row)
         counts.append(len(row))
@@ -278,15 +426,15 @@ def parse_table(rows: Rows, dialect: Dialect) -> Table:
     return Table(values, empty, short or not texts[0].split(delimiter)[0].strip(), short, spoken)
 
 
-def _without_closing(texts: list[str], delimiter: str) -> list[str]:
+def _drop_closing_separators(texts: list[str], delimiter: str) -> list[str]:
     """Return lines without a separator at their end that closes them, rather than leaves a last cell empty.
 
     It does where all lines end in one, where only the last line does, which is incomplete then, and where the
     rows have different lengths otherwise.
     """
-    ends = [text.endswith(delimiter) for text in texts]
+    has_separator = [text.endswith(delimiter) for text in texts]
     counts = array("q", [text.count(delimiter) for text in texts])
-    if any(ends[:-1]) and not all(ends) and (len({*counts}) == 1 or _lacks_corner(counts)):
+    if any(has_separator[:-1]) and not all(has_separator) and (len({*counts}) == 1 or _lacks_corner(counts)):
         return texts
     return [text.removesuffix(delimiter) for text in texts]
 
@@ -332,14 +480,14 @@ def word_in_row(line: str, width: int, dialect: Dialect) -> str | None:
     # in a wide table a lost separator or a blank in a word makes one cell fewer or more
     if abs(len(cells) - width) > (width >= _WIDE_TABLE and not comment) or (comment and len(cells[0]) > 1):
         return None
-    values = [_number_in(cell) for cell in cells]
+    values = [_parse_number(cell) for cell in cells]
     non_numbers = [cell for cell, value in zip(cells, values, strict=True) if value is None]
     numbers = sum(bool(cell) for cell in cells) - len(non_numbers)
     finite = any(value is not None and np.isfinite(value) for value in values)
     if non_numbers and finite and 2 * numbers > len(cells):
         return non_numbers[0]
-    repeated = len(set(non_numbers)) == 1 < len(non_numbers) and len(cells) == width >= _WIDE_TABLE
-    if repeated and any(map(str.isalnum, non_numbers[0])) and not is_heading(non_numbers[0]):
+    is_marker = len(set(non_numbers)) == 1 < len(non_numbers) and len(cells) == width >= _WIDE_TABLE
+    if is_marker and any(map(str.isalnum, non_numbers[0])) and not is_heading(non_numbers[0]):
         return non_numbers[0]
     return None
 
@@ -357,26 +505,26 @@ def _is_data(line: str) -> bool:
     cells = _cells(line)
     if len(line) > _MAX_PREFIX:
         del cells[-1:]  # it may be half a number
-    values = [_number_in(cell) for cell in cells]
+    values = [_parse_number(cell) for cell in cells]
     if not cells or None in values:
         return False
     phrase = is_spoken(cells[0]) or joined(line[:_MAX_PREFIX]) != line[:_MAX_PREFIX]
     if len(cells) <= 3 and cells[0][:1].isalpha() and phrase:
         return False  # "Masked 12" is an entry of the header
-    ruled = "---" in line and not any(map(str.isalnum, line))  # a line drawn below headings
-    return bool(np.isfinite(np.array(values, dtype=float)).any()) or (len(values) > 1 and not ruled)
+    rule = "---" in line and not any(map(str.isalnum, line))  # a line drawn below headings
+    return bool(np.isfinite(np.array(values, dtype=float)).any()) or (len(values) > 1 and not rule)
 
 
-def _cells(line: str, most: int = 0) -> list[str]:
-    """Return the cells of a line, after `most` the rest; none of a comment, unlike ``#N/A`` or ``***``."""
+def _cells(line: str, limit: int = 0) -> list[str]:
+    """Return the cells of a line, after `limit` the rest; none of a comment, unlike ``#N/A`` or ``***``."""
     start = line[:_MAX_PREFIX].lstrip()
     text = joined(start).strip(_CELL_SEPARATORS)
-    first = re.split(r"[;\t,\s]", start, maxsplit=1)[0]
-    comment = start.startswith(tuple(COMMENT_SIGNS)) and not is_missing(first)
-    return [] if comment or not text else re.split(r'[;\t,\s"]+', text, maxsplit=most)
+    cell = re.split(r"[;\t,\s]", start, maxsplit=1)[0]
+    comment = start.startswith(tuple(COMMENT_SIGNS)) and not is_missing(cell)
+    return [] if comment or not text else re.split(r'[;\t,\s"]+', text, maxsplit=limit)
 
 
-def _number_in(token: str) -> float | None:
+def _parse_number(token: str) -> float | None:
     """Return the value of a token, NaN for one that stands for a missing point, None for any other word."""
     token = token.strip()
     if is_missing(token):
@@ -386,4 +534,4 @@ def _number_in(token: str) -> float | None:
             token = _FORTRAN.sub(r"\1e\2", token)
         return float(token) if "_" not in token else None  # Python would read 1_000
     except ValueError:
-        return None
+        return float(re.sub(r"[^-+.\d]", "", token)) if _GROUPED.fullmatch(token) else None

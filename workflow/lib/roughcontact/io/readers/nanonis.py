@@ -1,0 +1,82 @@
+r"""Nanonis SXM, of scanning tunnelling and force microscopes: a header of entries, and 4-byte floats.
+
+An entry is a line ``:NAME:`` and the lines below it. Behind ``SCANIT_END`` and the bytes 0x1a 0x04 lie the
+images of all channels of ``DATA_INFO``, of ``both`` directions forward and then backward, big-endian, as they
+were scanned: lines from the top where ``SCAN_DIR`` is down, backward ones from the right.
+"""
+
+import re
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, as_heights, counted_channels
+from roughcontact.io.guards import refusing
+from roughcontact.io.instrument_kinds import PROBE
+from roughcontact.io.interface import Reader, RecognisedBy, begins_with
+from roughcontact.io.metadata import instrument_metadata
+from roughcontact.io.units import is_length
+
+_MARK = b":NANONIS_VERSION:"
+_END = b":SCANIT_END:"
+_START = b"\x1a\x04"  # of the images
+_MAX_HEADER_BYTES = 2**20
+_DIRECTIONS = {"both": ("forward", "backward"), "forward": ("forward",), "backward": ("backward",)}
+
+
+def read(path: Path) -> MeasuredFile:
+    """Open a file; each image is a channel."""
+    with path.open("rb") as stream:
+        text, _, behind = stream.read(_MAX_HEADER_BYTES).partition(_END)
+    if _START not in behind:
+        raise InputFileError("the header of this Nanonis file has no end: it was cut off")
+    start = len(text) + len(_END) + behind.index(_START) + len(_START)
+    entries = dict(
+        re.findall(r"^:([^:\n]+):\r?\n(.*?)(?=^:|\Z)", text.decode("latin-1"), re.DOTALL | re.MULTILINE)
+    )
+    with refusing("looks like Nanonis SXM, but its header is damaged"):
+        channels = counted_channels(_channels(entries, start, path))
+        first_row = {"down": "top", "up": "bottom"}[entries["SCAN_DIR"].strip()]
+        acquired_at = f"{entries.get('REC_DATE', '').strip()} {entries.get('REC_TIME', '').strip()}".strip()
+    size = start + sum(4 * channel.shape[0] * channel.shape[1] for channel in channels)
+    instrument = instrument_metadata({"kind": PROBE.name, "vendor": "SPECS", "acquisition_time": acquired_at})
+    return MeasuredFile("Nanonis SXM", channels, first_row, instrument, required_size=size)
+
+
+def _channels(entries: dict[str, str], start: int, path: Path) -> Iterator[Channel]:
+    """Yield the images, one behind the other from the byte `start` on."""
+    if entries["SCANIT_TYPE"].split() != ["FLOAT", "MSBFIRST"]:
+        raise InputFileError(f"this Nanonis file holds {entries['SCANIT_TYPE'].strip()}, not FLOAT MSBFIRST")
+    nx, ny = map(int, entries["SCAN_PIXELS"].split())
+    length_x, length_y = map(float, entries["SCAN_RANGE"].split())
+    if not (min(nx, ny) > 0 and 0 < length_x < np.inf and 0 < length_y < np.inf):
+        raise InputFileError(f"{ny} x {nx} points on {length_x:g} x {length_y:g} m are no map")
+    names, *rows = (line.split("\t") for line in entries["DATA_INFO"].splitlines() if line.strip())
+    for row in rows:
+        entry = dict(zip(map(str.strip, names), map(str.strip, row), strict=True))
+        for direction in _DIRECTIONS[entry["Direction"].lower()]:
+            yield Channel(
+                f"{entry['Name']} ({direction})",
+                (ny, nx),
+                partial(_read, path, start, (ny, nx), reverse=direction == "backward"),
+                height_unit=entry["Unit"] or "no unit",
+                dx=length_x / nx,
+                dy=length_y / ny,
+                lateral_unit="m",
+                no_height="by its name no topography"
+                if is_length(entry["Unit"]) and NO_TOPOGRAPHY.search(entry["Name"])
+                else "",
+            )
+            start += 4 * nx * ny
+
+
+def _read(path: Path, start: int, shape: tuple[int, int], *, reverse: bool) -> np.ndarray:
+    """Return the values of one image, NaN in lines that were not scanned."""
+    heights = as_heights(np.fromfile(path, ">f4", shape[0] * shape[1], offset=start).reshape(shape))
+    return heights[:, ::-1].copy() if reverse else heights
+
+
+READER = Reader(RecognisedBy.MARK, begins_with(_MARK), read, binary=True)

@@ -1,0 +1,231 @@
+"""Where each thing that a map needs comes from, and the lines of a header that none of them comes from.
+
+Steps, units, sign, marker of missing points and order of rows come from a line of the file, from the standard
+of its format, or from the user. Another line with a number or a unit is named as not used; where it may
+concern the map, that is a question or a warning until the user answers it.
+"""
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from roughcontact.arguments.checking import marker_values
+from roughcontact.arguments.quantities import counted_noun, quantity
+from roughcontact.errors import InputFileError, SettingsError
+from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile
+from roughcontact.io.request import Request
+from roughcontact.io.text.header import CAMERA, NUMBER, number_and_rounding
+from roughcontact.io.units import is_length, metres
+from roughcontact.io.vocabulary import words
+
+#: Column of the table -> what it states.
+THINGS = {
+    "dx": "step along x",
+    "dy": "step along y",
+    "unit": "their unit",
+    "height_unit": "unit of heights",
+    "sign": "sign",
+    "missing_value": "missing points",
+    "first_row": "first row",
+}
+FACTOR, FRACTION, MARKER, TURNED, PIXELS, STEP, ELSEWHERE = (
+    re.compile("|".join(words("aside")[matter]), re.IGNORECASE)
+    for matter in ("factor", "fraction", "marker", "turned", "pixels", "step", "elsewhere")
+)
+_NO_HEIGHTS = re.compile(
+    rf"(?:data|signal|type|image|quantity)\W*[:=]\W*(?:{NO_TOPOGRAPHY.pattern})", re.IGNORECASE
+)
+_DENIED = re.compile(r"\b(?:no|none|false|off|nein|non|0)\W*$", re.IGNORECASE)
+_QUANTITY = re.compile(rf"(?:(?P<number>(?>{NUMBER.pattern}))\s*|(?<!\w))(?P<unit>[^\W\d_]+)(?![\w^])")
+_SIDES = re.compile(
+    rf"(?<![\w.,])((?>{NUMBER.pattern}))\s*(?:[x×*/,;|]|by)\s*((?>{NUMBER.pattern}))\s*([^\W\d_]+)"
+)
+_SPEED = re.compile(r"\s*/\s*(?:s|sec|min|h)\b")
+_PLAIN = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
+_TOLERANCE = re.compile(r"(?:\+/-|±)\s*[\d.,]+\s*\w*")
+_LATERAL = re.compile(r"\b[xy]+\b|lateral|horizont|scan", re.IGNORECASE)  # of a unit that is not the heights'
+_COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*[^\W\d_])")
+_CLOSE, _WIDEST = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with their rounding
+_MAX_QUOTED = 3  # lines in a question
+
+
+class Length(NamedTuple):
+    """A length in a line; NaN where its number is ambiguous or absent."""
+
+    value: float  # m
+    rounding: float  # relative
+    unit: str
+    bare: bool  # its number does not stand before the unit
+
+    def agrees(self, lengths: Sequence[float]) -> bool:
+        """Return whether it is one of some lengths (m) within its rounding."""
+        slack = _CLOSE + min(self.rounding, _WIDEST)
+        return any(abs(abs(self.value) - abs(length)) <= slack * abs(length) for length in lengths)
+
+
+def parse_lengths(text: str) -> list[Length]:
+    """Return the lengths in a line; a unit without a number is that of the numbers without a unit.
+
+    Examples
+    --------
+    >>> [(round(length.value, 12), length.unit) for length in parse_lengths("Sampling (µm): 0.4, at 2 mm/s")]
+    [(4e-07, 'µm')]
+    >>> [length[::2] for length in parse_lengths("4 x 2 mm, heights in nm")]
+    [(0.004, 'mm'), (0.002, 'mm'), (nan, 'nm')]
+    """
+    quantities, loose, text = [], [], _SIDES.sub(r"\1 \3 \2 \3", _TOLERANCE.sub("", text))
+    text = re.sub(r"(?<!\d),|,(?!\d)", " ", text)  # between cells
+    for match in _QUANTITY.finditer(text):
+        unit, number = match["unit"], match["number"]
+        if not is_length(unit) or (unit == "in" and not number):
+            loose += [number] if number else []
+        elif not _SPEED.match(text, match.end()):
+            quantities.append((number, unit))
+    remainder = _QUANTITY.sub(" ", text)
+    loose += [match[0] for match in NUMBER.finditer(remainder)]
+    lengths = []
+    for number, unit in quantities:
+        for token in [number] if number else (loose or [None]):
+            value, rounding = number_and_rounding(token.rstrip(".,"), "") if token else (math.nan, 0.0)
+            lengths.append(Length(value * metres(unit), rounding / abs(value or 1), unit, not number))
+    return lengths
+
+
+def ignored_lines(request: Request) -> set[int]:
+    """Return the numbers of the lines that do not concern the map, as the user says."""
+    return {*map(int, marker_values(request.ignore_lines, "ignore_lines"))}
+
+
+def open_lines(channel: Channel, request: Request) -> Iterator[tuple[str, list[Length]]]:
+    """Yield the lines with lengths that nothing uses, but for those of something else."""
+    exempt = ignored_lines(request)
+    for number, text in channel.unused:
+        lengths = parse_lengths(text)
+        if lengths and number not in exempt and not _is_elsewhere(text):
+            yield f"line {number} says {text!r}", lengths
+
+
+def quoted(channel: Channel, request: Request) -> str:
+    """Return the lines that a question about size and units has to show; nothing where there are none."""
+    lines = [where for where, _ in open_lines(channel, request)][:_MAX_QUOTED]
+    return f" ({', '.join(lines)}, which is not used)" if lines else ""
+
+
+def says_another_unit(channel: Channel, request: Request, lengths_used: Sequence[float]) -> bool:
+    """Return whether a line that nothing uses has another unit than that of the user for x and y."""
+    factor = metres(str(request.unit), where="unit", error=SettingsError)
+    return any(
+        metres(length.unit) != factor and not length.agrees(lengths_used)
+        for _, lengths in open_lines(channel, request)
+        for length in lengths
+    )
+
+
+def _is_factor(text: str, values: Sequence[float]) -> bool:
+    """Return whether a line says a factor of the heights, in numbers or in words."""
+    return bool(FRACTION.search(text) or (FACTOR.search(text) and values and values[-1] not in (0, 1)))
+
+
+def _is_elsewhere(text: str) -> bool:
+    """Return whether the lengths of a line are those of the lens, the tip, the specimen or the like."""
+    return bool(ELSEWHERE.search(text) or CAMERA.search(text))
+
+
+def sources(file: MeasuredFile, channel: Channel, request: Request) -> dict[str, str]:
+    """Return where each thing that a map needs comes from, by the columns that state it."""
+    fallback = "assumed" if channel.sources else file.format.partition(" (")[0]
+    origins = {}
+    for column in THINGS:
+        if getattr(request, column, None) is not None or (column == "unit" and request.dx is not None):
+            origins[column] = "stated by the user"
+        elif column == "height_unit" and channel.height_unit is None:
+            origins[column] = "stated by the user for x and y"
+        elif column == "first_row" and (channel.first_row or file.first_row_assumed):
+            origins[column] = "assumed"
+        elif column != "dy" or channel.shape[0] > 1:
+            origins[column] = channel.sources.get(column, fallback)
+    return origins
+
+
+def in_words(origins: Mapping[str, Any]) -> str:
+    """Return `sources` for people; nothing where all comes from the format.
+
+    Examples
+    --------
+    >>> in_words({"dx": "line 2", "dy": "line 2", "height_unit": "line 3", "not used": []})
+    'step along x, step along y: line 2; unit of heights: line 3'
+    """
+    things: dict[str, list[str]] = {}
+    for column, source in origins.items():
+        if column in THINGS:
+            things.setdefault(source, []).append(THINGS[column])
+    return (
+        "; ".join(f"{', '.join(names)}: {source}" for source, names in things.items())
+        if len(things) > 1
+        else ""
+    )
+
+
+def lines_not_used(
+    channel: Channel, request: Request, steps: tuple[float, float], height_factor: float, numbers: np.ndarray
+) -> tuple[list[str], list[str]]:
+    """Return the lines with a number or a unit that nothing uses, and warnings of what they may concern.
+
+    Refused are a factor that is not understood above whole numbers, and a step that is none of `steps` (m).
+    """
+    (ny, nx), (dx, dy) = channel.shape, steps
+    finite = numbers[np.isfinite(numbers)] if channel.unused else np.empty(0)
+    is_integer = bool(finite.size) and "factor" not in channel.sources and not np.any(finite % 1)
+    extremes = [finite.min(), finite.max(), np.ptp(finite), 1.0] if finite.size else []
+    sides = [dx, dy, nx * dx, ny * dy]
+    lengths_used = [*sides, *(height_factor * height for height in extremes)]
+    has_steps = request.dx is not None and (request.dy is not None or ny == 1)
+    stated_above = not has_steps and any("line" in channel.sources.get(step, "") for step in ("dx", "dy"))
+    exempt, listing, notes = ignored_lines(request), [], []
+    for number, text in channel.unused:
+        lengths = parse_lengths(text)
+        values = [float(match) for match in _PLAIN.findall(text.replace(",", "."))]
+        where = f"line {number} says {text!r}"
+        if lengths or values:
+            listing.append(f"line {number}: {text}")
+        if number in exempt:
+            continue
+        unless = f", or ignore_lines = {number} where it does not concern the map"
+        used = sides if STEP.search(text) else lengths_used
+        strange = [length for length in lengths if length.value == length.value and not length.agrees(used)]
+        strange = [] if _is_elsewhere(text) else strange
+        counts = _COUNTS.search(text)
+        strange_points = counts is not None and {*map(int, counts.groups())} != {nx, ny}
+        check = ""
+        if values and MARKER.search(text) and (count := int(np.sum(finite == values[-1]))):
+            points = f"{'is' if count == 1 else 'are'} {counted_noun(count, 'point')} with that height"
+            check = f"and there {points}: if missing, give missing_value"
+        elif (TURNED.search(text) or _NO_HEIGHTS.search(text)) and not _DENIED.search(text):
+            check = "which is not used: check first_row, the sign, and whether these are heights"
+        elif is_integer and (_is_factor(text, values) or (strange and not STEP.search(text))):
+            raise InputFileError(
+                f"{where}, and all heights are whole numbers, as counts are: state it as 'Z factor', with "
+                f"the unit of the products{unless}",
+                keys=["ignore_lines"] if unless else [],
+            )
+        elif stated_above and (strange or strange_points) and STEP.search(text):
+            raise InputFileError(
+                f"{where}, which does not agree with steps of {quantity(dx, 'm')} and {quantity(dy, 'm')}: "
+                f"give dx, dy and unit{unless}",
+                keys=["dx", "dy", "unit", *(["ignore_lines"] if unless else [])],
+            )
+        elif PIXELS.search(text) and any(value != 1 for value in values):
+            check = "which is not used: check the steps dx and dy"
+        elif stated_above and (strange or strange_points):
+            check = "which is not used: check the steps dx and dy, and the units"
+        elif not _LATERAL.search(text) and any(
+            length.bare and metres(length.unit) != height_factor and not length.agrees(lengths_used)
+            for length in lengths
+        ):
+            check = "which is not used: check the units"
+        if check:
+            notes.append(f"{where}, {check}{unless}")
+    return listing, notes
