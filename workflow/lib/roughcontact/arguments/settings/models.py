@@ -5,10 +5,12 @@ each quantity has one name.
 """
 
 import math
+from functools import partial
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -20,13 +22,12 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core.core_schema import CoreSchema, no_info_before_validator_function
 
-from roughcontact.choices import (
-    HIGHEST_ORDER,
-    SMALLEST_TOLERANCE,
+from roughcontact.arguments.choices import (
+    MAX_ORDER,
+    MIN_TOLERANCE,
     Boundary,
     Extra,
     Fill,
-    HeadlineMeasurand,
     Influence,
     LevelForm,
     LineAlignment,
@@ -38,9 +39,10 @@ from roughcontact.choices import (
     WindowMethod,
     ZeroFrequency,
 )
-from roughcontact.configuration.plausible import Range, bare_number
-from roughcontact.materials import HARDEST, LEAST_LOAD, MOST_FRICTION, RIGID, SOFTEST, STIFFEST
-from roughcontact.units import carries_unit
+from roughcontact.arguments.materials import MAX_FRICTION, MAX_HARDNESS, MIN_LOAD, RIGID, SOFTEST, STIFFEST
+from roughcontact.arguments.ranges import with_shares
+from roughcontact.arguments.settings.plausible import Range, bare_number
+from roughcontact.arguments.units import carries_unit
 
 
 def _not_boolean(value: Any) -> Any:
@@ -50,11 +52,21 @@ def _not_boolean(value: Any) -> Any:
     return value
 
 
+def _without_sign(value: Any, *, sign: str) -> Any:
+    """Return a limit without the sign before it, or reject the wrong one."""
+    if not isinstance(value, str):
+        return value
+    limit = value.strip().lstrip("<>≤≥=").strip()
+    if value.strip().removesuffix(limit).strip() not in ("", sign, {"<=": "≤", ">=": "≥"}[sign]):
+        raise ValueError(f"is a limit of the other side; write {sign} {limit}")
+    return limit
+
+
 def _relative_load(value: Any) -> Any:
     """Reject a pressure, with or without its unit, for a load relative to the modulus."""
     if carries_unit(value):
         raise ValueError("has no unit; a load with one is mean_pressure")
-    if _MOST_RELATIVE < bare_number(value) < math.inf:
+    if _MAX_RELATIVE < bare_number(value) < math.inf:
         raise ValueError(
             "is in units of E* x rms gradient, in which contact is full from about 1 on; did you mean "
             "mean_pressure?"
@@ -76,14 +88,37 @@ class OneOrMore:
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         """Admit what may stand in the list beside it."""
-        listed = handler(schema)
-        alone = listed["items"].get("anyOf", [listed["items"]])
-        return {"anyOf": [*({"type": name} for name in self.types), *alone, listed]}
+        array_schema = handler(schema)
+        item_schemas = array_schema["items"].get("anyOf", [array_schema["items"]])
+        return {"anyOf": [*({"type": name} for name in self.types), *item_schemas, array_schema]}
 
 
 def _as_list(value: Any) -> Any:
     """Return a single value as a list of one."""
     return value if isinstance(value, list | tuple | NoneType) else [value]
+
+
+class OrRange:
+    """Admits, in the schema, both ends of a range for the value of a property."""
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Return the schema of the value, or of two."""
+        single = handler(schema)
+        return {"anyOf": [*single["anyOf"], {"type": "array", "items": single, "minItems": 2, "maxItems": 2}]}
+
+
+def _half_range(shares: Any) -> Any:
+    """Return one number for a range about the middle."""
+    return sum(shares) / 2 if isinstance(shares, list) and len(shares) == 2 else shares
+
+
+def _leaves_a_rest(shares: list[float]) -> list[float]:
+    """Reject a range that reaches down to nothing."""
+    if shares[0] >= 1:
+        raise ValueError("must be less than 1 below the value")
+    return shares
 
 
 def _largest_load(value: Any) -> Any:
@@ -97,7 +132,15 @@ Number = Annotated[float, BeforeValidator(_not_boolean)]
 Count = Annotated[int, BeforeValidator(_not_boolean)]
 Positive = Annotated[Number, Field(gt=0)]
 RelativeUncertainty = Annotated[Number, Field(ge=0, lt=1)]
-_MOST_RELATIVE = 100.0  # load in units of E* g; any surface is in full contact long before
+HalfRange = Annotated[RelativeUncertainty, BeforeValidator(_half_range)]
+# below and above the value, or one for both
+RelativeRange = Annotated[
+    list[Annotated[Number, Field(ge=0, lt=100)]],
+    Field(min_length=1, max_length=2),
+    AfterValidator(_leaves_a_rest),
+    OneOrMore(),
+]
+_MAX_RELATIVE = 100.0  # load in units of E* g; any surface is in full contact long before
 _LISTED = Field(min_length=1, max_length=1000)  # each is solved
 _ONE_OR_MORE = OneOrMore()
 # quantities with a dimension: a bare number in SI units, in a plausible range, or a number with its unit
@@ -109,10 +152,10 @@ Modulus = Annotated[
     Positive, Range("Pa", SOFTEST, STIFFEST, "softer than any gel", "stiffer than diamond", rigid=RIGID)
 ]
 Strength = Annotated[
-    Positive, Range("Pa", 1e5, HARDEST * STIFFEST, "softer than any foam", "harder than diamond")
+    Positive, Range("Pa", 1e5, MAX_HARDNESS * STIFFEST, "softer than any foam", "harder than diamond")
 ]
 _LOAD_WORDS = ("next to no load", "more than any contact bears")
-Pressure = Annotated[Positive, Range("Pa", LEAST_LOAD, STIFFEST, *_LOAD_WORDS, likely_factors=(1e6, 1e3))]
+Pressure = Annotated[Positive, Range("Pa", MIN_LOAD, STIFFEST, *_LOAD_WORDS, likely_factors=(1e6, 1e3))]
 # aerogels to diamond; metals to conductive polymers; air to cold oil; liquids on polymers to clean metals
 Conductivity = Annotated[Positive, Range("W m-1 K-1", 1e-3, 1e4)]
 Resistivity = Annotated[Positive, Range("Ohm m", 1e-9, 0.1)]
@@ -122,8 +165,21 @@ Viscosity = Annotated[Positive, Range("Pa s", 5e-6, 10)]
 Speed = Annotated[Positive, Range("m s-1", 1e-9, 1e3)]
 Diffusivity = Annotated[Positive, Range("m2 s-1", 1e-8, 1e-2)]
 Work = Annotated[Positive, Range("J m-2", 1e-5, 10)]
+# of what is allowed: bubbles a year to open pipes; welded contacts to insulators
+Flow = Annotated[Positive, Range("m3 s-1", 1e-18, 1.0)]
+Resistance = Annotated[Positive, Range("Ohm", 1e-9, 1e6)]
+TemperatureDrop = Annotated[Positive, Range("K", 1e-6, 5e3)]
+HeatFlow = Annotated[Positive, Range("W", 1e-9, 1e9)]
+_AT_MOST = BeforeValidator(partial(_without_sign, sign="<="))
+_AT_LEAST = BeforeValidator(partial(_without_sign, sign=">="))
+Perimeter = Annotated[Positive, Range("m", 1e-9, 1e3)]
+# of hard coatings in oil to soft polymers on rough steel
+WearCoefficient = Annotated[Positive, Range("Pa-1", 1e-22, 1e-8)]
+Slid = Annotated[Positive, Range("m", 1e-9, 1e9)]
 Angle = Annotated[Number, Range("degree", -720, 720)]
 Shares = Annotated[list[Annotated[Number, Field(gt=0, lt=1)]], _LISTED, _ONE_OR_MORE]
+Distances = Annotated[list[Slid], Field(min_length=1, max_length=100), _ONE_OR_MORE]
+Speeds = Annotated[list[Speed], Field(min_length=1, max_length=100), _ONE_OR_MORE]
 Gaps = Annotated[list[Height], _LISTED, _ONE_OR_MORE]
 RelativeLoads = Annotated[list[Annotated[Positive, BeforeValidator(_relative_load)]], _LISTED, _ONE_OR_MORE]
 Loads = Annotated[list[Pressure], _LISTED, _ONE_OR_MORE]
@@ -157,13 +213,19 @@ class Section(BaseModel):
         for field in cls.model_fields.values():
             field.description = field.description and " ".join(field.description.split())
 
+    @model_validator(mode="before")
+    @classmethod
+    def _ranges(cls, values: Any) -> Any:
+        """Let the value of a property be both ends of a range."""
+        return with_shares(values, cls.model_fields)
+
 
 class Level(Section):
     """Levelling: remove outliers, align scan lines, remove form and waviness, fill in missing points."""
 
     form: LevelForm = "plane"
     """form that is fitted to the map and subtracted"""
-    order: Count = Field(default=2, ge=1, le=HIGHEST_ORDER)
+    order: Count = Field(default=2, ge=1, le=MAX_ORDER)
     """total order of the polynomial, x^i y^j with i + j <= order"""
     robust: bool = False
     """fit without weight on deep valleys and high spikes (otherwise least squares)"""
@@ -237,7 +299,7 @@ class Window(Section):
     file states its numerical aperture)"""
 
 
-def _without_required(schema: dict[str, Any]) -> None:
+def _drop_required(schema: dict[str, Any]) -> None:
     """Require no elastic constants in the schema: a rigid base has none, a named material brings them."""
     schema["required"] = [key for key in schema["required"] if key == "thickness"]
     schema["properties"]["material"] = {"type": "string", "description": "name of a material of the table"}
@@ -252,33 +314,39 @@ def _or_names(schema: dict[str, Any]) -> None:
 class Layer(Section):
     """A bonded layer of a body: a coating, a sheet."""
 
-    model_config = ConfigDict(json_schema_extra=_without_required)
+    model_config = ConfigDict(json_schema_extra=_drop_required)
 
     name: str | None = Field(default=None, max_length=64, examples=["DLC"])
     """for the report"""
     thickness: Length = Field(examples=["2 um"])
     """of the layer, m"""
-    youngs_modulus: Modulus = Field(examples=["180 GPa"])
+    youngs_modulus: Annotated[Modulus, OrRange()] = Field(examples=["180 GPa"])
     """Young's modulus of the layer, Pa"""
     poissons_ratio: Number = Field(gt=-1, le=0.5, examples=[0.2])
     """Poisson's ratio of the layer, no unit"""
     yield_stress: Strength | None = _example("4 GPa")
     """of the layer in tension, Pa: as that of a body, which with layers is that of its base"""
-    thermal_conductivity: Conductivity | None = _example(2.0)
+    thermal_conductivity: Annotated[Conductivity, OrRange()] | None = _example(2.0)
     """of the layer, W m-1 K-1"""
-    electrical_resistivity: Resistivity | None = _example(1.0e-3)
+    electrical_resistivity: Annotated[Resistivity, OrRange()] | None = _example(1.0e-3)
     """of the layer, Ohm m"""
+    youngs_modulus_uncertainty: RelativeRange | None = _example(0.1)
+    """as that of a body, as the two below"""
+    thermal_conductivity_uncertainty: RelativeRange | None = _example(0.3)
+    """of the layer"""
+    electrical_resistivity_uncertainty: RelativeRange | None = _example(0.3)
+    """of the layer"""
 
 
 class Body(Section):
     """One of the two bodies."""
 
-    model_config = ConfigDict(json_schema_extra=_without_required)
+    model_config = ConfigDict(json_schema_extra=_drop_required)
 
     name: str | None = Field(default=None, max_length=64, examples=["steel"])
     """of the material, for the report"""
-    youngs_modulus: Modulus | None = Field(examples=["210 GPa"])
-    """Young's modulus E, Pa"""
+    youngs_modulus: Annotated[Modulus, OrRange()] | None = Field(examples=["210 GPa"])
+    """Young's modulus E, Pa; it, the hardness and the conductivities may be ranges, [1.1 GPa, 1.8 GPa]"""
     poissons_ratio: Annotated[Number, Field(gt=-1, le=0.5)] | None = Field(examples=[0.3])
     """Poisson's ratio, no unit"""
     base: Literal["rigid"] | None = None
@@ -291,15 +359,24 @@ class Body(Section):
     )
     """bonded layers from the surface inwards, each with thickness (m), youngs_modulus (Pa), poissons_ratio
     and, if known, yield_stress (Pa)"""
-    hardness: Strength | None = _example("2 GPa")
+    hardness: Annotated[Strength, OrRange()] | None = _example("2 GPa")
     """largest pressure that its surface carries before it yields (indentation hardness), Pa"""
     yield_stress: Strength | None = _example("400 MPa")
     """in tension, Pa: the results then include the stresses below the surface and the load at which it yields
     there"""
-    thermal_conductivity: Conductivity | None = _example(50.0)
+    thermal_conductivity: Annotated[Conductivity, OrRange()] | None = _example(50.0)
     """W m-1 K-1, of both bodies: the results then include the thermal contact conductance"""
-    electrical_resistivity: Resistivity | None = _example(2.0e-7)
+    electrical_resistivity: Annotated[Resistivity, OrRange()] | None = _example(2.0e-7)
     """Ohm m, of both bodies: the results then include the electrical contact conductance"""
+    youngs_modulus_uncertainty: RelativeRange | None = _example(0.05)
+    """instead of a range, relative, expanded (95 %), no unit, one number or one below and one above, as those
+    below; it is part of the ±"""
+    hardness_uncertainty: RelativeRange | None = _example([0.2, 0.3])
+    """of the hardness"""
+    thermal_conductivity_uncertainty: RelativeRange | None = _example(0.1)
+    """of the thermal conductivity"""
+    electrical_resistivity_uncertainty: RelativeRange | None = _example(0.1)
+    """of the electrical resistivity"""
 
     @model_validator(mode="before")
     @classmethod
@@ -313,7 +390,7 @@ class Body(Section):
 class Contact(Section):
     """The contact problem: contact_modulus or bodies, mean_pressure or relative_pressure or neither."""
 
-    contact_modulus: Modulus | None = _example("115 GPa")
+    contact_modulus: Annotated[Modulus, OrRange()] | None = _example("115 GPa")
     """plane-strain contact modulus E*, Pa, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; 115 GPa for steel on
     steel"""
     bodies: list[Body] | None = Field(
@@ -362,18 +439,21 @@ class Contact(Section):
     """further states whose load is found and solved: percolation, at which the gap closes along x and along
     y; first_yield, at which a body begins to yield (its yield_stress below the surface, otherwise the
     hardness)"""
-    contact_modulus_uncertainty: RelativeUncertainty | None = _example(0.05)
+    contact_modulus_uncertainty: HalfRange | None = _example(0.05)
     """of the contact modulus, relative, expanded (95 %), no unit; it is part of the ±"""
     mean_pressure_uncertainty: RelativeUncertainty | None = _example(0.02)
     """of the loads, relative, expanded (95 %), no unit; it is part of the ±"""
-    tolerance: Number = Field(default=1e-4, ge=SMALLEST_TOLERANCE, lt=1)
+    tolerance: Number = Field(default=1e-4, ge=MIN_TOLERANCE, lt=1)
     """largest accepted error_bound (relative, energy norm), no unit"""
     zero_frequency: ZeroFrequency = "zero"
     """mean displacement in the approach: zero, nogi-kato (its mean over the q = 0 cell), lattice (one contact
     per window in free space); pressure and area do not depend on it"""
-    hardness: Strength | None = _example("2 GPa")
+    hardness: Annotated[Strength, OrRange()] | None = _example("2 GPa")
     """largest pressure that the softer body carries before it yields (indentation hardness), Pa: the upper
     limit of the pressure; not given here if bodies state theirs; without any: elastic throughout"""
+    hardness_uncertainty: RelativeRange | None = _example([0.2, 0.3])
+    """of the hardness, relative, expanded (95 %), no unit, one number or one below and one above; it is part
+    of the ±; not given: the range of the bodies"""
     unload: UnloadedFrom = _example(True)
     """take a load off after it was reached, and write the surface that flow has left and the contact on the
     way back to residual.nc; true: the largest load; or loads, Pa; needs a hardness"""
@@ -398,14 +478,36 @@ class Seal(Section):
     """of the fluid between both sides of the seal, Pa"""
     width: Length = Field(examples=["2 mm"])
     """of the seal in the direction of the flow, m"""
+    perimeter: Perimeter | None = _example("120 mm")
+    """length of the seal across the flow, m: the results then include the leak of the whole seal"""
+    allowed_leak: Flow | None = _example("1 ml/h")
+    """largest leak of the whole seal, m3 s-1: the results then say whether, and from which load on, it holds;
+    needs the perimeter"""
+    outlet_pressure: Pressure | None = _example("1 bar")
+    """absolute pressure behind the seal, Pa: the fluid is then an ideal gas, which expands on its way, and
+    the leak its volume at this pressure; null: a liquid"""
+    mean_free_path: Length | None = _example("68 nm")
+    """of the molecules of the gas at the outlet pressure, m: the leak then includes slip; 68 nm for air at 1
+    bar"""
 
 
 class Joint(Section):
-    """What conducts heat beside the metal: the gas in the gap, and a film on the spots in contact."""
+    """What conducts heat beside the metal, and what the joint as a whole may do."""
 
-    gas_conductivity: Conductivity = Field(examples=[0.026])
-    """of the gas, W m-1 K-1"""
-    temperature_jump: Length = Field(examples=["0.37 um"])
+    area: Area | None = _example("4 mm2")
+    """nominal area of the joint, m2: the results then include the resistances of the whole joint, and its
+    force; null: contact.area"""
+    allowed_resistance: Resistance | None = _example("1 mOhm")
+    """largest electrical resistance of the whole joint, Ohm: the results then say whether, and from which
+    load on, it holds; needs the area and the electrical_resistivity of both bodies"""
+    allowed_temperature_drop: TemperatureDrop | None = _example("2 K")
+    """largest temperature drop across the joint, K: as allowed_resistance; needs the area, the heat_flow and
+    the thermal_conductivity of both bodies"""
+    heat_flow: HeatFlow | None = _example("5 W")
+    """through the whole joint, W: the results then include the temperature drop; needs the area"""
+    gas_conductivity: Conductivity | None = _example(0.026)
+    """of the gas in the gap, W m-1 K-1; null: a vacuum"""
+    temperature_jump: Length | None = _example("0.37 um")
     """sum of the temperature jump distances of gas and both faces, m; for air at 1 bar and metals about 0.37
     um"""
     film_thickness: Length | None = _example("5 nm")
@@ -414,15 +516,43 @@ class Joint(Section):
     """of that film, W m-1 K-1"""
 
 
+class Requirement(Section):
+    """What the surface has to meet; the results say whether it holds, and up to which Sq it would."""
+
+    thermal_resistance: Annotated[Positive, Range("m2 K W-1", 1e-12, 10.0), _AT_MOST] | None = _example(
+        "<= 2e-6 m2 K/W"
+    )
+    """thermal resistance times area at most, with film and gas, m2 K W-1; needs the thermal_conductivity of
+    both bodies"""
+    contact_resistance: Annotated[Positive, Range("Ohm m2", 1e-18, 1.0), _AT_MOST] | None = _example(
+        "<= 10 uOhm mm2"
+    )
+    """electrical resistance times area at most, Ohm m2; needs the electrical_resistivity of both bodies"""
+    gap: Annotated[Positive, Range("m", 1e-12, 0.01), _AT_MOST] | None = _example("<= 0.5 um")
+    """mean gap at most, m"""
+    contact_area: Annotated[Positive, Field(lt=1), _AT_LEAST] | None = _example(">= 0.1")
+    """relative contact area at least, no unit"""
+    leak: Annotated[Flow, _AT_MOST] | None = _example("<= 1 ml/h")
+    """leak of the whole seal at most, m3 s-1; needs a seal with its perimeter"""
+    resistance: Annotated[Resistance, _AT_MOST] | None = _example("<= 1 mOhm")
+    """electrical resistance of the whole joint at most, Ohm; needs joint.area"""
+    temperature_drop: Annotated[TemperatureDrop, _AT_MOST] | None = _example("<= 2 K")
+    """temperature drop across the joint at most, K; needs joint.area and joint.heat_flow"""
+    pressure: Annotated[Strength, _AT_MOST] | None = _example("<= 1 GPa")
+    """largest pressure in the contact at most, Pa"""
+
+
 class Friction(Section):
     """A tangential load, or sliding; see docs/how-to/friction.md."""
 
-    coefficient: Annotated[Number, Field(gt=0, le=MOST_FRICTION)] | None = _example(0.2)
+    coefficient: Annotated[Number, Field(gt=0, le=MAX_FRICTION)] | None = _example(0.2)
     """coefficient of friction mu, no unit"""
     tangential_load: Slips | None = _example([0.3, 0.6])
     """Q/(mu P), below the load of sliding; 1 is full slip; needs the coefficient"""
-    shear_strength: Strength | None = _example("50 MPa")
+    shear_strength: Annotated[Strength, OrRange()] | None = _example("50 MPa")
     """of the contact, Pa: the coefficient of friction follows from the area"""
+    shear_strength_uncertainty: RelativeRange | None = _example(0.2)
+    """of the shear strength, as contact.hardness_uncertainty"""
     speed: Speed | None = _example("1 m/s")
     """of sliding along x, m/s: flash temperatures are added; needs thermal_conductivity of both bodies"""
     thermal_diffusivity: Diffusivity | None = _example("14 mm2/s")
@@ -437,8 +567,8 @@ class Statistics(Section):
     gap_bins: Count = Field(default=20, ge=1, le=1000)
     """bins of the gap density, per factor of ten"""
     flow: Extra = "auto"
-    """whether the flow of a fluid through the gap is solved; auto: for maps of up to 65536 points, and if a
-    seal is given; larger ones take longer than the contact itself"""
+    """whether the flow of a fluid through the gap is solved, which takes longer than the contact itself;
+    auto: if a seal is given"""
     stress: Extra = "auto"
     """whether the stresses below the surface are computed (needs bodies); auto: if one of them states its
     yield_stress"""
@@ -446,12 +576,57 @@ class Statistics(Section):
     """of flat surfaces, J m-2: the results then include whether it suffices to press the roughness flat"""
     seal: Seal | None = _example({"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"})
     """a seal, whose leak rate the results then include: viscosity (Pa s) and pressure difference (Pa) of the
-    fluid, width (m) of the seal"""
+    fluid, width (m) of the seal; what it is allowed to leak"""
     joint: Joint | None = _example({"gas_conductivity": 0.026, "temperature_jump": "0.37 um"})
-    """a joint, whose heat conductance the results then include: gas in the gap beside the spots, a film on
-    them; both bodies state their thermal_conductivity"""
+    """a joint: gas in the gap beside the spots, a film on them (both bodies state their
+    thermal_conductivity); its area, what it is allowed to resist"""
+    allowed_pressure: Strength | None = _example("1 GPa")
+    """largest pressure in the contact, Pa: the results then say whether, and up to which load, it holds"""
+    requirement: Requirement | None = _example({"thermal_resistance": "<= 2e-6 m2 K/W"})
+    """what the surface has to meet: the results then say whether it holds, and the largest Sq of this texture
+    with which it does; see docs/how-to/requirement.md"""
     friction: Friction | None = _example({"coefficient": 0.2, "tangential_load": [0.3, 0.6]})
     """stick and slip under a tangential load, friction from the area, flash temperatures"""
+
+
+class Wear(Section):
+    """Running-in: wear of the face by sliding against a smooth one; see docs/how-to/running-in.md."""
+
+    coefficient: WearCoefficient | None = _example("1e-7 mm3/(N m)")
+    """wear coefficient k, worn volume over load and distance, 1/Pa; null: no wear"""
+    coefficient_factor: Annotated[Number, Field(ge=1, le=1e6)] = 1.0
+    """factor by which the coefficient may be higher or lower (95 %), no unit: it moves the distances alone"""
+    distance: Distances | None = _example(["0.1 m", "1 m", "10 m", "100 m"])
+    """sliding distances whose faces and contacts are written to worn.nc, rising, m; needs the coefficient"""
+    mean_pressure: Pressure | None = _example("20 MPa")
+    """nominal pressure of sliding, Pa; null: the largest load of the contact"""
+
+
+class Sliding(Section):
+    """Friction of rubber that slides over the face; see docs/how-to/rubber.md."""
+
+    relaxation: str | None = Field(default=None, min_length=1, examples=["measured/dma.csv"])
+    """path of the table of its storage and loss modulus over frequency; null: no sliding"""
+    poissons_ratio: Annotated[Number, Field(gt=-1, le=0.5)] = 0.5
+    """of the rubber, no unit"""
+    wlf: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = _example([8.86, 101.6])
+    """constants C1 (no unit) and C2 (K) of Williams, Landel and Ferry, for a temperature other than that of
+    the table"""
+    reference_temperature: Number | None = _example(20.0)
+    """of the table, in °C as the next one, or both in K"""
+    temperature: Number | None = _example(5.0)
+    """of the rubber"""
+    speed: Speeds | None = _example(["1 mm/s", "10 mm/s", "0.1 m/s", "1 m/s"])
+    """speeds at which it slides, rising, m/s; needs the relaxation"""
+    direction: Angle = 0.0
+    """in which it slides over the face, from x towards y, degree"""
+    face_conductivity: Conductivity | None = _example(1.5)
+    """thermal conductivity of the face, W m-1 K-1: with that of the rubber the page says from which speed on
+    the contact is 10 K warmer"""
+    rubber_conductivity: Conductivity | None = _example(0.25)
+    """thermal conductivity of the rubber, W m-1 K-1"""
+    mean_pressure: Pressure | None = _example("0.5 MPa")
+    """nominal pressure of sliding, Pa; null: the largest load of the contact"""
 
 
 class Uncertainty(Section):
@@ -463,10 +638,6 @@ class Uncertainty(Section):
     """list of the sources of the ±; the empty list [] omits the error budget"""
     windows: Count = Field(default=9, ge=4, le=400)
     """number of subwindows that are solved separately, for the source window"""
-    measurand: HeadlineMeasurand = "surface"
-    """what the ± is for: the surface, in the band of waves of the map, or a longer one"""
-    extent: Annotated[Number, Field(ge=1)] = 3.0
-    """length of the surface of the longer interval, over that of the map"""
 
 
 class Instrument(Section):
@@ -513,6 +684,8 @@ class Settings(Section):
     statistics: Statistics = Field(default_factory=Statistics)
     uncertainty: Uncertainty = Field(default_factory=Uncertainty)
     instrument: Instrument = Field(default_factory=Instrument)
+    wear: Wear = Field(default_factory=Wear)
+    sliding: Sliding = Field(default_factory=Sliding)
     report: Report = Field(default_factory=Report)
     cases: dict[str, dict[str, Any]] = Field(
         default_factory=dict, examples=[{"soft": {"contact": {"contact_modulus": "1 GPa"}}}]

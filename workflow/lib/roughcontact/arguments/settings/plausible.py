@@ -12,10 +12,10 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core.core_schema import CoreSchema, no_info_before_validator_function
 
-from roughcontact import materials
-from roughcontact.materials import Doubt
-from roughcontact.quantities import quantity
-from roughcontact.units import carries_unit, in_base_unit
+from roughcontact.arguments import materials
+from roughcontact.arguments.materials import Doubt
+from roughcontact.arguments.quantities import quantity
+from roughcontact.arguments.units import carries_unit, convert_to_base_unit
 
 Location = tuple[str | int, ...]
 _OF_FORCES: dict[str | int, str] = {"force": "N", "area": "m2"}
@@ -57,7 +57,7 @@ class Range:
         elif 0 < number < self.lowest:
             reason, limit = self.below, self.lowest
         else:
-            return in_base_unit(value, self.base)
+            return convert_to_base_unit(value, self.base)
         factors = self.likely_factors if limit == self.lowest else (1e-3, 1e-6, 1e-9)
         likely = [
             number * factor for factor in factors if max(self.lowest, 0) < number * factor <= self.highest
@@ -88,7 +88,7 @@ def bare_number(value: Any) -> float:
 
 
 def implausible_together(
-    stated: Mapping[str, Any], contact: Mapping[str, Any]
+    raw: Mapping[str, Any], contact: Mapping[str, Any]
 ) -> Iterator[tuple[Location, str]]:
     """Yield location and question for each modulus, hardness and load (SI) that others contradict.
 
@@ -98,31 +98,31 @@ def implausible_together(
     if contact["force"] and area:
         loads = [force / area for force in contact["force"]]
     doubts: list[tuple[Location, Doubt | None]] = []
-    for index, body in enumerate(contact["bodies"] or ()):
-        key: Location = ("bodies", index)
-        layers = [(layer, (*key, "layers", number)) for number, layer in enumerate(body["layers"] or ())]
-        for material, where in (*layers, *([(body, key)] if body["base"] is None else [])):
+    for where, material in materials.located_materials(contact["bodies"]):
+        if material["youngs_modulus"] is not None:  # all but a rigid base
             doubt = materials.doubt_of_body(material["youngs_modulus"], material["poissons_ratio"])
             doubts.append(((*where, "youngs_modulus"), doubt))
-        if body["hardness"] is not None:
-            stiffness = materials.surface_of(body)["youngs_modulus"]
-            doubts.append(((*key, "hardness"), materials.doubt_of_hardness(body["hardness"], stiffness)))
+        if material.get("hardness") is not None:  # of a body: it is that of its surface
+            stiffness = materials.top_material(material)["youngs_modulus"]
+            doubts.append(
+                ((*where, "hardness"), materials.doubt_of_hardness(material["hardness"], stiffness))
+            )
     if contact["bodies"]:
         modulus = materials.contact_modulus(contact["bodies"])
     else:
         modulus = contact["contact_modulus"]
         doubts.append((("contact_modulus",), materials.doubt_of_gel(modulus, [*loads, hardness or 0.0])))
-    if not any(doubt and not carries_unit(_value_at(stated, ("contact", *where))) for where, doubt in doubts):
+    if not any(doubt and not carries_unit(_value_at(raw, ("contact", *where))) for where, doubt in doubts):
         if hardness is not None:
             doubts.append((("hardness",), materials.doubt_of_hardness(hardness, modulus)))
         for index, load in enumerate(loads):
             where = ("force", index) if area else ("mean_pressure", index)
-            if area and carries_unit(_value_at(stated, ("contact", *where))):
+            if area and carries_unit(_value_at(raw, ("contact", *where))):
                 where = ("area",)
             doubts.append((where, materials.doubt_of_load(load, modulus)))
     for where, doubt in doubts:
         location: Location = ("contact", *where)
-        if doubt and not carries_unit(written := _value_at(stated, location)):
+        if doubt and not carries_unit(written := _value_at(raw, location)):
             unit = _OF_FORCES.get(where[0], "Pa")
             question = doubt.question() if unit == "Pa" else f"force by area, {doubt.question()}"
             yield location, f" = {written!r}: {question} {_BARE_NUMBER_RULE.format(unit=unit)}"

@@ -3,40 +3,23 @@
 import re
 from collections.abc import Collection, Mapping, Sequence
 from difflib import get_close_matches
+from pathlib import Path
 from typing import Any
 
 from pydantic_core import ErrorDetails
 
-from roughcontact.configuration.fields import choices_of, field_at, fields_at
+from roughcontact.arguments.settings.fields import field_at, fields_at, setting_choices
 from roughcontact.errors import SettingsError
 
 _NAME_RULE = "a name has letters, digits and hyphens only (it becomes a folder)"
-_LONGEST_NAME = 64
+NAME = r"(?:[^\W_]|-)+"  # letters and digits of any script
+_MAX_NAME_LENGTH = 64
 # at the end of a name: Snakemake refuses twenty, of which the ending of a member of a pair may be one
 _REPETITIONS = 19
 
-# the rule behind a mistake, by its name in pydantic
-_RULES = {
-    "greater_than": "must be greater than {gt:g}",
-    "greater_than_equal": "must not be less than {ge:g}",
-    "less_than": "must be less than {lt:g}",
-    "less_than_equal": "must not be greater than {le:g}",
-    "too_short": "the list is empty, give at least one number or leave the key out",
-    "too_long": "a list of {actual_length}, more than the {max_length} that are taken",
-    "list_type": "must be a list",
-    "model_type": "must be a group of settings (indented lines `key: value`)",
-    "dict_type": "must be a group of settings (indented lines `key: value`)",
-    "string_too_short": "must not be empty",
-    "value_error": "{error}",
-}
-# the same for values of another type, by the start of that name
-_TYPES = {
-    "bool": "must be true or false",
-    "float": "must be a finite number",
-    "finite": "must be a finite number",
-    "int": "must be a whole number",
-    "string": "must be text",
-}
+MAX_VALUE = 500  # characters of a value that a message repeats: it is read by a person
+_LINES = Path(__file__).with_name("rules.tsv").read_text(encoding="utf-8").splitlines()
+_RULES = [tuple(line.split("\t")) for line in _LINES if not line.startswith("#")]
 
 # keys of bodies by the letters of textbooks, small
 _SYMBOLS = {
@@ -49,25 +32,34 @@ _SYMBOLS = {
     "t": "thickness",
 }
 
+# key -> why it is a setting no longer, and the way out
+_RETIRED = dict.fromkeys(
+    ("uncertainty.extent", "uncertainty.measurand"),
+    "is a setting no longer: the ± is of the surface in the band of the map. Leave it out; an overview "
+    "(column overview of the table, --overview) measures what a longer joint has",
+)
+
 
 def name_mistake(name: str) -> str:
     """Return what is wrong with the name of a surface or a case, an empty text for a good one.
 
     Examples
     --------
-    >>> name_mistake("ground-1"), name_mistake("ground 1")
+    >>> name_mistake("Prüfling-1"), name_mistake("ground 1")
     ('', 'a name has letters, digits and hyphens only (it becomes a folder)')
     """
-    if re.fullmatch(r"[A-Za-z0-9-]+", name) is None:
+    if re.fullmatch(NAME, name) is None:
         return _NAME_RULE
     if name.lower() == "pages":
         return "results/pages is the folder of the report's own pages; choose another name"
-    if len(name) > _LONGEST_NAME:
-        return f"a name has at most {_LONGEST_NAME} characters, this one has {len(name)}; shorten it"
-    for length in range(1, _LONGEST_NAME // _REPETITIONS + 1):
-        end = name[-length:]
-        if name.endswith(end * _REPETITIONS):
-            return f"the name ends with {end} {_REPETITIONS} times or more; Snakemake refuses it, change it"
+    if len(name) > _MAX_NAME_LENGTH:
+        return f"a name has at most {_MAX_NAME_LENGTH} characters, this one has {len(name)}; shorten it"
+    for length in range(1, _MAX_NAME_LENGTH // _REPETITIONS + 1):
+        suffix = name[-length:]
+        if name.endswith(suffix * _REPETITIONS):
+            return (
+                f"the name ends with {suffix} {_REPETITIONS} times or more; Snakemake refuses it, change it"
+            )
     return ""
 
 
@@ -103,7 +95,7 @@ def named(case: str, overrides: Mapping[str, Any], location: Sequence[str | int]
     key = _dotted(location)
     if case and location[0] in overrides and _overridden(overrides, location):
         key = f"cases.{case}.{key}"
-    return SettingsError(f"{key}{text}", keys=[setting])
+    return SettingsError(f"{key}{text}", keys=[setting], place=key)
 
 
 def reason(detail: ErrorDetails) -> str:
@@ -112,13 +104,19 @@ def reason(detail: ErrorDetails) -> str:
     field = field_at(location)
     meaning = (field.description if field else None) or ""
     if detail["type"] == "extra_forbidden":
+        if text := _RETIRED.get(_dotted(location)):
+            return f": {text}"
         key, valid = str(location[-1]), fields_at(location[:-1])
         symbol = _SYMBOLS.get(key.lower())
         hint = f"did you mean {symbol}?" if symbol in valid else nearest(key, valid)
         return f": unknown key, {hint}"
     if detail["type"] == "missing":
         return f": missing ({meaning})"
-    return f" = {detail['input']!r}: {_rule(detail)}" + (f" ({meaning})" if meaning else "")
+    if isinstance(detail["input"], Mapping):  # of two keys of a section
+        return f": {_rule(detail)}"
+    value = repr(detail["input"])
+    value = value if len(value) <= MAX_VALUE else f"{value[:MAX_VALUE]} ..."
+    return f" = {value}: {_rule(detail)}" + (f" ({meaning})" if meaning else "")
 
 
 def _rule(detail: ErrorDetails) -> str:
@@ -126,12 +124,13 @@ def _rule(detail: ErrorDetails) -> str:
     error_type, location = detail["type"], detail["loc"]
     field = field_at(location)
     if error_type == "literal_error" and field:
-        return f"unknown choice, {nearest(detail['input'], choices_of(field))}"
+        return f"unknown choice, {nearest(detail['input'], setting_choices(field))}"
     if error_type in ("too_short", "too_long") and location[-1] == "bodies":
         return "needs exactly two bodies"
-    if error_type in _RULES:
-        return _RULES[error_type].format(**detail.get("ctx", {}))
-    return next((rule for start, rule in _TYPES.items() if error_type.startswith(start)), detail["msg"])
+    comma = error_type == "float_parsing" and re.search(r"\d,\d", str(detail["input"]))
+    kind = "decimal_comma" if comma else error_type
+    rules = (rule.format(**detail.get("ctx", {})) for start, rule in _RULES if kind.startswith(start))
+    return next(rules, detail["msg"])
 
 
 def _dotted(location: Sequence[str | int]) -> str:

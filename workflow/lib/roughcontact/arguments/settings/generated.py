@@ -9,13 +9,13 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from roughcontact.configuration.fields import base_of, choices_of, section_of
-from roughcontact.configuration.models import Contact, Section, Settings
-from roughcontact.quantities import quantity
+from roughcontact.arguments.quantities import quantity
+from roughcontact.arguments.settings.fields import section_model, setting_base, setting_choices
+from roughcontact.arguments.settings.models import Contact, Section, Settings
 
 _HEAD = """\
 # yaml-language-server: $schema=../workflow/schemas/config.schema.json
-# Settings of roughcontact with their defaults, written by `python -m roughcontact.configuration`.
+# Settings of roughcontact with their defaults, written by `python -m roughcontact.arguments.settings`.
 # For a run of your own copy this file, change it, and name it with `--configfile`. A missing
 # key has its default. config/README.md explains settings and table of surfaces.
 """
@@ -39,22 +39,22 @@ _SAID_ELSEWHERE = tuple(
 )
 
 
-def default_yaml(*, head: str = _HEAD, stated: Mapping[str, Mapping[str, Any]] | None = None) -> str:
+def default_yaml(*, head: str = _HEAD, values: Mapping[str, Mapping[str, Any]] | None = None) -> str:
     """Return the default configuration: every key with its default, its meaning and its unit.
 
-    It begins with the comment lines `head`; `stated` has, by section, keys set although they have no default.
+    It begins with the comment lines `head`; `values` has, by section, keys that are set.
 
     Examples
     --------
     >>> "  max_missing: 0.4" in default_yaml().splitlines()
     True
-    >>> [line for line in default_yaml(stated={}).splitlines() if line.endswith(" bodies:")]
+    >>> [line for line in default_yaml(values={}).splitlines() if line.endswith(" bodies:")]
     ['  # bodies:']
     """
-    if stated is None:
-        shipped = {name: (Contact.model_fields[name].examples or [None])[0] for name in _SHIPPED}
-        stated = {"contact": shipped}
-    return head + "\n".join(_yaml(Settings, "", stated)) + "\n"
+    if values is None:
+        defaults = {name: (Contact.model_fields[name].examples or [None])[0] for name in _SHIPPED}
+        values = {"contact": defaults}
+    return head + "\n".join(_yaml(Settings, "", values)) + "\n"
 
 
 def json_schema() -> str:
@@ -74,7 +74,7 @@ def changed_settings(settings: Mapping[str, Any]) -> list[str]:
 
     Examples
     --------
-    >>> from roughcontact.configuration.resolve import resolve
+    >>> from roughcontact.arguments.settings.resolve import resolve
     >>> config = {"level": {"form": "none", "s_filter": "2.5 um"}, "contact": {"contact_modulus": 1e9}}
     >>> changed_settings(resolve(config)[""])
     ['level.form: none', 'level.s_filter: 2.50 µm']
@@ -88,7 +88,7 @@ def changed_settings(settings: Mapping[str, Any]) -> list[str]:
     return [
         f"{section}.{name}: {value_text(settings[section][name], field)}"
         for section, of_section in Settings.model_fields.items()
-        if section != "report" and (model := section_of(of_section))
+        if section != "report" and (model := section_model(of_section))
         for name, field in model.model_fields.items()
         if f"{section}.{name}" not in _SAID_ELSEWHERE
         and settings[section][name] != field.get_default(call_default_factory=True)
@@ -113,18 +113,20 @@ def _yaml(model: type[Section], indent: str, values: Mapping[str, Any]) -> list[
     """Return the lines of one section; without default and not given, a key is a comment with an example."""
     lines = []
     for name, field in model.model_fields.items():
-        section = section_of(field)
+        section = section_model(field)
         if section and model is Settings:
             lines += ["", f"# {section.__doc__}", f"{name}:"]
             lines += _yaml(section, indent + "  ", values.get(name, {}))
             continue
         text = field.description or ""
-        if choices := choices_of(field):
+        if choices := setting_choices(field):
             text += f"; one of {', '.join(choices)}"
         example = field.examples[0] if field.examples else None
         value, comment = field.get_default(call_default_factory=True), ""
-        if value in (None, {}):
-            value, comment = values.get(name, example), "" if name in values else "# "
+        if name in values:
+            value = values[name]
+        elif value in (None, {}):
+            value, comment = example, "# "
         if name in _SHIPPED and value == example:
             text += f"; {'for example' if comment else 'here'} {_SHIPPED[name]}"
         if model is Settings:
@@ -143,7 +145,7 @@ def _keys(section: type[Section], start: str) -> list[str]:
     """Return a comment on each key of a section below those of the settings; its sections are indented."""
     lines = []
     for name, entry in section.model_json_schema()["properties"].items():
-        further = section_of(section.model_fields[name]) if name in section.model_fields else None
+        further = section_model(section.model_fields[name]) if name in section.model_fields else None
         example = f", such as {flow(entry['examples'][0])}" if "examples" in entry and not further else ""
         text = f"{name}: {entry['description']}{example}"
         lines += textwrap.wrap(text, _WIDTH, initial_indent=start, subsequent_indent=f"{start}  ")
@@ -153,10 +155,10 @@ def _keys(section: type[Section], start: str) -> list[str]:
 
 def hint(field: FieldInfo) -> str:
     """Return the default of a setting, or an example of one that has none."""
-    default = None if field.is_required() else field.get_default(call_default_factory=True)
-    if default in (None, {}):
+    default_value = None if field.is_required() else field.get_default(call_default_factory=True)
+    if default_value in (None, {}):
         return f"none; for example {flow(field.examples[0])}" if field.examples else "none"
-    return flow(default)
+    return flow(default_value)
 
 
 def flow(value: Any) -> str:
@@ -175,13 +177,13 @@ def flow(value: Any) -> str:
 
 def value_text(value: Any, field: FieldInfo) -> str:
     """Return the value of a setting: a quantity with its unit, anything else as in YAML."""
-    if isinstance(value, dict) and (section := section_of(field)):
+    if isinstance(value, dict) and (section := section_model(field)):
         return ", ".join(
             f"{key} {value_text(entry, section.model_fields[key])}"
             for key, entry in value.items()
             if entry is not None
         )
-    unit = base_of(field)
+    unit = setting_base(field)
     if unit and isinstance(value, list) and all(isinstance(entry, float) for entry in value):
         # no load: the largest one, of contact.unload
         return ", ".join(quantity(entry, unit) for entry in value) or "true"

@@ -1,0 +1,125 @@
+"""Check the bodies of a contact: half-spaces, and layers on an elastic or a rigid base."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from roughcontact.arguments.checking import check_positive
+from roughcontact.arguments.materials import layers_in
+from roughcontact.arguments.named_materials import named_bodies
+from roughcontact.errors import SettingsError
+
+_MATERIAL = ("youngs_modulus", "poissons_ratio")
+
+
+def check_bodies(bodies: Sequence[str | Mapping[str, Any]], *, where: str = "bodies") -> list[dict[str, Any]]:
+    """Return one or two bodies (named, or with Pa, m, layers from the surface inwards) as checked numbers.
+
+    Examples
+    --------
+    >>> sheet = {"thickness": "2e-3", "youngs_modulus": 3e6, "poissons_ratio": 0.5}
+    >>> (rubber,) = check_bodies([{"base": "rigid", "layers": [sheet]}])
+    >>> rubber["layers"][0]["thickness"]
+    0.002
+    """
+    if isinstance(bodies, Mapping | str) or not 1 <= len(bodies) <= 2:
+        raise SettingsError(
+            f"{where} = {bodies!r}: give a list of two bodies, or of one on a rigid counter-body",
+            keys=[where],
+        )
+    # a second body that is not given is rigid; other properties are kept as they are
+    return [_checked(body, f"{where}[{index}]") for index, body in enumerate(named_bodies(bodies))]
+
+
+def properties_of_bodies(bodies: Sequence[Mapping[str, Any]] | None) -> tuple[str, ...]:
+    """Return what one of the bodies has, if there are any, that may exclude settings: "layers", or nothing.
+
+    Examples
+    --------
+    >>> properties_of_bodies(None), properties_of_bodies([{"layers": [{"thickness": 1e-6}]}, {}])
+    ((), ('layers',))
+    """
+    return ("layers",) if any(map(layers_in, bodies or ())) else ()
+
+
+def half_spaces(bodies: Sequence[Mapping[str, Any]] | None) -> list[Mapping[str, Any]]:
+    """Return those of the bodies, if there are any, that have no layers.
+
+    Examples
+    --------
+    >>> len(half_spaces([{"layers": [{"thickness": 1e-6}]}, {"youngs_modulus": 2e11}]))
+    1
+    """
+    return [body for body in bodies or () if not layers_in(body)]
+
+
+def bodies_for_solver(bodies: Sequence[Mapping[str, Any]] | None) -> dict[str, Any]:
+    """Return the argument `bodies` of `solve_contact`, where E* does not say all of them: with layers.
+
+    Examples
+    --------
+    >>> bodies_for_solver([{"youngs_modulus": 2e11, "poissons_ratio": 0.3}])
+    {}
+    """
+    return {"bodies": bodies} if properties_of_bodies(bodies) else {}
+
+
+def _checked(body: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Return one body whose numbers are checked."""
+    base, layers = body.get("base"), layers_in(body)
+    if isinstance(layers, Mapping):
+        raise SettingsError(
+            f"{where}.layers: must be a list of layers, from the surface inwards", keys=[f"{where}.layers"]
+        )
+    elastic_names = [name for name in _MATERIAL if body.get(name) is not None]
+    if base is not None and base != "rigid":
+        raise SettingsError(
+            f"{where}.base = {base!r}: must be 'rigid'; an elastic base is the body itself, with "
+            "youngs_modulus and poissons_ratio, and what lies above it is in layers",
+            keys=[f"{where}.base"],
+        )
+    if base == "rigid" and not layers:
+        raise SettingsError(
+            f"{where}.base = 'rigid': needs layers; a body that is rigid as a whole has youngs_modulus 1e20 "
+            "and no base",
+            keys=[f"{where}.base"],
+        )
+    if base == "rigid" and elastic_names:
+        raise SettingsError(
+            f"{where}: base = 'rigid' and {' and '.join(elastic_names)} given; give one of them: the elastic "
+            "constants of a layer belong to it, in layers",
+            keys=[f"{where}.base"],
+        )
+    complete_body = dict(body) if base == "rigid" else {**body, **_material(body, where)}
+    complete_body["layers"] = []
+    for number, layer in enumerate(layers):
+        layer_key = f"{where}.layers[{number}]"
+        if layer.get("thickness") is None:
+            raise SettingsError(f"{layer_key}.thickness: missing (m)", keys=[f"{layer_key}.thickness"])
+        thickness = check_positive(f"{layer_key}.thickness", layer["thickness"], unit="m")
+        complete_body["layers"].append({**layer, "thickness": thickness, **_material(layer, layer_key)})
+    return complete_body
+
+
+def _material(values: Mapping[str, Any], where: str) -> dict[str, float]:
+    """Return the elastic constants of a body or a layer."""
+    for name in _MATERIAL:
+        if values.get(name) is None:
+            remedy = "" if "layers[" in where else "; a rigid base of layers has base: rigid instead"
+            raise SettingsError(f"{where}.{name}: missing{remedy}", keys=[f"{where}.{name}"])
+    modulus = check_positive(f"{where}.youngs_modulus", values["youngs_modulus"], unit="Pa")
+    ratio = check_poissons_ratio(f"{where}.poissons_ratio", values["poissons_ratio"])
+    return {"youngs_modulus": modulus, "poissons_ratio": ratio}
+
+
+def check_poissons_ratio(name: str, value: Any) -> float:
+    """Return a Poisson's ratio as a float, or raise a SettingsError that names it."""
+    try:
+        ratio = float(value)
+    except (TypeError, ValueError):
+        ratio = float("nan")
+    if not -1 < ratio <= 0.5:
+        raise SettingsError(
+            f"{name} = {value!r}: must lie above -1 and be at most 0.5, that of an incompressible material",
+            keys=[name],
+        )
+    return ratio

@@ -1,0 +1,259 @@
+"""Checks of height maps and of arguments that the public functions make first."""
+
+import difflib
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from inspect import signature
+from typing import TYPE_CHECKING, Any, get_args
+
+from roughcontact.arguments.choices import Lay
+from roughcontact.arguments.kinds import facts_of
+from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
+
+if TYPE_CHECKING:  # a run with nothing to do imports this module, but no large library
+    import numpy as np
+    import xarray as xr
+
+# limits of every length, pressure and ratio, so far within the range of floats that squares of products are
+# finite
+SMALLEST, LARGEST = 1e-100, 1e100
+MAX_GRADIENT = 3.0  # rms gradient (72°) above all that are measured: a unit is wrong
+MIN_MAP_POINTS = 16  # of a map whose contact may mean something
+
+
+def check_labelled(height: object) -> "xr.DataArray":
+    """Return a height map as it is, or refuse one without labels, real numbers, even positions or two points.
+
+    The attribute `source_file` names it in the message.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> check_labelled(np.zeros((4, 4)))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    roughcontact.errors.HeightMapError: the map is of type ndarray, its pixel size is unknown; label it by ...
+    """
+    import xarray as xr
+
+    if not isinstance(height, xr.DataArray):
+        raise HeightMapError(
+            f"the map is of type {type(height).__name__}, its pixel size is unknown; label it by "
+            "roughcontact.height_map(values, spacing)"
+        )
+    name = height.attrs.get("source_file") or "the map"
+    if hasattr(height.data, "magnitude"):
+        raise HeightMapError(
+            f"{name} holds quantities of pint: give height.pint.dequantify(), with its units"
+        )
+    dtype_kind = getattr(height.dtype, "kind", None)  # of NumPy's types
+    if dtype_kind not in ("f", "i", "u") and (
+        dtype_kind or str(height.dtype).startswith(("bool", "complex"))
+    ):
+        raise HeightMapError(f"{name} holds values of type {height.dtype}: heights are real numbers")
+    if height.dims != ("y", "x"):
+        raise HeightMapError(f"{name} has the dimensions {height.dims}: {_suggest_way(height)}")
+    if height.size < 2:
+        raise HeightMapError(
+            f"{name} has {'a single point' if height.size else 'no points'}: at least two are needed; check "
+            "how the file was cut or read"
+        )
+    for axis in height.dims:
+        if axis not in height.coords:
+            raise HeightMapError(
+                f"{name} has no coordinate {axis!r}: its pixel size is unknown; label it by "
+                "roughcontact.height_map(values, spacing)"
+            )
+        if (positions := height.coords.variables[axis].dtype).kind not in "fiu":
+            raise HeightMapError(
+                f"coordinate {axis!r} of {name} holds values of type {positions}: positions are "
+                "real numbers, in metres"
+            )
+        _check_positions(height.get_index(axis).values, f"coordinate {axis!r} of {name}")
+    return height
+
+
+def _suggest_way(height: "xr.DataArray") -> str:
+    """Return what makes a map (y, x) of an array of other dimensions."""
+    if height.ndim < 2:
+        return "label the values by roughcontact.height_map(values, spacing)"
+    if missing := {
+        old: new for old, new in zip(height.dims[-2:], "yx", strict=True) if old not in ("y", "x")
+    }:
+        return f"rename them, height.rename({missing})"  # the last two are rows and columns
+    further = ", ".join(f"{dim}=0" for dim in height.dims if dim not in ("y", "x"))
+    return f"select one map, height.isel({further})" if further else "transpose it to ('y', 'x')"
+
+
+def _check_positions(positions: "np.ndarray", coordinate: str) -> None:
+    """Raise HeightMapError where the positions along an axis do not increase in even steps."""
+    steps = positions[1:] - positions[:-1]
+    if steps.size and not (steps > 0).all():
+        raise HeightMapError(
+            f"{coordinate} does not increase strictly; sort the map, height.sortby(['y', 'x'])"
+        )
+    # coordinates are sums of rounded steps: allow for their rounding, not for uneven sampling
+    if steps.size and steps.max() - steps.min() > 1e-3 * steps.mean():
+        raise HeightMapError(
+            f"{coordinate} is not evenly spaced (steps {steps.min():g} to {steps.max():g}); "
+            "resample the map first"
+        )
+
+
+def check_solution(contact: object, *, of_loads: bool = True) -> None:
+    """Raise SettingsError, with what is wrong, unless it is a solution with its maps, `of_loads` or one."""
+    import xarray as xr
+
+    problem = f"this is of type {type(contact).__name__}"
+    if isinstance(contact, xr.Dataset):
+        missing = (name for name in ("height", "pressure", "gap") if name not in contact)
+        problem = " ".join(f"the dataset has no {name}" for name in [*missing][:1])
+        if of_loads and not problem and "load" not in contact["pressure"].dims:
+            raise SettingsError("the dataset has no dimension load: select by a list, contact.isel(load=[0])")
+        if not problem and contact["pressure"].dims[-2:] != ("y", "x"):
+            problem = f"the pressure has the dimensions {contact['pressure'].dims}"
+    if problem:
+        raise SettingsError(
+            f"{problem}: give the solution of solve_contact, or contact.nc (contact.keep_fields: true)"
+        )
+
+
+def check_periodic_solution(contact: "xr.Dataset") -> None:
+    """Raise SettingsError for anything else than a solution of a periodic map, with its maps."""
+    check_solution(contact)
+    if reason := facts_of(contact.attrs).reason_against("solution"):
+        raise SettingsError(reason)
+
+
+def check_map(height: "xr.DataArray") -> "np.ndarray":
+    """Return a copy of the heights (m) as float64, NaN where not finite, or raise a HeightMapError.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.arguments.maps import height_map
+    >>> check_map(height_map([[1, np.inf, 3]], 1e-6))
+    array([[ 1., nan,  3.]])
+    """
+    name = check_labelled(height).attrs.get("source_file") or "the map"
+    import numpy as np
+
+    values = np.asarray(height.values, dtype=float)
+    values = np.where(np.isfinite(values), values, np.nan)
+    if np.isnan(values).all():
+        raise HeightMapError(
+            f"all {values.size} points of {name} are missing: choose another channel, or measure again"
+        )
+    if (largest := float(np.nanmax(np.abs(values)))) and not SMALLEST <= largest <= LARGEST:
+        raise HeightMapError(f"{name} has heights of {largest:g} m: check the unit, or how the file was read")
+    warn_of_unit(height, stacklevel=5)
+    return values
+
+
+def warn_of_unit(height: "xr.DataArray", *, stacklevel: int) -> None:
+    """Warn the caller of a public function of a map (y, x) without `units` that is no map in metres."""
+    from roughcontact.arguments.si import unit_of, warn_of_metres
+
+    if unit_of(height.attrs) is None:
+        positions = (height.coords.variables[axis].values for axis in height.dims)
+        warn_of_metres(positions, height.values, stacklevel=stacklevel + 1)
+
+
+def warn_of_map(shape: tuple[int, ...], rms_gradient: float, *, stacklevel: int = 4) -> None:
+    """Warn the caller of a public function of fewer than 16 points, or an rms gradient above 3.
+
+    `stacklevel` is the distance of the caller to warn; 4 of functions that convert their arguments (`as_si`).
+    """
+    ny, nx = shape
+    if ny * nx < MIN_MAP_POINTS:
+        warnings.warn(
+            f"the map has {ny} x {nx} points: that is no rough surface, and its contact is that of "
+            f"{ny * nx} pixels; check how it was cut or read",
+            HeightMapWarning,
+            stacklevel=stacklevel,
+        )
+    if rms_gradient > MAX_GRADIENT:
+        warnings.warn(
+            f"the rms gradient of the map is {rms_gradient:.3g}, steeper than any measured surface: the "
+            "units of heights and positions differ, or one of them is wrong",
+            HeightMapWarning,
+            stacklevel=stacklevel,
+        )
+
+
+def check_choice(key: str, value: object, choices: Any) -> None:
+    """Raise a SettingsError, with the nearest valid word, where a value is not among the choices."""
+    choices_allowed = get_args(choices)
+    if value in choices_allowed:
+        return
+    close_matches = difflib.get_close_matches(str(value), choices_allowed, n=1)
+    hint = f"did you mean {close_matches[0]!r}? " if close_matches else ""
+    valid = " or ".join(", ".join(choices_allowed).rsplit(", ", 1))
+    raise SettingsError(f"{key} = {value!r}: {hint}choose {valid}", keys=[key])
+
+
+def check_keys(section: str, values: Mapping[str, Any] | None, function: Callable[..., Any]) -> None:
+    """Raise SettingsError where the keys of a section are no arguments by keyword of the function."""
+    options = [
+        option for option in signature(function).parameters.values() if option.kind is option.KEYWORD_ONLY
+    ]
+    required_names = {option.name for option in options if option.default is option.empty}
+    names = [option.name for option in options]
+    if values is not None and not required_names <= values.keys() <= {*names}:
+        raise SettingsError(
+            f"{section} has {', '.join(values) or 'no keys'}: takes {', '.join(names)}", keys=[section]
+        )
+
+
+def check_lay(lay: object) -> None:
+    """Raise SettingsError for an unknown lay of a profile, and for one along which it was measured."""
+    if lay == "along":
+        raise SettingsError(
+            "lay = 'along': a profile along the lay runs on one ridge and shows nothing of the others, which "
+            "carry the load; give it as one of `along` beside those across the lay (in a table in one group)",
+            keys=["lay"],
+        )
+    check_choice("lay", lay, Lay)
+
+
+def check_positive(name: str, value: Any, *, unit: str) -> float:
+    """Return a value, a number or text, as a float where it is a finite positive number in `unit`.
+
+    Examples
+    --------
+    >>> check_positive("contact_modulus", "1e9", unit="Pa")
+    1000000000.0
+    """
+    try:
+        # a truth value of NumPy is told by its type's name: NumPy is not imported for settings
+        truth = isinstance(value, bool) or str(getattr(value, "dtype", "")) == "bool"
+        number = float("true or false" if truth else value)
+    except (TypeError, ValueError):
+        raise SettingsError(
+            f"{name} = {value!r} is not a number; give a positive number in {unit}", keys=[name]
+        ) from None
+    if not (math.isfinite(number) and number > 0):
+        raise SettingsError(f"{name} = {number:g} must be a positive finite number in {unit}", keys=[name])
+    if not SMALLEST <= number <= LARGEST:
+        raise SettingsError(
+            f"{name} = {number:g} is beyond the computable range; check the number and its unit ({unit})",
+            keys=[name],
+        )
+    return number
+
+
+def marker_values(marker_text: float | str | None, where: str = "missing_value") -> list[float]:
+    """Return the numbers that the user states, as for missing points, one or several between blanks.
+
+    Examples
+    --------
+    >>> marker_values("-9999 0"), marker_values(-25400), marker_values(None)
+    ([-9999.0, 0.0], [-25400.0], [])
+    """
+    try:
+        return [float(marker) for marker in str("" if marker_text is None else marker_text).split()]
+    except ValueError as error:
+        raise SettingsError(
+            f"{where} = {marker_text!r}: give numbers, separated by blanks (a height in the unit of the file)"
+        ) from error

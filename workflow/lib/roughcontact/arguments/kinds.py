@@ -1,0 +1,328 @@
+"""What is fixed for a kind of problem, whatever its map: its load, its border, and the settings it excludes.
+
+Rooms of every level read these facts by the word `boundary`, which settings, maps and results carry; nobody
+else compares that word. What a kind does is in `roughcontact.evaluation.kinds`.
+"""
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from roughcontact.arguments.choices import Boundary
+from roughcontact.errors import SettingsError
+
+Sections = Mapping[str, Mapping[str, Any]]
+
+_PERIODIC = "is for periodic maps, and boundary = free; leave it out"
+_FILTERS = f"{_PERIODIC}; level.s_filter and level.l_filter remove waves"
+_LOCAL_SCALE = (
+    " = true: takes form.radius and contact.force of a periodic map; leave out form.edges, "
+    "contact.boundary = free, contact.area, targets and layers"
+)
+
+
+@dataclass(frozen=True)
+class KindFacts:
+    """The facts of a kind of problem, by default those of a periodic map.
+
+    Attributes
+    ----------
+    name : str
+        of the kind, in words.
+    boundary : {"periodic", "free"}
+        the word for it in settings and results.
+    load, load_in_words, load_unit, load_symbol : str
+        argument of `solve_contact` that is its load, and coordinate of its results; how it is spoken of.
+    load_over_pressure : callable
+        area of the map (m2) -> load over mean pressure.
+    border : int
+        lines without contact around the map: 1 where the body ends there, 0 where the map goes on.
+    recorded : collection of str
+        rules of the solver that its results carry.
+    has_flow, has_theories : bool
+        whether a fluid flows through its gap, and theories of endless surfaces hold.
+    noun : str
+        what is solved, where that is no window of a map.
+    scaled_columns : collection of str
+        numbers of the solution that are relative to the roughness of its map.
+    scales_heights : bool
+        whether the solution of heights that are all larger by a factor follows from this one.
+    form_is_meant : bool
+        whether the form of the map is one of the problem, no remainder of levelling.
+    may_leave_map : bool
+        whether under a larger load its contact reaches the border of the map.
+    flat_map_is_uniform : bool
+        whether the pressure on a flat map is the same everywhere.
+    power_of_largest_pressure : float
+        of the load, with which the largest pressure rises at first.
+    area_reference, surroundings : str
+        what the relative contact area is a share of, and what the half-space is beyond it, in words.
+    sentence : str
+        that of the report on the size of its contact (`report/templates/sentences.txt`).
+    excluded : mapping
+        setting, section, or argument of a function -> why it does not apply, and the way out.
+    admitted : collection of str
+        the settings of an excluded section that apply.
+    excluded_with : mapping
+        property of the bodies ("layers") or of the map ("faces", of a pair) -> the same of such ones.
+    own_settings : mapping
+        stage of the workflow -> settings on which it depends beside its own sections.
+    """
+
+    name: str = "periodic map"
+    boundary: Boundary = "periodic"
+    load: str = "mean_pressure"
+    load_in_words: str = "mean pressure"
+    load_unit: str = "Pa"
+    load_symbol: str = "p̄"
+    load_over_pressure: Callable[[float], float] = field(default=lambda area: 1.0)
+    border: int = 0
+    recorded: Collection[str] = ("zero_frequency",)
+    has_flow: bool = True
+    has_theories: bool = True
+    noun: str = ""
+    scaled_columns: Collection[str] = ("relative_pressure",)
+    scales_heights: bool = True
+    form_is_meant: bool = False
+    may_leave_map: bool = False
+    flat_map_is_uniform: bool = True
+    power_of_largest_pressure: float = 0.2
+    area_reference: str = "nominal area"
+    surroundings: str = "of one period"
+    sentence: str = ""
+    excluded: Mapping[str, str] = field(default_factory=dict)
+    admitted: Collection[str] = ()
+    excluded_with: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    own_settings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def arguments(self, pressure: float, area: float) -> dict[str, Any]:
+        """Return the arguments of `solve_contact` for a mean pressure (Pa) on the area of a map (m2)."""
+        return {"boundary": self.boundary, self.load: pressure * self.load_over_pressure(area)}
+
+    def coordinates(self, load: float, area: float) -> dict[str, float]:
+        """Return a load on the area of a map (m2) as coordinates of its result, the mean pressure first."""
+        return {"mean_pressure": load / self.load_over_pressure(area), self.load: load}
+
+    def text_of_load(self, load: float) -> str:
+        """Return a load as messages name it.
+
+        Examples
+        --------
+        >>> FINITE_BODY.text_of_load(2.0)
+        'force 2 N'
+        """
+        return f"{self.load_in_words} {load:.4g} {self.load_unit}"
+
+    def reason_against(self, setting: str, properties: Collection[str] = ()) -> str:
+        """Return why a setting, or a value of it, does not apply, and the way out; nothing where it does.
+
+        Examples
+        --------
+        >>> FINITE_BODY.reason_against("contact.zero_frequency")
+        'the approach of a finite body is absolute; leave it out'
+        >>> FINITE_BODY.reason_against("window.min_share = 0.1"), PERIODIC_MAP.reason_against("window.width")
+        ('', '')
+        """
+        rules = {**self.excluded}
+        for property_ in properties:
+            rules |= self.excluded_with.get(property_, {})
+        name = setting.partition(" = ")[0]
+        section = "" if name in self.admitted else name.partition(".")[0]
+        return next((rules[key] for key in (setting, name, section) if key in rules), "")
+
+    def check_arguments(self, stated: Collection[str], properties: Collection[str] = ()) -> None:
+        """Raise SettingsError for the first stated argument of `solve_contact` that does not apply."""
+        for name in stated:
+            reason = self.reason_against(name) or self.reason_against(f"contact.{name}", properties)
+            if reason:
+                raise SettingsError(f"{name}, boundary {self.boundary!r}: {reason}", keys=(name,))
+
+    def mistakes_in_loads(self, stated: Collection[str], where: str) -> Iterator[tuple[str, str]]:
+        """Yield the name and the mistake of loads among the `stated` keys of the section `contact`."""
+        if len({"force", "area"} & {*stated}) == 1:
+            missing, present = ("area", "force") if "force" in stated else ("force", "area")
+            text = f": missing, though {present} is given; mean pressure is force by area"
+            yield f"{where}.{missing}", text
+
+    def mistakes(
+        self, settings: Sections, defaults: Sections, properties: Collection[str] = ()
+    ) -> Iterator[tuple[str, str]]:
+        """Yield name and mistake of each setting that was changed although it does not apply."""
+        usual = dict(_one_by_one(defaults))
+        for name, value in _one_by_one(settings):
+            text = f"{name} = {value!r}"
+            if value != usual.get(name) and (reason := self.reason_against(text, properties)):
+                yield name, f" = {value!r}: {reason}"
+
+
+@dataclass(frozen=True)
+class FiniteBodyFacts(KindFacts):
+    """The facts of a body of finite size, which has no neighbours and stands under a force."""
+
+    def mistakes_in_loads(self, stated: Collection[str], where: str) -> Iterator[tuple[str, str]]:
+        """Yield that the force is missing."""
+        pressures = [key for key in ("mean_pressure", "relative_pressure") if key in stated]
+        if self.load not in stated:
+            instead = f" instead of the {pressures[0]}" if pressures else ""
+            yield f"{where}.force", f": missing, though boundary is free; give the force in N{instead}"
+
+
+@dataclass(frozen=True)
+class LocalScaleFacts(KindFacts):
+    """The facts of a map smaller than the contact, each place of which is under a pressure of Hertz."""
+
+    def mistakes_in_loads(self, stated: Collection[str], where: str) -> Iterator[tuple[str, str]]:
+        """Yield nothing: the force on the form is the load."""
+        yield from ()
+
+    def mistakes(
+        self, settings: Sections, defaults: Sections, properties: Collection[str] = ()
+    ) -> Iterator[tuple[str, str]]:
+        """Yield the one sentence that says what the local scale needs and excludes."""
+        form, contact = settings["form"], settings["contact"]
+        needed = form["radius"] and contact["force"]
+        periodic = contact["boundary"] == self.boundary
+        excluded = [form["edges"], *(contact[key] for key in ("area", "target_area", "target_gap", "target"))]
+        if properties or any(excluded) or not (needed and periodic):
+            yield "form.local_scale", _LOCAL_SCALE
+
+
+PERIODIC_MAP = KindFacts(
+    excluded_with={
+        "layers": dict.fromkeys(
+            ("statistics.friction.tangential_load", "statistics.friction.speed"),
+            "its results are those of half-spaces, without layers; leave it out",
+        ),
+        "faces": {
+            "instrument.correct": "is a pair of faces, each with an instrument of its own; leave it out for "
+            "pairs",
+            "wear": "of two rough faces, whose sum changes while they slide; wear is of one rough face "
+            "against a smooth one: leave out wear.coefficient, or the pair",
+            "sliding": "of two rough faces, whose sum changes while they slide; rubber slides over one rough "
+            "face: leave out sliding.relaxation, or the pair",
+            "sliding_friction": "the map is the sum of two rough faces, which changes while one slides over "
+            "the other; give the window of the stiff one",
+            "run_in": "the map is the sum of two rough faces, which changes while one slides over the other: "
+            "run_in wears one rough face against a smooth one; give the window of one face",
+        },
+    },
+    excluded={
+        "force": "give the mean_pressure of a periodic map, force over nominal area; a force is for boundary "
+        "'free'",
+        "form": "is of contact.boundary = free; set that, too",
+    },
+)
+LOCAL_SCALE = LocalScaleFacts(name="local scale", own_settings={"contact": ("form",)})
+FINITE_BODY = FiniteBodyFacts(
+    name="finite body",
+    boundary="free",
+    load="force",
+    load_in_words="force",
+    load_unit="N",
+    load_symbol="F",
+    load_over_pressure=lambda area: area,
+    border=1,
+    recorded=("boundary",),
+    has_flow=False,
+    has_theories=False,
+    noun="a body of finite size",
+    scaled_columns=(),  # the gradient of the map is that of the form
+    scales_heights=False,
+    form_is_meant=True,
+    may_leave_map=True,
+    flat_map_is_uniform=False,
+    power_of_largest_pressure=1 / 3,  # of a ball (Hertz)
+    area_reference="area of the map",
+    surroundings="without neighbours",
+    sentence="finite_body",
+    admitted=("window.min_share",),
+    excluded={
+        "mean_pressure": "a finite body has no mean pressure; give its force in N",
+        "force": "missing: give the force on the finite body in N",
+        "arrays": "finite bodies are solved by NumPy; leave it out",
+        "solution": "the contact is that of a body of finite size: this is solved for periodic maps",
+        "surface behind profiles": "the surface behind profiles is drawn at random: its ± on a body of "
+        "finite size is unknown; solve_contact takes the map of surface_from_profiles",
+        "contact_table": "a body of finite size has no mean gap; give a periodic map",
+        "contact.zero_frequency": "the approach of a finite body is absolute; leave it out",
+        "contact.precision": "finite bodies are solved in double precision; leave it out",
+        "window": _PERIODIC,
+        "wear": _PERIODIC,
+        "sliding": _PERIODIC,
+        "window.shortest_wavelength": _FILTERS,
+        "window.longest_wavelength": _FILTERS,
+        **dict.fromkeys(
+            [
+                *(f"contact.{key}" for key in ("area", "target_area", "target_gap", "target", "unload")),
+                *("statistics.seal", "statistics.work_of_adhesion", "statistics.requirement"),
+                *("statistics.friction.speed", "statistics.friction.tangential_load", "instrument.correct"),
+            ],
+            _PERIODIC,
+        ),
+    },
+    excluded_with={
+        "layers": {
+            "contact.influence": "layers of a finite body are solved with 'sampled'; leave it out",
+            "statistics.stress = 'always'": "stresses in layers are computed for periodic maps, not for a "
+            "body of finite size",
+        }
+    },
+    own_settings={"window": ("form", "contact.boundary")},
+)
+
+
+def facts_of(attrs: Mapping[str, Any]) -> KindFacts:
+    """Return the facts by the word `boundary` in a section `contact`, or the attributes of a map or result.
+
+    Examples
+    --------
+    >>> facts_of({}).load, facts_of({"boundary": "free"}).load
+    ('mean_pressure', 'force')
+    """
+    word = attrs.get("boundary")
+    return next((facts for facts in (PERIODIC_MAP, FINITE_BODY) if facts.boundary == word), PERIODIC_MAP)
+
+
+def number_of_faces(attrs: Mapping[str, Any]) -> int:
+    """Return how many rough faces are in the heights of a map, by its attributes: one, or both of a pair.
+
+    Examples
+    --------
+    >>> number_of_faces({}), number_of_faces({"counter_face": "lower.x3p"})
+    (1, 2)
+    """
+    return 1 + ("counter_face" in attrs)
+
+
+def properties_of_map(attrs: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return what a map, by its attributes, has that may exclude settings: the "faces" of a pair, or nothing.
+
+    Examples
+    --------
+    >>> properties_of_map({}), properties_of_map({"counter_face": "lower.x3p"})
+    ((), ('faces',))
+    """
+    return ("faces",) if number_of_faces(attrs) > 1 else ()
+
+
+def facts_of_settings(settings: Mapping[str, Any]) -> KindFacts:
+    """Return the facts of the kind that the sections of settings, checked or not, describe.
+
+    Examples
+    --------
+    >>> facts_of_settings({"form": {"local_scale": True}}).name
+    'local scale'
+    """
+    form, contact = (
+        section if isinstance(section := settings.get(name), Mapping) else {} for name in ("form", "contact")
+    )
+    return LOCAL_SCALE if form.get("local_scale") else facts_of(contact)
+
+
+def _one_by_one(settings: Mapping[str, Any], where: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the full name and the value of each setting, of groups within a section and what is in them."""
+    for key, value in settings.items():
+        if where or not isinstance(value, Mapping):
+            yield f"{where}{key}", value
+        if isinstance(value, Mapping):
+            yield from _one_by_one(value, f"{where}{key}.")

@@ -1,0 +1,229 @@
+"""What is recorded of a height map beside its heights: how it was measured, read, levelled and cut out.
+
+In memory these are attributes of the map, a number or a text each, so that xarray shows them and any function
+may add one. Here alone it is said which of them hold JSON, and how a file holds them: those of one concept as
+one attribute, a JSON object, since a list of a hundred attributes is read by nobody.
+"""
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any
+
+# attributes whose text is JSON, and the kind of their content: of a map, then of statistics, of one surface
+# or by case and surface
+_STRUCTURED: dict[str, type] = {
+    **dict.fromkeys(("instrument", "ingest_spikes", "ingest_sources"), dict),
+    **dict.fromkeys(("form_removed", "outlier_kinds", "filters_removed", "profile_spectra"), dict),
+    **dict.fromkeys(("channels", "ingest_warnings", "ingest_facts", "profile_warnings"), list),
+    **dict.fromkeys(("settings", "versions", "bands", "verdicts"), dict),
+    **dict.fromkeys(("reasons", "remarks", "left_out", "failed", "bodies"), list),
+}
+_INSTRUMENT = "instrument_"  # begins what the table of surfaces, or the settings, say of the instrument
+# attribute of a file -> those of the map that it holds, by a pattern of their names
+_CONCEPTS = {
+    concept: re.compile(names)
+    for concept, names in {
+        "measurement": "source_format|channels?|instrument|y_axis|first_row(_assumed)?"
+        "|missing_(points|share)",
+        "metrological_characteristics": f"{_INSTRUMENT}.*",
+        "reading": "ingest_.*",
+        "levelling": "form|form_removed|outlier.*|line_.*|row_jitter.*|filters_removed"
+        "|fill(ed)?_.*|largest_hole",
+        "roughness_parameters": "[PRSVW][a-z]{1,3}[0-9]?",
+        "traces": "spectrum_.*|rounded_peaks|sharpest_peak_radius|top_exponent|noise_.*|pixel_.*|reliable_.*"
+        "|repeated_heights|quantisation_step",
+        "summit": "summit_.*",
+        "band": "band_.*",
+        "periodic_change": "periodisation_.*|rms_gradient_.*|steepest_share|form_share",
+        "cut_out": "window_.*",
+        "pair": "shift_[xy]|rotation|covered_.*|face_pitches",
+        "ensemble": "profile_.*|profiles_along|pitch_along|stretch",
+    }.items()
+}
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """How a map was measured and read, from the attributes of `read_height_map`.
+
+    `instrument` are the metadata of the file (`roughcontact.io.metadata`), `warnings` what was found when it
+    was read, of which `facts` need no look, `spikes` findings that the check of the outliers judges.
+
+    Examples
+    --------
+    >>> measurement = Measurement.read({"ingest_warnings": '["steep"]', "missing_points": 3})
+    >>> measurement.warnings, measurement.missing_points, measurement.instrument
+    (('steep',), 3, {})
+    """
+
+    source_file: str = ""
+    source_sha256: str = ""
+    source_format: str = "array"
+    channel: str = ""
+    channels: Sequence[str] = ()
+    instrument: Mapping[str, Any] = field(default_factory=dict)
+    first_row: str = ""
+    first_row_assumed: bool = False
+    missing_points: int = 0
+    missing_share: float = 0.0
+    warnings: Sequence[str] = ()
+    facts: Sequence[str] = ()
+    spikes: Mapping[str, str] = field(default_factory=dict)
+    sources: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, attrs: Mapping[Any, Any]) -> "Measurement":
+        """Return the record of a map from its attributes; what they do not state has its default."""
+        values: dict[str, Any] = {}
+        for name in (entry.name for entry in fields(cls)):
+            key = _INGEST.get(name, name)
+            if key in _STRUCTURED:
+                content, kind = json_attribute(attrs, key), _STRUCTURED[key]
+                content = content if isinstance(content, kind) else kind()  # of another program
+                values[name] = tuple(content) if isinstance(content, list) else content
+            elif key in attrs:
+                values[name] = attrs[key]
+        return cls(**values)
+
+    def attributes(self) -> dict[str, Any]:
+        """Return the attributes of a map with this record."""
+        record: dict[str, Any] = {"units": "m"}
+        record |= {_INGEST.get(name, name): value for name, value in asdict(self).items()}
+        record |= {"y_axis": "up", "first_row_assumed": int(self.first_row_assumed)}
+        if not self.first_row:  # an array, which no reader has turned
+            omitted = ("y_axis", "first_row", "first_row_assumed", *_INGEST.values())
+            record = {key: value for key, value in record.items() if key not in omitted}
+            record["ingest_warnings"] = self.warnings
+        return record | json_attributes({key: record[key] for key in record if key in _STRUCTURED})
+
+
+# fields of a record whose attributes have longer names
+_INGEST = {name: f"ingest_{name}" for name in ("warnings", "facts", "spikes", "sources")}
+
+
+@dataclass(frozen=True)
+class Instrument:
+    """What is stated of an instrument for the error budget, in SI units; None where nothing is.
+
+    `noise` (m, rms), `resolution` (m), `numerical_aperture`, `wavelength` of the light (m), `tip_radius` (m),
+    `amplification_z` and `amplification_xy` (relative, expanded), `lateral_period_limit` of the lens (m).
+
+    Examples
+    --------
+    >>> Instrument.read({"instrument_noise": 1e-9, "Sq": 1e-7}).properties()
+    {'noise': 1e-09}
+    >>> Instrument(noise=1e-9).attributes()
+    {'instrument_noise': 1e-09}
+    """
+
+    noise: float | None = None
+    resolution: float | None = None
+    numerical_aperture: float | None = None
+    wavelength: float | None = None
+    tip_radius: float | None = None
+    amplification_z: float | None = None
+    amplification_xy: float | None = None
+    lateral_period_limit: float | None = None
+
+    @classmethod
+    def read(cls, attrs: Mapping[Any, Any]) -> "Instrument":
+        """Return the record from the attributes of a map or of its statistics."""
+        names = [entry.name for entry in fields(cls)]
+        return cls(**{name: attrs[key] for name in names if (key := f"{_INSTRUMENT}{name}") in attrs})
+
+    def properties(self) -> dict[str, float]:
+        """Return the properties that are stated, by their names in the settings."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+    def attributes(self) -> dict[str, float]:
+        """Return the attributes that hold the stated properties."""
+        return {f"{_INSTRUMENT}{name}": value for name, value in self.properties().items()}
+
+
+def json_attribute(attrs: Mapping[Any, Any], name: str) -> Any:
+    """Return the content of an attribute that holds JSON, empty where a map has none.
+
+    Examples
+    --------
+    >>> json_attribute({"outlier_kinds": '{"spike": 29}'}, "outlier_kinds"), json_attribute({}, "channels")
+    ({'spike': 29}, [])
+    """
+    content = json.loads(attrs.get(name) or "null")
+    return content if isinstance(content, dict | list) else _STRUCTURED[name]()
+
+
+def json_attributes(contents: Mapping[str, Any]) -> dict[str, str]:
+    """Return contents as attributes that hold JSON, which `json_attribute` reads.
+
+    Examples
+    --------
+    >>> json_attributes({"outlier_kinds": {"spike": 29}})
+    {'outlier_kinds': '{"spike": 29}'}
+    """
+    return {
+        name: json.dumps(content, ensure_ascii=False, default=_plain) for name, content in contents.items()
+    }
+
+
+def add_remark(attrs: Mapping[Any, Any], remark: str, *, fact: bool) -> dict[str, str]:
+    """Return the attributes of a map with a further warning of its reading, which may be a plain `fact`."""
+    names = ("ingest_warnings", "ingest_facts") if fact else ("ingest_warnings",)
+    return json_attributes({name: [*json_attribute(attrs, name), remark] for name in names})
+
+
+def file_attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the attributes of a map as a file has them: those of one concept as one, a JSON object.
+
+    Examples
+    --------
+    >>> file_attributes({"units": "m", "Sq": 1e-7, "Sa": 8e-8})
+    {'units': 'm', 'roughness_parameters': '{"Sq": 1e-07, "Sa": 8e-08}'}
+    >>> file_attributes({"form_removed": '{"mean": 0}'})
+    {'levelling': '{"form_removed": {"mean": 0}}'}
+    """
+    result: dict[str, Any] = {}
+    groups: dict[str, dict[str, Any]] = {}
+    for name, value in attrs.items():
+        concept = next((key for key, names in _CONCEPTS.items() if names.fullmatch(name)), None)
+        if concept is None:
+            result[name] = value
+        else:
+            content = json_attribute(attrs, name) if name in _STRUCTURED else value
+            groups.setdefault(concept, {})[name] = content
+            result[concept] = ""  # in the place of the first of them
+    return result | json_attributes(groups)
+
+
+def map_attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the attributes of a map from those of its file, also of one that has each by itself.
+
+    Examples
+    --------
+    >>> map_attributes({"units": "m", "levelling": '{"form_removed": {"mean": 0}, "form": "mean"}'})
+    {'units': 'm', 'form_removed': '{"mean": 0}', 'form': 'mean'}
+    """
+    result: dict[str, Any] = {}
+    for name, value in attrs.items():
+        content = _parsed(value) if name in _CONCEPTS else None
+        if content is None:
+            result[name] = value
+        else:
+            texts = json_attributes({key: content[key] for key in content if key in _STRUCTURED})
+            result |= content | texts
+    return result
+
+
+def _parsed(text: Any) -> dict[str, Any] | None:
+    """Return the JSON object in a text, None where it is something else: an attribute of another program."""
+    try:
+        content = json.loads(text) if isinstance(text, str) else None
+    except ValueError:
+        return None
+    return content if isinstance(content, dict) else None
+
+
+def _plain(value: Any) -> Any:
+    """Return a number or an array of NumPy as JSON can hold it."""
+    return value.tolist()

@@ -1,0 +1,206 @@
+"""Materials by name: elastic constants, hardness, yield stress, conductivity, resistivity, with ranges."""
+
+import re
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from functools import cache
+from importlib import resources
+from typing import Any, NamedTuple
+
+from roughcontact.arguments.materials import top_material
+from roughcontact.arguments.ranges import OF_BODIES, name_of_range, shares_of_range, weighted
+from roughcontact.errors import SettingsError
+
+_SI = {"GPa": 1e9, "MPa": 1e6, "nOhm_m": 1e-9}
+_GENT, _SHORE_A, _DEGREES = "Gent", (20, 95), 5  # source of moduli of elastomers; limits, tolerance
+_HARDNESS = ("hardness", name_of_range("hardness"))
+_TRANSPORT = ("thermal_conductivity", "electrical_resistivity")  # of use only where both bodies state them
+
+
+class Property(NamedTuple):
+    """A property of a material (SI): its value, and the range of what is sold under the name."""
+
+    value: float
+    lowest: float
+    highest: float
+
+
+def material(name: str) -> dict[str, Any]:
+    """Return the properties of a material at room temperature, as the settings take them for a body.
+
+    Parameters
+    ----------
+    name : str
+        or another name of the same material; capitals, spaces and hyphens do not matter. An elastomer may
+        have its hardness behind it, ``"NBR 60 Shore A"``: its modulus is then that of Gent (1958).
+
+    Returns
+    -------
+    dict
+        `name`, `youngs_modulus` (Pa), `poissons_ratio` and, where the table `materials.tsv` states them,
+        `hardness` (Pa), `yield_stress` (Pa), `thermal_conductivity` (W m-1 K-1), `electrical_resistivity`
+        (Ohm m). The table also has their ranges and sources.
+
+    Raises
+    ------
+    SettingsError
+        for a name that is not in the table; it names the nearest ones.
+
+    Examples
+    --------
+    >>> material("Structural steel")["youngs_modulus"]
+    207000000000.0
+    >>> "hardness" in material("NBR")
+    False
+    """
+    properties = _properties(name)
+    plain_name, shore_a = _name_and_hardness(name)
+    hardness = "" if shore_a is None else f" {shore_a:g} Shore A"
+    return {"name": _row(plain_name)["name"] + hardness} | {
+        key: entry.value for key, entry in properties.items()
+    }
+
+
+def named_bodies(bodies: Sequence[Any]) -> list[Any]:
+    """Return bodies with names of materials replaced by their properties; what a mapping states goes before.
+
+    Conductivity and resistivity are taken from the table only where all bodies and layers have them; the
+    hardness is that of the outermost layer with a name. What the table states has its range.
+    """
+    mappings = [{"material": body} if isinstance(body, str) else body for body in bodies]
+    full: list[Any] = []
+    pairs: list[tuple[Any, Any]] = []
+    for body in mappings:
+        layers = body.get("layers") if isinstance(body, Mapping) else None
+        if not isinstance(layers, list) or not all(isinstance(layer, Mapping) for layer in layers or [None]):
+            full.append(_named(body))
+        else:  # the hardness of the table is that of the base
+            full_layers = [_named(layer, exclude=_HARDNESS) for layer in layers]
+            hardness = {key: value for key, value in _named(layers[0]).items() if key in _HARDNESS}
+            full.append(hardness | _named(body, exclude=_HARDNESS) | {"layers": full_layers})
+            pairs += zip(layers, full_layers, strict=True)
+    pairs += zip(mappings, full, strict=True)
+    for name in _TRANSPORT:
+        if not all(isinstance(body, Mapping) and body.get(name) is not None for _, body in pairs):
+            for original, body in pairs:
+                if isinstance(original, Mapping) and "material" in original and name not in original:
+                    body.pop(name, None)
+                    body.pop(name_of_range(name), None)
+    return full
+
+
+def _named(body: Any, *, exclude: Sequence[str] = ()) -> Any:
+    """Return a body or a layer with the properties of its `material`, but for those that are omitted."""
+    if not isinstance(body, Mapping) or not isinstance(body.get("material"), str):
+        return body
+    properties = material(body["material"])
+    for key, entry in _properties(body["material"]).items():
+        if key in OF_BODIES and key not in body:  # a value that is stated has the range that is stated
+            properties[name_of_range(key)] = shares_of_range(*entry)
+    properties = {key: value for key, value in properties.items() if key not in exclude}
+    return properties | {key: value for key, value in body.items() if key != "material"}
+
+
+def modulus_uncertainty(bodies: Sequence[Mapping[str, Any]]) -> float | None:
+    """Return the relative uncertainty of E* by the ranges of Young's moduli, None without any.
+
+    The half-ranges of those of the surfaces, weighted by their shares in 1/E*, add in quadrature.
+    """
+    surfaces = [top_material(body) for body in bodies]
+    ranges = [surface.get(name_of_range("youngs_modulus")) for surface in surfaces]
+    if not any(ranges):
+        return None
+    half_ranges = [sum(shares) / len(shares) if shares else 0.0 for shares in ranges]
+    compliances = [(1 - surface["poissons_ratio"] ** 2) / surface["youngs_modulus"] for surface in surfaces]
+    total, lower, _ = weighted(compliances, half_ranges)
+    return round(1 - lower / total, 3)
+
+
+def material_names() -> list[str]:
+    """Return the names of the table, without the further names of the same material."""
+    return [row["name"] for row in _table()]
+
+
+def modulus_of_hardness(shore_a: float) -> float:
+    """Return Young's modulus (Pa) of an elastomer by its hardness in Shore A, from 20 to 95.
+
+    Gent (1958), Rubber Chem. Technol. 31, 896: the force of the spring on the truncated cone of the gauge,
+    over the indentation of an elastic half-space.
+
+    Examples
+    --------
+    >>> f"{modulus_of_hardness(70) / 1e6:.2f}"
+    '5.52'
+    """
+    return 1e6 * 0.0981 * (56 + 7.62336 * shore_a) / (0.137505 * (254 - 2.54 * shore_a))
+
+
+def _properties(name: str) -> dict[str, Property]:
+    """Return value and range (SI) of each property that the table states of a material.
+
+    The modulus by a hardness in Shore A is that of `modulus_of_hardness`, with five degrees on either side.
+    """
+    material_name, shore_a = _name_and_hardness(name)
+    row, properties = _row(material_name), {}
+    if shore_a is not None:
+        if _GENT not in row["source"]:
+            raise SettingsError(f"{name!r}: {row['name']} is no elastomer with a hardness in Shore A")
+        if not _SHORE_A[0] <= shore_a <= _SHORE_A[1]:
+            raise SettingsError(f"{name!r}: Shore A is from {_SHORE_A[0]} to {_SHORE_A[1]}")
+    for heading, text in row.items():
+        unit = next((unit for unit in _SI if heading.endswith(unit)), "")
+        key = re.sub("_(GPa|MPa|W_m-1_K-1|nOhm_m)$", "", heading)
+        if text and key not in ("name", "aliases", "source"):
+            # as decimal numbers are written: 1.4 GPa is 1400000000 Pa, not 1399999999.9999998
+            value, lowest, highest = (
+                float(f"{float(number_text) * _SI.get(unit, 1.0):.6g}") for number_text in text.split()
+            )
+            properties[key] = Property(value, lowest, highest)
+    if shore_a is not None:
+        moduli = (float(f"{modulus_of_hardness(shore_a + step):.3g}") for step in (0, -_DEGREES, _DEGREES))
+        properties["youngs_modulus"] = Property(*moduli)
+    return properties
+
+
+def _name_and_hardness(name: str) -> tuple[str, float | None]:
+    """Return the name of a material, and the hardness in Shore A behind it."""
+    match = re.fullmatch(r"(.*[^\W\d])[\s-]+(\d+)\s*(?:sh(?:ore)?\s*-?\s*A)?\s*", str(name), re.IGNORECASE)
+    if match is None or _plain(name) in _names() or _plain(match[1]) not in _names():
+        return name, None
+    return match[1], float(match[2])
+
+
+def _row(name: str) -> dict[str, str]:
+    """Return the row of the table that has a name, or an error with the nearest names."""
+    rows = _names()
+    if (row := rows.get(_plain(name))) is not None:
+        return row
+    close = [rows[alias]["name"] for alias in get_close_matches(_plain(name), rows, n=3, cutoff=0.6)]
+    suggestion = (
+        f"did you mean {' or '.join(dict.fromkeys(close))}?"
+        if close
+        else "known are " + ", ".join(material_names())
+    )
+    raise SettingsError(
+        f"{name!r} is no material of the table, {suggestion}; or give youngs_modulus and poissons_ratio"
+    )
+
+
+def _names() -> dict[str, dict[str, str]]:
+    """Return the rows of the table by all names of the materials, as `_plain` writes them."""
+    rows = {_plain(alias): row for row in _table() for alias in (row["name"], *row["aliases"].split(","))}
+    rows.pop("", None)  # of a material without another name
+    return rows
+
+
+def _plain(name: str) -> str:
+    """Return a name in small letters, without spaces, hyphens and underscores."""
+    return re.sub(r"[\s_-]", "", str(name).lower())
+
+
+@cache
+def _table() -> list[dict[str, str]]:
+    """Return the rows of `materials.tsv` by the words of its heading."""
+    text = resources.files("roughcontact.arguments").joinpath("materials.tsv").read_text(encoding="utf-8")
+    heading, *lines = (line.split("\t") for line in text.splitlines() if not line.startswith("#"))
+    return [dict(zip(heading, line, strict=True)) for line in lines]

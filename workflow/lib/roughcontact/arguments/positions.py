@@ -1,0 +1,58 @@
+"""Where a map lies in an overview, as the column `overview_position` of the table of surfaces states it."""
+
+from roughcontact.arguments.units import lengths_in_text
+from roughcontact.errors import SettingsError
+
+ELSEWHERE = "elsewhere"  # the overview is of another position of the same face
+_COLUMN = "overview_position"
+
+
+def parse_position(text: str) -> tuple[float, float] | None:
+    """Return x and y (m) of the middle of a map in its overview; None where it is to be found, or elsewhere.
+
+    Raises
+    ------
+    SettingsError
+        If the text is something else.
+
+    Examples
+    --------
+    >>> parse_position("300 250 um"), parse_position("elsewhere"), parse_position("")
+    ((0.0003, 0.00025), None, None)
+    """
+    if text in ("", ELSEWHERE):
+        return None
+    rule = (
+        "must be x and y of the middle of the map, from the lower left corner of the overview, and their "
+        f"unit (300 250 um), {ELSEWHERE} for another position of the face, or empty: it is then looked for"
+    )
+    try:
+        position = lengths_in_text(text, 2)
+    except ValueError as error:
+        raise SettingsError(f"{_COLUMN} = {text!r}: {error}", keys=[_COLUMN]) from error
+    if position is None:
+        raise SettingsError(f"{_COLUMN} = {text!r}: {rule}", keys=[_COLUMN])
+    return position[0], position[1]
+
+
+def separate_positions(text: str, number: int) -> list[str]:
+    """Return the position of each of so many overviews, which semicolons separate.
+
+    Raises
+    ------
+    SettingsError
+        If there are more or fewer of them.
+
+    Examples
+    --------
+    >>> separate_positions("; elsewhere", 2), separate_positions("", 2)
+    (['', 'elsewhere'], ['', ''])
+    """
+    positions = [part.strip() for part in text.split(";")] if text.strip() else [""] * number
+    if len(positions) != number:
+        raise SettingsError(
+            f"{_COLUMN} = {text!r}: {len(positions)} positions for {number} overviews; give one for each, "
+            "between semicolons, empty where the map is to be found",
+            keys=[_COLUMN],
+        )
+    return positions

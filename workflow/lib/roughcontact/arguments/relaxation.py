@@ -1,0 +1,204 @@
+"""Relaxation of a rubber: a Prony series, stated or fitted to a table of a DMA, shifted to a temperature.
+
+A series E(t) = E_0 + sum E_k exp(-t/tau_k) of positive moduli is causal and dissipates at every frequency.
+Storage and loss modulus of one linear material obey the relations of Kramers and Kronig and are those of such
+a series, so that what a fit to both leaves over tells how far a table is from such a material.
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import scipy
+
+from roughcontact.arguments.bodies import check_poissons_ratio
+from roughcontact.arguments.checking import check_positive
+from roughcontact.arguments.units import unit_factor, unknown_unit
+from roughcontact.errors import SettingsError
+
+TERMS_PER_DECADE = 10
+MAX_MISFIT = 0.1  # rms, relative: beyond, E' and E'' are not those of one linear material
+_COLUMNS = {
+    "frequency": r"(f|freq|frequency)",
+    "angular": r"(omega|ω|angular frequency)",
+    "storage_modulus": r"(e['′]|storage( modulus)?)",
+    "loss_modulus": r"(e(''|″|\")|loss( modulus)?)",
+}
+_UNITS = {"frequency": {"": 1.0, "Hz": 1.0, "kHz": 1e3}, "angular": {"": 1.0, "rad/s": 1.0, "1/s": 1.0}}
+_KEYS = {"long_time_modulus", "moduli", "times", "table", "wlf", "reference_temperature", "temperature"}
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """E(t) = long_time_modulus + sum of moduli exp(-t/times), Young's moduli (Pa) and times (s)."""
+
+    long_time_modulus: float
+    moduli: np.ndarray
+    times: np.ndarray
+    poissons_ratio: float = 0.5
+    misfit: float = 0.0  # rms relative difference of E' and E'' from the table
+    frequencies: tuple[float, float] = (0.0, np.inf)  # 1/s, angular: the range of the table
+
+    def contact_modulus(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the complex E* = E/(1 - nu^2) (Pa) at angular frequencies (1/s), of exp(i omega t)."""
+        phase = 1j * np.asarray(frequency, float)[..., None] * self.times
+        young: np.ndarray = self.long_time_modulus + (phase / (1 + phase)) @ self.moduli
+        return young / (1 - self.poissons_ratio**2)
+
+    def compliance(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the complex 1/E* (1/Pa) at angular frequencies (1/s)."""
+        compliance: np.ndarray = 1 / self.contact_modulus(frequency)
+        return compliance
+
+
+def relaxation_of(relaxation: Any, *, poissons_ratio: float = 0.5) -> Relaxation:
+    """Return the relaxation that a table (path or DataFrame) or a mapping states.
+
+    Examples
+    --------
+    >>> rubber = relaxation_of({"long_time_modulus": 3e6, "moduli": [27e6], "times": [1e-4]})
+    >>> print(np.abs(rubber.contact_modulus(np.array([0.0, 1e9]))).round(-5) / 1e6)
+    [ 4. 40.]
+    """
+    ratio = check_poissons_ratio("poissons_ratio", poissons_ratio)
+    stated = dict(relaxation) if isinstance(relaxation, Mapping) else {"table": relaxation}
+    if unknown := {*stated} - _KEYS:
+        raise SettingsError(
+            f"relaxation.{min(unknown)}: unknown; give long_time_modulus, moduli and times of a Prony "
+            "series, or the table of a DMA; for another temperature wlf, reference_temperature, temperature",
+            keys=["relaxation"],
+        )
+    series = _fitted(stated["table"], ratio) if "table" in stated else _series(stated, ratio)
+    factor = _shift(stated)
+    low, high = series.frequencies
+    return Relaxation(
+        series.long_time_modulus,
+        series.moduli,
+        series.times * factor,
+        ratio,
+        series.misfit,
+        (low / factor, high / factor),
+    )
+
+
+def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
+    """Return a table of a DMA: angular `frequency` (1/s, rising), `storage_modulus`, `loss_modulus` (Pa).
+
+    Headings name what a column holds, with its unit in brackets or after a comma: "f (Hz)", "E' [MPa]".
+    Without one, frequencies are in Hz and moduli in Pa.
+
+    Examples
+    --------
+    >>> table = pd.DataFrame({"f (Hz)": [1, 10, 100], "E' (MPa)": [3, 4, 5], "E'' (MPa)": [0.3, 0.5, 0.6]})
+    >>> read_relaxation(table).round(2).values.tolist()[0]
+    [6.28, 3000000.0, 300000.0]
+    """
+    name = "the table" if isinstance(table, pd.DataFrame) else str(table)
+    if not isinstance(table, pd.DataFrame):
+        try:
+            table = pd.read_csv(table, sep=None, engine="python", comment="#", encoding="utf-8-sig")
+        except (OSError, ValueError) as error:
+            raise SettingsError(
+                f"relaxation = {name}: not read as a table: {error}", keys=["relaxation"]
+            ) from None
+    columns: dict[str, pd.Series] = {}
+    for heading in table.columns:
+        plain, _, unit = re.sub(r"[\[(]|\s*,\s*", "|", str(heading).replace("_", " "), count=1).partition("|")
+        unit, plain = unit.strip(" )]"), plain.strip().lower().replace("’", "'")
+        role = next((key for key, pattern in _COLUMNS.items() if re.fullmatch(pattern, plain)), None)
+        if role is None:
+            continue
+        factor = _UNITS[role].get(unit) if role in _UNITS else unit_factor(unit or "Pa", "Pa")
+        if factor is None:
+            units = ", ".join(filter(None, _UNITS[role])) if role in _UNITS else unknown_unit(unit, "Pa")
+            raise SettingsError(
+                f"relaxation = {name}, column {heading!r}: unit {unit!r}; {units}", keys=["relaxation"]
+            )
+        values = pd.to_numeric(table[heading], errors="coerce") * factor
+        columns["frequency" if role == "angular" else role] = values * (
+            2 * np.pi if role == "frequency" else 1
+        )
+    if missing := [key for key in ("frequency", "storage_modulus", "loss_modulus") if key not in columns]:
+        raise SettingsError(
+            f"relaxation = {name}: no column {missing[0]!r} among {[*map(str, table.columns)]}; name "
+            "the columns frequency (Hz), storage_modulus (Pa), loss_modulus (Pa), or f, E', E'', with units",
+            keys=["relaxation"],
+        )
+    numbers = pd.DataFrame(columns).dropna().sort_values("frequency", ignore_index=True)
+    if len(numbers) < 3 or not (numbers > 0).all(axis=None):
+        raise SettingsError(
+            f"relaxation = {name}: {len(numbers)} rows of numbers; give three or more, with frequencies and "
+            "moduli above 0",
+            keys=["relaxation"],
+        )
+    return numbers[["frequency", "storage_modulus", "loss_modulus"]]
+
+
+def _fitted(table: str | Path | pd.DataFrame, ratio: float) -> Relaxation:
+    """Return the series of positive moduli nearest to a table, in relative terms (Lawson and Hanson 1974)."""
+    frequency, storage, loss = read_relaxation(table).to_numpy().T
+    low, high = frequency[[0, -1]]
+    decades = np.log10(high / low) + 2  # relaxation up to a decade beyond the table shows in it
+    times = np.geomspace(0.1 / high, 10 / low, max(2, round(TERMS_PER_DECADE * decades)))
+    phase = 1j * np.outer(frequency, times)
+    share = phase / (1 + phase)
+    rows = np.vstack(
+        [
+            np.column_stack([np.ones_like(frequency), share.real]) / storage[:, None],
+            np.column_stack([np.zeros_like(frequency), share.imag]) / loss[:, None],
+        ]
+    )
+    moduli, residual = scipy.optimize.nnls(rows, np.ones(len(rows)))
+    if moduli[0] <= 0:  # no plateau within the table: the lowest modulus is all that is known of it
+        moduli[0] = 1e-3 * storage[0]
+    used = moduli[1:] > 0
+    misfit = float(residual) / np.sqrt(len(rows))
+    return Relaxation(moduli[0], moduli[1:][used], times[used], ratio, misfit, (low, high))
+
+
+def _series(stated: Mapping[str, Any], ratio: float) -> Relaxation:
+    """Return a stated Prony series."""
+    for key in ("long_time_modulus", "moduli", "times"):
+        if stated.get(key) is None:
+            raise SettingsError(f"relaxation.{key}: missing from the Prony series", keys=["relaxation"])
+    plateau = check_positive("relaxation.long_time_modulus", stated["long_time_modulus"], unit="Pa")
+    moduli, times = (
+        np.array([check_positive(f"relaxation.{key}", number, unit=unit) for number in np.ravel(stated[key])])
+        for key, unit in (("moduli", "Pa"), ("times", "s"))
+    )
+    if moduli.size != times.size:
+        raise SettingsError(
+            f"relaxation: {moduli.size} moduli and {times.size} times; give a time for each modulus",
+            keys=["relaxation"],
+        )
+    return Relaxation(plateau, moduli, times, ratio)
+
+
+def _shift(stated: Mapping[str, Any]) -> float:
+    """Return the factor of all times by the temperature, log10 a = -C1 (T - T0)/(C2 + T - T0).
+
+    Williams, Landel and Ferry (1955), J. Am. Chem. Soc. 77, 3701.
+    """
+    keys = ("wlf", "reference_temperature", "temperature")
+    given = [key for key in keys if stated.get(key) is not None]
+    if not given:
+        return 1.0
+    if len(given) < len(keys) or np.shape(stated["wlf"]) != (2,):
+        raise SettingsError(
+            "relaxation: another temperature needs wlf = [C1, C2 (K)], reference_temperature and "
+            f"temperature, both in °C or both in K; given: {', '.join(given)}",
+            keys=["relaxation"],
+        )
+    first, second = map(float, stated["wlf"])
+    difference = float(stated["temperature"]) - float(stated["reference_temperature"])
+    if second + difference <= 0:
+        raise SettingsError(
+            f"relaxation.temperature is {-difference:g} K below its reference, where the law of Williams, "
+            f"Landel and Ferry ends, at {second:g} K",
+            keys=["relaxation"],
+        )
+    return float(10 ** (-first * difference / (second + difference)))

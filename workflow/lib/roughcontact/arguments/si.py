@@ -1,0 +1,190 @@
+"""Arguments of the public functions in SI: maps by their attribute `units`, numbers by the unit in the text.
+
+What carries no unit is in SI already.
+"""
+
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from functools import wraps
+from inspect import signature
+from typing import Any, TypeVar, cast
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.arguments.ranges import both_ends
+from roughcontact.arguments.units import convert_to_base_unit, unit_factor, unknown_unit
+from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+_Labelled = TypeVar("_Labelled", xr.DataArray, xr.Dataset)
+
+# base unit -> arguments, and keys of mappings among them, that may be text with a unit
+_NAMES = {
+    "m": "s_filter l_filter shortest_wavelength longest_wavelength thickness shift seal.width "
+    "noise resolution wavelength tip_radius spacing joint.temperature_jump joint.film_thickness "
+    "sliding_distance seal.perimeter seal.mean_free_path requirement.gap",
+    "m2": "joint.area",
+    "m3 s-1": "seal.allowed_leak requirement.leak",
+    "Ohm": "joint.allowed_resistance requirement.resistance",
+    "K": "joint.allowed_temperature_drop requirement.temperature_drop",
+    "m2 K W-1": "requirement.thermal_resistance",
+    "Ohm m2": "requirement.contact_resistance",
+    "W": "joint.heat_flow",
+    "Pa-1": "wear_coefficient",
+    "Pa": "contact_modulus mean_pressure peak_pressure hardness youngs_modulus yield_stress start "
+    "seal.pressure_difference seal.outlet_pressure shear_strength allowed_pressure "
+    "requirement.pressure long_time_modulus moduli",
+    "N": "force",
+    "degree": "rotation rotations direction",
+    "J m-2": "work_of_adhesion",
+    "Pa s": "seal.viscosity",
+    "W m-1 K-1": "thermal_conductivity joint.gas_conductivity joint.film_conductivity "
+    "face_conductivity rubber_conductivity",
+    "m s-1": "speed",
+    "m2 s-1": "thermal_diffusivity",
+    "Ohm m": "electrical_resistivity",
+}
+QUANTITIES = {name: base for base, names in _NAMES.items() for name in names.split()}
+# variables that have to be in a unit of this kind; None: the heights of a map
+_FIELDS: dict[Any, str] = dict.fromkeys((None, "y", "x", "height", "gap"), "m")
+_WIDEST, _ROUGHEST = 1.0, 1e-3  # m, field and rms height beyond those of instruments for roughness
+_FIELDS |= dict.fromkeys(("pressure", "mean_pressure"), "Pa")
+
+
+def as_si(function: _Function) -> _Function:
+    """Return a public function whose arguments are brought into SI before it begins.
+
+    Examples
+    --------
+    >>> as_si(lambda hardness: hardness)(hardness="2 GPa")
+    2000000000.0
+    """
+    names = tuple(signature(function).parameters)
+
+    @wraps(function)
+    def converted(*args: Any, **options: Any) -> Any:
+        values = [_as_si(name, value) for name, value in zip(names, args, strict=False)]
+        remaining = args[len(values) :]  # for the function to refuse
+        return function(*values, *remaining, **{name: _as_si(name, value) for name, value in options.items()})
+
+    return cast("_Function", converted)
+
+
+def _as_si(name: str, value: Any) -> Any:
+    """Return the value of an argument in SI, or raise SettingsError for text with an unknown unit."""
+    if isinstance(value, xr.DataArray):
+        return _as_si(name, listed(value)) if name in QUANTITIES else labelled_in_si(value)
+    if isinstance(value, xr.Dataset):
+        return labelled_in_si(value)
+    if isinstance(value, Mapping):
+        inside = f"{name}." if name in ("seal", "joint", "requirement") else ""
+        return {key: _as_si(f"{inside}{key}", entry) for key, entry in value.items()}
+    if isinstance(value, str) and name in QUANTITIES:
+        value = both_ends(value) or value
+    if type(value) in (list, tuple):
+        return type(value)(_as_si(name, entry) for entry in value)
+    return convert_quantity(QUANTITIES[name], name, value) if name in QUANTITIES else value
+
+
+def listed(value: Any) -> Any:
+    """Return a setting with its arrays, at any depth, as lists or numbers: texts with the unit they state.
+
+    Examples
+    --------
+    >>> listed(xr.DataArray([1.0, 2.0], attrs={"units": "MPa"})), listed(np.float32(0.5))
+    (['1.0 MPa', '2.0 MPa'], 0.5)
+    """
+    if isinstance(value, Mapping):
+        return {key: listed(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [listed(entry) for entry in value]
+    if not hasattr(value, "__array__"):
+        return value
+    unit = unit_of(value.attrs) if isinstance(value, xr.DataArray) else None
+    numbers = [f"{number!r} {unit}" if unit else number for number in np.ravel(value).tolist()]
+    return numbers if np.ndim(value) else numbers[0]
+
+
+def convert_quantity(base: str, name: str, value: Any) -> Any:
+    """Return the value of an argument as `convert_to_base_unit`; SettingsError for an unknown unit."""
+    try:
+        return convert_to_base_unit(value, base)
+    except ValueError as error:
+        raise SettingsError(f"{name} = {value!r}: {error}", keys=[name]) from None
+
+
+def labelled_in_si(map_or_dataset: _Labelled) -> _Labelled:
+    """Return a map, or a dataset of maps, with lengths in m and pressures in Pa, by the attributes `units`.
+
+    A unit of something else is refused; units on some of heights and positions alone give a warning.
+
+    Examples
+    --------
+    >>> row = xr.DataArray([[1.0, 2.0]], {"y": [0.0], "x": ("x", [0.0, 5.0], {"units": "um"})}, ("y", "x"))
+    >>> found = labelled_in_si(row.assign_attrs(units="nm"))
+    >>> found.values, found["x"].values, found.attrs["units"]
+    (array([[1.e-09, 2.e-09]]), array([0.e+00, 5.e-06]), 'm')
+    """
+    variables = (
+        {None: map_or_dataset.variable}
+        if isinstance(map_or_dataset, xr.DataArray)
+        else map_or_dataset.variables
+    )
+    conversions: dict[Any, xr.Variable] = {}
+    bare = []
+    for name, variable in {**map_or_dataset.coords.variables, **variables}.items():
+        unit, base = unit_of(variable.attrs), _FIELDS.get(name)
+        coordinate = f"coordinate {name!r}" if name else "the heights"
+        if unit is None and base and variable.size > 1:
+            bare.append(coordinate)
+        if unit is None or unit == base:
+            continue
+        base = base or ("m" if unit_factor(unit, "m") else "Pa")
+        factor = unit_factor(unit, base)
+        if factor is None and name in _FIELDS:
+            title = map_or_dataset.attrs.get("source_file") or "the map"
+            raise HeightMapError(f"{coordinate} of {title}: {unknown_unit(unit, base)}")
+        if factor not in (None, 1.0):
+            attrs = {key: value for key, value in variable.attrs.items() if key != "unit"}
+            data = variable.data * np.float64(factor)
+            conversions[name] = xr.Variable(variable.dims, data, attrs | {"units": base})
+    if not conversions:
+        return map_or_dataset
+    if bare:
+        warnings.warn(
+            f"{' and '.join(bare)} of the map: no attribute units, taken in m, beside others that have one; "
+            "state it",
+            HeightMapWarning,
+            stacklevel=4,
+        )
+    result = map_or_dataset.assign_coords(
+        {name: conversions.pop(name) for name in [*conversions] if name in map_or_dataset.coords}
+    )
+    if isinstance(result, xr.Dataset):
+        return result.assign(conversions)
+    if conversions:
+        result = result.copy(data=conversions[None].data)
+        result.attrs = conversions[None].attrs
+    return result
+
+
+def warn_of_metres(positions: Iterable[np.ndarray], heights: np.ndarray, *, stacklevel: int) -> None:
+    """Warn the caller of a public function of a map without a unit, in metres larger than any measured."""
+    field, finite_heights = max(map(np.ptp, positions)), heights[np.isfinite(heights)]
+    with np.errstate(over="ignore"):
+        rms_height = finite_heights.std() if finite_heights.size else 0.0
+    if field > _WIDEST or rms_height > _ROUGHEST:
+        warnings.warn(
+            f"the map states no unit and is taken in metres: a field of {field:.3g} m with heights of "
+            f"{rms_height:.3g} m (rms); state it, by height_map(values, spacing, unit='um') or by the "
+            "attributes `units` of heights and positions",
+            HeightMapWarning,
+            stacklevel=stacklevel,
+        )
+
+
+def unit_of(attrs: Mapping[Any, Any]) -> str | None:
+    """Return the unit that the attributes of a variable state, or None."""
+    unit = attrs.get("units", attrs.get("unit"))
+    return None if unit is None else str(unit).strip() or None

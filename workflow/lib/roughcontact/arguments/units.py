@@ -1,0 +1,155 @@
+"""Accepted units of lengths, pressures and other quantities, and numbers that carry their unit.
+
+Symbols are compared after normalisation (NFKC: micro sign to mu, angstrom sign, superscripts to digits); the
+spellings of each base unit are in `units.tsv`.
+"""
+
+import difflib
+import re
+import unicodedata
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+# base unit: what it is of, and the spellings offered in a message
+_QUANTITIES = {
+    "m": ("length", "m, mm, um, µm, nm, Å, pm, inch, mil, uin and the written-out words"),
+    "Pa": ("pressure", "Pa, kPa, MPa, GPa, N/mm2, bar, psi"),
+    "degree": ("angle", "deg, °, rad"),
+    "W m-1 K-1": ("conductivity", "W/(m K)"),
+    "Ohm m": ("resistivity", "Ohm m, Ohm cm, uOhm cm"),
+    "Pa s": ("viscosity", "Pa s, mPa s, cP"),
+    "J m-2": ("work of adhesion", "J/m2, mJ/m2"),
+    "Pa-1": ("wear coefficient", "1/Pa, mm3/(N m), mm2/N"),
+    "N": ("force", "nN, µN, mN, N, kN, MN, kgf"),
+    "m2": ("area", "m2, cm2, mm2, um2, nm2"),
+    "m s-1": ("speed", "m/s, mm/s, um/s"),
+    "m2 s-1": ("diffusivity", "m2/s, mm2/s"),
+    "m3 s-1": ("leak", "ml/h, ml/min, l/h, mm3/s, m3/s"),
+    "Ohm": ("resistance", "uOhm, mOhm, Ohm, kOhm"),
+    "m2 K W-1": ("thermal resistance times area", "m2 K/W, mm2 K/W"),
+    "Ohm m2": ("specific contact resistance", "Ohm m2, Ohm cm2, mOhm mm2, uOhm mm2"),
+    "K": ("temperature difference", "mK, K"),
+    "W": ("heat flow", "mW, W, kW"),
+}
+_NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
+_NUMBER_AND_UNIT = re.compile(rf"\s*{_NUMBER}\s*(\S.*)", re.DOTALL)
+
+
+@cache
+def spellings(base: str) -> dict[str, float]:
+    """Return the value in a base unit of each spelling in `units.tsv`."""
+    text = Path(__file__).with_name("units.tsv").read_text(encoding="utf-8")
+    rows = [line.split("\t") for line in text.splitlines() if line.startswith(f"{base}\t")]
+    return {unicodedata.normalize("NFKC", name): float(value) for _, value, *names in rows for name in names}
+
+
+def unit_factor(unit: object, base: str) -> float | None:
+    """Return a unit (symbol, case-sensitive, or word) in its base unit, as a factor; None for any other.
+
+    Examples
+    --------
+    >>> unit_factor("nm", "m"), unit_factor("N/mm²", "Pa"), unit_factor("V", "m"), unit_factor("MBAR", "Pa")
+    (1e-09, 1000000.0, None, None)
+    """
+    table, name = spellings(base), _clean(unit)
+    if base == "m":  # "[um]", and "µm." at the end of a phrase
+        name = name.strip("[]().")
+    if name in table:
+        return table[name]
+    candidates = _spellings_like(name, base)
+    return table.get(name.lower()) if len(name) > 3 and len(candidates) == 1 else None
+
+
+def is_unit(word: str) -> bool:
+    """Return whether a word is a unit of one of the quantities, as it is spelt.
+
+    Examples
+    --------
+    >>> is_unit("bar"), is_unit("N/mm²"), is_unit("steel"), is_unit("A")
+    (True, True, False, False)
+    """
+    return any(_clean(word) in spellings(base) for base in _QUANTITIES)
+
+
+def _spellings_like(name: str, base: str) -> dict[float, str]:
+    """Return the values of a unit, in any capitals, with a spelling of each: megabar and millibar differ."""
+    table = reversed(spellings(base).items())
+    return {value: spelling for spelling, value in table if spelling.lower() == name.lower()}
+
+
+def unknown_unit(unit: object, base: str) -> str:
+    """Return the error message for an unknown unit: with the nearest valid spelling and the usual ones.
+
+    Examples
+    --------
+    >>> unknown_unit("Mpa", "Pa")
+    "unknown pressure unit 'Mpa'; did you mean 'MPa'? accepted are Pa, kPa, MPa, GPa, N/mm2, bar, psi"
+    """
+    names = [name.lower() for name in spellings(base)]
+    close_matches = difflib.get_close_matches(_clean(unit).lower(), names, n=1)
+    suggestions = [repr(name) for match in close_matches for name in _spellings_like(match, base).values()]
+    hint = f"did you mean {' or '.join(suggestions)}? " if suggestions else ""
+    quantity, usual = _QUANTITIES[base]
+    return f"unknown {quantity} unit {str(unit)!r}; {hint}accepted are {usual}"
+
+
+def carries_unit(value: object) -> bool:
+    """Return whether a value is a number followed by a unit, as in ``"115 GPa"``; False for a bare number."""
+    return isinstance(value, str) and not _is_number(value) and bool(_NUMBER_AND_UNIT.fullmatch(value))
+
+
+def convert_to_base_unit(value: Any, base: str) -> Any:
+    """Return a number that carries its unit as one in the base unit, and anything else as it is."""
+    if not isinstance(value, str) or _is_number(value):
+        return value
+    number_and_unit = _NUMBER_AND_UNIT.fullmatch(value)
+    if number_and_unit is None:
+        return value
+    if number_and_unit[2].startswith(","):
+        raise ValueError("write a decimal point, not a comma")
+    factor = unit_factor(number_and_unit[2], base)
+    if factor is None:
+        raise ValueError(unknown_unit(number_and_unit[2], base))
+    # by a division where that is exact: 2.5e-06 for 2.5 µm, not 2.4999999999999998e-06
+    inverse = round(1 / factor) if factor < 1 else 0
+    return (
+        float(number_and_unit[1]) / inverse
+        if inverse and 1 / inverse == factor
+        else float(number_and_unit[1]) * factor
+    )
+
+
+def lengths_in_text(text: str, count: int) -> list[float] | None:
+    """Return so many numbers that blanks separate and one unit follows, in m; None for another text.
+
+    Raises
+    ------
+    ValueError
+        If the unit is none of length.
+
+    Examples
+    --------
+    >>> lengths_in_text("300 250 um", 2), lengths_in_text("300 um", 2)
+    ([0.0003, 0.00025], None)
+    """
+    numbers = r"\s+".join([_NUMBER] * count)
+    if (form := re.fullmatch(rf"{numbers}\s*([^\d\s.,;+-][^\s;]*)", text)) is None:
+        return None
+    *values, unit = form.groups()
+    return [float(convert_to_base_unit(f"{value} {unit}", "m")) for value in values]
+
+
+def _clean(unit: object) -> str:
+    """Return the normalised spelling, for comparison."""
+    name = unicodedata.normalize("NFKC", str(unit)).strip()
+    return name.replace("^", "").replace(" / ", "/") if "/" in name else name
+
+
+def _is_number(text: str) -> bool:
+    """Return whether a text is a number without a unit."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

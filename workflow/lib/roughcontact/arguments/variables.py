@@ -1,0 +1,202 @@
+"""The output variables, with unit and meaning: those of `variables.tsv`, and those derived from them.
+
+`describe` adds units and a sentence to every variable of a dataset, so that each file has them.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, QUANTITIES, TOTALS
+from roughcontact.errors import RoughContactError
+
+Numbers = xr.Dataset | Mapping[str, Any]  # statistics, or their plain values by name
+
+
+def _documented() -> dict[str, tuple[str | None, str]]:
+    """Return name -> (unit in UDUNITS spelling, meaning) of each row of `variables.tsv`."""
+    text = Path(__file__).with_name("variables.tsv").read_text(encoding="utf-8")
+    rows = [line.split("\t") for line in text.splitlines() if not line.startswith("#")]
+    return {name: (unit or None, meaning) for name, unit, meaning in rows}
+
+
+VARIABLES = _documented()
+for _name, _allowed in ALLOWED_VALUES.items():
+    _side = "from which on" if _allowed.trend < 0 else "up to which"
+    _holds = f"the {_allowed.words} is at {_allowed.bound} what is allowed"
+    VARIABLES |= {
+        f"allowed_{_name}": (_allowed.unit, f"largest {_allowed.words} that is allowed"),
+        f"{_name}_holds": ("1", f"1: {_holds} in all of its interval, 0: in none of it; none: not decided"),
+        f"{_name}_holds_from": ("Pa", f"mean pressure {_side} {_holds}"),
+        f"{_name}_largest_Sq": ("m", f"largest Sq of this texture with which {_holds}"),
+    }
+
+_OF_INTERVALS = {
+    "uncertainty": "half-width of the 95 % interval of the {}",
+    "lower": "lower end of the 95 % interval of the {}, mean of maps of this size all over the surface",
+    "upper": "upper end of the 95 % interval of the {}, as for its lower end; none where nothing bounds it",
+    "estimate": "value of the {} that the components of its interval refer to",
+    "as_solved": "{} of the pixels of the map, before the correction for their size",
+    "components": "half-widths and one-sided shifts that the interval of the {} is made of",
+    "map_lower": "lower end of the 95 % interval of the {}, of this map between its own borders",
+    "map_upper": "upper end of the 95 % interval of the {}, of this map between its own borders",
+    "next_lower": "lower end of the 95 % interval of the {} of the next map of this size",
+    "next_upper": "upper end of the 95 % interval of the {} of the next map; none where nothing bounds it",
+    "alone_lower": "lower end of the 95 % interval of the {}, of the surface without the overview",
+    "alone_upper": "upper end of the 95 % interval of the {}, of the surface without the overview",
+    "joint": "{} of a joint as large as the overview of the map",
+    "joint_lower": "lower end of the 95 % interval of the {}, of a joint as large as the overview",
+    "joint_upper": "upper end of the 95 % interval of the {}, of a joint as large as the overview",
+    "octave_lower": "lower end of the 95 % interval of the {}, with waves one octave shorter",
+    "octave_upper": "upper end of the 95 % interval of the {}, with waves one octave shorter",
+    "next_part_lower": "lower end of the 95 % interval of the mean {} of the next part",
+    "next_part_upper": "upper end of the 95 % interval of the mean {} of the next part",
+    "of_maps": "{} of each map of the group",
+    "parts": "{} of each part of the window, solved by itself",
+    "at_cutoff": "{} of the waves that are kept, by the shortest of them",
+    "as_measured": "{} without the correction for the instrument",
+}
+# whose interval follows from another one
+_DERIVED = [
+    "leak_rate_x",
+    "leak_rate_y",
+    "friction_coefficient",
+    "mean_pressure",
+    "contact_stiffness",
+    "running_in_distance",
+    "hysteretic_friction_coefficient",
+    *(f"{name}_{number}" for name in ALLOWED_VALUES for number in ("holds_from", "largest_Sq")),
+    "joint_conductance",
+    "contact_area",
+    "contact_radius",
+    *TOTALS,
+]
+_DERIVED += [f"{name}_flow_factor_{axis}" for name in ("pressure", "shear") for axis in "xy"]
+_DERIVED += [
+    f"{property_name}_{quantity_name}"
+    for property_name in ("thermal", "electrical")
+    for quantity_name in ("conductance", "resistance")
+]
+_DERIVED += [name for name in VARIABLES if name.startswith("local_")]
+VARIABLES |= {
+    f"{name}_{bound}": (VARIABLES[name][0], _OF_INTERVALS[bound].format(name.replace("_", " ")))
+    for name in _DERIVED
+    for bound in ("lower", "upper")
+}
+# properties with a range
+VARIABLES |= {
+    f"{name}_{bound}": (VARIABLES[name][0], f"{bound} end of the range of the {name.replace('_', ' ')}")
+    for name in ("hardness", "thermal_conductivity", "electrical_resistivity", "shear_strength")
+    for bound in ("lower", "upper")
+}
+VARIABLES |= {
+    f"{name}_sensitivity": ("1", f"d ln Q/d ln input of the {quantity.words}; NaN: not known")
+    for name, quantity in QUANTITIES.items()
+}
+_OF_GROUPS = {
+    "between": "standard deviation of the {} between parts, on its symmetric scale",
+    "within": "standard deviation of the {} between the maps of a part, on its symmetric scale",
+    "shared": "half-widths and shifts of the {} that the maps of a group share, on its symmetric scale",
+}
+VARIABLES |= {
+    # a length is its own scale, all others have a logarithm
+    f"{name}_{ending}": (
+        VARIABLES[name][0] if quantity.scale == "length" else "1",
+        text.format(quantity.words),
+    )
+    for name, quantity in QUANTITIES.items()
+    for ending, text in _OF_GROUPS.items()
+}
+VARIABLES |= {
+    f"{name}_{ending}": (VARIABLES[name][0], text.format(quantity.words))
+    for name, quantity in QUANTITIES.items()
+    for ending, text in _OF_INTERVALS.items()
+}
+
+# comments of variables that need more than a line
+_COMMENTS = {
+    "approach": (
+        "gap = displacement - height + approach, the displacement positive into the half-space. Its mean is "
+        "what the setting zero_frequency makes of the load: nothing by the rule zero, by which the approach "
+        "is the mean gap plus the mean height where no point yields."
+    ),
+}
+
+# verdicts on single answers, beside `verdict`
+VARIABLES |= {
+    f"{name}_verdict": ("1", f"worst outcome of the checks that concern the {answer.words}: as of verdict")
+    for name, answer in ANSWERS.items()
+}
+
+# how well answers are known
+VARIABLES |= {
+    f"{name}_known": (
+        "1",
+        f"larger half-width of the 95 % interval of the {answer.words} over its value; none if unbounded"
+        if answer.quantity
+        else f"0 where the interval tells {answer.words} from none, none where it holds both",
+    )
+    for name, answer in ANSWERS.items()
+}
+
+# meanings of the values 0, 1, 2 ... of a flag
+_FLAGS = {name: ("use", "review", "do_not_use") for name in VARIABLES if name.endswith("verdict")}
+
+# CF has this standard name for distances on a plane; without it checkers take an axis for a longitude
+_AXES = {
+    "x": {"axis": "X", "standard_name": "projection_x_coordinate"},
+    "y": {"axis": "Y", "standard_name": "projection_y_coordinate"},
+    "depth": {"axis": "Z", "positive": "down"},
+}
+
+
+def values_at_load(statistics: xr.Dataset, index: int) -> dict[str, np.ndarray]:
+    """Return the plain values of all variables at one load; those of no load as they are.
+
+    Examples
+    --------
+    >>> statistics = xr.Dataset({"contact_modulus": 1e9, "mean_gap": ("load", [2e-7, 1e-7])})
+    >>> values_at_load(statistics, 1)["mean_gap"].item()
+    1e-07
+    """
+    # looking up a variable of a dataset, with its coordinates, takes a hundred times as long
+    return {
+        str(name): variable.values.take(index, variable.dims.index("load"))
+        if "load" in variable.dims
+        else variable.values
+        for name, variable in statistics.variables.items()
+    }
+
+
+def describe(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a copy of a dataset with `units` and `long_name` of `VARIABLES` on every variable (CF).
+
+    A variable that is not in the table keeps its own `units` and `long_name`, and is refused without. Longer
+    explanations are in `comment`; `x`, `y` and `depth`
+    get their `axis`, flags their `flag_values` and `flag_meanings`, and bins describe their bounds.
+    """
+    metadata = {name: variable.attrs for name, variable in dataset.variables.items() if name not in VARIABLES}
+    if nameless := [name for name, attrs in metadata.items() if not {"units", "long_name"} <= {*attrs}]:
+        raise RoughContactError(
+            f"no description for the output variables {nameless}: give them the attributes units (1 for a "
+            "plain number) and long_name"
+        )
+    dataset = dataset.copy()
+    bounds = {variable.attrs.get("bounds") for variable in dataset.variables.values()}
+    for name, variable in dataset.variables.items():
+        units, long_name = VARIABLES.get(str(name), (None, variable.attrs.get("long_name")))
+        if name not in bounds:
+            variable.attrs["long_name"] = long_name
+        if units is not None:
+            variable.attrs["units"] = units
+        if name in _COMMENTS:
+            variable.attrs["comment"] = _COMMENTS[str(name)]
+        if name in _FLAGS:
+            variable.attrs["flag_values"] = np.arange(len(_FLAGS[str(name)]), dtype=variable.dtype)
+            variable.attrs["flag_meanings"] = " ".join(_FLAGS[str(name)])
+        if name in dataset.dims:
+            variable.attrs |= _AXES.get(str(name), {})
+    return dataset
