@@ -1,0 +1,134 @@
+"""Overlap of two faces: the angle between their axes, and their common grid."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.surface.faces.face import POINT_TOLERANCE, Face
+
+STEP_TOLERANCE = 1e-6  # relative difference of two steps that count as equal
+_MAX_POINTS = 2**27  # the same limit as for a file
+_ANGLE_TOLERANCE = 1e-9  # sine or cosine below which two axes count as parallel
+
+
+def check_pair(lower: Face, upper: Face, shift: Sequence[float], rotation: float) -> None:
+    """Refuse a map and a profile, and an invalid shift (y, x; m) or rotation (degree) of two faces."""
+    name = pair_name(lower, upper)
+    across = [n == 1 for n in lower.shape]
+    if across != [n == 1 for n in upper.shape]:
+        raise HeightMapError(
+            f"{name}: a map and a profile have no composite height: measure two maps or two profiles"
+        )
+    if len(shift) != 2 or not np.isfinite(shift).all():
+        raise SettingsError(f"shift = {shift!r}: give two lengths (y, x) in m")
+    if not np.isfinite(rotation):
+        raise SettingsError(f"rotation = {rotation!r}: give an angle in degrees")
+    if any(across) and (rotation or any(s for s, single in zip(shift, across, strict=True) if single)):
+        raise SettingsError(
+            f"{name}: profiles can only be shifted along their length (composite.rotations: [0])"
+        )
+
+
+def pair_name(lower: Face, upper: Face) -> str:
+    """Return the name of the pair, from both file names."""
+    return f"{lower.name} + {upper.name}"
+
+
+def cosine_and_sine(rotation: float) -> tuple[float, float]:
+    """Return cosine and sine of an angle, exact at right angles.
+
+    Examples
+    --------
+    >>> [tuple(map(float, cosine_and_sine(angle))) for angle in (0, 90, 180)]
+    [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)]
+    """
+    angle = np.radians(rotation)
+    cosine, sine = (0.0 if abs(v) < _ANGLE_TOLERANCE else float(v) for v in (np.cos(angle), np.sin(angle)))
+    if sine == 0:
+        return np.sign(cosine), 0.0
+    return (0.0, np.sign(sine)) if cosine == 0 else (cosine, sine)
+
+
+def along_axes(pair: Sequence, turn: tuple[float, float]) -> tuple | None:
+    """Return sides, steps or points (y, x) of the counter-face in the order of the axes of the face.
+
+    `turn` is (cosine, sine) of its rotation; None at an oblique angle.
+
+    Examples
+    --------
+    >>> along_axes((3, 1), (0.0, 1.0)), along_axes((3, 1), (0.6, 0.8))
+    ((1, 3), None)
+    """
+    if turn[1] == 0:
+        return tuple(pair)
+    return tuple(pair[::-1]) if turn[0] == 0 else None
+
+
+def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
+    """Return whether the sum of two faces is periodic with the period of the lower one.
+
+    `turn` is (cosine, sine) of the rotation of the upper one.
+    """
+    lengths = along_axes(upper.lengths, turn)
+    return bool(
+        lower.periodic
+        and upper.periodic
+        and lengths
+        and np.allclose(lengths, lower.lengths, rtol=STEP_TOLERANCE, atol=0)
+    )
+
+
+def common_grid(
+    lower: Face, upper: Face, turn: tuple[float, float], shift: Sequence[float]
+) -> list[np.ndarray]:
+    """Return the grid [y, x] (m, from the middle of the lower face) on the overlap of both faces.
+
+    It is that of the lower face, refined along an axis where the upper face, at (cosine, sine) and `shift`
+    (y, x; m), has the smaller step.
+    """
+    name = pair_name(lower, upper)
+    steps = along_axes(upper.step, turn) or (min(upper.step),) * 2
+    half_y, half_x = ((n - 1) * d / 2 for n, d in zip(upper.shape, upper.step, strict=True))
+    cosine, sine = (abs(v) for v in turn)
+    half = half_y * cosine + half_x * sine, half_x * cosine + half_y * sine
+    ranges = []
+    for axis, points in enumerate(lower.shape):
+        number, step = _points_and_step(points, lower.step[axis], steps[axis], periodic=lower.periodic)
+        origin = -(points - 1) * lower.step[axis] / 2
+        start, stop = 0, number
+        if not upper.periodic:
+            low, high, tolerance = shift[axis] - half[axis], shift[axis] + half[axis], POINT_TOLERANCE * step
+            start = max(0, int(np.ceil((low - origin - tolerance) / step)))
+            stop = min(number, int(np.floor((high - origin + tolerance) / step)) + 1)
+        if stop - start < min(number, 2):
+            raise HeightMapError(f"{name}: the faces do not overlap: choose a smaller shift")
+        ranges.append((start, stop, origin, step))
+    ny, nx = (stop - start for start, stop, _, _ in ranges)
+    if ny * nx > _MAX_POINTS:
+        raise HeightMapError(
+            f"{name}: the common grid has {ny} x {nx} points, more than the limit of {_MAX_POINTS}: the "
+            "steps of the two maps are too different; crop one of them"
+        )
+    return [origin + step * np.arange(start, stop) for start, stop, origin, step in ranges]
+
+
+def covered_share(lower: Face, positions: Sequence[np.ndarray]) -> float:
+    """Return the share (0 to 1) of the lower face that the positions of `common_grid` span."""
+    shares = [
+        1.0 if n == 1 else (p[-1] - p[0] + p[1] - p[0]) / ((n - 1) * d + p[1] - p[0])
+        for p, n, d in zip(positions, lower.shape, lower.step, strict=True)
+    ]
+    return min(1.0, float(np.prod(shares)))
+
+
+def _points_and_step(
+    points: int, face_step: float, other_step: float, *, periodic: bool
+) -> tuple[int, float]:
+    """Return number of points and step along an axis, refined evenly to at most the other step."""
+    if points == 1 or other_step >= face_step * (1 - STEP_TOLERANCE):
+        return points, face_step
+    intervals = points - (not periodic)
+    length = intervals * face_step
+    closer = int(np.ceil(length / other_step - POINT_TOLERANCE))
+    return closer + (not periodic), length / closer

@@ -1,0 +1,372 @@
+"""The place of a map in an overview: a coarser map of a larger field around it, of the same face.
+
+The fine map, its pixels merged to those of the overview, is shifted, turned and stretched until it correlates
+best. The form that levelling removes counts for nothing in a correlation, wherever the map is laid.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from itertools import product
+
+import numpy as np
+import scipy
+import xarray as xr
+
+from roughcontact.arguments.maps import dimensions, height_map, side_lengths, spacing
+from roughcontact.arguments.positions import ELSEWHERE, parse_position
+from roughcontact.arguments.quantities import number, percent, quantity
+from roughcontact.errors import HeightMapError
+from roughcontact.surface.levelling.forms import form_order
+from roughcontact.surface.window.rectangle import largest_rectangle
+
+MIN_CORRELATION = 0.8
+MAX_UNCERTAINTY = (
+    0.1  # of the place, over the side of the fine map: the gap is off twice as much with a quarter
+)
+MIN_FIELDS = 2.0  # sides of the overview over those of the fine map: four places at least
+MIN_POINTS = 16  # of the overview along each side of the fine map
+_PREFIX = "place_"  # of the attributes of a placed overview
+_MAX_ANGLE = 3.0  # degree, within which parts lie on stages alike
+_MAX_STRETCH = 0.04  # of the lateral scales of two instruments
+_SEARCHED_POINTS = 48  # along the shorter side of the fine map where all angles and scales are tried
+_SEARCHED_SHIFT = 0.8  # pixels by which its edges move from one angle or scale to the next
+_SHOWN_ANGLE, _SHOWN_STRETCH = 0.1, 0.005  # in words
+_LEAST_SHIFT = 0.2  # pixels, the last step of the search
+_CORRELATED_POINTS = 9  # neighbours in a residual, which are one independent point
+_SIGNIFICANT = 4.0  # standard deviations by which another place is to fit worse
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a map lies in its overview."""
+
+    y: float  # m, middle of the map in the coordinates of the overview
+    x: float
+    rotation: float  # degree, of the map in the overview
+    scale: float  # length in the overview over length in the map
+    correlation: float
+    uncertainty: float  # of the place, over the side of the map; the larger one of both axes
+
+    def __str__(self) -> str:
+        """Return the place in words."""
+        words = [f"at ({quantity(self.x, 'm')}, {quantity(self.y, 'm')})"]
+        if abs(self.rotation) >= _SHOWN_ANGLE:
+            words.append(f"turned by {number(self.rotation, decimals=1)}°")
+        if abs(self.scale - 1) >= _SHOWN_STRETCH:
+            words.append(
+                f"{percent(abs(self.scale - 1))} {'longer' if self.scale > 1 else 'shorter'} than it says"
+            )
+        return ", ".join([*words, f"correlation {number(self.correlation, decimals=2)}"])
+
+
+def overview_with_place(levelled: xr.DataArray, overview: xr.DataArray, position: str = "") -> xr.DataArray:
+    """Return the measured part of a levelled overview, with the place of a levelled map in its attributes.
+
+    `position` is what the table states (`arguments.positions`); one of another position has no place.
+    """
+    fine, field = measured_rectangle(levelled), measured_rectangle(overview)
+    if position == ELSEWHERE:
+        check_size(fine, field)
+        return field
+    place = place_of(fine, field, near=parse_position(position))
+    return field.assign_attrs({f"{_PREFIX}{key}": value for key, value in asdict(place).items()})
+
+
+def joined_overviews(overviews: Sequence[xr.DataArray]) -> xr.Dataset:
+    """Return overviews (y, x; m) of different fields and pixels as one dataset, the content of a file."""
+    columns, coordinates = {}, {}
+    for rank, overview in enumerate(overviews, start=1):
+        axes = {axis: f"{axis}_{rank}" for axis in overview.dims}
+        for axis, name in axes.items():
+            words = f"{axis} of overview {rank}"
+            coordinates[name] = name, overview[axis].values, {"units": "m", "long_name": words}
+        words = "surface height of a coarser map around the map"
+        kept = {key: value for key, value in overview.attrs.items() if key.startswith((_PREFIX, "source_"))}
+        attrs = {**kept, "units": "m", "long_name": words}
+        columns[f"overview_{rank}"] = tuple(axes.values()), overview.values, attrs
+    return xr.Dataset(columns, coordinates)
+
+
+def separate_overviews(joined: xr.Dataset) -> list[xr.DataArray]:
+    """Return the overviews that `joined_overviews` has put together."""
+    return [
+        joined[name].rename({f"y_{rank}": "y", f"x_{rank}": "x"}).rename("height")
+        for rank, name in enumerate(joined.data_vars, start=1)
+    ]
+
+
+def recorded_place(overview: xr.DataArray) -> Place | None:
+    """Return the place of the fine map in an overview of `overview_with_place`; None if it is elsewhere."""
+    keys = Place.__dataclass_fields__
+    if f"{_PREFIX}correlation" not in overview.attrs:
+        return None
+    return Place(**{key: float(overview.attrs[f"{_PREFIX}{key}"]) for key in keys})
+
+
+def place_in_words(overview: xr.DataArray) -> str:
+    """Return what an overview of `overview_with_place` shows, a sentence."""
+    place = recorded_place(overview)
+    return f"The map lies {place}." if place else "Another position of the face, without the map."
+
+
+def frame_of_place(overview: xr.DataArray, fine: xr.DataArray) -> tuple[float, float, float, float] | None:
+    """Return where a map lies in an overview: x and y of a corner from its first, and sides (m)."""
+    place = recorded_place(overview)
+    if place is None:
+        return None
+    sides = {axis: n * d * place.scale for axis, n, d in zip("yx", fine.shape, spacing(fine), strict=True)}
+    corners = {
+        axis: getattr(place, axis) - float(overview[axis][0]) + d / 2 - sides[axis] / 2
+        for axis, d in zip("yx", spacing(overview), strict=True)
+    }
+    return corners["x"], corners["y"], sides["x"], sides["y"]
+
+
+def place_attributes(overviews: Sequence[xr.DataArray], levelled: xr.DataArray) -> dict[str, float]:
+    """Return what results record of the place of a map in the first overview that shows it.
+
+    Correlation, scale, and the corner of the map from that of the overview (m).
+    """
+    fine = measured_rectangle(levelled)
+    for overview in overviews:
+        place, frame = recorded_place(overview), frame_of_place(overview, fine)
+        if place and frame:
+            x, y, *_ = frame
+            return {"correlation": place.correlation, "scale": place.scale, "offset_x": x, "offset_y": y}
+    return {}
+
+
+def place_of(fine: xr.DataArray, overview: xr.DataArray, *, near: tuple[float, float] | None = None) -> Place:
+    """Return where a levelled map lies in a levelled overview (y, x; m), by normalised cross-correlation.
+
+    It is looked for everywhere, or within a tenth of its side from a stated place `near` (x, y; m).
+
+    Raises
+    ------
+    HeightMapError
+        for an overview that is too small or too coarse, or does not show the map at one place.
+
+    References
+    ----------
+    J. P. Lewis (1995), Fast normalized cross-correlation, Vision Interface, 120.
+
+    Examples
+    --------
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
+    >>> field = rough_reference_surface(192)
+    >>> part, pixel = field[100:164, 20:84], spacing(field)[0]
+    >>> place = place_of(part, field.coarsen(y=2, x=2).mean())
+    >>> bool(abs(place.y - float(part.y.mean())) < 0.2 * pixel), round(place.correlation, 2)
+    (True, 1.0)
+    """
+    check_size(fine, overview)
+    overview = overview if near is None else _around(overview, fine, near)
+    order = form_order(fine)
+    steps = np.array(spacing(overview))
+    points = np.array(fine.shape) * spacing(fine) / steps
+    coarsening = max(1, int(points.min() // _SEARCHED_POINTS))
+    small = overview.coarsen(y=coarsening, x=coarsening, boundary="trim").mean()
+    search = _Search(fine, small, order)
+    angle, stretch = search.strides
+    angles = np.arange(-(_MAX_ANGLE // angle), _MAX_ANGLE // angle + 1) * angle
+    stretches = np.arange(-(_MAX_STRETCH // stretch), _MAX_STRETCH // stretch + 1) * stretch
+    best = max(product(angles, 1 + stretches), key=search.height)
+    search = _Search(fine, overview, order)
+    step = 0.5 * np.array([angle, stretch])
+    while step[0] >= search.strides[0] * _LEAST_SHIFT / _SEARCHED_SHIFT:
+        nearest = max([best, *_neighbours(best, step)], key=search.height)
+        step = step / (2 if nearest == best else 1)
+        best = nearest
+    surface = search.correlations(best)
+    shift, shares = _peak(surface, search.shape(best))
+    first = [float(overview[axis][0]) for axis in "yx"]
+    y, x = (
+        begin + d * (offset + (n - 1) / 2)
+        for begin, d, offset, n in zip(first, steps, shift, search.shape(best), strict=True)
+    )
+    share = max(shares) if near is None else min(max(shares), MAX_UNCERTAINTY)
+    place = Place(y, x, float(best[0]), float(best[1]), float(surface.max()), float(share))
+    _check_place(place, fine, overview)
+    return place
+
+
+def _around(overview: xr.DataArray, fine: xr.DataArray, near: tuple[float, float]) -> xr.DataArray:
+    """Return the part of an overview in which a map may lie whose middle is stated (x, y; m)."""
+    parts = {}
+    for axis, middle, side, step in zip("yx", near[::-1], side_lengths(fine), spacing(overview), strict=True):
+        reach = side * (0.5 + MAX_UNCERTAINTY)
+        inside = np.flatnonzero(np.abs(overview[axis].values - middle) <= reach)
+        if inside.size * step < side:
+            name = overview.attrs.get("source_file") or "the overview"
+            raise HeightMapError(
+                f"overview_position: with its middle at {axis} = {quantity(middle, 'm')} the map reaches "
+                f"beyond {name}; state x and y from the lower left corner of the overview"
+            )
+        parts[axis] = slice(int(inside[0]), int(inside[-1]) + 1)
+    return overview.isel(parts)
+
+
+def shown_by(fine: xr.DataArray, overview: xr.DataArray) -> xr.DataArray:
+    """Return a levelled map (y, x; m) with the pixels of an overview, each the mean of its heights there.
+
+    Examples
+    --------
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
+    >>> fine = rough_reference_surface(64)
+    >>> bool(np.allclose(shown_by(fine, fine.coarsen(y=4, x=4).mean()), fine.coarsen(y=4, x=4).mean()))
+    True
+    """
+    search = _Search(fine, overview, form_order(fine))
+    return height_map(search.template((0.0, 1.0)), spacing(overview)).assign_attrs(fine.attrs)
+
+
+def measured_rectangle(levelled: xr.DataArray) -> xr.DataArray:
+    """Return the largest rectangle of a map (y, x; m) without missing points."""
+    good = ~np.isnan(levelled.values)
+    y, x, ny, nx = largest_rectangle(good, np.arange(max(good.shape) + 1))
+    return levelled.isel(y=slice(y, y + ny), x=slice(x, x + nx))
+
+
+def check_size(fine: xr.DataArray, overview: xr.DataArray) -> None:
+    """Refuse an overview that holds too few fields, or whose points are too few or not coarser."""
+    names = " and ".join(str(height.attrs.get("source_file") or "a map") for height in (fine, overview))
+    sides = [np.array(height.shape) * spacing(height) for height in (fine, overview)]
+    fields = sides[1] / sides[0]
+    points = np.array(fine.shape) * spacing(fine) / spacing(overview)
+    wrong = ""
+    if min(dimensions(fine.shape), dimensions(overview.shape)) < 2:
+        wrong = "a profile has no overview; give two maps"
+    elif fields.min() < MIN_FIELDS:
+        fields_text = " x ".join(number(n, digits=2) for n in fields)
+        wrong = f"it is {fields_text} times as long (y, x) as the map; measure a field at least twice as long"
+    elif (points > np.array(fine.shape) / 1.5).any():
+        wrong = "its pixels are hardly larger than those of the map; give the larger field alone"
+    elif points.min() < MIN_POINTS:
+        wrong = (
+            f"it has {points.min():.0f} points along a side of the map, and needs {MIN_POINTS}; measure it "
+            "with a higher magnification"
+        )
+    if wrong:
+        raise HeightMapError(f"overview: {names}: {wrong}, or leave overview empty")
+
+
+def _check_place(place: Place, fine: xr.DataArray, overview: xr.DataArray) -> None:
+    """Refuse a place at which the maps differ, or one that is not the only one."""
+    names = [str(height.attrs.get("source_file") or "a map") for height in (overview, fine)]
+    way = (
+        "measure both without moving the part, the map in the middle of the overview, or state "
+        "overview_position: x and y, or elsewhere"
+    )
+    if place.correlation < MIN_CORRELATION:
+        raise HeightMapError(
+            f"overview: {names[0]} does not show the place of {names[1]}: it fits best {place}, and has to "
+            f"have {MIN_CORRELATION}; {way}"
+        )
+    if place.uncertainty > MAX_UNCERTAINTY:
+        raise HeightMapError(
+            f"overview: {names[1]} fits into {names[0]} at several places, {percent(place.uncertainty)} of "
+            f"its side apart, as on grooves or a grating; {way}"
+        )
+
+
+def _neighbours(middle: tuple[float, float], step: np.ndarray) -> Iterator[tuple[float, float]]:
+    """Yield the next angles and scales within the limits of the search."""
+    for angle, stretch in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        further = middle[0] + angle * step[0], middle[1] + stretch * step[1]
+        if abs(further[0]) <= _MAX_ANGLE and abs(further[1] - 1) <= _MAX_STRETCH:
+            yield further
+
+
+class _Search:
+    """Correlations of a fine map with an overview, whose transforms are kept."""
+
+    def __init__(self, fine: xr.DataArray, overview: xr.DataArray, order: int):
+        self._steps, self._fine_steps, self._order = spacing(overview), spacing(fine), order
+        widths = [max(1, round(d / f)) for d, f in zip(self._steps, self._fine_steps, strict=True)]
+        self._fine = scipy.ndimage.uniform_filter(fine.values, widths, mode="nearest")
+        self._lag = [0.5 * (width % 2 == 0) for width in widths]  # an even mean is of half a pixel before
+        image = overview.values - overview.values.mean()
+        self._size, self._points = image.shape, [scipy.fft.next_fast_len(n, real=True) for n in image.shape]
+        self._image, self._squares = (scipy.fft.rfft2(field, self._points) for field in (image, image**2))
+        self._norms: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]] = {}
+        self._heights: dict[tuple[float, float], float] = {}
+        half = max(self.shape((0.0, 1.0))) / 2
+        self.strides = np.degrees(_SEARCHED_SHIFT / half), _SEARCHED_SHIFT / half  # of angle and scale
+
+    def shape(self, pose: tuple[float, float]) -> tuple[int, int]:
+        """Return the points (ny, nx) of the fine map in the overview at an angle and a scale."""
+        steps = zip(self._fine.shape, self._fine_steps, self._steps, strict=True)
+        ny, nx = (int(n * f * pose[1] / d) for n, f, d in steps)
+        return ny, nx
+
+    def height(self, pose: tuple[float, float]) -> float:
+        """Return the largest correlation at an angle (degree) and a scale."""
+        if pose not in self._heights:
+            self._heights[pose] = float(self.correlations(pose).max())
+        return self._heights[pose]
+
+    def correlations(self, pose: tuple[float, float]) -> np.ndarray:
+        """Return the correlation at every shift for which the map lies within the overview."""
+        template, shape = self.template(pose), self.shape(pose)
+        if shape not in self._norms:
+            self._norms[shape] = self._norm(shape)
+        norm, basis = self._norms[shape]
+        template -= basis.T.reshape(*shape, -1) @ (basis @ template.ravel())
+        template /= np.linalg.norm(template) or 1.0
+        return self._over_image(self._image, template) / norm
+
+    def template(self, pose: tuple[float, float]) -> np.ndarray:
+        """Return the fine map on points of the overview, turned and stretched about its middle."""
+        angle, scale = np.radians(pose[0]), pose[1]
+        y, x = (
+            (np.arange(n) - (n - 1) / 2) * d / scale
+            for n, d in zip(self.shape(pose), self._steps, strict=True)
+        )
+        y, x = np.meshgrid(y, x, indexing="ij")
+        turned = y * np.cos(angle) - x * np.sin(angle), x * np.cos(angle) + y * np.sin(angle)
+        where = [
+            (n - 1) / 2 + along / d + lag
+            for along, n, d, lag in zip(turned, self._fine.shape, self._fine_steps, self._lag, strict=True)
+        ]
+        return scipy.ndimage.map_coordinates(self._fine, where, order=1, mode="nearest")
+
+    def _norm(self, shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+        """Return the norm of the overview less its form at every shift, and the forms (term, point)."""
+        y, x = np.meshgrid(*(np.linspace(-1, 1, n) for n in shape), indexing="ij")
+        powers = [(i, j) for i in range(self._order + 1) for j in range(self._order + 1 - i)]
+        forms = np.linalg.qr(np.column_stack([(y**i * x**j).ravel() for i, j in powers]))[0].T
+        squares = self._over_image(self._squares, np.ones(shape))
+        least = 1e-9 * float(squares.max())  # a flat place correlates with nothing
+        for form in forms:
+            squares = squares - self._over_image(self._image, form.reshape(shape)) ** 2
+        return np.sqrt(np.maximum(squares, least)), forms
+
+    def _over_image(self, image: np.ndarray, template: np.ndarray) -> np.ndarray:
+        """Return the sum of products of a template with the transformed image at every shift."""
+        products = scipy.fft.irfft2(image * scipy.fft.rfft2(template, self._points).conj(), self._points)
+        ny, nx = (n - m + 1 for n, m in zip(self._size, template.shape, strict=True))
+        return products[:ny, :nx]
+
+
+def _peak(surface: np.ndarray, shape: tuple[int, int]) -> tuple[list[float], list[float]]:
+    """Return the shift (y, x; points) of the best fit, and how far places reach that fit no worse, by side.
+
+    The residual 1 - r^2 of a place of n independent points scatters by the root of 4/n of itself.
+    """
+    best = np.unravel_index(int(surface.argmax()), surface.shape)
+    residual, independent = 1 - surface**2, max(surface.size and np.prod(shape) / _CORRELATED_POINTS, 1.0)
+    limit = residual[best] * (1 + _SIGNIFICANT * 2 / np.sqrt(independent)) + 1e-6
+    fitting = np.argwhere((residual <= limit) & (surface > 0))
+    shares = [
+        max(0.5, float(np.abs(fitting[:, axis] - best[axis]).max())) / n for axis, n in enumerate(shape)
+    ]
+    shift = []
+    for axis, middle in enumerate(best):
+        line = np.moveaxis(surface, axis, 0)[:, best[1 - axis]]
+        before, after = (
+            line[middle + side] if 0 <= middle + side < line.size else np.nan for side in (-1, 1)
+        )
+        curvature = before - 2 * line[middle] + after
+        # a parabola through three points
+        shift.append(float(middle + (0.5 * (before - after) / curvature if curvature < 0 else 0.0)))
+    return shift, shares

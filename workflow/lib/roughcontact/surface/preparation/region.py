@@ -1,0 +1,89 @@
+"""The part of a measured map that is used: one rectangle of it (crop), without others (mask).
+
+A crop makes the map smaller, as if the rest had never been measured. Points that are masked, dust, a scratch,
+an edge, count as not measured: levelling fills them, and the checks say how much of the contact lies there.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from roughcontact.arguments.maps import side_lengths, spacing
+from roughcontact.arguments.measurement import add_remark
+from roughcontact.arguments.quantities import counted_noun, percent, quantity
+from roughcontact.arguments.rectangles import Rectangle, parse_rectangles
+from roughcontact.errors import HeightMapError
+from roughcontact.io.read import read_height_map
+
+
+def read_region(path: str | Path, *, crop: str = "", mask: str = "", **arguments: Any) -> xr.DataArray:
+    """Return what is used of the map of a file (y, x; m); `arguments` are those of `read_height_map`."""
+    return used_region(read_height_map(path, **arguments), crop=crop, mask=mask)
+
+
+def used_region(height: xr.DataArray, *, crop: str = "", mask: str = "") -> xr.DataArray:
+    """Return the part of a measured map (y, x; m) within `crop`, without the points in `mask` (NaN there).
+
+    Both are texts of the table of surfaces (`parse_rectangles`), from the lower left corner of the map; a
+    point belongs to a rectangle that its centre lies in. The map keeps its coordinates.
+
+    Raises
+    ------
+    HeightMapError
+        If a rectangle reaches beyond the map, or no measured point is left.
+    SettingsError
+        If a text is none of rectangles.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.arguments.maps import height_map
+    >>> flat = height_map(np.zeros((20, 40)), "1 um")
+    >>> part = used_region(flat, crop="10 0 40 10 um", mask="10 0 12 2 um")
+    >>> part.shape, part.attrs["missing_points"]
+    ((10, 30), 4)
+    """
+    if not crop and not mask:
+        return height
+    name, remarks = height.attrs.get("source_file") or "the map", height.attrs
+    size = " × ".join(quantity(length, "m") for length in side_lengths(height)[::-1])
+    used = height
+    for rectangle in parse_rectangles("mask", mask):
+        used = used.where(~_inside(height, rectangle, f"{name}: mask = {mask}"))
+    if mask:
+        share = float((used.isnull() & height.notnull()).mean())
+        rectangles = counted_noun(len(parse_rectangles("mask", mask)), "rectangle")
+        text = f"{rectangles} masked (mask = {mask}), {percent(share)} of the points of {size}"
+        remarks = {**remarks, **add_remark(remarks, f"{text}: they count as not measured", fact=True)}
+    for rectangle in parse_rectangles("crop", crop):
+        inside = _inside(height, rectangle, f"{name}: crop = {crop}")
+        used = used.isel(y=inside.any("x").values, x=inside.any("y").values)
+        part = " × ".join(quantity(length, "m") for length in side_lengths(used)[::-1])
+        remarks = {
+            **remarks,
+            **add_remark(remarks, f"cropped to {part} of {size} (crop = {crop})", fact=True),
+        }
+    missing = int(used.isnull().sum())
+    if missing == used.size:
+        raise HeightMapError(f"{name}: crop and mask leave no measured point; draw them smaller")
+    return used.assign_attrs(remarks, missing_points=missing, missing_share=missing / used.size)
+
+
+def _inside(height: xr.DataArray, rectangle: Rectangle, origin: str) -> xr.DataArray:
+    """Return which points (y, x) of a map lie in a rectangle; `origin` begins the message of an error."""
+    (ly, lx), (dy, dx) = side_lengths(height), spacing(height)
+    beyond = max(-rectangle.left, rectangle.right - lx) / dx, max(-rectangle.lower, rectangle.upper - ly) / dy
+    if max(beyond) > 1:  # a unit may be wrong; what is drawn by hand ends at the border
+        raise HeightMapError(
+            f"{origin}: reaches beyond the map, which is {quantity(lx, 'm')} along x and "
+            f"{quantity(ly, 'm')} along y; count from its lower left corner, and check the unit"
+        )
+    x, y = height["x"] - height["x"][0] + dx / 2, height["y"] - height["y"][0] + dy / 2
+    inside = (x > rectangle.left) & (x < rectangle.right) & (y > rectangle.lower) & (y < rectangle.upper)
+    inside = inside.transpose("y", "x")
+    if not inside.any():
+        raise HeightMapError(
+            f"{origin}: no point lies in a rectangle; draw it larger than {quantity(dx, 'm')}"
+        )
+    return inside

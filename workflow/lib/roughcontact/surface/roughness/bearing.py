@@ -1,0 +1,96 @@
+"""Material ratio curve of a levelled map and its ISO 25178-2 parameters: core, peaks, dales."""
+
+import math
+
+import numpy as np
+
+_CENTRAL_WIDTH = 0.4  # of the central region of the curve, in material ratio
+_PEAK_RATIO, _DALE_RATIO = 0.1, 0.8  # material ratios that bound the core in the volume parameters
+_EXTREME_RATIO, _MIDDLE_RATIO = 0.025, 0.5  # of Sdc
+
+BEARING_PARAMETERS = (
+    *("Sk", "Spk", "Svk", "Spkx", "Svkx", "Sak1", "Sak2", "Smr1", "Smr2"),
+    *("Vmp", "Vmc", "Vvc", "Vvv", "Sdc"),
+)
+
+
+def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
+    """Return the ISO 25178-2:2021 parameters of the material ratio curve of heights (m, in any order).
+
+    The curve c(mr), the height exceeded by a share mr of the points, is linear between their heights. `Sk`,
+    `Spk`, `Svk`, `Spkx`, `Svkx` (4.5.4), `Vmp`, `Vmc`, `Vvc`, `Vvv` (volumes per area, 4.5.6 and 4.5.7),
+    `Sdc` (4.5.3; `Sxp` in the edition of 2012) and the areas of the triangles `Sak1`, `Sak2` are in m, the
+    material ratios `Smr1`, `Smr2` (`Smrk1`, `Smrk2` in that of 2021) from 0 to 1, NaN where all heights are
+    equal; the core is that of ISO 13565-2:1996.
+    """
+    curve = np.negative(heights)
+    curve.sort()
+    np.negative(curve, out=curve)  # contiguous in memory, in descending order
+    curve -= curve[-1]
+    if curve[0] == 0:
+        return dict.fromkeys(BEARING_PARAMETERS, 0.0) | {"Smr1": math.nan, "Smr2": math.nan}
+    ratio = np.linspace(0, 1, curve.size)
+    # positions where the window still fits; the allowance for rounding keeps the last one
+    # the central region is where the secant of 40 % has the smallest slope, the first one if several are
+    # equal
+    count = int(np.searchsorted(ratio, 1 - _CENTRAL_WIDTH + 1e-12, side="right"))
+    fall = np.interp(ratio[:count] + _CENTRAL_WIDTH, ratio, curve)
+    np.subtract(curve[:count], fall, out=fall)
+    start = ratio[int(fall.argmin())]
+    del fall  # memory may not hold more than is needed of a large map
+    start_index = int(np.searchsorted(ratio, start))
+    stop_index = int(np.searchsorted(ratio, start + _CENTRAL_WIDTH + 1e-12, side="right"))
+    # the least-squares line through it, extended from 0 to 100 %, bounds the core; triangles of equal area
+    # replace the curve above and below
+    middle, y = ratio[start_index:stop_index].mean(), curve[start_index:stop_index]
+    x = ratio[start_index:stop_index] - middle
+    slope = float(x @ y / (x @ x)) if x.size > 1 else 0.0
+    del x
+    upper = float(y.mean() - slope * middle)
+    lower = upper + slope
+    enters, leaves = (_material_ratio(height, ratio, curve) for height in (upper, lower))
+    peaks = _material(enters, ratio, curve)
+    dales = _void(leaves, ratio, curve)
+    bounds = _PEAK_RATIO, _DALE_RATIO
+    peak_material, core_material = (_material(bound, ratio, curve) for bound in bounds)
+    core_void, dale_void = (_void(bound, ratio, curve) for bound in bounds)
+    extreme, middle = np.interp([_EXTREME_RATIO, _MIDDLE_RATIO], ratio, curve)
+    return {
+        "Sk": upper - lower,
+        "Spk": 2 * peaks / enters if enters > 0 else 0.0,
+        "Svk": 2 * dales / (1 - leaves) if leaves < 1 else 0.0,
+        "Spkx": max(float(curve[0]) - upper, 0.0),
+        "Svkx": max(lower, 0.0),  # the lowest point is at 0
+        "Sak1": peaks,
+        "Sak2": dales,
+        "Smr1": enters,
+        "Smr2": leaves,
+        "Vmp": peak_material,
+        "Vmc": core_material - peak_material,
+        "Vvc": core_void - dale_void,
+        "Vvv": dale_void,
+        "Sdc": float(extreme - middle),
+    }
+
+
+def _material_ratio(height: float, ratio: np.ndarray, curve: np.ndarray) -> float:
+    """Return the material ratio at which the curve has a height; 0 above and 1 below the curve."""
+    return float(np.interp(height, curve[::-1], ratio[::-1]))
+
+
+def _material(material_ratio: float, ratio: np.ndarray, curve: np.ndarray) -> float:
+    """Return the area between the curve and its height at a material ratio, at smaller ratios."""
+    height = float(np.interp(material_ratio, ratio, curve))
+    index = int(np.searchsorted(ratio, material_ratio))
+    above = np.append(curve[:index], height)
+    above -= height
+    return float(np.trapezoid(above, np.append(ratio[:index], material_ratio)))
+
+
+def _void(material_ratio: float, ratio: np.ndarray, curve: np.ndarray) -> float:
+    """Return the area between the curve and its height at a material ratio, at larger ratios."""
+    height = float(np.interp(material_ratio, ratio, curve))
+    right = int(np.searchsorted(ratio, material_ratio, side="right"))
+    below = np.insert(curve[right:], 0, height)
+    np.subtract(height, below, out=below)
+    return float(np.trapezoid(below, np.insert(ratio[right:], 0, material_ratio)))

@@ -1,0 +1,100 @@
+"""Height parameters of a levelled map, periodic or not."""
+
+import math
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.arguments.maps import dimensions, spacing
+from roughcontact.arguments.si import as_si
+from roughcontact.surface.roughness.bearing import BEARING_PARAMETERS, bearing_parameters
+
+HEIGHT_PARAMETERS = ("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq", "Sdr", *BEARING_PARAMETERS)
+_ROWS_PER_BLOCK = 128
+
+
+@as_si
+def height_parameters(height: xr.DataArray) -> dict[str, float]:
+    """Return the ISO 25178-2 height parameters, Sdq and Sdr of a levelled map, periodic or not.
+
+    With z the height above the mean of all measured points:
+
+    * `Sa` = mean |z|, `Sq` = sqrt(mean z^2), m
+    * `Ssk` = mean z^3 / Sq^3, `Sku` = mean z^4 / Sq^4; NaN for a flat map
+    * `Sp` = max z, `Sv` = -min z, `Sz` = Sp + Sv, m
+    * `Sdq` = sqrt(mean (dz/dx)^2 + mean (dz/dy)^2) from the differences of neighbouring points, averaged in
+      each direction over its pairs of measured points. It depends on the pitch
+      (`parameters.rms_gradient` is spectral).
+    * `Sdr` = developed area over projected area, less 1: the area of each cell between four measured points
+      is averaged over its two divisions into triangles.
+    * `Sk` and all others of `bearing.bearing_parameters`.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        NaN where missing; missing points are ignored.
+
+    Returns
+    -------
+    dict of float
+        `Ssk`, `Sku`, `Sdq`, `Sdr`, `Smr1`, `Smr2` without unit, the others in m.
+
+    References
+    ----------
+    .. [1] ISO 25178-2:2021, 4.2, 4.4 and 4.5, and D.3 for the developed area.
+
+    Examples
+    --------
+    >>> from roughcontact.arguments.maps import height_map
+    >>> found = height_parameters(height_map([[1.0, -1.0, 1.0, -1.0]], 0.5))
+    >>> [found[name] for name in ("Sa", "Sq", "Ssk", "Sku", "Sz", "Sdq")]
+    [1.0, 1.0, 0.0, 1.0, 2.0, 4.0]
+    """
+    values = height.values
+    z = values[~np.isnan(values)]
+    z = z - z[0]  # exactly zero for a flat map, whatever its height
+    z -= z.mean()
+    sq = math.sqrt(np.mean(z**2))
+    slopes = 0.0
+    for axis, pitch in enumerate(spacing(height)):
+        steps = np.diff(values, axis=axis)
+        steps = steps[~np.isnan(steps)]
+        steps /= pitch
+        if steps.size:
+            slopes += float(np.mean(np.square(steps, out=steps)))
+    del steps  # memory may not hold more than is needed of a large map
+    return {
+        "Sa": float(np.mean(np.abs(z))),
+        "Sq": sq,
+        "Ssk": float(np.mean((z / sq) ** 3)) if sq > 0 else math.nan,
+        "Sku": float(np.mean((z / sq) ** 4)) if sq > 0 else math.nan,
+        "Sp": float(z.max()),
+        "Sv": float(-z.min()),
+        "Sz": float(np.ptp(z)),
+        "Sdq": math.sqrt(slopes),
+        "Sdr": _developed_excess(values, spacing(height)),
+    } | bearing_parameters(z)
+
+
+def _developed_excess(values: np.ndarray, steps: tuple[float, float]) -> float:
+    """Return developed over projected area, less 1, of the cells without missing points."""
+    if dimensions(values.shape) == 1:  # the length of a profile
+        axis = int(np.argmax(values.shape))
+        slopes = np.diff(values, axis=axis) / steps[axis]
+        return float(np.nanmean(_excess(slopes**2))) if not np.isnan(slopes).all() else 0.0
+    corners = np.empty((values.shape[0] - 1, values.shape[1] - 1))
+    for start in range(0, len(corners), _ROWS_PER_BLOCK):  # in blocks, to save memory
+        rows = values[start : start + _ROWS_PER_BLOCK + 1]
+        slope_y, slope_x = (np.diff(rows, axis=axis) / steps[axis] for axis in (0, 1))
+        # each corner of a cell belongs to one triangle, with one edge along x and one along y
+        corners[start : start + _ROWS_PER_BLOCK] = sum(
+            _excess(along_x**2 + along_y**2)
+            for along_x in (slope_x[:-1], slope_x[1:])
+            for along_y in (slope_y[:, :-1], slope_y[:, 1:])
+        )
+    return float(np.nanmean(corners)) / 4 if not np.isnan(corners).all() else 0.0
+
+
+def _excess(squares: np.ndarray) -> np.ndarray:
+    """Return sqrt(1 + s) - 1 without cancellation for small s."""
+    return squares / (np.sqrt(1 + squares) + 1)

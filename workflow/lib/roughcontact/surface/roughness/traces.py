@@ -1,0 +1,225 @@
+"""Traces of the instrument in a map: a spectrum that ends early, rounded peaks, repeated heights, noise.
+
+Frequencies are counted in units of the Nyquist frequency of each axis: these traces belong to the pixels.
+"""
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.arguments.maps import dimensions, spacing
+from roughcontact.arguments.si import as_si
+from roughcontact.kernels.waves import wave_power
+
+# exponent of the areal spectrum beyond which it is taken to end: see `statistics.instrument_checks`
+MAX_GRADIENT = -7.0
+_EDGES = 2.0 ** np.arange(-4, 0.01, 0.25)  # of the bands of frequency, four per octave
+_WAVES = 8  # in a band, fewer say little
+# bands over which an exponent is taken: less than an octave, so that noise hides little of a fall
+_ACROSS = 3
+_LOWEST = 0.19  # frequency from which on exponents are judged: below it a small map has few waves in a band
+_OCTAVES = (0.25, 0.5, 1.0)  # frequencies of the last two octaves
+_SAMPLE = 2**18  # quantiles are estimated from about so many points, medians from so many waves
+_TAIL, _SHOULDER = 0.001, 0.01  # quantiles of the curvature: its ends, and where these begin
+_TAIL_OVER_SHOULDER = 1.328  # their ratio for a normal distribution
+_HALF, _TOP = (0.5, 0.6), (0.85, 1.0)  # frequencies of the highest octave
+_SMALLEST = 0.001  # quantile of the steps between neighbours that is a quantum, where there is one
+_FEW_STEPS = 0.03  # of the median step between neighbours: steps up to it are counted beside those of zero
+_QUANTA = 0.7  # scale of the exponential distribution of steps in units of their median: ln 2
+_COARSE = 0.4  # quantum over median step from which on most steps of zero are those of the quantisation
+_STEP_TOLERANCE = 1e-6  # of the median step: equal, but for rounding
+
+
+class _Bands(NamedTuple):
+    """Mean and median power in each band of frequency, and the relative standard error of the mean.
+
+    All are NaN in bands of too few waves.
+    """
+
+    mean: np.ndarray
+    median: np.ndarray
+    error: np.ndarray
+
+
+@as_si
+def instrument_traces(height: xr.DataArray) -> dict[str, float]:
+    """Return what the waves and curvatures of a periodic map (ny, nx; m) say of the instrument.
+
+    * `spectrum_exponent`: of the steepest fall of the areal power spectrum over less than an octave, and
+      `spectrum_end` (m), the wavelength where it falls more steeply than `MAX_GRADIENT`, or is steepest
+    * `spectrum_bend`: upper end of the 95 % interval of its change from the last octave but one to the last
+    * `rounded_peaks`: how much blunter peaks are than valleys, in powers of two, and `sharpest_peak_radius`
+      (m), which 0.1 % of the points fall below
+    * `top_exponent`: over the highest octave, again as of an areal spectrum
+    * `noise_floor`, `pixel_roughness` (m): rms of white noise with the power of the shortest waves, with the
+      second differences of the map
+
+    Empty for a map with too few waves, or without heights.
+
+    Examples
+    --------
+    >>> from roughcontact.surface.synthetic import self_affine_surface
+    >>> waves = {"longest": 1e-4, "rms_height": 1e-7}
+    >>> rough = self_affine_surface((128, 128), 1e-6, hurst=0.8, shortest=2e-6, **waves)
+    >>> found = instrument_traces(rough)
+    >>> f"{found['spectrum_exponent']:.1f}, {found['top_exponent']:.1f}"
+    '-3.6, -3.6'
+    """
+    values, steps = np.asarray(height.values, dtype=float), spacing(height)
+    power, frequency = wave_power(values), _frequencies(values.shape)
+    bands = _bands(power, frequency)
+    exponents, wavelengths = _exponents(bands)
+    if exponents.size == 0 or not np.ptp(values):
+        return {}
+    profile = dimensions(values.shape) == 1
+    steep = exponents < MAX_GRADIENT + profile
+    fall = int(np.argmax(steep) if steep.any() else np.argmin(exponents))
+    pitches = [d for n, d in zip(values.shape, steps, strict=True) if n > 1]
+    floor, top = _floor(power, frequency)
+    slopes, seconds = _derivatives(values, steps)
+    curvatures = _normal_curvatures(slopes, seconds)
+    return {
+        "spectrum_exponent": float(exponents.min()) - profile,
+        "spectrum_end": float(2 * max(pitches) / wavelengths[fall]),
+        "spectrum_bend": _bend(bands),
+        "rounded_peaks": float(np.mean([_roundness(curvature) for curvature in curvatures])),
+        "sharpest_peak_radius": float(-1 / np.mean([np.quantile(c, _TAIL) for c in curvatures])),
+        "top_exponent": top - profile,
+        "noise_floor": float(np.sqrt(floor * values.size)),
+        "pixel_roughness": _pixel_roughness(seconds, pitches),
+        "pixel_pitch": float(max(pitches)),
+    }
+
+
+def repeated_heights(values: np.ndarray) -> float:
+    """Return how often neighbours along x have equal heights (ny, nx; NaN missing), over the expected.
+
+    A median filter takes every height from a pixel nearby. About 1 for quantised heights, 0 where no height
+    is repeated, for fewer than 1000 steps and for coarsely quantised heights.
+    """
+    rows = values[:: max(1, values.size // _SAMPLE)]
+    with np.errstate(invalid="ignore"):  # between infinite heights, which are missing
+        step = np.abs(np.diff(rows, axis=1)).ravel()
+    step = step[np.isfinite(step)]
+    if step.size < 1000 or not step.any():
+        return 0.0
+    distinct_steps = step[step > _STEP_TOLERANCE * np.median(step[step > 0])]
+    median, quantum = np.median(distinct_steps), np.quantile(distinct_steps, _SMALLEST)
+    if quantum > _COARSE * median:
+        return 0.0
+    # steps of zero are compared with the smallest ones, as of exponentially distributed steps
+    few_steps = np.count_nonzero(distinct_steps <= max(_FEW_STEPS * median, 1.5 * quantum))
+    expected_share = 0.5 * np.exp(_QUANTA * quantum / median)
+    return float((step.size - distinct_steps.size) / few_steps / expected_share)
+
+
+def _frequencies(shape: tuple[int, ...]) -> np.ndarray:
+    """Return the frequency of each wave of the half-plane, 1 for the Nyquist frequency of an axis."""
+    ny, nx = shape
+    return 2 * np.hypot(np.fft.fftfreq(ny)[:, None], np.fft.rfftfreq(nx)[None, :])
+
+
+def _bands(power: np.ndarray, frequency: np.ndarray) -> _Bands:
+    """Return what the waves of each band of frequency have."""
+    band = np.digitize(frequency, _EDGES).ravel()
+    number, waves = _EDGES.size + 1, power.ravel()
+    count, total, squares = (
+        np.bincount(band, minlength=number, weights=weights) for weights in (None, waves, waves**2)
+    )
+    stride = max(1, power.size // _SAMPLE)
+    sampled_band, values = band[::stride], waves[::stride]
+    in_bands = [values[sampled_band == k] for k in range(number)]
+    median = np.array([np.median(in_band) if in_band.size else np.nan for in_band in in_bands])
+    sufficient = np.where(count >= _WAVES, 1.0, np.nan)
+    mean = total / np.maximum(count, 1)
+    # a few strong waves, as of a texture, tell little of the others
+    error = np.sqrt(squares) / np.where(total > 0, total, np.nan)
+    return _Bands(*((statistic * sufficient)[1:-1] for statistic in (mean, median, error)))
+
+
+def _exponents(bands: _Bands) -> tuple[np.ndarray, np.ndarray]:
+    """Return the exponents of the spectrum, and the frequencies they belong to.
+
+    A periodic texture has peaks in the mean, and waves that a strong lay leaves empty pull the median down:
+    the less steep of the two counts.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        falls = [np.log2(power[_ACROSS:] / power[:-_ACROSS]) / (_ACROSS / 4) for power in bands[:2]]
+    exponents = np.fmax(*falls)
+    wavelengths = np.sqrt(_EDGES[1 + _ACROSS :] * _EDGES[: -1 - _ACROSS])
+    is_valid = (wavelengths >= _LOWEST) & np.isfinite(exponents)
+    return exponents[is_valid], wavelengths[is_valid]
+
+
+def _bend(bands: _Bands) -> float:
+    """Return by how much the exponent changes in the last octave, plus twice its standard error.
+
+    As in `_exponents` the less steep of mean and median counts. 0 where bands are empty.
+    """
+    centre = np.sqrt(_EDGES[1:] * _EDGES[:-1])
+    previous, last = ((centre > low) & (centre < high) for low, high in pairwise(_OCTAVES))
+    frequency = np.log2(centre[last])
+    weight = (frequency - frequency.mean()) / frequency.var() / frequency.size  # of a regression line
+    with np.errstate(divide="ignore", invalid="ignore"):
+        changes = [weight @ np.log2(power[last] / power[previous]) for power in bands[:2]]
+    variance = sum(((weight * bands.error[octave] / np.log(2)) ** 2).sum() for octave in (previous, last))
+    bend = max(changes) + 2 * np.sqrt(variance)
+    return float(bend) if np.isfinite(bend) else 0.0
+
+
+def _floor(power: np.ndarray, frequency: np.ndarray) -> tuple[float, float]:
+    """Return the power of the shortest waves, and the exponent of the spectrum down to them."""
+    levels = []
+    for low, high in (_HALF, _TOP):
+        inside = (frequency >= low) & (frequency <= high)
+        if np.count_nonzero(inside) < _WAVES:
+            return 0.0, -np.inf
+        # the power of white noise is distributed exponentially: its mean is the median over ln 2
+        levels.append((np.median(power[inside]) / np.log(2), np.exp(np.mean(np.log(frequency[inside])))))
+    (lower, start), (floor, stop) = levels
+    if floor == 0 or lower == 0:
+        return 0.0, -np.inf
+    return float(floor), float(np.log(floor / lower) / np.log(stop / start))
+
+
+def _derivatives(values: np.ndarray, steps: tuple[float, float]) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return first and second derivatives along each axis at some points of the map."""
+    stride = max(1, values.size // _SAMPLE)
+    sample = values.ravel()[::stride]
+    slopes, seconds = [], []
+    for axis, pitch in enumerate(steps):
+        if values.shape[axis] > 1:
+            behind, ahead = (np.roll(values, step, axis).ravel()[::stride] for step in (1, -1))
+            slopes.append((ahead - behind) / (2 * pitch))
+            seconds.append((behind + ahead - 2 * sample) / pitch**2)
+    return slopes, seconds
+
+
+def _normal_curvatures(slopes: list[np.ndarray], seconds: list[np.ndarray]) -> list[np.ndarray]:
+    """Return the curvature of the normal sections along each axis, of a sphere the same at all slopes.
+
+    A tip of radius R leaves no peak with a curvature below -1/R (Villarrubia 1997, J. Res. NIST 102, 425);
+    the second derivative does fall below it, on slopes.
+    """
+    length = np.sqrt(1 + sum(slope**2 for slope in slopes))
+    return [curvature / (1 + slope**2) / length for slope, curvature in zip(slopes, seconds, strict=True)]
+
+
+def _roundness(curvature: np.ndarray) -> float:
+    """Return how much blunter peaks are than valleys, in powers of two.
+
+    The sharpest valleys are compared with the sharpest peaks, and these with less sharp ones. Both ratios
+    grow where a tip has bounded the curvature of the peaks: many then have the curvature of the tip.
+    """
+    peak, shoulder, valley = np.quantile(curvature, (_TAIL, _SHOULDER, 1 - _TAIL))
+    if not peak < shoulder < 0 < valley:
+        return 0.0
+    return float(np.log2(valley / -peak) + np.log2(_TAIL_OVER_SHOULDER * shoulder / peak))
+
+
+def _pixel_roughness(seconds: list[np.ndarray], pitches: list[float]) -> float:
+    """Return the rms height (m) of the white noise that has the second derivatives of a map."""
+    variances = [np.mean(derivative**2) * d**4 / 6 for derivative, d in zip(seconds, pitches, strict=True)]
+    return float(np.sqrt(min(variances)))

@@ -1,0 +1,88 @@
+"""What is stated of an instrument, and the arguments of the window where its map is corrected for it."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import xarray as xr
+
+from roughcontact.arguments.kinds import facts_of, number_of_faces, properties_of_map
+from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.measurement import Instrument, json_attribute
+from roughcontact.errors import SettingsError
+from roughcontact.surface.window.band import numerical_aperture
+from roughcontact.surface.window.transfer import CORRECTED, noise_that_remains
+
+
+def window_arguments(height: xr.DataArray, settings: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the arguments of `periodic_window` from the sections `window` and `instrument` (`correct`).
+
+    Examples
+    --------
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
+    >>> settings = {"window": {}, "instrument": {"correct": True, "resolution": 0.1}}
+    >>> window_arguments(rough_reference_surface(64), settings)
+    {'correct_for': {'resolution': 0.1}}
+    """
+    section = settings.get("instrument", {})
+    if not section.get("correct"):
+        return dict(settings["window"])
+    name, instrument = height.attrs.get("source_file") or "the map", stated_instrument(height, section)
+    wrong = facts_of(height.attrs).reason_against("instrument.correct", properties_of_map(height.attrs))
+    if not wrong and not any(instrument.get(key) for key in CORRECTED):
+        wrong = (
+            "has nothing to be corrected for; state instrument.noise, instrument.resolution or "
+            "instrument.numerical_aperture, or leave it out"
+        )
+    if wrong:
+        raise SettingsError(f"instrument.correct = true: {name} {wrong}", keys=["instrument.correct"])
+    check_instrument(height, instrument)
+    return {**settings["window"], "correct_for": instrument}
+
+
+def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> None:
+    """Refuse statements about an instrument that cannot be true of a map (y, x; m)."""
+    sides = [(n * step, step) for n, step in zip(window.shape, spacing(window), strict=True) if n > 1]
+    length, pixel = (max(values) for values in zip(*sides, strict=True))
+    rms_height, (noise, _) = float(window.std()), noise_that_remains(window, 1.0)
+    for key, value in instrument.items():
+        if key != "finer_spectrum" and value is not None and not value >= 0:
+            raise SettingsError(f"instrument.{key} = {value:g}: give a number of 0 or more")
+    for key, is_excluded, reason in (
+        ("tip_radius", lambda v: v > length, f"larger than the map ({length:.3g} m)"),
+        ("resolution", lambda v: 0 < v < 2 * pixel, f"finer than two pixels of the map ({2 * pixel:.3g} m)"),
+        (
+            "noise",
+            lambda v: v * noise > rms_height,
+            f"larger than the rms height of the map ({rms_height:.3g} m)",
+        ),
+    ):
+        if is_excluded(value := instrument.get(key) or 0.0):
+            raise SettingsError(
+                f"instrument.{key} = {value:g} m: {reason}; give it in m or with its unit (2 um)",
+                keys=[f"instrument.{key}"],
+            )
+
+
+def stated_instrument(height: xr.DataArray, settings: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return what is known of the instrument: from the table of surfaces, then the settings, then the file.
+
+    The table is in the attributes `instrument_{name}`. The numerical aperture in the metadata of a file
+    counts where its map is to be corrected for it, not in the ±: without metadata it would be narrower.
+
+    Examples
+    --------
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
+    >>> height = rough_reference_surface(64).assign_attrs(instrument_noise=1e-9)
+    >>> stated_instrument(height, {"noise": 2e-9, "tip_radius": None})
+    {'noise': 1e-09}
+    """
+    values = dict(settings or {})
+    if values.get("noise"):  # the heights of a pair are a sum
+        values["noise"] *= math.sqrt(number_of_faces(height.attrs))
+    of_file = numerical_aperture(json_attribute(height.attrs, "instrument"))
+    values |= Instrument.read(height.attrs).properties()
+    counts = values.get("correct") and of_file
+    if counts and not any(values.get(key) for key in ("numerical_aperture", "resolution", "tip_radius")):
+        values["numerical_aperture"] = of_file
+    return {key: value for key, value in values.items() if value is not None and key != "correct"}
