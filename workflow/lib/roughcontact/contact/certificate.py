@@ -14,10 +14,10 @@ from math import log2, sqrt
 
 import numpy as np
 
+from roughcontact.contact.elasticity.halfspace import HalfSpace
 from roughcontact.contact.grid import Grid, Residual
 from roughcontact.contact.state import State, norm
-from roughcontact.elasticity.halfspace import HalfSpace
-from roughcontact.kernels.arrays import DOUBLE, SINGLE, count_of, namespace, precision_of
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, get_precision, n_elements, namespace
 
 # The residual is transformed in single precision: its norm is then known to this relative accuracy.
 _SINGLE_SLACK = 1e-4
@@ -39,8 +39,8 @@ def bound_without_transform(grid: Grid, state: State) -> float:
     """
     gap = state.gap
     xp = namespace(gap)
-    projected = xp.where(state.pressure > 0, gap, xp.minimum(gap, xp.zeros_like(gap)))
-    size = norm(projected, projected)
+    projection = xp.where(state.pressure > 0, gap, xp.minimum(gap, xp.zeros_like(gap)))
+    size = norm(projection, projection)
     return relative_bound(grid.halfspace, state, size * sqrt(grid.halfspace.largest_stiffness))
 
 
@@ -65,10 +65,10 @@ def rounding_floor(halfspace: HalfSpace, state: State, precision: str | None = N
     """
     if state.norm == 0:
         return 0.0
-    precision = precision or precision_of(state.separation)
+    precision = precision or get_precision(state.separation)
     of_pressure = state.pressure_size * sqrt(halfspace.compliances[0])
     of_separation = state.size * sqrt(halfspace.mean_stiffness)
-    of_transforms = sqrt(log2(count_of(state.pressure))) * (of_pressure + of_separation) / state.norm
+    of_transforms = sqrt(log2(n_elements(state.pressure))) * (of_pressure + of_separation) / state.norm
     return _EPS[precision] * of_transforms + rounding_by_unit(halfspace, state, precision)
 
 

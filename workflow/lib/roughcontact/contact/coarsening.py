@@ -31,7 +31,7 @@ class Coarsening(NamedTuple):
     collapses_lines: bool
 
 
-def pitches_of(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[float, float]:
+def grid_pitches(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[float, float]:
     """Return the pitches (dy, dx) of a grid, in the unit of the lengths."""
     return lengths[0] / shape[0], lengths[1] / shape[1]
 
@@ -74,7 +74,7 @@ def halving_factors(pitches: tuple[float, float], shape: tuple[int, int]) -> tup
 def hierarchy(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[Coarsening, ...]:
     """Return the grids coarser than `shape`, the finest first; none where that is the coarsest size."""
     grids: list[Coarsening] = []
-    pitches = pitches_of(shape, lengths)
+    pitches = grid_pitches(shape, lengths)
     while True:
         (fy, fx), collapses = halving_factors(pitches, shape)
         if max(shape) <= MIN_CELLS and not collapses:

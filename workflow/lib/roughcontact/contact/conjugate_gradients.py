@@ -9,12 +9,12 @@ from roughcontact.kernels.arrays import Array, namespace
 
 
 def conjugate_gradients(
-    grid: Grid, residual: Array, preconditioned: Array, active: Array
+    grid: Grid, residual: Array, initial_z: Array, active: Array
 ) -> Iterator[tuple[Array, float]]:
     """Yield d (ny, nx), changed in place from d = 0, and <r, M r> of the remainder, for C G C d = C r.
 
     C keeps the active points and subtracts their mean (Hestenes and Stiefel 1952, J. Res. Natl. Bur. Stand.
-    49, 409); `preconditioned` is M r, `active` the active set of the last residual. Two applications a step.
+    49, 409); `initial_z` is M r, `active` the active set of the last residual. Two applications a step.
     """
     xp = namespace(residual)
     inside, active_points = xp.astype(active, residual.dtype), xp.nonzero(xp.reshape(active, (-1,)))[0]
@@ -25,23 +25,23 @@ def conjugate_gradients(
         field *= inside
         return field
 
-    current_residual, z = (centred(xp.asarray(field, copy=True)) for field in (residual, preconditioned))
-    del residual, preconditioned
+    current_residual, z = (centred(xp.asarray(field, copy=True)) for field in (residual, initial_z))
+    del residual, initial_z
     direction, solution = z, xp.zeros_like(current_residual)
     rz = mean_product(current_residual, z)
     while True:
         yield solution, rz
-        displaced = centred(grid.halfspace.displacement(direction))
-        curvature = mean_product(direction, displaced)
+        displacement = centred(grid.halfspace.displacement(direction))
+        curvature = mean_product(direction, displacement)
         if not (curvature > 0 and rz > 0):
             return
         length = rz / curvature
-        displaced *= length
-        current_residual -= displaced
-        del displaced, z  # no more large maps in memory than necessary
+        displacement *= length
+        current_residual -= displacement
+        del displacement, z  # no more large maps in memory than necessary
         solution += length * direction
         current_residual = centred(current_residual)
         z = centred(grid.precondition_on(None, current_residual))
-        before, rz = rz, mean_product(current_residual, z)
-        direction *= rz / before
+        previous_rz, rz = rz, mean_product(current_residual, z)
+        direction *= rz / previous_rz
         direction += z

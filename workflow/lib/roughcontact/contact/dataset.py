@@ -1,40 +1,41 @@
 """A dimensionless solution as a labelled dataset in SI units."""
 
-import json
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import check_choice
-from roughcontact.choices import Influence
+from roughcontact.arguments.checking import check_choice
+from roughcontact.arguments.choices import Influence
+from roughcontact.arguments.measurement import json_attribute
+from roughcontact.contact.elasticity.influence import Elasticity
+from roughcontact.contact.elasticity.layers import elastic_medium
+from roughcontact.contact.elasticity.medium import Medium
 from roughcontact.contact.iteration import Solution
 from roughcontact.contact.problem import Problem
-from roughcontact.elasticity.influence import Elasticity
-from roughcontact.elasticity.layers import LayeredPair, layered_pair
 from roughcontact.kernels.arrays import empty, to_numpy
 from roughcontact.kernels.choose import kernels_for
 
 
-def of_one_load(
+def load_result(
     fields: "FieldsInUnits",
     solution: Any,
     approach: float,
     *,
     problem: Problem,
     window: xr.DataArray,
-    loaded: Mapping[str, float],
+    loads: Mapping[str, float],
     elasticity: Elasticity,
     attrs: Mapping[str, Any],
 ) -> xr.Dataset:
     """Return the solution of one load as a dataset in SI units, with a dimension `load` of size 1.
 
-    Its variables are those of contact.nc, over (load, y, x) or (load); `approach` is in m, `loaded` are its
+    Its variables are those of contact.nc, over (load, y, x) or (load); `approach` is in m, `loads` are its
     coordinates.
     """
     maps = {"pressure": fields.pressure, "gap": fields.gap, "contact": fields.contact}
-    mean = loaded["mean_pressure"]
+    mean = loads["mean_pressure"]
     per_load = {
         "relative_pressure": mean / unit_of_pressure(problem, elasticity.modulus)
         if not problem.flat
@@ -49,7 +50,7 @@ def of_one_load(
         "converged": np.int8(solution.error_bound <= attrs["tolerance"]),
         "load_error": abs(fields.total / fields.pressure.size / mean - 1),
     }
-    of_load: dict[str, Any] = {name: ("load", [value]) for name, value in loaded.items()}
+    of_load: dict[str, Any] = {name: ("load", [value]) for name, value in loads.items()}
     return xr.Dataset(
         {name: (("load", "y", "x"), field[None]) for name, field in maps.items()}
         | {name: ("load", [value]) for name, value in per_load.items()}
@@ -80,28 +81,46 @@ class FieldsInUnits(NamedTuple):
 def fields_in_units(
     solution: Solution, problem: Problem, elasticity: Elasticity, *, threads: int
 ) -> FieldsInUnits:
-    """Return the fields of a dimensionless solution in SI units; they take its memory.
-
-    Points at the hardness have yielded until the gap was closed: it is zero there.
-    """
+    """Return the fields of a dimensionless solution in SI units; they take its memory."""
     state = solution.state
     # in place: the dimensionless fields are not used again
     pressure, gap = (to_numpy(field) for field in (state.pressure, state.separation))
     contact = empty(pressure, "int8")
-    pressure_unit, hardness = unit_of_pressure(problem, elasticity.modulus), elasticity.hardness
-    at_hardness = None if hardness == np.inf else pressure >= pressure.dtype.type(hardness / pressure_unit)
+    pressure_unit = unit_of_pressure(problem, elasticity.modulus)
     least_gap, total = kernels_for(pressure, threads=threads).restore_units(
         pressure, gap, state.offset, pressure_unit, problem.scale, contact
     )
-    yielded = 0.0
-    if at_hardness is not None:
-        pressure[at_hardness], gap[at_hardness] = hardness, 0.0
-        yielded, least_gap = float(at_hardness.mean()), float(gap.min())
-    return FieldsInUnits(pressure, gap, contact, least_gap, total, yielded)
+    yield_share = 0.0
+    if elasticity.hardness < np.inf:
+        yield_share = limit_to_hardness(pressure, gap, elasticity.hardness)
+        least_gap = float(gap.min())
+    return FieldsInUnits(pressure, gap, contact, least_gap, total, yield_share)
+
+
+def limit_to_hardness(pressure: np.ndarray, gap: np.ndarray, hardness: float) -> float:
+    """Set pressures (Pa) that reach the hardness up to rounding to it; return the share of these points.
+
+    They have yielded until the gap was closed: it becomes zero there.
+    """
+    at_hardness = carrying(pressure, hardness)
+    pressure[at_hardness], gap[at_hardness] = hardness, 0.0
+    return float(at_hardness.mean())
+
+
+def carrying(pressure: np.ndarray, limit: float) -> np.ndarray:
+    """Return where a pressure (Pa) reaches a limit, as a hardness, up to rounding.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> carrying(np.float32([0.1, 0.2]), 0.2).tolist()
+    [False, True]
+    """
+    return pressure >= limit * (1 - 8 * np.finfo(pressure.dtype).eps)
 
 
 def joined(load_datasets: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Return the datasets of the loads, from `of_one_load`, as one."""
+    """Return the datasets of the loads, from `load_result`, as one."""
     if len(load_datasets) == 1:
         return load_datasets[0]
     return xr.concat(
@@ -115,37 +134,36 @@ def joined(load_datasets: Sequence[xr.Dataset]) -> xr.Dataset:
     )
 
 
-def elasticity_of(contact: xr.Dataset) -> Elasticity:
+def recorded_elasticity(contact: xr.Dataset) -> Elasticity:
     """Return the elasticity of a contact without its hardness, "sampled" where nothing else is recorded.
 
     Examples
     --------
-    >>> elasticity_of(xr.Dataset({"contact_modulus": 1e9}, attrs={"influence": "elements"})).influence
+    >>> recorded_elasticity(xr.Dataset({"contact_modulus": 1e9}, attrs={"influence": "elements"})).influence
     'elements'
     """
     influence: Influence = contact.attrs.get("influence", "sampled")
     check_choice("influence", influence, Influence)
-    return Elasticity(float(contact["contact_modulus"]), influence, layers_of(contact))
+    return Elasticity(float(contact["contact_modulus"]), influence, recorded_medium(contact))
 
 
-def layers_of(contact: xr.Dataset) -> LayeredPair | None:
-    """Return the layers that `solve_contact` recorded in a contact's attributes, None for half-spaces."""
-    bodies = contact.attrs.get("bodies")
-    return None if bodies is None else layered_pair(json.loads(bodies))
+def recorded_medium(contact: xr.Dataset) -> Medium:
+    """Return the medium that `solve_contact` recorded in a contact's attributes, half-spaces without."""
+    return elastic_medium(json_attribute(contact.attrs, "bodies"))
 
 
-def problem_of(contact: xr.Dataset) -> dict[str, Any]:
+def recorded_problem(contact: xr.Dataset) -> dict[str, Any]:
     """Return elasticity and operator of a solved contact as keyword arguments of `solve_contact`.
 
     Examples
     --------
-    >>> problem_of(xr.Dataset({"contact_modulus": 1e9}))["contact_modulus"]
+    >>> recorded_problem(xr.Dataset({"contact_modulus": 1e9}))["contact_modulus"]
     1000000000.0
     """
-    bodies = contact.attrs.get("bodies")
+    bodies = json_attribute(contact.attrs, "bodies") or None
     return {
         "contact_modulus": None if bodies else float(contact["contact_modulus"]),
-        "bodies": json.loads(bodies) if bodies else None,
-        "influence": elasticity_of(contact).influence,
+        "bodies": bodies,
+        "influence": recorded_elasticity(contact).influence,
         "zero_frequency": contact.attrs.get("zero_frequency", "zero"),
     }

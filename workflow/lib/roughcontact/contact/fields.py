@@ -11,12 +11,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.free_boundary import free_solutions
+from roughcontact.arguments.kinds import facts_of
 from roughcontact.contact.problem import nondimensionalise
-from roughcontact.contact.solve import MOST_LOAD, elasticity, periodic_solutions
+from roughcontact.contact.solve import MAX_LOAD, METHODS, elasticity
 from roughcontact.errors import HeightMapError
 from roughcontact.kernels.arrays import SINGLE
-from roughcontact.maps import radii_of
 
 
 def solved_fields(
@@ -26,22 +25,22 @@ def solved_fields(
 
     Of the arguments `contact` of `solve_contact` the elasticity, loads, `boundary`, `hardness`, `influence`
     and `threads` count. A load that misses the tolerance, or under which the contact leaves the map, is left
-    out. A periodic map so flat that rounding hides its contact is solved as flat, forces on a finite body are
+    out. A map so flat that rounding hides its contact is solved as flat, forces on a finite body are
     pressures times its `area` (m2).
     """
-    known = elasticity(**contact)
+    material = elasticity(**contact)
     loads = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
     order = np.argsort(loads, kind="stable")
     rising, threads = loads[order].tolist(), contact.get("threads", 1)
     options = {"tolerance": tolerance, "threads": threads}
     problem = nondimensionalise(window, threads=threads)
-    if contact.get("boundary") == "free":
-        forces = [pressure * contact["area"] for pressure in rising]
-        solutions = free_solutions(problem, forces, known, radii=radii_of(window), **options)
-    else:
-        if loads.max() > 0.5 * MOST_LOAD * known.modulus * problem.gradient:  # rounding errors only
-            problem = nondimensionalise(xr.zeros_like(window), threads=threads)
-        solutions = periodic_solutions(problem, rising, known, precision=precision, **options)
+    if loads.max() > 0.5 * MAX_LOAD * material.modulus * problem.gradient:  # rounding errors only
+        problem = nondimensionalise(xr.zeros_like(window), threads=threads)
+    kind = facts_of(contact)
+    rising = [pressure * kind.load_over_pressure(contact.get("area", 1.0)) for pressure in rising]
+    solutions = METHODS[kind.boundary].solutions(
+        problem, rising, material, window=window, precision=precision, **options
+    )
     with contextlib.suppress(HeightMapError):  # and larger loads leave it, too
         for index in order:
             fields, solution, _ = next(solutions)

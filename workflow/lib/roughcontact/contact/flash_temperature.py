@@ -6,15 +6,15 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from roughcontact.checking import check_periodic_solution, check_positive
+from roughcontact.arguments.checking import check_periodic_solution, check_positive
+from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.si import as_si
+from roughcontact.arguments.variables import describe
 from roughcontact.errors import SettingsError
-from roughcontact.fourier import wavevectors
-from roughcontact.maps import spacing
-from roughcontact.si import in_si
-from roughcontact.variables import describe
+from roughcontact.kernels.fourier import wavevectors
 
 
-@in_si
+@as_si
 def flash_temperature(
     contact: xr.Dataset,
     *,
@@ -25,9 +25,12 @@ def flash_temperature(
 ) -> xr.Dataset:
     """Return by how much sliding along x warms the contact above the mean temperature of the surfaces.
 
-    The heat mu p v that each point makes flows into both bodies, whose surfaces are equally warm everywhere,
-    also across the gap. A wave of heat of wavevector q warms a half-space at rest by its amplitude over k|q|,
-    and one that slides at the speed v by that over k sqrt(q^2 + i q_x v/kappa) [1]_ [2]_: exact at any speed.
+    The heat mu p v that each point makes flows into both bodies. A wave of heat of wavevector q warms a
+    half-space at rest by its amplitude over k|q|, and one that slides at the speed v by that over k sqrt(q^2
+    + i q_x v/kappa) [1]_ [2]_, exact at any speed. Both surfaces count as equally warm everywhere, also
+    across the gap: exact at rest, and within 1 % where k differs 100-fold. Between like bodies less than 1 %
+    at a Péclet number v a/(2 kappa) up to 2, a patch of radius a is too cool by 4 % (its maximum) and 7 %
+    (its mean) at 10, by 12 and 18 % at 50, against dense solutions with heat in the contact alone.
 
     Parameters
     ----------
@@ -61,7 +64,7 @@ def flash_temperature(
     Examples
     --------
     >>> from roughcontact.contact.solve import solve_contact
-    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
     >>> contact = solve_contact(rough_reference_surface(64), contact_modulus=1e9, mean_pressure=1e7)
     >>> warm = flash_temperature(
     ...     contact, friction_coefficient=0.2, speed=0.01, thermal_conductivity=[50.0, 0.3]
@@ -77,10 +80,10 @@ def flash_temperature(
     still, sliding = (check_positive("thermal_conductivity", k, unit="W/(m K)") for k in thermal_conductivity)
     qy, qx = wavevectors(contact["height"].shape, spacing(contact["height"]))
     square = qy**2 + qx**2
-    carried = 0.0
+    advection = 0.0
     if thermal_diffusivity is not None:
-        carried = heat[1] / check_positive("thermal_diffusivity", thermal_diffusivity, unit="m2/s")
-    conducts = still * np.sqrt(square) + sliding * np.sqrt(square + 1j * qx * carried)
+        advection = heat[1] / check_positive("thermal_diffusivity", thermal_diffusivity, unit="m2/s")
+    conducts = still * np.sqrt(square) + sliding * np.sqrt(square + 1j * qx * advection)
     conducts[0, 0] = np.inf  # the mean flows away into the bodies
     pressure = contact["pressure"]
     spectrum = scipy.fft.rfft2(heat[0] * heat[1] * pressure.values)

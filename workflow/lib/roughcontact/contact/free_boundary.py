@@ -1,7 +1,7 @@
 """Bodies of finite size on the half-space: no neighbours, one certified solution.
 
 In a cell about twice as wide as a region around the contact the kernel that is cut off beyond its diameter is
-exact (`roughcontact.elasticity.free_space`). A coarse solution gives the region; where the gap beyond it
+exact (`contact.elasticity.free_space`). A coarse solution gives the region; where the gap beyond it
 shows that more of the map touches, it grows and is solved again.
 """
 
@@ -10,20 +10,23 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
-from roughcontact.contact.dataset import FieldsInUnits
+from roughcontact.arguments.maps import form_radii, sides_around
+from roughcontact.contact.dataset import FieldsInUnits, limit_to_hardness
+from roughcontact.contact.elasticity.energy import elastic_energy
+from roughcontact.contact.elasticity.fade import FADE
+from roughcontact.contact.elasticity.free_space import TruncatedKernel, transform_of_pixels
+from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.problem import Problem
 from roughcontact.contact.sweep import sweep
-from roughcontact.elasticity.energy import elastic_energy
-from roughcontact.elasticity.free_space import FADE, TruncatedKernel, transform_of_pixels
-from roughcontact.elasticity.influence import Elasticity
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.maps import sides_around
+from roughcontact.kernels.fourier import wavevectors
 
 COARSEST = 64  # points along the longer side of the map that shows where the contact is
 COARSE_TOLERANCE = 0.03
 MARGIN, MIN_MARGIN = 0.04, 3  # of the region beside the contact, over its width; in points
-LEAST_FORCE = 1e-15  # over E* times the longer side times the range of heights
+MIN_FORCE = 1e-15  # over E* times the longer side times the range of heights
 MAX_PASSES = 12  # regions; each is larger than the one before
 SAFETY = 0.95  # of the tolerance, where a first solution has missed it
 DEPTH = 4.0  # of the padding below the heights, over the deepest possible gap of a smooth body
@@ -55,34 +58,38 @@ class FreeSolution(NamedTuple):
 def free_solutions(
     problem: Problem,
     forces: Sequence[float],
-    known: Elasticity,
+    material: Elasticity,
     *,
-    radii: Sequence[float],
+    window: xr.DataArray,
     tolerance: float,
     threads: int,
+    **_: Any,
 ) -> Iterator[tuple[FieldsInUnits, Any, float]]:
-    """Yield fields, solution and approach (m) of each of the rising forces (N); `radii` of the form (m)."""
+    """Yield fields, solution and approach (m) of each of the rising forces (N) on a map, the `window`.
+
+    Other options of the solver do not apply.
+    """
     heights = np.asarray(problem.heights)
     if min(heights.shape) < 4:
         raise HeightMapError(
             f"a finite body is a map, this one has {heights.shape[0]} x {heights.shape[1]} points: the "
             "approach of an endless ridge is infinite; solve a profile with boundary: periodic"
         )
-    least = LEAST_FORCE * known.modulus * float(max(problem.lengths_in_metres) * np.ptp(heights))
-    if forces[0] < least:
+    lowest = MIN_FORCE * material.modulus * float(max(problem.lengths_in_metres) * np.ptp(heights))
+    if forces[0] < lowest:
         raise SettingsError(
-            f"force {forces[0]:g} N: below {least:.2g} N the contact is lost in the rounding of the heights",
+            f"force {forces[0]:g} N: below {lowest:.2g} N the contact is lost in the rounding of the heights",
             keys=("force",),
         )
-    body = FreeBody(heights, problem.spacing, known, threads)
+    body = FreeBody(heights, problem.spacing, material, threads)
     for force in forces:
         solution = body.solve(force, tolerance=tolerance)
-        body.check_border(solution.pressure, force, radii)
-        pressure = solution.pressure
-        yielded = pressure >= known.hardness
-        gap = np.where(yielded, 0.0, solution.gap)
+        if not window.attrs.get("form_edges"):  # beyond which there is nothing
+            body.check_border(solution.pressure, force, form_radii(window))
+        pressure, gap = solution.pressure, solution.gap
+        yield_share = limit_to_hardness(pressure, gap, material.hardness)
         contact, total = (pressure > 0).astype(np.int8), float(pressure.sum())
-        fields = FieldsInUnits(pressure, gap, contact, float(gap.min()), total, float(yielded.mean()))
+        fields = FieldsInUnits(pressure, gap, contact, float(gap.min()), total, yield_share)
         yield fields, solution, solution.approach
 
 
@@ -100,36 +107,31 @@ class FreeBody:
         region, ratio = self._first_region(force)
         cell_tolerance, steps, applications = tolerance / ratio, 0, 0.0
         for passes in range(1, MAX_PASSES + 1):
-            found = self._solve_region(region, force, tolerance=cell_tolerance)
-            steps, applications = steps + found.steps, applications + found.applications
+            solution = self._solve_region(region, force, tolerance=cell_tolerance)
+            steps, applications = steps + solution.steps, applications + solution.applications
             # what touches at the rim of the region may touch beyond it
-            touching = (found.pressure > 0) | (found.gap < 0)
+            touching = (solution.pressure > 0) | (solution.gap < 0)
             if (touching & ~region.mask).any():
                 region = self._region(touching, MIN_MARGIN)
-            elif found.error_bound <= tolerance or found.error_bound > cell_tolerance * found.norm:
-                return found._replace(steps=steps, applications=applications, passes=passes)
+            elif solution.error_bound <= tolerance or solution.error_bound > cell_tolerance * solution.norm:
+                return solution._replace(steps=steps, applications=applications, passes=passes)
             else:
-                cell_tolerance = SAFETY * tolerance / found.norm
+                cell_tolerance = SAFETY * tolerance / solution.norm
         raise HeightMapError(f"the region of contact still grows after {MAX_PASSES} solutions")
 
     def _solve_region(self, region: Region, force: float, *, tolerance: float) -> FreeSolution:
         """Return the contact of a region in a cell without images, to the tolerance of its own norm."""
-        from scipy import fft  # imported late: solves of periodic maps need nothing of scipy
-
         heights, mask, (dy, dx) = self.heights[region.sides], region.mask[region.sides], self.spacing
         inside, (ny, nx) = heights[mask], heights.shape
         modulus, hardness = self.elasticity.modulus, self.elasticity.hardness
         carrying = (np.count_nonzero(inside > inside.min()) or inside.size) * dy * dx  # none beyond edges
-        if force >= (most := hardness * carrying):
+        if force >= (max_force := hardness * carrying):
             raise SettingsError(
                 f"force {force:g} N is not below what the body carries at the hardness {hardness:g} Pa: "
-                f"stay below {most:.3g} N",
+                f"stay below {max_force:.3g} N",
                 keys=("force",),
             )
-        shape = tuple(
-            CELL_DIVISOR * fft.next_fast_len(int(np.ceil((n + FADE * region.reach / d + 1) / CELL_DIVISOR)))
-            for n, d in ((ny, dy), (nx, dx))
-        )
+        shape = self._cell(heights.shape, region.reach)
         unit = float(np.sqrt(shape[0] * dy * (shape[1] * dx)))
         mean_pressure, highest = force / unit**2, float(inside.max())
         low = inside.min() - DEPTH * (np.ptp(inside) + force / (self.softest * region.reach))
@@ -141,8 +143,8 @@ class FreeBody:
         of_cell = Elasticity(influence=kernel, hardness=hardness / mean_pressure)
         (solution,) = sweep(problem, [1.0], of_cell, tolerance=tolerance, threads=self.threads)
         state = solution.state
-        displaced = state.offset + kernel.mean_displacement(shape, (dy / unit, dx / unit))
-        approach = highest - problem.scale * displaced
+        mean_displacement = state.offset + kernel.mean_displacement(shape, (dy / unit, dx / unit))
+        approach = highest - problem.scale * mean_displacement
         pressure = np.zeros(self.heights.shape)
         pressure[region.sides] = state.pressure[:ny, :nx] * mean_pressure
         gap = self._displacement(pressure, region.sides) - self.heights + approach
@@ -178,6 +180,27 @@ class FreeBody:
         mask[sides] = distance <= radius * (1 + MARGIN)
         return Region(sides, mask, 2 * float(distance[mask[sides]].max()))
 
+    def elastic_displacement(self, pressure: np.ndarray) -> np.ndarray:
+        """Return the displacement (ny, nx; m) of points under a pressure, by the kernel of the solution."""
+        sides = sides_around(pressure > 0, lambda width: 0)
+        ny, nx = points = pressure[sides].shape
+        reach = float(np.hypot(*np.multiply(points, self.spacing)))
+        shape, kernel = self._cell(points, reach), TruncatedKernel(reach, self.elasticity)
+        symbol = kernel(*wavevectors(shape, self.spacing), self.spacing)
+        symbol[0, 0] = kernel.mean_displacement(shape, self.spacing)
+        in_cell = np.fft.irfft2(np.fft.rfft2(pressure[sides], shape) * symbol, shape)
+        displacement = np.zeros(pressure.shape)
+        displacement[sides] = in_cell[:ny, :nx] / self.elasticity.modulus
+        return displacement
+
+    def _cell(self, points: tuple[int, ...], reach: float) -> tuple[int, int]:
+        """Return the points of a cell in which no image acts on a rectangle of so many points."""
+        from scipy import fft  # imported late: solves of periodic maps need nothing of scipy
+
+        wide = (np.add(points, FADE * reach / np.array(self.spacing)) + 1) / CELL_DIVISOR
+        ny, nx = (CELL_DIVISOR * fft.next_fast_len(int(np.ceil(n))) for n in wide)
+        return ny, nx
+
     def _displacement(self, pressure: np.ndarray, sides: tuple[slice, slice]) -> np.ndarray:
         """Return the displacement (ny, nx; m) by a pressure within `sides`, that of Love's pixels."""
         from scipy import fft
@@ -188,12 +211,12 @@ class FreeBody:
             for n, side in zip(pressure.shape, sides, strict=True)
         )
         with fft.set_workers(self.threads):
-            symbol = transform_of_pixels(shape, self.spacing, layers=self.elasticity.layers)
+            symbol = transform_of_pixels(shape, self.spacing, medium=self.elasticity.medium)
             displacement = fft.irfft2(fft.rfft2(pressure[sides], shape) * symbol, shape)
         displacement = np.roll(displacement, [side.start for side in sides], (0, 1))
         return displacement[tuple(map(slice, pressure.shape))] / self.elasticity.modulus
 
-    def check_border(self, pressure: np.ndarray, force: float, radii: Sequence[float] = ()) -> None:
+    def check_border(self, pressure: np.ndarray, force: float, radii: Sequence[float]) -> None:
         """Raise HeightMapError where the contact reaches the border of a map on a form of `radii` (m)."""
         if not (pressure[[0, -1]].any() or pressure[:, [0, -1]].any()):
             return
@@ -202,8 +225,8 @@ class FreeBody:
             -2 * np.polyfit(np.linspace(-side, side, n) / 2, self.heights.mean(axis=1 - axis), 2)[0]
             for axis, (n, side) in enumerate(zip(pressure.shape, sides, strict=True))
         ]
-        ends = "surround it by lower heights, at least a row or column, or set form.edges: true"
-        advice = f"state form.radius of a rounded body; where the body ends there, {ends}"
+        remedy = "surround it by lower heights, at least a row or column, or set form.edges: true"
+        advice = f"state form.radius of a rounded body; where the body ends there, {remedy}"
         if min(curvatures) * max(sides) > 1e-9:  # a paraboloid fits
             radius = float(np.prod(curvatures) ** -0.5)
             contact_radius = (3 * force * radius / (4 * self.softest)) ** (1 / 3)
@@ -211,7 +234,7 @@ class FreeBody:
             advice = (
                 f"a map of {side:.3g} m x {side:.3g} m would do (a ball of its mean radius of curvature, "
                 f"{radius:.3g} m, touches over {2 * contact_radius:.3g} m); or lower the force; where the "
-                f"body itself ends there, {ends}; where roughness is small against its form, "
+                f"body itself ends there, {remedy}; where roughness is small against its form, "
                 "form.local_scale with boundary: periodic"
             )
         raise HeightMapError(
@@ -222,8 +245,4 @@ class FreeBody:
     @property
     def softest(self) -> float:
         """The modulus (Pa) by which the most compliant wave is displaced."""
-        modulus, layers = self.elasticity.modulus, self.elasticity.layers
-        if layers is None:
-            return modulus
-        q = np.geomspace(1e-3 / layers.thickest, 1e2 / layers.thinnest, 64)
-        return modulus / max(1.0, float(layers.factor(q).max()))
+        return self.elasticity.modulus / self.elasticity.medium.largest_factor

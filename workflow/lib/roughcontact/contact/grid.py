@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from roughcontact.contact.coarsening import ELONGATED, has_separate_lines, hierarchy, pitches_of, stencil
+from roughcontact.contact.coarsening import ELONGATED, grid_pitches, has_separate_lines, hierarchy, stencil
+from roughcontact.contact.elasticity.halfspace import HalfSpace
+from roughcontact.contact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.contact.interpolation import Interpolation
 from roughcontact.contact.line_search import LineSearch
 from roughcontact.contact.state import (
@@ -16,10 +18,16 @@ from roughcontact.contact.state import (
     scale_below_cap,
     scale_to_load,
 )
-from roughcontact.elasticity.halfspace import HalfSpace
-from roughcontact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.kernels.array_api import CLOSED
-from roughcontact.kernels.arrays import SINGLE, Array, count_of, empty, in_precision, namespace, precision_of
+from roughcontact.kernels.arrays import (
+    SINGLE,
+    Array,
+    as_precision,
+    empty,
+    get_precision,
+    n_elements,
+    namespace,
+)
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.protocol import Factors, Weights
 
@@ -84,37 +92,37 @@ class Grid:
         self._line_axis: int | None = None  # of the lines that are contacts of their own
         if has_separate_lines(hierarchy(heights.shape, lengths)):
             self._line_axis = 0 if lengths[0] / heights.shape[0] < lengths[1] / heights.shape[1] else 1
-        pitches = [d for d, n in zip(pitches_of(self.shape, lengths), self.shape, strict=True) if n > 1]
+        pitches = [d for d, n in zip(grid_pitches(self.shape, lengths), self.shape, strict=True) if n > 1]
         self._elongated = max(pitches) > ELONGATED * min(pitches)
         self._passes = MAX_PASSES, SMALL_REST
         if min(self.shape) == 1:
             self._passes = MAX_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES
         elif max(lengths) >= LONG * min(lengths):
             self._passes = MAX_PASSES_OF_LONG, SMALL_REST_OF_LONG
-        single = self.heights_in(SINGLE)
+        single = self.rounded_heights(SINGLE)
         self._height_size = norm(single, single)
 
     def evaluate(
-        self, pressure: Array, *, before: State | None = None, out: Array | None = None
+        self, pressure: Array, *, former: State | None = None, out: Array | None = None
     ) -> tuple[State, LineSearch]:
         """Return the state of a feasible `pressure` by a fresh application of G, and the line search to it.
 
-        `before` has the same load (None: the pressure is unchanged); `out` (ny, nx) receives the separation.
+        `former` has the same load (None: the pressure is unchanged); `out` (ny, nx) receives the separation.
         """
-        precision = precision_of(pressure)
+        precision = get_precision(pressure)
         if precision == SINGLE:
-            heights, reference, unit = self.heights_in(SINGLE), 0.0, 1.0
+            heights, reference, unit = self.rounded_heights(SINGLE), 0.0, 1.0
         else:
             self._single = None  # the copy is no longer needed
             heights, reference, unit = self._given, self._reference, self._unit
         separation = self.halfspace.displacement(pressure, out=out)
         start = pressure, pressure, 0.0
-        if before is not None:
-            start = before.pressure, before.separation, before.offset
+        if former is not None:
+            start = former.pressure, former.separation, former.offset
         work, square, total, count, slope, slope_after = self.kernels.measure(
             separation, heights, reference, unit, *start, pressure, self.cap
         )
-        size = count_of(pressure)
+        size = n_elements(pressure)
         state = State(
             pressure=pressure,
             separation=separation,
@@ -131,7 +139,7 @@ class Grid:
         `predict` leaves out points that are predicted to lose contact: for a first guess, whose contact is
         too large.
         """
-        interpolation = self.interpolation_in(precision)
+        interpolation = self.interpolator(precision)
         values, field = interpolation.values, interpolation.field
         cells = interpolation.factors, interpolation.share, interpolation.cell_means
         self.kernels.masked_residual(state.pressure, state.separation, state.offset, self.cap, values, *cells)
@@ -151,9 +159,9 @@ class Grid:
 
     def precondition(self, residual: Residual) -> PreconditionedResidual:
         """Return M r for the last `residual`: the other half of the application."""
-        interpolation = self.interpolation_in(residual.precision)
+        interpolation = self.interpolator(residual.precision)
         field, scratch = interpolation.field, self.halfspace.scratch(residual.precision)
-        self.halfspace.field_of(residual.spectrum, residual.precision, out=field)
+        self.halfspace.spectrum_to_field(residual.spectrum, residual.precision, out=field)
         if self._line_axis is None:
             # P keeps a constant, so that the sum of P^T is that of the field, whose mean is zero
             coarse, mean = interpolation.restricted_to_coarse(field, scratch), 0.0
@@ -179,7 +187,7 @@ class Grid:
         the projected gradient. The field of the correction is overwritten.
         """
         kernels, cap = self.kernels, self.cap
-        interpolation, removed_load = self.interpolation_in(precision_of(correction.field)), correction.field
+        interpolation, removed_load = self.interpolator(get_precision(correction.field)), correction.field
         values = interpolation.values
         safe = 0.0
         if cap < np.inf:  # half the stiffness of the residual, <r, M r> / <r, r>, while that is there
@@ -198,14 +206,14 @@ class Grid:
             if number > 0:
                 kernels.project(out, cap, removed_load, free, *cells)
             interpolation.set_active(free, share_known=True)
-            scratch = self.halfspace.scratch(precision_of(removed_load))
+            scratch = self.halfspace.scratch(get_precision(removed_load))
             outside, total = interpolation.redistribute(removed_load, out, cap, scratch)
             if outside <= small_share * total:
                 break
         if total <= 0:  # a load far below the residual was lost to rounding: stay, safe steps follow
-            return scale_to_load(state.pressure, mean_pressure, cap=cap, precision=precision_of(out))
+            return scale_to_load(state.pressure, mean_pressure, cap=cap, precision=get_precision(out))
         if cap == np.inf and line_loads is None:
-            kernels.rescale(out, mean_pressure * count_of(out) / total, cap)
+            kernels.rescale(out, mean_pressure * n_elements(out) / total, cap)
             return out
         kernels.rescale(out, 1.0, cap)
         if line_loads is not None:
@@ -214,20 +222,20 @@ class Grid:
             # Too many or too few points are at the cap for the others to make up: the gap is a better guide
             # to those that belong there, as in a step along the projected gradient.
             pressure, gap = (
-                in_precision(a, precision_of(out), copy=False) for a in (state.pressure, state.gap)
+                as_precision(a, get_precision(out), copy=False) for a in (state.pressure, state.gap)
             )
             out = project_to_load(pressure - safe * gap, mean_pressure, cap=cap)
         return scale_to_load(out, mean_pressure, cap=cap)
 
     def precondition_on(self, contact: Array | None, residual: Array) -> Array:
         """Return M `residual`, zero outside the set where `contact` is not zero; None: the last set."""
-        interpolation = self.interpolation_in(precision_of(residual))
+        interpolation = self.interpolator(get_precision(residual))
         field = interpolation.field
         if contact is not None:
-            interpolation.set_active(in_precision(contact, precision_of(residual)))
+            interpolation.set_active(as_precision(contact, get_precision(residual)))
         interpolation.prolong(residual, field)
         self.halfspace.pressure(field, out=field)
-        interpolation.restrict(field, self.halfspace.scratch(precision_of(field)))
+        interpolation.restrict(field, self.halfspace.scratch(get_precision(field)))
         return field
 
     def residual_norm(self, state: State, residual: Residual) -> float:
@@ -235,17 +243,17 @@ class Grid:
 
         It is that of the interpolated residual, projected onto those that the certificate admits.
         """
-        interpolated = self.interpolation_in(residual.precision).field
+        field = self.interpolator(residual.precision).field
         norm_of_interpolated = float(np.sqrt(residual.energy))
         squares = self.kernels.project_residual(
-            state.pressure, state.separation, state.offset, self.cap, interpolated
+            state.pressure, state.separation, state.offset, self.cap, field
         )
         # bounded by the mean square times the largest |q|/2; only where that is large the projected residual
         # is transformed
-        change = float(np.sqrt(squares / count_of(interpolated) * self.halfspace.largest_stiffness))
+        change = float(np.sqrt(squares / n_elements(field) * self.halfspace.largest_stiffness))
         if change <= SMALL_CHANGE * norm_of_interpolated:
             return norm_of_interpolated + change
-        return float(np.sqrt(self.halfspace.pressure_spectrum(interpolated)[1]))
+        return float(np.sqrt(self.halfspace.pressure_spectrum(field)[1]))
 
     def refine(self, coarse: Array, factors: Factors, out: Array) -> None:
         """Write the pressure `coarse` of the next coarser grid, refined to this one, to `out`.
@@ -254,14 +262,14 @@ class Grid:
         in full contact.
         """
         weights, stiffness = self._local_stiffness()
-        self.kernels.refine(coarse, factors, self.heights_in(SINGLE), weights, stiffness, self.cap, out)
+        self.kernels.refine(coarse, factors, self.rounded_heights(SINGLE), weights, stiffness, self.cap, out)
 
-    def heights_in(self, precision: str) -> Array:
+    def rounded_heights(self, precision: str) -> Array:
         """Return the dimensionless heights in a precision; in single precision they are kept."""
         if precision == SINGLE and self._single is not None:
             return self._single
         if self._reference == 0 and self._unit == 1:
-            heights = in_precision(self._given, precision, copy=False)
+            heights = as_precision(self._given, precision, copy=False)
         else:
             heights = empty(self._given, precision)
             self.kernels.make_dimensionless(self._given, self._reference, self._unit, heights)
@@ -283,26 +291,25 @@ class Grid:
 
         It is exact in full contact, for the shortest wave along the finer axis, whose wavenumber is pi/pitch.
         """
-        pitches = pitches_of(self.shape, self.halfspace.lengths)
+        pitches = grid_pitches(self.shape, self.halfspace.lengths)
         weights = across_y, across_x, diagonal = stencil(pitches, self.shape)
         pitch, across = min(
             (d, w) for d, w, n in zip(pitches, (across_y, across_x), self.shape, strict=True) if n > 1
         )
-        layers = self.halfspace.elasticity.layers
-        factor = 1.0 if layers is None else float(layers.factor(np.array([np.pi / pitch]))[0])
+        factor = float(self.halfspace.elasticity.medium.factor(np.array([np.pi / pitch]))[0])
         return weights, 0.5 * np.pi / pitch / (4 * across + 8 * diagonal) / factor
 
     def _foresee_violations(self, state: State, interpolation: Interpolation) -> None:
         """Put the points of a bound into the active set that a correction makes violate it."""
-        values, unloaded, at_cap = interpolation.values, state.pressure <= 0, state.pressure >= self.cap
+        values, no_load, at_cap = interpolation.values, state.pressure <= 0, state.pressure >= self.cap
         xp = namespace(values)
-        values[...] = xp.where(unloaded | at_cap, xp.zeros_like(values), values)
+        values[...] = xp.where(no_load | at_cap, xp.zeros_like(values), values)
         interpolation.interpolate(share_known=False)
-        gap = in_precision(state.gap, precision_of(values), copy=False)
+        gap = as_precision(state.gap, get_precision(values), copy=False)
         gap = xp.where(gap == 0, xp.full_like(gap, CLOSED), gap)
         # a stiff film a little too low overlaps far and wide, and lifts off: points without pressure that
         # will overlap, points at the cap whose gap will open
-        foreseen = (unloaded & (gap < interpolation.field)) | (at_cap & (gap > interpolation.field))
+        foreseen = (no_load & (gap < interpolation.field)) | (at_cap & (gap > interpolation.field))
         values[...] = xp.where(foreseen, gap, values)
 
     def _restore_line_loads(self, pressure: Array, line_loads: Array) -> None:
@@ -321,10 +328,10 @@ class Grid:
         xp = namespace(field)
         return xp.sum(field, axis=self._line_axis, keepdims=True, dtype=xp.float64)
 
-    def interpolation_in(self, precision: str) -> Interpolation:
+    def interpolator(self, precision: str) -> Interpolation:
         """Return the interpolation in a precision, with its workspace."""
         if precision not in self._interpolations:
             self._interpolations[precision] = Interpolation(
-                self._given, precision, self.halfspace.lengths, self.kernels, self.halfspace.elasticity.layers
+                self._given, precision, self.halfspace.lengths, self.kernels, self.halfspace.elasticity.medium
             )
         return self._interpolations[precision]

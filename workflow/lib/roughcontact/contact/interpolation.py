@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact.contact.coarsening import has_separate_lines, hierarchy, pitches_of, stencil
-from roughcontact.elasticity.layers import LayeredPair
+from roughcontact.contact.coarsening import grid_pitches, has_separate_lines, hierarchy, stencil
+from roughcontact.contact.elasticity.medium import HALF_SPACES, Medium
 from roughcontact.kernels.arrays import Array, empty, namespace
 from roughcontact.kernels.protocol import Arrangement, Factors, Weights
 
@@ -52,7 +52,7 @@ class CoarseGrid:
 class Interpolation:
     """The linear map P from fields (ny, nx) that are zero outside the active set C to the whole grid.
 
-    The rows of P on C are those of the identity; `layers` are in the unit of the `lengths` (Ly, Lx) of the
+    The rows of P on C are those of the identity; the `medium` is in the unit of the `lengths` (Ly, Lx) of the
     periodic cell. `values` and `field` are workspace for a field and P of it.
     """
 
@@ -62,20 +62,20 @@ class Interpolation:
         precision: str,
         lengths: tuple[float, float],
         kernels: Any,  # of `kernels_for`
-        layers: LayeredPair | None = None,
+        medium: Medium = HALF_SPACES,
     ):
         self.kernels, xp = kernels, namespace(like)
         self.values, self.field = (empty(like, precision) for _ in range(2))
         self.active: Array = None
-        pitches = pitches_of(like.shape, lengths)
+        pitches = grid_pitches(like.shape, lengths)
         self.weights = stencil(pitches, like.shape)
         plan = hierarchy(like.shape, lengths)
-        ends = np.cumsum([0, *(int(np.prod(coarser.shape)) for coarser in plan)]).tolist()
+        bounds = np.cumsum([0, *(int(np.prod(coarser.shape)) for coarser in plan)]).tolist()
         # the grids lie one after the other, so that all the small ones can be passed in one call
-        stores = [empty(like, precision, (ends[-1],)) for _ in range(4)]
+        stores = [empty(like, precision, (bounds[-1],)) for _ in range(4)]
         self.grids = []
-        for coarser, (start, end) in zip(plan, pairwise(ends), strict=True):
-            gaps, gain, cell_means, work = (xp.reshape(store[start:end], coarser.shape) for store in stores)
+        for coarser, (start, stop) in zip(plan, pairwise(bounds), strict=True):
+            gaps, gain, cell_means, work = (xp.reshape(store[start:stop], coarser.shape) for store in stores)
             self.grids.append(
                 CoarseGrid(
                     factors=coarser.factors,
@@ -90,8 +90,8 @@ class Interpolation:
             )
         along = [axis for axis, cells in enumerate(like.shape) if cells > 1] or [0]
         sizes = np.array([min(p[axis] for axis in along) for p in (pitches, *(c.pitches for c in plan))])
-        self._factors = None if layers is None or not plan else _factors(layers, 1 / sizes[1:]).tolist()
-        bending = [False] if layers is None or not plan else (_power(layers, 1 / sizes) > STEEP).tolist()
+        self._factors = _factors(medium, 1 / sizes[1:]).tolist()
+        bending = (_power(medium, 1 / sizes) > STEEP).tolist() if plan else [False]
         self.bends = any(bending)
         self._spares = [empty(like, precision) for _ in range(2)] if bending[0] else []
         # of the cells of the finest coarser grid; the whole grid is one where there is none
@@ -108,7 +108,7 @@ class Interpolation:
         self.sweeps = max(coarsest)
         self._sweep_work = [empty(like, precision, coarsest) for _ in range(2)]
         single_grids = has_separate_lines(plan) or self.bends
-        self._small = None if single_grids else kernels.small_grids(self.grids, stores, ends)
+        self._small = None if single_grids else kernels.small_grids(self.grids, stores, bounds)
 
     def interpolate(self, *, share_known: bool) -> None:
         """Put P of `values`, zero at the inactive points, into `field`.
@@ -141,17 +141,17 @@ class Interpolation:
                     kernels.weigh(*weigh_arguments, coarser.factors, coarser.empty, coarser.work)
                 continue
             # every line that is in contact at all counts as one full cell
-            touched = xp.astype(fine_share > 0, fine_share.dtype)
-            grid.line_gain[...] = touched / xp.where(touched > 0, fine_share, xp.ones_like(touched))
-            grid.gain[...], grid.empty[...] = touched, 1 - touched
+            is_filled = xp.astype(fine_share > 0, fine_share.dtype)
+            grid.line_gain[...] = is_filled / xp.where(is_filled > 0, fine_share, xp.ones_like(is_filled))
+            grid.gain[...], grid.empty[...] = is_filled, 1 - is_filled
             if coarser is not None:
-                kernels.block_mean(touched, coarser.factors, coarser.work)
+                kernels.block_mean(is_filled, coarser.factors, coarser.work)
                 coarser.empty[...] = coarser.work
-        if self._factors is not None:
-            self._weigh_by(self._factors)
+        if any(factor != 1 for factor in self._factors):
+            self._reweigh(self._factors)
 
-    def _weigh_by(self, factors: list[float]) -> None:
-        """Change the weights of all cells to those of bodies with layers."""
+    def _reweigh(self, factors: list[float]) -> None:
+        """Change the weights of all cells by the factors of the medium at their sizes."""
         xp = namespace(self.active)
         finer = self.active
         for grid, factor in zip(self.grids, factors, strict=True):
@@ -191,8 +191,8 @@ class Interpolation:
 
         `scratch`, like `field`, is overwritten.
         """
-        restricted = self.restricted_to_coarse(field, scratch)
-        return self.kernels.finish_restriction(field, scratch, restricted, self.factors, self.active)
+        coarse_load = self.restricted_to_coarse(field, scratch)
+        return self.kernels.finish_restriction(field, scratch, coarse_load, self.factors, self.active)
 
     def redistribute(
         self, removed_load: Array, pressure: Array, cap: float, scratch: Array
@@ -201,10 +201,10 @@ class Interpolation:
 
         The excess is beyond [0, `cap`]; the load and `scratch` are overwritten.
         """
-        restricted = self.restricted_to_coarse(removed_load, scratch)
+        coarse_load = self.restricted_to_coarse(removed_load, scratch)
         if self._spares:
             scratch += removed_load  # which holds, on C, the load from all sweeps but the last
-        return self.kernels.redistribute(pressure, scratch, restricted, self.factors, self.active, cap)
+        return self.kernels.redistribute(pressure, scratch, coarse_load, self.factors, self.active, cap)
 
     def _prolonged(self, number: int) -> Array:
         """Return the values of a grid, given its `cell_means`, for the empty cells of the next finer grid."""
@@ -215,49 +215,49 @@ class Interpolation:
         if grid.line_gain is not None:
             grid.cell_means *= grid.line_gain
         if number + 1 == len(self.grids):
-            mixed = self._sweep(grid.cell_means, grid.empty, grid.weights)
+            means = self._sweep(grid.cell_means, grid.empty, grid.weights)
         else:
-            coarser, mixed = self.grids[number + 1], grid.work
+            coarser, means = self.grids[number + 1], grid.work
             kernels.block_mean(grid.cell_means, coarser.factors, coarser.cell_means)
             coarser.cell_means *= coarser.gain
-            kernels.mix(grid.cell_means, grid.empty, self._prolonged(number + 1), coarser.factors, mixed)
+            kernels.mix(grid.cell_means, grid.empty, self._prolonged(number + 1), coarser.factors, means)
             if grid.spares:
-                mixed = self._smooth(grid.cell_means, grid.empty, mixed, grid.weights, SWEEPS, grid.spares)
+                means = self._smooth(grid.cell_means, grid.empty, means, grid.weights, SWEEPS, grid.spares)
         if grid.line_gain is not None:
-            return mixed
-        kernels.neighbours(mixed, grid.weights, grid.cell_means)
+            return means
+        kernels.neighbours(means, grid.weights, grid.cell_means)
         return grid.cell_means
 
     def _sweep(self, cell_means: Array, gaps: Array, weights: Weights) -> Array:
         """Return the mixed field of the coarsest grid, whose neighbours' means are the next step."""
-        mixed = cell_means + gaps * _mean_over_contact(cell_means, gaps)
-        return self._smooth(cell_means, gaps, mixed, weights, self.sweeps - 1, self._sweep_work)
+        means = cell_means + gaps * _mean_over_contact(cell_means, gaps)
+        return self._smooth(cell_means, gaps, means, weights, self.sweeps - 1, self._sweep_work)
 
     def _smooth(
         self,
         cell_means: Array,
         gaps: Array,
-        mixed: Array,
+        means: Array,
         weights: Weights,
         sweeps: int,
         spares: Sequence[Array],
     ) -> Array:
-        """Return the `mixed` field of a grid after sweeps, in one of its `spares`."""
+        """Return the `means` field of a grid after sweeps, in one of its `spares`."""
         for sweep in range(sweeps):
-            self.kernels.fill(cell_means, gaps, mixed, weights, spares[sweep % 2])
-            mixed = spares[sweep % 2]
-        return mixed
+            self.kernels.fill(cell_means, gaps, means, weights, spares[sweep % 2])
+            means = spares[sweep % 2]
+        return means
 
     def _smooth_back(
         self, total: Array, gaps: Array, weights: Weights, sweeps: int, spares: Sequence[Array]
     ) -> Array:
         """Add to `total` its products with the transposes of the sweeps, and return the last of them."""
-        passed = total
+        outgoing = total
         for sweep in range(sweeps):
-            self.kernels.empty_neighbours(passed, gaps, weights, spares[sweep % 2])
-            passed = spares[sweep % 2]
-            total += passed
-        return passed
+            self.kernels.empty_neighbours(outgoing, gaps, weights, spares[sweep % 2])
+            outgoing = spares[sweep % 2]
+            total += outgoing
+        return outgoing
 
     def restricted_to_coarse(self, field: Array, scratch: Array) -> Array:
         """Write the load that P^T hands to the neighbours to `scratch`; return that from the coarser grid.
@@ -271,10 +271,10 @@ class Interpolation:
             self._sweep_back(scratch, gaps, self.weights)
             self.share[...] = 0
             return self.share
-        passed = field
+        outgoing = field
         if self._spares:
-            passed = self._smooth_back(field, self._gaps(), self.weights, SWEEPS, self._spares)
-        kernels.empty_from(passed, self.active, self.weights, scratch, self.factors, self.cell_means)
+            outgoing = self._smooth_back(field, self._gaps(), self.weights, SWEEPS, self._spares)
+        kernels.empty_from(outgoing, self.active, self.weights, scratch, self.factors, self.cell_means)
         return self._restricted(0)
 
     def _restricted(self, number: int) -> Array:
@@ -291,10 +291,10 @@ class Interpolation:
             self._sweep_back(grid.work, grid.empty, grid.weights)
             grid.work *= grid.gain
         else:
-            coarser, passed = self.grids[number + 1], grid.work
+            coarser, outgoing = self.grids[number + 1], grid.work
             if grid.spares:
-                passed = self._smooth_back(grid.work, grid.empty, grid.weights, SWEEPS, grid.spares)
-            kernels.gather(passed, grid.empty, coarser.factors, coarser.cell_means)
+                outgoing = self._smooth_back(grid.work, grid.empty, grid.weights, SWEEPS, grid.spares)
+            kernels.gather(outgoing, grid.empty, coarser.factors, coarser.cell_means)
             kernels.spread(grid.work, grid.gain, self._restricted(number + 1), coarser.factors)
         if grid.line_gain is not None:
             grid.work *= grid.line_gain
@@ -307,19 +307,19 @@ class Interpolation:
 
     def _sweep_back(self, total: Array, gaps: Array, weights: Weights) -> None:
         """Apply the transpose of `_sweep` to `total`."""
-        passed = self._smooth_back(total, gaps, weights, self.sweeps - 1, self._sweep_work)
-        total += _mean_over_contact(gaps * passed, gaps)
+        outgoing = self._smooth_back(total, gaps, weights, self.sweeps - 1, self._sweep_work)
+        total += _mean_over_contact(gaps * outgoing, gaps)
 
 
-def _factors(layers: LayeredPair, q: np.ndarray) -> np.ndarray:
+def _factors(medium: Medium, q: np.ndarray) -> np.ndarray:
     """Return the factors of cells of the pitch 1/q."""
-    return np.minimum(layers.factor(STIFFER * q), 1) * np.maximum(layers.factor(SOFTER * q), 1)
+    return np.minimum(medium.factor(STIFFER * q), 1) * np.maximum(medium.factor(SOFTER * q), 1)
 
 
-def _power(layers: LayeredPair, q: np.ndarray) -> np.ndarray:
-    """Return the power of |q| with which the stiffness of layers rises: 1 of a half-space, 4 of a plate."""
+def _power(medium: Medium, q: np.ndarray) -> np.ndarray:
+    """Return the power of |q| with which the stiffness rises: 1 of a half-space, 4 of a plate."""
     step = 1.1
-    power: np.ndarray = 1 - np.log(layers.factor(q * step) / layers.factor(q / step)) / (2 * np.log(step))
+    power: np.ndarray = 1 - np.log(medium.factor(q * step) / medium.factor(q / step)) / (2 * np.log(step))
     return power
 
 

@@ -25,7 +25,7 @@ from roughcontact.contact.grid import Grid, Residual
 from roughcontact.contact.line_search import LineSearch, minimize_between
 from roughcontact.contact.projected_gradient import projected_gradient_step
 from roughcontact.contact.state import State, scale_to_load
-from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, empty, precision_of
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, empty, get_precision
 
 MAX_SINGLE_FLOOR = 1e-3  # relative rounding floor of single precision above which all steps are in double
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
@@ -70,12 +70,12 @@ def solve_on_grid(
     del start
     for step in range(max_steps + 1):
         iterate.measure(step)
-        stalled = (
+        cannot_improve = (
             step == max_steps or iterate.has_stalled(step) or (give_up and iterate.is_limited_by_rounding())
         )
-        if stalled or iterate.may_be_done():
+        if cannot_improve or iterate.may_be_done():
             iterate.certify()
-            if stalled or iterate.bound <= tolerance:
+            if cannot_improve or iterate.bound <= tolerance:
                 break
             iterate.measure_residual()
         iterate.choose_precision()
@@ -97,7 +97,7 @@ class Iterate:
         self.grid, self.mean_pressure = grid, mean_pressure
         self.tolerance, self.finish = tolerance, finish
         self.precision = self.residual_precision = SINGLE
-        self.state = self._state_in(SINGLE, start)
+        self.state = self._rescaled_state(SINGLE, start)
         self.bound = self._bound_before = self._lowest = np.inf
         self._lowest_step = self._failures = 0
         self.length = FIRST_LENGTH
@@ -110,7 +110,7 @@ class Iterate:
             self.residual_precision = self.precision = self.finish = DOUBLE
         # the contact of a first guess is too large
         self.measure_residual(predict=step == 0)
-        self.bound = _bound_by(self.grid, self.state, self.residual)
+        self.bound = _residual_bound(self.grid, self.state, self.residual)
         if self.residual.certifies and self.bound < 0.99 * self._lowest:
             self._lowest, self._lowest_step = self.bound, step
 
@@ -120,7 +120,7 @@ class Iterate:
 
     def is_in_final_precision(self) -> bool:
         """Return whether the state has the precision of the result."""
-        return precision_of(self.state.pressure) == self.finish
+        return get_precision(self.state.pressure) == self.finish
 
     def is_limited_by_rounding(self) -> bool:
         """Return whether the rounding of a result in single precision alone is above the tolerance."""
@@ -144,7 +144,7 @@ class Iterate:
         """Make the bound rigorous, for a state in the precision of the result; the residual is lost."""
         if not self.is_in_final_precision():
             self.precision = self.finish
-            self.state = self._state_in(self.precision, self.state.pressure)
+            self.state = self._rescaled_state(self.precision, self.state.pressure)
             self.measure_residual()
         elif not self.residual.certifies:
             self.measure_residual()
@@ -152,28 +152,28 @@ class Iterate:
 
     def choose_precision(self) -> None:
         """Choose the precision of the next step: that of the result if it is predicted to be the last."""
-        predicted = self.bound * min(1.0, max(TYPICAL, self.bound / self._bound_before))
-        if PREDICTION_MARGIN * predicted <= self.tolerance or self.bound <= 30 * self._single_floor:
+        prediction = self.bound * min(1.0, max(TYPICAL, self.bound / self._bound_before))
+        if PREDICTION_MARGIN * prediction <= self.tolerance or self.bound <= 30 * self._single_floor:
             self.precision = self.finish
 
     def advance(self) -> None:
         """Take a step: correct the pressure, apply the operator, and accept the state or recover."""
         grid, precision = self.grid, self.precision
-        rises = precision != precision_of(self.state.pressure)
+        rises = precision != get_precision(self.state.pressure)
         if rises:
             self._spare = None
         out = empty(self.state.pressure, precision) if self._spare is None else self._spare.pressure
         correction = grid.precondition(self.residual)
         self._bound_before = self.bound if self.residual.certifies else np.inf
         del self.residual
-        moved = grid.advance(self.state, correction, self.length, self.mean_pressure, out)
+        next_pressure = grid.advance(self.state, correction, self.length, self.mean_pressure, out)
         if rises:
             # The difference of the two energies is below the rounding of the first, which need not be kept.
             del self.state
-            self.state, _ = grid.evaluate(moved)
+            self.state, _ = grid.evaluate(next_pressure)
             return
         workspace = None if self._spare is None else self._spare.separation
-        trial, line = grid.evaluate(moved, before=self.state, out=workspace)
+        trial, line = grid.evaluate(next_pressure, former=self.state, out=workspace)
         if not line.descends:
             self._recover(trial, line)
             return
@@ -188,18 +188,18 @@ class Iterate:
         lower = minimize_between(self.state, trial, line, cap=self.grid.cap)
         if lower is None and self.precision != self.finish:
             self.precision = self.finish
-            self.state = self._state_in(self.precision, self.state.pressure)
+            self.state = self._rescaled_state(self.precision, self.state.pressure)
             return
         self.state = lower or self.state
         if lower is None or self._failures > 1:
             for _ in range(2 ** min(1 + self._failures // 8, 6)):
                 self.state = projected_gradient_step(self.grid, self.state, self.mean_pressure) or self.state
 
-    def _state_in(self, precision: str, pressure: Array) -> State:
-        scaled = scale_to_load(
+    def _rescaled_state(self, precision: str, pressure: Array) -> State:
+        rescaled_pressure = scale_to_load(
             pressure, self.mean_pressure, cap=self.grid.cap, precision=precision, copy=False
         )
-        return self.grid.evaluate(scaled)[0]
+        return self.grid.evaluate(rescaled_pressure)[0]
 
 
 def first_guess_on_grid(
@@ -214,7 +214,7 @@ def first_guess_on_grid(
     for step in range(GUESS_STEPS):
         state, _ = grid.evaluate(pressure)
         residual = grid.residual(state, precision=SINGLE, predict=step == 0 and grid.cap == np.inf)
-        bound = _bound_by(grid, state, residual)
+        bound = _residual_bound(grid, state, residual)
         if bound <= tolerance:
             return state.pressure, step
         # where steps gain less than half, `solve_on_grid` continues
@@ -229,6 +229,6 @@ def first_guess_on_grid(
     return solution.state.pressure, step + solution.steps
 
 
-def _bound_by(grid: Grid, state: State, residual: Residual) -> float:
+def _residual_bound(grid: Grid, state: State, residual: Residual) -> float:
     """Return the bound of the relative error that the residual gives, without the certificate."""
     return relative_bound(grid.halfspace, state, np.sqrt(residual.energy))

@@ -29,7 +29,7 @@ class LineSearch:
         return self.slope + self.slope_after < 0
 
 
-def minimize_between(before: State, after: State, line: LineSearch, *, cap: float) -> State | None:
+def minimize_between(origin: State, target: State, line: LineSearch, *, cap: float) -> State | None:
     """Return the state of least energy on the line; None where the energy rises from the start.
 
     Both states have the same load. Their fields are linear in the share, so that no application of the
@@ -38,12 +38,12 @@ def minimize_between(before: State, after: State, line: LineSearch, *, cap: floa
     if line.slope >= 0:
         return None
     share = line.minimizer
-    pressure = before.pressure + share * (after.pressure - before.pressure)
-    separation = before.separation + share * (after.separation - before.separation)
-    square = (1 - share) * before.norm**2 + share * after.norm**2
+    pressure = origin.pressure + share * (target.pressure - origin.pressure)
+    separation = origin.separation + share * (target.separation - origin.separation)
+    square = (1 - share) * origin.norm**2 + share * target.norm**2
     square -= share * (1 - share) * (line.slope_after - line.slope)
     return replace(
-        after,
+        target,
         pressure=pressure,
         separation=separation,
         offset=contact_mean(pressure, separation, cap=cap),

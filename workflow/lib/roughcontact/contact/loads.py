@@ -6,15 +6,15 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import check_positive
+from roughcontact.arguments.checking import check_positive
+from roughcontact.arguments.materials import MAX_HARDNESS, RUBBER
 from roughcontact.contact.problem import nondimensionalise
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.materials import HARDEST, RUBBER
 
 # 1-2-5 steps of p / (E* g), from below 1 % to near full contact of a random surface (A = erf(sqrt(2) p'))
 DEFAULT_PLAN = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 _USEFUL_POINTS = 200  # in contact at the lowest planned load, twice what statistics need
-_FEWEST_LOADS = 4  # planned ones closer together, below which their steps are finer
+_MIN_LOADS = 4  # planned ones closer together, below which their steps are finer
 
 
 def plan_loads(
@@ -52,20 +52,20 @@ def plan_loads(
                 keys=["relative_pressure", "hardness"],
             )
         return loads
-    limit = HARDEST * modulus if hardness is None and modulus >= RUBBER else math.inf
-    planned = planned_pressures(window.size, limit / (modulus * gradient))
-    loads = [value * modulus * gradient for value in planned]
+    limit = MAX_HARDNESS * modulus if hardness is None and modulus >= RUBBER else math.inf
+    relative_loads = planned_pressures(window.size, limit / (modulus * gradient))
+    loads = [value * modulus * gradient for value in relative_loads]
     if hardness is None:
         return loads
-    carried = [load for load in loads if load < hardness]
-    if not carried:
+    feasible = [load for load in loads if load < hardness]
+    if not feasible:
         raise SettingsError(
             f"hardness = {hardness:g} Pa is below all planned loads ({loads[0]:g} Pa and more, by the "
             f"rms gradient {gradient:.3g} of the map): check the units of the map, or give mean_pressure "
             "in Pa",
             keys=["hardness", "mean_pressure"],
         )
-    return carried
+    return feasible
 
 
 def planned_pressures(points: int, limit: float) -> list[float]:
@@ -87,13 +87,13 @@ def planned_pressures(points: int, limit: float) -> list[float]:
         return math.erf(math.sqrt(2) * pressure)
 
     useful = [pressure for pressure in DEFAULT_PLAN if area(pressure) * points >= _USEFUL_POINTS]
-    planned = [pressure for pressure in useful if pressure < limit * area(pressure)]
-    if not planned:
+    below_limit = [pressure for pressure in useful if pressure < limit * area(pressure)]
+    if not below_limit:
         return list(DEFAULT_PLAN)
-    if len(planned) == len(useful) or len(planned) >= _FEWEST_LOADS:
-        return planned
-    elastic = [float(p) for p in np.geomspace(planned[0], 1.0, 100) if p < limit * area(p)]
-    finer = np.geomspace(planned[0], elastic[-1], _FEWEST_LOADS)
+    if len(below_limit) == len(useful) or len(below_limit) >= _MIN_LOADS:
+        return below_limit
+    elastic = [float(p) for p in np.geomspace(below_limit[0], 1.0, 100) if p < limit * area(p)]
+    finer = np.geomspace(below_limit[0], elastic[-1], _MIN_LOADS)
     return list(dict.fromkeys(float(f"{pressure:.2g}") for pressure in finer))
 
 

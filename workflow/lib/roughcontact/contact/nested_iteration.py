@@ -8,10 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from roughcontact.contact.coarsening import has_square_cells, pitches_of, whole_factors
+from roughcontact.contact.coarsening import grid_pitches, has_square_cells, whole_factors
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import first_guess_on_grid
-from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision, like_array, to_numpy
+from roughcontact.kernels.arrays import SINGLE, Array, as_precision, empty, like_array, to_numpy
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.protocol import Factors
 
@@ -27,18 +27,18 @@ def nested_heights(heights: Array, lengths: tuple[float, float]) -> list[tuple[F
 
     The factors are those to the next finer grid; `lengths` (Ly, Lx) are those of the periodic cell.
     """
-    nested: list[tuple[Factors, Array]] = []
+    levels: list[tuple[Factors, Array]] = []
     while max(heights.shape) > COARSEST:
-        pitches = pitches_of(heights.shape, lengths)
-        divisors = DIVISORS if nested and has_square_cells(pitches, heights.shape) else FINEST_DIVISORS
+        pitches = grid_pitches(heights.shape, lengths)
+        divisors = DIVISORS if levels and has_square_cells(pitches, heights.shape) else FINEST_DIVISORS
         factors = whole_factors(pitches, heights.shape, divisors=divisors, smallest=COARSEST // 2)
         if factors == (1, 1):
             break
         coarse = empty(heights, SINGLE, tuple(n // f for n, f in zip(heights.shape, factors, strict=True)))
         kernels_for(heights).block_mean(heights, factors, coarse)
-        nested.append((factors, coarse))
+        levels.append((factors, coarse))
         heights = coarse
-    return nested
+    return levels
 
 
 def first_guess(
@@ -55,7 +55,7 @@ def first_guess(
             grids[number], pressure, load, tolerance=COARSE_TOLERANCE
         )
         steps += iterations
-        coarse_pressure = in_precision(coarse_pressure, SINGLE, copy=False)  # a stiff grid finishes in double
+        coarse_pressure = as_precision(coarse_pressure, SINGLE, copy=False)  # a stiff grid finishes in double
         finer = grids[number - 1]
         pressure = empty(coarse_pressure, SINGLE, finer.shape)
         finer.refine(coarse_pressure, factors[number - 1], pressure)

@@ -6,17 +6,17 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from roughcontact.bodies import check_poissons_ratio
-from roughcontact.checking import check_periodic_solution, check_positive
-from roughcontact.contact.dataset import elasticity_of, problem_of
+from roughcontact.arguments.bodies import check_poissons_ratio
+from roughcontact.arguments.checking import check_periodic_solution, check_positive
+from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.si import as_si
+from roughcontact.arguments.variables import describe
+from roughcontact.contact.dataset import recorded_elasticity, recorded_problem
+from roughcontact.contact.elasticity.energy import elastic_energy
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.response import linear_response
 from roughcontact.contact.solve import solve_contact
-from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.errors import SettingsError
-from roughcontact.maps import spacing
-from roughcontact.si import in_si
-from roughcontact.variables import describe
 
 APPROXIMATION = (
     "Exact for profiles, and for similar bodies with Poisson's ratios of 0. On a rough ball with ratios of "
@@ -24,7 +24,7 @@ APPROXIMATION = (
 )
 
 
-@in_si
+@as_si
 def partial_slip(
     contact: xr.Dataset,
     *,
@@ -74,7 +74,7 @@ def partial_slip(
 
     Examples
     --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
     >>> normal = solve_contact(rough_reference_surface(64), contact_modulus=1.0, mean_pressure=0.1)
     >>> slip = partial_slip(normal, friction_coefficient=0.3, tangential_load=[0.2, 1.0])
     >>> slip["shear_traction"].mean(("y", "x")).values.round(6), slip["stick_share"].values.round(2)
@@ -92,8 +92,8 @@ def partial_slip(
         raise SettingsError(
             f"the contact has {property_}: give an elastic one at a single load, contact.isel(load=[0])"
         )
-    elasticity = elasticity_of(contact)
-    if elasticity.layers is not None:
+    elasticity = recorded_elasticity(contact)
+    if not elasticity.medium.is_homogeneous:
         raise SettingsError(
             "the contact has layers, whose tangential compliance is not in proportion to the normal one, as "
             "the theorem needs it; give one of half-spaces"
@@ -101,7 +101,7 @@ def partial_slip(
     normal = contact.isel(load=0)
     load, height = float(normal["mean_pressure"]), contact["height"]
     pressure = normal["pressure"].values
-    problem = problem_of(contact) | {"tolerance": contact.attrs["tolerance"], "threads": threads}
+    problem = recorded_problem(contact) | {"tolerance": contact.attrs["tolerance"], "threads": threads}
 
     def energy(field: np.ndarray) -> float:
         return elastic_energy(field, spacing(height), elasticity)
@@ -111,9 +111,9 @@ def partial_slip(
     for share in shares:
         lower, lower_gap, error = np.zeros_like(pressure), height.values.max() - height.values, 0.0
         if share < 1:
-            solved = solve_contact(height, mean_pressure=load * (1 - share), **problem).isel(load=0)
-            lower, lower_gap = solved["pressure"].values, solved["gap"].values
-            error = float(solved["error_bound"]) * math.sqrt(energy(lower))
+            partner = solve_contact(height, mean_pressure=load * (1 - share), **problem).isel(load=0)
+            lower, lower_gap = partner["pressure"].values, partner["gap"].values
+            error = float(partner["error_bound"]) * math.sqrt(energy(lower))
         stick = lower > 0
         row = {
             "shear_traction": (("y", "x"), friction * (pressure - lower)),
@@ -124,13 +124,13 @@ def partial_slip(
         }
         if ratio is not None:
             # by the gap, not by the approach, which depends on the rule for the mean displacement
-            recovered = float(lower_gap.mean() - normal["gap"].mean())
+            recovery = float(lower_gap.mean() - normal["gap"].mean())
             # tangential over normal compliance, Mindlin (1949)
             compliance = (2 - ratio) / (2 * (1 - ratio))
-            row["tangential_displacement"] = friction * compliance * recovered
+            row["tangential_displacement"] = friction * compliance * recovery
             # four times a cycle points slip by mu times the compliance times their gap at the lower load
-            slipped = float((pressure * lower_gap)[~stick].sum()) / stick.size
-            row["dissipated_energy"] = 4 * friction**2 * compliance * slipped
+            slip_volume = float((pressure * lower_gap)[~stick].sum()) / stick.size
+            row["dissipated_energy"] = 4 * friction**2 * compliance * slip_volume
             row["tangential_stiffness"] = 0.0  # of full slip
             if stick.any():
                 response = linear_response(stick, spacing(height), elasticity, threads=threads)

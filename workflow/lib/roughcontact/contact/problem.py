@@ -1,20 +1,23 @@
 """From a labelled map to a dimensionless problem, with all checks of the map."""
 
 import math
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import LARGEST, SMALLEST, check_labelled
-from roughcontact.errors import HeightMapError
-from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision, like_array
+from roughcontact.arguments.checking import LARGEST, SMALLEST, check_labelled
+from roughcontact.arguments.maps import spacing
+from roughcontact.errors import HeightMapError, HeightMapWarning
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, as_precision, like_array
 from roughcontact.kernels.choose import kernels_for
-from roughcontact.kernels.waves import gradient_of
-from roughcontact.maps import spacing
+from roughcontact.kernels.waves import spectral_gradient
 
+_JUMP = 1.5  # rms step over a seam, over the largest of all others
 _Labelled = TypeVar("_Labelled", xr.DataArray, xr.Variable)
 
 
@@ -69,7 +72,9 @@ def nondimensionalise(
     Its heights are not copied where they can be used as they are, and are in double precision unless map and
     result are in single precision.
     """
-    labelled_heights, window = check_labelled(window).data, on_host(window)
+    window = check_labelled(window)
+    window = window if window.chunks is None else window.compute()  # of dask, read piece by piece
+    labelled_heights, window = window.data, copy_to_host(window)
     steps = spacing(window)
     dtype = np.float32 if precision == SINGLE and window.dtype == np.float32 else np.float64
     heights = np.require(window.values, dtype=dtype, requirements=["C", "A", "W"])
@@ -89,7 +94,7 @@ def nondimensionalise(
             f"heights of up to {heights_reach:g} m on pixels of {steps[1]:g} m x {steps[0]:g} m are beyond "
             "the computable range; check the units"
         )
-    gradient = gradient_of(in_precision(heights, DOUBLE, copy=False), steps, threads=threads)
+    gradient = spectral_gradient(as_precision(heights, DOUBLE, copy=False), steps, threads=threads)
     if highest > lowest and not SMALLEST <= gradient <= LARGEST:
         raise HeightMapError(
             f"heights from {lowest:g} m to {highest:g} m have an rms gradient of {gradient:g}, beyond the "
@@ -98,7 +103,33 @@ def nondimensionalise(
     return Problem(heights, steps, reference=0.5 * (lowest + highest), gradient=gradient)
 
 
-def on_host(array: _Labelled) -> _Labelled:
+def warn_of_seams(window: xr.DataArray, gradient: float, *, stacklevel: int) -> None:
+    """Warn the caller of a public function of a map (y, x; m) that jumps where its period begins again.
+
+    There the rms step from the last line to the first is above all others, and above the rms `gradient`. Only
+    these two lines are looked at where it is below, as in most periodic maps.
+    """
+    for axis, (name, pitch) in enumerate(zip("yx", spacing(window), strict=True)):
+        lines = np.moveaxis(window.values, axis, 0)
+        seam = _rms_step(lines[-1], lines[0])
+        if seam <= gradient * pitch or window.attrs.get("periodisation") == "raw":  # kept on purpose
+            continue
+        if seam > _JUMP * (inside := max(_rms_step(*pair) for pair in pairwise(lines))):
+            warnings.warn(
+                f"the map is not periodic along {name}: from its last line to its first the heights jump by "
+                f"{seam:.3g} m (rms), inside by {inside:.3g} m at most, and the jump is solved as roughness; "
+                "level removes a tilt, periodic_window closes the seam",
+                HeightMapWarning,
+                stacklevel=stacklevel,
+            )
+
+
+def _rms_step(line: np.ndarray, next_line: np.ndarray) -> float:
+    """Return the root mean square of the steps between two lines."""
+    return float(np.sqrt(np.mean(np.square(next_line - line, dtype=float))))
+
+
+def copy_to_host(array: _Labelled) -> _Labelled:
     """Return `array` with its values in a NumPy array, whatever library and device they are of.
 
     It is returned as it is where nothing has to be copied.

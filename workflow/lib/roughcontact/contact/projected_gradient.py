@@ -25,8 +25,8 @@ def projected_gradient_step(grid: Grid, state: State, mean_pressure: float) -> S
         return None
     length = mean_product(slope, slope) / curvature
     for _ in range(40):
-        moved = project_to_load(pressure - length * gap, mean_pressure, cap=grid.cap)
-        trial, line = grid.evaluate(moved, before=state)
+        next_pressure = project_to_load(pressure - length * gap, mean_pressure, cap=grid.cap)
+        trial, line = grid.evaluate(next_pressure, former=state)
         lower = trial if line.descends else minimize_between(state, trial, line, cap=grid.cap)
         if lower is not None:
             return lower

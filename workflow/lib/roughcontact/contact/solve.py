@@ -1,51 +1,50 @@
 """The public function: from a map, a modulus and some loads to a labelled dataset."""
 
-import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.bodies import check_bodies
-from roughcontact.checking import check_choice, check_positive, warn_of_map
-from roughcontact.choices import SMALLEST_TOLERANCE, Boundary, Influence, OnFailure, Precision, ZeroFrequency
-from roughcontact.contact.dataset import FieldsInUnits, fields_in_units, joined, of_one_load, unit_of_pressure
+from roughcontact.arguments.bodies import check_bodies
+from roughcontact.arguments.checking import check_choice, check_positive, warn_of_map
+from roughcontact.arguments.choices import (
+    MIN_TOLERANCE,
+    Boundary,
+    Influence,
+    OnFailure,
+    Precision,
+    ZeroFrequency,
+)
+from roughcontact.arguments.kinds import facts_of
+from roughcontact.arguments.maps import dimensions
+from roughcontact.arguments.materials import contact_modulus as modulus_of
+from roughcontact.arguments.measurement import json_attributes
+from roughcontact.arguments.si import as_si
+from roughcontact.arguments.variables import describe
+from roughcontact.contact.dataset import FieldsInUnits, fields_in_units, joined, load_result, unit_of_pressure
+from roughcontact.contact.elasticity.halfspace import zero_frequency_compliance
+from roughcontact.contact.elasticity.influence import Elasticity
+from roughcontact.contact.elasticity.layers import elastic_medium
 from roughcontact.contact.free_boundary import free_solutions
 from roughcontact.contact.iteration import Solution
 from roughcontact.contact.loads import check_loads
-from roughcontact.contact.problem import Problem, nondimensionalise, on_host
+from roughcontact.contact.problem import Problem, copy_to_host, nondimensionalise, warn_of_seams
 from roughcontact.contact.sweep import sweep
-from roughcontact.elasticity.halfspace import zero_frequency_compliance
-from roughcontact.elasticity.influence import Elasticity
-from roughcontact.elasticity.layers import layered_pair
 from roughcontact.errors import ConvergenceError, RoughContactError, SettingsError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
-from roughcontact.maps import radii_of
-from roughcontact.materials import contact_modulus as modulus_of
-from roughcontact.si import in_si
-from roughcontact.variables import describe
 
 # Loads in units of E* g: below, the rounding of the heights hides the contact, whose relative deformation is
 # p/(E* g); above, the rounding of the load hides the waves of the pressure, which are as large as E* g.
-LEAST_LOAD, MOST_LOAD = 1e-10, 1e10
+MIN_LOAD, MAX_LOAD = 1e-10, 1e10
 NEAR_HARDNESS = 1e-6  # relative distance from the hardness that a search in single precision resolves
-
-_NOT_FREE = {
-    "mean_pressure": "a finite body has no mean pressure; give its force in N",
-    "force": "missing: give the force on the finite body in N",
-    "influence": "layers of a finite body are solved with 'sampled'; leave it out",
-    "zero_frequency": "the approach of a finite body is absolute; leave it out",
-    "precision": "finite bodies are solved in double precision; leave it out",
-    "arrays": "finite bodies are solved by NumPy; leave it out",
-}
 
 # keyword arguments of `solve_contact` that a section of settings may hold
 SOLVER_SETTINGS = ("tolerance", "hardness", "influence", "zero_frequency", "precision", "on_failure")
 
 
-@in_si
+@as_si
 def solve_contact(
     window: xr.DataArray,
     *,
@@ -69,7 +68,7 @@ def solve_contact(
     """Solve the frictionless contact of a periodic rough map with an elastic half-space, load by load.
 
     Finds p >= 0 with gap = G p - h + approach >= 0, p gap = 0 and mean(p) = mean_pressure, where
-    G(q) = 2/(E* |q|) [1]_ [2]_, or that of bodies with bonded layers (`roughcontact.elasticity.layers`).
+    G(q) = 2/(E* |q|) [1]_ [2]_, or that of bodies with bonded layers (`contact.elasticity.layers`).
 
     Parameters
     ----------
@@ -98,10 +97,10 @@ def solve_contact(
         beyond [3]_. None: elastic whatever the pressure.
     influence : {"sampled", "elements"}
         ``sampled``: 2/|q| at the waves of the grid; ``elements``: pressures constant on every pixel
-        (`roughcontact.elasticity.influence`).
+        (`roughcontact.contact.elasticity.influence`).
     zero_frequency : {"zero", "nogi-kato", "lattice"}
         rule for the mean displacement (q = 0) in the approach
-        (`roughcontact.elasticity.halfspace.zero_frequency_compliance`); ``zero`` leaves out that of elastic
+        (`contact.elasticity.halfspace.zero_frequency_compliance`); ``zero`` leaves out that of elastic
         bases, never that of layers on a rigid base, which is known.
     precision : {"double", "single"}
         of the result; ``single`` for maps that fill the memory: `rounding_floor` is then the lowest bound
@@ -112,8 +111,9 @@ def solve_contact(
         keep `pressure`, `gap`, `contact` and `height` in the result.
     reduce : callable, optional
         called with the dataset of each load (fields included); its result replaces the fields, so that
-        statistics need not keep them: ``reduce=contact_statistics``. Its variables must be among those of
-        `roughcontact.variables`: another name is refused after the first load.
+        statistics need not keep them: ``reduce=contact_statistics``. Variables that
+        `arguments.variables` does not have need the attributes `units` and `long_name`; without them they
+        are refused after the first load.
     arrays : callable, optional
         brings an array of NumPy into another library and onto its device, where the solve then takes place:
         ``torch.asarray``. The result is NumPy's.
@@ -125,7 +125,7 @@ def solve_contact(
     Returns
     -------
     Dataset
-        with dimension `load` and the variables of `roughcontact.variables`.
+        with dimension `load` and the variables of `roughcontact.arguments.variables`.
 
     Raises
     ------
@@ -135,14 +135,15 @@ def solve_contact(
         for a modulus, load, tolerance or rule that is invalid, in general or for this map, or below the
         rounding error; for a `reduce` that cannot be called.
     RoughContactError
-        where `reduce` returns a variable that `roughcontact.variables` does not have, or no Dataset.
+        where `reduce` returns a variable without a description, or no Dataset.
     ConvergenceError
         where a load does not reach the tolerance and `on_failure` is ``raise``.
 
     Warns
     -----
     HeightMapWarning
-        of a map of fewer than 16 points, or steeper than any measured surface (rms gradient above 3).
+        of a map of fewer than 16 points, steeper than any measured surface (rms gradient above 3), or not
+        periodic: with a tilt, or a jump from its last line to its first.
 
     References
     ----------
@@ -150,7 +151,7 @@ def solve_contact(
     .. [2] Polonsky and Keer (1999), Wear 231, 206, for the discrete problem.
     .. [3] Almqvist, Sahlin, Larsson and Glavatskih (2007), Tribol. Int. 40, 574.
     .. [4] Vico, Greengard and Ferrando (2016), J. Comput. Phys. 323, 191, for the kernel that is cut off
-       beyond the contact (`roughcontact.elasticity.free_space`).
+       beyond the contact (`roughcontact.contact.elasticity.free_space`).
 
     Examples
     --------
@@ -159,7 +160,7 @@ def solve_contact(
 
     >>> import numpy as np
     >>> import roughcontact as rc
-    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> from roughcontact.surface.synthetic import westergaard_surface
     >>> wave = westergaard_surface((1, 256), 1e-3 / 256, amplitude=1e-6, wavelength=1e-3)
     >>> contact = rc.solve_contact(wave, contact_modulus=1e9, mean_pressure=0.5 * np.pi * 1e6)
     >>> print(f"{contact.contact.mean().item():.2f}")
@@ -175,31 +176,25 @@ def solve_contact(
     >>> print(f"{-contact.approach.item() * 10e-3 / (0.75 * 10e-3 / 1e9) ** (2 / 3):.4f}")
     1.0000
     """
-    known = elasticity(contact_modulus, bodies, influence, hardness)
+    material = elasticity(contact_modulus, bodies, influence, hardness)
     check_choice("boundary", boundary, Boundary)
-    free = boundary == "free"
-    if free:
-        _check_free(
-            mean_pressure=mean_pressure is not None,
-            force=force is None,
-            influence=known.layers is not None and influence != "sampled",
-            zero_frequency=zero_frequency != "zero",
-            precision=precision != "double",
-            arrays=arrays is not None,
-        )
-        loads = check_loads("force", force, unit="N")
-    elif force is not None:
-        raise SettingsError(
-            "force is for boundary='free'; give the mean_pressure of a periodic map, force over nominal area",
-            keys=("force",),
-        )
-    else:
-        loads = check_loads("mean_pressure", [] if mean_pressure is None else mean_pressure, unit="Pa")
+    kind = facts_of({"boundary": boundary})
+    stated = {"mean_pressure": mean_pressure, "force": force}
+    unusual = {
+        # the load of this kind is needed, others do not apply
+        **{name: (load is None) == (name == kind.load) for name, load in stated.items()},
+        "influence": influence != "sampled",
+        "zero_frequency": zero_frequency != "zero",
+        "precision": precision != "double",
+        "arrays": arrays is not None,
+    }
+    kind.check_arguments([name for name in unusual if unusual[name]], material.medium.properties)
+    load = stated[kind.load]
+    loads = check_loads(kind.load, [] if load is None else load, unit=kind.load_unit)
     tolerance = check_positive("tolerance", tolerance, unit="relative terms")
-    if not SMALLEST_TOLERANCE <= tolerance < 1:
+    if not MIN_TOLERANCE <= tolerance < 1:
         raise SettingsError(
-            f"tolerance = {tolerance!r} must lie between {SMALLEST_TOLERANCE:g} and 1; "
-            "1e-4 serves most purposes"
+            f"tolerance = {tolerance!r} must lie between {MIN_TOLERANCE:g} and 1; 1e-4 serves most purposes"
         )
     check_choice("on_failure", on_failure, OnFailure)
     check_choice("influence", influence, Influence)
@@ -215,37 +210,43 @@ def solve_contact(
     rising = [loads[index] for index in order]
     working = DOUBLE if precision == "double" else SINGLE
     problem = nondimensionalise(window, precision=working, arrays=arrays, threads=threads)
-    window = on_host(window)
+    window = copy_to_host(window)
+    method = METHODS[boundary]
+    method.check(problem, rising, material, window, zero_frequency)
+    solutions = method.solutions(
+        problem,
+        rising,
+        material,
+        window=window,
+        tolerance=tolerance,
+        threads=threads,
+        zero_frequency=zero_frequency,
+        precision=working,
+        give_up=on_failure == "raise",
+    )
+    rules = {"boundary": boundary, "zero_frequency": zero_frequency}
     attrs: dict[str, Any] = {"tolerance": tolerance, "influence": influence}
-    options: dict[str, Any] = {"tolerance": tolerance, "threads": threads}
-    if free:
-        solutions = free_solutions(problem, rising, known, radii=radii_of(window), **options)
-        attrs["boundary"] = boundary
-    else:
-        _check_periodic(problem, rising, known, zero_frequency)
-        options |= {"zero_frequency": zero_frequency, "precision": working, "give_up": on_failure == "raise"}
-        solutions = periodic_solutions(problem, rising, known, **options)
-        attrs["zero_frequency"] = zero_frequency
-    attrs |= {} if known.layers is None else {"bodies": json.dumps(known.layers.as_settings())}
+    attrs |= {name: value for name, value in rules.items() if name in kind.recorded}
+    attrs |= json_attributes({"bodies": described} if (described := material.medium.as_settings()) else {})
     area = float(window.size * np.prod(problem.spacing))
     load_datasets: dict[int, xr.Dataset] = {}
-    for solved, (index, load) in enumerate(zip(order, rising, strict=True), start=1):
+    for number, (index, load) in enumerate(zip(order, rising, strict=True), start=1):
         # no other name refers to the fields of a load while the next one is solved
-        load_dataset = of_one_load(
+        load_dataset = load_result(
             *next(solutions),
             problem=problem,
             window=window,
-            loaded={"mean_pressure": load / area, "force": load} if free else {"mean_pressure": load},
-            elasticity=known,
+            loads=kind.coordinates(load, area),
+            elasticity=material,
             attrs=attrs,
         )
-        load_in_words = f"force {load:.4g} N" if free else f"mean pressure {load:.4g} Pa"
+        load_in_words = kind.text_of_load(load)
         if on_failure == "raise" and not load_dataset["converged"].item():
             raise ConvergenceError(_missed(load_in_words, load_dataset, precision=precision))
         load_datasets[int(index)] = _kept(load_dataset, fields, reduce)
         del load_dataset
         if progress is not None:
-            progress(solved, len(loads), load_in_words)
+            progress(number, len(loads), load_in_words)
     del solutions, problem  # and with them their workspace
     return describe(joined([load_datasets[index] for index in range(len(loads))]))
 
@@ -264,8 +265,8 @@ def elasticity(
             raise SettingsError("neither contact_modulus nor bodies given; give one of them")
         modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
         return Elasticity(modulus, influence, hardness=limit)
-    checked = check_bodies(bodies)
-    modulus = modulus_of(checked)
+    pair = check_bodies(bodies)
+    modulus = modulus_of(pair)
     if contact_modulus is not None:
         stated_modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
         if not math.isclose(stated_modulus, modulus, rel_tol=1e-6):
@@ -274,31 +275,31 @@ def elasticity(
                 "Pa; give one of them",
                 keys=["contact_modulus", "bodies"],
             )
-    return Elasticity(modulus, influence, layered_pair(checked), limit)
+    return Elasticity(modulus, influence, elastic_medium(pair), limit)
 
 
 def periodic_solutions(
     problem: Problem,
     loads: Sequence[float],
-    known: Elasticity,
+    material: Elasticity,
     *,
+    window: xr.DataArray | None = None,  # of which a periodic map needs the heights alone
     zero_frequency: ZeroFrequency = "zero",
     threads: int,
     **options: Any,
 ) -> Iterator[tuple[FieldsInUnits, Any, float]]:
     """Yield fields, solution and approach (m) of each of the rising loads (Pa) of a periodic map."""
     compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres)
-    compliance /= known.modulus if known.layers is None else known.layers.base_modulus
-    if known.layers is not None:
-        compliance += known.layers.mean_compliance(elastic=zero_frequency != "zero")
-    unit = unit_of_pressure(problem, known.modulus)
-    scaled, in_units_of_it = known.scaled(problem.unit_length, unit), [load / unit for load in loads]
-    solutions = sweep(problem, in_units_of_it, scaled, threads=threads, **options)
+    compliance /= material.medium.base_modulus(material.modulus)
+    compliance += material.medium.mean_compliance(elastic=zero_frequency != "zero")
+    unit = unit_of_pressure(problem, material.modulus)
+    scaled_pair, in_units_of_it = material.scaled(problem.unit_length, unit), [load / unit for load in loads]
+    solutions = sweep(problem, in_units_of_it, scaled_pair, threads=threads, **options)
 
     def in_units(solution: Solution, load: float) -> tuple[FieldsInUnits, Solution, float]:
         """Return a load (Pa) as it is yielded."""
         approach = problem.reference - solution.state.offset * problem.scale - compliance * load
-        fields = fields_in_units(solution, problem, known, threads=threads)
+        fields = fields_in_units(solution, problem, material, threads=threads)
         return fields, solution, approach
 
     for load in loads:  # no name here keeps the maps of one while the next one is solved
@@ -306,10 +307,14 @@ def periodic_solutions(
 
 
 def _check_periodic(
-    problem: Problem, loads: Sequence[float], known: Elasticity, zero_frequency: ZeroFrequency
+    problem: Problem,
+    loads: Sequence[float],
+    material: Elasticity,
+    window: xr.DataArray,
+    zero_frequency: ZeroFrequency,
 ) -> None:
-    """Raise SettingsError for a load (Pa), or a rule, that a periodic map does not allow."""
-    cap = known.hardness
+    """Raise SettingsError for a load (Pa), or a rule, that a periodic map does not allow; warn of seams."""
+    cap = material.hardness
     if max(loads) >= cap:
         raise SettingsError(
             f"mean_pressure {max(loads):g} Pa is not below the hardness {cap:g} Pa: no contact carries it",
@@ -322,27 +327,39 @@ def _check_periodic(
             keys=("mean_pressure",),
         )
     warn_of_map(problem.heights.shape, problem.gradient, stacklevel=5)
-    if zero_frequency != "zero" and 1 in problem.heights.shape:
+    if zero_frequency != "zero" and dimensions(problem.heights.shape) == 1:
         raise SettingsError(
             f"zero_frequency = {zero_frequency!r} is for maps: the mean displacement of an infinitely wide "
             "profile is infinite; use 'zero'",
             keys=["zero_frequency"],
         )
-    unit = unit_of_pressure(problem, known.modulus)
+    unit = unit_of_pressure(problem, material.modulus)
     for load in (min(loads), max(loads)) if not problem.flat else ():
-        if not LEAST_LOAD <= load / unit <= MOST_LOAD:
+        if not MIN_LOAD <= load / unit <= MAX_LOAD:
             raise SettingsError(
                 f"mean_pressure {load:g} Pa is {load / unit:.1g} of E* times the rms gradient of the map "
-                f"({unit:.3g} Pa); rounding allows {LEAST_LOAD:g} to {MOST_LOAD:g}: check the units of load, "
+                f"({unit:.3g} Pa); rounding allows {MIN_LOAD:g} to {MAX_LOAD:g}: check the units of load, "
                 "modulus and heights",
                 keys=("mean_pressure",),
             )
+    warn_of_seams(window, problem.gradient, stacklevel=5)
 
 
-def _check_free(**wrong: bool) -> None:
-    """Raise SettingsError for the first argument that is `wrong` with free boundaries."""
-    for name in filter(wrong.get, wrong):
-        raise SettingsError(f"{name}, boundary 'free': {_NOT_FREE[name]}", keys=(name,))
+def _check_finite_body(*_: Any) -> None:
+    """Check nothing: `free_solutions` checks each force against its region."""
+
+
+class Method(NamedTuple):
+    """How the problems of one `boundary` are solved, load by load."""
+
+    check: Callable[..., None]
+    solutions: Callable[..., Iterator[tuple[FieldsInUnits, Any, float]]]
+
+
+METHODS: dict[str, Method] = {
+    "periodic": Method(_check_periodic, periodic_solutions),
+    "free": Method(_check_finite_body, free_solutions),
+}
 
 
 def _kept(
@@ -351,14 +368,13 @@ def _kept(
     """Return what is kept of a load: all, or its numbers, with the dataset that `reduce` makes of it."""
     if reduce is None:
         return load_dataset if fields else load_dataset.drop_dims(["y", "x"])
-    reduced = reduce(load_dataset)
-    if not isinstance(reduced, xr.Dataset):
+    result_of_load = reduce(load_dataset)
+    if not isinstance(result_of_load, xr.Dataset):
         raise RoughContactError(
-            f"the function given as reduce returned {type(reduced).__name__}: let it return a Dataset"
+            f"the function given as reduce returned {type(result_of_load).__name__}: let it return a Dataset"
         )
-    return load_dataset.drop_dims(["y", "x"]).merge(
-        describe(reduced), compat="override", combine_attrs="override"
-    )
+    numbers = load_dataset.drop_dims(["y", "x"]).merge(describe(result_of_load), compat="override")
+    return numbers.assign_attrs(result_of_load.attrs | load_dataset.attrs)
 
 
 def _missed(load: str, load_dataset: xr.Dataset, *, precision: Precision) -> str:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from roughcontact.kernels.array_api import mean
-from roughcontact.kernels.arrays import Array, count_of, empty, in_precision, namespace, precision_of
+from roughcontact.kernels.arrays import Array, as_precision, empty, get_precision, n_elements, namespace
 from roughcontact.kernels.choose import kernels_for
 
 
@@ -61,16 +61,16 @@ def scale_to_load(
     Points that the factor takes beyond the cap are held in turn, which ends after finitely many passes; a
     change of `precision` rounds the cap, and points at it. Without `copy` the pressure may be overwritten.
     """
-    xp, total = namespace(pressure), mean_pressure * count_of(pressure)
+    xp, total = namespace(pressure), mean_pressure * n_elements(pressure)
     if cap == np.inf:
-        result_precision, scaled = precision or precision_of(pressure), pressure
-        if copy or precision_of(pressure) != result_precision:
-            scaled = empty(pressure, result_precision)
-            scaled[...] = pressure
-        kernels = kernels_for(scaled)
-        kernels.rescale(scaled, total / kernels.rescale(scaled, 1.0, np.inf), np.inf)
-        return scaled
-    positive = xp.clip(in_precision(pressure, precision or precision_of(pressure), copy=False), 0, None)
+        result_precision, rescaled = precision or get_precision(pressure), pressure
+        if copy or get_precision(pressure) != result_precision:
+            rescaled = empty(pressure, result_precision)
+            rescaled[...] = pressure
+        kernels = kernels_for(rescaled)
+        kernels.rescale(rescaled, total / kernels.rescale(rescaled, 1.0, np.inf), np.inf)
+        return rescaled
+    positive = xp.clip(as_precision(pressure, precision or get_precision(pressure), copy=False), 0, None)
     if mean_pressure >= cap:
         raise ValueError(f"a mean pressure of {mean_pressure:g} cannot be carried below the cap {cap:g}")
     at_cap = pressure >= cap
@@ -81,14 +81,14 @@ def scale_to_load(
         missing = total - cap * int(xp.count_nonzero(at_cap))
         free_load = float(xp.sum(positive[~at_cap], dtype=xp.float64))
         if abs(missing) <= rounding:  # the points at the cap carry the whole load
-            scaled = xp.zeros_like(positive)
+            rescaled = xp.zeros_like(positive)
         elif free_load > 0:
-            scaled = positive * (missing / free_load)
+            rescaled = positive * (missing / free_load)
         else:  # all points with a pressure are at the cap: the others share the missing load
-            scaled = xp.full_like(positive, missing / int(xp.count_nonzero(~at_cap)))
-        above_cap = (scaled > cap) & ~at_cap
+            rescaled = xp.full_like(positive, missing / int(xp.count_nonzero(~at_cap)))
+        above_cap = (rescaled > cap) & ~at_cap
         if free_load == 0 or not xp.any(above_cap):
-            return xp.where(at_cap, xp.full_like(positive, cap), scaled)
+            return xp.where(at_cap, xp.full_like(positive, cap), rescaled)
         at_cap |= above_cap
 
 
@@ -99,7 +99,7 @@ def scale_below_cap(pressure: Array, mean_pressure: float, cap: float) -> float:
     """
     xp = namespace(pressure)
     below = pressure < cap
-    count = count_of(pressure)
+    count = n_elements(pressure)
     missing = mean_pressure * count - cap * (count - int(xp.count_nonzero(below)))
     free_load = float(xp.sum(xp.where(below, pressure, xp.zeros_like(pressure)), dtype=xp.float64))
     return missing / free_load if free_load > 0 else np.inf
@@ -117,23 +117,23 @@ def project_to_load(pressure: Array, mean_pressure: float, *, cap: float) -> Arr
     rounding_floor = float(xp.finfo(pressure.dtype).eps) * mean_pressure
     shift, by_newton = 0.5 * (low + high), False
     while True:
-        projected = xp.clip(pressure - shift, 0, cap)
-        excess = mean(projected) - mean_pressure
+        projection = xp.clip(pressure - shift, 0, cap)
+        excess = mean(projection) - mean_pressure
         low, high = (shift, high) if excess > 0 else (low, shift)
         middle = 0.5 * (low + high)
         if abs(excess) <= rounding_floor or not low < middle < high:
-            return projected
-        free_points = int(xp.count_nonzero((projected > 0) & (projected < cap)))
-        newton = shift + excess * count_of(pressure) / max(free_points, 1)
+            return projection
+        free_points = int(xp.count_nonzero((projection > 0) & (projection < cap)))
+        newton = shift + excess * n_elements(pressure) / max(free_points, 1)
         by_newton = not by_newton
         shift = newton if by_newton and low < newton < high else middle
 
 
-def norm(first: Array, second: Array) -> float:
+def norm(u: Array, v: Array) -> float:
     """Return the root of the mean of left x right, a quadratic form that rounding may turn negative."""
-    return float(np.sqrt(max(mean_product(first, second), 0.0)))
+    return float(np.sqrt(max(mean_product(u, v), 0.0)))
 
 
-def mean_product(first: Array, second: Array) -> float:
+def mean_product(u: Array, v: Array) -> float:
     """Return the mean over the grid of left x right, summed in double precision."""
-    return kernels_for(first).product(first, second) / count_of(first)
+    return kernels_for(u).product(u, v) / n_elements(u)

@@ -14,7 +14,7 @@ pressure, possibly infinite; - `factors` (fy, fx): cells of the fine grid in a c
 from collections.abc import Sequence
 from typing import Any
 
-from roughcontact.kernels.arrays import Array, count_of, namespace
+from roughcontact.kernels.arrays import Array, n_elements, namespace
 from roughcontact.kernels.protocol import Arrangement, Factors, Weights
 
 CLOSED = 1e-30  # replaces a gap of zero at a point of the active set
@@ -24,7 +24,7 @@ _ALL_BUT_MEAN = (0, slice(1, None)), (slice(1, None), slice(None))  # of a spect
 
 def mean(field: Array) -> float:
     """Return the mean of a field, summed in double precision."""
-    return _sum(namespace(field), field) / count_of(field)
+    return _sum(namespace(field), field) / n_elements(field)
 
 
 def multiply(spectrum: Array, symbol: Array) -> None:
@@ -79,7 +79,7 @@ def extent(field: Array) -> tuple[float, float, int]:
     """
     xp = namespace(field)
     finite = xp.isfinite(field)
-    missing = count_of(field) - int(xp.count_nonzero(finite))
+    missing = n_elements(field) - int(xp.count_nonzero(finite))
     return float(xp.min(field)), float(xp.max(field)), missing
 
 
@@ -95,7 +95,7 @@ def measure(
     reference: float,
     unit: float,
     start: Array,
-    before: Array,
+    previous: Array,
     offset: float,
     pressure: Array,
     cap: float,
@@ -105,19 +105,19 @@ def measure(
     They are: pressure x displacement; displacement squared; separation over the free contact {0 < p < cap},
     and the number of its points; change of pressure x separation before the step, and after it, both less
     `offset`, which cancels except for rounding. Heights count as (height - `reference`) / `unit`; `start` and
-    `before` are pressure and separation before the step.
+    `previous` are pressure and separation before the step.
     """
     xp = namespace(pressure)
-    displaced = xp.asarray(separation, copy=True)
+    displacement = xp.asarray(separation, copy=True)
     separation -= (heights - reference) / unit
     free = (pressure > 0) & (pressure < cap)
     change = pressure - start
     return (
-        _sum(xp, pressure * displaced),
-        _sum(xp, displaced * displaced),
+        _sum(xp, pressure * displacement),
+        _sum(xp, displacement * displacement),
         _sum(xp, xp.where(free, separation, xp.zeros_like(separation))),
         int(xp.count_nonzero(free)),
-        _sum(xp, change * (before - offset)),
+        _sum(xp, change * (previous - offset)),
         _sum(xp, change * (separation - offset)),
     )
 
@@ -168,8 +168,8 @@ def predict_active(
     mean_around = xp.empty_like(residual)
     neighbours(residual, weights, mean_around)
     # the stiffness of a single point: pressure over its height above its neighbours
-    predicted = pressure - stiffness * (residual - mean_around)
-    active = (values != 0) & ((predicted > 0) | (pressure >= cap))
+    prediction = pressure - stiffness * (residual - mean_around)
+    active = (values != 0) & ((prediction > 0) | (pressure >= cap))
     values[...] = xp.where(active, values, xp.zeros_like(values))
     block_mean(xp.astype(values != 0, share.dtype), factors, share)
     block_mean(values, factors, cell_means)
@@ -178,7 +178,7 @@ def predict_active(
 def advance(
     pressure: Array,
     correction: Array,
-    passed: Array,
+    inflow: Array,
     coarse: Array,
     factors: Factors,
     mean: float,
@@ -196,31 +196,31 @@ def advance(
     """
     xp = namespace(pressure)
     active, full = values != 0, pressure >= cap
-    full_correction = correction + (passed + _distributed(coarse, factors, pressure.shape))
-    moved = xp.astype(pressure, out.dtype)
-    moved[full] = cap
-    moved -= xp.where(active, length * (full_correction - mean), xp.zeros_like(full_correction))
-    projected = _clipped(xp, moved, cap)
-    projected = xp.where(active | full, projected, xp.zeros_like(projected))
-    out[...] = projected
-    values[...] = xp.astype((projected > 0) & (projected < cap), values.dtype)
-    correction[...] = xp.astype(moved - projected, correction.dtype)
+    full_correction = correction + (inflow + _distributed(coarse, factors, pressure.shape))
+    next_pressure = xp.astype(pressure, out.dtype)
+    next_pressure[full] = cap
+    next_pressure -= xp.where(active, length * (full_correction - mean), xp.zeros_like(full_correction))
+    projection = _clipped(xp, next_pressure, cap)
+    projection = xp.where(active | full, projection, xp.zeros_like(projection))
+    out[...] = projection
+    values[...] = xp.astype((projection > 0) & (projection < cap), values.dtype)
+    correction[...] = xp.astype(next_pressure - projection, correction.dtype)
     block_mean(values, factors, share)
 
 
 def redistribute(
-    field: Array, passed: Array, coarse: Array, factors: Factors, free: Array, cap: float
+    field: Array, inflow: Array, coarse: Array, factors: Factors, free: Array, cap: float
 ) -> tuple[float, float]:
-    """Add `passed`, and `coarse` distributed over its fine cells, to `field` where `free` is not zero.
+    """Add `inflow`, and `coarse` distributed over its fine cells, to `field` where `free` is not zero.
 
     Returns the sum of the absolute excess of the field beyond [0, `cap`], and the sum of the field projected
     onto this interval.
     """
     xp = namespace(field)
-    received = passed + _distributed(coarse, factors, field.shape)
-    field += xp.astype(received * (1 - _zeros_of(free)), field.dtype)
-    projected = _clipped(xp, field, cap)
-    return _sum(xp, xp.abs(field - projected)), _sum(xp, projected)
+    incoming = inflow + _distributed(coarse, factors, field.shape)
+    field += xp.astype(incoming * (1 - _zero_indicator(free)), field.dtype)
+    projection = _clipped(xp, field, cap)
+    return _sum(xp, xp.abs(field - projection)), _sum(xp, projection)
 
 
 def project(
@@ -231,10 +231,10 @@ def project(
     `free` becomes 1 between the bounds and 0 elsewhere, `share` its mean over blocks of `factors` cells.
     """
     xp = namespace(field)
-    projected = _clipped(xp, field, cap)
-    removed_load[...] = xp.astype(field - projected, removed_load.dtype)
-    free[...] = xp.astype((projected > 0) & (projected < cap), free.dtype)
-    field[...] = projected
+    projection = _clipped(xp, field, cap)
+    removed_load[...] = xp.astype(field - projection, removed_load.dtype)
+    free[...] = xp.astype((projection > 0) & (projection < cap), free.dtype)
+    field[...] = projection
     block_mean(free, factors, share)
 
 
@@ -245,9 +245,9 @@ def rescale(field: Array, factor: float, cap: float) -> float:
     return _sum(xp, field)
 
 
-def product(first: Array, second: Array) -> float:
-    """Return the sum of `first` x `second` over the grid."""
-    return _sum(namespace(first), first * second)
+def product(u: Array, v: Array) -> float:
+    """Return the sum of `u` x `v` over the grid."""
+    return _sum(namespace(u), u * v)
 
 
 def project_residual(pressure: Array, separation: Array, offset: float, cap: float, values: Array) -> float:
@@ -257,10 +257,10 @@ def project_residual(pressure: Array, separation: Array, offset: float, cap: flo
     """
     xp = namespace(pressure)
     gap = xp.astype(separation - offset, values.dtype)
-    projected = xp.where(pressure <= 0, xp.minimum(values, gap), values)
-    projected = xp.where(pressure >= cap, xp.maximum(projected, gap), projected)
-    change = projected - values
-    values[...] = projected
+    projection = xp.where(pressure <= 0, xp.minimum(values, gap), values)
+    projection = xp.where(pressure >= cap, xp.maximum(projection, gap), projection)
+    change = projection - values
+    values[...] = projection
     return _sum(xp, change * change)
 
 
@@ -342,9 +342,9 @@ def neighbours(field: Array, weights: Weights, out: Array) -> None:
     out[...] = xp.roll(row, 1, axis=1) + xp.roll(row, -1, axis=1) + across_y * column
 
 
-def fill(values: Array, empty: Array, mixed: Array, weights: Weights, out: Array) -> None:
-    """Write `values` + `empty` x the neighbours' means of `mixed` to `out`."""
-    neighbours(mixed, weights, out)
+def fill(values: Array, empty: Array, source: Array, weights: Weights, out: Array) -> None:
+    """Write `values` + `empty` x the neighbours' means of `source` to `out`."""
+    neighbours(source, weights, out)
     out[...] = values + empty * out
 
 
@@ -356,7 +356,7 @@ def fill_from(
     The mixture is `values` + empty x `coarse`, each coarse cell repeated `factors` times, with empty 1 where
     `active` is zero and 0 elsewhere.
     """
-    empty = _zeros_of(active)
+    empty = _zero_indicator(active)
     fill(values, empty, values + empty * repeat(coarse, factors, values.shape), weights, out)
 
 
@@ -372,15 +372,15 @@ def gather(field: Array, empty: Array, factors: Factors, out: Array) -> None:
 
 
 def empty_from(
-    field: Array, active: Array, weights: Weights, passed: Array, factors: Factors, coarse: Array
+    field: Array, active: Array, weights: Weights, inflow: Array, factors: Factors, coarse: Array
 ) -> None:
-    """Write the neighbours' means of empty x `field` to `passed`, and gather them into `coarse`.
+    """Write the neighbours' means of empty x `field` to `inflow`, and gather them into `coarse`.
 
     `empty` is defined as in `fill_from`; together with `finish_restriction` this is the transpose of that.
     """
-    empty = _zeros_of(active)
-    empty_neighbours(field, empty, weights, passed)
-    gather(passed, empty, factors, coarse)
+    empty = _zero_indicator(active)
+    empty_neighbours(field, empty, weights, inflow)
+    gather(inflow, empty, factors, coarse)
 
 
 def spread(field: Array, gain: Array, coarse: Array, factors: Factors) -> None:
@@ -389,14 +389,14 @@ def spread(field: Array, gain: Array, coarse: Array, factors: Factors) -> None:
     field *= gain
 
 
-def finish_restriction(field: Array, passed: Array, coarse: Array, factors: Factors, active: Array) -> float:
-    """Add `passed` and distributed `coarse` to `field` on the active set, and return the sum of the field.
+def finish_restriction(field: Array, inflow: Array, coarse: Array, factors: Factors, active: Array) -> float:
+    """Add `inflow` and distributed `coarse` to `field` on the active set, and return the sum of the field.
 
     The field becomes zero elsewhere.
     """
     xp = namespace(field)
-    received = passed + _distributed(coarse, factors, field.shape)
-    field[...] = (field + received) * (1 - _zeros_of(active))
+    incoming = inflow + _distributed(coarse, factors, field.shape)
+    field[...] = (field + incoming) * (1 - _zero_indicator(active))
     return _sum(xp, field)
 
 
@@ -465,8 +465,8 @@ def _limit_to_cap(xp: Any, blocks: Array, load: Array, cap: float) -> Array:
         factor = remaining_load / xp.where(free_load > 0, free_load, xp.ones_like(free_load))
         share = remaining_load / _or_one(xp, number)
         even = xp.where(free_load > 0, xp.zeros_like(share), share)
-        shared = blocks * factor[:, None, :, None] + even[:, None, :, None]
-        blocks = xp.where(below, shared, xp.full_like(blocks, cap))
+        even_share = blocks * factor[:, None, :, None] + even[:, None, :, None]
+        blocks = xp.where(below, even_share, xp.full_like(blocks, cap))
         if not xp.any(blocks > cap):
             break
     return blocks
@@ -483,8 +483,8 @@ def _continued(xp: Any, square: Array) -> Array:
                 guess = xp.where(second_neighbour > 0, 2 * neighbour - second_neighbour, -neighbour)
                 total += xp.where(neighbour > 0, guess, xp.zeros_like(neighbour))
                 count += xp.astype(neighbour > 0, square.dtype)
-    extrapolated = xp.clip(total / _or_one(xp, count), None, 0)
-    return xp.where(square > 0, square, extrapolated)
+    extrapolation = xp.clip(total / _or_one(xp, count), None, 0)
+    return xp.where(square > 0, square, extrapolation)
 
 
 def _shifted(xp: Any, field: Array, offset: float, axis: int) -> Array:
@@ -504,8 +504,8 @@ def active_set(pressure: Array, gap: Array, cap: float) -> Array:
 
     They carry a pressure below the cap, overlap without pressure, or have a positive gap at the cap.
     """
-    unloaded, at_cap = pressure <= 0, pressure >= cap
-    return (unloaded & (gap < 0)) | (at_cap & (gap > 0)) | ~(unloaded | at_cap)
+    no_load, at_cap = pressure <= 0, pressure >= cap
+    return (no_load & (gap < 0)) | (at_cap & (gap > 0)) | ~(no_load | at_cap)
 
 
 def _distributed(coarse: Array, factors: Factors, shape: tuple[int, ...]) -> Array:
@@ -523,7 +523,7 @@ def _or_one(xp: Any, field: Array) -> Array:
     return xp.where(field == 0, xp.ones_like(field), field)
 
 
-def _zeros_of(field: Array) -> Array:
+def _zero_indicator(field: Array) -> Array:
     """Return 1 where `field` is zero and 0 elsewhere."""
     xp = namespace(field)
     return xp.astype(field == 0, field.dtype)
@@ -533,8 +533,8 @@ def _sum(xp: Any, field: Array) -> float:
     return float(xp.sum(field, dtype=xp.float64))
 
 
-def small_grids(grids: Sequence[Any], stores: Sequence[Array], ends: Sequence[int]) -> None:
+def small_grids(grids: Sequence[Any], stores: Sequence[Array], stops: Sequence[int]) -> None:
     """Return None, not `CompiledSmallGrids`: these kernels process every grid of a hierarchy separately.
 
-    `stores` is the memory of the fields of all `grids`, `ends` the end of each grid in it.
+    `stores` is the memory of the fields of all `grids`, `stops` the end of each grid in it.
     """

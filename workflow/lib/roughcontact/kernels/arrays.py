@@ -21,7 +21,7 @@ def namespace(field: Array) -> Any:
     return array_api_compat.array_namespace(field)
 
 
-def count_of(field: Array) -> int:
+def n_elements(field: Array) -> int:
     """Return the number of elements of an array: its `size`, which is a method in PyTorch."""
     return math.prod(field.shape)
 
@@ -41,7 +41,7 @@ def to_numpy(field: Array) -> np.ndarray:
         return np.asarray(array_api_compat.to_device(field, "cpu"))
 
 
-def precision_of(field: Array) -> str:
+def get_precision(field: Array) -> str:
     """Return the precision, `SINGLE` or `DOUBLE`, of a real field of any library."""
     return SINGLE if field.dtype == namespace(field).float32 else DOUBLE
 
@@ -55,7 +55,7 @@ def empty(like: Array, precision: str, shape: tuple[int, ...] | None = None) -> 
     return xp.empty(shape, dtype=getattr(xp, precision), device=like.device)
 
 
-def in_precision(field: Array, precision: str, *, copy: bool = True) -> Array:
+def as_precision(field: Array, precision: str, *, copy: bool = True) -> Array:
     """Return `field` in a precision; `copy`: also where it already has that precision."""
     xp = namespace(field)
     return xp.astype(field, getattr(xp, precision), copy=copy)

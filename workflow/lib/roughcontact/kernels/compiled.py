@@ -75,9 +75,9 @@ def library() -> ctypes.CDLL:
 
     Raises `OSError` where it is missing, or was built from other sources.
     """
-    loaded = ctypes.CDLL(str(LIBRARY))
+    compiled_library = ctypes.CDLL(str(LIBRARY))
     try:
-        find = loaded.find_pass_given
+        find = compiled_library.find_pass_given
         find.argtypes, find.restype = (ctypes.c_char_p, ctypes.c_int64), ctypes.c_void_p
         # name of the pass in single precision: a letter for each kind of array
         types = {
@@ -90,8 +90,8 @@ def library() -> ctypes.CDLL:
     if not fits:
         raise OSError(f"{LIBRARY} was built from other sources")
     numbers = [ctypes.c_int64] * 3
-    loaded.run_pass.argtypes = ctypes.c_void_p, *numbers, ctypes.c_char_p, ctypes.POINTER(_Results)
-    return loaded
+    compiled_library.run_pass.argtypes = ctypes.c_void_p, *numbers, ctypes.c_char_p, ctypes.POINTER(_Results)
+    return compiled_library
 
 
 @cache
@@ -141,9 +141,9 @@ class Compiled:
         rows, nx = out.shape
         self._run("make_dimensionless", rows, 0, (heights, out), reference, 1 / unit, nx)
 
-    def measure(self, separation, heights, reference, unit, start, before, offset, pressure, cap):
+    def measure(self, separation, heights, reference, unit, start, previous, offset, pressure, cap):
         rows, nx = pressure.shape
-        arrays = separation, heights, start, before, pressure
+        arrays = separation, heights, start, previous, pressure
         return tuple(self._run("measure", rows, 0, arrays, reference, 1 / unit, offset, cap, nx)[:6])
 
     def masked_residual(self, pressure, separation, offset, cap, values, factors, share, cell_means):
@@ -155,12 +155,12 @@ class Compiled:
         numbers = *weights, stiffness, cap, ny, nx, *factors
         self._run("predict_active", len(share), 3 * nx + 2, arrays, *numbers)
 
-    def advance(self, pressure, correction, passed, coarse, factors, mean, length, cap, out, values, share):
-        (ny, nx), arrays = pressure.shape, (pressure, correction, passed, coarse, out, values, share)
+    def advance(self, pressure, correction, inflow, coarse, factors, mean, length, cap, out, values, share):
+        (ny, nx), arrays = pressure.shape, (pressure, correction, inflow, coarse, out, values, share)
         self._run("advance", len(share), nx, arrays, mean, length, cap, ny, nx, *factors)
 
-    def redistribute(self, field, passed, coarse, factors, free, cap):
-        (ny, nx), arrays = field.shape, (field, passed, coarse, free)
+    def redistribute(self, field, inflow, coarse, factors, free, cap):
+        (ny, nx), arrays = field.shape, (field, inflow, coarse, free)
         return tuple(self._run("redistribute", len(coarse), nx, arrays, cap, ny, nx, *factors)[:2])
 
     def project(self, field, cap, removed_load, free, factors, share):
@@ -171,9 +171,9 @@ class Compiled:
         rows, nx = field.shape
         return self._run("rescale", rows, 0, (field,), factor, cap, nx)[0]
 
-    def product(self, first, second):
-        rows, nx = first.shape
-        return self._run("product", rows, 0, (first, second), nx)[0]
+    def product(self, u, v):
+        rows, nx = u.shape
+        return self._run("product", rows, 0, (u, v), nx)[0]
 
     def project_residual(self, pressure, separation, offset, cap, values):
         rows, nx = values.shape
@@ -204,9 +204,9 @@ class Compiled:
         ny, nx = field.shape
         self._run("neighbours", ny, nx + 2, (field, out), *weights, ny, nx)
 
-    def fill(self, values, empty, mixed, weights, out):
-        ny, nx = mixed.shape
-        self._run("fill", ny, 2 * nx + 2, (values, empty, mixed, out), *weights, ny, nx)
+    def fill(self, values, empty, source, weights, out):
+        ny, nx = source.shape
+        self._run("fill", ny, 2 * nx + 2, (values, empty, source, out), *weights, ny, nx)
 
     def fill_from(self, values, active, coarse, factors, weights, out):
         ny, nx = values.shape
@@ -221,24 +221,24 @@ class Compiled:
         ny, nx = field.shape
         self._run("gather", len(out), nx, (field, empty, out), ny, nx, *factors)
 
-    def empty_from(self, field, active, weights, passed, factors, coarse):
+    def empty_from(self, field, active, weights, inflow, factors, coarse):
         ny, nx = field.shape
-        arrays = field, active, passed, coarse
+        arrays = field, active, inflow, coarse
         self._run("empty_from", len(coarse), 5 * nx + 2, arrays, *weights, ny, nx, *factors)
 
     def spread(self, field, gain, coarse, factors):
         ny, nx = field.shape
         self._run("spread", len(coarse), nx, (field, gain, coarse), ny, nx, *factors)
 
-    def finish_restriction(self, field, passed, coarse, factors, active):
-        (ny, nx), arrays = field.shape, (field, passed, coarse, active)
+    def finish_restriction(self, field, inflow, coarse, factors, active):
+        (ny, nx), arrays = field.shape, (field, inflow, coarse, active)
         return self._run("finish_restriction", len(coarse), nx, arrays, ny, nx, *factors)[0]
 
-    def small_grids(self, grids, stores, ends):
-        cells = [end - start for start, end in pairwise(ends)]
+    def small_grids(self, grids, stores, stops):
+        cells = [stop - start for start, stop in pairwise(stops)]
         limit = SMALL_GRID["one thread" if self.threads == 1 else "several threads"]
-        first = sum(count > limit for count in cells)
-        return CompiledSmallGrids(grids, stores, ends, first) if first < len(grids) else None
+        small = sum(count > limit for count in cells)
+        return CompiledSmallGrids(grids, stores, stops, small) if small < len(grids) else None
 
     def refine(self, coarse, factors, heights, weights, stiffness, cap, out):
         square, (ny, nx), (fy, fx) = store.empty(coarse.shape, coarse.dtype), coarse.shape, factors
@@ -274,15 +274,15 @@ class CompiledSmallGrids:
     Its overhead would exceed the work on their few cells.
     """
 
-    def __init__(self, grids, stores, ends, first):
-        self.first = first
+    def __init__(self, grids, stores, stops, small):
+        self.first = small
         table = [
             (*grid.empty.shape, *grid.factors, start, grid.arrangement)
-            for grid, start in zip(grids[first:], ends[first:-1], strict=True)
+            for grid, start in zip(grids[small:], stops[small:-1], strict=True)
         ]
-        weights = np.array([grid.weights for grid in grids[first:]], dtype=stores[0].dtype)
+        weights = np.array([grid.weights for grid in grids[small:]], dtype=stores[0].dtype)
         self._arrays = (*stores, np.array(table, dtype=np.int64), weights)
-        self._counts, self._longest = (len(table), first == 0), max(row[1] for row in table)
+        self._counts, self._longest = (len(table), small == 0), max(row[1] for row in table)
         # the coarsest is weighed row by row
         rows = [*(row[2] for row in table[1:]), 1]
         self._scratch = max((height + 1) * row[1] for height, row in zip(rows, table, strict=True))
@@ -307,9 +307,9 @@ def run_pass(name, rows, scratch, arrays, *numbers, threads=1):
 
     `scratch` is the number of floats of work memory for each thread, `threads` the maximum number.
     """
-    packed = _pack[name](*[_address(_view(array)) for array in arrays], *numbers)
+    arguments = _pack[name](*[_address(_view(array)) for array in arrays], *numbers)
     address = _find(name, tuple([array.itemsize for array in arrays]))
     results = _Results()
-    if library().run_pass(address, threads, rows, 8 * scratch, packed, results):
+    if library().run_pass(address, threads, rows, 8 * scratch, arguments, results):
         raise MemoryError(f"no work memory for the pass {name}")
     return results

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from roughcontact.fourier import has_few_factors
-from roughcontact.kernels.arrays import Array, count_of, empty, namespace
+from roughcontact.kernels.arrays import Array, empty, n_elements, namespace
 from roughcontact.kernels.choose import library_available
 from roughcontact.kernels.compiled import run_pass
+from roughcontact.kernels.fourier import has_few_factors
 from roughcontact.kernels.memory import store
 from roughcontact.kernels.threads import threads_for
 
@@ -30,7 +30,7 @@ class Plan:
 
     def __init__(self, like: Array, precision: str, *, threads: int = 1):
         self.shape = tuple(like.shape)
-        self.threads = threads_for(count_of(like), threads)
+        self.threads = threads_for(n_elements(like), threads)
         self.scratch = empty(like, precision)
 
     def forward(self, field: Array, *, offset: float = 0.0) -> Array:
@@ -57,7 +57,7 @@ class PlanInPlace(Plan):
 
     def __init__(self, like: Array, precision: str, *, threads: int = 1, share: "PlanInPlace | None" = None):
         self.shape = like.shape
-        self.threads = threads_for(count_of(like), threads)
+        self.threads = threads_for(n_elements(like), threads)
         waves = (self.shape[0], self.shape[1] // 2 + 1)
         complex_dtype = np.result_type(precision, np.complex64)
         if share is None:
@@ -146,9 +146,9 @@ def make_plan(like: Array, precision: str, *, threads: int = 1, share: Plan | No
     """
     if not isinstance(like, np.ndarray):
         return Plan(like, precision, threads=threads)
-    shared = share if isinstance(share, PlanInPlace) else None
+    plan = share if isinstance(share, PlanInPlace) else None
     in_c = library_available() and min(like.shape) >= MIN_SIDE and all(map(has_few_factors, like.shape))
-    return (CompiledPlan if in_c else ScipyPlan)(like, precision, threads=threads, share=shared)
+    return (CompiledPlan if in_c else ScipyPlan)(like, precision, threads=threads, share=plan)
 
 
 def _within(memory: np.ndarray, shape: tuple[int, ...], dtype: DTypeLike) -> np.ndarray:

@@ -85,7 +85,7 @@ class Store:
         """
         with self._turn:
             self._reclaim_returned()
-            return self._size() - sum(end - start for start, end in self._free)
+            return self._size() - sum(stop - start for start, stop in self._free)
 
     def clear(self) -> None:
         """Return unused memory to the system."""
@@ -101,10 +101,10 @@ class Store:
         if self._pages is None:
             self._pages = _new_pages(self.limit)
             self._free = [(0, len(self._pages))]
-        size = _in_whole_pages(size)
-        for number, (start, end) in enumerate(self._free):
-            if end - start >= size:
-                self._free[number : number + 1] = [(start + size, end)] if end - start > size else []
+        size = _round_to_pages(size)
+        for number, (start, stop) in enumerate(self._free):
+            if stop - start >= size:
+                self._free[number : number + 1] = [(start + size, stop)] if stop - start > size else []
                 return start, start + size
         return None
 
@@ -112,30 +112,30 @@ class Store:
         while self._returned:
             insort(self._free, self._returned.popleft())
         ranges, self._free = self._free, []
-        for start, end in ranges:
+        for start, stop in ranges:
             touching = self._free and self._free[-1][1] == start
-            self._free.append((self._free.pop()[0] if touching else start, end))
+            self._free.append((self._free.pop()[0] if touching else start, stop))
 
     def _release_free(self) -> None:
         self._reclaim_returned()
         if self._free == [(0, self._size())]:
             self._pages, self._free = None, []
         elif self._pages is not None and hasattr(mmap, "MADV_DONTNEED"):  # not on Windows
-            for start, end in self._free:
-                self._pages.madvise(mmap.MADV_DONTNEED, start, end - start)
+            for start, stop in self._free:
+                self._pages.madvise(mmap.MADV_DONTNEED, start, stop - start)
 
 
 def _new_pages(size: int) -> mmap.mmap:
     """Return at least `size` bytes in whole pages, which are copied, not shared, when a process forks."""
     private = {"flags": mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS} if hasattr(mmap, "MAP_PRIVATE") else {}
-    pages = mmap.mmap(-1, _in_whole_pages(size), **private)
+    pages = mmap.mmap(-1, _round_to_pages(size), **private)
     if hasattr(mmap, "MADV_HUGEPAGE"):  # Linux: one page fault for 512 pages, where the kernel supports it
         with suppress(OSError):
             pages.madvise(mmap.MADV_HUGEPAGE)
     return pages
 
 
-def _in_whole_pages(size: int) -> int:
+def _round_to_pages(size: int) -> int:
     return -(-size // mmap.PAGESIZE) * mmap.PAGESIZE
 
 

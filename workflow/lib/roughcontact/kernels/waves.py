@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from roughcontact import fourier
-from roughcontact.kernels.arrays import DOUBLE, Array, count_of, like_array
+from roughcontact.kernels import fourier
+from roughcontact.kernels.arrays import DOUBLE, Array, like_array, n_elements
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.fft import make_plan
 
@@ -41,7 +41,7 @@ def wave_power(field: np.ndarray) -> np.ndarray:
     return power
 
 
-def gradient_of(heights: Array, steps: tuple[float, float], *, threads: int = 1) -> float:
+def spectral_gradient(heights: Array, steps: tuple[float, float], *, threads: int = 1) -> float:
     """Return the rms gradient of heights (ny, nx) in float64, of any library, `steps` (dy, dx) apart."""
     # the first height is taken off, which makes a flat map exactly zero
     spectrum = make_plan(heights, DOUBLE, threads=threads).forward(heights, offset=float(heights[0, 0]))
@@ -50,10 +50,10 @@ def gradient_of(heights: Array, steps: tuple[float, float], *, threads: int = 1)
     power = kernels_for(heights, threads=threads).slope_power(
         spectrum, *(like_array(values, heights) for values in factors)
     )
-    return math.sqrt(power) / count_of(heights)
+    return math.sqrt(power) / n_elements(heights)
 
 
-def over_waves(
+def each_wave(
     power: np.ndarray, shape: Sequence[int], spacing: Sequence[float]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield |q|^2 (rad^2 per unit length^2) and power of all waves (rows, nx // 2 + 1), a few rows at a time.
@@ -67,18 +67,18 @@ def over_waves(
     >>> import numpy as np
     >>> wave = 2 * np.cos(2 * np.pi * np.arange(8) / 8)[None, :]
     >>> power = wave_power(wave)
-    >>> sums = [(both.sum(), (squared * both).sum()) for squared, both in over_waves(power, (1, 8), (1, 1))]
+    >>> sums = [(both.sum(), (squared * both).sum()) for squared, both in each_wave(power, (1, 8), (1, 1))]
     >>> print(np.round(sums[0] / np.array([1, (np.pi / 4) ** 2]), 6))
     [2. 2.]
     """
-    for qy, qx, wave_power in over_wavevectors(power, shape, spacing):
+    for qy, qx, wave_power in each_wavevector(power, shape, spacing):
         yield qy**2 + qx**2, wave_power
 
 
-def over_wavevectors(
+def each_wavevector(
     power: np.ndarray, shape: Sequence[int], spacing: Sequence[float]
 ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Yield qy (rows, 1), qx (1, nx // 2 + 1) in rad/length and the power of all waves, as `over_waves`."""
+    """Yield qy (rows, 1), qx (1, nx // 2 + 1) in rad/length and the power of all waves, as `each_wave`."""
     qy, qx = fourier.wavevectors(shape, spacing)
     weights = fourier.halfplane_weights(shape)
     for rows in _blocks(power.shape):

@@ -10,23 +10,23 @@ from functools import cached_property
 
 import numpy as np
 
-from roughcontact.checking import check_choice
-from roughcontact.choices import ZeroFrequency
-from roughcontact.elasticity.influence import HALF_SPACE, Elasticity
+from roughcontact.arguments.checking import check_choice
+from roughcontact.arguments.choices import ZeroFrequency
+from roughcontact.contact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.errors import SettingsError
-from roughcontact.fourier import halfplane_weights, wavevectors
 from roughcontact.kernels.arrays import (
     DOUBLE,
     SINGLE,
     Array,
-    count_of,
     empty,
+    get_precision,
     like_array,
+    n_elements,
     namespace,
-    precision_of,
 )
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.fft import Plan, make_plan
+from roughcontact.kernels.fourier import halfplane_weights, wavevectors
 
 # Displacement at q = 0 of a point force in a square period, in L/E*, with which a single contact has its
 # approach in free space: -1/π times the sum of 1/n over the square lattice (Glasser and Zucker 1980)
@@ -80,27 +80,27 @@ class HalfSpace:
 
     def displacement(self, pressure: Array, *, out: Array | None = None) -> Array:
         """Return u = G p with zero mean, in the array `out` if it is given."""
-        precision = precision_of(pressure)
+        precision = get_precision(pressure)
         spectrum = self._transform(pressure)
         self._kernels.multiply(spectrum, self._symbol(precision))
-        return self.field_of(spectrum, precision, out=out)
+        return self.spectrum_to_field(spectrum, precision, out=out)
 
     def pressure(self, displacement: Array, *, out: Array | None = None) -> Array:
         """Return p = G^-1 u with zero mean, in the array `out` if it is given."""
         spectrum, _ = self.pressure_spectrum(displacement)
-        return self.field_of(spectrum, precision_of(displacement), out=out)
+        return self.spectrum_to_field(spectrum, get_precision(displacement), out=out)
 
     def pressure_spectrum(self, displacement: Array) -> tuple[Array, float]:
         """Return the unnormalised spectrum (ny, nx//2 + 1) of p = G^-1 u, and the mean of u p.
 
         The next application, or the `scratch` array, may overwrite it.
         """
-        precision = precision_of(displacement)
+        precision = get_precision(displacement)
         spectrum = self._transform(displacement)
-        energy = self._kernels.divide(spectrum, self._symbol(precision), self._counts_in(precision))
-        return spectrum, float(energy) / count_of(displacement) ** 2
+        energy = self._kernels.divide(spectrum, self._symbol(precision), self._wave_counts(precision))
+        return spectrum, float(energy) / n_elements(displacement) ** 2
 
-    def field_of(self, spectrum: Array, precision: str, *, out: Array | None = None) -> Array:
+    def spectrum_to_field(self, spectrum: Array, precision: str, *, out: Array | None = None) -> Array:
         """Return the field of a spectrum, which is overwritten: half an application."""
         if out is None:
             out = empty(self._like, precision)
@@ -120,7 +120,7 @@ class HalfSpace:
 
     def _transform(self, field: Array) -> Array:
         self.applications += 0.5
-        return self._plan(precision_of(field)).forward(field)
+        return self._plan(get_precision(field)).forward(field)
 
     def _plan(self, precision: str) -> Plan:
         if precision not in self._plans:
@@ -138,7 +138,7 @@ class HalfSpace:
             self._symbols[precision] = self.elasticity.symbol(qy, qx, spacing, self._like)
         return self._symbols[precision]
 
-    def _counts_in(self, precision: str) -> Array:
+    def _wave_counts(self, precision: str) -> Array:
         """Return the number of waves of the full plane that each column of a spectrum represents."""
         if precision not in self._counts:
             counts = halfplane_weights(self.shape)[0].astype(precision)

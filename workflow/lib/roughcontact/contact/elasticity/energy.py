@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from roughcontact.elasticity.influence import Elasticity
-from roughcontact.kernels.waves import over_waves, over_wavevectors, wave_power
+from roughcontact.contact.elasticity.influence import Elasticity
+from roughcontact.kernels.waves import each_wave, each_wavevector, wave_power
 
 
 def elastic_energy(pressure: np.ndarray, steps: tuple[float, float], elasticity: Elasticity) -> float:
@@ -14,7 +14,7 @@ def elastic_energy(pressure: np.ndarray, steps: tuple[float, float], elasticity:
     (dy, dx) are in m.
     """
     total = 0.0
-    for qy, qx, power in over_wavevectors(wave_power(pressure), pressure.shape, steps):
+    for qy, qx, power in each_wavevector(wave_power(pressure), pressure.shape, steps):
         compliance = elasticity.symbol(qy, qx, steps)
         compliance[np.isinf(compliance)] = 0.0  # of the mean, which has no power
         total += float((power * compliance).sum())
@@ -27,13 +27,12 @@ def conforming_energy(
     """Return the elastic energy per area of a map that is pressed flat, U = E*/4 sum |q| |h(q)|^2, J/m^2.
 
     Johnson (1985), Contact Mechanics, chapter 13; `height` (ny, nx) and `steps` (dy, dx) in m, the `power`
-    (m^2) of its waves (ny, nx // 2 + 1) where known; each wave is divided by the factor of the layers.
+    (m^2) of its waves (ny, nx // 2 + 1) where known; each wave is divided by the factor of the medium.
     """
     power = wave_power(height) if power is None else power
     total = 0.0
-    for q2, weight in over_waves(power, height.shape, steps):
+    for q2, weight in each_wave(power, height.shape, steps):
         q = np.sqrt(q2)
-        if elasticity.layers is not None:
-            q /= elasticity.layers.factor(np.where(q > 0, q, 1.0))
+        q /= elasticity.medium.factor(np.where(q > 0, q, 1.0))
         total += float((q * weight).sum())
     return total * elasticity.modulus / 4

@@ -5,11 +5,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from roughcontact.elasticity.layers import Stack, stress_amplitudes
-from roughcontact.elasticity.point_force import TAPER, PointForce, half_space_amplitudes
-from roughcontact.fourier import wavevectors
+from roughcontact.contact.elasticity.layers import Stack, stress_amplitudes
+from roughcontact.contact.elasticity.point_force import TAPER, PointForce, half_space_amplitudes
 from roughcontact.kernels.arrays import DOUBLE, empty
 from roughcontact.kernels.fft import make_plan
+from roughcontact.kernels.fourier import wavevectors
 
 
 def subsurface_stress(
@@ -18,7 +18,7 @@ def subsurface_stress(
     *,
     poissons_ratio: float | None = None,
     body: Stack | None = None,
-    free: bool = False,
+    images: bool = True,
 ) -> Callable[..., np.ndarray]:
     """Return the function depth (m) -> stresses (6, ny, nx; Pa) below a frictionless pressure (ny, nx; Pa).
 
@@ -32,24 +32,24 @@ def subsurface_stress(
 
     The mean acts at every depth, with the lateral pressure ν/(1 - ν) of a constrained body. With layers the
     waves are those of `stress_amplitudes`; the function then takes the depth below the upper face of a
-    material, and its index. `free`: without periodic images, on a half-space (`PointForce`).
+    material, and its index. Without periodic `images` the half-space has this load alone (`PointForce`).
     """
     size = pressure.shape
     inside = slice(size[0]), slice(size[1])
-    if free:
+    if not images:
         from scipy.fft import next_fast_len  # imported late: periodic maps need nothing of scipy
 
         reach = float(np.hypot(*np.multiply(pressure.shape, steps)))
         wide = [n + math.ceil(TAPER * reach / step) for n, step in zip(pressure.shape, steps, strict=True)]
-        padded = np.zeros([next_fast_len(n, real=True) for n in wide])
-        padded[inside] = pressure
-        pressure = padded
-    shape, mean = pressure.shape, 0.0 if free else float(pressure.mean())
+        wide_pressure = np.zeros([next_fast_len(n, real=True) for n in wide])
+        wide_pressure[inside] = pressure
+        pressure = wide_pressure
+    shape, mean = pressure.shape, float(pressure.mean()) if images else 0.0
     plan = make_plan(pressure, DOUBLE)
     spectrum = plan.forward(np.subtract(pressure, mean, dtype=float)).copy()
     qy, qx = wavevectors(shape, steps)
     q = np.hypot(qy, qx)
-    force = PointForce(q, reach, min(steps) / 32) if free else None
+    force = None if images else PointForce(q, reach, min(steps) / 32)
     along_y, along_x = (
         np.divide(wavevector, q, out=np.zeros_like(q), where=q > 0) for wavevector in (qy, qx)
     )
@@ -66,7 +66,7 @@ def subsurface_stress(
         ratios = [poissons_ratio]
     else:
         ratios = [body_material.poissons_ratio for body_material in body.materials]
-        layered = stress_amplitudes(np.where(q > 0, q, q.flat[-1]), body)
+        layer_stresses = stress_amplitudes(np.where(q > 0, q, q.flat[-1]), body)
 
     def stress_at(depth: float, material: int = 0) -> np.ndarray:
         """Return the stresses (6, ny, nx) at a depth."""
@@ -77,7 +77,7 @@ def subsurface_stress(
                 amplitudes[:, force.long] = force.amplitudes(depth, ratio)
             normal, shear, with_q, crests = amplitudes
         else:
-            normal, shear, with_q = layered(material, depth)
+            normal, shear, with_q = layer_stresses(material, depth)
             crests = ratio * (normal + with_q)
         components = (
             lambda: along_x**2 * with_q + along_y**2 * crests,

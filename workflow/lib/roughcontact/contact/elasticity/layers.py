@@ -9,11 +9,16 @@ of the upper one. S p^2/2 is an energy, so that S > 0 for q > 0, which is all th
 `roughcontact.contact.certificate` asks of it.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
+
+from roughcontact.arguments.materials import layers_in
+from roughcontact.contact.elasticity.layers_under_force import FadedLayers, change_by_layers
+from roughcontact.contact.elasticity.medium import HALF_SPACES, Medium, wavenumbers
+from roughcontact.kernels.arrays import Array, get_precision, like_array
 
 _THIN = 1.0  # |q| t below which the transfer matrix is used; above, its error would grow as exp(2 |q| t)
 _TERMS = 12  # of the series of (s cosh s - sinh s)/2, exact to rounding up to there
@@ -76,22 +81,29 @@ class Stack(NamedTuple):
 
 
 @dataclass(frozen=True)
-class LayeredPair:
-    """The bodies of a contact, of which one at least has layers.
-
-    Lengths may have any unit; so has |q| in `factor`.
-    """
+class LayeredPair(Medium):
+    """The bodies of a contact, of which one at least has layers."""
 
     bodies: tuple[Stack, ...]
+    properties: ClassVar[tuple[str, ...]] = ("layers",)
+
+    @property
+    def departures(self) -> tuple[Medium, ...]:
+        """The pair."""
+        return (self,)
+
+    @property
+    def largest_factor(self) -> float:
+        """The largest `factor`, at least 1."""
+        return max(1.0, float(self.factor(np.geomspace(1e-3 / self.thickest, 1e2 / self.thinnest, 64)).max()))
 
     @property
     def modulus(self) -> float:
         """E* of the materials at the two surfaces, Pa: that of the contact for the shortest waves."""
         return 1 / sum(1 / body.surface.plane_modulus for body in self.bodies)
 
-    @property
-    def base_modulus(self) -> float:
-        """E* of the elastic bases, Pa, infinite where all are rigid: that of the longest waves."""
+    def base_modulus(self, modulus: float) -> float:
+        """Return E* of the elastic bases (Pa), infinite where all are rigid."""
         soft = sum(1 / body.base.plane_modulus for body in self.bodies if body.base is not None)
         return 1 / soft if soft else np.inf
 
@@ -106,13 +118,13 @@ class LayeredPair:
         return max(sum(layer.thickness for layer in body.layers) for body in self.bodies)
 
     def mean_compliance(self, *, elastic: bool) -> float:
-        """Return the displacement (m/Pa) per mean pressure, q = 0, beside that of elastic bases alone."""
+        """Return what the layers add, those on elastic bases only where `elastic`, m/Pa."""
         # t/(lambda + 2 mu) of a layer on a rigid base, whose sides cannot give way; on an elastic base the
         # limit of S(q) - 2/(E2* q) for q to 0
         return sum(_compression(body) for body in self.bodies if elastic or body.base is None)
 
     def as_settings(self) -> list[dict[str, Any]]:
-        """Return the bodies as the settings describe them; `layered_pair` reads them."""
+        """Return the bodies as the settings describe them; `elastic_medium` reads them."""
         settings = []
         for body in self.bodies:
             layers = [{"thickness": thickness} | material._asdict() for thickness, material in body.layers]
@@ -144,6 +156,19 @@ class LayeredPair:
         factor = at_waves(np.log(self.factor(nodes)))
         return np.exp(factor, out=factor)
 
+    def weigh(self, symbol: Array, qy: np.ndarray, qx: np.ndarray) -> None:
+        """Multiply the symbol of half-spaces (qy.size, qx.size) by the `factor` of its waves, in place."""
+        factor = self.factor(wavenumbers(qy, qx))
+        symbol *= like_array(factor.astype(get_precision(symbol)), symbol)
+
+    def change_of_point_force(self, distance: np.ndarray) -> np.ndarray:
+        """Return what layers add to E* times the displacement by a unit force, 1/(pi r), at distances."""
+        return change_by_layers(self, distance)
+
+    def free_response(self, reach: float) -> FadedLayers:
+        """Return the response of the layers, faded smoothly beyond `reach`."""
+        return FadedLayers(self, reach)
+
     @staticmethod
     def _of_body(q: np.ndarray, body: Stack) -> np.ndarray:
         return compliance_factor(q, body)
@@ -174,8 +199,8 @@ def conducting_pair(bodies: Iterable[Mapping[str, Any]], name: str) -> Conductin
     """
     stacks = []
     for body in bodies:
-        layers = body.get("layers") or ()
-        conductivities = [layer.get(name) for layer in (*layers, body)]
+        layers: Sequence[Mapping[str, Any]] = layers_in(body)
+        conductivities: list[Any] = [layer.get(name) for layer in (*layers, body)]
         if None in conductivities:
             return None
         power = -1 if name == "electrical_resistivity" else 1
@@ -185,15 +210,17 @@ def conducting_pair(bodies: Iterable[Mapping[str, Any]], name: str) -> Conductin
     return ConductingPair(tuple(stacks))
 
 
-def layered_pair(bodies: Iterable[Mapping[str, Any]]) -> LayeredPair | None:
-    """Return the layered bodies (Pa, m; layers from the surface inwards), None without layers."""
-    stacks = tuple(stack_of(body).merged() for body in bodies)
-    return LayeredPair(stacks) if any(stack.layers for stack in stacks) else None
+def elastic_medium(bodies: Sequence[Mapping[str, Any]] | None) -> Medium:
+    """Return the medium of bodies of the settings (Pa, m; layers from the surface inwards)."""
+    if not any(map(layers_in, bodies or ())):
+        return HALF_SPACES
+    stacks = tuple(body_stack(body).merged() for body in bodies or ())
+    return LayeredPair(stacks) if any(stack.layers for stack in stacks) else HALF_SPACES
 
 
-def stack_of(body: Mapping[str, Any]) -> Stack:
+def body_stack(body: Mapping[str, Any]) -> Stack:
     """Return one body of the settings as a `Stack`."""
-    layers = tuple(Layer(float(layer["thickness"]), _material(layer)) for layer in body.get("layers") or ())
+    layers = tuple(Layer(float(layer["thickness"]), _material(layer)) for layer in layers_in(body))
     return Stack(layers, None if body.get("base") == "rigid" else _material(body))
 
 
@@ -209,7 +236,7 @@ def compliance_factor(q: np.ndarray, body: Stack) -> np.ndarray:
     >>> print(f"{compliance_factor(np.array([1e-3]), rubber)[0] / (1e-9 * 4 / 6):.4f}")
     1.0000
     """
-    compliance = _of_base(body.base, np.shape(q))
+    compliance = _base_matrix(body.base, np.shape(q))
     for thickness, material in reversed(body.layers):
         compliance, _ = _through(compliance, np.asarray(q, float) * thickness, material)
     return -compliance[1, 1] * body.surface.plane_modulus / 2
@@ -226,14 +253,14 @@ def stress_amplitudes(q: np.ndarray, body: Stack) -> Callable[[int, float], np.n
         nodes, at_waves = _nodes_over(q)
         exact = stress_amplitudes(nodes, body)
         return lambda number, depth: at_waves(exact(number, depth))
-    steps = [(_of_base(body.base, q.shape), np.empty(0))]  # of each material: C of its upper face, and T
+    steps = [(_base_matrix(body.base, q.shape), np.empty(0))]  # of each material: C of its upper face, and T
     for thickness, material in reversed(body.layers):
         steps.insert(0, _through(steps[0][0], q * thickness, material))
     above = np.zeros((2, 1, *q.shape))
     above[1] = -1
     tractions = [above]
-    for _, transmitted in steps[:-1]:
-        tractions.append(_times(transmitted, tractions[-1]))
+    for _, transfer in steps[:-1]:
+        tractions.append(_times(transfer, tractions[-1]))
 
     def stress_at(number: int, depth: float) -> np.ndarray:
         compliance, material = steps[-1][0], body.base
@@ -241,8 +268,8 @@ def stress_amplitudes(q: np.ndarray, body: Stack) -> Callable[[int, float], np.n
             thickness, material = body.layers[number]
             compliance, _ = _through(steps[number + 1][0], q * (thickness - depth), material)
         assert material is not None  # in a rigid base there are no stresses to be known
-        _, transmitted = _through(compliance, q * depth, material)
-        traction = _times(transmitted, tractions[number])
+        _, to_depth = _through(compliance, q * depth, material)
+        traction = _times(to_depth, tractions[number])
         stretch = _times(compliance, traction)[0, 0]
         (shear,), (normal,) = traction
         nu, mu = material.poissons_ratio, material.shear_modulus
@@ -264,7 +291,7 @@ def _material(values: Mapping[str, Any]) -> Material:
     return Material(float(values["youngs_modulus"]), float(values["poissons_ratio"]))
 
 
-def _of_base(base: Material | None, shape: tuple[int, ...]) -> np.ndarray:
+def _base_matrix(base: Material | None, shape: tuple[int, ...]) -> np.ndarray:
     """Return C (2, 2, ...) of a base: displacement along q and inwards, per traction over q."""
     if base is None:
         return np.zeros((2, 2, *shape))
@@ -275,15 +302,15 @@ def _of_base(base: Material | None, shape: tuple[int, ...]) -> np.ndarray:
 
 def _through(compliance: np.ndarray, x: np.ndarray, material: Material) -> tuple[np.ndarray, np.ndarray]:
     """Return C of the upper face of a layer, x = |q| t, of that of its lower face, and T through it."""
-    thin, (upper, transmitted) = x < _THIN, np.empty((2, *compliance.shape))
-    for chosen, propagate in ((thin, _by_transfer), (~thin, _by_reflection)):
+    thin, (upper, transfer) = x < _THIN, np.empty((2, *compliance.shape))
+    for chosen, propagate in ((thin, _via_transfer), (~thin, _via_reflection)):
         if chosen.any():
             through = propagate(compliance[..., chosen], x[chosen], material)
-            upper[..., chosen], transmitted[..., chosen] = through
-    return upper, transmitted
+            upper[..., chosen], transfer[..., chosen] = through
+    return upper, transfer
 
 
-def _by_transfer(compliance: np.ndarray, x: np.ndarray, material: Material) -> tuple[np.ndarray, np.ndarray]:
+def _via_transfer(compliance: np.ndarray, x: np.ndarray, material: Material) -> tuple[np.ndarray, np.ndarray]:
     """Return C of the upper face of a layer, and T, by its transfer matrix exp(-A x).
 
     With y = (u, w, shear, normal traction) in units of the shear modulus, y' = A y and A^4 - 2 A^2 + 1 = 0:
@@ -298,11 +325,11 @@ def _by_transfer(compliance: np.ndarray, x: np.ndarray, material: Material) -> t
     flexibility = np.array([[-sh - h * odd, h * even], [-h * even, h * odd - k * sh]]) / mu
     stiffness = np.array([[-m * (sh + odd), m * even], [-m * even, m * odd]]) * mu
     lower = np.array([[stretch, -lift], [turn, shrink]])
-    transmitted = _inverse(_times(stiffness, compliance) + lower)
-    return _times(_times(upper, compliance) + flexibility, transmitted), transmitted
+    transfer = _inverse(_times(stiffness, compliance) + lower)
+    return _times(_times(upper, compliance) + flexibility, transfer), transfer
 
 
-def _by_reflection(
+def _via_reflection(
     compliance: np.ndarray, x: np.ndarray, material: Material
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return C of the upper face of a layer, and T, by the waves that decay from its faces and reflect."""
@@ -311,21 +338,21 @@ def _by_reflection(
     def waves(s: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
         """Return displacements and tractions (2, 2, ...) of two waves at the depth s, less exp(-sign s)."""
         ones, k = np.ones_like(s), 3 - 4 * nu
-        displaced = np.array([[ones, s], [sign * ones, sign * s + k]])
+        displacements = np.array([[ones, s], [sign * ones, sign * s + k]])
         shear = [-2 * sign * ones, -2 * sign * s - 2 * (1 - 2 * nu)]
         normal = [-2 * ones, -2 * s - 4 * sign * (1 - nu)]
-        return displaced, mu * np.array([shear, normal])
+        return displacements, mu * np.array([shear, normal])
 
     (decaying, decaying_traction), (growing, growing_traction) = waves(x, 1.0), waves(x, -1.0)
-    reflected = -_times(
+    reflection = -_times(
         _inverse(growing - _times(compliance, growing_traction)),
         decaying - _times(compliance, decaying_traction),
     )
-    transmitted = np.exp(-x) * (decaying_traction + _times(growing_traction, reflected))
-    reflected *= np.exp(-2 * x)
+    transfer = np.exp(-x) * (decaying_traction + _times(growing_traction, reflection))
+    reflection *= np.exp(-2 * x)
     (decaying, decaying_traction), (growing, growing_traction) = waves(0 * x, 1.0), waves(0 * x, -1.0)
-    incident = _inverse(decaying_traction + _times(growing_traction, reflected))
-    return _times(decaying + _times(growing, reflected), incident), _times(transmitted, incident)
+    incident = _inverse(decaying_traction + _times(growing_traction, reflection))
+    return _times(decaying + _times(growing, reflection), incident), _times(transfer, incident)
 
 
 def _compression(body: Stack) -> float:
@@ -348,9 +375,9 @@ def _half_difference(s: np.ndarray) -> np.ndarray:
     return total
 
 
-def _times(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+def _times(a: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Return the products of matrices (2, 2, ...)."""
-    return np.einsum("ij...,jk...->ik...", left, right)
+    return np.einsum("ij...,jk...->ik...", a, right)
 
 
 def _inverse(matrix: np.ndarray) -> np.ndarray:
