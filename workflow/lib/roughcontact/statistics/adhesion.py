@@ -3,10 +3,10 @@
 import numpy as np
 import xarray as xr
 
-from roughcontact.elasticity.energy import conforming_energy
-from roughcontact.elasticity.influence import Elasticity
-from roughcontact.maps import spacing
-from roughcontact.quantities import Unit, number
+from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.quantities import Unit, number
+from roughcontact.contact.elasticity.energy import conforming_energy
+from roughcontact.contact.elasticity.influence import Elasticity
 
 _ENERGY = Unit(1e3, "mJ/m²")
 

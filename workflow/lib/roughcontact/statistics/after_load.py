@@ -5,15 +5,15 @@ from typing import Any
 
 import xarray as xr
 
-from roughcontact.roughness.parameters import rms_curvature, rms_gradient, rms_height
+from roughcontact.arguments.variables import describe
 from roughcontact.statistics.contact_statistics import statistics_function
 from roughcontact.statistics.unloading import unload
-from roughcontact.variables import describe
+from roughcontact.surface.roughness.parameters import rms_curvature, rms_gradient, rms_height
 
 _FLOW = ["plastic_depth", "mean_plastic_depth", "max_plastic_depth", "plastic_volume", "dissipated_energy"]
 
 
-def after_the_load(
+def evaluate_unloading(
     contact: xr.Dataset, window: xr.DataArray, settings: Mapping[str, Mapping[str, Any]], *, threads: int = 1
 ) -> xr.Dataset:
     """Return the surfaces that flow leaves after each load of `contact.unload`, and the way back from there.
@@ -23,20 +23,20 @@ def after_the_load(
     """
     peaks = settings["contact"]["unload"] or [float(contact["mean_pressure"].max())]
     roughness = (rms_height, rms_gradient, rms_curvature)
-    before = {f"{measure.__name__}_before_load": float(measure(window)) for measure in roughness}
+    initial_roughness = {f"{measure.__name__}_before_load": float(measure(window)) for measure in roughness}
     results = []
     for peak in sorted(peaks):
-        unloaded = unload(contact, peak_pressure=peak, threads=threads)
+        unloading = unload(contact, peak_pressure=peak, threads=threads)
         count = statistics_function(
-            unloaded["height"],
+            unloading["height"],
             contact_modulus=settings["contact"]["contact_modulus"],
             bodies=settings["contact"]["bodies"],
             **settings["statistics"],
         )
-        numbers = count(unloaded)
+        numbers = count(unloading)
         numbers = numbers[[name for name in numbers.variables if numbers[name].dims in ((), ("load",))]]
-        further = {"height": unloaded["height"].drop_attrs(), "peak_pressure": peak} | before
-        results.append(numbers.merge(unloaded[_FLOW]).assign(further))
+        further = {"height": unloading["height"].drop_attrs(), "peak_pressure": peak} | initial_roughness
+        results.append(numbers.merge(unloading[_FLOW]).assign(further))
     if len(results) == 1:
         return describe(results[0])
     # other peaks have other loads below them

@@ -2,28 +2,18 @@
 
 import numpy as np
 
+from roughcontact.contact.dataset import carrying
+
 # hardness over contact modulus of classes of materials, for a run that states none: annealed pure metals;
 # structural steels and aluminium alloys; hardened steels and carbides; ceramics, glasses, glassy polymers
 # (Ashby 2011, Materials Selection in Mechanical Design, with H = 3 Y of Tabor 1951, The Hardness of Metals)
 HARDNESS_OVER_MODULUS = (0.003, 0.01, 0.03, 0.1)
 
 
-def carrying(pressure: np.ndarray, limit: float) -> np.ndarray:
-    """Return where a pressure (Pa) reaches a limit, as a hardness, up to rounding.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> carrying(np.float32([0.1, 0.2]), 0.2).tolist()
-    [False, True]
-    """
-    return pressure >= limit * (1 - 8 * np.finfo(pressure.dtype).eps)
-
-
-def shares_above(carried: np.ndarray, limit: float) -> tuple[float, float]:
+def shares_above(pressures: np.ndarray, limit: float) -> tuple[float, float]:
     """Return the shares (0 to 1) of load and of contact area on points at a pressure limit (Pa) or above.
 
-    `carried` has the pressures of the points in contact; rounding counts as reaching the limit.
+    `pressures` has the pressures of the points in contact; rounding counts as reaching the limit.
 
     Examples
     --------
@@ -31,14 +21,14 @@ def shares_above(carried: np.ndarray, limit: float) -> tuple[float, float]:
     >>> shares_above(np.array([1.0, 2.0, 5.0]), 2.0)
     (0.875, 0.6666666666666666)
     """
-    above = carrying(carried, limit)
+    above = carrying(pressures, limit)
     # one sum for both, so that all of it is exactly 1
-    load = carried.sum(where=above, dtype=float) / carried.sum(dtype=float) if not above.all() else 1.0
+    load = pressures.sum(where=above, dtype=float) / pressures.sum(dtype=float) if not above.all() else 1.0
     return float(load), float(above.mean())
 
 
 def bearing_numbers(
-    carried: np.ndarray, *, contact_modulus: float, hardness: float | None
+    pressures: np.ndarray, *, contact_modulus: float, hardness: float | None
 ) -> dict[str, float | np.ndarray]:
     """Return the pressures (Pa) of the points in contact over the modulus, and the shares above a strength.
 
@@ -53,10 +43,10 @@ def bearing_numbers(
     (0.03, array([1.  , 1.  , 0.75, 0.  ]))
     """
     numbers: dict[str, float | np.ndarray] = {
-        "max_pressure_over_modulus": float(carried.max()) / contact_modulus
+        "max_pressure_over_modulus": float(pressures.max()) / contact_modulus
     }
     if hardness is not None:
-        load, area = shares_above(carried, hardness)
+        load, area = shares_above(pressures, hardness)
         return numbers | {"load_share_above_hardness": load, "area_share_above_hardness": area}
-    shares = np.array([shares_above(carried, ratio * contact_modulus) for ratio in HARDNESS_OVER_MODULUS])
+    shares = np.array([shares_above(pressures, ratio * contact_modulus) for ratio in HARDNESS_OVER_MODULUS])
     return numbers | {"load_share_above_ratio": shares[:, 0], "area_share_above_ratio": shares[:, 1]}

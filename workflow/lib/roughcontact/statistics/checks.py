@@ -7,15 +7,18 @@ is the verdict on contact area and pressure in contact. The checks and their lim
 `contact_checks`, `map_checks` and `instrument_checks`.
 """
 
-import json
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.kinds import facts_of
+from roughcontact.arguments.measurement import Instrument, json_attributes
+from roughcontact.arguments.variables import describe, values_at_load
 from roughcontact.statistics import contact_checks, instrument_checks, map_checks
 from roughcontact.statistics.contact_checks import CONTACT_POINTS, OVERCOUNT, overcount
+from roughcontact.statistics.kinds import OMITTED_CHECKS
 from roughcontact.statistics.map_checks import FILLED_IN_CONTACT, REJECTED_LOAD, Attributes
 from roughcontact.statistics.outcome import (
     ANSWERS,
@@ -26,9 +29,8 @@ from roughcontact.statistics.outcome import (
     CheckName,
     not_passed,
     reason_text,
-    verdict_of,
+    worst_result,
 )
-from roughcontact.variables import describe, values_at_load
 
 # what a check puts in doubt, where that is not every answer
 _SHORT_WAVES = ("relative_contact_area", "mean_contact_pressure", "yield", "max_pressure", "conductance")
@@ -53,12 +55,6 @@ _IN_THE_INTERVAL: dict[str, str] = {
     CheckName.QUANTISATION: "instrument",
 }
 
-# checks of what a body of finite size, whose form and edges are meant, does not have
-_OF_PERIODIC_MAPS = {
-    *(CheckName.PERIODIC_WINDOW, CheckName.WINDOW, CheckName.LONGEST_WAVE, CheckName.SAMPLE),
-    *(CheckName.LOAD_RANGE, CheckName.SLOPES, CheckName.STEEP_PLACES),
-}
-
 
 def surface_checks(
     statistics: xr.Dataset, *, height: Attributes, levelled: Attributes, window: Attributes, points: int
@@ -78,10 +74,10 @@ def surface_checks(
     -------
     list of Check
     """
-    stated_instrument = {
-        key: value for key, value in statistics.attrs.items() if str(key).startswith("instrument_")
-    }
-    window = {**stated_instrument, **window}  # the table of surfaces prevails over the settings
+    window = {
+        **Instrument.read(statistics.attrs).attributes(),
+        **window,
+    }  # the table of surfaces prevails over the settings
     checks: dict[str, Check | None] = {
         CheckName.UNITS: contact_checks.units(statistics),
         CheckName.SOLVER: contact_checks.convergence(statistics),
@@ -90,6 +86,7 @@ def surface_checks(
         CheckName.LAYERS: contact_checks.layers(statistics, points),
         CheckName.MEAN_FREE_PATH: contact_checks.mean_free_path(statistics),
         CheckName.LOCAL_SCALE: contact_checks.local_scale(statistics),
+        CheckName.FLUID: contact_checks.fluid(statistics),
         CheckName.SMOOTHED: instrument_checks.smoothed(window),
         CheckName.NOISE: instrument_checks.noise(statistics, window),
         CheckName.QUANTISATION: instrument_checks.quantisation(window),
@@ -113,11 +110,11 @@ def surface_checks(
         CheckName.PIXEL_SIZE: instrument_checks.pixel_size(height, window),
         CheckName.READING: map_checks.reading(height, levelled),
     }
-    left_out = _OF_PERIODIC_MAPS if statistics.attrs.get("boundary") == "free" else ()
+    omitted = OMITTED_CHECKS.get(facts_of(statistics.attrs).name, ())
     return [
         _noted(check._replace(name=name, answers=_CONCERNS.get(name, check.answers)), statistics, window)
         for name, check in checks.items()
-        if check is not None and name not in left_out
+        if check is not None and name not in omitted
     ]
 
 
@@ -165,8 +162,8 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
             "contact on filled points": load["contact_on_filled_points"] > FILLED_IN_CONTACT[0],
             "rejected points carry load": load.get("rejected_load_share", 0.0) > REJECTED_LOAD,
         }
-        stated = [word for word, applies in words.items() if applies]
-        flags.append(stated + contact_checks.yield_flags(load))
+        words_of_load = [word for word, applies in words.items() if applies]
+        flags.append(words_of_load + contact_checks.yield_flags(load))
     return flags
 
 
@@ -188,7 +185,7 @@ def window_checks(statistics: xr.Dataset, window: xr.DataArray) -> list[Check]:
     return surface_checks(statistics, height=attrs, levelled=attrs, window=attrs, points=window.size)
 
 
-def with_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
+def add_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
     """Return the statistics with the verdict on each load and the reasons for it.
 
     Parameters
@@ -212,20 +209,19 @@ def with_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
     together = window_checks(statistics, window)
     grades = list(VERDICTS)
     verdict_texts = [
-        [VERDICTS[verdict_of(load_checks)], [reason_text(check) for check in not_passed(load_checks)]]
+        [VERDICTS[worst_result(load_checks)], [reason_text(check) for check in not_passed(load_checks)]]
         for load_checks in by_load
     ]
 
     def flags(*answers: str) -> tuple[str, np.ndarray]:
         return "load", np.array(
-            [grades.index(verdict_of(load_checks, *answers)) for load_checks in by_load], np.int8
+            [grades.index(worst_result(load_checks, *answers)) for load_checks in by_load], np.int8
         )
 
     of_answers = {f"{answer}_verdict": flags(answer) for answer in ANSWERS}
-    described = describe(statistics.assign(of_answers | {"verdict": flags()}))
-    return described.assign_attrs(
-        reasons=json.dumps(_reasons_with_loads(by_load, together), ensure_ascii=False),
-        verdicts=json.dumps(verdict_texts, ensure_ascii=False),
+    result = describe(statistics.assign(of_answers | {"verdict": flags()}))
+    return result.assign_attrs(
+        **json_attributes({"reasons": _reasons_with_loads(by_load, together), "verdicts": verdict_texts}),
     )
 
 
@@ -237,12 +233,12 @@ def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> li
     reasons = []
     for check in together:
         # by name: a load may lack the check, as that of currents in full contact
-        doubted = {
+        doubts_by_load = {
             load: counterpart
             for load, checks in enumerate(by_load)
             for counterpart in not_passed(checks)
             if counterpart.name == check.name
         }
-        if doubts := not_passed([check, *doubted.values()]):
-            reasons.append({"check": check.name, "loads": [*doubted], "text": doubts[0].sentence})
+        if doubts := not_passed([check, *doubts_by_load.values()]):
+            reasons.append({"check": check.name, "loads": [*doubts_by_load], "text": doubts[0].sentence})
     return reasons

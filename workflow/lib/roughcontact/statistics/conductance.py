@@ -6,8 +6,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact.bodies import have_layers
-from roughcontact.elasticity.layers import ConductingPair, conducting_pair
+from roughcontact.arguments.bodies import half_spaces
+from roughcontact.arguments.materials import materials_in, top_material
+from roughcontact.arguments.ranges import ends, name_of_range, weighted
+from roughcontact.contact.elasticity.layers import ConductingPair, conducting_pair
+from roughcontact.contact.elasticity.medium import HALF_SPACES, Medium
 from roughcontact.errors import SettingsError
 
 Bodies = Sequence[Mapping[str, Any]]
@@ -15,7 +18,11 @@ _TRANSPORTS = {"thermal": "thermal_conductance", "electrical": "electrical_condu
 
 
 def conductance_columns(
-    stiffness: npt.ArrayLike, *, contact_modulus: float, bodies: Bodies | None = None, layered: bool = False
+    stiffness: npt.ArrayLike,
+    *,
+    contact_modulus: float,
+    bodies: Bodies | None = None,
+    medium: Medium = HALF_SPACES,
 ) -> dict[str, np.ndarray]:
     """Return the conductances of a contact of the `stiffness` K (Pa/m) by nominal area.
 
@@ -25,35 +32,75 @@ def conductance_columns(
     the displacement (`conductors`).
     """
     per_conductivity = np.asarray(stiffness, float) / contact_modulus
-    if layered:
+    if not medium.is_homogeneous:
         return {"conductance_per_conductivity": np.full_like(per_conductivity, np.nan)}
     columns = {"conductance_per_conductivity": per_conductivity}
-    if have_layers(bodies):
-        return columns
-    if (conductivities := _body_properties(bodies, "thermal_conductivity")) is not None:
+    homogeneous = half_spaces(bodies)
+    if (conductivities := _body_properties(homogeneous, "thermal_conductivity")) is not None:
         columns["thermal_conductance"] = 2 / (1 / conductivities).sum() * per_conductivity
-    if (resistivities := _body_properties(bodies, "electrical_resistivity")) is not None:
+    if (resistivities := _body_properties(homogeneous, "electrical_resistivity")) is not None:
         columns["electrical_conductance"] = 2 / resistivities.sum() * per_conductivity
     return columns
 
 
-def gas_of(joint: Mapping[str, Any] | None) -> dict[str, float] | None:
-    """Return the arguments of `gas_columns` for a joint, or raise SettingsError for half of one."""
-    stated = {key: value for key, value in (joint or {}).items() if value is not None}
-    if not stated:
+_PAIRS = ("gas_conductivity", "temperature_jump"), ("film_thickness", "film_conductivity")
+_OF_JOINT = {key for pair in _PAIRS for key in pair} | {
+    *("area", "heat_flow", "allowed_resistance", "allowed_temperature_drop")
+}
+
+
+def conductivity_ranges(bodies: Bodies | None) -> dict[str, tuple[float, float, float]]:
+    """Return mean thermal conductivity and electrical resistivity of bodies, each with the ends of its range.
+
+    Those of current and heat through both half-spaces in series: 2/(1/k1 + 1/k2), (ρ1 + ρ2)/2. With layers
+    they are of the surfaces, and the widest of the ranges, which no share of a layer exceeds, is that of all.
+    Only properties with a range are in it.
+
+    Examples
+    --------
+    >>> copper = {"electrical_resistivity": 1.7e-8, "electrical_resistivity_uncertainty": [0.1]}
+    >>> [round(1e9 * rho, 2) for rho in conductivity_ranges([copper, copper])["electrical_resistivity"]]
+    [17.0, 15.8, 18.2]
+    """
+    results: dict[str, tuple[float, float, float]] = {}
+    for name, power in (("thermal_conductivity", -1), ("electrical_resistivity", 1)):
+        materials = [material for body in bodies or () for material in materials_in(body)]
+        stated = [material.get(name_of_range(name)) for material in materials]
+        values = _body_properties([top_material(body) for body in bodies or ()], name)
+        if values is None or not any(stated):
+            continue
+        relative = [ends(1.0, shares) for shares in stated]
+        if len(half_spaces(bodies)) < len(bodies or ()):
+            mean = float(np.mean(values**power)) ** power
+            lowest, highest = zip(*relative, strict=True)
+            results[name] = mean, mean * min(lowest), mean * max(highest)
+            continue
+        # the ends of 1/k are those of k, exchanged
+        shares = [(1 - pair[::power][0] ** power, pair[::power][1] ** power - 1) for pair in relative]
+        mean, *both = (total / 2 for total in weighted(list(values**power), shares))
+        lower, upper = sorted(end**power for end in both)
+        results[name] = mean**power, lower, upper
+    return results
+
+
+def gas_arguments(joint: Mapping[str, Any] | None) -> dict[str, float] | None:
+    """Return the arguments of `gas_columns` for a joint, or raise SettingsError for half of one.
+
+    None where neither gas nor film is stated; the gas of a joint with a film alone conducts nothing.
+    """
+    values = {key: value for key, value in (joint or {}).items() if value is not None}
+    if unknown := values.keys() - _OF_JOINT:
+        raise SettingsError(
+            f"joint has {', '.join(sorted(unknown))}: takes {', '.join(sorted(_OF_JOINT))}", keys=["joint"]
+        )
+    for pair in _PAIRS:
+        if len(values.keys() & {*pair}) == 1:
+            raise SettingsError(
+                f"joint: {' and '.join(pair)} belong together; give both or neither", keys=["joint"]
+            )
+    if not values.keys() & {"gas_conductivity", "film_thickness"}:
         return None
-    film = stated.keys() & {"film_thickness", "film_conductivity"}
-    if len(film) == 1:
-        raise SettingsError(
-            "joint: a film needs film_thickness and film_conductivity; give both or neither", keys=["joint"]
-        )
-    if stated.keys() - film != {"gas_conductivity", "temperature_jump"}:
-        raise SettingsError(
-            f"joint has {', '.join(stated)}: give gas_conductivity and temperature_jump of the gas, and "
-            "film_thickness and film_conductivity where there is a film",
-            keys=["joint"],
-        )
-    return {"conductivity": stated["gas_conductivity"], "jump": stated["temperature_jump"]}
+    return {"conductivity": values.get("gas_conductivity", 0.0), "jump": values.get("temperature_jump", 1.0)}
 
 
 def gas_columns(gap: np.ndarray, *, conductivity: float, jump: float) -> dict[str, float]:
@@ -76,15 +123,15 @@ def resistances_and_joint(
     Spots are in series with a film on their area, and gas beside them; `columns` has `gas_conductance`,
     `relative_contact_area`, and the conductances of bodies with layers.
     """
-    layered = {name: columns[name] for name in _TRANSPORTS.values() if name in columns}
-    results = layered | conductances
+    by_area = {name: columns[name] for name in _TRANSPORTS.values() if name in columns}
+    results = by_area | conductances
     with np.errstate(divide="ignore"):
         results |= {
             f"{transport}_resistance": 1 / results[name]
             for transport, name in _TRANSPORTS.items()
             if name in results
         }
-        if joint and "thermal_resistance" in results:
+        if joint and {"thermal_resistance", "gas_conductance"} <= results.keys() | columns.keys():
             film = (joint.get("film_thickness") or 0.0) / (joint.get("film_conductivity") or 1.0)
             resistance = results["thermal_resistance"] + film / columns["relative_contact_area"]
             results["joint_conductance"] = 1 / resistance + columns["gas_conductance"]
@@ -100,14 +147,14 @@ def conductors(bodies: Bodies | None) -> dict[str, ConductingPair]:
     >>> list(conductors([{"thermal_conductivity": 50.0, "layers": [film]}, {"thermal_conductivity": 50.0}]))
     ['thermal_conductance']
     """
-    if not bodies or not have_layers(bodies):
+    if bodies is None or len(half_spaces(bodies)) == len(bodies):
         return {}
     properties = {"thermal": "thermal_conductivity", "electrical": "electrical_resistivity"}
     pairs = {transport: conducting_pair(bodies, name) for transport, name in properties.items()}
     return {_TRANSPORTS[transport]: pair for transport, pair in pairs.items() if pair is not None}
 
 
-def over_holms_resistance(knudsen: npt.ArrayLike) -> np.ndarray:
+def knudsen_resistance_ratio(knudsen: npt.ArrayLike) -> np.ndarray:
     """Return the resistance of a round spot over Holm's ρ/(2a), by its Knudsen number λ/a.
 
     Electrons that cross it without a collision add that of Sharvin, 4 ρλ/(3π a²). Wexler (1966), Proc. Phys.
@@ -117,7 +164,7 @@ def over_holms_resistance(knudsen: npt.ArrayLike) -> np.ndarray:
     return (1 + 0.83 * ratio) / (1 + 1.33 * ratio) + 8 / (3 * np.pi) * ratio
 
 
-def _body_properties(bodies: Bodies | None, name: str) -> np.ndarray | None:
+def _body_properties(bodies: Bodies, name: str) -> np.ndarray | None:
     """Return a property of the two bodies, None unless both state it."""
-    values = [value for body in bodies or () if (value := body.get(name)) is not None]
+    values = [value for body in bodies if (value := body.get(name)) is not None]
     return np.array(values) if len(values) == 2 else None

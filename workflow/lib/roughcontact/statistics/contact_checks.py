@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact import materials
-from roughcontact.contact.dataset import layers_of
-from roughcontact.quantities import number, percent, pressure_unit, quantity
-from roughcontact.statistics.conductance import over_holms_resistance
+from roughcontact.arguments import materials
+from roughcontact.arguments.quantities import number, percent, pressure_unit, quantity
+from roughcontact.arguments.variables import Numbers
+from roughcontact.contact.dataset import recorded_medium
+from roughcontact.statistics.conductance import knudsen_resistance_ratio
+from roughcontact.statistics.kinds import load_in_words
 from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
-from roughcontact.variables import Numbers
+from roughcontact.statistics.sealing.gas import MIN_INVERSE_KNUDSEN, path_at_mean_pressure
 
 CONTACT_POINTS = 100  # fewer contact points are too few for statistics
 LAYER_PIXELS = 4  # thickness from which the contact of a pixel is that of a half-space
@@ -22,6 +24,7 @@ _BALLISTIC = 0.1  # of the resistance, added by the mean free path: less hides i
 # Ohm m2, resistivity times mean free path of the electrons: 3e-16 to 9e-16 in metals of contacts (Gall 2016,
 # J. Appl. Phys. 119, 085101)
 _RESISTIVITY_TIMES_PATH = 7e-16
+_GAS = 5e-5  # Pa s; air has 1.8e-5, the thinnest liquids that are sealed 1e-4
 _RUBBER = quantity(materials.RUBBER, "Pa", digits=1)
 OVERCOUNT = 0.2  # excess of the counted over the corrected area: patches are a few pixels across
 
@@ -37,12 +40,12 @@ def convergence(statistics: xr.Dataset) -> Check:
     >>> convergence(one).sentence
     'All loads converged: error bound at most 3.0×10⁻⁵, tolerance 1×10⁻⁴.'
     """
-    missed, loads = int((statistics["converged"] == 0).sum()), statistics.sizes["load"]
+    misses, loads = int((statistics["converged"] == 0).sum()), statistics.sizes["load"]
     bound = number(float(statistics["error_bound"].max()), digits=2)
     tolerance = number(float(statistics.attrs["tolerance"]), digits=1)
-    if missed:
+    if misses:
         return failed(
-            f"{missed} of {loads} loads missed the tolerance of {tolerance}; the error bound reaches {bound}."
+            f"{misses} of {loads} loads missed the tolerance of {tolerance}; the error bound reaches {bound}."
         )
     return passed(f"All loads converged: error bound at most {bound}, tolerance {tolerance}.")
 
@@ -70,11 +73,11 @@ def overcount(statistics: Numbers) -> np.ndarray:
     >>> overcount(xr.Dataset(areas)).round(3)
     array([0.1])
     """
-    counted, corrected = (
+    pixel_area, corrected_area = (
         np.asarray(statistics[f"relative_contact_area{ending}"]) for ending in ("_pixels", "")
     )
-    touching = corrected > 0
-    return np.where(touching, counted / np.where(touching, corrected, 1.0) - 1, np.inf)
+    touching = corrected_area > 0
+    return np.where(touching, pixel_area / np.where(touching, corrected_area, 1.0) - 1, np.inf)
 
 
 def resolution(statistics: xr.Dataset) -> Check:
@@ -104,36 +107,36 @@ def plasticity(statistics: xr.Dataset) -> Check:
     Heat Mass Transfer 17, 205); metals flow at a mean contact pressure of 0.01 to 0.03 E*, only rubber bears
     0.1 E*.
     """
-    return _against_hardness(statistics) if "hardness" in statistics else _without_hardness(statistics)
+    return _hardness_check(statistics) if "hardness" in statistics else _check_by_classes(statistics)
 
 
-def _against_hardness(statistics: xr.Dataset) -> Check:
+def _hardness_check(statistics: xr.Dataset) -> Check:
     """Return the check of the pressure against the hardness that limits it."""
     hardness, modulus = (float(statistics[name]) for name in ("hardness", "contact_modulus"))
     load_share, area_share = (
         statistics[f"{quantity_name}_share_above_hardness"].values for quantity_name in ("load", "area")
     )
-    first = ""
+    yield_text = ""
     if "first_yield_pressure" in statistics:
-        first_yield = pressure_unit(modulus).text(float(statistics["first_yield_pressure"]))
-        first = f" First yield at a mean pressure of {first_yield}."
+        load = " of ".join(load_in_words(float(statistics["first_yield_pressure"]), statistics))
+        yield_text = f" First yield at a {load}."
     bears = f"the hardness of {pressure_unit(modulus).text(hardness)}"
-    yielded = area_share > 0
-    if not yielded.any():
+    yields = area_share > 0
+    if not yields.any():
         largest = percent(float(statistics["max_pressure"].max()) / hardness)
-        return passed(f"No point carries {bears}: at most {largest} of it.{first}")
+        return passed(f"No point carries {bears}: at most {largest} of it.{yield_text}")
     worst = int(np.argmax(load_share))
     index = modulus * float(statistics["rms_gradient"]) / hardness
     return review(
-        f"{_loads(yielded, statistics)} points carry {bears} and flow: up to {percent(load_share[worst])} of "
+        f"{_loads(yields, statistics)} points carry {bears} and flow: up to {percent(load_share[worst])} of "
         f"the load on {percent(area_share[worst])} of the contact area.",
-        explanation=f"The pressure is limited there, the shape after yielding is not known.{first} "
+        explanation=f"The pressure is limited there, the shape after yielding is not known.{yield_text} "
         f"Plasticity index E* g / H = {number(index, digits=2)} (mostly elastic below 0.3, mostly plastic "
         "above 3).",
     )
 
 
-def _without_hardness(statistics: xr.Dataset) -> Check:
+def _check_by_classes(statistics: xr.Dataset) -> Check:
     """Return the check of the pressure where no hardness is stated, by classes of materials."""
     modulus = float(statistics["contact_modulus"])
     mean, largest = (statistics[name].values / modulus for name in ("mean_contact_pressure", "max_pressure"))
@@ -155,11 +158,11 @@ def _without_hardness(statistics: xr.Dataset) -> Check:
                 f"one. If it was given in MPa, it is {quantity(1e6 * modulus, 'Pa')}, and metals flow there."
             )
         return not_made(text)
-    beyond_materials, flowing = mean > materials.HARDEST, beyond_metals(statistics).values
+    beyond_materials, flowing = mean > materials.MAX_HARDNESS, exceeds_metals(statistics).values
     if beyond_materials.any():
         return failed(
             f"{_loads(beyond_materials, statistics)} the contact is beyond what any material bears, "
-            f"{materials.HARDEST:g} E*: {figures}.",
+            f"{materials.MAX_HARDNESS:g} E*: {figures}.",
             explanation="An elastic result means nothing there.",
             advice=state,
         )
@@ -184,14 +187,14 @@ def rubber_like(statistics: Numbers) -> bool:
     return float(statistics["contact_modulus"]) < materials.RUBBER
 
 
-def beyond_metals(statistics: Numbers) -> Any:
+def exceeds_metals(statistics: Numbers) -> Any:
     """Return for each load whether metals, not rubber, would flow: in the mean, or hardened ones at the peak.
 
     Examples
     --------
     >>> import xarray as xr
     >>> pressures = {"mean_contact_pressure": ("load", [5e8, 2e9]), "max_pressure": ("load", [2e9, 3e9])}
-    >>> beyond_metals(xr.Dataset(pressures | {"contact_modulus": 1e11})).values
+    >>> exceeds_metals(xr.Dataset(pressures | {"contact_modulus": 1e11})).values
     array([False,  True])
     """
     modulus = float(statistics["contact_modulus"])
@@ -207,9 +210,9 @@ def yield_flags(load: Numbers) -> list[str]:
     if rubber_like(load):
         return []
     # beyond the hardness of any material
-    if load["mean_contact_pressure"] > materials.HARDEST * load["contact_modulus"]:
+    if load["mean_contact_pressure"] > materials.MAX_HARDNESS * load["contact_modulus"]:
         return ["beyond hardness"]
-    return ["metals flow"] if beyond_metals(load) else []
+    return ["metals flow"] if exceeds_metals(load) else []
 
 
 def layers(statistics: xr.Dataset, points: int) -> Check | None:
@@ -227,24 +230,24 @@ def layers(statistics: xr.Dataset, points: int) -> Check | None:
     >>> layers(xr.Dataset(sides, attrs={"bodies": bodies}), 4096).sentence.split(":")[0]
     'The thinnest layer (1.00 µm) is 1.0 pixels thick'
     """
-    pair = layers_of(statistics)
-    if pair is None:
+    medium = recorded_medium(statistics)
+    if medium.is_homogeneous:
         return None
     lengths = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
     sides = [side for side in lengths if np.isfinite(side)]  # a profile has one
     pixel = float(np.prod(sides) / points) ** (1 / len(sides))
-    pixels = number(pair.thinnest / pixel, digits=2)
-    share = number(pair.thickest / max(sides), digits=2)
-    if pair.thinnest < LAYER_PIXELS * pixel:
+    pixels = number(medium.thinnest / pixel, digits=2)
+    share = number(medium.thickest / max(sides), digits=2)
+    if medium.thinnest < LAYER_PIXELS * pixel:
         return review(
-            f"The thinnest layer ({quantity(pair.thinnest, 'm')}) is {pixels} pixels thick: the area is "
+            f"The thinnest layer ({quantity(medium.thinnest, 'm')}) is {pixels} pixels thick: the area is "
             f"corrected by the perimeter as on a half-space, which holds from {LAYER_PIXELS} pixels on.",
             advice="Use a finer map, or take the difference to the pixels counted for the error.",
         )
-    if pair.thickest > max(sides):
+    if medium.thickest > max(sides):
         return review(
-            f"The layers ({quantity(pair.thickest, 'm')}) are {share} times as thick as the window is long: "
-            "what longer waves do to the base is left out.",
+            f"The layers ({quantity(medium.thickest, 'm')}) are {share} times as thick as the window is "
+            "long: what longer waves do to the base is left out.",
             advice="Use a larger map, or leave the base out.",
         )
     return passed(
@@ -262,27 +265,27 @@ def units(statistics: xr.Dataset) -> Check:
     if doubt := materials.doubt_of_modulus(modulus):
         return review(f"Contact modulus: {doubt.question().rstrip('.')}")
     for name, limit, text in (
-        ("friction_coefficient", materials.MOST_FRICTION, "The coefficient of friction by the area is {}"),
+        ("friction_coefficient", materials.MAX_FRICTION, "The coefficient of friction by the area is {}"),
         ("max_flash_temperature", materials.HOTTEST, "Sliding warms by {} K, which no solid bears"),
     ):
         if name in statistics and (largest := float(statistics[name].max())) > limit:
             return review(f"{text.format(number(largest))}: check the units in statistics.friction.")
-    stated = f"A contact modulus of {quantity(modulus, 'Pa')}"
+    description = f"A contact modulus of {quantity(modulus, 'Pa')}"
     # loads that nobody stated have no unit to be wrong
-    if statistics.attrs.get("loads") == "found":
-        return passed(f"{stated} is that of real materials; no load is stated.")
+    if statistics.attrs.get("loads") == "planned":
+        return passed(f"{description} is that of real materials; no load is stated.")
     if doubts := [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]:
         text = f"At {len(doubts)} of {loads.size} loads the mean pressure is implausible: "
         return review(text + doubts[0].question())
     low, high = (pressure_unit(modulus).text(float(f(loads))) for f in (np.min, np.max))
     span = low if low == high else f"{low} to {high}"
-    return passed(f"{stated} and loads of {span} are those of real materials.")
+    return passed(f"{description} and loads of {span} are those of real materials.")
 
 
-def _loads(concerned: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
+def _loads(mask: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
     """Return the loads concerned, as the beginning of a sentence."""
     pressures, unit = statistics["mean_pressure"].values, pressure_unit(float(statistics["contact_modulus"]))
-    chosen = pressures[np.asarray(concerned)]
+    chosen = pressures[np.asarray(mask)]
     if pressures.size == 1:
         return f"At {unit.text(float(chosen[0]))}"
     if chosen.size == pressures.size:
@@ -302,12 +305,12 @@ def mean_free_path(statistics: xr.Dataset) -> Check | None:
     names = ("electrical_conductance", "conductance_per_conductivity", "relative_contact_area")
     conductance, of_constriction, area = (statistics[name].values for name in names)
     ratio = 4 / 3 * _RESISTIVITY_TIMES_PATH * conductance * (1 / area - 1)
-    judged = np.isfinite(ratio) & np.isfinite(of_constriction) & (ratio > 0)
-    if not judged.any():
+    is_known = np.isfinite(ratio) & np.isfinite(of_constriction) & (ratio > 0)
+    if not is_known.any():
         return None
-    knudsen = 3 * np.pi / 8 * float(ratio[judged].max())
-    path = _RESISTIVITY_TIMES_PATH * float((conductance / of_constriction)[judged].max())
-    increase = float(over_holms_resistance(knudsen)) - 1
+    knudsen = 3 * np.pi / 8 * float(ratio[is_known].max())
+    path = _RESISTIVITY_TIMES_PATH * float((conductance / of_constriction)[is_known].max())
+    increase = float(knudsen_resistance_ratio(knudsen)) - 1
     length, radius = (quantity(value, "m", digits=2) for value in (path, path / knudsen))
     text = (
         f"The spots conduct like round ones of a radius of {radius} at the least; electrons of a metal of "
@@ -342,6 +345,53 @@ def local_scale(statistics: xr.Dataset) -> Check | None:
     return review(text, advice="Solve a map that is larger than the contact, with boundary: free.")
 
 
+def fluid(statistics: xr.Dataset) -> Check | None:
+    """Check that a sealed fluid presses less than the bodies, and that its flow is known; none: no seal.
+
+    Examples
+    --------
+    >>> air = {"seal_pressure_difference": 1e5, "seal_viscosity": 1.8e-5}
+    >>> statistics = xr.Dataset({"leak_rate_x": ("load", [0.0])}, {"mean_pressure": ("load", [1e6])}, air)
+    >>> fluid(statistics).finding
+    'The fluid has the viscosity of a gas, 1.80×10⁻⁵ Pa s; the leak rate is that of an incompressible fluid.'
+    """
+    if "leak_rate_x" not in statistics:
+        return None
+    difference, viscosity = (statistics.attrs[f"seal_{key}"] for key in ("pressure_difference", "viscosity"))
+    text = f"The fluid presses with up to {quantity(difference, 'Pa')}"
+    if (lifts := statistics["mean_pressure"].values < difference).any():
+        text += f", more than the bodies at {lifts.sum()} of {lifts.size} loads: it would lift them."
+        return review(text, advice="State the load that presses them together while the fluid is there.")
+    if "seal_outlet_pressure" in statistics.attrs:
+        return _slip(
+            statistics, f"{text} above its outlet, less than the bodies, and expands as an ideal gas"
+        )
+    if viscosity >= _GAS:
+        return passed(f"{text}, less than the bodies.")
+    return review(
+        f"The fluid has the viscosity of a gas, {quantity(viscosity, 'Pa s')}; the leak rate is that of an "
+        "incompressible fluid.",
+        ("sealing",),
+        advice="State the outlet_pressure and the mean_free_path of the gas (statistics.seal).",
+    )
+
+
+def _slip(statistics: xr.Dataset, text: str) -> Check:
+    """Return the check that the slip of a gas is known, by its mean free path over the narrowest place."""
+    names = [f"critical_constriction_{axis}" for axis in "xy"]
+    narrowest = [float(statistics[name].where(statistics[name] > 0).min()) for name in names]
+    if not (path := path_at_mean_pressure(statistics.attrs)):
+        advice = "State its mean_free_path (statistics.seal; 68 nm for air at 1 bar)."
+        return review(f"{text}; slip is left out, and it leaks more.", ("sealing",), advice=advice)
+    if np.isnan(narrowest).all():
+        return passed(f"{text}.")
+    knudsen = path / np.nanmin(narrowest)
+    text += f"; its Knudsen number at the narrowest place is up to {number(knudsen, digits=2)}"
+    if knudsen * MIN_INVERSE_KNUDSEN <= np.sqrt(np.pi) / 2:
+        return passed(f"{text}, and the leak rate includes its slip.")
+    return review(f"{text}, beyond what is known of its flow; it leaks more.", ("sealing",))
+
+
 def load_range(statistics: xr.Dataset) -> Check:
     """Check that not all loads are in full contact.
 
@@ -357,6 +407,6 @@ def load_range(statistics: xr.Dataset) -> Check:
     loads = statistics.sizes["load"]
     if full == loads:
         where = "Full contact at every load" if loads > 1 else "Full contact"
-        return review(f"{where}.", advice="Lower loads would show how it comes about.")
+        return noted(f"{where}.", advice="Lower loads would show how it comes about.")
     low, high = (float(f(statistics["relative_contact_area"])) for f in (np.min, np.max))
     return passed(f"The contact covers {percent(low)} to {percent(high)} of the area.")

@@ -2,31 +2,39 @@
 
 import numpy as np
 
+from roughcontact.arguments.maps import areal_only
+
 # Share of a pixel by which each switch between contact and non-contact overstates the area: Yastrebov,
 # Anciaux and Molinari (2017), Tribol. Int. 114, 161
 PERIMETER_CORRECTION = (np.pi - 1 + np.log(2)) / 24
 
 
-def count_switches(touching: np.ndarray) -> tuple[int, int]:
-    """Return the switches between contact and non-contact along all columns and all rows, seams included."""
+def count_switches(touching: np.ndarray, *, border: int = 0) -> tuple[int, int]:
+    """Return the switches between contact and non-contact along all columns and all rows.
+
+    Those at seams are included, but not of a map that ends at a `border` of one line.
+    """
     # an axis of a single point has no unlike neighbours: a profile counts along its own axis alone
-    along_y, along_x = (int(np.count_nonzero(touching != np.roll(touching, 1, axis))) for axis in (0, 1))
+    lines = (touching, touching.T)
+    along_y, along_x = (int(np.count_nonzero((z != np.roll(z, 1, 0))[border:])) for z in lines)
     return along_y, along_x
 
 
-def relative_contact_area(touching: np.ndarray) -> float:
+def relative_contact_area(touching: np.ndarray, *, border: int = 0) -> float:
     """Return the relative contact area, 0 to 1, corrected by the perimeter of the contact.
 
     A/A0 = Na/N - c M/N with c = (π - 1 + ln 2)/24 (Yastrebov, Anciaux and Molinari 2017, Tribol. Int. 114,
-    161) and M switches between contact and non-contact along all rows and columns, whatever the pitch.
+    161) and M switches between contact and non-contact along all rows and columns, whatever the pitch,
+    but for the `border`, 0 or 1, of a map that ends there: the edge of a body is that of its pixels.
     """
-    corrected = np.count_nonzero(touching) - PERIMETER_CORRECTION * sum(count_switches(touching))
-    return float(corrected / touching.size)
+    switches = sum(count_switches(touching, border=border))
+    count = np.count_nonzero(touching) - PERIMETER_CORRECTION * switches
+    return float(count / touching.size)
 
 
 def point_area(shape: tuple[int, ...], steps: tuple[float, float]) -> float:
     """Return the area (m2) of a point; NaN for a profile, which has no width."""
-    return np.nan if 1 in shape else steps[0] * steps[1]
+    return steps[0] * steps[1] * areal_only(shape)
 
 
 def contact_perimeter(touching: np.ndarray, steps: tuple[float, float]) -> float:
@@ -37,10 +45,9 @@ def contact_perimeter(touching: np.ndarray, steps: tuple[float, float]) -> float
     them, semi-axes Px/4 and Py/4: exact for ellipses and ridges along the axes, 11 % long for straight lines
     at 45°.
     """
-    if 1 in touching.shape:
-        return np.nan
     from scipy.special import ellipe
 
     along_y, along_x = count_switches(touching)
     minor, major = sorted((along_y * steps[1] / 4, along_x * steps[0] / 4))
-    return float(4 * major * ellipe(1 - (minor / major) ** 2)) if major > 0 else 0.0
+    length = float(4 * major * ellipe(1 - (minor / major) ** 2)) if major > 0 else 0.0
+    return length * areal_only(touching.shape)

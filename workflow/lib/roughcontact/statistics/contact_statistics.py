@@ -7,34 +7,40 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.bodies import check_bodies, have_layers
-from roughcontact.checking import check_choice, check_keys, check_solution, warn_of_map
-from roughcontact.choices import Extra
-from roughcontact.contact.dataset import elasticity_of, joined, layers_of
-from roughcontact.contact.response import linear_response
-from roughcontact.elasticity.energy import elastic_energy
-from roughcontact.elasticity.influence import Elasticity
-from roughcontact.elasticity.layers import ConductingPair, LayeredPair, layered_pair
+from roughcontact.arguments.bodies import check_bodies, properties_of_bodies
+from roughcontact.arguments.checking import check_choice, check_keys, check_solution, warn_of_map
+from roughcontact.arguments.choices import Extra
+from roughcontact.arguments.kinds import KindFacts, facts_of
+from roughcontact.arguments.maps import areal_only, recover_roughness, spacing
+from roughcontact.arguments.materials import top_material
+from roughcontact.arguments.named_materials import named_bodies
+from roughcontact.arguments.si import as_si
+from roughcontact.arguments.variables import describe
+from roughcontact.contact.dataset import carrying, joined, recorded_elasticity, recorded_medium
+from roughcontact.contact.elasticity.energy import elastic_energy
+from roughcontact.contact.elasticity.influence import Elasticity
+from roughcontact.contact.elasticity.layers import ConductingPair, elastic_medium
+from roughcontact.contact.elasticity.medium import HALF_SPACES, Medium
+from roughcontact.contact.response import certified_response, linear_response
 from roughcontact.errors import SettingsError
 from roughcontact.kernels.waves import wave_power
-from roughcontact.maps import roughness_of, spacing
-from roughcontact.named_materials import named_bodies
-from roughcontact.roughness.bearing import BEARING_PARAMETERS
-from roughcontact.roughness.parameters import roughness_parameters
-from roughcontact.roughness.summits import summit_statistics
-from roughcontact.roughness.texture import texture_parameters
-from roughcontact.sealing.connectivity import region_sizes
-from roughcontact.sealing.percolation import percolation_columns
-from roughcontact.si import in_si
 from roughcontact.statistics import conductance, densities, subsurface, theory
 from roughcontact.statistics.adhesion import adhesion_numbers
-from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers, carrying
+from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers
 from roughcontact.statistics.conductance import Bodies
 from roughcontact.statistics.contact_geometry import contact_perimeter, point_area, relative_contact_area
 from roughcontact.statistics.densities import density, logarithmic_edges
-from roughcontact.statistics.finite_body import THEORIES, of_finite_body
 from roughcontact.statistics.friction import friction_statistics
-from roughcontact.variables import describe
+from roughcontact.statistics.kinds import numbers_of_kind
+from roughcontact.statistics.precision import widened
+from roughcontact.statistics.sealing.connectivity import region_sizes
+from roughcontact.statistics.sealing.gas import path_at_mean_pressure, slip_factor
+from roughcontact.statistics.sealing.percolation import percolation_columns
+from roughcontact.surface.roughness.heights import HEIGHT_PARAMETERS
+from roughcontact.surface.roughness.parameters import roughness_parameters
+from roughcontact.surface.roughness.record import renew_parameters
+from roughcontact.surface.roughness.summits import summit_statistics
+from roughcontact.surface.roughness.texture import texture_parameters
 
 # variables of the solver, copied for each load
 SOLVER_COLUMNS = (
@@ -51,14 +57,6 @@ SOLVER_COLUMNS = (
 # variables of contact.nc without maps
 SOLUTION_COLUMNS = (*SOLVER_COLUMNS, "relative_pressure", "contact_modulus")
 
-# of ISO 25178-2, as `roughness.heights.height_parameters` returns them
-HEIGHT_PARAMETERS = ("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq", "Sdr", *BEARING_PARAMETERS)
-# numbers that levelling leaves in the attributes of the map
-_LEVELLING_COLUMNS = (*HEIGHT_PARAMETERS, "row_jitter")
-
-# of the largest map for which the flow is solved by default: it takes longer than the contact
-FLOW_POINTS = 65536
-
 # tolerance of the response to further loading: its error is about that, of an elastic one its square
 _OF_LOADING = 1e-3
 
@@ -73,7 +71,7 @@ _FURTHER_DIM = {  # of variables, beside the load
 }
 
 
-@in_si
+@as_si
 def contact_statistics(
     contact: xr.Dataset,
     *,
@@ -85,6 +83,8 @@ def contact_statistics(
     seal: Mapping[str, float] | None = None,
     joint: Mapping[str, float | None] | None = None,
     friction: Mapping[str, Any] | None = None,
+    allowed_pressure: float | None = None,
+    requirement: Mapping[str, float] | None = None,
     bodies: Bodies | None = None,
     surface: "SurfaceNumbers | None" = None,
 ) -> xr.Dataset:
@@ -103,20 +103,24 @@ def contact_statistics(
         surface and on E* alone, never on the loads; a value above the last bound is counted in the last
         bin, so nothing is lost.
     flow : {"auto", "always", "never"}
-        whether the flow of a fluid through the gap is solved for: ``auto`` of maps of up to 65536 points, and
-        where a seal is given.
+        whether the flow of a fluid through the gap is solved for, which takes longer than the contact:
+        ``auto`` where a seal is given.
     stress : {"auto", "always", "never"}
         whether the stresses below the surface are computed, of the body with the lowest yield stress (else
         the one with layers, else the softer): ``auto`` where a body or a layer states its `yield_stress`.
     work_of_adhesion : float, J/m2, optional
         of flat surfaces: the effective work of adhesion is added.
     seal : mapping, optional
-        `viscosity` (Pa s), `pressure_difference` (Pa) and `width` (m) of a seal that leaks through the gap.
+        `viscosity` (Pa s), `pressure_difference` (Pa) and `width` (m) of a seal that leaks through the gap,
+        of a gas `outlet_pressure` (Pa) and `mean_free_path` (m).
     joint : mapping, optional
         `gas_conductivity` (W m-1 K-1) and `temperature_jump` (m) of the gas in the gap, and `film_thickness`
         (m) and `film_conductivity` (W m-1 K-1) of a film on the spots: heat through the joint.
     friction : mapping, optional
         as in the settings, `statistics.friction`.
+    allowed_pressure, requirement : float, Pa; mapping; optional
+        as areas, perimeters and other allowed values of seal and joint: for `evaluate` (`with_allowed`,
+        `with_largest_roughness`).
     bodies : sequence of two mappings, optional
         as in the settings, `contact.bodies`: where both state conductivity or resistivity, the conductance of
         the contact is added; `poissons_ratio`, `yield_stress` and `layers` are for the stresses.
@@ -126,7 +130,7 @@ def contact_statistics(
     Returns
     -------
     Dataset
-        dims (load, pressure_bin, gap_bin, patch_bin), SI units; `roughcontact.variables` explains each name.
+        dims (load, pressure_bin, gap_bin, patch_bin), SI units; `arguments.variables` explains each name.
         Perimeter and areas of patches are NaN for a single row or column, which has no width.
 
     Raises
@@ -146,7 +150,7 @@ def contact_statistics(
 
     >>> import numpy as np
     >>> from roughcontact.contact.solve import solve_contact
-    >>> from roughcontact.maps import height_map
+    >>> from roughcontact.arguments.maps import height_map
     >>> wave = height_map(0.01 * np.cos(2 * np.pi * np.arange(512) / 512)[None, :], 1 / 512)
     >>> contact = solve_contact(wave, contact_modulus=1.0, mean_pressure=0.3 * np.pi * 0.01)
     >>> statistics = contact_statistics(contact)
@@ -159,14 +163,14 @@ def contact_statistics(
     check_choice("stress", stress, Extra)
     check_keys("friction", friction, friction_statistics)
     bodies = bodies and named_bodies(bodies)
-    free = contact.attrs.get("boundary") == "free"  # of a body of finite size, which has no flow
-    layers, body = layers_of(contact), _body_to_strain(stress, bodies, free)
+    kind, medium = facts_of(contact.attrs), recorded_medium(contact)
+    body = _body_to_strain(stress, bodies, kind)
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)
     mean_pressure = np.asarray(contact["mean_pressure"].values, float)
     if surface is None:
         surface = surface_numbers(
-            height, contact_modulus=modulus, work_of_adhesion=work_of_adhesion, layers=layers
+            height, contact_modulus=modulus, work_of_adhesion=work_of_adhesion, medium=medium
         )
         warn_of_map(height.shape, surface.parameters["rms_gradient"])
     parameters = dict(surface.parameters)
@@ -179,9 +183,8 @@ def contact_statistics(
         "patch": point_area(height.shape, steps)
         * logarithmic_edges(densities.PATCH_DECADES, densities.PATCH_BINS),
     }
-    small_or_sealing = height.size <= FLOW_POINTS or seal is not None
-    with_flow = not free and (flow == "always" or (flow == "auto" and small_or_sealing))
-    conducting, gas = conductance.conductors(bodies), conductance.gas_of(joint)
+    with_flow = kind.has_flow and (flow == "always" or (flow == "auto" and seal is not None))
+    conducting, gas = conductance.conductors(bodies), conductance.gas_arguments(joint)
     rows = [
         _one_load(contact, load, edges, with_flow=with_flow, body=body, conducting=conducting, gas=gas)
         for load in range(mean_pressure.size)
@@ -189,7 +192,7 @@ def contact_statistics(
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     columns |= {name: contact[name].values for name in SOLVER_COLUMNS if name in contact}
     conductances = conductance.conductance_columns(
-        columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies, layered=layers is not None
+        columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies, medium=medium
     )
     columns |= conductance.resistances_and_joint(conductances, columns, joint)
     if seal is not None and with_flow:
@@ -198,22 +201,26 @@ def contact_statistics(
     columns |= theory_columns(
         mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient, summits=surface.summits
     )
-    # that of the solution, whose gradient is summed in another order; of a finite body it is that of the form
-    if "relative_pressure" in contact and not free:
-        columns["relative_pressure"] = contact["relative_pressure"].values
-    if layers is not None or free:  # the theories are those of endless half-spaces
-        columns |= {name: np.full(mean_pressure.shape, np.nan) for name in columns if name in THEORIES}
+    # that of the solution, whose gradient is summed in another order
+    columns |= {name: contact[name].values for name in kind.scaled_columns if name in contact}
+    if not (kind.has_theories and medium.is_homogeneous):  # they are those of endless half-spaces
+        columns |= {name: np.full(mean_pressure.shape, np.nan) for name in columns if name in theory.AREAS}
     # a number of the map, repeated for each load beside the other measures of reliability
     columns["points_per_shortest_wavelength"] = np.full(
         mean_pressure.shape, parameters.pop("points_per_shortest_wavelength")
     )
     loads = [name for name in ("mean_pressure", "force") if name in contact]
     coordinates = _bins(edges) | {name: ("load", contact[name].values) for name in loads}
-    attrs = dict(contact.attrs)
+    stated = {"seal": seal or {}, "joint": joint or {}}
+    attrs = contact.attrs | {
+        f"{section}_{key}": value
+        for section, of_section in stated.items()
+        for key, value in of_section.items()
+        if value is not None
+    }
     if body is not None:
         coordinates["depth"] = ("depth", subsurface.profile_depths(height.shape, steps, body))
-        if body.get("layers"):
-            coordinates["interface_depth"] = ("interface", subsurface.interface_depths(body))
+        coordinates |= subsurface.interface_coordinates(body)
         for axis in ("x", "y"):  # a profile has no position across it
             columns[f"max_von_mises_{axis}"] += height[axis].values[0] if height[axis].size > 1 else np.nan
         attrs["stresses_of"] = subsurface.strained_body_in_words(bodies or ())
@@ -221,19 +228,24 @@ def contact_statistics(
         coordinates["hardness_over_modulus"] = ("hardness_over_modulus", np.array(HARDNESS_OVER_MODULUS))
     variables = {name: (("load", *_FURTHER_DIM.get(name, ())), values) for name, values in columns.items()}
     material = {name: float(contact[name]) for name in ("contact_modulus", "hardness") if name in contact}
+    material |= {
+        f"{name}{suffix}": value
+        for name, values in conductance.conductivity_ranges(bodies).items()
+        for suffix, value in zip(("", "_lower", "_upper"), values, strict=True)
+    }
     statistics = xr.Dataset(variables | parameters | material, coordinates, attrs)
-    return describe(_with_friction(statistics, contact, friction, bodies))
+    return describe(_add_friction(statistics, contact, friction, bodies))
 
 
-def _leaks(
-    columns: Mapping[str, np.ndarray], seal: Mapping[str, float]
-) -> tuple[dict[str, np.ndarray], float]:
+def _leaks(columns: Mapping[str, np.ndarray], seal: Mapping[str, Any]) -> tuple[dict[str, np.ndarray], float]:
     """Return the leak rates of the loads (m2/s), and that of smooth plates over its gap cubed."""
-    from roughcontact.sealing.flow import leak_columns
+    from roughcontact.statistics.sealing.flow import leak_columns
 
-    check_keys("seal", seal, leak_columns)
-    plates = leak_columns(1.0, {"flow_factor_xx": 1.0, "flow_factor_yy": 1.0}, **seal)
-    return leak_columns(columns["mean_gap"], columns, **seal), float(plates["leak_rate_x"])
+    fluid = {key: value for key, value in seal.items() if key not in ("perimeter", "allowed_leak")}
+    check_keys("seal", fluid, leak_columns)
+    no_slip = {key: value for key, value in fluid.items() if key != "mean_free_path"}
+    plates = leak_columns(1.0, {"flow_factor_xx": 1.0, "flow_factor_yy": 1.0}, **no_slip)
+    return leak_columns(columns["mean_gap"], columns, **fluid), float(plates["leak_rate_x"])
 
 
 def _check_bins(**options: int) -> None:
@@ -243,6 +255,11 @@ def _check_bins(**options: int) -> None:
             raise SettingsError(
                 f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
             )
+
+
+# variable -> the power of the conductance over the conductivity that it goes with
+_BY_CONDUCTANCE = {"contact_stiffness": 1, "thermal_conductance": 1, "electrical_conductance": 1}
+_BY_CONDUCTANCE |= {"thermal_resistance": -1, "electrical_resistance": -1}
 
 
 def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
@@ -278,46 +295,108 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     """
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
-    window_attrs = {key: budget.attrs[key] for key in ("window_reason", "window_flag") if key in budget.attrs}
-    corrected = [str(name).removesuffix("_as_solved") for name in budget if str(name).endswith("_as_solved")]
-    statistics = statistics.assign({name: budget[f"{name}_estimate"].variable for name in corrected})
-    if "max_pressure" in corrected and "max_pressure_over_modulus" in statistics:
+    window_attrs = {
+        key: value for key, value in budget.attrs.items() if key.startswith(("window_", "overview_"))
+    }
+    corrected_names = [
+        str(name).removesuffix("_as_solved") for name in budget if str(name).endswith("_as_solved")
+    ]
+    statistics = statistics.assign({name: budget[f"{name}_estimate"].variable for name in corrected_names})
+    conductance = "conductance_per_conductivity"
+    ratio = xr.ones_like(statistics["mean_pressure"])
+    if conductance in corrected_names:  # by an overview; stiffness and resistances are the same number
+        ratio = statistics[conductance] / budget[f"{conductance}_as_solved"]
+        scaled = {name: power for name, power in _BY_CONDUCTANCE.items() if name in statistics}
+        statistics = statistics.assign(
+            {name: statistics[name] * ratio**power for name, power in scaled.items()}
+        )
+    if "max_pressure" in corrected_names and "max_pressure_over_modulus" in statistics:
         relative = statistics["max_pressure"] / statistics["contact_modulus"]
         statistics = statistics.assign(max_pressure_over_modulus=relative.variable)
     complete = statistics.merge(budget, compat="override", join="override").assign_attrs(window_attrs)
-    ends = _ends_in_other_units(complete) | _ends_of_the_leak(complete)
-    area, solved = "relative_contact_area", "relative_contact_area_as_solved"
-    correction = complete[area] / complete[solved] if solved in complete else 1.0
+    bounds = _ends_in_other_units(complete) | _ends_of_the_leak(complete)
+    area, as_solved = "relative_contact_area", "relative_contact_area_as_solved"
+    correction = complete[area] / complete[as_solved] if as_solved in complete else 1.0
     if "friction_coefficient" in complete and "relative_contact_area_lower" in complete:
         by_area = complete["friction_coefficient"] * correction / complete[area]
-        for end in ("", "_lower", "_upper"):
-            ends[f"friction_coefficient{end}"] = by_area * complete[f"relative_contact_area{end}"]
+        value, *both = (by_area * complete[f"{area}{suffix}"] for suffix in ("", "_lower", "_upper"))
+        bounds["friction_coefficient"] = value
+        bounds |= dict(
+            zip(
+                ("friction_coefficient_lower", "friction_coefficient_upper"),
+                widened((value, *both), _factors(complete, "shear_strength")),
+                strict=True,
+            )
+        )
     if "flash_temperature_by" in complete.attrs:  # by that coefficient of friction
         for name in ("mean_flash_temperature", "max_flash_temperature"):
-            ends[name] = complete[name] * correction
+            bounds[name] = complete[name] * correction
     if "joint_conductance" in complete:  # its film has the resistance of the contact area
         spots, gas = complete["thermal_resistance"], complete["gas_conductance"]
         with np.errstate(divide="ignore"):  # full contact without a film
-            film = (1 / (complete["joint_conductance"] - gas) - spots) / correction
-            ends["joint_conductance"] = 1 / (spots + film) + gas
-    return complete.assign(ends)
+            film = (1 / (complete["joint_conductance"] - gas) - spots * ratio) / correction
+            bounds["joint_conductance"] = 1 / (spots + film) + gas
+        bounds |= _ends_of_the_joint(complete.assign(bounds), film)
+    return complete.assign(bounds)
+
+
+def _ends_of_the_joint(statistics: xr.Dataset, film: xr.DataArray) -> dict[str, xr.DataArray]:
+    """Return the ends of the conductance of a joint: those of spots, film (its resistance) and gas together.
+
+    They share their causes: more contact has a smaller gap. The gas conducts as 1/(ū + M) at the most.
+    """
+    names = [
+        f"{name}_{end}"
+        for name in ("thermal_resistance", "mean_gap", "relative_contact_area")
+        for end in ("lower", "upper")
+    ]
+    if not {*names} <= {*statistics}:
+        return {}
+    area, gap, jump = (
+        statistics["relative_contact_area"],
+        statistics["mean_gap"],
+        statistics.attrs.get("joint_temperature_jump", 0.0),
+    )
+    bounds = {}
+    for end, other in (("lower", "upper"), ("upper", "lower")):
+        spots = (
+            statistics[f"thermal_resistance_{other}"]
+            + film * area / statistics[f"relative_contact_area_{end}"]
+        )
+        gas = statistics["gas_conductance"] * (gap + jump) / (statistics[f"mean_gap_{other}"] + jump)
+        # without an end, nothing bounds spots or gap
+        with np.errstate(divide="ignore"):
+            bounds[f"joint_conductance_{end}"] = (1 / spots).fillna(0.0) + gas.fillna(0.0)
+    return bounds
+
+
+def _factors(statistics: xr.Dataset, name: str) -> tuple[xr.DataArray | float, xr.DataArray | float]:
+    """Return the ends of a property over its value; 1 where it has no range."""
+    if f"{name}_lower" not in statistics:
+        return 1.0, 1.0
+    return statistics[f"{name}_lower"] / statistics[name], statistics[f"{name}_upper"] / statistics[name]
 
 
 def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
     """Return the ends of the intervals of conductances and resistances: those of K/E* in other units."""
     base = "conductance_per_conductivity"
-    ends: dict[str, xr.DataArray] = {}
+    bounds: dict[str, xr.DataArray] = {}
     for transport in ("thermal", "electrical"):
         if (name := f"{transport}_conductance") not in statistics or f"{base}_lower" not in statistics:
             continue
         if statistics[base].notnull().any():
             unit = statistics[name] / statistics[base]
-            lower, upper = (unit * statistics[f"{base}_{end}"] for end in ("lower", "upper"))
-            ends |= {f"{name}_lower": lower, f"{name}_upper": upper}
+            lower, upper = (unit * statistics[f"{base}_{bound}"] for bound in ("lower", "upper"))
+            factors = _factors(statistics, "thermal_conductivity")
+            if transport == "electrical":
+                least, most = _factors(statistics, "electrical_resistivity")
+                factors = 1 / most, 1 / least
+            lower, upper = widened((statistics[name], lower, upper), factors)
+            bounds |= {f"{name}_lower": lower, f"{name}_upper": upper}
             # a conductance without an upper end leaves a resistance down to none
-            ends[f"{transport}_resistance_lower"] = (1 / upper).fillna(0.0).where(lower.notnull())
-            ends[f"{transport}_resistance_upper"] = (1 / lower).where(lower > 0)
-    return ends
+            bounds[f"{transport}_resistance_lower"] = (1 / upper).fillna(0.0).where(lower.notnull())
+            bounds[f"{transport}_resistance_upper"] = (1 / lower).where(lower > 0)
+    return bounds
 
 
 def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
@@ -326,16 +405,20 @@ def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
     One place carries most of the pressure drop (Persson and Yang 2008). For a closed gap the upper end is
     that of plates at the upper end of the narrowest place.
     """
-    ends: dict[str, xr.DataArray] = {}
+    bounds: dict[str, xr.DataArray] = {}
+    path = path_at_mean_pressure(statistics.attrs)
     for axis in "xy":
         name, narrowest = f"leak_rate_{axis}", f"critical_constriction_{axis}"
         if name in statistics and f"{narrowest}_lower" in statistics:
             leak, height = statistics[name], statistics[narrowest]
-            by_cube = (leak / height**3).where(height > 0, statistics["leak_rate_by_cube"])
-            ends |= {
-                f"{name}_{end}": by_cube * statistics[f"{narrowest}_{end}"] ** 3 for end in ("lower", "upper")
+            by_cube = (leak / height**3 / slip_factor(height, path)).where(
+                height > 0, statistics["leak_rate_by_cube"]
+            )
+            ends = {bound: statistics[f"{narrowest}_{bound}"] for bound in ("lower", "upper")}
+            bounds |= {
+                f"{name}_{bound}": by_cube * end**3 * slip_factor(end, path) for bound, end in ends.items()
             }
-    return ends
+    return bounds
 
 
 class SurfaceNumbers(NamedTuple):
@@ -361,7 +444,7 @@ def surface_numbers(
     *,
     contact_modulus: float,
     work_of_adhesion: float | None = None,
-    layers: LayeredPair | None = None,
+    medium: Medium = HALF_SPACES,
 ) -> SurfaceNumbers:
     """Return the numbers of a map that the statistics of all its loads share.
 
@@ -373,8 +456,8 @@ def surface_numbers(
         E*.
     work_of_adhesion : float, J/m2, optional
         of flat surfaces.
-    layers : LayeredPair, optional
-        of the bodies; E* is then that of their surfaces.
+    medium : Medium, optional
+        of the bodies; E* is that of their surfaces.
 
     Returns
     -------
@@ -382,15 +465,15 @@ def surface_numbers(
 
     Examples
     --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
     >>> found = surface_numbers(rough_reference_surface(64), contact_modulus=1.0)
     >>> sorted(found.summits), "conforming_energy" in found.parameters
     (['density', 'height_std', 'mean_height', 'mean_radius'], True)
     """
-    roughness = roughness_of(height)
+    roughness = recover_roughness(height)
     power = wave_power(roughness.values)
     parameters = surface_statistics(roughness, power)
-    elasticity = Elasticity(contact_modulus, layers=layers)
+    elasticity = Elasticity(contact_modulus, medium=medium)
     parameters |= adhesion_numbers(roughness, elasticity, work_of_adhesion=work_of_adhesion, power=power)
     del power
     return SurfaceNumbers(parameters, summit_statistics(roughness), float(np.ptp(height.values)))
@@ -418,7 +501,7 @@ def statistics_function(
     Examples
     --------
     >>> from roughcontact.contact.solve import solve_contact
-    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
     >>> height = rough_reference_surface(64)
     >>> count = statistics_function(height, contact_modulus=1.0, flow="never")
     >>> found = solve_contact(height, contact_modulus=1.0, mean_pressure=[0.1, 0.2], reduce=count)
@@ -431,7 +514,7 @@ def statistics_function(
         height,
         contact_modulus=contact_modulus,
         work_of_adhesion=settings.get("work_of_adhesion"),
-        layers=layered_pair(settings["bodies"]) if have_layers(settings.get("bodies")) else None,
+        medium=elastic_medium(settings.get("bodies")),
     )
     return partial(contact_statistics, surface=surface, **settings)
 
@@ -442,20 +525,21 @@ def surface_statistics(height: xr.DataArray, power: np.ndarray | None = None) ->
     Parameters
     ----------
     height : DataArray (y, x), m
-        periodic; its attributes hold the height parameters that levelling left, and where the window lies.
+        periodic; its attributes say where the window lies, and hold the height parameters of the levelled
+        map. Those of other heights, as after arithmetic, are not taken: they are then those of the window.
     power : array (ny, nx // 2 + 1), m2, optional
         of its waves (`roughcontact.kernels.waves.wave_power`), where that is known already.
 
     Returns
     -------
     dict
-        name -> number in SI units (`Std`: degree), as `roughcontact.variables` explains it. Roughness
+        name -> number in SI units (`Std`: degree), as `arguments.variables` explains it. Roughness
         parameters are spectral. NaN for the length of the window across a single row or column.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from roughcontact.maps import height_map
+    >>> from roughcontact.arguments.maps import height_map
     >>> wave = height_map(1e-6 * np.cos(2 * np.pi * np.arange(64) / 64)[None, :], 1e-6)
     >>> found = surface_statistics(wave)
     >>> f"{found['rms_height']:.3g} m in {found['window_length_x']:.3g} m"
@@ -463,7 +547,8 @@ def surface_statistics(height: xr.DataArray, power: np.ndarray | None = None) ->
     """
     (ny, nx), (dy, dx) = height.shape, spacing(height)
     power = wave_power(height.values) if power is None else power
-    parameters = {name: float(height.attrs[name]) for name in _LEVELLING_COLUMNS if name in height.attrs}
+    attrs = renew_parameters(height).attrs
+    parameters = {name: float(attrs[name]) for name in (*HEIGHT_PARAMETERS, "row_jitter") if name in attrs}
     parameters |= roughness_parameters(height, power) | texture_parameters(height, power)
     return parameters | {
         # a profile has no width
@@ -505,7 +590,7 @@ def theory_columns(
     Examples
     --------
     >>> import numpy as np
-    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
     >>> height = rough_reference_surface(64)
     >>> found = theory_columns(np.array([0.1]), height, contact_modulus=1.0, rms_gradient=0.5)
     >>> f"p' = {found['relative_pressure'][0]:g}, Persson {found['area_persson'][0]:.4f}"
@@ -513,7 +598,7 @@ def theory_columns(
     """
     with np.errstate(divide="ignore"):  # of a flat map
         relative = mean_pressure / np.float64(contact_modulus * rms_gradient)
-    asperities = np.nan if 1 in height.shape else 1.0  # a single row or column has ridges and no summits
+    asperities = areal_only(height.shape)  # a single row or column has ridges and no summits
     summits = summit_statistics(height) if summits is None else summits
     return {
         "relative_pressure": relative,
@@ -526,17 +611,17 @@ def theory_columns(
     }
 
 
-def _with_friction(
+def _add_friction(
     statistics: xr.Dataset, contact: xr.Dataset, friction: Mapping[str, Any] | None, bodies: Bodies | None
 ) -> xr.Dataset:
     """Return the statistics with the friction of each load, where it is asked for."""
     if friction is not None:
-        sheared = [
+        frictions = [
             friction_statistics(contact.isel(load=[load]), area, bodies, **friction)
             for load, area in enumerate(statistics["relative_contact_area"].values)
         ]
-        if sheared[0].variables:  # a coefficient alone adds nothing
-            statistics = statistics.merge(joined(sheared)).assign_attrs(sheared[0].attrs)
+        if frictions[0].variables:  # a coefficient alone adds nothing
+            statistics = statistics.merge(joined(frictions)).assign_attrs(frictions[0].attrs)
     return statistics
 
 
@@ -551,27 +636,27 @@ def _one_load(
     gas: Mapping[str, float] | None,
 ) -> dict[str, object]:
     """Return all numbers of one load; of an open file no more than one of its maps is in memory at a time."""
-    height, free = contact["height"], contact.attrs.get("boundary") == "free"
-    elasticity, steps = elasticity_of(contact), spacing(height)
+    height, border = contact["height"], facts_of(contact.attrs).border
+    elasticity, steps = recorded_elasticity(contact), spacing(height)
     hardness = float(contact["hardness"]) if "hardness" in contact else None
-    filled = height["filled"].values != 0 if "filled" in height.coords else np.False_
+    filled_points = height["filled"].values != 0 if "filled" in height.coords else np.False_
     pressure = contact["pressure"].isel(load=load).values
     touching = pressure > 0
-    carried = pressure[touching]
-    points = carried.size
+    contact_pressures = pressure[touching]
+    points = contact_pressures.size
     of_pressure = {
-        **({} if body is None else subsurface.stress_columns(pressure, steps, free=free, **body)),
+        **({} if body is None else subsurface.stress_columns(pressure, steps, border=border, **body)),
         "elastic_energy": elastic_energy(pressure, steps, elasticity),
-        "pressure_density": density(carried, edges["pressure"]),
+        "pressure_density": density(contact_pressures, edges["pressure"]),
     }
     of_carried = {
-        "mean_contact_pressure": carried.mean(),
-        "max_pressure": carried.max(),
-        "pressure_std": carried.std(),
+        "mean_contact_pressure": contact_pressures.mean(),
+        "max_pressure": contact_pressures.max(),
+        "pressure_std": contact_pressures.std(),
     }
-    bearing = bearing_numbers(carried, contact_modulus=elasticity.modulus, hardness=hardness)
-    yielded = None if hardness is None else carrying(pressure, hardness)
-    del pressure, carried
+    bearing = bearing_numbers(contact_pressures, contact_modulus=elasticity.modulus, hardness=hardness)
+    at_hardness = None if hardness is None else carrying(pressure, hardness)
+    del pressure, contact_pressures
     gap = contact["gap"].isel(load=load).values
     gap_density = density(gap[~touching], edges["gap"])
     # within the contact the gap is rounding: the solver keeps its mean there at zero
@@ -580,28 +665,30 @@ def _one_load(
     mean_gap = open_gap.mean()
     passage: dict[str, float] = percolation_columns(open_gap)
     if with_flow:  # imports sparse matrices, which takes as long as all other imports here
-        from roughcontact.sealing.flow import flow_columns
+        from roughcontact.statistics.sealing.flow import flow_columns
 
         passage |= flow_columns(open_gap, steps)
     if gas is not None:
         passage |= conductance.gas_columns(open_gap, **gas)
     del open_gap
-    patches = region_sizes(touching) * point_area(touching.shape, steps)
+    # the contact of a body ends at its edges, that of a periodic map goes on beyond its seams
+    area = np.pad(touching, border)
+    patches = region_sizes(area) * point_area(touching.shape, steps)
     of_points = partial(linear_response, touching, steps)
     conductions = {
         name: of_points(Elasticity(pair.modulus, elasticity.influence, pair))
         for name, pair in conducting.items()
     }
     columns = {
-        "relative_contact_area": relative_contact_area(touching),
+        "relative_contact_area": relative_contact_area(touching, border=border),
         "relative_contact_area_pixels": points / touching.size,
-        "contact_perimeter": contact_perimeter(touching, steps),
+        "contact_perimeter": contact_perimeter(area, steps),
         "contact_clusters": patches.size,
         "largest_patch_area": patches.max(initial=0.0),
-        "contact_on_filled_points": np.count_nonzero(touching & filled) / points,
+        "contact_on_filled_points": np.count_nonzero(touching & filled_points) / points,
         **of_carried,
         "mean_gap": mean_gap,
-        **_stiffness(partial(of_points, elasticity), touching, yielded),
+        **_stiffness(touching, at_hardness, steps, elasticity),
         **{name: _inverse(conduction) for name, conduction in conductions.items()},
         **passage,
         **of_pressure,
@@ -609,23 +696,25 @@ def _one_load(
         "gap_density": gap_density,
         **bearing,
     }
-    return of_finite_body(columns, contact, load) if free else columns
+    return columns | numbers_of_kind(columns, contact, load)
 
 
 def _stiffness(
-    response: Callable[..., float], touching: np.ndarray, yielded: np.ndarray | None
+    touching: np.ndarray, at_hardness: np.ndarray | None, steps: tuple[float, float], elasticity: Elasticity
 ) -> dict[str, float]:
     """Return the stiffness of a contact as an elastic one, and that of further loading where points yield."""
-    elastic = _inverse(response())
-    if yielded is None:
-        return {"contact_stiffness": elastic}
-    if not yielded.any():
+    compliance, bound = certified_response(touching, steps, elasticity)
+    elastic = _inverse(compliance)
+    columns = {"contact_stiffness": elastic, "conductance_error_bound": bound}
+    if at_hardness is None:
+        return columns
+    if not at_hardness.any():
         loading = elastic
-    elif (touching & ~yielded).any():
-        loading = _inverse(response(_OF_LOADING, yielded=yielded))
+    elif (touching & ~at_hardness).any():
+        loading = _inverse(linear_response(touching, steps, elasticity, _OF_LOADING, yielding=at_hardness))
     else:  # further load is carried by points that do not touch yet
         loading = np.nan
-    return {"contact_stiffness": elastic, "loading_stiffness": loading}
+    return columns | {"loading_stiffness": loading}
 
 
 def _inverse(compliance: float) -> float:
@@ -633,22 +722,21 @@ def _inverse(compliance: float) -> float:
     return 1 / compliance if compliance > 0 else np.inf
 
 
-def _body_to_strain(stress: Extra, bodies: Bodies | None, free: bool) -> Mapping[str, Any] | None:
+def _body_to_strain(stress: Extra, bodies: Bodies | None, kind: KindFacts) -> Mapping[str, Any] | None:
     """Return the body whose stresses below the surface are computed; None where they are not wanted."""
-    body = subsurface.strained_body(check_bodies(bodies) if bodies and have_layers(bodies) else bodies) or {}
-    deformable = body.get("poissons_ratio") is not None or bool(body.get("layers"))
+    body = (
+        subsurface.strained_body(check_bodies(bodies) if bodies and properties_of_bodies(bodies) else bodies)
+        or {}
+    )
+    deformable = top_material(body).get("poissons_ratio") is not None
     if stress == "always" and not deformable:
         raise SettingsError("stress = 'always' needs bodies, for their Poisson's ratios", keys=["stress"])
-    layered = free and bool(body.get("layers"))
-    if stress == "always" and layered:
-        raise SettingsError(
-            "stress = 'always': stresses in layers are computed for periodic maps, not for a body of finite "
-            "size",
-            keys=["stress"],
-        )
-    limited = bool(body) and min(subsurface.yield_stresses(body)) < np.inf
-    required = stress == "always" or (stress == "auto" and deformable and limited and not layered)
-    return body if required else None
+    reason = kind.reason_against("statistics.stress = 'always'", properties_of_bodies([body]))
+    if stress == "always" and reason:
+        raise SettingsError(f"stress = 'always': {reason}", keys=["stress"])
+    has_limit = bool(body) and min(subsurface.yield_stresses(body)) < np.inf
+    is_required = stress == "always" or (stress == "auto" and deformable and has_limit and not reason)
+    return body if is_required else None
 
 
 def _bins(edges: dict[str, np.ndarray]) -> dict[Hashable, tuple]:

@@ -6,22 +6,23 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.bodies import have_layers
-from roughcontact.checking import check_positive
-from roughcontact.contact.solve import MOST_LOAD, solve_contact
+from roughcontact.arguments.bodies import bodies_for_solver
+from roughcontact.arguments.checking import check_positive
+from roughcontact.arguments.kinds import facts_of
+from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.si import as_si
+from roughcontact.contact.solve import MAX_LOAD, solve_contact
 from roughcontact.errors import HeightMapError
-from roughcontact.maps import spacing
-from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.si import in_si
+from roughcontact.surface.roughness.parameters import rms_gradient
 
 _SOLVER_SETTINGS = ("tolerance", "influence", "precision")
 _CLOSE = 3e-3  # logarithm of largest pressure over hardness at which the search ends
-_MOST_SOLVES = 40
+_MAX_SOLVES = 40
 # of the largest pressure against the load, in logarithms: 1/3 of a single summit (Hertz), 1 of a single point
 _SLOPES = (0.05, 1.0)
 
 
-@in_si
+@as_si
 def first_yield_pressure(
     window: xr.DataArray,
     *,
@@ -66,7 +67,7 @@ def first_yield_pressure(
     --------
     Under a wave the largest pressure is 2 √(p̄ p*), p* = π E* D/λ (Westergaard 1939).
 
-    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> from roughcontact.surface.synthetic import westergaard_surface
     >>> wave = westergaard_surface((1, 512), 1e-3 / 512, amplitude=1e-6, wavelength=1e-3)
     >>> found = first_yield_pressure(wave, contact_modulus=1e9, hardness=2e6)
     >>> print(f"{found / (2e6**2 / (4 * 3.14159e6)):.3f}")
@@ -74,51 +75,49 @@ def first_yield_pressure(
     """
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
     goal = check_positive("hardness", hardness, unit="Pa")
-    free, area = window.attrs.get("boundary") == "free", window.size * float(np.prod(spacing(window)))
+    kind, area = facts_of(window.attrs), window.size * float(np.prod(spacing(window)))
     # above it the solver has only rounding errors, and the pressure is that of a flat map
-    most = np.inf if free else MOST_LOAD * modulus * rms_gradient(window)
+    max_load = MAX_LOAD * modulus * rms_gradient(window) if kind.flat_map_is_uniform else np.inf
 
     def excess(load: float) -> float:
         """Return the logarithm of the largest pressure over the hardness."""
         pressure = float(np.exp(load))
-        if pressure > most:
+        if pressure > max_load:
             return load - float(np.log(goal))
-        loaded = {"boundary": "free", "force": pressure * area} if free else {"mean_pressure": pressure}
-        solved = solve_contact(
+        solution = solve_contact(
             window,
             contact_modulus=modulus,
             tolerance=tolerance,
             on_failure="flag",
             reduce=_largest,
-            **loaded,
+            **kind.arguments(pressure, area),
             **solver,
         )
-        return float(np.log(solved["max_pressure"].item() / goal))
+        return float(np.log(solution["max_pressure"].item() / goal))
 
     # no point carries more than all of the load, and at least one carries the mean pressure
     low, high = float(np.log(goal / window.size)), float(np.log(goal))
     load = low + 0.7 * (high - low) if start is None else float(np.clip(np.log(start), low, high))
-    # a ball (Hertz), a rough surface
-    slope, before, visited = 1 / 3 if free else 0.2, None, set()
-    for _ in range(_MOST_SOLVES):
+    slope, previous, tried_loads = kind.power_of_largest_pressure, None, set()
+    for _ in range(_MAX_SOLVES):
         excess_at_load = excess(load)
-        visited.add(load)
+        tried_loads.add(load)
         low, high = (load, high) if excess_at_load < 0 else (low, load)
-        if before is not None and load != before[0]:
-            slope = float(np.clip((excess_at_load - before[1]) / (load - before[0]), *_SLOPES))
+        if previous is not None and load != previous[0]:
+            slope = float(np.clip((excess_at_load - previous[1]) / (load - previous[0]), *_SLOPES))
         step = load - excess_at_load / slope
         if abs(excess_at_load) < _CLOSE:
             return float(np.exp(np.clip(step, low, high)))
-        before = load, excess_at_load
+        previous = load, excess_at_load
         load = float(np.clip(step, low, high))
-        if load in visited:
+        if load in tried_loads:
             load = (low + high) / 2
         if high - low < _CLOSE:
             break
     return float(np.exp((low + high) / 2))
 
 
-def with_first_yield(
+def add_first_yield(
     statistics: xr.Dataset, window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1
 ) -> xr.Dataset:
     """Return the statistics with `first_yield_pressure` (Pa) of the solved map `window` (y, x; m).
@@ -138,8 +137,9 @@ def with_first_yield(
     hardness = float(statistics["hardness"])
     elastic = largest < hardness * (1 - _CLOSE)
     start = float(loads[elastic][-1]) if elastic.any() else None
-    if start is None and window.attrs.get("boundary") == "free":
-        start = float(loads[0])  # under a larger load the contact may leave the map
+    kind = facts_of(window.attrs)
+    if start is None and kind.may_leave_map:
+        start = float(loads[0])
     try:
         pressures = first_yield_pressure(
             window,
@@ -148,10 +148,10 @@ def with_first_yield(
             start=start,
             threads=threads,
             **{key: contact[key] for key in _SOLVER_SETTINGS if key in contact},
-            **({"bodies": contact["bodies"]} if have_layers(contact.get("bodies")) else {}),
+            **bodies_for_solver(contact.get("bodies")),
         )
     except HeightMapError:
-        if window.attrs.get("boundary") != "free":
+        if not kind.may_leave_map:
             raise
         return statistics  # the contact leaves the map before
     return statistics.assign(first_yield_pressure=pressures)
@@ -159,10 +159,10 @@ def with_first_yield(
 
 def _rising(loads: np.ndarray, largest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the loads at which the largest pressure is above that of all lower loads."""
-    first = np.append(True, largest[1:] > np.maximum.accumulate(largest)[:-1])
-    return loads[first], largest[first]
+    is_record = np.append(True, largest[1:] > np.maximum.accumulate(largest)[:-1])
+    return loads[is_record], largest[is_record]
 
 
-def _largest(solved: xr.Dataset) -> xr.Dataset:
+def _largest(solution: xr.Dataset) -> xr.Dataset:
     """Return the largest pressure of a load."""
-    return xr.Dataset({"max_pressure": solved["pressure"].max(("y", "x"))})
+    return xr.Dataset({"max_pressure": solution["pressure"].max(("y", "x"))})

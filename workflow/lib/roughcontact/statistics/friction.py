@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.bodies import half_spaces
+from roughcontact.arguments.quantities import number, percent
+from roughcontact.arguments.ranges import Shares, ends
 from roughcontact.contact.flash_temperature import flash_temperature
 from roughcontact.contact.partial_slip import APPROXIMATION, partial_slip
 from roughcontact.errors import SettingsError
-from roughcontact.quantities import number, percent
 
 
 def friction_statistics(
@@ -20,20 +22,25 @@ def friction_statistics(
     coefficient: float | None = None,
     tangential_load: Sequence[float] | None = None,
     shear_strength: float | None = None,
+    shear_strength_uncertainty: Shares | None = None,
     speed: float | None = None,
     thermal_diffusivity: float | None = None,
 ) -> xr.Dataset:
     """Return the friction of one load: stick and slip, coefficient from the area, flash temperatures (K).
 
-    μ = τ A/p̄ of the `shear_strength` τ (Pa; Bowden and Tabor 1950); the heat μ v p at `speed` (m/s), with
-    the stated `coefficient` or this one, goes into both bodies, the second of which moves along x
-    (`flash_temperature`).
+    μ = τ A/p̄ of the `shear_strength` τ (Pa, with its range; Bowden and Tabor 1950); the heat μ v p at
+    `speed` (m/s), with the stated `coefficient` or this one, goes into both bodies, the second of which moves
+    along x (`flash_temperature`).
     """
     if tangential_load is None and shear_strength is None and speed is None:
         raise _missing("coefficient", "tangential_load or speed")
     columns, load = xr.Dataset(), float(contact["mean_pressure"].item())
     if shear_strength is not None:
         columns["friction_coefficient"] = "load", [shear_strength * relative_area / load]
+        if shear_strength_uncertainty is not None:
+            both = ends(shear_strength, shear_strength_uncertainty)
+            columns["shear_strength"] = shear_strength
+            columns["shear_strength_lower"], columns["shear_strength_upper"] = both
     if tangential_load is not None:
         if coefficient is None:
             raise _missing("tangential_load", "coefficient")
@@ -43,13 +50,13 @@ def friction_statistics(
             tangential_load=tangential_load,
             poissons_ratio=_equivalent_ratio(bodies),
         )
-        columns = columns.merge(_without_maps(slip).expand_dims("load"))
+        columns = columns.merge(_drop_maps(slip).expand_dims("load"))
         columns.attrs["slip_approximation"] = APPROXIMATION
     if speed is not None:
         if coefficient is None and shear_strength is None:
             raise _missing("speed", "coefficient or shear_strength")
-        stated = [body.get("thermal_conductivity") for body in bodies or () if not body.get("layers")]
-        conductivities = [conductivity for conductivity in stated if conductivity]
+        values = [body.get("thermal_conductivity") for body in half_spaces(bodies)]
+        conductivities = [conductivity for conductivity in values if conductivity]
         if len(conductivities) != 2:
             raise _missing("speed", "thermal_conductivity of both bodies, without layers")
         if coefficient is None:
@@ -62,7 +69,7 @@ def friction_statistics(
             thermal_conductivity=conductivities,
             thermal_diffusivity=thermal_diffusivity,
         )
-        columns = columns.merge(_without_maps(warm))
+        columns = columns.merge(_drop_maps(warm))
     return columns
 
 
@@ -87,8 +94,8 @@ def _equivalent_ratio(bodies: Sequence[Mapping[str, Any]] | None) -> float | Non
     """
     materials = [
         (body["youngs_modulus"], body["poissons_ratio"])
-        for body in bodies or ()
-        if body.get("youngs_modulus") and body.get("poissons_ratio") is not None and not body.get("layers")
+        for body in half_spaces(bodies)
+        if body.get("youngs_modulus") and body.get("poissons_ratio") is not None
     ]
     if len(materials) != 2:
         return None
@@ -98,11 +105,11 @@ def _equivalent_ratio(bodies: Sequence[Mapping[str, Any]] | None) -> float | Non
     return 2 * (compliance - 1) / (2 * compliance - 1)
 
 
-def _without_maps(dataset: xr.Dataset) -> xr.Dataset:
+def _drop_maps(dataset: xr.Dataset) -> xr.Dataset:
     """Return the numbers of a result, without its maps and the coordinates of the contact."""
     return dataset.drop_dims(("y", "x")).reset_coords(drop=True)
 
 
-def _missing(key: str, required: str) -> SettingsError:
+def _missing(key: str, condition: str) -> SettingsError:
     """Return the error of a key of the section that needs another one."""
-    return SettingsError(f"friction.{key}: needs the {required}", keys=[f"statistics.friction.{key}"])
+    return SettingsError(f"friction.{key}: needs the {condition}", keys=[f"statistics.friction.{key}"])

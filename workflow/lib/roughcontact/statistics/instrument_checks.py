@@ -10,17 +10,18 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.measurement import Instrument, json_attribute
+from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.io.instrument_kinds import PROBE, UNKNOWN, Kind, of_name
-from roughcontact.io.metadata import stored_instrument
-from roughcontact.levelling.record import s_filter_of
-from roughcontact.quantities import number, percent, quantity
-from roughcontact.roughness.traces import STEEPEST
 from roughcontact.statistics.map_checks import Attributes
 from roughcontact.statistics.outcome import Check, not_made, passed, review
+from roughcontact.surface.levelling.record import s_index
+from roughcontact.surface.roughness.traces import MAX_GRADIENT
+from roughcontact.surface.window.band import is_limited_by_grid
 
 # Self-affine surfaces fall with an exponent of -2 to -4, those with a bounded curvature with -6; measured
 # maps that no filter touched reach -5.7. Filters, lenses and interpolation reach -8 to -20.
-SPECTRUM_ENDS = STEEPEST
+SPECTRUM_ENDS = MAX_GRADIENT
 # Change of the exponent from the last octave but one to the last one. Measured maps reach -0.9; a lens that
 # makes areas 25 to 50 % too large, with no end before the pixel, gives -0.9 to -2.
 BENT = -1.0
@@ -72,11 +73,11 @@ def smoothed(window: Attributes) -> Check:
     traces = [
         trace for look in (_shape_of_spectrum, _blunt_peaks, _repeated_heights) if (trace := look(window))
     ]
-    if unstated := [trace for trace in traces if trace.remedies]:
-        remedies = ", or ".join(dict.fromkeys(remedy for trace in unstated for remedy in trace.remedies))
-        first, *further = [f"{trace.sentence}." for trace in unstated]
+    if open_traces := [trace for trace in traces if trace.remedies]:
+        remedies = ", or ".join(dict.fromkeys(remedy for trace in open_traces for remedy in trace.remedies))
+        sentence, *further = [f"{trace.sentence}." for trace in open_traces]
         return review(
-            first,
+            sentence,
             explanation=" ".join([*further, f"{_SMOOTHED_MEANS}."]),
             advice=f"{remedies[0].upper()}{remedies[1:]}.",
         )
@@ -96,11 +97,11 @@ def _shape_of_spectrum(window: Attributes) -> _Trace | None:
     """Return the trace of a spectrum that ends or bends down before the pixels."""
     limit = _removed_below(window)
     if window["spectrum_exponent"] < SPECTRUM_ENDS:
-        end = window["spectrum_end"]
-        if end <= limit:
-            return _Trace(f"Waves below {quantity(end, 'm', digits=2)} are missing, as stated")
+        spectrum_end = window["spectrum_end"]
+        if spectrum_end <= limit:
+            return _Trace(f"Waves below {quantity(spectrum_end, 'm', digits=2)} are missing, as stated")
         return _Trace(
-            f"No waves were measured below {_in_pixels(end, window)}: the spectrum ends "
+            f"No waves were measured below {_wavelength_in_words(spectrum_end, window)}: the spectrum ends "
             f"there, falling as {_exponent(window)}. A lens, a filter of the instrument's software or "
             "interpolation does this; of surfaces only one without any shorter waves",
             (_UNFILTERED, _RESOLVED),
@@ -122,7 +123,7 @@ def _blunt_peaks(window: Attributes) -> _Trace | None:
     if window["rounded_peaks"] <= ROUNDED:
         return None
     radius = window["sharpest_peak_radius"]
-    if window.get("instrument_tip_radius", 0.0) > radius / 2:
+    if (Instrument.read(window).tip_radius or 0.0) > radius / 2:
         return _Trace("Peaks are rounded, as the stated tip radius says")
     return _Trace(
         f"Peaks are rounded, to radii of {quantity(radius, 'm', digits=2)} and more, and valleys are "
@@ -149,17 +150,17 @@ def _exponent(window: Attributes) -> str:
 
 def _removed_below(window: Attributes) -> float:
     """Return the wavelength below which the settings remove waves or say that none was measured."""
-    attributes = ("instrument_resolution", "instrument_lateral_period_limit")
-    limits = [float(window.get(name, 0.0)) for name in attributes]
-    if window.get("band_reason", "the grid") != "the grid":
+    instrument = Instrument.read(window)
+    limits = [instrument.resolution or 0.0, instrument.lateral_period_limit or 0.0]
+    if not is_limited_by_grid(window):
         limits.append(float(window["band_shortest"]))
     # a Gaussian filter passes half at its nesting index; the fall that is found lies below it
-    limits.append(s_filter_of(window))
+    limits.append(s_index(window))
     # an end is found to half an octave
     return float(np.sqrt(2) * max(limits))
 
 
-def _in_pixels(wavelength: float, window: Attributes) -> str:
+def _wavelength_in_words(wavelength: float, window: Attributes) -> str:
     """Return a wavelength in words, in pixels too where their size is known."""
     length = quantity(wavelength, "m", digits=2)
     pixel = window.get("pixel_pitch", 0.0)
@@ -191,7 +192,7 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
     """Check that noise, `instrument_noise` (m) or a flat spectrum, makes up little of the gradient."""
     if "noise_floor" not in window:
         return not_made(_FEW_WAVES)
-    share, stated_noise = float(window["noise_gradient_share"]), float(window.get("instrument_noise", 0.0))
+    share, stated_noise = float(window["noise_gradient_share"]), Instrument.read(window).noise or 0.0
     if stated_noise and window["noise_floor"] > 0:
         share *= (stated_noise / window["noise_floor"]) ** 2
         text = f"The stated noise of {quantity(stated_noise, 'm')} makes up {_share(share)} of the {_SQUARE}"
@@ -219,9 +220,8 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
 
 def suspected_noise(window: Attributes) -> float:
     """Return the rms (m) of the white noise that the check "Noise" suspects, 0 where it suspects none."""
-    if not _ends_flat(window):
-        return 0.0
-    return float(window["noise_floor"]) if window["noise_gradient_share"] > NOISE_SHARE else 0.0
+    is_suspect = _ends_flat(window) and window["noise_gradient_share"] > NOISE_SHARE
+    return float(window["noise_floor"]) if is_suspect else 0.0
 
 
 def is_mostly_noise(window: Attributes) -> bool:
@@ -233,7 +233,7 @@ def is_mostly_noise(window: Attributes) -> bool:
     >>> is_mostly_noise(white), is_mostly_noise(white | {"instrument_noise": 2e-9})
     (True, False)
     """
-    if window.get("instrument_noise") or window.get("top_exponent", -np.inf) <= NEARLY_WHITE:
+    if Instrument.read(window).noise or window.get("top_exponent", -np.inf) <= NEARLY_WHITE:
         return False
     # the interval rests on a guess: of maps with noise of 10 % of Sq it missed one area in four
     return float(window.get("noise_gradient_share", 0.0)) > MOST_OF_THE_GRADIENT
@@ -356,11 +356,11 @@ def pixel_size(height: Attributes, window: Attributes) -> Check:
 
 def instrument_kind(height: Attributes) -> Kind:
     """Return the kind of instrument that the file names."""
-    return of_name(stored_instrument(height).get("kind"))
+    return of_name(json_attribute(height, "instrument").get("kind"))
 
 
 def _magnification(height: Attributes) -> float:
     """Return the magnification of the lens, 0 where the file does not say."""
-    instrument = stored_instrument(height)
+    instrument = json_attribute(height, "instrument")
     match = re.search(r"\b(\d+(?:\.\d+)?) ?[xX×](?!\w)", str(instrument.get("lens", "")))
     return float(instrument.get("magnification") or (match[1] if match else 0.0))

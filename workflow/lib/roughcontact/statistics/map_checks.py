@@ -3,17 +3,18 @@
 `height`, `levelled` and `window` are the attributes of the map as measured, levelled and made periodic.
 """
 
-import json
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import STEEPEST
-from roughcontact.levelling.record import rejected_by_kind
-from roughcontact.quantities import counted_noun, number, percent, quantity
+from roughcontact.arguments.checking import MAX_GRADIENT
+from roughcontact.arguments.kinds import facts_of
+from roughcontact.arguments.measurement import Measurement, json_attribute
+from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
 from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
+from roughcontact.surface.levelling.record import rejected_by_kind
 
 FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points not measured: review, fail
 REJECTED_LOAD = 0.02  # share of the load that rejected points would carry if they were kept
@@ -37,16 +38,16 @@ STEEP = (0.3, 0.6)  # rms gradient: small-slope elasticity is an approximation, 
 Attributes = Mapping[str, Any]
 
 
-def missing_points(statistics: xr.Dataset, height: Attributes, levelled: Attributes) -> Check:
+def missing_points(statistics: xr.Dataset, height: Attributes, attrs: Attributes) -> Check:
     """Check that hardly any contact lies on points that were not measured."""
-    missing, filled = height.get("missing_share", 0.0), levelled.get("filled_share", 0.0)
-    rejected = levelled.get("outliers_rejected", 0)
-    if not (missing or rejected or filled):
+    missing, fill = height.get("missing_share", 0.0), attrs.get("filled_share", 0.0)
+    removals = attrs.get("outliers_rejected", 0)
+    if not (missing or removals or fill):
         return passed("Every point was measured.")
     in_contact = float(statistics["contact_on_filled_points"].max())
     doubtful, wrong = FILLED_IN_CONTACT
-    measured = f"{percent(missing)} of the points were not" if missing else "Every point was"
-    points = f"{measured} measured; {rejected} were rejected as outliers; {percent(filled)} were filled in"
+    coverage = f"{percent(missing)} of the points were not" if missing else "Every point was"
+    points = f"{coverage} measured; {removals} were rejected as outliers; {percent(fill)} were filled in"
     if not in_contact > doubtful:
         return passed(f"{points}, and at most {percent(in_contact)} of the contact lies on them.")
     return (failed if in_contact > wrong else review)(
@@ -57,7 +58,7 @@ def missing_points(statistics: xr.Dataset, height: Attributes, levelled: Attribu
     )
 
 
-def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
+def outliers(statistics: xr.Dataset, attrs: Attributes) -> Check:
     """Check that hardly any load would lie on rejected points, by `rejected_load_share`.
 
     Examples
@@ -67,14 +68,14 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
     >>> outliers(shares, {"outliers_rejected": 138, "outlier_kinds": '{"spike": 138}'}).outcome
     'review'
     """
-    rejected = levelled.get("outliers_rejected", 0)
-    if not rejected:
+    removals = attrs.get("outliers_rejected", 0)
+    if not removals:
         return passed("No point was rejected.")
     they, was, noun, lie = ("they", "were", "outliers", "they lie")
-    if rejected == 1:
+    if removals == 1:
         they, was, noun, lie = ("it", "was", "an outlier", "it lies")
-    named = rejected_by_kind(levelled)
-    text = f"{counted_noun(rejected, 'point')} {was} rejected as {noun}" + (f" ({named})" if named else "")
+    kinds = rejected_by_kind(attrs)
+    text = f"{counted_noun(removals, 'point')} {was} rejected as {noun}" + (f" ({kinds})" if kinds else "")
     shares = statistics["rejected_load_share"].values if "rejected_load_share" in statistics else np.nan
     if np.isnan(shares).all():
         return review(f"{text}. The load that {they} would carry if {they} were kept is not known.")
@@ -83,17 +84,17 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
     text += " at most" if statistics.sizes["load"] > 1 else ""
     if share <= REJECTED_LOAD:
         return passed(f"{text}.")
-    are = "it is an error" if rejected == 1 else "they are errors"
+    are = "it is an error" if removals == 1 else "they are errors"
     return review(
         f"{text}: the result depends on whether {are} of the measurement.",
         advice=f"See where {lie}; level.outlier_threshold: null keeps every point.",
     )
 
 
-def scan_lines(levelled: Attributes, statistics: xr.Dataset | None = None) -> Check:
+def scan_lines(attrs: Attributes, statistics: xr.Dataset | None = None) -> Check:
     """Check that rows are not shifted against one another, which a lay along them hides, or were aligned."""
-    jitter, evidence = percent(levelled.get("row_jitter", 0.0)), levelled.get("row_jitter_evidence", "none")
-    aligned = levelled.get("line_alignment", "none")
+    jitter, evidence = percent(attrs.get("row_jitter", 0.0)), attrs.get("row_jitter_evidence", "none")
+    alignment = attrs.get("line_alignment", "none")
     if evidence == "none":
         finding = "No random shift of the rows against one another was found."
         if statistics is not None and _lay_along_rows(statistics):
@@ -107,15 +108,15 @@ def scan_lines(levelled: Attributes, statistics: xr.Dataset | None = None) -> Ch
             f"The rows share shifts of {jitter} of the rms height (rms), which may be drift of the scanner "
             "or a lay along the rows"
         )
-    if aligned != "none" and levelled.get("line_alignment_by") == "user":
-        return passed(f"{text}; they were aligned as asked ({aligned}).")
-    if levelled.get("row_jitter", 0.0) <= ROW_JITTER:
-        return passed(f"{text}." if aligned == "none" else f"{text}; they were aligned ({aligned}).")
-    if aligned == "none":
+    if alignment != "none" and attrs.get("line_alignment_by") == "user":
+        return passed(f"{text}; they were aligned as asked ({alignment}).")
+    if attrs.get("row_jitter", 0.0) <= ROW_JITTER:
+        return passed(f"{text}." if alignment == "none" else f"{text}; they were aligned ({alignment}).")
+    if alignment == "none":
         return review(
             f"{text}: it may carry much of the load.", advice="Compare level.line_alignment: jitter."
         )
-    return review(f"{text}; they were aligned ({aligned}).", advice="Compare level.line_alignment: none.")
+    return review(f"{text}; they were aligned ({alignment}).", advice="Compare level.line_alignment: none.")
 
 
 def _lay_along_rows(statistics: xr.Dataset) -> bool:
@@ -124,7 +125,7 @@ def _lay_along_rows(statistics: xr.Dataset) -> bool:
     return isotropy <= _LAY and abs(direction - 90) <= _ALONG
 
 
-def form(levelled: Attributes, window: Attributes) -> Check | None:
+def form(attrs: Attributes, window: Attributes) -> Check | None:
     """Check that no bow decides where the surfaces touch; of a body of finite size, that none counts twice.
 
     Examples
@@ -133,8 +134,8 @@ def form(levelled: Attributes, window: Attributes) -> Check | None:
     'review'
     """
     share, is_added = window.get("form_share", 0.0), "form_radius_x" in window
-    if window.get("boundary") == "free" and not is_added:
-        return None  # its form is meant
+    if facts_of(window).form_is_meant and not is_added:
+        return None
     text = (
         f"A bow (second-order polynomial) makes up {percent(share)} of the mean square height of the window"
     )
@@ -146,7 +147,7 @@ def form(levelled: Attributes, window: Attributes) -> Check | None:
             advice="Leave form.radius out, or set level.form: polynomial.",
         )
     remedy = "Remove it with level.form: polynomial, unless it belongs to the contact."
-    if levelled.get("form") in ("polynomial", "sphere", "cylinder"):
+    if attrs.get("form") in ("polynomial", "sphere", "cylinder"):
         remedy = "Compare another window.method: it came with the periodic window."
     return review(f"{text}: form, not roughness, decides where the surfaces touch.", advice=remedy)
 
@@ -162,11 +163,11 @@ def periodicity(window: Attributes) -> Check:
     method = window.get("periodisation", "none")
     if method == "none":
         return passed("The window was periodic already: nothing was changed.")
-    before, after = window["rms_gradient_before"], window["rms_gradient_after"]
+    gradient_before, gradient_after = window["rms_gradient_before"], window["rms_gradient_after"]
     # a correction, and waves removed afterwards, on request, are not due to periodisation
-    removed = window.get("band_removed_rms_gradient", 0.0)
-    after = float(window.get("rms_gradient_uncorrected", np.hypot(after, removed)))
-    change = after / before - 1 if before > 0 else 0.0
+    removed_gradient = window.get("band_removed_rms_gradient", 0.0)
+    gradient_after = float(window.get("rms_gradient_uncorrected", np.hypot(gradient_after, removed_gradient)))
+    change = gradient_after / gradient_before - 1 if gradient_before > 0 else 0.0
     relative = window.get("periodisation_relative_change", 0.0)
     text = (
         f"Making the window periodic ({method}) changed the heights by {percent(relative)} of their rms and "
@@ -197,7 +198,7 @@ def window_share(window: Attributes) -> Check:
     return review(text, explanation="The rest was cropped away.", advice="See the frame on the levelled map.")
 
 
-def faces(levelled: Attributes, window: Attributes) -> Check | None:
+def faces(attrs: Attributes, window: Attributes) -> Check | None:
     """Check that two faces have about the same pixels and sizes; none for a single face.
 
     Examples
@@ -208,9 +209,9 @@ def faces(levelled: Attributes, window: Attributes) -> Check | None:
     >>> [faces(pair, {"band_shortest": limit}).outcome for limit in (2e-6, 6e-6)]
     ['review', 'passed']
     """
-    if "face_pitches" not in levelled:
+    if "face_pitches" not in attrs:
         return None
-    pitches, share = levelled["face_pitches"], float(levelled["covered_share_of_larger"])
+    pitches, share = attrs["face_pitches"], float(attrs["covered_share_of_larger"])
     ratio, limit = max(pitches) / min(pitches), 2 * max(pitches)
     pixels = "The faces have pixels of " + " and ".join(quantity(float(pitch), "m") for pitch in pitches)
     if ratio > FACE_PITCHES[0] and window.get("band_shortest", 0.0) < limit * (1 - 1e-6):
@@ -268,7 +269,7 @@ def sample(statistics: xr.Dataset) -> Check:
 def lay(statistics: xr.Dataset, window: Attributes) -> Check | None:
     """Check that it is stated of a profile whether it is one of ridges or of an isotropic surface."""
     if "profile_warnings" in window:
-        if warnings := json.loads(window["profile_warnings"]):
+        if warnings := json_attribute(window, "profile_warnings"):
             return review(" ".join(warnings))
         if window["lay"] == "both":
             return passed(f"Waves along the lay are {number(window['stretch'])} times as long as across.")
@@ -280,8 +281,8 @@ def lay(statistics: xr.Dataset, window: Attributes) -> Check | None:
     comparison = ""
     if "relative_contact_area_if_isotropic" in statistics:
         ridges, isotropic = (
-            ", ".join(percent(area) for area in statistics[f"relative_contact_area{end}"].values)
-            for end in ("", "_if_isotropic")
+            ", ".join(percent(area) for area in statistics[f"relative_contact_area{suffix}"].values)
+            for suffix in ("", "_if_isotropic")
         )
         comparison = (
             f"Contact area of endless ridges, as shown: {ridges}; of an isotropic surface: {isotropic}."
@@ -330,7 +331,7 @@ def slope(statistics: xr.Dataset) -> Check:
     gradient = float(statistics["rms_gradient"])
     text = f"The rms gradient is {number(gradient)}"
     approximate, rough = STEEP
-    if gradient > STEEPEST:
+    if gradient > MAX_GRADIENT:
         return failed(
             f"{text}: no rough surface is so steep.", advice="Check the units of heights and steps."
         )
@@ -364,18 +365,18 @@ def steep_places(window: Attributes) -> Check:
     )
 
 
-def reading(height: Attributes, levelled: Attributes) -> Check:
+def reading(height: Attributes, attrs: Attributes) -> Check:
     """Check that the file was read without a warning; what the user asked for is a note."""
-    warnings = json.loads(height.get("ingest_warnings", "[]"))
+    measurement = Measurement.read(height)
+    warnings, facts = measurement.warnings, {*measurement.facts}
     if not warnings:
         return passed("Read without a warning.")
-    facts = set(json.loads(height.get("ingest_facts", "[]")))
     findings = dict(zip(warnings, warnings, strict=True))
-    spikes = json.loads(height.get("ingest_spikes", "{}")) if levelled.get("outlier_threshold") else {}
+    spikes = measurement.spikes if attrs.get("outlier_threshold") else {}
     findings.update(spikes)  # the check of the outliers judges them
     if spikes:
-        removed = "and removed" if levelled.get("outliers_rejected") else "in vain: none was removed"
-        findings[[*spikes][-1]] += f"; isolated ones were searched for {removed}"
+        success = "and removed" if attrs.get("outliers_rejected") else "in vain: none was removed"
+        findings[[*spikes][-1]] += f"; isolated ones were searched for {success}"
     files = tuple(f"{name}: " for name in height.get("source_file", "").split(" + "))  # not capitalised
     text = " ".join(
         f"{finding[0] if finding.startswith(files) else finding[0].upper()}{finding[1:].rstrip('.')}."

@@ -6,14 +6,13 @@ from enum import StrEnum
 from functools import partial
 from typing import NamedTuple
 
-from roughcontact.variables import ANSWERS
+from roughcontact.arguments.answers import ANSWERS
 
 PASSED, REVIEW, FAILED = "passed", "review", "failed"
 NOTE = "note"  # worth knowing, but in the interval or in what was asked for; it does not affect the verdict
 NOT_MADE = "not made"  # for lack of data; it does not affect the verdict
 _ELLIPSIS = " …"
-_LONGEST_SENTENCE = 200  # letters, in a list
-_MAIN_ANSWERS = ("relative_contact_area", "mean_contact_pressure")
+_MAX_SENTENCE_LENGTH = 200  # letters, in a list
 VERDICTS = {PASSED: "use", REVIEW: "review", FAILED: "do not use"}  # in the order of the flag `verdict`
 
 
@@ -48,6 +47,7 @@ class CheckName(StrEnum):
     WINDOW = "Window"
     LAYERS = "Layers"
     LOCAL_SCALE = "Local scale"
+    FLUID = "Fluid"
     MEAN_FREE_PATH = "Mean free path"
     PLASTICITY = "Plasticity"
     LOAD_RANGE = "Load range"
@@ -76,14 +76,14 @@ passed, noted, review, failed, not_made = (
 )
 
 
-def verdict_of(checks: Iterable[Check], *answers: str) -> str:
+def worst_result(checks: Iterable[Check], *answers: str) -> str:
     """Return the worst outcome of the checks that concern an answer, by default area and pressure in contact.
 
     It is a key of `VERDICTS`; notes count as passed, and `review` stands where no check was made.
     """
-    concerned = set(answers or _MAIN_ANSWERS)
+    relevant = set(answers or (name for name, answer in ANSWERS.items() if answer.main))
     outcomes = {
-        PASSED if check.outcome == NOTE else check.outcome for check in checks if concerned & {*check.answers}
+        PASSED if check.outcome == NOTE else check.outcome for check in checks if relevant & {*check.answers}
     }
     return next((outcome for outcome in (FAILED, REVIEW, PASSED) if outcome in outcomes), REVIEW)
 
@@ -93,13 +93,13 @@ def not_passed(checks: Iterable[Check]) -> list[Check]:
     return [check for check in checks if check.outcome in (FAILED, REVIEW)]
 
 
-def by_importance(checks: Iterable[Check]) -> list[Check]:
+def sort_by_importance(checks: Iterable[Check]) -> list[Check]:
     """Return warnings and failed checks, failed ones first, each in the order of `CheckName`.
 
     Examples
     --------
     >>> flows, rejected = Check("Plasticity", REVIEW, "It flows."), Check("Outliers", REVIEW, "They carry.")
-    >>> [check.name for check in by_importance([flows, rejected, Check("Window", FAILED, "A step.")])]
+    >>> [check.name for check in sort_by_importance([flows, rejected, Check("Window", FAILED, "A step.")])]
     ['Window', 'Outliers', 'Plasticity']
     """
     order = list(CheckName)
@@ -119,14 +119,14 @@ def reason_text(check: Check, *, letters: int | None = None) -> str:
     >>> reason_text(Check("Sample", REVIEW, "The map is small.", ("mean_gap", "sealing")))
     'Sample (mean gap, sealing): The map is small'
     """
-    concerned = f" ({concerns(check)})" if concerns(check) else ""
-    head = f"{check.name}{concerned}:"
-    advice = textwrap.shorten(check.advice, _LONGEST_SENTENCE, placeholder=_ELLIPSIS)
-    room = _LONGEST_SENTENCE if letters is None else max(letters - len(head) - len(advice) - 2, 0)
+    subject = f" ({concerns(check)})" if concerns(check) else ""
+    head = f"{check.name}{subject}:"
+    advice = textwrap.shorten(check.advice, _MAX_SENTENCE_LENGTH, placeholder=_ELLIPSIS)
+    room = _MAX_SENTENCE_LENGTH if letters is None else max(letters - len(head) - len(advice) - 2, 0)
     # the finding is cut first: what to do stays
     finding = ""
     if room > len(_ELLIPSIS):
-        finding = textwrap.shorten(check.finding, min(room, _LONGEST_SENTENCE), placeholder=_ELLIPSIS)
+        finding = textwrap.shorten(check.finding, min(room, _MAX_SENTENCE_LENGTH), placeholder=_ELLIPSIS)
     text = " ".join(filter(None, (head, finding, advice))).rstrip(".")
     return text if letters is None else textwrap.shorten(text, letters, placeholder=_ELLIPSIS)
 
@@ -139,7 +139,7 @@ def concerns(check: Check) -> str:
     >>> concerns(Check("Sample", REVIEW, "The map is small.", ("mean_gap", "sealing")))
     'mean gap, sealing'
     """
-    unconcerned = [answer_words for answer, answer_words in ANSWERS.items() if answer not in check.answers]
-    if len(unconcerned) < len(check.answers):
-        return f"all but {', '.join(unconcerned)}" if unconcerned else ""
-    return ", ".join(ANSWERS[answer] for answer in check.answers)
+    exceptions = [answer.words for name, answer in ANSWERS.items() if name not in check.answers]
+    if len(exceptions) < len(check.answers):
+        return f"all but {', '.join(exceptions)}" if exceptions else ""
+    return ", ".join(ANSWERS[name].words for name in check.answers)

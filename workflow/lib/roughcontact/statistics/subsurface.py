@@ -1,7 +1,7 @@
 """Stresses below the surface of a contact, and the load at which they make a body yield."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import chain, pairwise
 from typing import Any, NamedTuple
@@ -9,14 +9,15 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.elasticity.layers import stack_of
-from roughcontact.elasticity.subsurface import subsurface_stress, tresca, von_mises
-from roughcontact.maps import sides_around
+from roughcontact.arguments.maps import sides_around
+from roughcontact.arguments.materials import layers_in, materials_in
+from roughcontact.contact.elasticity.layers import body_stack
+from roughcontact.contact.elasticity.subsurface import subsurface_stress, tresca, von_mises
 
 # Depths in even steps of ln(1 + z/z0): in equal ratios, but for the first below the surface.
 _FINEST = 1 / 8  # z0, of a pixel
 _STEP = 0.25
-_DEEPEST = 2  # longer sides: there less than 1e-4 of any wave is left
+_MAX_DEPTH = 2  # longer sides: there less than 1e-4 of any wave is left
 # Between two depths the stress at a point follows the polynomial through so many, linear in so many parts.
 _FITTED = 6
 _SUBINTERVALS = 16
@@ -49,7 +50,13 @@ def interface_depths(body: Body) -> np.ndarray:
     >>> print(interface_depths({"layers": [{"thickness": 1e-6}, {"thickness": 2e-6}]}))
     [1.e-06 3.e-06]
     """
-    return np.cumsum([float(layer["thickness"]) for layer in body.get("layers") or ()])
+    return np.cumsum([float(layer["thickness"]) for layer in layers_in(body)])
+
+
+def interface_coordinates(body: Body) -> dict[Hashable, tuple]:
+    """Return the depths (m) of the lower faces of the layers of a body as a coordinate; of none without."""
+    depths = interface_depths(body)
+    return {"interface_depth": ("interface", depths)} if depths.size else {}
 
 
 def strained_body(bodies: Bodies | None) -> Body | None:
@@ -77,7 +84,7 @@ def yield_stresses(body: Body) -> list[float]:
     >>> yield_stresses({"yield_stress": 7e8, "layers": [{"thickness": 2e-6}]})
     [inf, 700000000.0]
     """
-    return [material.get("yield_stress") or math.inf for material in _materials(body)]
+    return [material.get("yield_stress") or math.inf for material in materials_in(body)]
 
 
 def largest_over_yield(statistics: Mapping[str, Any] | xr.Dataset, body: Body) -> np.ndarray:
@@ -89,14 +96,15 @@ def largest_over_yield(statistics: Mapping[str, Any] | xr.Dataset, body: Body) -
     >>> print(largest_over_yield({"material_von_mises_stress": [[3.5e9, 7e8]]}, film))
     [1.]
     """
-    if body.get("layers"):
-        ratio = np.asarray(statistics["material_von_mises_stress"]) / yield_stresses(body)
-        return np.asarray(ratio.max(axis=-1))
-    return np.asarray(statistics["max_von_mises_stress"]) / yield_stresses(body)[0]
+    stresses = statistics.get("material_von_mises_stress")  # of several materials
+    if stresses is None:
+        stresses = np.asarray(statistics["max_von_mises_stress"])[..., None]
+    ratio = np.asarray(stresses) / yield_stresses(body)
+    return np.asarray(ratio.max(axis=-1))
 
 
 def stress_columns(
-    pressure: np.ndarray, steps: tuple[float, float], *, free: bool = False, **body: Any
+    pressure: np.ndarray, steps: tuple[float, float], *, border: int = 0, **body: Any
 ) -> dict[str, Any]:
     """Return the largest stresses (Pa) below a pressure (ny, nx; Pa), where they act, and their profile.
 
@@ -105,40 +113,43 @@ def stress_columns(
     each lower face. `volume_above_yield` (m), the volume by area beyond the yield stress (Pa), is infinite
     where the stress of the mean pressure alone exceeds it. Against sums over hundreds of depths of 290 maps,
     stresses are exact to 0.1 %, and the volume to 0.5 % at yield stresses of 0.6 to 0.95 of the largest
-    stress. `free`: of a body of finite size, below its contact and an eighth of the width beside it.
+    stress. Of a map that ends at a `border`: below its contact and an eighth of the width beside it.
     """
-    layered, limits = bool(body.get("layers")), yield_stresses(body)
-    region = (slice(None), slice(None))
-    if free:
-        region = sides_around(pressure > 0, lambda width: 2 + width // 8)
-    elastic = {"body": stack_of(body)} if layered else {"poissons_ratio": body["poissons_ratio"]}
-    stress_at = subsurface_stress(pressure[region], steps, free=free, **elastic)
+    has_layers, limits = bool(body.get("layers")), yield_stresses(body)
+    pressure_field, origin = pressure, [0, 0]
+    if border:  # the half-space goes on beyond the map
+        sides = sides_around(pressure > 0, lambda width: 0)
+        margins = [2 + (side.stop - side.start - 1) // 8 for side in sides]
+        pressure_field = np.pad(pressure[sides], [(margin, margin) for margin in margins])
+        origin = [side.start - margin for side, margin in zip(sides, margins, strict=True)]
+    elastic = {"body": body_stack(body)} if has_layers else {"poissons_ratio": body["poissons_ratio"]}
+    stress_at = subsurface_stress(pressure_field, steps, images=not border, **elastic)
     sections = _depths(pressure.shape, steps, body)
     ratio = body.get("poissons_ratio") or 0.0
     uniform_stress = float(pressure.mean()) * (1 - 2 * ratio) / (1 - ratio)
-    unlimited = not free and body.get("base") is None and uniform_stress > limits[-1]
-    volume, best, profile, shear = math.inf if unlimited else 0.0, [], [], 0.0
+    is_unbounded = not border and body.get("base") is None and uniform_stress > limits[-1]
+    volume, best, profile, shear = math.inf if is_unbounded else 0.0, [], [], 0.0
     faces = [0.0, *interface_depths(body)]
     for number, (depths, limit) in enumerate(zip(sections, limits, strict=True)):
         in_material = partial(stress_at, material=number)
-        largest, above = _in_material(in_material, depths, faces[number], limit, shear)
+        largest, above = _material_maxima(in_material, depths, faces[number], limit, shear)
         volume += above
         profile += [candidate.von_mises for candidate in largest[: depths.size]]
         best.append(max(largest, key=lambda candidate: candidate.von_mises))
         shear = max(shear, *(candidate.tresca for candidate in largest))
     largest_overall = max(best, key=lambda candidate: candidate.von_mises)
-    row, column = np.unravel_index(largest_overall.position, pressure[region].shape)
+    row, column = np.unravel_index(largest_overall.position, pressure_field.shape)
     columns: dict[str, Any] = {
         "max_von_mises_stress": largest_overall.von_mises,
         "max_von_mises_depth": largest_overall.depth,
-        "max_von_mises_x": (column + (region[1].start or 0)) * steps[1],
-        "max_von_mises_y": (row + (region[0].start or 0)) * steps[0],
+        "max_von_mises_x": (column + origin[1]) * steps[1],
+        "max_von_mises_y": (row + origin[0]) * steps[0],
         "max_tresca_stress": shear,
         "von_mises_profile": np.array(profile),
     }
     if min(limits) < math.inf:
-        columns["volume_above_yield"] = volume * pressure[region].size / pressure.size
-    if not layered:
+        columns["volume_above_yield"] = volume * pressure_field.size / pressure.size
+    if not has_layers:
         return columns
     lower = [stress_at(layer["thickness"], number) for number, layer in enumerate(body["layers"])]
     return columns | {
@@ -149,7 +160,7 @@ def stress_columns(
     }
 
 
-def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.Dataset:
+def add_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.Dataset:
     """Return the statistics with the mean pressure (Pa) at which a body begins to yield below its surface.
 
     `max_von_mises_stress`, with layers `material_von_mises_stress`, reaches the lower `yield_stress` (Pa)
@@ -160,13 +171,13 @@ def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.D
     if min(limits) == math.inf or "max_von_mises_stress" not in statistics:
         return statistics
     loads = statistics["mean_pressure"].values
-    extended = statistics.assign(
+    result = statistics.assign(
         first_subsurface_yield_pressure=_reached(loads, largest_over_yield(statistics, body))
     )
-    if not body.get("layers"):
-        return extended
+    if "material_von_mises_stress" not in statistics:
+        return result
     ratios = (statistics["material_von_mises_stress"].transpose("load", ...) / limits).values.T
-    return extended.assign(
+    return result.assign(
         material_first_yield_pressure=("material", [_reached(loads, ratio) for ratio in ratios])
     )
 
@@ -176,29 +187,24 @@ def _rank(body: Body) -> tuple[float, bool, float]:
     return min(yield_stresses(body)), not body.get("layers"), body.get("youngs_modulus") or math.inf
 
 
-def _materials(body: Body) -> list[Body]:
-    """Return the materials of a body from the surface inwards, without a rigid base."""
-    return [*(body.get("layers") or ()), *([] if body.get("base") == "rigid" else [body])]
-
-
 def _depths(shape: Sequence[int], steps: tuple[float, float], body: Body) -> list[np.ndarray]:
     """Return the depths (m) of each material of a body, those of its two faces among them."""
     across = [(n * d, d) for n, d in zip(shape, steps, strict=True) if n > 1]
-    finest, deepest = _FINEST * min(d for _, d in across), _DEEPEST * max(side for side, _ in across)
+    finest, deepest = _FINEST * min(d for _, d in across), _MAX_DEPTH * max(side for side, _ in across)
     faces = [0.0, *interface_depths(body)]
     if body.get("base") != "rigid":
         faces.append(max(deepest, 2 * faces[-1]))
     sections = []
     for upper, lower in pairwise(faces):
-        first, last = math.log1p(upper / finest), math.log1p(lower / finest)
-        count = max(_FITTED, math.ceil((last - first) / _STEP) + 1)
-        sections.append(finest * np.expm1(np.linspace(first, last, count)))
+        start, last = math.log1p(upper / finest), math.log1p(lower / finest)
+        count = max(_FITTED, math.ceil((last - start) / _STEP) + 1)
+        sections.append(finest * np.expm1(np.linspace(start, last, count)))
         if body.get("layers"):  # the faces without rounding
             sections[-1][[0, -1]] = upper, lower
     return sections
 
 
-def _in_material(
+def _material_maxima(
     stress_at: Callable[[float], np.ndarray], depths: np.ndarray, face: float, limit: float, shear: float
 ) -> tuple[list["_Largest"], float]:
     """Return the largest stresses at depths and near their peaks, and the volume by area above a limit.
@@ -218,7 +224,7 @@ def _in_material(
             maps = [*maps[1 - _FITTED :], equivalent]
             volume += _volume_above(limit, maps, depths, index)
     for closer in (_middles, _vertex):
-        closer_depths = (_near_peaks(largest, name, closer) for name in ("von_mises", "tresca"))
+        closer_depths = (_peak_depths(largest, name, closer) for name in ("von_mises", "tresca"))
         for depth in sorted({*chain.from_iterable(closer_depths)}):
             stress = stress_at(depth - face)
             largest.append(_largest(depth, stress, von_mises(stress)))
@@ -232,10 +238,10 @@ def _reached(loads: np.ndarray, ratio: np.ndarray) -> float:
     nearest = int(np.argmin(np.abs(ratio - 1)))
     if abs(ratio[nearest] - 1) < _FINE:  # a target of the loads, found to a tolerance
         return float(loads[nearest])
-    first = int(np.argmax(ratio >= 1))  # 0 also where none is
-    if first == 0:
+    index = int(np.argmax(ratio >= 1))  # 0 also where none is
+    if index == 0:
         return math.nan
-    pair = slice(first - 1, first + 1)
+    pair = slice(index - 1, index + 1)
     return float(np.exp(np.interp(0.0, np.log(ratio[pair]), np.log(loads[pair]))))
 
 
@@ -261,7 +267,7 @@ def _largest(depth: float, stress: np.ndarray, equivalent: np.ndarray, *, shear:
     return _Largest(float(depth), maximum, float(tresca(stress[:, candidates]).max()), position)
 
 
-def _near_peaks(
+def _peak_depths(
     largest: Sequence[_Largest], name: str, closer: Callable[[np.ndarray, np.ndarray], Sequence[float]]
 ) -> Iterator[float]:
     """Yield depths near each peak of a stress that may have the largest of all beside it."""
@@ -271,10 +277,10 @@ def _near_peaks(
     threshold = (1 - _PEAK_TOLERANCE) * stress.max()
     for peak in range(1, stress.size - 1):
         three = slice(peak - 1, peak + 2)
-        before, candidate, after = stress[three]
+        previous, candidate, following = stress[three]
         # where it is flat there is nothing to gain but rounding
-        curved = 2 * candidate - before - after > 1e-6 * candidate
-        if candidate >= max(before, after, threshold) and curved:
+        is_peak = 2 * candidate - previous - following > 1e-6 * candidate
+        if candidate >= max(previous, following, threshold) and is_peak:
             yield from closer(depths[three], stress[three])
 
 
@@ -298,9 +304,9 @@ def _volume_above(limit: float, maps: Sequence[np.ndarray], depths: np.ndarray, 
     """
     if len(maps) < _FITTED:
         return 0.0
-    middle, first = _FITTED // 2 - 1, last + 1 - _FITTED
-    layers = range(middle if first > 0 else 0, middle + 1 if last < depths.size - 1 else _FITTED - 1)
-    return sum(_layer_above(limit, maps, depths[first : last + 1], layer) for layer in layers)
+    middle, start = _FITTED // 2 - 1, last + 1 - _FITTED
+    layers = range(middle if start > 0 else 0, middle + 1 if last < depths.size - 1 else _FITTED - 1)
+    return sum(_layer_above(limit, maps, depths[start : last + 1], layer) for layer in layers)
 
 
 def _layer_above(limit: float, maps: Sequence[np.ndarray], depths: np.ndarray, layer: int) -> float:
@@ -313,8 +319,8 @@ def _layer_above(limit: float, maps: Sequence[np.ndarray], depths: np.ndarray, l
     volume = float(depths[layer + 1] - depths[layer]) * np.count_nonzero(lower_bound > limit)
     stress = stress[:, (lower_bound <= limit) & (upper_bound > limit)]
     # the polynomial through values at 0, 1, 2 ...
-    nodes, ends = np.arange(float(_FITTED)), layer + np.linspace(0, 1, _SUBINTERVALS + 1)
-    fit = np.vander(ends, _FITTED) @ np.linalg.inv(np.vander(nodes))
+    nodes, positions = np.arange(float(_FITTED)), layer + np.linspace(0, 1, _SUBINTERVALS + 1)
+    fit = np.vander(positions, _FITTED) @ np.linalg.inv(np.vander(nodes))
     # by einsum: for so many points a product of matrices would wake the threads of BLAS
     upper = np.einsum("i,ij", fit[0], stress)
     for weights, thickness in zip(fit[1:], np.diff(fit @ depths), strict=True):

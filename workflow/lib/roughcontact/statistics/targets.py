@@ -8,17 +8,18 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.bodies import have_layers
-from roughcontact.checking import check_choice, check_positive
-from roughcontact.choices import LoadTarget
+from roughcontact.arguments.bodies import bodies_for_solver
+from roughcontact.arguments.checking import check_choice, check_positive
+from roughcontact.arguments.choices import LoadTarget
+from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.materials import top_material
 from roughcontact.contact.loads import check_loads, plan_loads
 from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.maps import spacing
-from roughcontact.sealing.connectivity import percolates
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.statistics.first_yield import first_yield_pressure
+from roughcontact.statistics.sealing.connectivity import percolates
 from roughcontact.statistics.subsurface import (
     Bodies,
     Body,
@@ -32,7 +33,7 @@ from roughcontact.statistics.theory import xu_area
 TARGETS = ("target_area", "target_gap", "target")  # keys of the settings, as arguments of `target_loads`
 _SOLVER = ("tolerance", "influence", "precision")
 _CLOSE = 1e-4  # of the logarithm of the load, to which it is found
-_SMALLEST_LOAD = 0.01  # load in units of E* g over the number of points, which a single point carries
+_MIN_LOAD = 0.01  # load in units of E* g over the number of points, which a single point carries
 _FULL = 50.0  # excess of full contact over any target, in the logarithm
 
 
@@ -56,8 +57,7 @@ def target_loads(
     `solver` are arguments of `solve_contact`.
     """
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
-    if have_layers(bodies):
-        solver["bodies"] = bodies
+    solver |= bodies_for_solver(bodies)
     gradient = nondimensionalise(window).gradient
     if gradient == 0:
         raise HeightMapError(
@@ -70,7 +70,7 @@ def target_loads(
         """Return pressure and gap at a load."""
         return _state(window, load, contact_modulus=modulus, hardness=hardness, **solver)
 
-    crossing = partial(_crossing, lower_limit=_SMALLEST_LOAD * unit / window.size, limit=hardness)
+    crossing = partial(_crossing, lower_limit=_MIN_LOAD * unit / window.size, limit=hardness)
 
     def area_excess(target_value: float, load: float) -> float:
         """Return by how much the area exceeds the wanted one, in the logarithm."""
@@ -101,12 +101,12 @@ def target_loads(
                 keys=["target_area"],
             )
         loads.append(load)
-    unloaded = float(window.max() - window.mean())
+    max_gap = float(window.max() - window.mean())
     for target_value in [] if target_gap is None else check_loads("target_gap", target_gap, unit="m"):
-        if target_value >= unloaded:
+        if target_value >= max_gap:
             raise SettingsError(
                 f"target_gap = {target_value:g} m: must be less than the mean gap of the unloaded surfaces, "
-                f"{unloaded:.3g} m",
+                f"{max_gap:.3g} m",
                 keys=["target_gap"],
             )
         load = crossing(partial(gap_excess, target_value), 0.05 * unit)
@@ -126,15 +126,15 @@ def target_loads(
 def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> list[float]:
     """Return the mean pressures (Pa) of the section `contact`: as stated, relative, planned, by target."""
     material: dict[str, Any] = {key: contact.get(key) for key in ("contact_modulus", "hardness")}
-    stated, targets = (
+    load_settings, targets = (
         {key: value for key in keys if (value := contact.get(key)) is not None}
         for keys in (("mean_pressure", "relative_pressure"), TARGETS)
     )
-    loads = plan_loads(window, **material, **stated) if stated or not targets else []
+    loads = plan_loads(window, **material, **load_settings) if load_settings or not targets else []
     if targets:
         solver = {key: contact[key] for key in (*_SOLVER, "bodies") if key in contact}
-        found = target_loads(window, **material, **targets, threads=threads, **solver)
-        loads += [load for load in found if load not in loads]
+        loads_of_targets = target_loads(window, **material, **targets, threads=threads, **solver)
+        loads += [load for load in loads_of_targets if load not in loads]
     if not loads:
         raise SettingsError(
             f"{' and '.join(targets)}: what is asked for is there as soon as the surfaces touch, at any "
@@ -146,8 +146,8 @@ def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: i
 
 def _state(window: xr.DataArray, load: float, **solver: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return pressure and gap at a load."""
-    solved = solve_contact(window, mean_pressure=load, on_failure="flag", **solver)
-    return solved["pressure"].values[0], solved["gap"].values[0]
+    solution = solve_contact(window, mean_pressure=load, on_failure="flag", **solver)
+    return solution["pressure"].values[0], solution["gap"].values[0]
 
 
 def _first_yield(
@@ -155,7 +155,7 @@ def _first_yield(
 ) -> float:
     """Return the load of first yield, below the surface where a yield stress is known."""
     limit = min(yield_stresses(body))
-    if limit == math.inf or (body.get("poissons_ratio") is None and not body.get("layers")):
+    if limit == math.inf or top_material(body).get("poissons_ratio") is None:
         if hardness is None:
             raise SettingsError(
                 "target = 'first_yield' needs the yield_stress of a body, or a hardness; the body its "

@@ -8,8 +8,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from roughcontact.references.closed_forms import hertz
+from roughcontact.contact.elasticity.closed_forms import hertz
 
+# columns of the statistics: contact areas of endless half-spaces
+AREAS = ("area_persson", "area_xu", "area_bush_gibson_thomas", "area_greenwood_williamson")
 _BISECTIONS = 60  # halves a bracket of relative width 0.6 to rounding
 _SEPARATIONS = np.linspace(-8.0, 12.0, 2001)  # plane above the mean summit, in standard deviations
 _RINGS, _CONVERGED = 150, 1e-10  # of a rough ball after Greenwood and Tripp
@@ -182,8 +184,8 @@ def greenwood_williamson_area(
     pressure, area = greenwood_williamson_curve(summits, contact_modulus=contact_modulus)
     with np.errstate(divide="ignore"):
         load = np.log(mean_pressure)
-    interpolated = np.exp(np.interp(load, np.log(pressure), np.log(area), left=np.nan, right=np.nan))
-    return np.where(interpolated <= 1, interpolated, np.nan)
+    area_at_load = np.exp(np.interp(load, np.log(pressure), np.log(area), left=np.nan, right=np.nan))
+    return np.where(area_at_load <= 1, area_at_load, np.nan)
 
 
 def greenwood_tripp(
@@ -209,7 +211,7 @@ def greenwood_tripp(
     dict
         `contact_area` (m2) of all summits, NaN beyond that of the loaded circle; `max_pressure` (Pa),
         nominal, in the middle; `loaded_radius` (m), (3/8) F/∫ p dr, which is that of the contact where p is
-        Hertz's. NaN for a map without summits.
+        Hertz's. NaN for a map without summits, or none above rounding.
 
     References
     ----------
@@ -247,17 +249,19 @@ def greenwood_tripp(
     bulk = r**2 / (2 * radius * spread)
     approach = bulk[0] + influence[0] @ (scale * _moment(1.5, t)) - t[0]
 
-    def excess(unknown: np.ndarray) -> np.ndarray:
-        pressure = scale * _moment(1.5, unknown[:-1])
-        balance = unknown[:-1] - bulk + unknown[-1] - influence @ pressure
+    def excess(solution: np.ndarray) -> np.ndarray:
+        pressure = scale * _moment(1.5, solution[:-1])
+        balance = solution[:-1] - bulk + solution[-1] - influence @ pressure
         return np.append(balance, areas @ pressure / force - 1)
 
-    def jacobian(unknown: np.ndarray) -> np.ndarray:
-        slope = 1.5 * scale * _moment(0.5, unknown[:-1])
+    def jacobian(solution: np.ndarray) -> np.ndarray:
+        slope = 1.5 * scale * _moment(0.5, solution[:-1])
         rings = np.hstack([np.eye(_RINGS) + influence * slope, np.ones((_RINGS, 1))])
         return np.vstack([rings, np.append(-areas * slope / force, 0.0)])
 
-    t = root(excess, np.append(t, approach), jac=jacobian, tol=_CONVERGED).x[:-1]
+    solution = root(excess, np.append(t, approach), jac=jacobian, tol=_CONVERGED)
+    # it does not converge where rounding hides the summits
+    t = np.where(solution.success, solution.x[:-1], np.nan)
     pressure = scale * _moment(1.5, t)
     loaded_radius = float(3 * force / (8 * (pressure @ np.diff(edges))))
     area = float(np.pi * density * tip * spread * (areas @ _moment(1.0, t)))

@@ -5,19 +5,19 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import check_periodic_solution
-from roughcontact.contact.dataset import elasticity_of, problem_of
+from roughcontact.arguments.checking import check_periodic_solution
+from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.si import as_si
+from roughcontact.arguments.variables import describe
+from roughcontact.contact.dataset import recorded_elasticity, recorded_problem
+from roughcontact.contact.elasticity.halfspace import HalfSpace
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.solve import solve_contact
-from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.errors import SettingsError
-from roughcontact.maps import spacing
-from roughcontact.si import in_si
 from roughcontact.statistics.contact_geometry import point_area, relative_contact_area
-from roughcontact.variables import describe
 
 
-@in_si
+@as_si
 def unload(
     contact: xr.Dataset,
     *,
@@ -67,7 +67,7 @@ def unload(
 
     Examples
     --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
     >>> height = rough_reference_surface(64)
     >>> loaded = solve_contact(height, contact_modulus=1.0, mean_pressure=[0.05, 0.1], hardness=0.5)
     >>> unloaded = unload(loaded, mean_pressure=[0.1, 0.05])
@@ -82,9 +82,9 @@ def unload(
             "hardness=... to see what flow leaves"
         )
     hardness = float(contact["hardness"])
-    solved = sorted(contact["mean_pressure"].values.tolist(), reverse=True)
-    top = solved[0] if peak_pressure is None else check_loads("peak_pressure", peak_pressure, unit="Pa")[0]
-    loads = [top, *(load for load in solved if load < top)]
+    pressures = sorted(contact["mean_pressure"].values.tolist(), reverse=True)
+    top = pressures[0] if peak_pressure is None else check_loads("peak_pressure", peak_pressure, unit="Pa")[0]
+    loads = [top, *(load for load in pressures if load < top)]
     if mean_pressure is not None:
         loads = check_loads("mean_pressure", mean_pressure, unit="Pa")
     if max(loads) > top:
@@ -93,19 +93,19 @@ def unload(
             "the surface would flow further; solve_contact loads it",
             keys=("mean_pressure",),
         )
-    problem = problem_of(contact) | {"tolerance": tolerance, "threads": threads}
+    problem = recorded_problem(contact) | {"tolerance": tolerance, "threads": threads}
     height = contact["height"]
     # once more to this tolerance: what the overlap has of an error, the pressures of all lower loads have
-    loaded = solve_contact(height, mean_pressure=top, hardness=hardness, **problem)
-    depth = plastic_depth(loaded.isel(load=0).drop_vars("mean_pressure"), threads=threads)
+    loading = solve_contact(height, mean_pressure=top, hardness=hardness, **problem)
+    depth = plastic_depth(loading.isel(load=0).drop_vars("mean_pressure"), threads=threads)
     residual = (height - depth).assign_attrs(height.attrs)
-    unloaded = solve_contact(residual, mean_pressure=loads, **problem)
+    unloading = solve_contact(residual, mean_pressure=loads, **problem)
     mean_depth = float(depth.mean())
     return describe(
-        unloaded.assign(
+        unloading.assign(
             relative_contact_area=(
                 "load",
-                [relative_contact_area(c) for c in unloaded["contact"].values > 0],
+                [relative_contact_area(c) for c in unloading["contact"].values > 0],
             ),
             residual_height=residual,
             plastic_depth=depth,
@@ -117,18 +117,18 @@ def unload(
     )
 
 
-def plastic_depth(loaded: xr.Dataset, *, threads: int = 1) -> xr.DataArray:
+def plastic_depth(loading: xr.Dataset, *, threads: int = 1) -> xr.DataArray:
     """Return by how much (m) flow has lowered the heights at one load: the overlap of the elastic bodies.
 
     The solver gives points at the hardness a gap of zero; the overlap there is that of G p - h + approach,
     whose constant follows from all other points, where the gap is known.
     """
-    height, pressure = loaded["height"], np.require(loaded["pressure"].values, dtype=float)
+    height, pressure = loading["height"], np.require(loading["pressure"].values, dtype=float)
     (ny, nx), (dy, dx) = height.shape, spacing(height)
-    elasticity = elasticity_of(loaded)
+    elasticity = recorded_elasticity(loading)
     body = HalfSpace((ny, nx), (ny * dy, nx * dx), elasticity, threads=threads)
     separation = body.displacement(pressure) / elasticity.modulus - height.values
-    at_hardness = pressure >= float(loaded["hardness"])
-    gap = separation + np.mean((loaded["gap"].values - separation)[~at_hardness])
+    at_hardness = pressure >= float(loading["hardness"])
+    gap = separation + np.mean((loading["gap"].values - separation)[~at_hardness])
     depth = np.where(at_hardness, np.maximum(-gap, 0.0), 0.0)
     return xr.DataArray(depth, coords=height.coords, dims=height.dims, name="plastic_depth")

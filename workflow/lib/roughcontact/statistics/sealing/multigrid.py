@@ -49,8 +49,8 @@ def multigrid(root: sp.csr_array, coordinates: np.ndarray) -> tuple[sp.csr_array
     True
     """
     levels: list[_Level] = []
-    transposed = root.T.tocsr()
-    finest = matrix = transposed @ root
+    transpose = root.T.tocsr()
+    finest = matrix = transpose @ root
     while matrix.shape[0] > _COARSEST:
         points = np.arange(matrix.shape[0])
         aggregate, count = _aggregates(matrix, coordinates // _BLOCK)
@@ -62,20 +62,20 @@ def multigrid(root: sp.csr_array, coordinates: np.ndarray) -> tuple[sp.csr_array
         constant = sp.csr_array((np.ones(points.size), aggregate, np.append(points, points.size)))
         across = root @ constant  # nothing inside an aggregate
         across.eliminate_zeros()
-        smooth = sp.diags_array(weight) @ (transposed @ across)
+        smooth = sp.diags_array(weight) @ (transpose @ across)
         prolong = (constant - smooth).tocsr()
         levels.append(_Level(matrix, weight[:, None], prolong, prolong.T.tocsr()))
         root = (across - root @ smooth).tocsr()
         root = root[np.diff(root.indptr) > 0]
-        transposed = root.T.tocsr()
-        matrix = transposed @ root
-        first = np.empty(count, int)
-        first[aggregate] = points  # any member has the place of its block
-        coordinates = coordinates[first] // _BLOCK
+        transpose = root.T.tocsr()
+        matrix = transpose @ root
+        representative = np.empty(count, int)
+        representative[aggregate] = points  # any member has the place of its block
+        coordinates = coordinates[representative] // _BLOCK
     scaling = np.sqrt(_inverse(matrix.diagonal()))
     values, vectors = np.linalg.eigh(scaling[:, None] * matrix.toarray() * scaling)
-    solved = values > values.size * np.finfo(float).eps  # the others are constants, which are free
-    modes = scaling[:, None] * vectors[:, solved] / np.sqrt(values[solved])
+    is_regular = values > values.size * np.finfo(float).eps  # the others are constants, which are free
+    modes = scaling[:, None] * vectors[:, is_regular] / np.sqrt(values[is_regular])
 
     def cycle(residual: np.ndarray, depth: int = 0) -> np.ndarray:
         """Return the correction of one V-cycle, from a level downwards."""
@@ -103,26 +103,26 @@ def minimised(
     rounding makes a step impossible.
     """
     solution, residual = np.zeros_like(forces), forces.copy()
-    solved = _SOLVED * np.abs(forces).max(axis=0, initial=0.0)
-    direction = preconditioned = precondition(residual)
-    product = _products(residual, preconditioned)
+    limit = _SOLVED * np.abs(forces).max(axis=0, initial=0.0)
+    direction = correction = precondition(residual)
+    product = _products(residual, correction)
     while True:
         image = matrix @ direction
         curvature = _products(direction, image)
         step = np.divide(product, curvature, out=np.zeros_like(product), where=curvature > 0)
         solution += step * direction
         residual -= step * image
-        stuck = (step <= 0) & (np.abs(residual).max(axis=0, initial=0.0) > solved)
+        stuck = (step <= 0) & (np.abs(residual).max(axis=0, initial=0.0) > limit)
         yield solution, np.where(stuck, np.inf, step * product)
-        preconditioned = precondition(residual)
-        before, product = product, _products(residual, preconditioned)
-        share = np.divide(product, before, out=np.zeros_like(product), where=before > 0)
-        direction = preconditioned + share * direction
+        correction = precondition(residual)
+        previous, product = product, _products(residual, correction)
+        share = np.divide(product, previous, out=np.zeros_like(product), where=previous > 0)
+        direction = correction + share * direction
 
 
-def _products(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def _products(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return the scalar product of each pair of columns."""
-    return np.einsum("ij,ij->j", first, second)
+    return np.einsum("ij,ij->j", a, b)
 
 
 def _inverse(diagonal: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ import numpy as np
 
 from roughcontact.kernels.choose import library_available
 from roughcontact.kernels.compiled import Regions
-from roughcontact.sealing.connectivity import percolates
+from roughcontact.statistics.sealing.connectivity import percolates
 
 _SAMPLE = 4096  # points that narrow the range of levels before all heights in that range are sorted
 
@@ -50,31 +50,31 @@ def _best_half(gap: np.ndarray) -> float:
     level = 0.0
     for start in sorted({0, (points - half) // 2, points - half}):
         # an open row joins both ends, a closed column separates both sides
-        closed = np.zeros((half + 1, gap.shape[1] + 1))
-        closed[:-1, :-1] = gap[start : start + half]
-        closed[-1, :-1] = closed.max()
-        (level,) = _levels(closed, axes=(0,), above=level)
+        extended_gap = np.zeros((half + 1, gap.shape[1] + 1))
+        extended_gap[:-1, :-1] = gap[start : start + half]
+        extended_gap[-1, :-1] = extended_gap.max()
+        (level,) = _levels(extended_gap, axes=(0,), above=level)
     return level
 
 
 def _levels(gap: np.ndarray, *, axes: tuple[int, ...] = (0, 1), above: float = 0.0) -> list[float]:
     """Return the critical constriction along y and along x; `above` where it is no larger."""
-    compiled = Regions(gap) if library_available() else None
+    regions = Regions(gap) if library_available() else None
 
     def open_along(level: float) -> tuple[bool, bool]:
         """Return whether a region at least this high runs around along y, and along x."""
-        return compiled.percolates(level) if compiled else percolates(gap >= level)
+        return regions.percolates(level) if regions else percolates(gap >= level)
 
     heights = gap.ravel()
     # of each axis: a level at which it is open, or `above`, and one at which it is closed
-    is_open, closed = [above, above], [np.inf, np.inf]
+    is_open, closed_above = [above, above], [np.inf, np.inf]
     lowest = open_along(np.nextafter(heights.dtype.type(above), heights.dtype.type(np.inf)))
     sample = heights[:: max(1, heights.size // _SAMPLE)]
     for axis in axes:
         if not lowest[axis]:
             continue
         for values in (sample, heights):
-            levels = np.sort(values[(values > is_open[axis]) & (values < closed[axis])])
+            levels = np.sort(values[(values > is_open[axis]) & (values < closed_above[axis])])
             low, high = 0, levels.size
             while low < high:
                 middle = (low + high) // 2
@@ -83,6 +83,6 @@ def _levels(gap: np.ndarray, *, axes: tuple[int, ...] = (0, 1), above: float = 0
                     if around:
                         is_open[side] = max(is_open[side], level)
                     else:
-                        closed[side] = min(closed[side], level)
+                        closed_above[side] = min(closed_above[side], level)
                 low, high = (middle + 1, high) if is_open[axis] >= level else (low, middle)
     return [is_open[axis] for axis in axes]

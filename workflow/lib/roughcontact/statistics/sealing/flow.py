@@ -7,8 +7,9 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from roughcontact.sealing.connectivity import connected_regions
-from roughcontact.sealing.multigrid import minimised, multigrid
+from roughcontact.statistics.sealing.connectivity import connected_regions
+from roughcontact.statistics.sealing.gas import slip_factor
+from roughcontact.statistics.sealing.multigrid import minimised, multigrid
 
 _MAX_STEPS = 500
 _STEPS_COMPARED = 8  # steps that together must gain no more than the tolerance
@@ -51,10 +52,15 @@ def leak_columns(
     viscosity: float,
     pressure_difference: float,
     width: float,
+    outlet_pressure: float | None = None,
+    mean_free_path: float | None = None,
 ) -> dict[str, np.ndarray]:
     """Return the leak rate per length of a seal (m2/s) along x and y: Φ ū³ Δp/(12 η w).
 
-    ū and w in m, the viscosity η in Pa s, Δp in Pa.
+    ū and w in m, the viscosity η in Pa s, Δp in Pa. An ideal gas, behind whose seal is the pressure p₂ of its
+    outlet (Pa), leaks (p₁² - p₂²)/(2 p₂) instead of Δp in volume at p₂, by Darcy's law; with its mean free
+    path (m) at p₂ it slips (`slip_factor`), at the narrowest place, a column of `flow_factors`, and at the
+    mean pressure.
 
     Examples
     --------
@@ -65,9 +71,14 @@ def leak_columns(
     >>> print(f"{found['leak_rate_x'] * 1e6 * 3600:.2f} ml per hour and metre")
     3.00 ml per hour and metre
     """
-    by_flow = np.asarray(mean_gap, float) ** 3 * pressure_difference / (12 * viscosity * width)
+    expansion = 1 + pressure_difference / (2 * outlet_pressure) if outlet_pressure else 1.0
+    by_flow = np.asarray(mean_gap, float) ** 3 * pressure_difference * expansion / (12 * viscosity * width)
+    path = (mean_free_path or 0.0) / expansion
     return {
-        f"leak_rate_{axis}": by_flow * np.asarray(flow_factors[f"flow_factor_{axis}{axis}"]) for axis in "xy"
+        f"leak_rate_{axis}": by_flow
+        * np.asarray(flow_factors[f"flow_factor_{axis}{axis}"])
+        * (slip_factor(flow_factors[f"critical_constriction_{axis}"], path) if path else 1.0)
+        for axis in "xy"
     }
 
 
@@ -75,42 +86,42 @@ def _tensor(
     gap: np.ndarray, steps: tuple[float, float], axes: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return along some axes the flow factors of a gap in units of its mean, and <g G> of each axis."""
-    cubed = gap**3
-    is_open = cubed >= np.finfo(float).tiny
+    cubes = gap**3
+    is_open = cubes >= np.finfo(float).tiny
     unknowns = int(is_open.sum())
     number = np.empty(gap.shape, int)
     number[is_open] = np.arange(unknowns)
     links = []
     for axis in (0, 1):
-        ahead = np.roll(cubed, -1, axis)
-        linked = is_open & np.roll(is_open, -1, axis)
-        cubed_gap, cubed_ahead = cubed[linked], ahead[linked]
+        ahead = np.roll(cubes, -1, axis)
+        is_link = is_open & np.roll(is_open, -1, axis)
+        cubed_gap, cubed_ahead = cubes[is_link], ahead[is_link]
         # half a cell of each in series; the product of the cubes may underflow
         conductance = (
             2 * cubed_gap * (cubed_ahead / (cubed_gap + cubed_ahead)) * steps[1 - axis] / steps[axis]
         )
         # half the sum of both gaps, over the width of the link: what a sliding face carries through it
-        carried = (gap[linked] + np.roll(gap, -1, axis)[linked]) / 2 * steps[1 - axis]
-        links.append((number[linked], np.roll(number, -1, axis)[linked], conductance, carried))
-    start, end = (np.concatenate([link[side] for link in links]) for side in (0, 1))
+        mean_gap = (gap[is_link] + np.roll(gap, -1, axis)[is_link]) / 2 * steps[1 - axis]
+        links.append((number[is_link], np.roll(number, -1, axis)[is_link], conductance, mean_gap))
+    start, stop = (np.concatenate([link[side] for link in links]) for side in (0, 1))
     conductance = np.concatenate([link[2] for link in links])
     # mean pressure drop over each link, for a unit gradient along each of the axes
     drops = np.zeros((conductance.size, axes.size))
-    first = links[0][2].size
-    sides, carried = (slice(first), slice(first, None)), [link[3] for link in links]
+    count = links[0][2].size
+    sides, mean_gap = (slice(count), slice(count, None)), [link[3] for link in links]
     for column, axis in enumerate(axes):
         drops[sides[axis], column] = steps[axis]
     root = np.sqrt(conductance)
     rows = np.tile(np.arange(root.size), 2)
     difference = sp.coo_array(
-        (np.concatenate([-root, root]), (rows, np.concatenate([start, end]))), shape=(root.size, unknowns)
+        (np.concatenate([-root, root]), (rows, np.concatenate([start, stop]))), shape=(root.size, unknowns)
     ).tocsr()
     drops *= root[:, None]
     # what a sliding face drives is linear in the pressure, and so less exact than the energy: watched, too
     weights = np.zeros_like(drops)
     for column, axis in enumerate(axes):
-        weights[sides[axis], column] = carried[axis] / root[sides[axis]]
-    undisturbed, response = (weights * drops).sum(axis=0), difference.T @ weights
+        weights[sides[axis], column] = mean_gap[axis] / root[sides[axis]]
+    uniform_flow, response = (weights * drops).sum(axis=0), difference.T @ weights
     energy = (drops**2).sum(axis=0)
     gains: deque[np.ndarray] = deque(maxlen=_STEPS_COMPARED)
     driven: deque[np.ndarray] = deque(maxlen=_STEPS_COMPARED)
@@ -119,11 +130,11 @@ def _tensor(
     for step, (pressure, gain) in enumerate(solutions):
         gains.append(gain)
         energy -= gain
-        driven.append(undisturbed + (response * pressure).sum(axis=0))
+        driven.append(uniform_flow + (response * pressure).sum(axis=0))
         if (
             len(gains) == _STEPS_COMPARED
             and (sum(gains) <= tolerance * energy).all()
-            and (np.ptp(driven, axis=0) <= tolerance * undisturbed).all()
+            and (np.ptp(driven, axis=0) <= tolerance * uniform_flow).all()
         ):
             drops += difference @ pressure
             area = gap.size * steps[0] * steps[1]

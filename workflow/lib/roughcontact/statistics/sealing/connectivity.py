@@ -53,16 +53,16 @@ def _joined_over_seams(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
             above[name] = root, y, x  # path compression
         return root, y, x
 
-    for axis, last, first in ((0, labels[-1], labels[0]), (1, labels[:, -1], labels[:, 0])):
-        adjacent = (last > 0) & (first > 0)
-        for a, b in np.unique(np.stack([last[adjacent], first[adjacent]], axis=1), axis=0).tolist():
+    for axis, last, start in ((0, labels[-1], labels[0]), (1, labels[:, -1], labels[:, 0])):
+        adjacent = (last > 0) & (start > 0)
+        for a, b in np.unique(np.stack([last[adjacent], start[adjacent]], axis=1), axis=0).tolist():
             (root, y, x), (neighbour, other_y, other_x) = root_of(a), root_of(b)
             # the seam connects `a` with the next periodic image of `b`
-            apart = y - other_y + (axis == 0), x - other_x + (axis == 1)
+            offset = y - other_y + (axis == 0), x - other_x + (axis == 1)
             if root == neighbour:
-                around[root] |= np.array(apart) != 0
+                around[root] |= np.array(offset) != 0
             else:
-                above[neighbour] = root, *apart
+                above[neighbour] = root, *offset
                 around[root] |= around[neighbour]
     roots = np.arange(count + 1)
     for name in list(above):

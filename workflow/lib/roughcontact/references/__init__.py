@@ -1,1 +1,0 @@
-"""What the program is held against: closed forms, and surfaces made by formula."""

@@ -1,0 +1,169 @@
+"""What is allowed: the totals of a seal or a joint, and whether they hold, by their intervals over the loads.
+
+What may be allowed is a row of `arguments.answers.ALLOWED_VALUES`, what is a total one of `TOTALS`.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from roughcontact.arguments.answers import ALLOWED_VALUES, TOTALS
+
+ENDS = ("", "_lower", "_upper")
+
+Ends = Sequence[npt.ArrayLike] | np.ndarray  # value, lower and upper end (load)
+
+
+class Comparison(NamedTuple):
+    """A number over the loads, compared with what is allowed.
+
+    Attributes
+    ----------
+    holds : array (load)
+        1 where the whole interval is at most what is allowed, 0 where it is above, else NaN.
+    crossing, lower, upper : float
+        the load from which on the number holds (up to which, if it rises), and the bounds of that load by the
+        interval. Beyond the loads nothing is known: the crossing is the first load where the number holds at
+        all of them, NaN where at none; the bounds are what the loads prove, else 0 or NaN.
+    """
+
+    holds: np.ndarray
+    crossing: float
+    lower: float
+    upper: float
+
+
+def compare(load: npt.ArrayLike, ends: Ends, *, allowed: float, trend: int = -1) -> Comparison:
+    """Return where a number over the loads is at most what is `allowed`, by its value, lower and upper end.
+
+    It falls with the load, or another abscissa (`trend` -1), or rises (1): what one load decides, heavier or
+    lighter ones share. An end that is not known bounds nothing. Between two loads it is the power law through
+    both, beside a value of 0 nothing is.
+
+    Examples
+    --------
+    A leak that falls as the square of the load, known to a factor 2, of which 1 is allowed:
+
+    >>> load = np.array([1.0, 2.0, 4.0])
+    >>> found = compare(load, (4 / load**2, 2 / load**2, 8 / load**2), allowed=1.0)
+    >>> found.holds, [round(end, 2) for end in found[1:]]
+    (array([ 0., nan,  1.]), [2.0, 1.41, 2.83])
+    """
+    # from where it is least likely to hold to where it is most
+    order = np.argsort(-trend * np.asarray(load, float), kind="stable")
+    loads = np.asarray(load, float)[order]
+    value, lower, upper = (np.asarray(end, float)[order] for end in ends)
+    lower = np.maximum.accumulate(np.nan_to_num(lower, nan=-np.inf)[::-1])[::-1]
+    upper = np.minimum.accumulate(np.nan_to_num(upper, nan=np.inf, posinf=np.inf))
+    holds = np.full(loads.shape, np.nan)
+    agree = (lower <= upper) & ~np.isnan(value)  # ends that contradict each other decide nothing
+    holds[order] = np.where(agree & (upper <= allowed), 1.0, np.where(agree & (lower > allowed), 0.0, np.nan))
+    everywhere, nowhere = (0.0, np.nan) if trend < 0 else (np.nan, 0.0)  # nothing bounds it beyond the loads
+    of_lower = _crossing(loads, lower, allowed, beyond=(everywhere, float(loads[-1])), side=0)
+    of_upper = _crossing(loads, upper, allowed, beyond=(float(loads[0]), nowhere))
+    crossing = _crossing(loads, value, allowed, beyond=(float(loads[0]), np.nan))
+    return Comparison(holds, crossing, *((of_lower, of_upper) if trend < 0 else (of_upper, of_lower)))
+
+
+def _crossing(
+    loads: np.ndarray, end: np.ndarray, allowed: float, *, beyond: tuple[float, float], side: int = 1
+) -> float:
+    """Return the load from which on an end is at most what is allowed.
+
+    `beyond` has what is returned where that is everywhere, and nowhere; of two loads without a power law
+    between them, `side` 1 is the one where it holds.
+    """
+    above = np.flatnonzero(~(end <= allowed))
+    if not above.size:
+        return beyond[0]
+    if (last := above[-1]) == end.size - 1:
+        return beyond[1]
+    before, after = end[last], end[last + 1]
+    if not (after > 0 and np.isfinite(before)):
+        return float(loads[last + side])
+    share = np.log(before / allowed) / np.log(before / after)
+    return float(loads[last] * (loads[last + 1] / loads[last]) ** share)
+
+
+def with_allowed(
+    statistics: xr.Dataset, settings: Mapping[str, Any], *, area: float | None = None
+) -> xr.Dataset:
+    """Return statistics with the totals of seal and joint, and whether what is allowed holds.
+
+    `settings` is their section (SI), `area` (m2) that of the contact, for joints without one. Added:
+    `TOTALS`, and for each allowed value `allowed_{name}`, `{name}_holds` (load: 1, 0, NaN where it is not
+    decided) and `{name}_holds_from` (Pa), the mean pressure from which on it holds (up to which, of a
+    pressure), with `_lower` and `_upper`.
+
+    Examples
+    --------
+    >>> leaks = {f"leak_rate_x{end}": ("load", [4e-9, 1e-9]) for end in ENDS}
+    >>> statistics = xr.Dataset(leaks, {"mean_pressure": ("load", [1e6, 2e6])})
+    >>> found = with_allowed(statistics, {"seal": {"perimeter": 0.1, "allowed_leak": 2e-10}})
+    >>> found["leak_holds"].values, round(found["leak_holds_from"].item() / 1e6, 2)
+    (array([0., 1.]), 1.41)
+    """
+    stated: dict[str, Any] = {"area": area}
+    for section in (settings, settings.get("seal") or {}, settings.get("joint") or {}):
+        stated |= {key: entry for key, entry in section.items() if entry is not None}
+    for name, limit in (settings.get("requirement") or {}).items():
+        stated |= {} if limit is None else {f"allowed_{name}": limit}
+    complete = statistics.assign(_totals(statistics, stated))
+    columns: dict[str, Any] = {}
+    for name, allowed in ALLOWED_VALUES.items():
+        limit = stated.get(f"allowed_{name}")
+        if limit is None or not any(number in complete for number in allowed.numbers):
+            continue
+        found = compare(
+            complete["mean_pressure"].values,
+            compared_ends(complete, name),
+            allowed=limit**allowed.sense,
+            trend=allowed.trend,
+        )
+        columns |= {f"allowed_{name}": limit, f"{name}_holds": ("load", found.holds)}
+        columns |= {f"{name}_holds_from{end}": load for end, load in zip(ENDS, found[1:], strict=True)}
+    return complete.assign(columns)
+
+
+def compared_ends(statistics: xr.Dataset, name: str) -> np.ndarray:
+    """Return what is compared with an allowed value, by its value, lower and upper end (3, load).
+
+    It is the largest of its numbers, NaN for an end that is not there; the reciprocal of what has to be at
+    least as large, so that it is at most what is allowed.
+    """
+    allowed, nan = ALLOWED_VALUES[name], np.full(statistics.sizes["load"], np.nan)
+    numbers = [number for number in allowed.numbers if number in statistics]
+    ends = np.array(
+        [np.max([statistics.get(f"{number}{end}", nan) for number in numbers], axis=0) for end in ENDS]
+    )
+    with np.errstate(divide="ignore"):
+        return ends if allowed.sense > 0 else 1 / ends[[0, 2, 1]]
+
+
+def _totals(statistics: xr.Dataset, stated: Mapping[str, Any]) -> dict[str, xr.DataArray]:
+    """Return the totals, with their ends, of what is stated of seal or joint."""
+    numbers = statistics.assign(_resistance_of_joint(statistics))
+    return {
+        f"{total}{end}": numbers[f"{name}{end}"]
+        * np.prod([stated[key] ** power for key, power in powers.items()])
+        for total, (name, powers) in TOTALS.items()
+        for end in ENDS
+        if f"{name}{end}" in numbers and all(stated.get(key) for key in powers)
+    }
+
+
+def _resistance_of_joint(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Return the thermal resistance times area: of the contact alone, or with film and gas."""
+    if "joint_conductance" not in statistics:
+        names = {f"resistance_of_joint{end}": f"thermal_resistance{end}" for end in ENDS}
+        return {key: statistics[name] for key, name in names.items() if name in statistics}
+    opposite = {"": "", "_lower": "_upper", "_upper": "_lower"}
+    with np.errstate(divide="ignore"):
+        return {
+            f"resistance_of_joint{end}": 1 / statistics[name]
+            for end in ENDS
+            if (name := f"joint_conductance{opposite[end]}") in statistics
+        }

@@ -1,0 +1,127 @@
+"""Yes or no, and when it is decided: whether the gap is closed to a fluid, and whether a body yields.
+
+Both are monotone in the load: a gap that is closed for certain stays closed under more of it, and a body that
+yields goes on; what is certainly open, or elastic, was so under less.
+"""
+
+import numpy as np
+
+from roughcontact.arguments.answers import AREA, PEAK, PRESSURE
+from roughcontact.arguments.variables import Numbers
+from roughcontact.statistics.kinds import facts_of_numbers
+from roughcontact.surface.roughness.texture import LAY
+
+CLOSED = 1e-9  # m; an opening below it, some molecules, is closed
+# m2/s, of a leak that counts as none: for a liquid as water a tenth of the tightness class L0.01 of EN 13555,
+# 0.01 mg/(s m)
+TIGHT = 1e-12
+# contact area below which a gap is open, with a lay and without (Str). Of the parts of the measured maps of
+# `benchmarks/results/bank` below it, 3 × 3 a map, along x and along y, are open:
+OPEN_BELOW = (0.1, 0.3)
+OPEN_PARTS = ((1273, 1292), (637, 642))
+# share of the parts of a window that may differ from the window itself, and the least number of parts: where
+# all but two of eight parts of those maps are as the window, the ninth is in 2944 of 3029 cases
+_MAX_DIFFERENT, _MIN_PARTS = 0.25, 6
+_HARDNESS_ROUNDING = 1e-9
+
+
+def gap_is_closed(numbers: Numbers, axis: str) -> np.ndarray:
+    """Return per load 1 where the gap is closed along an axis for certain, 0 where it is open, else NaN.
+
+    It is closed in full contact and where the upper end of the narrowest place is below `CLOSED`, or that of
+    the leak below `TIGHT`; open where the lower end is above, or the upper end of the contact area below
+    `OPEN_BELOW`; either where nearly all parts of the window, which are smaller, are as the window.
+
+    Examples
+    --------
+    >>> narrowest = {"critical_constriction_x": [5e-8, 2e-8, 0.0], "mean_pressure": [1e5, 2e5, 3e5]}
+    >>> ends = {f"critical_constriction_x_{end}": [0.0, 0.0, 0.0] for end in ("lower", "upper")}
+    >>> area = {"relative_contact_area_upper": [0.08, 0.4, 0.9], "Str": 0.2}
+    >>> ends["critical_constriction_x_upper"] = [1e-7, 5e-8, 5e-10]
+    >>> gap_is_closed(narrowest | ends | area, "x")
+    array([ 0., nan,  1.])
+    """
+    name = f"critical_constriction_{axis}"
+    value, lower, upper = (_of_loads(numbers, f"{name}{end}") for end in ("", "_lower", "_upper"))
+    tight = _of_loads(numbers, f"leak_rate_{axis}_upper") <= TIGHT
+    full = _of_loads(numbers, f"{AREA}_lower") >= 1
+    without_lay = float(np.asarray(numbers.get("Str", np.nan))) > LAY
+    sparse = _of_loads(numbers, f"{AREA}_upper") < OPEN_BELOW[without_lay]
+    closed_parts, open_parts = _shares(numbers, f"{name}_parts", value.size)
+    yes = (upper <= CLOSED) | tight | full | ((value <= CLOSED) & (closed_parts >= 1 - _MAX_DIFFERENT))
+    no = (lower > CLOSED) | ((value > CLOSED) & (sparse | (open_parts >= 1 - _MAX_DIFFERENT)))
+    return _monotone(numbers, yes=yes, no=no)
+
+
+def _shares(numbers: Numbers, name: str, loads: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the shares of the parts of a window that are closed, and open; NaN where too few were solved."""
+    parts = np.asarray(numbers.get(name, np.full((1, loads), np.nan)), float)
+    count = np.isfinite(parts).sum(axis=0)
+    solved = np.where(count >= _MIN_PARTS, count, np.nan)
+    return (parts <= CLOSED).sum(axis=0) / solved, (parts > CLOSED).sum(axis=0) / solved
+
+
+def is_yielding(numbers: Numbers) -> np.ndarray:
+    """Return per load 1 where a body yields for certain, 0 where it does not, else NaN.
+
+    It yields where the stress below the surface does; where the largest pressure reaches the hardness in all
+    parts of the window, or so far beyond first yield that its lower end would, as the elastic one goes
+    on to rise. It does not where the upper end is below the hardness. Of a hardness with a range both ends
+    have to be reached, or neither.
+
+    Examples
+    --------
+    >>> peak = {f"max_pressure{end}": [1e9, 2e9, 2e9] for end in ("", "_lower", "_upper")}
+    >>> loads = {"mean_pressure": [1e5, 1e6, 1e7], "hardness": 2e9, "first_yield_pressure": 5e5}
+    >>> is_yielding(peak | loads | {"max_pressure_lower": [7e8, 9e8, 1e9]})
+    array([ 0., nan, nan])
+    >>> is_yielding(peak | loads | {"max_pressure_lower": [7e8, 9e8, 1.2e9]})
+    array([ 0., nan,  1.])
+    """
+    limit = _number(numbers, "hardness") * (1 - _HARDNESS_ROUNDING)
+    softest, hardest = (
+        limit if np.isnan(end := _number(numbers, f"hardness_{side}")) else end * (1 - _HARDNESS_ROUNDING)
+        for side in ("lower", "upper")
+    )
+    value, lower, upper = (_of_loads(numbers, f"{PEAK}{end}") for end in ("", "_lower", "_upper"))
+    below = _of_loads(numbers, "volume_above_yield")  # infinite where all of a body yields
+    beyond = _of_loads(numbers, "mean_pressure") / _number(numbers, "first_yield_pressure")
+    rise = np.maximum(beyond, 1.0) ** facts_of_numbers(numbers).power_of_largest_pressure
+    everywhere = (lower * np.nan_to_num(rise, nan=1.0) >= softest) | (
+        1.5 * _of_loads(numbers, f"{PRESSURE}_lower")
+        >= softest  # a smooth spot has 1.5 times its mean (Hertz)
+    )
+    if f"{PEAK}_parts" in numbers:
+        parts = np.asarray(numbers[f"{PEAK}_parts"], float)
+        everywhere |= np.isfinite(parts).any(axis=0) & (np.fmin.reduce(parts, axis=0) >= limit)
+    if hardest > limit:
+        everywhere &= upper >= hardest
+    elastic = (value < limit) & (upper < softest) & ~(below > 0)
+    if np.isnan(limit):  # the stress below the surface is all that is known
+        elastic = below == 0
+    return _monotone(numbers, yes=(below > 0) | ((value >= limit) & everywhere), no=elastic)
+
+
+def _monotone(numbers: Numbers, *, yes: np.ndarray, no: np.ndarray) -> np.ndarray:
+    """Return 1 from the lightest load on that is decided yes, 0 up to the heaviest that is decided no.
+
+    Where the two contradict each other, neither is.
+    """
+    order = np.argsort(_of_loads(numbers, "mean_pressure"), kind="stable")
+    from_here = np.logical_or.accumulate(yes[order])
+    up_to_here = np.logical_or.accumulate(no[order][::-1])[::-1]
+    decision = np.full(order.shape, np.nan)
+    decision[order] = np.where(from_here & ~up_to_here, 1.0, np.where(up_to_here & ~from_here, 0.0, np.nan))
+    return decision
+
+
+def _of_loads(numbers: Numbers, name: str) -> np.ndarray:
+    """Return a number of the loads, NaN at all of them where there is none."""
+    per_load = next(numbers[key] for key in ("mean_pressure", "mean_gap", PEAK) if key in numbers)
+    shape = np.atleast_1d(np.asarray(per_load, float)).shape
+    return np.broadcast_to(np.asarray(numbers.get(name, np.nan), float), shape)
+
+
+def _number(numbers: Numbers, name: str) -> float:
+    """Return a number of the surface, NaN where there is none."""
+    return float(np.asarray(numbers.get(name, np.nan)))

@@ -1,0 +1,110 @@
+"""Which loads of two results are the same, and results at loads between: one rule for all comparisons.
+
+Loads are paired by what they are, never by their order: by mean pressure, or relative to E* g where more of
+them agree so, the rest by the other of both. Two are the same where they agree to a thousandth: an area is
+nearly proportional to its load, and no interval of one is as narrow. Only where all results have the same
+stated loads, which targets turn into other pressures, are they taken as they were stated.
+"""
+
+from collections.abc import Sequence
+from itertools import chain
+
+import numpy as np
+import scipy
+import xarray as xr
+
+from roughcontact.arguments.quantities import quantity
+from roughcontact.errors import SettingsError
+
+SAME_LOAD = 1e-3  # relative
+
+
+def paired_loads(
+    first: xr.Dataset, second: xr.Dataset, *, as_stated: bool = False
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the indices of the loads of two results that belong together, in the order of the first.
+
+    With `as_stated` equally many loads are paired by `place`, that of a load among the stated ones. Without
+    a relative pressure that over E* counts.
+
+    Examples
+    --------
+    >>> steel, rubber = (xr.Dataset({"mean_pressure": ("load", loads)}) for loads in ([1.0, 2.0], [2.0, 4.0]))
+    >>> [indices.tolist() for indices in paired_loads(steel, rubber)]
+    [[1], [0]]
+    >>> moduli = {"contact_modulus": 10.0}, {"contact_modulus": 20.0}
+    >>> both = [data.assign(modulus) for data, modulus in zip((steel, rubber), moduli)]
+    >>> [indices.tolist() for indices in paired_loads(*both)]
+    [[0, 1], [0, 1]]
+    """
+    pascals = [data["mean_pressure"].values for data in (first, second)]
+    if as_stated and pascals[0].size == pascals[1].size:
+        by_place = [np.argsort(data.get("place", data["mean_pressure"]).values) for data in (first, second)]
+        return by_place[0], by_place[1]
+    relative = [
+        np.asarray(data.get("relative_pressure", load / float(data.get("contact_modulus", np.nan))))
+        for data, load in zip((first, second), pascals, strict=True)
+    ]
+    alike = [np.argwhere(same_load(loads[0][:, None], loads[1])).tolist() for loads in (pascals, relative)]
+    partners: dict[int, int] = {}
+    for index, partner in chain(*sorted(alike, key=len, reverse=True)):
+        if index not in partners and partner not in partners.values():
+            partners[index] = partner
+    ordered = sorted(partners)
+    return np.array(ordered, int), np.array([partners[index] for index in ordered], int)
+
+
+def same_load(first: np.ndarray, second: np.ndarray | float) -> np.ndarray:
+    """Return which loads are the same; NaN is none.
+
+    Examples
+    --------
+    >>> same_load(np.array([1.0, 1.0005, 2.0, np.nan]), 1.0).tolist()
+    [True, True, False, False]
+    """
+    return np.isclose(first, second, rtol=SAME_LOAD, atol=0.0)
+
+
+def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> np.ndarray:
+    """Return the loads (Pa, rising) at which all maps are known, some of them by interpolation."""
+    map_loads = [data["mean_pressure"].values.astype(float) for data in datasets]
+    low, high = max(value[0] for value in map_loads), min(value[-1] for value in map_loads)
+    if low > high * (1 + SAME_LOAD):
+        lowest, last = (
+            names[[value[index] for value in map_loads].index(limit)]
+            for index, limit in ((0, low), (-1, high))
+        )
+        raise SettingsError(
+            f"{label}: no load in common, {lowest} begins at {quantity(low, 'Pa', digits=5)} and {last} ends "
+            f"at {quantity(high, 'Pa', digits=5)}; solve them at the same mean_pressure, or at more loads"
+        )
+    all_loads = np.sort(np.concatenate(map_loads))
+    all_loads = all_loads[(all_loads >= low * (1 - SAME_LOAD)) & (all_loads <= high * (1 + SAME_LOAD))]
+    distinct = all_loads[np.r_[True, np.diff(all_loads) > SAME_LOAD * all_loads[:-1]]]
+    limit = max(value.size for value in map_loads)
+    if distinct.size <= limit:
+        return distinct
+    solved = np.all([same_load(distinct[:, None], value).any(axis=1) for value in map_loads], axis=0)
+    grid = np.geomspace(low, high, limit)
+    return np.sort(np.r_[distinct[solved], grid[~same_load(grid[:, None], distinct[solved]).any(axis=1)]])
+
+
+def interpolated(map_loads: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return numbers (load, ...), known at a map's own rising loads, at others within their range.
+
+    Else they are interpolated (monotone cubic in the logarithm); NaN or infinite, where a neighbour is.
+
+    Examples
+    --------
+    >>> interpolated(np.array([1.0, 100.0]), np.array([1.0, 10.0]), np.array([2.0, 4.0]))
+    array([2., 3.])
+    """
+    nearest = np.abs(map_loads[None, :] - loads[:, None]).argmin(axis=1)
+    if same_load(map_loads[nearest], loads).all():
+        return values[nearest]
+    finite = np.isfinite(values)
+    within = np.clip(np.log(loads), *np.log(map_loads[[0, -1]]))  # up to rounding
+    curve = scipy.interpolate.PchipInterpolator(np.log(map_loads), np.where(finite, values, 0.0))
+    next_index = np.clip(np.searchsorted(map_loads, loads), 1, map_loads.size - 1)
+    unknown = np.where(finite, 0.0, values)  # 0, NaN or infinite
+    return curve(within) + unknown[next_index] + unknown[next_index - 1]

@@ -1,0 +1,348 @@
+"""Running-in: how sliding wears a rough face against a smooth one, with a bound of the heights in time.
+
+Archard's law, dh/ds = -k p over the sliding distance s, is the gradient flow of the convex function Phi(h) =
+max of <p, h> - <p, G p>/2 over the pressures of the prescribed mean, whose gradient is the contact pressure:
+means over the map, u = G p. An implicit step h' = h - k Δs p(h') is the contact of h on a Winkler foundation
+of compliance k Δs in series with the half-space, so that solver and certificate stay as they are, any step is
+stable, and two faces never grow more unlike: an error of the measurement does not grow.
+
+The bound in time: with U = h' + t (h - h') on the way of a step and u the exact face, the mean square of
+u - U grows, by k Δs, by at most 2 (B(U) - ||p(U) - p(h')||^2/4), B(U) = Phi(U) - Phi(h') - <p(h'), U - h'>,
+because Phi(g) lies above its tangent at h by ||p(g) - p(h)||^2/2 or more, in the norm of G. By the same B(U)
+is at most t B(h) - ((1 - t) ||p(U) - p(h')||^2 + t ||p(h) - p(U)||^2)/2. The triangle inequality and the mean
+over t leave B(h) - 5/18 ||p(h) - p(h')||^2; Nochetto, Savaré and Verdi (2000) have B(h).
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.arguments.checking import check_positive
+from roughcontact.arguments.choices import Influence
+from roughcontact.arguments.kinds import facts_of, properties_of_map
+from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.si import as_si
+from roughcontact.arguments.variables import describe
+from roughcontact.contact.dataset import FieldsInUnits, load_result, unit_of_pressure
+from roughcontact.contact.elasticity.energy import elastic_energy
+from roughcontact.contact.elasticity.influence import Elasticity
+from roughcontact.contact.loads import check_loads
+from roughcontact.contact.problem import Problem, nondimensionalise
+from roughcontact.contact.solve import elasticity, periodic_solutions, solve_contact
+from roughcontact.errors import SettingsError
+from roughcontact.statistics.contact_geometry import relative_contact_area
+from roughcontact.statistics.contact_statistics import contact_statistics
+
+STEP_SHARE = 0.1  # of what remains of the squared tolerance, for each step
+CONVEXITY = 5 / 18  # share of ||p(h) - p(h')||^2 that the convexity of Phi takes off the bound of a step
+SAFETY, MAX_GROWTH = 0.8, 4.0  # of the next step: below its predicted length, and over the last one
+SETTLED = 1.1  # ratio of the contact areas after and before a doubling of the distance
+_STARTS = 2000  # of doublings that are tried
+
+
+class _Solved(NamedTuple):
+    """The contact of a face, as `load_result` takes it."""
+
+    fields: FieldsInUnits
+    solution: Any
+    approach: float  # m
+    problem: Problem
+
+
+class _Worn(NamedTuple):
+    """The face after a distance (m), its contact, and what the bound of its heights needs."""
+
+    distance: float
+    height: xr.DataArray  # m
+    contact: _Solved
+    energy: float  # upper bound of Phi, Pa m
+    missing: float  # upper bound of the error of the pressure in the norm of G, (Pa m)^(1/2)
+    squared_error: float = 0.0  # bound of the mean square of the error of the heights, m2
+
+
+@as_si
+def run_in(
+    window: xr.DataArray,
+    *,
+    wear_coefficient: float | str,
+    sliding_distance: float | str | Sequence[float | str],
+    mean_pressure: float | str,
+    contact_modulus: float | str | None = None,
+    bodies: Sequence[Mapping[str, Any]] | None = None,
+    hardness: float | None = None,
+    influence: Influence = "sampled",
+    tolerance: float = 0.02,
+    solver_tolerance: float = 1e-4,
+    statistics: Mapping[str, Any] | None = None,
+    threads: int = 1,
+) -> xr.Dataset:
+    """Return the face that sliding against a smooth counterface leaves, and its contact, over the distance.
+
+    Each point loses height as Archard [1]_ says, k times its pressure times the distance. The steps are
+    implicit, and so long that the bound of Nochetto, Savaré and Verdi [2]_, with what the solver leaves open,
+    keeps to the tolerance. k is constant, debris leaves and nothing is transferred, nothing is heated, the
+    direction of sliding makes no difference, and the mean pressure is constant.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        as for `solve_contact`: a single rough face.
+    wear_coefficient : float or str, 1/Pa
+        k, worn volume over load and distance: "1e-7 mm3/(N m)".
+    sliding_distance : float or sequence of float, m
+        rising distances whose faces are returned; 0 is the face as it is.
+    mean_pressure : float, Pa
+        nominal pressure.
+    contact_modulus : float, Pa
+        E*, unless `bodies` are given as for `solve_contact`.
+    bodies : sequence of mappings, optional
+        instead of E*; properties such as conductivities are for the statistics.
+    hardness : float, Pa, optional
+        largest pressure, as for `solve_contact`; flow itself leaves no trace in the heights.
+    influence : {"sampled", "elements"}
+        as for `solve_contact`.
+    tolerance : float
+        largest `time_error_bound` over the rms height of the window; infinite: one step to each distance.
+    solver_tolerance : float
+        of each contact; what it leaves open is part of that bound.
+    statistics : mapping, optional
+        further arguments of `contact_statistics`, as `seal`.
+    threads : int
+        of the solver.
+
+    Returns
+    -------
+    Dataset
+        along `sliding_distance`: `height` (y, x; m), which can be measured and solved again, the numbers of
+        `contact_statistics`, `worn_volume` (m, by nominal area: the mean worn depth), `max_worn_depth` (m),
+        `time_error_bound` (m: of the root mean square over the map of the error of the heights that steps and
+        solver make), `wear_steps` up to there, and `running_in_distance` (m), from which on the contact area
+        grows by less than 10 % while the distance doubles; NaN where the last doubling still exceeds that.
+
+    Raises
+    ------
+    SettingsError
+        for a wear coefficient or distances that do not serve, a map of two rough faces, and as
+        `solve_contact`.
+    HeightMapError, ConvergenceError
+        as `solve_contact`.
+
+    References
+    ----------
+    .. [1] J. F. Archard (1953), Contact and rubbing of flat surfaces, J. Appl. Phys. 24, 981.
+    .. [2] R. H. Nochetto, G. Savaré, C. Verdi (2000), A posteriori error estimates for variable time-step
+       discretizations of nonlinear evolution equations, Comm. Pure Appl. Math. 53, 525.
+
+    Examples
+    --------
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
+    >>> face = rough_reference_surface(64)
+    >>> worn = run_in(face, contact_modulus=1.0, mean_pressure=0.1, wear_coefficient=0.1,
+    ...               sliding_distance=[0.0, 2.0], tolerance=0.1)
+    >>> worn["worn_volume"].values.round(6), worn["relative_contact_area"].values.round(2)
+    (array([0.  , 0.02]), array([0.34, 0.86]))
+    """
+    _check_faces(window, wear_coefficient)
+    wear = check_positive("wear_coefficient", wear_coefficient, unit="1/Pa")
+    distances = _check_distances(sliding_distance)
+    (load,) = check_loads("mean_pressure", mean_pressure, unit="Pa")
+    material = elasticity(contact_modulus, bodies, influence, hardness)
+    first = solve_contact(
+        window,
+        contact_modulus=contact_modulus,
+        bodies=bodies,
+        mean_pressure=load,
+        hardness=hardness,
+        influence=influence,
+        tolerance=solver_tolerance,
+        threads=threads,
+    )
+    rows, course = [], []
+    for steps, worn in enumerate(
+        worn_faces(first, material, wear, distances, tolerance=tolerance, threads=threads)
+    ):
+        course.append((worn.distance, relative_contact_area(worn.contact.fields.pressure > 0)))
+        if worn.distance in distances:
+            numbers = _numbers(worn, first, material, {"bodies": bodies} | dict(statistics or {}))
+            rows.append(numbers.assign(wear_steps=steps))
+    along = xr.concat(rows, xr.Variable("sliding_distance", distances))
+    return describe(along.assign(running_in_distance=running_in_distance(*np.transpose(course))))
+
+
+def worn_faces(
+    contact: xr.Dataset,
+    material: Elasticity,
+    wear: float,
+    distances: Sequence[float],
+    *,
+    tolerance: float,
+    threads: int = 1,
+) -> Iterator[_Worn]:
+    """Yield the face as it is, and after each step, some of which end at the rising `distances` (m).
+
+    `contact` is that of the face at one load; `wear` is the coefficient (1/Pa), `tolerance` relative to the
+    rms height. The squared bound grows by D = k Δs (Phi(h) - Phi(h')) - mean (h' - h)^2 in each step, by at
+    most k^2 Δs^2 times a quarter of the variance of the pressure before it: the first step is as long as that
+    allows. D of short steps grows as their cube, which predicts those that follow.
+
+    Yields
+    ------
+    _Worn
+        whose distances rise from 0.
+    """
+    height, load = contact["height"], contact["mean_pressure"].item()
+    solve = partial(_solved, load=load, tolerance=contact.attrs["tolerance"], threads=threads)
+    solved = solve(height, material, start=contact["pressure"].values[0])
+    worn = _Worn(0.0, height, solved, *_bounds(height, solved, material))
+    yield worn
+    allowed, length = (tolerance * float(height.std())) ** 2, 0.0
+    for end in distances:
+        while worn.distance < end:
+            share = STEP_SHARE * max(allowed - worn.squared_error, 0.0)
+            spread = float(worn.contact.fields.pressure.std())
+            certain = 2 * math.sqrt(share) / (wear * spread) if spread > 0 else math.inf
+            length = max(length, certain)
+            step = min(length, end - worn.distance)
+            after = _step(worn, material, wear, step, solve)
+            growth = after.squared_error - worn.squared_error
+            factor = min(SAFETY * (share / growth) ** (1 / 3), MAX_GROWTH) if growth > 0 else MAX_GROWTH
+            # a step that was cut short to end at a distance says nothing against a longer one
+            length = factor * step if step == length else max(length, factor * step)
+            if growth <= share or step <= certain:
+                worn = after._replace(distance=end) if step == end - worn.distance else after
+                yield worn
+            else:
+                length = factor * step
+
+
+def _step(
+    worn: _Worn, material: Elasticity, wear: float, step: float, solve: Callable[..., _Solved]
+) -> _Worn:
+    """Return the face after an implicit step (m) of Archard's law."""
+    depth = wear * step  # by pressure, m/Pa
+    series = replace(material, foundation=depth * material.modulus)
+    with_wear = solve(worn.height, series, start=worn.contact.fields.pressure)
+    lost = depth * with_wear.fields.pressure
+    height = worn.height - lost
+    solved = solve(height, material, start=with_wear.fields.pressure)
+    energy, missing = _bounds(height, solved, material)
+    # whatever the solver left open, the pressure of the step is a subgradient of Phi at h' up to the
+    # difference of Phi and its own energy, and that counts twice: as an error of the step, and in D
+    pressure, size = with_wear.fields.pressure, partial(_norm, height=height, material=material)
+    own_energy = float(np.mean(pressure * height.values)) - size(pressure) ** 2 / 2
+    change = size(worn.contact.fields.pressure - pressure) - worn.missing
+    change -= math.sqrt(2 * max(energy - own_energy, 0.0))
+    growth = depth * (worn.energy + energy - 2 * own_energy - CONVEXITY * max(change, 0.0) ** 2)
+    squared_error = worn.squared_error + max(growth - float(np.mean(lost**2)), 0.0)
+    return _Worn(worn.distance + step, height, solved, energy, missing, squared_error)
+
+
+def _solved(
+    height: xr.DataArray,
+    material: Elasticity,
+    *,
+    start: np.ndarray,
+    load: float,
+    tolerance: float,
+    threads: int,
+) -> _Solved:
+    """Return the contact of a face under a load (Pa), from the pressure (Pa) of a similar one."""
+    problem = nondimensionalise(height, threads=threads)
+    guess = start / unit_of_pressure(problem, material.modulus)
+    solutions = periodic_solutions(
+        problem, [load], material, tolerance=tolerance, start=guess, threads=threads
+    )
+    return _Solved(*next(solutions), problem)
+
+
+def _bounds(height: xr.DataArray, solved: _Solved, material: Elasticity) -> tuple[float, float]:
+    """Return upper bounds of Phi (Pa m) of a face, and of the error of its pressure in the norm of G."""
+    pressure = solved.fields.pressure
+    size = _norm(pressure, height, material)
+    missing = solved.solution.error_bound * size
+    return float(np.mean(pressure * height.values)) - (size**2 - missing**2) / 2, missing
+
+
+def _norm(pressure: np.ndarray, height: xr.DataArray, material: Elasticity) -> float:
+    """Return the norm of G of a pressure (Pa) on a face, whose square is twice the elastic energy."""
+    return math.sqrt(2 * elastic_energy(pressure, spacing(height), material))
+
+
+def running_in_distance(distances: np.ndarray, areas: np.ndarray) -> float:
+    """Return the distance (m) from which on the contact area grows by less than 10 % with each doubling.
+
+    Between the steps the area is linear in the logarithm of the distance. 0 where it never grows by more, NaN
+    where it does so up to the last doubling, or where the steps include none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> areas = np.array([0.1, 0.1, 0.2, 0.3, 0.315, 0.32])
+    >>> print(f"{running_in_distance(np.array([0, 1, 2, 4, 8, 16]), areas):.2f}")
+    3.59
+    """
+    logarithm, area = np.log(distances[distances > 0]), areas[distances > 0]
+    doubling = math.log(2)
+    if not logarithm.size or logarithm[-1] - doubling < logarithm[0]:
+        return math.nan
+    starts = np.linspace(logarithm[0], logarithm[-1] - doubling, _STARTS)
+    ratios = np.interp(starts + doubling, logarithm, area) / np.interp(starts, logarithm, area)
+    growing = np.flatnonzero(ratios >= SETTLED)
+    if not growing.size:
+        return 0.0
+    last = int(growing[-1])
+    return math.nan if last == _STARTS - 1 else float(np.exp(starts[last + 1]))
+
+
+def _numbers(worn: _Worn, first: xr.Dataset, material: Elasticity, settings: Mapping[str, Any]) -> xr.Dataset:
+    """Return the face, how far it is worn since the `first` contact, and the numbers of its own."""
+    loaded = {"mean_pressure": first["mean_pressure"].item()}
+    contact = load_result(
+        *worn.contact[:3],
+        problem=worn.contact.problem,
+        window=worn.height,
+        loads=loaded,
+        elasticity=material,
+        attrs=first.attrs,
+    )
+    counted = contact_statistics(contact, **settings).isel(load=0)
+    numbers = counted[[name for name, variable in counted.variables.items() if not variable.dims]]
+    depth = first["height"].values - worn.height.values
+    return numbers.reset_coords(drop=True).assign(
+        height=worn.height.drop_attrs(),
+        worn_volume=float(depth.mean()),
+        max_worn_depth=float(depth.max()),
+        time_error_bound=math.sqrt(worn.squared_error),
+    )
+
+
+def _check_faces(window: xr.DataArray, wear_coefficient: Any) -> None:
+    """Raise SettingsError for a map of two rough faces, or wear of the counterface."""
+    if reason := facts_of(window.attrs).reason_against("run_in", properties_of_map(window.attrs)):
+        raise SettingsError(reason)
+    if np.ndim(wear_coefficient) > 0:
+        raise SettingsError(
+            f"wear_coefficient = {wear_coefficient!r}: give one, of the rough face; the smooth counterface "
+            "is worn evenly by all of the face that slides over it, and stays smooth",
+            keys=["wear_coefficient"],
+        )
+
+
+def _check_distances(sliding_distance: Any) -> list[float]:
+    """Return the sliding distances (m) as a rising list, whose first may be 0."""
+    given = np.ravel(np.asarray(sliding_distance, dtype=object)).tolist()
+    if given[:1] == [0]:  # the face as it is
+        return [0.0, *(_check_distances(given[1:]) if given[1:] else [])]
+    distances = check_loads("sliding_distance", given, unit="m")
+    if any(b <= a for a, b in pairwise(distances)):
+        raise SettingsError(
+            f"sliding_distance = {given}: give each distance once, in rising order, from 0 on",
+            keys=["sliding_distance"],
+        )
+    return distances
