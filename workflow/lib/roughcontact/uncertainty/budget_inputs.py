@@ -3,9 +3,9 @@
 import numpy as np
 import xarray as xr
 
-from roughcontact.sealing.percolation import half_way_levels
 from roughcontact.statistics.contact_statistics import contact_statistics
-from roughcontact.uncertainty.headline import fields_of
+from roughcontact.statistics.sealing.percolation import half_way_levels
+from roughcontact.uncertainty.headline import iterate_fields
 from roughcontact.uncertainty.inputs import STIFFNESS
 from roughcontact.uncertainty.scales import ANSWERS, CONDUCTANCE, CONSTRICTIONS, QUANTITIES
 from roughcontact.uncertainty.solver import solver_uncertainty
@@ -25,8 +25,8 @@ def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> 
     plain[STIFFNESS] = statistics[STIFFNESS if STIFFNESS in statistics else "contact_stiffness"].values
     widths = solver_uncertainty(contact, energy=statistics["elastic_energy"].values)
     plain |= {f"{name}_uncertainty": width for name, width in widths.items()}
-    plain["index_of_the_peak"] = np.array([pressure.argmax() for pressure, _ in fields_of(contact)])
-    levels = [half_way_levels(np.where(pressure > 0, 0.0, gap)) for pressure, gap in fields_of(contact)]
+    plain["index_of_the_peak"] = np.array([pressure.argmax() for pressure, _ in iterate_fields(contact)])
+    levels = [half_way_levels(np.where(pressure > 0, 0.0, gap)) for pressure, gap in iterate_fields(contact)]
     plain |= {f"{name}_half_way": np.array([level[name] for level in levels]) for name in CONSTRICTIONS}
-    known = contact[["contact_modulus", "mean_pressure"]]
-    return known.assign({name: ("load", values) for name, values in plain.items()})
+    inputs = contact[["contact_modulus", "mean_pressure"]]
+    return inputs.assign({name: ("load", values) for name, values in plain.items()})

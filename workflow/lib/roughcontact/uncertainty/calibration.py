@@ -1,8 +1,8 @@
 """Arms of the intervals, by quantiles of the errors of a bank of measured and synthetic surfaces.
 
 Every part of each map was evaluated as the measurement; its error e = t(truth) - t(part) on the scale of the
-quantity is that against the mean of the other parts (`surface`), each of them (`next`), the whole map
-(`longer`), or pixels half as large (`octave`). The arms are quantiles of e/s, s = exp(b0 + sum b_i f_i) with
+quantity is that against the mean of the other parts (`surface`), each of them (`next`), or pixels half as
+large (`octave`). The arms are quantiles of e/s, s = exp(b0 + sum b_i f_i) with
 features f of `subwindows`, each file with the same weight: split conformal prediction (Vovk, Gammerman and
 Shafer 2005, Algorithmic Learning in a Random World; Lei, G'Sell, Rinaldo, Tibshirani and Wasserman 2018, J.
 Am. Stat. Assoc. 113, 1094, for scaled errors). They hold for a map that could be one of the bank's.
@@ -14,15 +14,18 @@ import math
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
-from roughcontact.uncertainty.scales import CONSTRICTIONS, inverse_erf_area
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PRESSURE, inverse_erf_area
 
-Measurand = Literal["surface", "next", "longer", "map"]
+Measurand = Literal["surface", "next", "map", "alone", "joint"]
+ALONE: Literal["alone"] = "alone"  # the surface by the fine map alone, where there is an overview
+JOINT: Literal["joint"] = "joint"  # as large as the overview
+MEASURANDS: tuple[Measurand, ...] = get_args(Measurand)[:-2]
 Features = Mapping[str, np.ndarray | float]  # feature -> number, or array (load)
-MAP_SCATTER = "map_scatter"  # attribute (load): standard deviation of the area between maps of this size
+_COARSER = 1.25  # pixels of an overview over the coarsest ones of the bank
 
 
 @cache
@@ -41,38 +44,77 @@ def _expected_size(slopes: Mapping[str, float], features: Features) -> np.ndarra
     return np.exp(sum(slope * np.asarray(features.get(key, 1.0)) for key, slope in slopes.items()))
 
 
-def scatter_of_maps(features: Features) -> dict[str, np.ndarray]:
-    """Return the attribute with the scatter of the area between maps of this size, on its scale (load)."""
-    return {MAP_SCATTER: _expected_size(table()[MAP_SCATTER], features)}
+def scatter_between_maps(name: str, half_width: np.ndarray | float) -> tuple[np.ndarray, float]:
+    """Return the standard deviation that maps of a surface are expected to have, and its degrees of freedom.
+
+    `half_width` is that of the source `window` of a map, on the scale of the quantity; so many degrees of
+    freedom does it count for beside the scatter of measured maps.
+    """
+    groups = table()["groups"]
+    # the pressure in contact is the load over the area
+    divisor = groups["half_width"][entry(AREA if name == PRESSURE else name)]
+    return np.asarray(half_width) / divisor, groups["freedom"]
 
 
 def arms(
-    measurand: Measurand, name: str, features: Features, area: np.ndarray, *, extent: float = 1.0
+    measurand: Measurand, name: str, features: Features, area: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how far the truth lies below and above a result (load), on its scale; negative if it is apart.
 
-    `area` (load) tells the loads of the bank apart. A share of the trend (mean of the subwindows less the
-    result) moves both; arms of a surface `extent` times as long as the map are interpolated in ln(extent) to
-    the bank's extent.
+    `area` (load) tells the loads of the bank apart. The trend, the mean of the subwindows less the result,
+    moves both where the features have it.
     """
-    if measurand == "longer":
-        share = math.log(extent) / math.log(table()["extent"])
-        surface, longer = (at_area(table()["arms"][m][entry(name)], area) for m in ("surface", "longer"))
-        lower, upper = ((1 - share) * a + share * b for a, b in zip(surface, longer, strict=True))
-    else:
-        lower, upper = at_area(table()["arms"][measurand][entry(name)], area)
+    key = "surface" if measurand == ALONE else measurand
+    lower, upper = look_up(table()["arms"][key][entry(name)], area)
     size = _expected_size(table()["size"][entry(name)], features)
-    trend = 0.0 if measurand == "map" else table()["trend"][entry(name)]
-    shift = trend * np.asarray(features["trend"]) if trend else 0.0
+    shift = 0.0 if measurand == "map" else features.get("trend", 0.0)
     return lower * size - shift, upper * size + shift
 
 
-def at_area(
-    calibrated: Mapping[str, list[float]], area: np.ndarray, keys: Sequence[str] = ("down", "up")
+def overview_arms(
+    measurand: Measurand, name: str, pixels: float, area: np.ndarray, *, sees_map: bool = True
+) -> tuple[float, np.ndarray, np.ndarray]:
+    """Return by how much the change that an overview shows counts, and its arms down and up (load).
+
+    The arms are over the expected size, `pixels` those of the overview over those of the fine map: between
+    those of the bank arms are interpolated in their logarithm, finer ones have the nearest. Of much coarser
+    ones nothing is known (inf).
+    """
+    by_pixels = table()["overview" if sees_map else "elsewhere"].get(measurand, {}).get(name)
+    if by_pixels is None:
+        return 0.0, *np.full((2, *np.shape(area)), np.inf)
+    x, logarithms = math.log(pixels), np.log([float(key) for key in by_pixels])
+    share = float(np.interp(x, logarithms, [arm["share"] for arm in by_pixels.values()]))
+    rows = np.array([look_up(arm, area) for arm in by_pixels.values()])
+    place = float(np.interp(x, logarithms, np.arange(logarithms.size)))
+    first = min(int(place), logarithms.size - 2)
+    down, up = rows[first] + (place - first) * (rows[first + 1] - rows[first])
+    if x > logarithms[-1] + math.log(_COARSER):
+        down, up = np.full((2, *np.shape(area)), np.inf)
+    return share, down, up
+
+
+def limit_of_gap(measurand: Measurand, area: np.ndarray, gap: np.ndarray) -> np.ndarray:
+    """Return how far the mean gap of the truth may lie above that of a map at most, on its scale (load).
+
+    `gap` is over the rms height of the map: on the logarithm the errors of the gap grow without end as it
+    closes, in rms heights they do not. Below the lightest load of the bank nothing is known (inf).
+    """
+    limits = table()["limit_of_gap"].get(measurand)
+    if limits is None:
+        return np.full(np.shape(area), np.inf)
+    x = np.log(np.maximum(inverse_erf_area(area), 1e-12))
+    larger = np.interp(x, limits["load"], limits["up"], left=np.inf)
+    with np.errstate(divide="ignore"):
+        return np.log1p(larger / gap)
+
+
+def look_up(
+    numbers_by_load: Mapping[str, list[float]], area: np.ndarray, keys: Sequence[str] = ("down", "up")
 ) -> list[np.ndarray]:
     """Return calibrated numbers, known by "load" (the scale of the area), at contact areas (load)."""
     x = np.log(np.maximum(inverse_erf_area(area), 1e-12))
-    return [np.interp(x, calibrated["load"], calibrated[key]) for key in keys]
+    return [np.interp(x, numbers_by_load["load"], numbers_by_load[key]) for key in keys]
 
 
 def octave_arms(name: str) -> tuple[float, float]:

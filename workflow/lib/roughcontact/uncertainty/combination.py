@@ -12,9 +12,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from roughcontact.choices import UncertaintySource
+from roughcontact.arguments import answers
+from roughcontact.arguments.choices import UncertaintySource
 from roughcontact.uncertainty import scales
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, from_scale, to_scale
+from roughcontact.uncertainty.scales import CONSTRICTIONS, from_scale, to_scale
 
 Component = np.ndarray
 Components = Mapping[str, Component]  # by quantity
@@ -24,8 +25,6 @@ COMBINED = "combined"
 SIDES = ("down", "up", "shift_down", "shift_up")
 SIGNS = np.array([[-1.0], [1.0], [-1.0], [1.0]])
 _NORMAL = 1.959963984540054  # coverage factor of 95 % for infinite degrees of freedom
-_RISING = (AREA, PEAK, scales.CONDUCTANCE)  # with the load
-_FALLING = (GAP, *CONSTRICTIONS)
 _COMMENT = (
     "half-widths of 95 % intervals, in the unit of the quantity; the larger one where an interval is "
     "asymmetric; combined: root of the sum of squares of the sources on the scale of the quantity; NaN: not "
@@ -38,8 +37,8 @@ _TABLE_VARIABLES = {"mean_pressure", *(f"{name}_{ending}" for name in _NAMES for
 
 def half_widths(below: np.ndarray, above: np.ndarray) -> Component:
     """Return a component from half-widths; a negative one, of a truth that lies apart, moves both ends."""
-    moved = np.where(above < 0, above, np.where(below < 0, -below, 0.0))
-    return np.stack([below + moved, above - moved, -moved, moved])
+    shift = np.where(above < 0, above, np.where(below < 0, -below, 0.0))
+    return np.stack([below + shift, above - shift, -shift, shift])
 
 
 def symmetric(width: np.ndarray) -> Component:
@@ -70,62 +69,61 @@ def component_from_units(name: str, value: np.ndarray, sides: Component) -> Comp
     """
     lower_limit = 0.0 if name in CONSTRICTIONS else scales.SMALLEST * value
     with np.errstate(invalid="ignore"):
-        ends = np.maximum(value + SIGNS * sides, lower_limit)
-        moved = SIGNS * (to_scale(name, ends) - to_scale(name, value))
-    return np.where(np.isinf(sides), np.inf, np.where(sides == 0, 0.0, moved))
+        bounds = np.maximum(value + SIGNS * sides, lower_limit)
+        change = SIGNS * (to_scale(name, bounds) - to_scale(name, value))
+    return np.where(np.isinf(sides), np.inf, np.where(sides == 0, 0.0, change))
 
 
-def ends_of(name: str, middle: np.ndarray, total: Component) -> Ends:
+def interval_bounds(name: str, middle: np.ndarray, total: Component) -> Ends:
     """Return both ends (load) in the unit of a quantity, without limits, about a result on its scale."""
     with np.errstate(invalid="ignore"):
         lower, upper = middle - total[0] - total[2], middle + total[1] + total[3]
     return from_scale(name, lower), from_scale(name, upper)
 
 
-def monotonic(name: str, ends: Ends, load: np.ndarray) -> Ends:
+def monotonic(name: str, bounds: Ends, load: np.ndarray) -> Ends:
     """Return ends that rise or fall with the load as the quantity does: one load bounds the others."""
-    if name not in (*_RISING, *_FALLING):
-        return ends
-    order = np.argsort(load if name in _RISING else -load, kind="stable")
-    lower, upper = np.empty_like(ends[0]), np.empty_like(ends[1])
-    lower[order] = np.fmax.accumulate(ends[0][order])
-    upper[order[::-1]] = np.fmin.accumulate(ends[1][order[::-1]])
+    if not (trend := answers.QUANTITIES[name].trend):
+        return bounds
+    order = np.argsort(trend * load, kind="stable")
+    lower, upper = np.empty_like(bounds[0]), np.empty_like(bounds[1])
+    lower[order] = np.fmax.accumulate(bounds[0][order])
+    upper[order[::-1]] = np.fmin.accumulate(bounds[1][order[::-1]])
     return lower, upper
 
 
-def limited(name: str, ends: Ends, *, value: np.ndarray, load: np.ndarray, hardness: float) -> Ends:
+def limited(name: str, bounds: Ends, *, value: np.ndarray, load: np.ndarray, hardness: float) -> Ends:
     """Return ends within physical limits; NaN where an upper end is unbounded, both where none is known.
 
     A result at a physical limit, up to rounding, stays inside its own interval.
     """
-    # no area above 1, no pressure above the hardness, none in contact below the load
-    limits = {AREA: (load / hardness, 1.0), PRESSURE: (load, hardness), PEAK: (load, hardness)}
-    lowest, highest = limits.get(name, (0.0, np.inf))
-    lower = np.fmin(np.fmax(ends[0], lowest), value)
-    upper = np.fmax(np.fmin(ends[1], highest), value)
-    unknown = np.isnan(value)
-    return np.where(unknown, np.nan, lower), np.where(unknown | np.isinf(upper), np.nan, upper)
+    limits = answers.QUANTITIES[name].limits
+    lowest, highest = limits(load, hardness) if limits else (0.0, np.inf)
+    lower = np.fmin(np.fmax(bounds[0], lowest), value)
+    upper = np.fmax(np.fmin(bounds[1], highest), value)
+    is_unknown = np.isnan(value)
+    return np.where(is_unknown, np.nan, lower), np.where(is_unknown | np.isinf(upper), np.nan, upper)
 
 
 def columns_of_components(
-    name: str, value: np.ndarray, components: Mapping[UncertaintySource, Component], ends: Ends
+    name: str, value: np.ndarray, components: Mapping[UncertaintySource, Component], bounds: Ends
 ) -> dict[str, tuple]:
     """Return `{name}_uncertainty` and `{name}_components` in the unit of the quantity, by source.
 
-    `ends` are those of the combined interval.
+    `bounds` are those of the combined interval.
     """
     middle, shape = to_scale(name, value), (value.size, len(SOURCES) + 1)
     widths, sides = np.full(shape, np.nan), np.zeros((*shape, len(SIDES)))
     sides[:, -1] = np.nan
     for source, component in components.items():
         with np.errstate(invalid="ignore", over="ignore"):
-            moved = SIGNS * (from_scale(name, middle + SIGNS * component) - value)
-        in_units = np.where(np.isinf(component), np.inf, np.where(component == 0, 0.0, moved))
+            change = SIGNS * (from_scale(name, middle + SIGNS * component) - value)
+        in_units = np.where(np.isinf(component), np.inf, np.where(component == 0, 0.0, change))
         column = SOURCES.index(source)
         sides[:, column] = in_units.T
         widths[:, column] = np.maximum(*(in_units[:2] + in_units[2:]))
-    unbounded = np.isinf(sides).any(axis=(1, 2))
-    widths[:, -1] = np.where(unbounded, np.inf, np.maximum(value - ends[0], ends[1] - value))
+    is_unbounded = np.isinf(sides).any(axis=(1, 2))
+    widths[:, -1] = np.where(is_unbounded, np.inf, np.maximum(value - bounds[0], bounds[1] - value))
     widths, sides = (np.where(np.isinf(values), np.nan, values) for values in (widths, sides))
     return {
         f"{name}_uncertainty": (("load", "source"), widths, {"comment": _COMMENT}),
@@ -165,27 +163,27 @@ def _rows(values: Mapping[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
     widths, estimate = values[f"{name}_uncertainty"], values[f"{name}_estimate"][:, None]
     source, nan = values["source"].astype(object), np.nan
     width_below, width_above, shift_down, shift_up = np.moveaxis(values[f"{name}_components"], 2, 0)
-    combined = source == COMBINED
-    unbounded = ~combined & (np.isnan(width_above) | np.isnan(shift_up))
-    present = combined | unbounded | ~np.isnan(widths)
-    below = np.where(~combined & np.isnan(width_below), np.inf, width_below / _NORMAL)
-    above = np.where(unbounded, np.inf, width_above / _NORMAL)
+    is_total = source == COMBINED
+    is_unbounded = ~is_total & (np.isnan(width_above) | np.isnan(shift_up))
+    present = is_total | is_unbounded | ~np.isnan(widths)
+    below = np.where(~is_total & np.isnan(width_below), np.inf, width_below / _NORMAL)
+    above = np.where(is_unbounded, np.inf, width_above / _NORMAL)
     for side in (below, above):
-        side[:, -1] = np.sqrt(np.sum(np.where(present & ~combined, side, 0.0) ** 2, axis=1))
+        side[:, -1] = np.sqrt(np.sum(np.where(present & ~is_total, side, 0.0) ** 2, axis=1))
     correction = estimate - values.get(f"{name}_as_solved", estimate[:, 0])[:, None]
     columns = {
         "quantity": np.array(name, dtype=object),
         "mean_pressure_Pa": values["mean_pressure"][:, None],
         "source": source,
-        "evaluation_type": np.where(combined, nan, np.where(source == "window", "A", "B").astype(object)),
+        "evaluation_type": np.where(is_total, nan, np.where(source == "window", "A", "B").astype(object)),
         "value": estimate,
-        "correction": np.where(combined, nan, np.where(source == "discretisation", correction, 0.0)),
+        "correction": np.where(is_total, nan, np.where(source == "discretisation", correction, 0.0)),
         "standard_uncertainty_lower": below,
         "standard_uncertainty_upper": above,
         "coverage_factor": _NORMAL,
         "one_sided_lower": shift_down,
-        "one_sided_upper": np.where(unbounded, np.inf, shift_up),
-        "lower": np.where(combined, values[f"{name}_lower"][:, None], nan),
-        "upper": np.where(combined, values[f"{name}_upper"][:, None], nan),
+        "one_sided_upper": np.where(is_unbounded, np.inf, shift_up),
+        "lower": np.where(is_total, values[f"{name}_lower"][:, None], nan),
+        "upper": np.where(is_total, values[f"{name}_upper"][:, None], nan),
     }
     return {key: np.broadcast_to(column, widths.shape)[present] for key, column in columns.items()}

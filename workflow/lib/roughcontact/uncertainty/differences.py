@@ -12,42 +12,40 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.quantities import percent
 from roughcontact.errors import SettingsError
-from roughcontact.quantities import percent
+from roughcontact.statistics.load_pairs import common_loads, interpolated, paired_loads
 from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.groups import (
     HEIGHTS,
-    SAME_LOAD,
     SHARED,
-    at_loads,
     check_alike,
     check_sizes,
-    common_loads,
     from_scale,
     needed_for_groups,
     scaled_components,
     to_scale,
 )
-from roughcontact.uncertainty.headline import quantities_in
+from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.improvement import ADVICE
 from roughcontact.uncertainty.random_effects import (
     SIGNIFICANCE,
     Effects,
+    adjust_over_loads,
     correlation_at_least,
     holm,
     maps_needed,
-    over_loads,
     p_value,
     random_effects,
     student,
     welch,
 )
-from roughcontact.uncertainty.scales import AREA, at_all_loads
+from roughcontact.uncertainty.scales import AREA, extend_to_loads
 
 RELEVANT = 0.1  # relative difference that matters, unless another one is stated
 DIFFER = "differ"
 _MAX_MAPS = 500  # maps: more are not asked for
-_LEAST_DIFFERENCE = 1e-4  # relative difference: no smaller one is named
+_MIN_DIFFERENCE = 1e-4  # relative difference: no smaller one is named
 _ALL_CASES = 3  # up to so many, every two are compared
 
 
@@ -64,7 +62,7 @@ def compare_groups(
         relative difference that matters: smaller ones need not be found.
     paired : bool
         whether both are of the same maps, by name, under two cases (or of the same places, before and after):
-        they are then compared map by map, at the loads that `shared_loads` finds, if any.
+        they are then compared map by map, at the loads that `paired_loads` finds, if any.
 
     Returns
     -------
@@ -100,7 +98,11 @@ def compare_groups(
     for group in (first, second):
         if not isinstance(group, xr.Dataset) or "map" not in group.dims:
             raise SettingsError("compare_groups: give two results of group_statistics")
-    return _with_test_results([_compared(first, second, paired=paired)], relevant)[0]
+    try:
+        compared = _compared(first, second, paired=paired)
+    except SettingsError as error:
+        raise SettingsError(f"compare_groups: {error}") from error
+    return _add_test_results([compared], relevant)[0]
 
 
 def compare_all(
@@ -116,11 +118,11 @@ def compare_all(
     cases, compared instead; groups of the areas in `same_area_pairs`, in two or more states, are compared map
     by map.
     """
-    results, skipped = {}, []
+    results, omissions = {}, []
     maps_of_place: dict[str, set[str]] = {}  # by each of them
     for earlier_map, later_map in same_area_pairs:
-        joined = {name for of in (earlier_map, later_map) for name in maps_of_place.get(of, {of})}
-        maps_of_place |= dict.fromkeys(joined, joined)
+        chain = {name for map_ in (earlier_map, later_map) for name in maps_of_place.get(map_, {map_})}
+        maps_of_place |= dict.fromkeys(chain, chain)
     for pair in cases or combinations(groups, 2):
         first_group, second_group = (groups[name].assign_attrs(group=name) for name in pair)
         maps = list(first_group["map"].values)
@@ -128,21 +130,21 @@ def compare_all(
             "".join(map_name for map_name in maps if map_name in maps_of_place.get(name, ()))
             for name in second_group["map"].values
         ]
-        paired = bool(cases) or sorted(earlier) == sorted(maps)
-        if any(earlier) and not paired:
-            skipped.append(
+        is_paired = bool(cases) or sorted(earlier) == sorted(maps)
+        if any(earlier) and not is_paired:
+            omissions.append(
                 f"{' and '.join(pair)} place by place: not all maps have one of their place in the other, "
                 "and no more, so that they are compared as groups of different places; leave out the others"
             )
         try:
             results[pair] = _compared(
                 first_group,
-                second_group if cases or not paired else second_group.assign_coords(map=earlier),
-                paired=paired,
+                second_group if cases or not is_paired else second_group.assign_coords(map=earlier),
+                paired=is_paired,
             )
         except SettingsError as error:
-            skipped.append(str(error).removeprefix("compare_groups: "))
-    return dict(zip(results, _with_test_results(list(results.values()), relevant), strict=True)), skipped
+            omissions.append(str(error))
+    return dict(zip(results, _add_test_results(list(results.values()), relevant), strict=True)), omissions
 
 
 def case_pairs(names: Sequence[str]) -> list[tuple[str, str]]:
@@ -159,38 +161,6 @@ def case_pairs(names: Sequence[str]) -> list[tuple[str, str]]:
     return pairs if len(names) <= _ALL_CASES else pairs[: len(names) - 1]
 
 
-def shared_loads(datasets: Sequence[xr.Dataset]) -> list[np.ndarray]:
-    """Return the indices of the loads that all datasets share, for each of them, in the order of the first.
-
-    Loads are the same by mean pressure, or relative to E* g (E*, where g is not known), by whichever more of
-    them are.
-
-    Examples
-    --------
-    >>> steel, rubber = (xr.Dataset({"mean_pressure": ("load", loads)}) for loads in ([1.0, 2.0], [2.0, 4.0]))
-    >>> [places.tolist() for places in shared_loads([steel, rubber])]
-    [[1], [0]]
-    >>> moduli = {"contact_modulus": 10.0}, {"contact_modulus": 20.0}
-    >>> both = [data.assign(known) for data, known in zip((steel, rubber), moduli)]
-    >>> [places.tolist() for places in shared_loads(both)]
-    [[0, 1], [0, 1]]
-    """
-    in_pascal = [data["mean_pressure"] for data in datasets]
-    relative = [
-        data.get("relative_pressure", load / data.get("contact_modulus", np.nan))
-        for data, load in zip(datasets, in_pascal, strict=True)
-    ]
-    indices = []
-    for loads in (in_pascal, relative):
-        matching = [
-            np.isclose(loads[0].values[:, None], reference.values, rtol=SAME_LOAD, atol=0)
-            for reference in loads
-        ]
-        shared = np.all([matches.any(axis=1) for matches in matching], axis=0)
-        indices.append([matches[shared].argmax(axis=1) for matches in matching])
-    return max(indices, key=lambda chosen: chosen[0].size)
-
-
 def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     """Return the ratios of two results of one map, area or pair of faces, without what both share.
 
@@ -198,7 +168,7 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     order; NaN without a positive number, uncertainty or bound. Errors are as correlated as the results of the
     same parts of the window, those of the solver independent, those of the material where the moduli differ.
     """
-    return _of_two(first, second).table
+    return _compare_two_maps(first, second).table
 
 
 def compare_maps(
@@ -210,30 +180,30 @@ def compare_maps(
     loads and pairs) and `outcome` of `compare_groups`; a sentence comes with each pair that cannot be
     compared.
     """
-    results, skipped = {}, []
+    results, omissions = {}, []
     for pair, maps in pairs.items():
         try:
             check_alike(" and ".join(pair), pair, maps)
-            results[pair] = _of_two(*_at_common_loads(pair, maps))
+            results[pair] = _compare_two_maps(*_select_common_loads(pair, maps))
         except SettingsError as error:
-            skipped.append(str(error).removeprefix("compare_groups: "))
-    return dict(zip(results, _with_test_results(list(results.values()), relevant), strict=True)), skipped
+            omissions.append(str(error))
+    return dict(zip(results, _add_test_results(list(results.values()), relevant), strict=True)), omissions
 
 
-def _at_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[xr.Dataset]:
+def _select_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[xr.Dataset]:
     """Return what comparisons need of two maps, loads rising, at the mean pressures that both reach."""
     maps = [data.sortby("mean_pressure") for data in maps]
     loads = common_loads(" and ".join(names), names, maps)
     tables = []
     for data in maps:
-        load, quantities = data["mean_pressure"].values, quantities_in(data)
-        selected, columns = data[needed_for_groups(map(str, data.variables))], {}
-        for name in [name for name, variable in selected.variables.items() if "load" in variable.dims]:
-            by_load = selected[name].transpose("load", ...)
+        load, quantities = data["mean_pressure"].values, headline_names(data)
+        part, columns = data[needed_for_groups(map(str, data.variables))], {}
+        for name in [name for name, variable in part.variables.items() if "load" in variable.dims]:
+            by_load = part[name].transpose("load", ...)
             values = to_scale(name, by_load.values) if name in quantities else by_load.values
-            values = at_loads(load, loads, values)
+            values = interpolated(load, loads, values)
             columns[name] = by_load.dims, from_scale(name, values) if name in quantities else values
-        tables.append(selected.drop_vars([*columns]).assign(columns).assign(mean_pressure=("load", loads)))
+        tables.append(part.drop_vars([*columns]).assign(columns).assign(mean_pressure=("load", loads)))
     return tables
 
 
@@ -246,8 +216,8 @@ def _widths(name: str, data: xr.Dataset) -> np.ndarray:
         return scaled_components(name, data)
     components = np.zeros((data.sizes["load"], len(SOURCES), 4))
     middle = to_scale(name, data[name].values)
-    for side, (end, sign) in enumerate((("lower", -1.0), ("upper", 1.0))):
-        values = data.get(f"{name}_{end}", data[name] * np.nan).values
+    for side, (bound, sign) in enumerate((("lower", -1.0), ("upper", 1.0))):
+        values = data.get(f"{name}_{bound}", data[name] * np.nan).values
         components[:, 0, side] = sign * (to_scale(name, values) - middle)
     return components
 
@@ -268,20 +238,20 @@ class _Compared(NamedTuple):
     mean: np.ndarray = np.empty(0)  # of the first group, on the scale
 
 
-def _of_two(first: xr.Dataset, second: xr.Dataset) -> _Compared:
+def _compare_two_maps(first: xr.Dataset, second: xr.Dataset) -> _Compared:
     """Return the comparison of two maps, without a judgement."""
     loads = min(first.sizes["load"], second.sizes["load"])
     first_data, second_data = (data.isel(load=slice(loads)) for data in (first, second))
     names, zeros = _names(first_data, second_data), np.zeros(loads)
     rows, p_values = [], []
     for name in names:
-        before, after = (to_scale(name, data[name].values) for data in (first_data, second_data))
+        x0, x1 = (to_scale(name, data[name].values) for data in (first_data, second_data))
         widths = _widths(name, first_data), _widths(name, second_data)
         correlations = _correlations(name, first_data, second_data)
-        unshared = _unshared_half_widths(*widths, correlations)
-        rows.append(_ratios(name, (before, after), widths, correlations, scatter=zeros))
-        towards_none = np.where(after > before, *unshared) / student(np.array(np.inf))
-        p_values.append(p_value(after - before, towards_none, zeros + np.inf))
+        half_widths = _unshared_half_widths(*widths, correlations)
+        rows.append(_ratios(name, (x0, x1), widths, correlations, scatter=zeros))
+        towards_none = np.where(x1 > x0, *half_widths) / student(np.array(np.inf))
+        p_values.append(p_value(x1 - x0, towards_none, zeros + np.inf))
     table = _table(names, first_data["mean_pressure"].values, rows)
     # nothing is known of how the errors at two loads go together
     return _Compared(table, np.reshape(p_values, (len(names), loads)), [np.eye(loads)] * len(names))
@@ -295,34 +265,34 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
     for label, data in zip(labels, (first, second), strict=True):
         if data.sizes["map"] < 2:
             raise SettingsError(
-                f"compare_groups: {label} has a single map, whose scatter is not known; add maps, or compare "
+                f"{label} has a single map, whose scatter is not known; add maps, or compare "
                 "both maps by `roughcontact compare`"
             )
     if paired and set(first["map"].values) != set(second["map"].values):
         raise SettingsError(
-            f"compare_groups: {labels[0]} and {labels[1]} are not of the same maps; solve those "
+            f"{labels[0]} and {labels[1]} are not of the same maps; solve those "
             "that one of them lacks (in Python: or leave `paired` out)"
         )
     for name, content in () if paired else zip(first["map"].values, first["content"].values, strict=True):
         if content and content in second["content"]:
-            copied = second["map"].values[second["content"].values == content][0]
+            twin = second["map"].values[second["content"].values == content][0]
             raise SettingsError(
-                f"compare_groups: {name} of {labels[0]} and {copied} of {labels[1]} have the same results, "
+                f"{name} of {labels[0]} and {twin} of {labels[1]} have the same results, "
                 "as copies of one map have; leave one out"
             )
     if paired:
         second = second.sel(map=first["map"].values)
-        matching = shared_loads([first, second])
+        matching = paired_loads(first, second)
         if matching[0].size:
             first, second = first.isel(load=matching[0]), second.isel(load=matching[1])
             second = second.assign_coords(mean_pressure=first["mean_pressure"])
     groups = first, second
     check_sizes(" and ".join(labels), groups)
     loads = common_loads(" and ".join(labels), labels, groups)
-    few = [label for label, data in zip(labels, groups, strict=True) if data.sizes["load"] <= 2]
-    if few and paired and not matching[0].size:  # a chord misses a gap by more than paired maps scatter
+    short = [label for label, data in zip(labels, groups, strict=True) if data.sizes["load"] <= 2]
+    if short and paired and not matching[0].size:  # a chord misses a gap by more than paired maps scatter
         raise SettingsError(
-            f"compare_groups: {' and '.join(labels)}: no load in common, and {few[0]} has two loads alone, "
+            f"{' and '.join(labels)}: no load in common, and {short[0]} has two loads alone, "
             "between which a difference is not known; solve them at the same mean_pressure, or at more loads"
         )
     correlation = _source_correlations(first, second)
@@ -331,75 +301,75 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
     rows, columns, load_correlations = [], [], []
     part_names = [list(data["part"].values) for data in groups]
     for name in names:
-        values, (shared, second_shared) = zip(
+        values, (shared_widths, second_shared) = zip(
             *(_scaled_numbers(name, data, loads) for data in groups), strict=True
         )
         of_groups = _effects(values, part_names)
-        compared = _effects([values[1] - values[0]], part_names[:1]) if paired else of_groups
-        difference, error, freedom = _difference(compared)
-        deviations = np.concatenate([effects.deviations for effects in compared])
-        spread = np.sqrt(np.mean([effects.error**2 * effects.units for effects in compared], axis=0))
-        count = min(effects.units for effects in compared)
-        unshared = _unshared_half_widths(shared, second_shared, correlation)
-        load_correlations.append(correlation_at_least(deviations, len(deviations) - len(compared)))
+        contrast = _effects([values[1] - values[0]], part_names[:1]) if paired else of_groups
+        difference, error, freedom = _difference(contrast)
+        deviations = np.concatenate([effects.deviations for effects in contrast])
+        spread = np.sqrt(np.mean([effects.error**2 * effects.units for effects in contrast], axis=0))
+        count = min(effects.units for effects in contrast)
+        half_widths = _unshared_half_widths(shared_widths, second_shared, correlation)
+        load_correlations.append(correlation_at_least(deviations, len(deviations) - len(contrast)))
         scatter = student(freedom) * error
         if name == AREA:  # on the logarithm instead
             logs = [_logarithm(name, of_maps) for of_maps in values]
-            of_logs = _effects([logs[1] - logs[0]] if paired else logs, part_names[: len(compared)])
+            of_logs = _effects([logs[1] - logs[0]] if paired else logs, part_names[: len(contrast)])
             _, log_error, log_freedom = _difference(of_logs)
             scatter = student(log_freedom) * log_error
         means = [effects.mean for effects in of_groups]
-        rows.append(_ratios(name, means, (shared, second_shared), correlation, scatter=scatter))
+        rows.append(_ratios(name, means, (shared_widths, second_shared), correlation, scatter=scatter))
         by_source = [
-            np.maximum(*_unshared_half_widths(shared[:, [k]], second_shared[:, [k]], correlation[[k]]))
+            np.maximum(*_unshared_half_widths(shared_widths[:, [k]], second_shared[:, [k]], correlation[[k]]))
             for k in range(len(SOURCES))
         ]
         largest = np.nan_to_num(by_source, nan=0.0).argmax(axis=0)
         columns.append(
-            (p_value(difference, error, freedom), spread, np.maximum(*unshared), largest, means[0])
+            (p_value(difference, error, freedom), spread, np.maximum(*half_widths), largest, means[0])
         )
-    nested = any(1 < len(set(data["part"].values)) < data.sizes["map"] for data in groups)
+    has_parts = any(1 < len(set(data["part"].values)) < data.sizes["map"] for data in groups)
     table = _table(names, loads, rows)
     p_values, *numbers = np.moveaxis(np.reshape(columns, (len(names), 5, loads.size)), 1, 0)
-    noun = "part" if nested else "map"
+    noun = "part" if has_parts else "map"
     return _Compared(table, p_values, load_correlations, paired, count, noun, *numbers)
 
 
-def _with_test_results(comparisons: Sequence[_Compared], relevant: float) -> list[xr.Dataset]:
+def _add_test_results(comparisons: Sequence[_Compared], relevant: float) -> list[xr.Dataset]:
     """Return the comparisons with p-values adjusted for all of them and their loads, and with outcomes."""
-    adjusted = [np.full(comparison.p_value.shape, np.nan) for comparison in comparisons]
+    adjusted_p = [np.full(comparison.p_value.shape, np.nan) for comparison in comparisons]
     rows_by_quantity: dict[str, list[tuple[int, int]]] = {}
     for pair, comparison in enumerate(comparisons):
         for row, name in enumerate(comparison.table["quantity"].values):
             rows_by_quantity.setdefault(name, []).append((pair, row))
     for pairs in rows_by_quantity.values():
         together = [
-            over_loads(comparisons[pair].p_value[row], comparisons[pair].load_correlations[row])
+            adjust_over_loads(comparisons[pair].p_value[row], comparisons[pair].load_correlations[row])
             for pair, row in pairs
         ]
         for (pair, row), values in zip(pairs, holm(together), strict=True):
-            adjusted[pair][row] = values
+            adjusted_p[pair][row] = values
     return [
         comparison.table.assign(
             p_value=(("quantity", "load"), values),
             outcome=(("quantity", "load"), _outcomes(comparison, values, relevant)),
         )
-        for comparison, values in zip(comparisons, adjusted, strict=True)
+        for comparison, values in zip(comparisons, adjusted_p, strict=True)
     ]
 
 
 def _outcomes(comparison: _Compared, p_values: np.ndarray, relevant: float) -> np.ndarray:
     """Return for each ratio whether the groups differ, in words."""
     labels = np.full(p_values.shape, "", object)
-    ends = np.stack([comparison.table[f"ratio_{end}"].values for end in ("lower", "upper")])
+    bounds = np.stack([comparison.table[f"ratio_{bound}"].values for bound in ("lower", "upper")])
     for index in np.ndindex(*p_values.shape):
-        low, high = ends[(slice(None), *index)]
+        low, high = bounds[(slice(None), *index)]
         if not np.isfinite([low, high, p_values[index]]).all():
             labels[index] = "inconclusive: no interval"
         elif p_values[index] < SIGNIFICANCE and not low <= 1 <= high:
             labels[index] = DIFFER
         elif (largest_ratio := max(1 - low, high - 1)) <= relevant:
-            labels[index] = f"do not differ by more than {percent(max(largest_ratio, _LEAST_DIFFERENCE))}"
+            labels[index] = f"do not differ by more than {percent(max(largest_ratio, _MIN_DIFFERENCE))}"
         else:
             labels[index] = f"inconclusive: {_what_decides(comparison, index, relevant)}"
     return labels
@@ -412,32 +382,42 @@ def _what_decides(comparison: _Compared, index: tuple[int, ...], relevant: float
         return f"errors that differ are up to {percent(upper / ratio - 1)}; measure several places of each"
     name = str(comparison.table["quantity"].values[index[0]])
     mean = comparison.mean[index]
-    ends = to_scale(name, from_scale(name, mean) * np.array([1 - relevant, 1 + relevant]))
-    target = float(np.nanmin(np.abs(ends - mean)))
+    relevant_bounds = to_scale(name, from_scale(name, mean) * np.array([1 - relevant, 1 + relevant]))
+    target = float(np.nanmin(np.abs(relevant_bounds - mean)))
+    shared_error = ""
     if comparison.shared[index] >= target:
         advice = ADVICE.get(SOURCES[int(comparison.largest_shared[index])], "state what they share")
-        return f"all maps share errors above {percent(relevant)}; {advice}"
-    required = maps_needed(float(comparison.spread[index]), target, paired=comparison.paired)
-    missing_maps = max(required - comparison.maps, 1)
+        shared_error = f"all maps share errors above {percent(relevant)}; {advice}"
+    needed_maps = maps_needed(float(comparison.spread[index]), target, pairs=comparison.paired)
+    missing_maps = max(needed_maps - comparison.maps, 1)
     plural = "s" if missing_maps > 1 else ""
     count = f"more than {_MAX_MAPS}" if missing_maps > _MAX_MAPS else str(missing_maps)
     about, group = "about " * (missing_maps <= _MAX_MAPS), "" if comparison.paired else " per group"
-    return f"{about}{count} more {comparison.noun}{plural}{group} needed"
+    more_maps = f"{about}{count} more {comparison.noun}{plural}{group} needed"
+    if not shared_error:
+        return more_maps
+    pairs = 1 if comparison.paired else 2  # whose scatter adds
+    freedom = np.array(pairs * (comparison.maps - 1.0))
+    of_scatter = student(freedom) * comparison.spread[index] * np.sqrt(pairs / comparison.maps)
+    causes = [shared_error, more_maps]
+    return "; and ".join(causes[::-1] if of_scatter > comparison.shared[index] else causes)
 
 
 def _names(first: xr.Dataset, second: xr.Dataset) -> list[str]:
     """Return the quantities of both that have ratios."""
-    return [name for name in quantities_in(first) if name in first and name in second and name not in HEIGHTS]
+    return [
+        name for name in headline_names(first) if name in first and name in second and name not in HEIGHTS
+    ]
 
 
 def _scaled_numbers(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the numbers of the maps of a group on their scale (map, load), and what these share."""
     load = group["mean_pressure"].values
     of_maps = to_scale(name, group[f"{name}_of_maps"].values)
-    shared = group[f"{name}_shared"].values
-    selected = np.array([source in (*SHARED, "solver") for source in SOURCES])[:, None]
-    shared = np.where(selected, np.where(np.isnan(shared), np.inf, shared), 0.0)
-    return at_loads(load, loads, of_maps.T).T, at_loads(load, loads, shared)
+    shared_widths = group[f"{name}_shared"].values
+    is_shared = np.array([source in (*SHARED, "solver") for source in SOURCES])[:, None]
+    shared_widths = np.where(is_shared, np.where(np.isnan(shared_widths), np.inf, shared_widths), 0.0)
+    return interpolated(load, loads, of_maps.T).T, interpolated(load, loads, shared_widths)
 
 
 def _source_correlations(first: xr.Dataset, second: xr.Dataset) -> np.ndarray:
@@ -468,40 +448,40 @@ def _deviations(name: str, data: xr.Dataset) -> np.ndarray:
     finite = np.isfinite(subwindow_values.values).any(axis=1)  # the others are padding
     if not finite.any():
         return none
-    scaled = to_scale(name, subwindow_values.values[finite])
-    return scaled - scaled.mean(axis=0)
+    values = to_scale(name, subwindow_values.values[finite])
+    return values - values.mean(axis=0)
 
 
-def _correlation(first: np.ndarray, second: np.ndarray, load: np.ndarray) -> np.ndarray:
+def _correlation(a: np.ndarray, b: np.ndarray, load: np.ndarray) -> np.ndarray:
     """Return the correlation (load,) of deviations; 0 where the subwindows are not the same.
 
     Between loads at which the subwindows were solved it is interpolated.
     """
-    if first.shape != second.shape:
+    if a.shape != b.shape:
         return np.zeros(load.shape)
     with np.errstate(invalid="ignore", divide="ignore"):
-        size = np.sqrt(np.sum(first**2, axis=0) * np.sum(second**2, axis=0))
-        correlation = np.sum(first * second, axis=0) / size
-    solved = np.flatnonzero(np.isfinite(correlation))
-    if not solved.size:
+        size = np.sqrt(np.sum(a**2, axis=0) * np.sum(b**2, axis=0))
+        correlation = np.sum(a * b, axis=0) / size
+    indices = np.flatnonzero(np.isfinite(correlation))
+    if not indices.size:
         return np.zeros(load.shape)
-    return np.clip(at_all_loads(correlation[solved], solved, load), -1.0, 1.0)
+    return np.clip(extend_to_loads(correlation[indices], indices, load), -1.0, 1.0)
 
 
 def _unshared_half_widths(
-    first: np.ndarray, second: np.ndarray, correlation: np.ndarray
+    a: np.ndarray, b: np.ndarray, correlation: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the half-widths (load,) of a difference, down and up, from (load, source, component)."""
     widths = []
     for side, opposite in ((0, 1), (1, 0)):
         # of the first error, the side that goes along with this one, and the one that goes against it
-        along = np.where(correlation >= 0, first[..., side], first[..., opposite])
+        along = np.where(correlation >= 0, a[..., side], a[..., opposite])
         with np.errstate(invalid="ignore"):
-            squares = (second[..., side] - correlation * along) ** 2
-            alone = (1 - correlation**2) * first[..., opposite] ** 2
-            squares = squares + np.where(correlation**2 < 1, alone, 0.0)
-            shifts = np.maximum(second[..., 2 + side] - first[..., 2 + side], 0.0)
-            shifts = shifts + np.maximum(first[..., 2 + opposite] - second[..., 2 + opposite], 0.0)
+            squares = (b[..., side] - correlation * along) ** 2
+            independent = (1 - correlation**2) * a[..., opposite] ** 2
+            squares = squares + np.where(correlation**2 < 1, independent, 0.0)
+            shifts = np.maximum(b[..., 2 + side] - a[..., 2 + side], 0.0)
+            shifts = shifts + np.maximum(a[..., 2 + opposite] - b[..., 2 + opposite], 0.0)
             widths.append(np.sqrt(squares.sum(axis=-1)) + shifts.sum(axis=-1))
     return widths[0], widths[1]
 
@@ -511,11 +491,11 @@ def _effects(values: Sequence[np.ndarray], parts: Sequence[Sequence[str]]) -> li
     return [random_effects(of_maps, names) for of_maps, names in zip(values, parts, strict=True)]
 
 
-def _difference(compared: Sequence[Effects]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _difference(effects: Sequence[Effects]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the difference of two groups, or the mean change of pairs, its standard error and freedom."""
-    if len(compared) == 2:
-        return welch(*compared)
-    (change,) = compared
+    if len(effects) == 2:
+        return welch(*effects)
+    (change,) = effects
     return change.mean, change.error, change.freedom
 
 
@@ -533,11 +513,11 @@ def _ratios(
     """
     mean, second_mean = (_logarithm(name, number) for number in values)
     difference = second_mean - mean
-    first, second = (_log_widths(name, *both) for both in zip(values, widths, strict=True))
-    below, above = (np.hypot(scatter, side) for side in _unshared_half_widths(first, second, correlation))
+    a, b = (_log_widths(name, *pair) for pair in zip(values, widths, strict=True))
+    below, above = (np.hypot(scatter, side) for side in _unshared_half_widths(a, b, correlation))
     with np.errstate(invalid="ignore", over="ignore"):  # of closed gaps and unbounded ends, NaN below
-        ends = difference, difference - below, difference + above
-        ratios = [np.exp(mean + values) / np.exp(mean) for values in ends]
+        bounds = difference, difference - below, difference + above
+        ratios = [np.exp(mean + values) / np.exp(mean) for values in bounds]
     return [np.where(np.isfinite(values), values, np.nan) for values in ratios]
 
 

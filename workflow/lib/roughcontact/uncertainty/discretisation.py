@@ -9,36 +9,56 @@ chance of the edges in their pixels.
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
-import scipy
 import xarray as xr
 
-from roughcontact.maps import height_map, refined, spacing
+from roughcontact.arguments.maps import refined, spacing
 from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
+from roughcontact.surface.window.periodisation import periodic_plus_smooth
 from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.combination import Component, symmetric
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
-from roughcontact.window.periodisation import periodic_plus_smooth
 
 CORRECTED = (AREA, GAP, PEAK)  # the pressure in contact follows from the area
+Refinement = Callable[[xr.DataArray, int], tuple[xr.DataArray, xr.DataArray]]
 _NOISE_PER_SWITCH = 0.5  # pixels, random
 _REFINED_POINTS = 128**2  # larger windows are refined on a quarter of their points
 
 
+def periodic_interpolant(window: xr.DataArray, peak_index: int) -> tuple[xr.DataArray, xr.DataArray]:
+    """Return a part of a periodic window around a point, and its Fourier series on pixels half as large."""
+    region = _region_around(window, peak_index)
+    return region, refined(region, 2)
+
+
+def _region_around(window: xr.DataArray, index: int) -> xr.DataArray:
+    """Return a periodic quarter of a window around a point, or the window itself if it is small."""
+    if window.size <= _REFINED_POINTS:
+        return window
+    axes = sum(n > 1 for n in window.shape)
+    share = max(0.25, _REFINED_POINTS / window.size) ** (1 / axes)
+    sides = [n if n == 1 else 2 * math.ceil(n * share / 2) for n in window.shape]
+    heights = window.values
+    for axis, (centre, side) in enumerate(zip(np.unravel_index(index, window.shape), sides, strict=True)):
+        heights = heights.take(centre - side // 2 + np.arange(side), axis=axis, mode="wrap")
+    return window[: sides[0], : sides[1]].copy(data=periodic_plus_smooth(heights, spacing(window)))
+
+
 def discretisation_error(
-    result: Result, *, pixel_share: np.ndarray, peak_index: int
+    result: Result, *, pixel_share: np.ndarray, peak_index: int, refine: Refinement = periodic_interpolant
 ) -> tuple[dict[str, np.ndarray], dict[str, Component]]:
     """Return the correction (load) of each quantity to no pixels, and the component of what stays uncertain.
 
     Both are on its scale; those not in `CORRECTED` have the change in their half-width. `pixel_share` (load)
-    is the share of pixels in contact, `peak_index` the point of the highest pressure, row by row.
+    is the share of pixels in contact, `peak_index` the point of the highest pressure, row by row; `refine`
+    returns a part of the window around it, and the same on pixels half as large.
     """
-    values, few, free = result.values, result.few, result.contact.get("boundary") == "free"
-    region = result.window if free else _region_around(result.window, peak_index)
-    finer = _halved(region) if free else refined(region, 2)
-    coarse, fine = result.at_few_loads(region), result.at_few_loads(finer)
+    values, few_loads = result.values, result.few
+    region, finer = refine(result.window, peak_index)
+    coarse, fine = result.solve_at_samples(region), result.solve_at_samples(finer)
     corrections, components = {}, {}
     for name, value in values.items():
         change = to_scale(name, fine[name]) - to_scale(name, coarse[name])
@@ -46,9 +66,9 @@ def discretisation_error(
         if name in CONSTRICTIONS:  # a length, as the gap beside it
             unit = values[GAP]
             with np.errstate(divide="ignore", invalid="ignore"):
-                change = change * unit[few] / coarse[GAP]
+                change = change * unit[few_loads] / coarse[GAP]
         # full contact: nothing is open, nothing changes
-        change = result.at_all_loads(np.where(np.isfinite(change), change, 0.0))
+        change = result.extend_to_loads(np.where(np.isfinite(change), change, 0.0))
         corrections[name], width = extrapolated(name, change)
         width = np.hypot(width, unit * calibration.discretisation_floor(name))
         if name == AREA:
@@ -69,24 +89,3 @@ def _edge_noise(area: np.ndarray, pixel_share: np.ndarray, points: int) -> np.nd
     switches = np.maximum(pixel_share - area, 0.0) / PERIMETER_CORRECTION  # M/N
     # of M switches among N points, 0.5 sqrt(M)/N of the area is random
     return to_scale(AREA, area + _NOISE_PER_SWITCH * np.sqrt(switches / points)) - to_scale(AREA, area)
-
-
-def _halved(roughness: xr.DataArray) -> xr.DataArray:
-    """Return a map that is not periodic, with its borders, on pixels half as large, by cubic splines."""
-    points = [np.arange(n) for n in roughness.shape]
-    finer = [np.clip(np.arange(2 * n) / 2 - 0.25, 0, n - 1) for n in roughness.shape]
-    heights = scipy.interpolate.RectBivariateSpline(*points, roughness.values)(*finer)
-    return height_map(heights, [step / 2 for step in spacing(roughness)])
-
-
-def _region_around(window: xr.DataArray, index: int) -> xr.DataArray:
-    """Return a periodic quarter of a window around a point, or the window itself if it is small."""
-    if window.size <= _REFINED_POINTS:
-        return window
-    axes = sum(n > 1 for n in window.shape)
-    share = max(0.25, _REFINED_POINTS / window.size) ** (1 / axes)
-    sides = [n if n == 1 else 2 * math.ceil(n * share / 2) for n in window.shape]
-    heights = window.values
-    for axis, (centre, side) in enumerate(zip(np.unravel_index(index, window.shape), sides, strict=True)):
-        heights = heights.take(centre - side // 2 + np.arange(side), axis=axis, mode="wrap")
-    return window[: sides[0], : sides[1]].copy(data=periodic_plus_smooth(heights, spacing(window)))

@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.kinds import facts_of
+from roughcontact.arguments.maps import spacing
 from roughcontact.contact.fields import solved_fields
 from roughcontact.contact.solve import elasticity
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
-from roughcontact.maps import RIM, spacing
-from roughcontact.uncertainty.headline import quantities_of
-from roughcontact.uncertainty.scales import AREA, at_all_loads, from_scale, to_scale
-from roughcontact.window.finite_body import finite_body
+from roughcontact.uncertainty.headline import headline_values
+from roughcontact.uncertainty.scales import AREA, extend_to_loads, from_scale, to_scale
 
 Values = Mapping[str, np.ndarray]  # quantity -> array (load)
 LOADS = 3  # at which a member is solved: both ends and the middle
@@ -37,34 +37,41 @@ def solve_member(
     """Return quantities of a window, each an array of the loads of the indices `loads`, by default all.
 
     The tolerance of the pressure is that of `contact` where this is wider; a load that misses it is NaN. A
-    window whose heights are rounding errors only, after levelling, is solved as flat.
+    window whose heights are rounding errors only, after levelling, is solved as flat. `contact` may have a
+    form on which the window is put (`on_form`), and the `area` (m2) of which areas are shares.
     """
     pressures = loads_of(contact) if loads is None else loads_of(contact)[loads]
     tolerance = max(tolerance, contact.get("tolerance", 0.0))
-    contact, steps, unit = {**contact, "mean_pressure": pressures}, spacing(window), 1.0
-    if contact.get("boundary") == "free":
-        rim = max(1, round(RIM * contact["pitch"] / steps[1]))
-        window = finite_body(window, **contact["form"], rim=rim)
-        unit = window.size * steps[0] * steps[1] / contact["area"]  # the area counts over that of the map
+    contact, steps = {**contact, "mean_pressure": pressures}, spacing(window)
+    window = contact.get("on_form", _unchanged)(window)
+    area = window.size * steps[0] * steps[1]
+    unit = area / contact.get("area", area)  # the contact area counts over that of the map
     single = tolerance >= TOLERANCE or contact.get("precision") == "single"
     solutions = solved_fields(window, contact, tolerance=tolerance, precision=SINGLE if single else DOUBLE)
-    known = elasticity(**contact)
+    material, border = elasticity(**contact), facts_of(contact).border
     values = {name: np.full(pressures.shape, np.nan) for name in names}
     for load, pressure, gap in solutions:
-        for name, value in quantities_of(pressure, gap, names, known, steps=steps).items():
+        for name, value in headline_values(
+            pressure, gap, names, material, steps=steps, border=border
+        ).items():
             values[name][load] = value * (unit if name == AREA else 1.0)
     return values
 
 
-def measured_slices(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slice]:
+def _unchanged(window: xr.DataArray) -> xr.DataArray:
+    """Return a window as it is."""
+    return window
+
+
+def measured_slices(levelled_map: xr.DataArray, periodic: xr.DataArray) -> dict[str, slice]:
     """Return the rows ("y") and columns ("x") of a map in its window; blends and mirror images aside."""
     if "periodisation" not in periodic.attrs:  # a map that is its own window
-        return {axis: slice(0, n) for axis, n in zip("yx", levelled.shape, strict=True)}
-    mirrored = periodic.attrs["periodisation"] == "mirror"
+        return {axis: slice(0, n) for axis, n in zip("yx", levelled_map.shape, strict=True)}
+    is_mirror = periodic.attrs["periodisation"] == "mirror"
     slices = {}
-    for axis, n, step in zip("yx", periodic.shape, spacing(levelled), strict=True):
-        first = round(periodic.attrs[f"window_offset_{axis}"] / step)
-        slices[axis] = slice(first, first + (n // 2 if mirrored and n > 1 else n))
+    for axis, n, step in zip("yx", periodic.shape, spacing(levelled_map), strict=True):
+        start = round(periodic.attrs[f"window_offset_{axis}"] / step)
+        slices[axis] = slice(start, start + (n // 2 if is_mirror and n > 1 else n))
     return slices
 
 
@@ -94,39 +101,39 @@ class Result(NamedTuple):
         """The largest pressure (Pa) that a point bears."""
         return self.contact.get("hardness") or math.inf
 
-    def at_all_loads(self, numbers: np.ndarray) -> np.ndarray:
+    def extend_to_loads(self, numbers: np.ndarray) -> np.ndarray:
         """Return numbers (load) from those at the few loads."""
-        return at_all_loads(numbers, self.few, self.load)
+        return extend_to_loads(numbers, self.few, self.load)
 
-    def at_few_loads(self, window: xr.DataArray) -> dict[str, np.ndarray]:
+    def solve_at_samples(self, window: xr.DataArray) -> dict[str, np.ndarray]:
         """Return the results of another window at the few loads."""
         return solve_member(window, self.contact, names=self.values, loads=self.few)
 
     def again(self, window: xr.DataArray) -> dict[str, np.ndarray]:
         """Return the results of a changed window (load)."""
-        return self.carried(self.at_few_loads(window))
+        return self.carried(self.solve_at_samples(window))
 
-    def carried(self, solved: Values) -> dict[str, np.ndarray]:
+    def carried(self, values: Values) -> dict[str, np.ndarray]:
         """Return results (load) from those at the few loads, the change interpolated on its scale."""
         if self.few.size == self.load.size:
-            return {**solved}
-        carried = {}
+            return {**values}
+        results = {}
         for name, value in self.values.items():
             middle = to_scale(name, value)
-            change = to_scale(name, solved[name]) - middle[self.few]
-            carried[name] = from_scale(name, middle + self.at_all_loads(change))
-        return carried
+            change = to_scale(name, values[name]) - middle[self.few]
+            results[name] = from_scale(name, middle + self.extend_to_loads(change))
+        return results
 
     def changes(self, results: Values) -> dict[str, np.ndarray]:
         """Return other results less these, on the scales: -inf for a gap that closes, 0 where unknown."""
         changes = {}
         for name, value in self.values.items():
-            before, after = to_scale(name, value), to_scale(name, results[name])
-            closed = np.isfinite(before) & np.isnan(after) & (results[name] == 0)
-            changes[name] = np.where(closed, -np.inf, np.nan_to_num(after - before))
+            reference, values = to_scale(name, value), to_scale(name, results[name])
+            closes = np.isfinite(reference) & np.isnan(values) & (results[name] == 0)
+            changes[name] = np.where(closes, -np.inf, np.nan_to_num(values - reference))
         return changes
 
     def members(self, windows: Iterable[xr.DataArray]) -> dict[str, np.ndarray]:
         """Return the results of other windows (member, few loads), each load in one piece of memory."""
-        solved = [self.at_few_loads(window) for window in windows]
-        return {name: np.array([member[name] for member in solved], order="F") for name in self.values}
+        results = [self.solve_at_samples(window) for window in windows]
+        return {name: np.array([member[name] for member in results], order="F") for name in self.values}

@@ -10,12 +10,15 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import scipy
 import xarray as xr
 
-from roughcontact.choices import UncertaintySource
-from roughcontact.maps import radii_of, roughness_of, spacing
-from roughcontact.references.closed_forms import hertz_ellipse
+from roughcontact.arguments.choices import UncertaintySource
+from roughcontact.arguments.maps import form_radii, height_map, recover_roughness, spacing
+from roughcontact.contact.elasticity.closed_forms import hertz_ellipse
+from roughcontact.surface.window.finite_body import finite_body
 from roughcontact.uncertainty.budget import error_budget
+from roughcontact.uncertainty.calibration import MEASURANDS
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.inputs import STIFFNESS
 from roughcontact.uncertainty.random_effects import width_of_next
@@ -35,14 +38,14 @@ def finite_body_budget(
     solved: xr.Dataset,
 ) -> xr.Dataset:
     """Return the `error_budget` of a body (y, x; m) from its `budget_inputs`."""
-    roughness, steps = roughness_of(window), spacing(window)
-    form = {"radius": radii_of(window), "edges": "form_edges" in window.attrs}
-    contact = {**settings["contact"], "mean_pressure": solved["mean_pressure"].values, "form": form}
-    contact |= {"area": window.size * steps[0] * steps[1], "pitch": steps[1]}
-    shifts = _shifts(roughness, contact, windows - 1)
+    roughness, steps = recover_roughness(window), spacing(window)
+    form: dict[str, Any] = {"radius": form_radii(window), "edges": "form_edges" in window.attrs}
+    contact = {**settings["contact"], "mean_pressure": solved["mean_pressure"].values}
+    contact |= {"on_form": partial(finite_body, **form), "area": window.size * steps[0] * steps[1]}
+    shifts = [] if form["edges"] else _shifts(roughness, contact, form["radius"], windows - 1)
     # a single further position says nothing of others
     meaningless = ("unresolved", "window")[: 1 if len(shifts) >= _FEWEST else 2]
-    budget = error_budget(
+    return error_budget(
         roughness,
         roughness,
         {**settings, "window": {}, "contact": contact},
@@ -50,36 +53,44 @@ def finite_body_budget(
         windows=windows,
         solved=solved.drop_vars([STIFFNESS, *ANSWERS], errors="ignore"),
         scatter_of=partial(scatter_of_positions, shifts),
+        refine=halved_pixels,
     )
-    ends = [name for name in budget if "_longer_" in str(name)]  # positions have no longer waves
-    return budget.assign({name: xr.full_like(budget[name], np.nan) for name in ends})
 
 
 def scatter_of_positions(
     shifts: Sequence[tuple[int, int]], result: Result, roughness: xr.DataArray, **_: Any
 ) -> Scatter:
     """Return the scatter of the results of a body over other positions of its form on the roughness."""
-    few = result.few
+    chosen = result.few
     members = result.members(
         roughness.copy(data=np.roll(roughness.values, shift, (0, 1))) for shift in shifts
     )
     arms = {}
     for name, value in result.values.items():
-        changes = to_scale(name, np.vstack([value[few], members[name]])) - to_scale(name, value[few])
+        changes = to_scale(name, np.vstack([value[chosen], members[name]])) - to_scale(name, value[chosen])
         mean, width = np.nanmean(changes, axis=0), width_of_next(changes)
-        below, above = (result.at_all_loads(np.maximum(width + sign * mean, 0.0)) for sign in (-1, 1))
+        below, above = (result.extend_to_loads(np.maximum(width + sign * mean, 0.0)) for sign in (-1, 1))
         arms[name] = below, above
     reason = (
         f"The ± is for this body at another position on the roughness: {len(shifts)} further positions on "
         "the map were solved; it holds no waves longer than the map."
     )
-    return Scatter(members, arms=arms, reason=reason, of_positions=True)
+    return Scatter(members, arms=dict.fromkeys(MEASURANDS, arms), reason=reason, of_positions=True)
 
 
-def _shifts(roughness: xr.DataArray, contact: Mapping[str, Any], number: int) -> list[tuple[int, int]]:
+def halved_pixels(roughness: xr.DataArray, _: int) -> tuple[xr.DataArray, xr.DataArray]:
+    """Return a map that is not periodic, with its borders, and on pixels half as large, by cubic splines."""
+    points = [np.arange(n) for n in roughness.shape]
+    finer = [np.clip(np.arange(2 * n) / 2 - 0.25, 0, n - 1) for n in roughness.shape]
+    heights = scipy.interpolate.RectBivariateSpline(*points, roughness.values)(*finer)
+    return roughness, height_map(heights, [step / 2 for step in spacing(roughness)], unit="m")
+
+
+def _shifts(
+    roughness: xr.DataArray, contact: Mapping[str, Any], radius: Sequence[float], number: int
+) -> list[tuple[int, int]]:
     """Return shifts (rows, columns) of the roughness under the form, those along both axes first."""
-    radius = contact["form"]["radius"]
-    if not radius or contact["form"]["edges"] or contact.get("bodies"):
+    if not radius or contact.get("bodies"):
         return []
     smooth = hertz_ellipse(float(max(contact["force"])), radius, contact["contact_modulus"])
     moves = []

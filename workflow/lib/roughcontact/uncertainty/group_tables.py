@@ -1,6 +1,5 @@
 """Groups of maps, and their comparisons, as one dataset and as tables."""
 
-import json
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -8,7 +7,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from roughcontact.uncertainty.headline import quantities_in
+from roughcontact.arguments.measurement import json_attribute, json_attributes
+from roughcontact.uncertainty.headline import headline_names
 
 _ENDS = ("lower", "upper", "next_lower", "next_upper", "next_part_lower", "next_part_upper")
 _COMPARED = ("ratio", "ratio_lower", "ratio_upper", "p_value", "outcome")
@@ -51,7 +51,7 @@ def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
     remarks: dict[str, dict[str, list[str]]] = {case or "": {} for case in cases}
     for group in groups:
         position = cases.index(group.case), names.index(group.name)
-        remarks[group.case or ""][group.name] = json.loads(group.answer.attrs["remarks"])
+        remarks[group.case or ""][group.name] = json_attribute(group.answer.attrs, "remarks")
         numbers = group.answer.reset_coords()
         numbers = numbers.drop_vars(["source", "component", "map", "content"]).assign(
             map_name=("map", group.answer["map"].values), maps=group.answer.sizes["map"]
@@ -64,13 +64,13 @@ def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
             _, values = columns.setdefault(str(name), (("case", "group", *map(str, variable.dims)), empty))
             corner: tuple[int | slice, ...] = (*position, *(slice(size) for size in variable.shape))
             values[corner] = variable.values
-    labels = {f"group{end}": ("group", np.array(names, object)) for end in ("", "_name")}
-    labels |= {f"case{end}": ("case", np.array(cases, object)) for end in ("", "_name")}
+    labels = {f"group{suffix}": ("group", np.array(names, object)) for suffix in ("", "_name")}
+    labels |= {f"case{suffix}": ("case", np.array(cases, object)) for suffix in ("", "_name")}
     if groups:
         labels |= {dim: (dim, groups[0].answer[dim].values.astype(object)) for dim in ("source", "component")}
-    joined = xr.Dataset(columns, labels, {"remarks": json.dumps(remarks, ensure_ascii=False)})
-    joined = joined.set_coords([name for name in ("mean_pressure", "map_name", "part") if name in joined])
-    return joined if cases != [None] else joined.isel(case=0, drop=True)
+    result = xr.Dataset(columns, labels, json_attributes({"remarks": remarks}))
+    result = result.set_coords([name for name in ("mean_pressure", "map_name", "part") if name in result])
+    return result if cases != [None] else result.isel(case=0, drop=True)
 
 
 def groups_table(groups: Sequence[NamedGroup]) -> pd.DataFrame:
@@ -80,15 +80,15 @@ def groups_table(groups: Sequence[NamedGroup]) -> pd.DataFrame:
     """
     rows = []
     for name, case, answer, _ in groups:
-        first: dict[str, Any] = {} if case is None else {"case": case}
-        first |= {"group": name, "maps": answer.sizes["map"], "parts": len(set(answer["part"].values))}
+        head: dict[str, Any] = {} if case is None else {"case": case}
+        head |= {"group": name, "maps": answer.sizes["map"], "parts": len(set(answer["part"].values))}
         names = [
             column
             for quantity in _quantities(answer)
-            for column in (quantity, *(f"{quantity}_{end}" for end in _ENDS))
+            for column in (quantity, *(f"{quantity}_{bound}" for bound in _ENDS))
         ]
         rows += [
-            first | {"mean_pressure_Pa": load} | {column: answer[column].values[index] for column in names}
+            head | {"mean_pressure_Pa": load} | {column: answer[column].values[index] for column in names}
             for index, load in enumerate(answer["mean_pressure"].values)
         ]
     return pd.DataFrame(rows, columns=None if rows else ["group", "maps", "parts", "mean_pressure_Pa"])
@@ -97,9 +97,9 @@ def groups_table(groups: Sequence[NamedGroup]) -> pd.DataFrame:
 def comparisons_table(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> pd.DataFrame:
     """Return one row for each comparison (by the names of both, as of `compare_all`), quantity and load."""
     rows = [
-        {"first": first, "second": second, "quantity": quantity, "mean_pressure_Pa": load}
+        {"first": reference, "second": partner, "quantity": quantity, "mean_pressure_Pa": load}
         | {key: comparison[key].values[row, column] for key in _COMPARED}
-        for (first, second), comparison in comparisons.items()
+        for (reference, partner), comparison in comparisons.items()
         for row, quantity in enumerate(comparison["quantity"].values)
         for column, load in enumerate(comparison["mean_pressure"].values)
     ]
@@ -108,4 +108,4 @@ def comparisons_table(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> pd.D
 
 def _quantities(answer: xr.Dataset) -> list[str]:
     """Return the quantities that a group has."""
-    return [name for name in quantities_in(answer) if name in answer]
+    return [name for name in headline_names(answer) if name in answer]

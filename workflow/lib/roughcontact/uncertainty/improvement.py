@@ -1,87 +1,136 @@
 """What would halve the interval of a surface: one line, from the components of the contact area."""
 
-import json
 import math
 
 import numpy as np
 import scipy
 import xarray as xr
 
-from roughcontact.quantities import counted_noun, number, percent, quantity
+from roughcontact.arguments.measurement import Instrument, json_attribute
+from roughcontact.arguments.quantities import Unit, counted_noun, percent, quantity
 from roughcontact.statistics.outcome import CheckName
-from roughcontact.statistics.precision import relative_half_width
+from roughcontact.statistics.precision import precision_in_words, relative_half_width
+from roughcontact.uncertainty.calibration import scatter_between_maps, table
 from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.random_effects import student
-from roughcontact.uncertainty.scales import AREA, from_scale, to_scale
+from roughcontact.uncertainty.scales import AREA, GAP, from_scale, to_scale
 
 _TYPICAL_AREA = 0.1  # the load with the contact area nearest to it is improved
-_MOST_MAPS = 100
-_LONGEST_FIELD = 10.0  # over the length of the map
+_MAX_MAPS = 100
+_PLANNED = 0.1  # relative half-width that the number of places is told for
 ADVICE = {
     "solver": "set contact.tolerance to a tenth",
     "discretisation": "measure with pixels half as large",
     "instrument": "repeat the measurement and average, or state the instrument more narrowly",
     "material": "state contact modulus and load twice as narrowly",
+    "hardness": "measure the hardness (hardness_uncertainty)",
     "unresolved": "measure with pixels half as large, or state instrument.finer_spectrum",
 }
+_WORTHWHILE = 0.9  # of the half-width, above which nothing is promised
+_OVERVIEW = "measure an overview, a field three times as long at a quarter of the magnification"
 _LONGER_FIELD = "measure a field 3 times as long"
 
 
-def half_width_of_mean(scatter: float, maps: int, shared: float) -> float:
-    """Return the median relative half-width of the mean of so many maps, with the errors that all share."""
-    freedom = np.array(maps - 1.0)
-    factor = float(student(freedom) * median_of_chi(freedom))
-    return math.hypot(factor * scatter / math.sqrt(maps), shared)
+def half_width_of_mean(of_window: float, maps: int, shared_error: float) -> float:
+    """Return the median relative half-width of the mean of so many maps, as a group of them will have.
 
-
-def median_of_chi(freedom: np.ndarray) -> np.ndarray:
-    """Return the median of an estimated standard deviation over the true one, by its degrees of freedom."""
-    return np.sqrt(2 * scipy.special.gammaincinv(freedom / 2, 0.5) / freedom)
-
-
-def maps_to_halve(scatter: float, half_width: float, shared: float) -> int | None:
-    """Return how many maps in all bring the relative half-width to half; None for more than a hundred.
-
-    Examples
-    --------
-    Student's factors of n - 1 over the root of n, times the median of chi over its degrees of freedom
-    (tables of both distributions): 1.14 of 5 maps.
-
-    >>> maps_to_halve(0.1, 0.23, 0.0), maps_to_halve(0.1, 0.2, 0.1)
-    (5, None)
+    `of_window` is the relative half-width of the source `window` of one map, `shared_error` that of what all
+    maps share.
     """
-    counts = range(2, _MOST_MAPS + 1)
-    return next((n for n in counts if half_width_of_mean(scatter, n, shared) <= half_width / 2), None)
+    scatter, expected = scatter_between_maps(AREA, of_window)
+    measured = maps - 1.0
+    square = 2 * scipy.special.gammaincinv(measured / 2, 0.5)  # median of chi-square
+    variance = scatter**2 * (expected + square) / (expected + measured)
+    factor = student(np.array(expected + measured))
+    return math.hypot(float(factor * np.sqrt(variance / maps)), shared_error)
 
 
-def with_halving(statistics: xr.Dataset, scatter: np.ndarray | None) -> xr.Dataset:
-    """Return the statistics with the attribute `halve`; `scatter` (load) is that of maps of this size."""
-    line = halving_line(statistics, scatter)
-    return statistics.assign_attrs(halve=line) if line else statistics
+def maps_to_halve(of_window: float, half_width: float, shared_error: float) -> int | None:
+    """Return how many maps in all bring the relative half-width to half; None for more than a hundred."""
+    return maps_for(half_width / 2, of_window, shared_error)
 
 
-def halving_line(statistics: xr.Dataset, scatter: np.ndarray | None) -> str:
+def maps_for(half_width: float, of_window: float, shared_error: float) -> int | None:
+    """Return how many maps in all have a mean of this relative half-width; None for more than a hundred."""
+    counts = range(2, _MAX_MAPS + 1)
+    return next((n for n in counts if half_width_of_mean(of_window, n, shared_error) <= half_width), None)
+
+
+def planning_line(statistics: xr.Dataset) -> str:
+    """Return how many places of this size make the contact area known to ± 10 %; empty if it is already."""
+    if f"{AREA}_components" not in statistics:
+        return ""
+    at_load = statistics.isel(load=_typical_load(statistics))
+    value, lower, upper = (float(at_load[f"{AREA}{suffix}"]) for suffix in ("", "_lower", "_upper"))
+    widths = _relative_widths(at_load, value)
+    of_window = widths.pop("window", math.inf)
+    if not math.isfinite(of_window) or relative_half_width(value, lower, upper) <= _PLANNED:
+        return ""
+    shared_error = math.hypot(*widths.values())
+    if places := maps_for(_PLANNED, of_window, shared_error):
+        return f"{counted_noun(places, 'place')} of this size in all"
+    if shared_error >= _PLANNED:
+        largest = max(widths, key=widths.__getitem__)
+        return f"no number of places, the {largest} alone is ± {percent(shared_error)}"
+    return f"more than {_MAX_MAPS} places of this size"
+
+
+def add_halving(statistics: xr.Dataset, *, overview: bool = False) -> xr.Dataset:
+    """Return the statistics with the attributes `halve` and `places`, by the arguments of `halving_line`."""
+    lines = {"halve": halving_line(statistics, overview=overview), "places": planning_line(statistics)}
+    return statistics.assign_attrs({name: line for name, line in lines.items() if line})
+
+
+def add_overview_line(statistics: xr.Dataset) -> xr.Dataset:
+    """Return the statistics with the attribute `overview`: how well they are known with and without it.
+
+    It is of gap and area at the load whose contact area is nearest to 10 %.
+    """
+    if f"{AREA}_alone_lower" not in statistics:
+        return statistics
+    at_load = statistics.isel(load=_typical_load(statistics))
+    phrases = []
+    for name, word, unit in ((GAP, "gap", Unit(1.0, "m")), (AREA, "contact area", Unit(100.0, "%"))):
+        value, lower, upper, below, above = (
+            float(at_load[f"{name}{end}"]) for end in ("", "_lower", "_upper", "_alone_lower", "_alone_upper")
+        )
+        now, before = (precision_in_words(value, *ends, unit) for ends in ((lower, upper), (below, above)))
+        if now != before:
+            phrases.append(f"{word} known {now} ({before} without the overview)")
+    return statistics.assign_attrs(overview="; ".join(phrases)) if phrases else statistics
+
+
+def _typical_load(statistics: xr.Dataset) -> int:
+    """Return the index of the load whose contact area is nearest to the typical one."""
+    areas = np.maximum(statistics[AREA].values, 1e-300)
+    return int(np.abs(np.log(areas / _TYPICAL_AREA)).argmin())
+
+
+def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
     """Return what would halve the interval of the contact area near 10 %; empty without an interval.
 
-    `scatter` (load) is the standard deviation of the area between maps of this size, on its scale.
+    `overview` says whether a coarser map around this one can be measured, where there is none.
     """
     if f"{AREA}_components" not in statistics:
         return ""
-    areas = np.maximum(statistics[AREA].values, 1e-300)
-    load = int(np.abs(np.log(areas / _TYPICAL_AREA)).argmin())
+    load = _typical_load(statistics)
     at_load = statistics.isel(load=load)
-    value, lower, upper = (float(at_load[f"{AREA}{end}"]) for end in ("", "_lower", "_upper"))
+    value, lower, upper = (float(at_load[f"{AREA}{suffix}"]) for suffix in ("", "_lower", "_upper"))
     half_width = float(relative_half_width(value, lower, upper))
     widths = _relative_widths(at_load, value)
-    first, advice = _advice(statistics)
+    first_steps, advice = _advice(statistics)
     if not math.isfinite(half_width) or not widths.get("window", 0.0) < math.inf:
-        return "; ".join([*first, _LONGER_FIELD])
+        return "; ".join([*first_steps, _LONGER_FIELD])
     if "window" in widths:
-        of_area = math.nan if scatter is None else float(np.ravel(scatter)[load]) * _slope(value)
-        shared = math.sqrt(sum(width**2 for source, width in widths.items() if source != "window"))
-        advice["window"] = _more_places(of_area, half_width, shared, widths["window"])
+        shared_error = math.sqrt(sum(width**2 for source, width in widths.items() if source != "window"))
+        advice["window"] = _more_places(half_width, shared_error, widths["window"])
+        if overview and f"{AREA}_alone_lower" not in statistics:
+            promised = math.hypot(shared_error, _width_with_overview(widths["window"], _slope(value)))
+            if promised < _WORTHWHILE * half_width:
+                text = f"{_OVERVIEW} (to about ± {percent(promised)})"
+                advice["window"] = f"{text}, or {advice['window'].removeprefix('measure ')}"
     by_size = sorted(widths, key=widths.__getitem__, reverse=True)
-    actions = [*first]
+    actions = [*first_steps]
     for rank, source in enumerate(by_size, start=1):
         actions.append(advice[source])
         remaining = math.sqrt(sum(widths[name] ** 2 for name in by_size[rank:]))
@@ -93,14 +142,14 @@ def halving_line(statistics: xr.Dataset, scatter: np.ndarray | None) -> str:
 def _advice(statistics: xr.Dataset) -> tuple[list[str], dict[str, str]]:
     """Return what comes first, if anything, and source -> what halves its part, by checks and settings."""
     attrs, advice = statistics.attrs, {**ADVICE}
-    doubted = {entry["check"] for entry in json.loads(attrs.get("reasons", "[]"))}
-    if not any(key.startswith("instrument_") for key in attrs):
+    doubtful_checks = {entry["check"] for entry in json_attribute(attrs, "reasons")}
+    if not Instrument.read(attrs).properties():
         advice["instrument"] = (  # of rounded heights, or a suspected noise
             "export the heights in finer steps, or measure the place twice (repeat_of), which tells the noise"
         )
-    if CheckName.SMOOTHED in doubted:
+    if CheckName.SMOOTHED in doubtful_checks:
         advice = dict.fromkeys(advice, "state the lens (instrument.numerical_aperture)")
-    if CheckName.ISOLATED_PEAK not in doubted or "summit_x" not in attrs:
+    if CheckName.ISOLATED_PEAK not in doubtful_checks or "summit_x" not in attrs:
         return [], advice
     x, y = (quantity(float(attrs[f"summit_{axis}"]), "m") for axis in "xy")
     return [f"clean the summit at ({x}, {y})"], advice
@@ -109,29 +158,30 @@ def _advice(statistics: xr.Dataset) -> tuple[list[str], dict[str, str]]:
 def _slope(area: float) -> float:
     """Return d ln A over d of the scale of the area."""
     middle, step = to_scale(AREA, np.array(area)), 1e-3
-    ends = np.log(from_scale(AREA, middle + np.array([-step, step])))
-    return float(ends[1] - ends[0]) / (2 * step)
+    values = np.log(from_scale(AREA, middle + np.array([-step, step])))
+    return float(values[1] - values[0]) / (2 * step)
+
+
+def _width_with_overview(of_window: float, slope: float) -> float:
+    """Return the relative half-width that an overview would leave of that of the window, by the bank."""
+    constant, power = table()["overview_promise"]
+    return slope * math.exp(constant) * (of_window / slope) ** power
 
 
 def _relative_widths(at_load: xr.Dataset, value: float) -> dict[str, float]:
     """Return the half-width of each source over the value; infinite where nothing bounds it."""
-    unbounded = at_load[f"{AREA}_components"].isnull().any("component").values
-    widths = np.where(unbounded, np.inf, at_load[f"{AREA}_uncertainty"].values / value)
+    is_unbounded = at_load[f"{AREA}_components"].isnull().any("component").values
+    widths = np.where(is_unbounded, np.inf, at_load[f"{AREA}_uncertainty"].values / value)
     by_source = dict(zip(at_load["source"].values, map(float, widths), strict=True))
     return {source: by_source[source] for source in SOURCES if not math.isnan(by_source[source])}
 
 
-def _more_places(scatter: float, half_width: float, shared: float, of_window: float) -> str:
-    """Return how many more maps of this size, or how much longer a field, halve the interval."""
-    if math.isnan(scatter):
-        return _LONGER_FIELD
-    target = half_width / 2 if shared < half_width / 2 else math.hypot(shared, of_window / 2)
-    maps = maps_to_halve(scatter, 2 * target, shared)
-    longer = of_window / math.sqrt(max(target**2 - shared**2, 1e-300))
-    field = f"a field {number(longer, digits=2)} times as long" if longer <= _LONGEST_FIELD else ""
+def _more_places(half_width: float, shared_error: float, of_window: float) -> str:
+    """Return how many more maps of this size halve the interval."""
+    target = half_width / 2 if shared_error < half_width / 2 else math.hypot(shared_error, of_window / 2)
+    maps = maps_to_halve(of_window, 2 * target, shared_error)
     if maps is None:
-        return f"measure {field}" if field else "measure more places"
-    promised = half_width_of_mean(scatter, maps, shared)
-    text = f" (their mean: to about ± {percent(promised)})" if promised < 1 else ""
-    action = f"measure {counted_noun(maps - 1, 'more place')} of this size{text}"
-    return f"{action}, or {field}" if field else action
+        return "measure more places"
+    half_width_of_maps = half_width_of_mean(of_window, maps, shared_error)
+    text = f" (their mean: to about ± {percent(half_width_of_maps)})" if half_width_of_maps < 1 else ""
+    return f"measure {counted_noun(maps - 1, 'more place')} of this size{text}"

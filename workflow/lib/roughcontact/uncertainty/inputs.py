@@ -1,6 +1,6 @@
-"""Uncertainty and sensitivity of the results to load, contact modulus and the scales of the map.
+"""Uncertainty and sensitivity of the results to load, contact modulus, hardness and the scales of the map.
 
-The contact is solved with a stated input 1 - U and 1 + U times as large (JCGM 100:2008, 5.1.3, note 2): the
+The contact is solved with a stated input at both ends of its range (JCGM 100:2008, 5.1.3, note 2): the
 changes are half-widths, the slope between them the sensitivity d ln Q/d ln(input). Of another input it
 follows, if at all, from dū/dp̄ = -1/K of the gap, or while no point yields from the solution for heights a,
 lengths b, moduli c and loads d times as large, that at the load p d b/(c a):
@@ -8,10 +8,9 @@ lengths b, moduli c and loads d times as large, that at the load p d b/(c a):
       A(p) = A0,   u = a u0,   pressures = (c a/b) p0,   K/E* = kappa0/b,   gap height = a c0
 
 (Persson 2001, J. Chem. Phys. 115, 3840, for the area; exact for an elastic half-space; of layers for all but
-lengths).
+lengths). The hardness, which reaches further, is solved at the few loads of a member of an ensemble.
 """
 
-import json
 import math
 from collections.abc import Mapping
 from itertools import product
@@ -20,18 +19,22 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.kinds import facts_of
+from roughcontact.arguments.measurement import json_attribute
+from roughcontact.arguments.ranges import Shares, ends
 from roughcontact.contact.solve import NEAR_HARDNESS
 from roughcontact.errors import SettingsError
 from roughcontact.uncertainty.combination import Component, Components, component_from_units, half_widths
 from roughcontact.uncertainty.ensemble import Result, Values, solve_member
-from roughcontact.uncertainty.headline import quantities_in
+from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, CONSTRICTIONS, GAP, PEAK, PRESSURE
 
 STIFFNESS = "loading_stiffness"
 AMPLIFICATIONS = ("amplification_z", "amplification_xy")
 _LOAD, _MODULUS, _HEIGHTS, _LENGTHS = "mean_pressure", "contact_modulus", *AMPLIFICATIONS
 _POWER_IN_LOAD = {_LOAD: 1.0, _MODULUS: -1.0, _HEIGHTS: -1.0, _LENGTHS: 1.0}
-INPUTS = (*_POWER_IN_LOAD,)
+HARDNESS = "hardness"
+INPUTS = (*_POWER_IN_LOAD, HARDNESS)
 _EXPLICIT_POWER = {
     **{(_HEIGHTS, name): 1.0 for name in (GAP, *CONSTRICTIONS)},
     **{(source, name): 1.0 for source in (_MODULUS, _HEIGHTS) for name in (PEAK, PRESSURE)},
@@ -40,73 +43,103 @@ _EXPLICIT_POWER = {
 
 
 def input_uncertainty(
-    result: Result, solved: xr.Dataset, stated: Mapping[str, float | None]
+    result: Result, solution: xr.Dataset, ranges: Mapping[str, float | Shares | None]
 ) -> tuple[Mapping[str, np.ndarray], Mapping[str, Components]]:
     """Return the sensitivities of each result, and the components of each input that is stated.
 
-    `stated` are relative expanded uncertainties (95 %), `solved` the quantities along `load`. Sensitivities
-    (load, input) are d ln Q/d ln(input), NaN if not known; half-widths are infinite if an end could not be
-    solved. `contact_modulus` stands for all moduli of bodies.
+    `ranges` are relative expanded uncertainties (95 %), of the hardness below and above it, `solution` the
+    quantities along `load`. Sensitivities (load, input) are d ln Q/d ln(input), NaN if not known; half-widths
+    are infinite if an end could not be solved. `contact_modulus` stands for all moduli of bodies.
     """
-    values = {name: solved[name].values for name in quantities_in(solved)}
+    values = {name: solution[name].values for name in headline_names(solution)}
     elastic = values[PEAK] < (1 - NEAR_HARDNESS) * result.hardness
     similar = dict.fromkeys(_POWER_IN_LOAD, elastic) | {_LOAD: np.ones_like(elastic)}
-    if result.contact.get("boundary") == "free":  # the form is not scaled
-        similar |= dict.fromkeys(AMPLIFICATIONS, np.zeros_like(elastic))
-    if "bodies" in solved.attrs:
+    # a form is not scaled with the heights
+    similar |= dict.fromkeys(AMPLIFICATIONS, elastic & facts_of(result.contact).scales_heights)
+    if "bodies" in solution.attrs:
         similar[_LENGTHS] = np.zeros_like(elastic)
     load_slopes = {name: np.full(elastic.shape, np.nan) for name in values}
-    if STIFFNESS in solved:
-        np.divide(-solved[_LOAD].values, values[GAP], out=load_slopes[GAP], where=values[GAP] > 0)
-        load_slopes[GAP] /= solved[STIFFNESS].values
+    if STIFFNESS in solution:
+        np.divide(-solution[_LOAD].values, values[GAP], out=load_slopes[GAP], where=values[GAP] > 0)
+        load_slopes[GAP] /= solution[STIFFNESS].values
     secants: dict[tuple[str, str], np.ndarray] = {}
     components: dict[str, dict[str, Component]] = {source: {} for source in INPUTS}
-    for source, power in _POWER_IN_LOAD.items():
-        width = float(stated.get(source) or 0.0)
-        if not 0 <= width < 1:
+    for source in INPUTS:
+        lowest, highest = ends(1.0, ranges.get(source))
+        if not 0 < lowest <= highest:
             raise SettingsError(
-                f"uncertainty of {source} = {width:g}: give a relative one, from 0 to below 1, such as 0.05"
+                f"uncertainty of {source} = {ranges[source]}: give a relative one, from 0 to below 1, such "
+                "as 0.05"
             )
-        if not width:
+        if lowest == highest:
             continue
-        ends = [_end(source, factor, result, solved) for factor in (1 - width, 1 + width)]
-        for name, value in values.items():
-            below, above, secants[source, name] = effect(value, ends, name)
-            if not np.isnan(above).all():
+        bounds = [_end(source, factor, result, solution) for factor in (lowest, highest)]
+        stated = values
+        if source == HARDNESS:
+            stated = values | {AREA: np.fmax(values[AREA], result.load / result.hardness)}
+        for name, value in stated.items():
+            below, above, secants[source, name] = effect(value, bounds, name)
+            # what flows has the pressure of its area, whatever edges of pixels say
+            if not np.isnan(above).all() and (source, name) != (HARDNESS, PRESSURE):
                 components[source][name] = component_from_units(name, value, half_widths(below, above))
-            slope = (secants[source, name] - _EXPLICIT_POWER.get((source, name), 0.0)) / power
-            usable = similar[source] & np.isnan(load_slopes[name]) & np.isfinite(slope)
+            slope = secants[source, name] - _EXPLICIT_POWER.get((source, name), 0.0)
+            slope /= _POWER_IN_LOAD.get(source, np.nan)
+            usable = similar.get(source, False) & np.isnan(load_slopes[name]) & np.isfinite(slope)
             load_slopes[name] = np.where(usable, slope, load_slopes[name])
     sensitivities = {name: np.empty((elastic.size, len(INPUTS))) for name in values}
     for name, (column, source) in product(values, enumerate(INPUTS)):
-        law = _EXPLICIT_POWER.get((source, name), 0.0) + _POWER_IN_LOAD[source] * load_slopes[name]
-        law = np.where(similar[source], law, np.nan)
+        power = _POWER_IN_LOAD.get(source, np.nan)  # of the hardness its own ends tell alone
+        law = _EXPLICIT_POWER.get((source, name), 0.0) + power * load_slopes[name]
+        law = np.where(similar.get(source, False), law, np.nan)
         secant = secants.get((source, name), law)
         sensitivities[name][:, column] = np.where(np.isfinite(secant), secant, law)
     return sensitivities, components
 
 
-def _end(source: str, factor: float, result: Result, solved: xr.Dataset) -> tuple[np.ndarray, Values]:
+def _end(source: str, factor: float, result: Result, solution: xr.Dataset) -> tuple[np.ndarray, Values]:
     """Return ln of the input over its stated value (load), and the results, with it a factor larger."""
-    load, window, changed = solved[_LOAD].values, result.window, dict(result.contact)
+    if source == HARDNESS:
+        return _end_of_hardness(factor, result, solution)
+    load, window, variation = solution[_LOAD].values, result.window, dict(result.contact)
     change = np.full(load.shape, math.log(factor))
     if source == _LOAD:
         # a contact of which all yields carries no more
-        changed[_LOAD] = np.minimum(factor * load, (1 - 2 * NEAR_HARDNESS) * result.hardness)
-        change = np.log(changed[_LOAD] / load)
+        variation[_LOAD] = np.minimum(factor * load, (1 - 2 * NEAR_HARDNESS) * result.hardness)
+        change = np.log(variation[_LOAD] / load)
     elif source == _MODULUS:
-        changed[_MODULUS] = factor * float(solved[_MODULUS])
-        changed["bodies"] = _stiffer(json.loads(solved.attrs.get("bodies", "null")), factor)
+        variation[_MODULUS] = factor * float(solution[_MODULUS])
+        variation["bodies"] = _stiffer(json_attribute(solution.attrs, "bodies") or None, factor)
     elif source == _HEIGHTS:
         window = window.copy(data=factor * window.values)
     else:
         window = window.assign_coords({axis: factor * window[axis] for axis in ("y", "x")})
-    tolerance = changed.get("tolerance", 1e-4)
-    values = solve_member(window, changed, tolerance=tolerance, names=quantities_in(solved))
+    tolerance = variation.get("tolerance", 1e-4)
+    values = solve_member(window, variation, tolerance=tolerance, names=headline_names(solution))
     if CONDUCTANCE in values:  # infinite, not unknown, in full contact
         infinite = np.isnan(values[CONDUCTANCE]) & np.isfinite(values[AREA])
         values[CONDUCTANCE] = np.where(infinite, np.inf, values[CONDUCTANCE])
     return change, values
+
+
+def _end_of_hardness(factor: float, result: Result, solution: xr.Dataset) -> tuple[np.ndarray, Values]:
+    """Return ln of the factor (load), and the results of the contact with a hardness a factor larger.
+
+    Where no point reaches the lower of both hardnesses, nothing changes, and nothing is solved.
+    """
+    names, hardness = headline_names(solution), factor * result.hardness
+    stated = {name: solution[name].values for name in names}
+    change = np.full(result.load.shape, math.log(factor))
+    flows = stated[PEAK] >= (1 - NEAR_HARDNESS) * min(hardness, result.hardness)
+    if not flows.any():
+        return change, stated
+    load = np.minimum(result.load, (1 - 2 * NEAR_HARDNESS) * hardness)
+    softer = result._replace(
+        contact={**result.contact, "hardness": hardness, "mean_pressure": load}, values=stated
+    )
+    values = softer.again(result.window)
+    ends_at_loads = {name: np.where(flows, value, stated[name]) for name, value in values.items()}
+    # edges of pixels make an area too small for the load
+    return change, ends_at_loads | {AREA: np.fmax(ends_at_loads[AREA], load / hardness)}
 
 
 def _stiffer(bodies: Any, factor: float) -> Any:
@@ -119,13 +152,15 @@ def _stiffer(bodies: Any, factor: float) -> Any:
 
 
 def effect(
-    value: np.ndarray, ends: list[tuple[np.ndarray, Values]], name: str
+    value: np.ndarray, bounds: list[tuple[np.ndarray, Values]], name: str
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return half-widths below and above a result, and the slope of its logarithm, from both ends."""
-    (low, lower), (high, upper) = ((change, values[name]) for change, values in ends)
+    (low, lower), (high, upper) = ((change, values[name]) for change, values in bounds)
     changes = np.stack([lower - value, upper - value, np.zeros(value.shape)])
     # an end that could not be solved bounds nothing
-    unsolved = np.isnan(changes).any(axis=0) & ~np.isnan(value)
-    below, above = (np.where(unsolved, np.inf, side) for side in (-changes.min(axis=0), changes.max(axis=0)))
+    is_unsolved = np.isnan(changes).any(axis=0) & ~np.isnan(value)
+    below, above = (
+        np.where(is_unsolved, np.inf, side) for side in (-changes.min(axis=0), changes.max(axis=0))
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
         return below, above, np.log(upper / lower) / (high - low)

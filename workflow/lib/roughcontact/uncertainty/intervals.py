@@ -1,21 +1,22 @@
-"""The intervals of the quantities: of the surface, the next map, longer and shorter waves, and this map."""
+"""The intervals of the quantities: of the surface, the next map, shorter waves, the joint, and this map."""
 
+import math
 from collections.abc import Mapping
 from itertools import product
-from typing import get_args
 
 import numpy as np
 
-from roughcontact.choices import HeadlineMeasurand, UncertaintySource
+from roughcontact.arguments.choices import UncertaintySource
 from roughcontact.uncertainty import calibration
+from roughcontact.uncertainty.calibration import ALONE, JOINT, MEASURANDS
 from roughcontact.uncertainty.combination import (
     SIGNS,
     Component,
     Components,
     added_up,
     columns_of_components,
-    ends_of,
     half_widths,
+    interval_bounds,
     limited,
     monotonic,
 )
@@ -24,29 +25,34 @@ from roughcontact.uncertainty.ensemble import Result, Values
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, from_scale, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
-MEASURANDS = get_args(calibration.Measurand)
 Windows = Mapping[calibration.Measurand, Components]  # measurand -> components of the source `window`
 Octave = Mapping[str, tuple[np.ndarray, Component]]  # quantity -> shift (load), and the component about it
 
 
-def window_components(scatter: Scatter, middle: Values, gap: np.ndarray, extent: float) -> Windows:
+def window_components(
+    scatter: Scatter, middle: Values, gap: np.ndarray, *, rms_height: float = math.inf
+) -> Windows:
     """Return by how much the truth of each measurand may differ from this map, on the scales.
 
-    `middle` are corrected results, `gap` the mean gap (load; m), `extent` the length of the longer surface
-    over that of the map.
+    `middle` are corrected results, `gap` the mean gap (load; m), `rms_height` (m) that of the map.
     """
-    windows: dict[calibration.Measurand, dict[str, Component]] = {key: {} for key in MEASURANDS}
-    area, known = from_scale(AREA, middle[AREA]), bool(scatter.arms or scatter.features)
-    for measurand, name in product(MEASURANDS, middle):
-        if measurand == "map" and (scatter.of_positions or not known):
+    measurands = (*MEASURANDS, *(key for key in (ALONE, JOINT) if key in scatter.arms))
+    windows: dict[calibration.Measurand, dict[str, Component]] = {key: {} for key in measurands}
+    area, has_scatter = from_scale(AREA, middle[AREA]), bool(scatter.arms or scatter.features)
+    for measurand, name in product(measurands, middle):
+        if measurand == "map" and (scatter.of_positions or not has_scatter):
             below = above = np.zeros(gap.shape)
-        elif scatter.arms:  # of surfaces behind profiles, whatever their size
-            below, above = scatter.arms[name]
-        elif known:
-            below, above = calibration.arms(measurand, name, scatter.features[name], area, extent=extent)
+        elif own := scatter.arms.get(measurand, {}).get(name):  # whatever the size of the map
+            below, above = own
+        elif measurand == JOINT:  # of which the map says nothing
+            continue
+        elif has_scatter:
+            below, above = calibration.arms(measurand, name, scatter.features[name], area)
+            if name == GAP:
+                above = np.fmin(above, calibration.limit_of_gap(measurand, area, gap / rms_height))
         else:  # without subwindows nothing bounds what other places would give
             below = above = np.full(gap.shape, np.inf)
-        if name in CONSTRICTIONS and known:  # counted in mean gaps
+        if name in CONSTRICTIONS and has_scatter:  # counted in mean gaps
             below, above = below * gap, above * gap
         if name in scatter.open_ended and measurand != "map":
             above = np.where(scatter.open_ended[name], np.inf, above)
@@ -62,56 +68,65 @@ def interval_columns(
     *,
     scatter: Scatter | None,
     octave: Octave | None,
-    measurand: HeadlineMeasurand = "surface",
-    extent: float = 1.0,
+    hardest: float = math.inf,
 ) -> dict[str, tuple]:
     """Return the ends of all intervals of the quantities, and what they are made of.
 
     `as_solved` are results (load), `middle` corrected ones on their scales. Without `octave` shorter waves
-    have no interval; of an empty one, where the settings chose the band, it is that of `measurand`, as are
-    `_lower` and `_upper`; `extent` is that of `window_components`.
+    have no interval; of an empty one, where the settings chose the band, it is that of the surface.
+    `hardest` is the upper end of the hardness (Pa).
     """
     centres, values = _consistent(result, as_solved, middle)
     for name in {AREA, PRESSURE} & {*as_solved}:  # full contact, up to the rounding of its scale
         values[name] = np.where(as_solved[AREA] >= 1, as_solved[name], values[name])
     windows: Windows = {key: {} for key in MEASURANDS}
     if scatter:
-        windows = window_components(scatter, middle, as_solved[GAP], extent)
-    components = {source: _with_pressure(causes, centres[AREA]) for source, causes in components.items()}
-    windows = {key: _with_pressure(component, centres[AREA]) for key, component in windows.items()}
-    sources, by_source = [*components.values()], {**components, "window": windows[measurand]}
+        windows = window_components(scatter, middle, as_solved[GAP], rms_height=float(result.window.std()))
+    components = {source: add_pressure(causes, centres[AREA]) for source, causes in components.items()}
+    windows = {key: add_pressure(component, centres[AREA]) for key, component in windows.items()}
+    sources, by_source = [*components.values()], {**components, "window": windows["surface"]}
     # beginning of the name -> results on their scales and in their units, and what adds up about them
     intervals = {"": (centres, values, [*by_source.values()])}
-    for key in MEASURANDS[1:]:  # without the source `window` nothing is known of other places
+    for key in [*windows][1:]:  # without the source `window` nothing is known of other places
         causes = [*sources, windows[key]] if scatter or key == "map" else []
         intervals[f"{key}_"] = centres, values, causes
     intervals["octave_"] = centres, values, [] if octave is None else [*by_source.values()]
     if octave:
         shorter = {name: centre + octave[name][0] for name, centre in middle.items()}
-        shorter, moved = _consistent(result, as_solved, shorter)
-        beyond = _with_pressure({name: pair[1] for name, pair in octave.items()}, shorter[AREA])
-        intervals["octave_"] = shorter, moved, [*by_source.values(), beyond]
+        shorter, change = _consistent(result, as_solved, shorter)
+        extension = add_pressure({name: pair[1] for name, pair in octave.items()}, shorter[AREA])
+        intervals["octave_"] = shorter, change, [*by_source.values(), extension]
     columns: dict[str, tuple] = {}
     widest = np.zeros(result.load.size)  # gap of a member
     if scatter:
         widest[result.few] = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
     for name, plain in as_solved.items():
         for prefix, (on_scales, in_units, causes) in intervals.items():
+            if prefix == f"{JOINT}_" and name not in windows[JOINT]:
+                continue
             value = in_units[name]
             lower = upper = np.full(value.shape, np.nan)
             if present := [cause[name] for cause in causes if name in cause]:
-                ends = ends_of(name, on_scales[name], added_up(present))
+                bounds = interval_bounds(name, on_scales[name], added_up(present))
                 if name == GAP and scatter:  # closed by full contact, it may be open elsewhere
-                    ends = np.where(value > 0, ends[0], 0.0), np.where(value > 0, ends[1], widest)
-                ends = monotonic(name, ends, result.load)
-                lower, upper = limited(name, ends, value=value, load=result.load, hardness=result.hardness)
+                    bounds = np.where(value > 0, bounds[0], 0.0), np.where(value > 0, bounds[1], widest)
+                bounds = monotonic(name, bounds, result.load)
+                lower, upper = limited(name, bounds, value=value, load=result.load, hardness=hardest)
             columns |= {f"{name}_{prefix}lower": ("load", lower), f"{name}_{prefix}upper": ("load", upper)}
-        if name in (*CORRECTED, PRESSURE):
+        if scatter and name in scatter.joint:
+            joint = from_scale(name, centres[name] + scatter.joint[name])
+            columns[f"{name}_{JOINT}"] = "load", np.where(np.isnan(joint), values[name], joint)
+        if name in (*CORRECTED, PRESSURE, *(scatter.shift if scatter else ())):
             columns[f"{name}_as_solved"] = ("load", plain)
         of_name = {source: causes[name] for source, causes in by_source.items() if name in causes}
-        ends = columns[f"{name}_lower"][1], columns[f"{name}_upper"][1]
-        columns |= columns_of_components(name, values[name], of_name, ends)
+        bounds = columns[f"{name}_lower"][1], columns[f"{name}_upper"][1]
+        columns |= columns_of_components(name, values[name], of_name, bounds)
     return columns
+
+
+def area_for_the_load(result: Result, middle: Values) -> np.ndarray:
+    """Return the contact area (load) on its scale, which edges of pixels may make too small for the load."""
+    return np.fmax(middle[AREA], to_scale(AREA, result.load / result.hardness))
 
 
 def _consistent(
@@ -121,8 +136,7 @@ def _consistent(
 
     In full contact, which has no gap on its scale, they are as solved.
     """
-    # by the edges of its pixels alone the area may be too small for the load
-    area = np.fmax(middle[AREA], to_scale(AREA, result.load / result.hardness))
+    area = area_for_the_load(result, middle)
     centres = {**middle, AREA: area, PRESSURE: np.log(result.load) - np.log(from_scale(AREA, area))}
     # where few points touch, the pixels of the area and of the peak are corrected one without the other
     if PEAK in middle:
@@ -137,7 +151,7 @@ def _consistent(
     return centres, values
 
 
-def _with_pressure(components: Components, area: np.ndarray) -> Components:
+def add_pressure(components: Components, area: np.ndarray) -> Components:
     """Return components of one source with that of the pressure in contact, by default from the area's."""
     if PRESSURE in components or AREA not in components:
         return components

@@ -1,10 +1,10 @@
 """The contact of a form that is wider than its map: each place as the map under Hertz's pressure there.
 
 All places have the same map: the ends of its intervals are integrated as they are. With a stated uncertainty
-of E* or force Hertz's contact is another, and all of it is solved again. Resistances are those of the spots
-and, in series, of Hertz's contact, 1/(2 a k) of a circle, else E*/k dδ/dF (Holm 1967, Electric Contacts;
-Greenwood 1966, Br. J. Appl. Phys. 17, 1621): a lower bound by Rayleigh; a flux in proportion to the pressure,
-with 6/5 of the second, gives an upper one (Thomson).
+of E*, hardness or force all of Hertz's contact is solved again. Resistances are those of the spots and, in
+series, of Hertz's contact, 1/(2 a k) of a circle, else E*/k dδ/dF (Holm 1967, Electric Contacts; Greenwood
+1966, Br. J. Appl. Phys. 17, 1621): a lower bound by Rayleigh; a flux in proportion to the pressure, with 6/5
+of the second, gives an upper one (Thomson).
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,17 +14,19 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from roughcontact.choices import UncertaintySource
+from roughcontact.arguments.choices import UncertaintySource
+from roughcontact.arguments.ranges import ends
+from roughcontact.contact.elasticity.closed_forms import hertz_ellipse
 from roughcontact.contact.solve import NEAR_HARDNESS, solve_contact
 from roughcontact.errors import SettingsError
-from roughcontact.references.closed_forms import hertz_ellipse
-from roughcontact.statistics.conductance import Bodies, conductance_columns
-from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
+from roughcontact.statistics.conductance import Bodies, conductance_columns, conductivity_ranges
+from roughcontact.statistics.precision import widened
+from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, OF_MATERIAL, error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
-from roughcontact.uncertainty.combination import added_up, component_from_units, ends_of, half_widths
+from roughcontact.uncertainty.combination import added_up, component_from_units, half_widths, interval_bounds
 from roughcontact.uncertainty.ensemble import Values, solve_member
-from roughcontact.uncertainty.inputs import effect
-from roughcontact.uncertainty.instrument import with_source_of_correction
+from roughcontact.uncertainty.inputs import HARDNESS, effect
+from roughcontact.uncertainty.instrument import add_correction_source
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, to_scale
 
 _NODES = 6  # of Gauss and Jacobi, over the pressure
@@ -47,7 +49,7 @@ def hertz_pressures(contact: Mapping[str, Any], radius: Sequence[float]) -> list
 
 
 def whole_contact(
-    levelled: xr.DataArray,
+    levelled_map: xr.DataArray,
     window: xr.DataArray,
     settings: Mapping[str, Mapping[str, Any]],
     *,
@@ -63,12 +65,13 @@ def whole_contact(
     `bodies` of known conductivities have resistances.
     """
     contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
-    inputs = {"mean_pressure": np.asarray(forces, float), "contact_modulus": contact["contact_modulus"]}
+    inputs: dict[str, Any] = {"mean_pressure": np.asarray(forces, float)}
+    inputs |= {name: contact.get(name) for name in ("contact_modulus", HARDNESS)}
     smooth, at_places = _places(inputs, radius, contact)
     curve = solve_contact(window, **at_places, reduce=budget_inputs)
-    of_map = [source for source in with_source_of_correction(sources, window) if source != "material"]
+    of_map = [source for source in add_correction_source(sources, window) if source not in OF_MATERIAL]
     budget = error_budget(
-        levelled, window, {**settings, "contact": at_places}, sources=of_map, solved=curve, **options
+        levelled_map, window, {**settings, "contact": at_places}, sources=of_map, solved=curve, **options
     )
     estimate, lower, upper = (
         {name: budget.get(f"{name}_{kind}", curve[name]).values for name in _OF_MAP}
@@ -76,41 +79,50 @@ def whole_contact(
     )
     # nothing bounds what has no end, nor the conductance of full contact
     upper = {
-        name: np.where(np.isnan(end) & ~np.isnan(lower[name]), np.inf, end) for name, end in upper.items()
+        name: np.where(np.isnan(key) & ~np.isnan(lower[name]), np.inf, key) for name, key in upper.items()
     }
     lower[CONDUCTANCE] = np.where(estimate[AREA] >= 1, np.inf, lower[CONDUCTANCE])
     values, below = _whole(estimate, smooth), _whole(lower, smooth, flux_as_pressure=True)
-    above, solved = _whole(upper, smooth), _whole({name: curve[name].values for name in _OF_MAP}, smooth)
+    above, solution = _whole(upper, smooth), _whole({name: curve[name].values for name in _OF_MAP}, smooth)
     by_input: list[list[tuple[np.ndarray, Values]]] = []  # both ends of each input that is uncertain
-    for stated, name in MATERIAL_UNCERTAINTIES.items() if "material" in sources else ():
-        if width := settings["contact"].get(stated):
+    ranges = {name: settings["contact"].get(setting) for setting, name in MATERIAL_UNCERTAINTIES.items()}
+    for name in (name for source, names in OF_MATERIAL.items() if source in sources for name in names):
+        if width := ranges[name]:
             by_input.append([])
-            for factor in (1 - width, 1 + width):
-                changed, loads = _places(inputs | {name: factor * inputs[name]}, radius, contact)
-                again = solve_member(window, loads, names=_OF_MAP, tolerance=contact["tolerance"])
-                by_input[-1].append((np.log(factor), _whole(again, changed)))
+            for factor in ends(1.0, width):
+                changed = inputs | {name: factor * np.asarray(inputs[name])}
+                variation, loads = _places(changed, radius, contact | {HARDNESS: changed[HARDNESS]})
+                results = solve_member(window, loads, names=_OF_MAP, tolerance=contact["tolerance"])
+                by_input[-1].append((np.log(factor), _whole(results, variation)))
     columns = {"force": inputs["mean_pressure"], "hertz_radius": np.sqrt(smooth["area"] / np.pi)}
     columns |= {"hertz_approach": smooth["approach"], f"hertz_{CONDUCTANCE}": smooth["conductance"]}
     columns |= values
     for name, value in values.items() if of_map or by_input else ():
         sides = [(value, value - below[name], above[name] - value)]
-        sides += [(solved[name], *effect(solved[name], ends, name)[:2]) for ends in by_input]
+        sides += [(solution[name], *effect(solution[name], bounds, name)[:2]) for bounds in by_input]
         # each number of the whole contact has a logarithmic scale, as the gap
         total = added_up(component_from_units(GAP, middle, half_widths(*widths)) for middle, *widths in sides)
-        ends = ends_of(GAP, to_scale(GAP, value), total)
-        for end, combined, alone in zip(("_lower", "_upper"), ends, (below[name], above[name]), strict=True):
-            known = np.where((value > 0) & (alone > 0), combined, alone)  # alone: that of the map
-            columns[f"{name}{end}"] = np.where(np.isinf(known), np.nan, known)
+        bounds = interval_bounds(GAP, to_scale(GAP, value), total)
+        for key, joint, single in zip(("_lower", "_upper"), bounds, (below[name], above[name]), strict=True):
+            bound = np.where((value > 0) & (single > 0), joint, single)  # alone: that of the map
+            columns[f"{name}{key}"] = np.where(np.isinf(bound), np.nan, bound)
     with np.errstate(divide="ignore"):
-        for end, other in _OPPOSITE.items() if f"{_CONDUCTANCE}_lower" in columns else [("", "")]:
-            area, conductance = columns[f"local_contact_area{other}"], columns[f"{_CONDUCTANCE}{other}"]
-            pressure = np.minimum(columns["force"] / area, contact.get("hardness") or np.inf)
-            columns[f"local_mean_contact_pressure{end}"] = np.where(area > 0, pressure, np.nan)
+        for key, opposite in _OPPOSITE.items() if f"{_CONDUCTANCE}_lower" in columns else [("", "")]:
+            area, conductance = columns[f"local_contact_area{opposite}"], columns[f"{_CONDUCTANCE}{opposite}"]
+            hardness = ends(contact.get(HARDNESS) or np.inf, ranges[HARDNESS] if key == "_upper" else None)[1]
+            pressure = np.minimum(columns["force"] / area, hardness)
+            columns[f"local_mean_contact_pressure{key}"] = np.where(area > 0, pressure, np.nan)
             of_bodies = conductance_columns(conductance, contact_modulus=1.0, bodies=bodies)
             del of_bodies[CONDUCTANCE]
             for name, of_ends in of_bodies.items():
                 kind, resistance = name.replace("conductance", "resistance"), 1 / of_ends
-                columns[f"local_{kind}{end}"] = np.where(np.isinf(resistance), np.nan, resistance)
+                columns[f"local_{kind}{key}"] = np.where(np.isinf(resistance), np.nan, resistance)
+    for name, (mean, *both) in conductivity_ranges(bodies).items():
+        kind = "local_thermal_resistance" if name.startswith("thermal") else "local_electrical_resistance"
+        if f"{kind}_lower" in columns:
+            keys = kind, f"{kind}_lower", f"{kind}_upper"
+            factors = sorted((end / mean) ** (-1 if name.startswith("thermal") else 1) for end in both)
+            columns |= dict(zip(keys[1:], widened([columns[key] for key in keys], factors), strict=True))
     return {name: ("load", column) for name, column in columns.items()}
 
 

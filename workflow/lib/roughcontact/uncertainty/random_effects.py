@@ -19,7 +19,7 @@ SIGNIFICANCE = 0.05  # of a difference, over all that are tested together
 POWER = 0.9  # with which the maps that are asked for would show the difference
 _OUTLIER_SIGNIFICANCE = 0.01  # significance of an outlier, ISO 5725-2:1994, 7.3.4
 _MAX_CORRELATION = 1 - 1e-9  # largest correlation
-_MOST_MAPS = 1000  # that are asked for
+_MAX_MAPS = 1000  # that are asked for
 
 
 class Effects(NamedTuple):
@@ -45,12 +45,14 @@ def random_effects(values: np.ndarray, part_names: Sequence[str]) -> Effects:
     averages = np.stack([values[index == label].mean(axis=0) for label in range(counts.size)])
     units, harmonic, mean = counts.size, float(1 / np.mean(1 / counts)), averages.mean(axis=0)
     freedom = np.full(values.shape[1], max(units - 1.0, 0.0))
-    undefined = np.full(values.shape[1], np.nan)
-    scatter = averages.var(axis=0, ddof=1) if units > 1 else undefined  # of the means of the parts
+    nan_values = np.full(values.shape[1], np.nan)
+    scatter = averages.var(axis=0, ddof=1) if units > 1 else nan_values  # of the means of the parts
     next_part = scatter * (1 + 1 / units)
     next_map, of_map, deviation = next_part, freedom, np.sqrt(scatter)
-    scatter_of_parts, scatter_of_maps = (undefined, deviation) if names.size == 1 else (deviation, undefined)
-    if nested := bool(counts.max() > 1):
+    scatter_of_parts, scatter_of_maps = (
+        (nan_values, deviation) if names.size == 1 else (deviation, nan_values)
+    )
+    if has_parts := bool(counts.max() > 1):
         within_freedom = len(values) - units
         residual = np.sum((values - averages[index]) ** 2, axis=0) / within_freedom
         map_variance = (1 - 1 / harmonic) * residual  # a single map scatters more than the mean of a part
@@ -69,9 +71,29 @@ def random_effects(values: np.ndarray, part_names: Sequence[str]) -> Effects:
         freedom=freedom,
         next_map=np.sqrt(next_map),
         next_map_freedom=of_map,
-        next_part=np.sqrt(next_part) if nested else undefined,
+        next_part=np.sqrt(next_part) if has_parts else nan_values,
         between=scatter_of_parts,
         within=scatter_of_maps,
+    )
+
+
+def moderated(effects: Effects, scatter: np.ndarray, freedom: np.ndarray) -> Effects:
+    """Return the effects of units whose scatter (load) is expected, which counts for some degrees of freedom.
+
+    Expected and measured variances are averaged by their degrees of freedom, which add up: the moderated t of
+    Smyth (2004, Stat. Appl. Genet. Mol. Biol. 3, 3).
+
+    Examples
+    --------
+    >>> two = moderated(random_effects(np.array([[1.0], [3.0]]), "ab"), np.array([1.0]), np.array([3.0]))
+    >>> [round(each.item(), 3) for each in (two.error, two.freedom, two.next_map)]
+    [0.791, 4.0, 1.369]
+    """
+    total = effects.freedom + freedom
+    variance = (effects.freedom * effects.error**2 * effects.units + freedom * scatter**2) / total
+    next_map = np.sqrt(variance * (1 + 1 / effects.units))
+    return effects._replace(
+        error=np.sqrt(variance / effects.units), freedom=total, next_map=next_map, next_map_freedom=total
     )
 
 
@@ -103,7 +125,7 @@ def width_of_next(values: np.ndarray) -> np.ndarray:
     return np.where(np.isnan(width), np.inf, width)
 
 
-def welch(first: Effects, second: Effects) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def welch(a: Effects, b: Effects) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the difference of two means, its standard uncertainty, and degrees of freedom (Welch 1947).
 
     It is second less first; the two may scatter differently (Biometrika 34, 28).
@@ -114,12 +136,12 @@ def welch(first: Effects, second: Effects) -> tuple[np.ndarray, np.ndarray, np.n
     >>> [round(each.item(), 3) for each in welch(one, two)]
     [4.0, 1.291, 2.941]
     """
-    squares = [value.error**2 for value in (first, second)]
+    squares = [value.error**2 for value in (a, b)]
     with np.errstate(invalid="ignore", divide="ignore"):
-        fourth = squares[0] ** 2 / first.freedom + squares[1] ** 2 / second.freedom
+        fourth = squares[0] ** 2 / a.freedom + squares[1] ** 2 / b.freedom
         freedom = sum(squares) ** 2 / fourth
     error = np.sqrt(sum(squares))
-    return second.mean - first.mean, error, np.where(error > 0, freedom, first.freedom + second.freedom)
+    return b.mean - a.mean, error, np.where(error > 0, freedom, a.freedom + b.freedom)
 
 
 def p_value(difference: np.ndarray, error: np.ndarray, freedom: np.ndarray) -> np.ndarray:
@@ -153,16 +175,16 @@ def correlation_at_least(residuals: np.ndarray, freedom: float) -> np.ndarray:
     bound = np.zeros(products.shape)
     if freedom > 2:
         with np.errstate(invalid="ignore", divide="ignore"):
-            measured = np.nan_to_num(products / np.outer(sizes, sizes))
+            correlations = np.nan_to_num(products / np.outer(sizes, sizes))
         limit = scipy.special.ndtri(COVERAGE) / np.sqrt(freedom - 2)
         bound = np.maximum(
-            np.tanh(np.arctanh(np.clip(measured, -_MAX_CORRELATION, _MAX_CORRELATION)) - limit), 0.0
+            np.tanh(np.arctanh(np.clip(correlations, -_MAX_CORRELATION, _MAX_CORRELATION)) - limit), 0.0
         )
     np.fill_diagonal(bound, 1.0)
     return bound
 
 
-def over_loads(p_values: np.ndarray, correlation: np.ndarray) -> np.ndarray:
+def adjust_over_loads(p_values: np.ndarray, correlation: np.ndarray) -> np.ndarray:
     """Return p-values (load,) adjusted for all loads of a pair of groups; those that are NaN do not count.
 
     Step-down: the smallest counts for (Σ √λ)² / Σ λ independent tests, λ the eigenvalues of the correlation
@@ -170,12 +192,12 @@ def over_loads(p_values: np.ndarray, correlation: np.ndarray) -> np.ndarray:
 
     Examples
     --------
-    >>> over_loads(np.array([0.01, 0.04]), np.eye(2)).round(4)
+    >>> adjust_over_loads(np.array([0.01, 0.04]), np.eye(2)).round(4)
     array([0.0199, 0.04  ])
-    >>> over_loads(np.array([0.01, 0.04]), np.ones((2, 2))).round(4)
+    >>> adjust_over_loads(np.array([0.01, 0.04]), np.ones((2, 2))).round(4)
     array([0.01, 0.04])
     """
-    adjusted = np.full(p_values.shape, np.nan)
+    result = np.full(p_values.shape, np.nan)
     order = np.argsort(p_values)[: np.isfinite(p_values).sum()]
     largest = 0.0
     for index, load in enumerate(order):
@@ -183,8 +205,8 @@ def over_loads(p_values: np.ndarray, correlation: np.ndarray) -> np.ndarray:
         eigenvalues = np.maximum(np.linalg.eigvalsh(correlation[np.ix_(remaining, remaining)]), 0.0)
         tests = np.sqrt(eigenvalues).sum() ** 2 / eigenvalues.sum()
         largest = max(largest, float(-np.expm1(tests * np.log1p(-min(p_values[load], 1 - 1e-16)))))
-        adjusted[load] = largest
-    return adjusted
+        result[load] = largest
+    return result
 
 
 def holm(p_values: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -199,20 +221,20 @@ def holm(p_values: Sequence[np.ndarray]) -> list[np.ndarray]:
     """
     largest = np.array([np.nanmax(value, initial=-1.0) for value in p_values])
     # of a family of several numbers any may be true while another is not: it counts up to its largest
-    adjusted = []
+    results = []
     for index, p_value_of_family in enumerate(p_values):
         larger = np.sort(np.delete(largest, index))[::-1]
         adjusted_family = p_value_of_family.astype(float)
         for count, competitor in enumerate(larger[larger >= 0], start=2):
             adjusted_family = np.maximum(adjusted_family, count * np.minimum(p_value_of_family, competitor))
-        adjusted.append(np.minimum(adjusted_family, 1.0))
-    return adjusted
+        results.append(np.minimum(adjusted_family, 1.0))
+    return results
 
 
-def maps_needed(spread: float, difference: float, *, paired: bool = False) -> int:
+def maps_needed(spread: float, difference: float, *, pairs: bool = False) -> int:
     """Return how many maps of each of two groups, 2 to 1000, show a difference with a probability of `POWER`.
 
-    `spread` is the standard deviation between maps, or of `paired` differences (Cohen 1988, Statistical Power
+    `spread` is the standard deviation between maps, or of `pairs` differences (Cohen 1988, Statistical Power
     Analysis for the Behavioral Sciences, chapter 2).
 
     Examples
@@ -224,12 +246,12 @@ def maps_needed(spread: float, difference: float, *, paired: bool = False) -> in
     """
 
     def sufficient(count: int) -> bool:
-        freedom = count - 1.0 if paired else 2.0 * (count - 1)
-        shift = difference / spread * np.sqrt(count if paired else count / 2)
+        freedom = count - 1.0 if pairs else 2.0 * (count - 1)
+        shift = difference / spread * np.sqrt(count if pairs else count / 2)
         limit = scipy.special.stdtrit(freedom, 1 - SIGNIFICANCE / 2)
         return bool(1 - scipy.special.nctdtr(freedom, shift, limit) >= POWER)
 
-    return 2 + bisect_left(range(2, _MOST_MAPS), True, key=sufficient) if spread > 0 else 2
+    return 2 + bisect_left(range(2, _MAX_MAPS), True, key=sufficient) if spread > 0 else 2
 
 
 def grubbs_outliers(values: np.ndarray) -> np.ndarray:

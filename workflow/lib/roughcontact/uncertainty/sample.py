@@ -6,28 +6,25 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, percent
-from roughcontact.sealing.percolation import half_way_levels
-from roughcontact.uncertainty.calibration import scatter_of_maps
-from roughcontact.uncertainty.measurands import measurand_in_words
+from roughcontact.arguments.maps import dimensions
+from roughcontact.arguments.quantities import number, percent
+from roughcontact.statistics.sealing.percolation import half_way_levels
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP
 from roughcontact.uncertainty.subwindows import Scatter
 
+MEASURAND_IN_WORDS = "the mean of maps of this size all over the surface, in the band of waves of this map"
 _KURTOSIS_LIMIT = 8.0  # above it a few places hold most of the mean square height
 _LAY_LIMIT = 0.07  # texture aspect ratio below which the subwindows along a lay hold the same ridges
 _GROOVE_AREA_LIMIT = 0.2  # of the window: random valleys, of waves up to a third of the map, take up more
 
 
-def attributes_of(scatter: Scatter, levelled: xr.DataArray, extent: float | None = None) -> dict[str, Any]:
-    """Return what is said of the members of a map, what they do not tell, and the scatter of such maps.
-
-    `extent` is that of `measurand_in_words`.
-    """
-    missed = np.isnan(scatter.members[GAP]).any()
+def sample_attributes(scatter: Scatter, height: xr.DataArray) -> dict[str, Any]:
+    """Return what is said of the members of a map, and what they do not tell."""
+    has_failure = np.isnan(scatter.members[GAP]).any()
     if scatter.reason:
-        flag = "The solution of a surface missed the tolerance." if missed else ""
+        flag = "The solution of a surface missed the tolerance." if has_failure else ""
         return {"window_reason": scatter.reason, "window_flag": flag}
-    ny, nx = levelled.isel(scatter.slices[0]).shape
+    ny, nx = height.isel(scatter.slices[0]).shape
     parts = len(scatter.slices)
     if parts == 1:
         reason = f"The window of {nx} × {ny} points is too small to be divided into parts."
@@ -36,20 +33,21 @@ def attributes_of(scatter: Scatter, levelled: xr.DataArray, extent: float | None
             "be divided into parts. Measure more places, or a larger one."
         )
         return {"window_reason": reason, "window_flag": flag}
-    covered = sum(math.prod(levelled.isel(area).shape) for area in scatter.slices) / levelled.size
+    coverage = sum(math.prod(height.isel(area).shape) for area in scatter.slices) / height.size
     reason = (
-        f"The ± is for {measurand_in_words(extent)}. {parts} parts of about {nx} × {ny} points, "
-        f"{percent(covered)} of the map, were solved separately; their scatter is held against that of "
+        f"The ± is for {MEASURAND_IN_WORDS}. {parts} parts of about {nx} × {ny} points, "
+        f"{percent(coverage)} of the map, were solved separately; their scatter is held against that of "
         "measured and synthetic surfaces."
     )
+    reason += f" {scatter.overview}" if scatter.overview else ""
     if scatter.open_ended:
         axes = " and ".join(name[-1] for name in scatter.open_ended)
         reason += (
             f" Grooves or valleys lead out of the map along {axes}: their narrowest place has no upper "
             "limit, as it may be wider elsewhere."
         )
-    flag, kurtosis = "", levelled.attrs.get("Sku", 3.0)
-    if missed:
+    flag, kurtosis = "", height.attrs.get("Sku", 3.0)
+    if has_failure:
         flag = "The solution of a part of the window missed the tolerance."
     elif kurtosis > _KURTOSIS_LIMIT:
         flag = (
@@ -62,7 +60,7 @@ def attributes_of(scatter: Scatter, levelled: xr.DataArray, extent: float | None
             "no more than three independent ones. Measure a map that is longer across the lay, or more "
             "places."
         )
-    return {"window_reason": reason, "window_flag": flag} | scatter_of_maps(scatter.features[AREA])
+    return {"window_reason": reason, "window_flag": flag}
 
 
 def constrictions_in_grooves(window: xr.DataArray) -> list[str]:
@@ -73,13 +71,13 @@ def constrictions_in_grooves(window: xr.DataArray) -> list[str]:
 
     Examples
     --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
+    >>> from roughcontact.surface.synthetic import rough_reference_surface, westergaard_surface
     >>> constrictions_in_grooves(westergaard_surface((64, 64), 1e-6, amplitude=1e-6, wavelength=32e-6))
     ['critical_constriction_y']
     >>> constrictions_in_grooves(rough_reference_surface(64))
     []
     """
-    if 1 in window.shape:
+    if dimensions(window.shape) == 1:
         return []
     depth = window.values.max() - window.values
     levels = half_way_levels(depth)

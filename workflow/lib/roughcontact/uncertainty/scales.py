@@ -8,14 +8,11 @@ as they are, all others as logarithms.
 import numpy as np
 import scipy
 
-AREA, GAP, PEAK, PRESSURE = QUANTITIES = (
-    "relative_contact_area",
-    "mean_gap",
-    "max_pressure",
-    "mean_contact_pressure",
-)
-CONSTRICTIONS = ("critical_constriction_x", "critical_constriction_y")
-CONDUCTANCE = "conductance_per_conductivity"
+from roughcontact.arguments import answers
+from roughcontact.arguments.answers import AREA, CONDUCTANCE, GAP, PEAK, PRESSURE
+
+QUANTITIES = (AREA, GAP, PEAK, PRESSURE)
+CONSTRICTIONS = tuple(name for name, quantity in answers.QUANTITIES.items() if quantity.scale == "length")
 ANSWERS = (CONDUCTANCE, *CONSTRICTIONS)
 
 SMALLEST = 1e-6  # share of a result, and of the area that is open, below which its logarithm is meaningless
@@ -52,7 +49,7 @@ def from_scale(name: str, values: np.ndarray) -> np.ndarray:
     return np.where(result >= full, 1.0, scipy.special.erf(result))
 
 
-def at_all_loads(values: np.ndarray, solved: np.ndarray, load: np.ndarray) -> np.ndarray:
-    """Return numbers at all loads from those at the indices `solved`, linear in ln p; NaN beside a NaN."""
-    rank = np.argsort(load[solved])
-    return np.interp(np.log(load), np.log(load[solved][rank]), np.asarray(values, float)[rank])
+def extend_to_loads(values: np.ndarray, indices: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """Return numbers at all loads from those at the indices `indices`, linear in ln p; NaN beside a NaN."""
+    rank = np.argsort(load[indices])
+    return np.interp(np.log(load), np.log(load[indices][rank]), np.asarray(values, float)[rank])

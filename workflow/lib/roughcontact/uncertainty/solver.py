@@ -20,7 +20,7 @@ mean is the load over the area. Constants are calibrated against solutions conve
 import numpy as np
 import xarray as xr
 
-from roughcontact.uncertainty.headline import fields_of
+from roughcontact.uncertainty.headline import iterate_fields
 from roughcontact.uncertainty.scales import AREA, GAP, PEAK
 
 _POINT_ERROR = 3.0  # relative error of the pressure at a point over that of the field
@@ -33,7 +33,7 @@ def solver_uncertainty(contact: xr.Dataset, *, energy: np.ndarray) -> dict[str, 
     """
     bounds = contact["error_bound"].values
     areas, peaks = [], []
-    for (pressure, gap), bound in zip(fields_of(contact), bounds, strict=True):
+    for (pressure, gap), bound in zip(iterate_fields(contact), bounds, strict=True):
         areas.append(points_within_reach(pressure, gap, _POINT_ERROR * bound) / pressure.size)
         peaks.append(_POINT_ERROR * bound * pressure.max())
     gaps = bounds * energy / contact["mean_pressure"].values

@@ -17,19 +17,19 @@ import numpy as np
 import scipy
 import xarray as xr
 
+from roughcontact.arguments.maps import spacing
 from roughcontact.errors import SettingsError
-from roughcontact.levelling.forms import form_order
-from roughcontact.levelling.polynomial import fit_polynomial
-from roughcontact.maps import spacing
-from roughcontact.roughness.texture import texture_parameters
-from roughcontact.uncertainty.calibration import Features
+from roughcontact.surface.levelling.forms import form_order
+from roughcontact.surface.levelling.polynomial import fit_polynomial
+from roughcontact.surface.roughness.texture import texture_parameters
+from roughcontact.surface.window.periodic_window import subwindow
+from roughcontact.uncertainty.calibration import Features, Measurand
 from roughcontact.uncertainty.ensemble import Result, Values, measured_slices
-from roughcontact.uncertainty.scales import CONSTRICTIONS, to_scale
-from roughcontact.window.periodic_window import subwindow
+from roughcontact.uncertainty.scales import AREA, PEAK, to_scale
 
 _MIN_POINTS_PER_SIDE = 12  # of a subwindow
 _CUTS = (2, 3, 4, 6)  # of the sides, for statistics without a solution
-_LEAST_SCATTER = 0.02  # of a logarithm, and of a result that is not closed; less is chance
+_MIN_SCATTER = 0.02  # of a logarithm, and of a result that is not closed; less is chance
 
 Slices = dict[str, slice]  # rows ("y") and columns ("x") of a map
 
@@ -40,17 +40,19 @@ class Scatter(NamedTuple):
     members: dict[str, np.ndarray]  # results (member, few loads), NaN where one missed its tolerance
     features: Mapping[str, Features] = MappingProxyType({})  # (load) of calibrated arms
     slices: Sequence[Slices] = ()  # rows and columns of each subwindow in the map
-    # of surfaces behind profiles: how far the truth lies below and above, and mean of the members less the
-    # result (load), on the scale; of places in mean gaps
-    arms: Mapping[str, tuple[np.ndarray, np.ndarray]] = MappingProxyType({})
+    # of surfaces behind profiles and of overviews: how far the truth of each measurand lies below and above,
+    # what they move the result by, and the joint from there (load), on the scale; places in mean gaps
+    arms: Mapping[Measurand, Mapping[str, tuple[np.ndarray, np.ndarray]]] = MappingProxyType({})
     shift: Values = MappingProxyType({})
+    joint: Values = MappingProxyType({})
+    overview: str = ""  # what it is, in words
     reason: str = ""  # what the members are, if no subwindows
     of_positions: bool = False  # other positions, which say nothing of this one
     open_ended: Mapping[str, np.ndarray] = MappingProxyType({})  # whether grooves lead out of the map (load)
 
 
 def scatter_of_subwindows(
-    result: Result, levelled: xr.DataArray, *, arguments: Mapping[str, Any], number: int = 9
+    result: Result, levelled_map: xr.DataArray, *, arguments: Mapping[str, Any], number: int = 9
 ) -> Scatter:
     """Return the scatter of the results of at most `number` (4 or more) subwindows of a map.
 
@@ -58,33 +60,34 @@ def scatter_of_subwindows(
     """
     if number != int(number) or number < 4:
         raise SettingsError(f"windows = {number!r}: give a whole number of 4 or more")
-    region = measured_slices(levelled, result.window)
-    slices = divided(region, spacing(levelled), int(number), arguments.get("shortest_wavelength") or 0.0)
-    order, few = form_order(levelled), result.few
+    region = measured_slices(levelled_map, result.window)
+    slices = divided(region, spacing(levelled_map), int(number), arguments.get("shortest_wavelength") or 0.0)
+    order, few_loads = form_order(levelled_map), result.few
     if len(slices) < 2:
-        unknown = np.full((len(slices), few.size), np.nan)
-        return Scatter(dict.fromkeys(result.values, unknown), slices=slices)
-    subwindows = (subwindow(_relevelled(levelled.isel(area), order), **arguments) for area in slices)
+        nan_values = np.full((len(slices), few_loads.size), np.nan)
+        return Scatter(dict.fromkeys(result.values, nan_values), slices=slices)
+    subwindows = (subwindow(relevelled(levelled_map.isel(area), order), **arguments) for area in slices)
     members = result.members(subwindows)
-    measured, aspect = levelled.isel(region), texture_parameters(result.window)["Str"]
-    common = {
-        "gradient": _at_the_size_of_the_map(_gradient_variances(measured.values, spacing(measured))),
-        "lay": 0.5 if math.isnan(aspect) else aspect,
+    part, aspect = levelled_map.isel(region), texture_parameters(result.window)["Str"]
+    deviations = {
+        name: _deviations(name, members[name], result.values[name][few_loads]) for name in (AREA, PEAK)
     }
-    features: dict[str, Features] = dict.fromkeys(result.values, common)
-    for name in result.values.keys() - {*CONSTRICTIONS}:
-        spread, trend = _spread_and_trend(name, members[name], result.values[name][few])
-        of_members = {"scatter": np.log(spread), "trend": trend}
-        features[name] = common | {key: result.at_all_loads(each) for key, each in of_members.items()}
+    spread = np.hypot(np.std(deviations[AREA], axis=0, ddof=1), _MIN_SCATTER)
+    common: Features = {
+        "gradient": _extrapolate_deviation(_gradient_variances(part.values, spacing(part))),
+        "lay": 0.5 if math.isnan(aspect) else aspect,
+        "scatter": result.extend_to_loads(np.log(spread)),
+    }
+    features = dict.fromkeys(result.values, common)
+    features[PEAK] = {**common, "trend": result.extend_to_loads(deviations[PEAK].mean(axis=0))}
     return Scatter(members, features, slices)
 
 
-def _spread_and_trend(name: str, members: np.ndarray, result: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return standard deviation and mean of the members (member, load) about the result, on the scale."""
+def _deviations(name: str, members: np.ndarray, result: np.ndarray) -> np.ndarray:
+    """Return by how much the members (member, load) differ from the result, on the scale."""
     positive = np.where(result > 0, result, 1.0)
-    clipped = np.where(np.isnan(members), positive, np.fmax(members, _LEAST_SCATTER * positive))
-    deviations = to_scale(name, clipped) - to_scale(name, positive)
-    return np.hypot(np.std(deviations, axis=0, ddof=1), _LEAST_SCATTER), deviations.mean(axis=0)
+    positive_members = np.where(np.isnan(members), positive, np.fmax(members, _MIN_SCATTER * positive))
+    return to_scale(name, positive_members) - to_scale(name, positive)
 
 
 def _gradient_variances(heights: np.ndarray, steps: tuple[float, float]) -> dict[int, float]:
@@ -106,7 +109,7 @@ def _gradient_variances(heights: np.ndarray, steps: tuple[float, float]) -> dict
     return variances
 
 
-def _at_the_size_of_the_map(variances: Mapping[int, float]) -> float:
+def _extrapolate_deviation(variances: Mapping[int, float]) -> float:
     """Return ln of the standard deviation that maps of this size are expected to have, from var(n) = a + b n.
 
     Each variance has a relative error of sqrt(2/(n - 1)), and is weighted by its inverse.
@@ -120,7 +123,7 @@ def _at_the_size_of_the_map(variances: Mapping[int, float]) -> float:
     return 0.5 * math.log(a + b + 1e-4)
 
 
-def _relevelled(area: xr.DataArray, order: int) -> xr.DataArray:
+def relevelled(area: xr.DataArray, order: int) -> xr.DataArray:
     """Return a subwindow of a levelled map with the same form removed again; no other step is repeated."""
     if not order:
         return area

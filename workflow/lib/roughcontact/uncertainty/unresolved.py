@@ -19,17 +19,18 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from roughcontact.fourier import wavenumbers
+from roughcontact.arguments.maps import dimensions, height_map, side_lengths, spacing
 from roughcontact.io.read import read_height_map
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map, side_lengths, spacing
-from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.kernels.fourier import wavenumbers
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.window.band import is_limited_by_grid
+from roughcontact.surface.window.transfer import reliability_length, shortest_transmitted
 from roughcontact.uncertainty.calibration import octave_arms
 from roughcontact.uncertainty.combination import Component, Components, half_widths, one_sided, symmetric
 from roughcontact.uncertainty.ensemble import MARGIN, Result
 from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import ANSWERS, AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, to_scale
-from roughcontact.window.transfer import reliability_length, shortest_transmitted
 
 Columns = dict[str, tuple[Any, np.ndarray]]  # variable -> dims, values
 Spectra = list[tuple[np.ndarray, np.ndarray]]  # of each axis: wavenumbers, and their square slopes
@@ -40,7 +41,7 @@ _MAX_OCTAVES = 2  # that are extrapolated
 _PROFILE_PIECES = 8  # whose scatter tells how well a line stands for the surface
 
 
-def without_shortest_waves(window: xr.DataArray, cutoff: float) -> xr.DataArray:
+def remove_shortest_waves(window: xr.DataArray, cutoff: float) -> xr.DataArray:
     """Return a periodic map (m) without waves shorter than `cutoff` (m), on three points per such wave."""
     spectrum = np.where(_passes(window, cutoff), np.fft.rfft2(window.values), 0.0)
     sides = side_lengths(window)
@@ -55,12 +56,12 @@ def without_shortest_waves(window: xr.DataArray, cutoff: float) -> xr.DataArray:
     steps = [side / n for side, n in zip(sides, points, strict=True)]
     if 1 in points:  # the pitch across a profile is that along it
         steps = [max(steps)] * 2
-    return height_map(values, steps)
+    return height_map(values, steps, unit="m")
 
 
 def shortest_wave(window: xr.DataArray) -> float:
     """Return the shortest wavelength (m) of a circle of as many waves as a map; of a line two pixels."""
-    if 1 in window.shape:
+    if dimensions(window.shape) == 1:
         return 2 * max(spacing(window))
     return math.sqrt(math.pi * math.prod(spacing(window)))
 
@@ -79,18 +80,18 @@ def magnification_curve(result: Result) -> Columns:
     window = result.window
     maps, q = [window], wavenumbers(window.shape, spacing(window))
     levels = [result.values]
-    by_grid = window.attrs.get("band_reason", "the grid") == "the grid"
-    lengths = [max(2 * np.pi / q.max(), 0.0 if by_grid else window.attrs["band_shortest"])]
+    band_limit = 0.0 if is_limited_by_grid(window.attrs) else window.attrs["band_shortest"]
+    lengths = [max(2 * np.pi / q.max(), band_limit)]
     side = min((s for s, n in zip(side_lengths(window), window.shape, strict=True) if n > 1), default=0.0)
     cutoff = 2 * shortest_wave(window)
     while side >= _MIN_WAVES_PER_SIDE * cutoff:
-        maps.append(without_shortest_waves(window, cutoff))
+        maps.append(remove_shortest_waves(window, cutoff))
         lengths.append(max(2 * np.pi / q[_passes(window, cutoff)].max(), lengths[0]))
         levels.append(result.again(maps[-1]))
         cutoff *= 2
     numbers = {name: np.stack([results[name] for results in levels], axis=1) for name in result.values}
     numbers[PRESSURE] = np.minimum(result.load[:, None] / numbers[AREA], result.hardness)
-    curve: Columns = {f"{name}_at_cutoff": (("load", "cutoff"), each) for name, each in numbers.items()}
+    curve: Columns = {f"{name}_at_cutoff": (("load", "cutoff"), values) for name, values in numbers.items()}
     curve["cutoff_wavelength"] = "cutoff", np.array(lengths)
     curve["gradient_at_cutoff"] = "cutoff", np.array([rms_gradient(m) for m in maps])
     return curve
@@ -114,21 +115,21 @@ def hidden_waves(
     shorter waves does not count twice.
     """
     wavelengths, gradients = curve["cutoff_wavelength"][1], curve["gradient_at_cutoff"][1]
-    resolved = shortest_transmitted(instrument)
-    reference = true_shapes.get("lens") if resolved > wavelengths[0] else None
+    resolution = shortest_transmitted(instrument)
+    reference = true_shapes.get("lens") if resolution > wavelengths[0] else None
     if tip_radius := instrument.get("tip_radius"):
-        resolved, reference = max(resolved, reliability_length(window, tip_radius)), true_shapes["tip"]
+        resolution, reference = max(resolution, reliability_length(window, tip_radius)), true_shapes["tip"]
     if len(wavelengths) < 2 or not gradients.min() > 0:
         return {}
     # an octave below the next entry: of the waves of the window those in the corners of the grid are shorter
-    octaves = math.log2(max(2 * resolved / wavelengths[1], 1.0))
+    octaves = math.log2(max(2 * resolution / wavelengths[1], 1.0))
     index = min(round(octaves + 0.25), len(wavelengths) - 2)
     if not index:  # less is the width of its own limit
         return {}
     growth = math.log(gradients[index] / gradients[index + 1])
-    restored = math.log(rms_gradient(reference) / gradients[index]) if reference is not None else 0.0
+    growth_restored = math.log(rms_gradient(reference) / gradients[index]) if reference is not None else 0.0
     # of the trend what the restored waves do not contain already
-    share = min(octaves, _MAX_OCTAVES) - (max(restored, 0.0) / growth if growth > 0 else 0.0)
+    share = min(octaves, _MAX_OCTAVES) - (max(growth_restored, 0.0) / growth if growth > 0 else 0.0)
     components = {}
     for name, change in _changes(curve, index).items():
         shift = max(share, 0.0) * change
@@ -198,8 +199,8 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> tuple
 
 def _square_slope(spectra: Spectra, *, above: float = -math.inf, up_to: float = math.inf) -> float:
     """Return the mean square slope along lines by waves of wavenumbers in between (rad/m)."""
-    within = [float(np.sum(square[(q > above) & (q <= up_to)])) for q, square in spectra]
-    return sum(within) / len(spectra)
+    power_between = [float(np.sum(square[(q > above) & (q <= up_to)])) for q, square in spectra]
+    return sum(power_between) / len(spectra)
 
 
 def _relative_scatter(profile: xr.DataArray, limit: float) -> float:

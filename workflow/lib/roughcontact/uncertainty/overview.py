@@ -1,0 +1,264 @@
+"""A second, coarser map of the same face as a control variate: what other places of the surface would give.
+
+The overview shows a field around the fine map. On the scale t of each quantity the mean over its places is
+
+    t = t_fine(own place) + b (mean of t_coarse(places) - t_coarse(own place)),
+
+where b, from 0 to 1, is of the bank, and every place is a window of the size of the fine map (control
+variates: Nelson 1990, Operations Research 38, 974). All are solved at the load p k, k being the gradient of
+the overview over that of the fine map at its own place, so that both touch as much. Lens, noise and lateral
+scale of the overview are the same at all places, and cancel. The whole overview in place of the mean is a
+joint as large as it.
+
+An overview of another position of the face has no own place: that of another overview with its pixels stands
+for it, or else the fine map with its pixels merged, whose lens is not that of the overview. Then lens and
+noise do not cancel, and the arms are those of such overviews of the bank. Several overviews are averaged.
+
+The error that is left goes with what coarser pixels change from place to place, which the overview shows
+with its own pixels merged 2 x 2, and with the scatter of the places. The arms are quantiles of the errors of
+a bank over this size (`benchmarks/two_magnifications.py`). They hold also where they are wider than those of
+the fine map alone: to take the narrower ones there would hold in 87 % of such places. The largest pressure
+is a matter of single points, of which an overview tells less than the map: it keeps its own.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.arguments.maps import side_lengths, spacing
+from roughcontact.arguments.quantities import number as number_text
+from roughcontact.surface.faces.placing import (
+    Place,
+    measured_rectangle,
+    place_in_words,
+    recorded_place,
+    shown_by,
+)
+from roughcontact.surface.levelling.forms import form_order
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.window.periodic_window import subwindow
+from roughcontact.uncertainty import calibration
+from roughcontact.uncertainty.calibration import ALONE, JOINT, MEASURANDS, Measurand
+from roughcontact.uncertainty.ensemble import Result
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
+from roughcontact.uncertainty.subwindows import Scatter, Slices, relevelled, scatter_of_subwindows
+
+SHARE_OF_PLACES: dict[str, float] = {
+    "surface": 0.3,
+    JOINT: 0.3,
+    "next": 1.0,
+}  # of their scatter, in the size
+OTHER_PLACES: tuple[Measurand, ...] = ("surface", "next", JOINT)
+MAX_PLACES = 5  # along each side: more tell little more, and cost
+_LEAST_SIZE = 0.05  # of a logarithm
+_SAME_PIXELS = 0.01  # relative difference
+
+
+class Transfer(NamedTuple):
+    """What an overview shows of one quantity, on its scale (load)."""
+
+    surface: np.ndarray  # mean of its places less the own place
+    joint: np.ndarray  # the whole overview less the own place
+    octave: np.ndarray  # scatter between places of what pixels twice as large change
+    places: np.ndarray  # scatter of the places
+
+
+class View(NamedTuple):
+    """What one overview shows of a map."""
+
+    transfers: Mapping[str, Transfer]
+    pixels: float  # over those of the map
+    sees_map: bool  # whether the map is compared with its own place in it, or in another one of its pixels
+    field: float  # area over that of the map
+
+    def numbers(self, measurand: Measurand, name: str, area: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return by how much a result differs elsewhere, with arms down and up (load), on its scale."""
+        transfer = self.transfers[name]
+        share, down, up = calibration.overview_arms(
+            measurand, name, self.pixels, area, sees_map=self.sees_map
+        )
+        size = expected_size(transfer.octave, transfer.places, SHARE_OF_PLACES[measurand])
+        change = transfer.joint if measurand == JOINT else transfer.surface
+        return share * change, down * size, up * size
+
+
+def expected_size(octave: np.ndarray, places: np.ndarray, share: float) -> np.ndarray:
+    """Return the expected size of an error on a scale, from the scatters of its octave and its places."""
+    return np.sqrt(octave**2 + (share * places) ** 2 + _LEAST_SIZE**2)
+
+
+def scatter_with_overviews(
+    overviews: Sequence[xr.DataArray],
+    result: Result,
+    levelled: xr.DataArray,
+    *,
+    arguments: Mapping[str, Any],
+    number: int,
+) -> Scatter:
+    """Return the scatter of the subwindows of a map, with what its overviews (y, x; m) show."""
+    alone = scatter_of_subwindows(result, levelled, arguments=arguments, number=number)
+    if not alone.features:
+        return alone
+    fine = measured_rectangle(levelled)
+    views = [_view(result, fine, overview, overviews, arguments) for overview in overviews]
+    sentences = [_sentence(fine, overview) for overview in overviews]
+    return with_views(alone._replace(overview=" ".join(sentences)), result, views)
+
+
+def _sentence(fine: xr.DataArray, overview: xr.DataArray) -> str:
+    """Return what an overview is, a sentence of the report."""
+    file = overview.attrs.get("source_file")
+    sides = " × ".join(number_text(side, digits=2) for side in reversed(field_ratios(fine, overview)))
+    words = place_in_words(overview)
+    first = f"An overview{f' ({file})' if file else ''} of {sides} fields shows other places; "
+    return first + words[0].lower() + words[1:]
+
+
+def _view(
+    result: Result,
+    fine: xr.DataArray,
+    overview: xr.DataArray,
+    overviews: Sequence[xr.DataArray],
+    arguments: Mapping[str, Any],
+) -> View:
+    """Return what an overview shows of other places than that of the map."""
+    alike = [other for other in (overview, *overviews) if _has_pixels_of(other, overview)]
+    places = ((other, recorded_place(other)) for other in alike)
+    own = next((other.isel(window_of_place(fine, other, place)) for other, place in places if place), None)
+    steps = [coarse / step for coarse, step in zip(spacing(overview), spacing(fine), strict=True)]
+    return View(
+        transfers_of(
+            result,
+            form_order(fine),
+            shown_by(fine, overview) if own is None else own,
+            overview,
+            arguments,
+        ),
+        pixels=math.sqrt(math.prod(steps)),
+        sees_map=own is not None,
+        field=math.prod(field_ratios(fine, overview)),
+    )
+
+
+def _has_pixels_of(one: xr.DataArray, other: xr.DataArray) -> bool:
+    """Return whether two overviews have the same pixels, as maps of one instrument have."""
+    return np.allclose(spacing(one), spacing(other), rtol=_SAME_PIXELS)
+
+
+def field_ratios(fine: xr.DataArray, overview: xr.DataArray) -> tuple[float, float]:
+    """Return the sides of an overview over those of its fine map (y, x)."""
+    lengths = [np.array(height.shape) * spacing(height) for height in (overview, fine)]
+    y, x = lengths[0] / lengths[1]
+    return float(y), float(x)
+
+
+def window_of_place(fine: xr.DataArray, overview: xr.DataArray, place: Place) -> Slices:
+    """Return rows and columns of the place of a map in the overview around it."""
+    own = {}
+    for axis, n, step, side in zip("yx", overview.shape, spacing(overview), side_lengths(fine), strict=True):
+        points = min(n, round(side * place.scale / step))
+        middle = (getattr(place, axis) - float(overview[axis][0])) / step
+        first = min(max(0, round(middle - (points - 1) / 2)), n - points)
+        own[axis] = slice(first, first + points)
+    return own
+
+
+def windows_of_places(shape: tuple[int, ...], overview: xr.DataArray) -> list[Slices]:
+    """Return rows and columns of the places of an overview, of as many points as that of the map has."""
+    tiles = []
+    for n, points in zip(overview.shape, shape, strict=True):
+        begins = np.linspace(0, n - points, min(n // points, MAX_PLACES)).round().astype(int)
+        tiles.append([slice(int(begin), int(begin) + points) for begin in begins])
+    return [{"y": y, "x": x} for y in tiles[0] for x in tiles[1]]
+
+
+def transfers_of(
+    result: Result, order: int, own: xr.DataArray, overview: xr.DataArray, arguments: Mapping[str, Any]
+) -> dict[str, Transfer]:
+    """Return what an overview shows of area, gap and conductance of a result.
+
+    `own` is the place of the map with the pixels of the overview, `order` that of the form to remove.
+    `arguments` are those of `periodic_window` of the fine map, without a correction for its instrument.
+    """
+    options = {**arguments, "correct_for": None}
+    for key in ("placement", "min_share"):
+        options.pop(key, None)
+    places = [overview.isel(window) for window in windows_of_places(own.shape, overview)]
+    pieces = [relevelled(piece, order) for piece in (own, *places, overview)]
+    at_places, octave = (
+        _results(result, [subwindow(piece, **options) for piece in windows])
+        for windows in (pieces, [piece.coarsen(y=2, x=2, boundary="trim").mean() for piece in pieces[:-1]])
+    )
+    transfers = {}
+    for name in at_places:
+        of_map, *others, joint = at_places[name]
+        changed = np.array(others) - octave[name][1:]
+        numbers = (
+            np.mean(others, axis=0) - of_map,
+            joint - of_map,
+            np.std(changed, axis=0, ddof=1),
+            np.std(others, axis=0, ddof=1),
+        )
+        transfers[name] = Transfer(*map(result.extend_to_loads, numbers))
+    return transfers
+
+
+def _results(result: Result, windows: list[xr.DataArray]) -> dict[str, np.ndarray]:
+    """Return the results (window, few loads) on their scales at loads by the gradient of the first window."""
+    ratio = rms_gradient(windows[0]) / rms_gradient(result.window)
+    contact = {**result.contact, "mean_pressure": result.load * ratio}
+    if contact.get("hardness"):
+        contact["hardness"] *= ratio
+    names = [name for name in result.values if name not in (*CONSTRICTIONS, PEAK)]
+    scaled = Result(windows[0], contact, {name: result.values[name] for name in names})
+    return {name: to_scale(name, values) for name, values in scaled.members(windows).items()}
+
+
+def with_views(alone: Scatter, result: Result, views: Sequence[View]) -> Scatter:
+    """Return the scatter of a map with the shifts and the arms that its overviews give."""
+    arms: dict[Measurand, dict[str, tuple[np.ndarray, np.ndarray]]] = {
+        key: {} for key in (*MEASURANDS, ALONE, JOINT)
+    }
+    shift, joint = {}, {}
+    area, rms_height = result.values[AREA], float(result.window.std())
+    largest = max(views, key=lambda view: (view.sees_map, view.field))
+    for name in views[0].transfers:
+        centres: dict[str, Any] = {ALONE: 0.0}
+        ends: dict[str, Any] = {}
+        for key in OTHER_PLACES:
+            single = (np.full(area.shape, np.inf),) * 2  # the map says nothing of the joint
+            if key != JOINT:
+                single = calibration.arms(key, name, alone.features[name], area)
+            if name == GAP:
+                limit = calibration.limit_of_gap(key, area, result.values[GAP] / rms_height)
+                single = single[0], np.fmin(single[1], limit)
+            if key == "surface":
+                ends[ALONE] = single
+            shown = [view.numbers(key, name, area) for view in ([largest] if key == JOINT else views)]
+            centre, *both = _combined(np.array(shown))
+            # NaN where all overviews, or the own place in them, are closed
+            centres[key] = np.nan_to_num(centre)
+            ends[key] = [np.where(np.isnan(arm), other, arm) for arm, other in zip(both, single, strict=True)]
+        shift[name] = centres["surface"]
+        joint[name] = centres[JOINT] - shift[name]
+        for key in (*OTHER_PLACES, ALONE):
+            off = centres[key] - shift[name]
+            arms[key][name] = ends[key][0] - off, ends[key][1] + off
+        below, above = calibration.arms("map", name, alone.features[name], area)
+        arms["map"][name] = below + shift[name], above - shift[name]
+    return alone._replace(arms=arms, shift=shift, joint=joint)
+
+
+def _combined(shown: np.ndarray) -> np.ndarray:
+    """Return the centre and arms (3, load) of several overviews (overview, 3, load); NaN where none tells.
+
+    The narrower ones count more; as they have the map, and places, in common, their arms are averaged too.
+    """
+    tells = np.isfinite(shown).all(axis=1)
+    width = np.where(tells, shown[:, 1] + shown[:, 2], np.inf)
+    weights = np.where(tells, width, np.inf) ** -2.0
+    weights = np.where(tells.any(axis=0), weights / np.maximum(weights.sum(axis=0), 1e-300), np.nan)
+    return (weights[:, None] * np.where(tells[:, None], shown, 0.0)).sum(axis=0)

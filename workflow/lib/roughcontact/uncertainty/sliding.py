@@ -1,0 +1,57 @@
+"""Friction of sliding rubber in a run, over the speed, with the ± of each answer.
+
+Four sources, on the scale of each answer, added by their squares: the bound of the solver, of the friction
+alone; twice what pixels half as large change, on one part; the scatter of the parts of the window; and the
+share of the friction at frequencies beyond the table of the relaxation, as if nothing were known there. Waves
+that the map does not resolve are not in it: `friction_share_of_octave` shows what the shortest ones carry.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import xarray as xr
+
+from roughcontact.arguments.answers import AREA, FRICTION, GAP, PEAK, PRESSURE
+from roughcontact.arguments.maps import refined
+from roughcontact.arguments.variables import describe
+from roughcontact.statistics.sliding import sliding_friction
+from roughcontact.uncertainty.course import levelled_parts, squared_width, with_ends
+
+ANSWERS = (FRICTION, AREA, PRESSURE, PEAK, GAP)
+COARSE = 1e-3  # tolerance of a part
+_OF_A_SEAL = ("viscosity", "pressure_difference", "width", "outlet_pressure", "mean_free_path")
+
+
+def slid_in_a_run(
+    window: xr.DataArray, settings: Mapping[str, Mapping[str, Any]], *, mean_pressure: float, threads: int = 1
+) -> xr.Dataset:
+    """Return what `sliding_friction` makes of the window by the settings, with the ends of the intervals."""
+    sliding, statistics = settings["sliding"], settings["statistics"]
+    shift = ("wlf", "reference_temperature", "temperature")
+    run: Callable[..., xr.Dataset] = partial(
+        sliding_friction,
+        relaxation={"table": sliding["relaxation"]} | {key: sliding[key] for key in shift},
+        speed=sliding["speed"],
+        direction=sliding["direction"],
+        poissons_ratio=sliding["poissons_ratio"],
+        mean_pressure=mean_pressure,
+        threads=threads,
+    )
+    conductivities = [sliding[f"{body}_conductivity"] for body in ("face", "rubber")]
+    friction, stated = statistics["friction"] or {}, statistics["seal"]
+    seal = stated and {key: stated[key] for key in _OF_A_SEAL if stated.get(key) is not None}
+    slid = run(
+        window,
+        shear_strength=friction.get("shear_strength"),
+        seal=seal,
+        thermal_conductivity=None if None in conductivities else conductivities,
+    )
+    coarse = partial(run, tolerance=COARSE, fields=False)
+    cut = levelled_parts(window)
+    parts = [coarse(part) for part in cut]
+    finer = coarse(refined(cut[0], 2))
+    squares = {name: squared_width(name, parts, finer) for name in ANSWERS}
+    squares[FRICTION] += (slid["hysteretic_friction_bound"].values / slid[FRICTION].values) ** 2
+    squares[FRICTION] += slid["friction_share_beyond_table"].values ** 2
+    return describe(with_ends(slid, squares))
