@@ -3,17 +3,17 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from roughcontact.materials import LEAST_LOAD
-from roughcontact.quantities import number, percent, quantity
+from roughcontact.arguments.materials import layers_in
+from roughcontact.arguments.quantities import number, percent, quantity
 
 _OF_BODY = (("hardness", "hardness"), ("yield_stress", "yield stress"))
 _TARGETS = {"percolation": "the load at which the gap closes", "first_yield": "the load of first yield"}
 
 
 def describe_problem(
-    settings: Mapping[str, Any], changed: Mapping[str, Sequence[str]] | None = None
+    settings: Mapping[str, Any], changes: Mapping[str, Sequence[str]] | None = None
 ) -> list[tuple[str, str]]:
-    """Return for each case of a run ("" without cases) its bodies, loads, and `changed` settings.
+    """Return for each case of a run ("" without cases) its bodies, loads, and `changes` settings.
 
     Examples
     --------
@@ -25,7 +25,7 @@ def describe_problem(
     [('', 'steel (210 GPa, ν 0.30, hardness 2.00 GPa) on a rigid body; contact area 10.0 %')]
     """
     return [
-        (name, "; ".join([bodies_in_words(contact), _loads(contact), *(changed or {}).get(name, ())]))
+        (name, "; ".join([bodies_in_words(contact), _loads(contact), *(changes or {}).get(name, ())]))
         for name, contact in contacts(settings)
     ]
 
@@ -40,35 +40,8 @@ def same_loads(settings: Mapping[str, Any]) -> bool:
     >>> same_loads({"soft": {"contact": {"mean_pressure": 1e5}}, "hard": {"contact": {"target_area": 0.1}}})
     False
     """
-    asked = {tuple(_stated_loads(contact)) for _, contact in contacts(settings)}
-    return len(asked) < 2 and () not in asked
-
-
-def planned_in_words(settings: Mapping[str, Any], lightest: Mapping[tuple[str, str], float]) -> str:
-    """Return what it means that planned loads are as light as a sheet, nothing where none is.
-
-    `lightest` has the lowest mean pressure (Pa) of each surface under each case ("" without cases).
-
-    Examples
-    --------
-    >>> planned = {"contact": {"contact_modulus": 8e6}}
-    >>> planned_in_words(planned, {("lens", ""): 0.727, ("ground", ""): 3e3})[:73]
-    'The planned loads of lens begin at 727 mPa, less than the weight of a cen'
-    >>> planned_in_words(planned | {"contact": {"mean_pressure": 1.0}}, {("lens", ""): 1.0})
-    ''
-    """
-    planned = [name for name, contact in contacts(settings) if not list(_stated_loads(contact))]
-    light = {key: load for key, load in lightest.items() if key[1] in planned and load < LEAST_LOAD}
-    names = list(dict.fromkeys(surface for surface, _ in light))
-    if not names:
-        return ""
-    multiple = f"{', '.join(names[:3])} and {len(names) - 3} more" if len(names) > 4 else ", ".join(names)
-    return (
-        f"The planned loads of {multiple} begin at {quantity(min(light.values()), 'Pa')}, less than the "
-        "weight of a centimetre of rubber. Loads are planned from about 1 % of the area in contact to nearly "
-        "all of it: so smooth a surface on so soft a body begins to touch under its own weight. Give "
-        "contact.mean_pressure if yours is known."
-    )
+    requests = {tuple(_stated_loads(contact)) for _, contact in contacts(settings)}
+    return len(requests) < 2 and () not in requests
 
 
 def contacts(settings: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
@@ -93,11 +66,11 @@ def measured_in_words(dates: Mapping[str, str]) -> str:
     >>> measured_in_words({"one": ""})
     ''
     """
-    known = sorted(filter(None, dates.values()))
-    if not known:
+    days = sorted(filter(None, dates.values()))
+    if not days:
         return ""
-    text = f"measured {' to '.join(dict.fromkeys([known[0], known[-1]]))}"
-    return text if len(known) == len(dates) else f"{text} ({len(known)} of {len(dates)} maps state it)"
+    text = f"measured {' to '.join(dict.fromkeys([days[0], days[-1]]))}"
+    return text if len(days) == len(dates) else f"{text} ({len(days)} of {len(dates)} maps state it)"
 
 
 def bodies_in_words(contact: Mapping[str, Any]) -> str:
@@ -111,8 +84,8 @@ def bodies_in_words(contact: Mapping[str, Any]) -> str:
 
 def _body(body: Mapping[str, Any]) -> str:
     """Return a body: its layers, and what they lie on."""
-    layers = [f"{quantity(layer['thickness'], 'm')} of {_solid(layer)}" for layer in body.get("layers") or []]
-    return f"{' and '.join(layers)} over {_solid(body)}" if layers else _solid(body)
+    layers = [f"{quantity(layer['thickness'], 'm')} of {_solid(layer)}" for layer in layers_in(body)]
+    return " over ".join(filter(None, [" and ".join(layers), _solid(body)]))
 
 
 def _solid(body: Mapping[str, Any]) -> str:

@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import Unit, number, quantity, with_interval
-from roughcontact.report.tables import TITLES, UNITS
-from roughcontact.report.units import interval_at, middle_of, unit_of
-from roughcontact.uncertainty.differences import case_differences, case_pairs, shared_loads
+from roughcontact.arguments.answers import COMPARED, TITLES, UNITS
+from roughcontact.arguments.quantities import Unit, number, quantity, with_interval
+from roughcontact.report.units import median_numbers, number_text, unit_of
+from roughcontact.statistics.load_pairs import paired_loads, same_load
+from roughcontact.uncertainty.differences import case_differences, case_pairs
 
-_COMPARED = ("relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
 _PERCENT = Unit(1.0, "%")  # of numbers in percent
 _SPREAD = (0.1, 0.9)  # quantiles over the surfaces
 
@@ -44,9 +44,9 @@ class _Shared(NamedTuple):
 def case_table(cases: Mapping[str, xr.Dataset], *, equal_loads: bool = False) -> dict[str, Any] | None:
     """Return the numbers of one surface under several cases, with their differences; None for a single case.
 
-    The pairs of `case_pairs` are compared at `shared_loads`, in order where all cases ask for `equal_loads`,
-    without what both share (`case_differences`). `groups` has `title` and `rows` of each quantity, `apart` a
-    sentence on pairs that share no load.
+    The pairs of `case_pairs` are compared at their `paired_loads`, as stated where all cases ask for
+    `equal_loads`, without what both share (`case_differences`). `groups` has `title` and `rows` of each
+    quantity, `apart` a sentence on pairs that share no load.
     """
     return _table([cases], _value, _change, equal_loads=equal_loads) if len(cases) > 1 else None
 
@@ -74,83 +74,84 @@ def _table(
     equal_loads: bool,
 ) -> dict[str, Any]:
     """Return the table of cases, with cells of numbers by `value` and of differences by `change`."""
-    shared = [_shared(surface, equal_loads=equal_loads) for surface in surfaces]
-    first = next((loads for loads in shared if loads.rows), shared[0])
+    all_loads = [_shared(surface, equal_loads=equal_loads) for surface in surfaces]
+    reference_loads = next((loads for loads in all_loads if loads.rows), all_loads[0])
     # those whose cases share as many loads; their indices differ where targets lie between
-    retained = [
+    selection = [
         (cases, loads)
-        for cases, loads in zip(surfaces, shared, strict=True)
-        if [row.keys() for row in loads.rows] == [row.keys() for row in first.rows]
+        for cases, loads in zip(surfaces, all_loads, strict=True)
+        if [row.keys() for row in loads.rows] == [row.keys() for row in reference_loads.rows]
     ]
-    compared = [cases for cases, _ in retained]
-    names, pairs = list(compared[0]), [pair for pair, indices in first.indices.items() if indices]
-    middle = middle_of([cases[names[0]] for cases in compared])
+    all_cases = [cases for cases, _ in selection]
+    names, pairs = list(all_cases[0]), [pair for pair, indices in reference_loads.indices.items() if indices]
+    middle = median_numbers([cases[names[0]] for cases in all_cases])
     groups = []
 
-    def pressure_of(numbered: tuple[int, Row]) -> float:
+    def pressure_of(entry: tuple[int, Row]) -> float:
         """Return the lowest mean pressure of a row."""
-        return min(float(compared[0][name]["mean_pressure"][index]) for name, index in numbered[1].items())
+        return min(float(all_cases[0][name]["mean_pressure"][index]) for name, index in entry[1].items())
 
-    for name in _COMPARED if first.rows else ():
+    for name in COMPARED if reference_loads.rows else ():
         unit, rows = unit_of(middle, UNITS[name]), []
-        for number_of_row, row in sorted(enumerate(first.rows), key=pressure_of):
+        for number_of_row, row in sorted(enumerate(reference_loads.rows), key=pressure_of):
             at_load = {
-                case: [(cases[case], loads.rows[number_of_row][case]) for cases, loads in retained]
+                case: [(cases[case], loads.rows[number_of_row][case]) for cases, loads in selection]
                 for case in row
             }
             cells = [value(at_load[case], name, unit) if case in row else "–" for case in names]
             for pair in pairs:
                 indices = row.get(pair[0], -1), row.get(pair[1], -1)
-                if indices not in first.indices[pair]:
+                if indices not in reference_loads.indices[pair]:
                     cells.append("–")
                     continue
-                position = first.indices[pair].index(indices)
-                ratios = [_interval(loads.changes[pair], name, position) for _, loads in retained]
+                position = reference_loads.indices[pair].index(indices)
+                ratios = [_interval(loads.changes[pair], name, position) for _, loads in selection]
                 cells.append(change(_changes([at_load[case] for case in pair], name, ratios)))
             rows.append([_load(at_load), *cells])
         groups.append({"title": TITLES[name], "rows": rows})
-    disjoint = [pair for pair, indices in first.indices.items() if not indices]
+    disjoint = [pair for pair, indices in reference_loads.indices.items() if not indices]
     return {
         "cases": names,
-        "load": "load" if any("force" in data for data in compared[0].values()) else "mean pressure p̄",
-        "differences": [f"{second} against {first}" for first, second in pairs],
+        "load": "load" if any("force" in data for data in all_cases[0].values()) else "mean pressure",
+        "differences": [f"{case} against {reference_loads}" for reference_loads, case in pairs],
         "groups": groups,
-        "apart": _without_common_load(compared[0], disjoint, alone=not pairs) if disjoint else "",
-        "surfaces": len(compared),
+        "apart": _disjoint_loads_in_words(all_cases[0], disjoint, all_pairs=not pairs) if disjoint else "",
+        "surfaces": len(all_cases),
     }
 
 
 def _shared(cases: Cases, *, equal_loads: bool) -> _Shared:
     """Return the loads at which the cases of a surface are compared, and the changes there."""
     rows: list[Row] = []
-    shared, changes = {}, {}
+    pairwise, changes = {}, {}
     # as stated: between them, where loads rise, lie those of targets, at other places under other cases
-    stated = {name: data.get("place", data["mean_pressure"]).values for name, data in cases.items()}
+    order = {name: data.get("place", data["mean_pressure"]).values for name, data in cases.items()}
     for pair in case_pairs(list(cases)):
-        datasets = [cases[name] for name in pair]
-        in_order = equal_loads and datasets[0].sizes["load"] == datasets[1].sizes["load"]
-        indices = [np.argsort(stated[name]) for name in pair] if in_order else shared_loads(datasets)
+        datasets = cases[pair[0]], cases[pair[1]]
+        indices = paired_loads(*datasets, as_stated=equal_loads)
         changes[pair] = case_differences(
-            *(data.isel(load=selected) for data, selected in zip(datasets, indices, strict=True))
+            *(data.isel(load=positions) for data, positions in zip(datasets, indices, strict=True))
         )
-        shared[pair] = [(int(first), int(second)) for first, second in zip(*indices, strict=True)]
-        for places in shared[pair]:
-            loads = dict(zip(pair, places, strict=True))
-            joined = (row for row in rows if row.items() & loads.items() and row | loads == loads | row)
-            if not (row := next(joined, {})):
+        pairwise[pair] = [(int(i), int(j)) for i, j in zip(*indices, strict=True)]
+        for pair_indices in pairwise[pair]:
+            loads = dict(zip(pair, pair_indices, strict=True))
+            matches = (row for row in rows if row.items() & loads.items() and row | loads == loads | row)
+            if not (row := next(matches, {})):
                 rows.append(row)
             row |= loads
-    rows.sort(key=lambda row: min(stated[name][index] for name, index in row.items()))
-    return _Shared(rows, shared, changes)
+    rows.sort(key=lambda row: min(order[name][index] for name, index in row.items()))
+    return _Shared(rows, pairwise, changes)
 
 
-def _without_common_load(cases: Cases, pairs: Sequence[tuple[str, str]], *, alone: bool) -> str:
-    """Return what is said of pairs of cases that share no load, of all pairs where they are `alone`."""
+def _disjoint_loads_in_words(cases: Cases, pairs: Sequence[tuple[str, str]], *, all_pairs: bool) -> str:
+    """Return what is said of pairs of cases that share no load, of all pairs where they are `all_pairs`."""
     spans = []
     for name in dict.fromkeys(name for pair in pairs for name in pair):
-        extreme_loads = (quantity(float(cases[name]["mean_pressure"][end]), "Pa") for end in (0, -1))
+        extreme_loads = (
+            quantity(float(cases[name]["mean_pressure"][position]), "Pa") for position in (0, -1)
+        )
         spans.append(f"{name}: {' to '.join(dict.fromkeys(extreme_loads))}")
-    owner = "The cases" if alone else ", ".join(" and ".join(pair) for pair in pairs)
+    owner = "The cases" if all_pairs else ", ".join(" and ".join(pair) for pair in pairs)
     return (
         f"{owner} have no load in common ({'; '.join(spans)}), so that their numbers cannot be compared: "
         "give them the same contact.mean_pressure, relative_pressure or target."
@@ -167,7 +168,7 @@ def _load(at_load: Mapping[str, Sequence[Load]]) -> str:
     ):
         if all(name in data for loads in at_load.values() for data, _ in loads):
             values = np.array([_values(loads, name) for loads in at_load.values()])
-            if np.allclose(values, values[0, 0], rtol=1e-6, atol=0):
+            if same_load(values, values[0, 0]).all():
                 return show(float(values[0, 0]))
     pressures = [_values(loads, "mean_pressure") for loads in at_load.values()]
     return " / ".join(of_pressure(float(median)) for median in np.median(pressures, axis=1))
@@ -176,7 +177,7 @@ def _load(at_load: Mapping[str, Sequence[Load]]) -> str:
 def _value(loads: Sequence[Load], name: str, unit: Unit) -> str:
     """Return a number of a surface at a load, with its interval."""
     ((data, index),) = loads
-    return _in_brackets(unit.interval(*interval_at(data, name, index)), unit.symbol)
+    return _bracketed(number_text(data, name, unit, index), unit.symbol)
 
 
 def _median_value(loads: Sequence[Load], name: str, unit: Unit) -> str:
@@ -191,22 +192,22 @@ def _values(loads: Sequence[Load], name: str) -> np.ndarray:
 
 def _changes(loads: Sequence[Sequence[Load]], name: str, ratios: Sequence[tuple[float, float]]) -> _Changes:
     """Return the differences between the `loads` of two cases; `ratios` has both ends of each ratio."""
-    first, second = (_values(of_case, name) for of_case in loads)
+    reference, values = (_values(of_case, name) for of_case in loads)
     with np.errstate(divide="ignore", invalid="ignore"):
-        change, low, high = (100 * (ratio - 1) for ratio in (second / first, *np.transpose(ratios)))
+        change, low, high = (100 * (ratio - 1) for ratio in (values / reference, *np.transpose(ratios)))
     change, low, high = (np.where(np.abs(percent) < _DUST, 0.0, percent) for percent in (change, low, high))
-    return _Changes(change, low, high, first)
+    return _Changes(change, low, high, reference)
 
 
 def _change(changes: _Changes) -> str:
     """Return the difference of a surface with its interval."""
-    change, low, high, first = (values[0] for values in changes)
-    if not first > 0:
+    change, low, high, reference = (values[0] for values in changes)
+    if not reference > 0:
         return "–"
     if change > _MANIFOLD:
         times = (1 + float(percent) / 100 for percent in (change, low, high))
-        return _in_brackets(with_interval(*times), "times as large")
-    return _in_brackets(with_interval(change, low, high, finest=_FINEST), "%")
+        return _bracketed(with_interval(*times), "times as large")
+    return _bracketed(with_interval(change, low, high, finest=_FINEST), "%")
 
 
 def _median_change(changes: _Changes) -> str:
@@ -218,7 +219,7 @@ def _median_change(changes: _Changes) -> str:
     return _quantiles(change, _PERCENT, decimals=2) + excess
 
 
-def _in_brackets(text: str, unit: str) -> str:
+def _bracketed(text: str, unit: str) -> str:
     """Return a number before its unit, in brackets where half-widths stand beside it."""
     return f"({text}) {unit}" if " " in text and not text.endswith(")") else f"{text} {unit}"
 
@@ -228,7 +229,7 @@ def _interval(result: xr.Dataset, name: str, load: int) -> tuple[float, float]:
     if name not in result["quantity"].values:
         return np.nan, np.nan
     row = list(result["quantity"].values).index(name)
-    low, high = (float(result[f"ratio_{end}"].values[row, load]) for end in ("lower", "upper"))
+    low, high = (float(result[f"ratio_{bound}"].values[row, load]) for bound in ("lower", "upper"))
     return low, high
 
 
@@ -238,6 +239,6 @@ def _quantiles(values: np.ndarray, unit: Unit, *, decimals: int | None = None) -
     if not available.size:
         return "–"
     low, middle, high = (
-        number(float(end), decimals=decimals) for end in np.quantile(available, [_SPREAD[0], 0.5, _SPREAD[1]])
+        number(float(q), decimals=decimals) for q in np.quantile(available, [_SPREAD[0], 0.5, _SPREAD[1]])
     )
     return f"{middle} {unit.symbol} ({low} to {high})"

@@ -17,7 +17,7 @@ from urllib.parse import quote
 
 import numpy as np
 
-from roughcontact.quantities import Unit, number
+from roughcontact.arguments.quantities import Unit, number
 from roughcontact.report.template import template
 
 # Okabe and Ito (2008): eight colours that colour-blind people can tell apart (yellow left out: too pale for
@@ -28,11 +28,11 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 INK = "#222222"
 GREY = "#444444"  # of lines for comparison
 DASHED, DOTTED, DASH_DOTTED = "6 3", "2 2.5", "7 3 2 3"
-_MOST_COLUMNS = 3  # of legends
+_MAX_COLUMNS = 3  # of legends
 _LETTER_WIDTH = 0.56  # of a letter, on average, in units of the size of the text
 _DIGIT_WIDTH = 0.64  # of the wider fonts
 _NARROW = re.compile(r"[ ,.ijlt]")  # letters about half as wide as others
-_MOST_POINTS = 1500  # of a line; of longer ones the extremes of each few points are drawn
+_MAX_POINTS = 1500  # of a line; of longer ones the extremes of each few points are drawn
 
 # outlines of the marks around (0, 0), for a radius of 1
 _OUTLINES = {
@@ -112,12 +112,12 @@ class Axis:
         raw = (high - low) / max_count
         power = 10.0 ** math.floor(math.log10(raw))
         step = next(s * power for s in (1, 2, 2.5, 5, 10) if s * power >= raw * (1 - 1e-9))
-        first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-        return [float(f"{k * step:.12g}") for k in range(first, last + 1)], []
+        lowest, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+        return [float(f"{k * step:.12g}") for k in range(lowest, last + 1)], []
 
     def reading(self) -> list[Any]:
         """Return label and ends of the axis, and 1 if it is logarithmic, for a script that reads values."""
-        return [self.label, *(float(f"{end:.8g}") for end in (self.low, self.high)), *[1] * self.log]
+        return [self.label, *(float(f"{limit:.8g}") for limit in (self.low, self.high)), *[1] * self.log]
 
 
 def log_axis(label: str, values: np.ndarray, *, room: float = 1.5) -> Axis:
@@ -135,15 +135,15 @@ def log_axis(label: str, values: np.ndarray, *, room: float = 1.5) -> Axis:
 
 def load_label(unit: Unit) -> str:
     """Return what stands at an axis of mean pressures."""
-    return f"mean pressure p̄ ({unit.symbol})"
+    return f"mean pressure ({unit.symbol})"
 
 
 def _decades(low: float, high: float, max_count: int) -> tuple[list[float], list[float]]:
     """Return the ticks of a logarithmic axis: powers of ten, where there are few also 2 and 5 times these."""
-    first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
+    lowest, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
     inside = [
         (power, digit, value)
-        for power in range(first, last + 1)
+        for power in range(lowest, last + 1)
         for digit in range(1, 10)
         if low * (1 - 1e-9) <= (value := float(f"{digit}e{power}")) <= high * (1 + 1e-9)
     ]
@@ -151,7 +151,7 @@ def _decades(low: float, high: float, max_count: int) -> tuple[list[float], list
     stride = -(-len(powers) // max_count) if powers else 1
     digits = (1,) if len(powers) > 2 else (1, 2, 5)
     written = [value for power, digit, value in inside if digit in digits and power % stride == 0]
-    interior = [value for *_, value in inside if value not in written] if last - first < max_count else []
+    interior = [value for *_, value in inside if value not in written] if last - lowest < max_count else []
     return written, interior
 
 
@@ -188,8 +188,8 @@ class Chart:
     def area(self) -> Rectangle:
         """The rectangle (left, top, width, height) between the axes."""
         above = 16.0 + (12 + 2 * self.letters) * (self.top is not None) + 16 * bool(self.title)
-        left, top, right, bottom = self.margins or (6 * self.letters, above, 18.0, 3.5 * self.letters)
-        return left, top, self.size[0] - left - right, self.size[1] - top - bottom
+        x0, top, right, bottom = self.margins or (6 * self.letters, above, 18.0, 3.5 * self.letters)
+        return x0, top, self.size[0] - x0 - right, self.size[1] - top - bottom
 
     def line(self, x: np.ndarray, y: np.ndarray, **style: Unpack[Style]) -> None:
         """Draw a line through points, interrupted at NaN; without `read` values cannot be read from it."""
@@ -200,11 +200,11 @@ class Chart:
 
         Without `listed` the label stands beside values that are read, and not in the legend.
         """
-        drawn = _MARKS | style
-        if width := drawn["width"]:
-            self.line(x, y, colour=drawn["colour"], width=width, dash=drawn["dash"], read=False)
-        places = [place for place in zip(*self._pixels(x, y), strict=True) if np.isfinite(place).all()]
-        self.note("marks", x=x, y=y, places=places, **drawn)
+        style_values = _MARKS | style
+        if width := style_values["width"]:
+            self.line(x, y, colour=style_values["colour"], width=width, dash=style_values["dash"], read=False)
+        points = [point for point in zip(*self._pixels(x, y), strict=True) if np.isfinite(point).all()]
+        self.note("marks", x=x, y=y, places=points, **style_values)
 
     def series(self, index: int, x: np.ndarray, y: np.ndarray, *, label: str) -> None:
         """Draw one of several lines with marks, in its own colour and mark."""
@@ -219,28 +219,20 @@ class Chart:
 
         One without an upper end (NaN beside a known lower one) reaches the edge and has an arrow there.
         """
-        left, low = self._pixels(x, lower)
+        centre, low = self._pixels(x, lower)
         high = self._pixels(x, upper)[1]
         height = self.area[3]
         low[np.isnan(low) & np.isfinite(lower)] = height + 9  # zero, or less, on a logarithmic axis
-        unbounded = np.isnan(upper) & np.isfinite(lower)
-        high[unbounded] = 1.0
-        low, high = (np.clip(end, -9, height + 9) for end in (low, high))
+        open_ended = np.isnan(upper) & np.isfinite(lower)
+        high[open_ended] = 1.0
+        low, high = (np.clip(bound, -9, height + 9) for bound in (low, high))
         path = "".join(
             f"M{a:.1f} {b:.1f}V{c:.1f}M{a - 3:.1f} {b:.1f}h6"
             + (f"M{a - 4:.1f} 8l4-7 4 7" if arrow else f"M{a - 3:.1f} {c:.1f}h6")
-            for a, b, c, arrow in zip(left, low, high, unbounded, strict=True)
+            for a, b, c, arrow in zip(centre, low, high, open_ended, strict=True)
             if np.isfinite([a, b, c]).all()
         )
         self.note("bars", x=x, lower=lower, upper=upper, colour=colour, path=path)
-
-    def shade(self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray, *, colour: str) -> None:
-        """Fill the band between two lines below all that is drawn, to the edge where it has no upper end."""
-        upper = np.where(np.isnan(upper) & np.isfinite(lower), self.y.high, upper)
-        available = np.isfinite([x, lower, upper]).all(axis=0)
-        if available.sum() > 1:
-            around = np.r_[x[available], x[available][::-1]], np.r_[lower[available], upper[available][::-1]]
-            self.note("shade", path=self._path(*around), colour=colour)
 
     def across(self, *, x: float | None = None, y: float | None = None, **style: Unpack[Style]) -> None:
         """Draw a straight line across the chart at a value of x or y."""
@@ -250,8 +242,8 @@ class Chart:
 
     def band(self, low: float, high: float, *, label: str = "") -> None:
         """Shade the range between two values of x."""
-        left, right = np.clip(self.x.position(np.array([low, high])), 0, 1) * self.area[2]
-        self.note("band", left=left, right=right, label=label)
+        x0, right = np.clip(self.x.position(np.array([low, high])), 0, 1) * self.area[2]
+        self.note("band", left=x0, right=right, label=label)
 
     def write(self, left: float, low: float, text: str) -> None:
         """Write a text from a place (pixels) within the axes on, legible across lines."""
@@ -262,17 +254,17 @@ class Chart:
         self.note("picture", source=source, smooth=smooth)
 
     def colour_bar(
-        self, axis: Axis, colours: Sequence[str], beyond: tuple[bool, bool] = (False, False)
+        self, axis: Axis, colours: Sequence[str], arrows: tuple[bool, bool] = (False, False)
     ) -> None:
         """Draw a bar of evenly spaced colours at the right; `axis` gives their values, from first to last.
 
-        An arrow shows that there are values `beyond` them, below and above.
+        An arrow shows that there are values `arrows` them, below and above.
         """
-        left, top, width, height = self.area
-        place, bottom = (left + width + 10, top, 12.0, height), top + height
+        x0, top, width, height = self.area
+        box, bottom = (x0 + width + 10, top, 12.0, height), top + height
         tips = (bottom, bottom + 9, colours[0]), (top, top - 9, colours[-1])
-        ticks = self._ticks(axis, "right", place, grid=False)
-        self.bar = {"area": place, "colours": colours, "tips": [*compress(tips, beyond)], "ticks": ticks}
+        ticks = self._ticks(axis, "right", box, grid=False)
+        self.bar = {"area": box, "colours": colours, "tips": [*compress(tips, arrows)], "ticks": ticks}
 
     def source(self) -> str:
         """Return the chart as a data URI, with its legend below it."""
@@ -282,7 +274,7 @@ class Chart:
         legend, rows = self._legend_below()
         axes = {"x": self.x.reading(), "y": self.y.reading(), "area": [round(side, 1) for side in area]}
         reading = html.escape(json.dumps(axes | self.reading, ensure_ascii=False), quote=False)
-        drawn = {
+        variables = {
             "axes": [self._ticks(axis, side, area, grid) for axis, side, grid in sides],
             "area": area,
             "size": (self.size[0], self.size[1] + rows),
@@ -291,7 +283,7 @@ class Chart:
             # the double quotes of JSON take less room as they are
             "reading": reading.replace("'", "&#39;"),
         }
-        svg = template("chart.svg").render(vars(self) | drawn)
+        svg = template("chart.svg").render(vars(self) | variables)
         return data_uri(svg.replace("\n", ""))
 
     def note(self, method: str, **arguments: Any) -> None:
@@ -305,12 +297,12 @@ class Chart:
 
     def _path(self, x: np.ndarray, y: np.ndarray) -> str:
         """Return the outline through points, interrupted where a value is missing."""
-        left, top = self._pixels(x, y)
-        available = np.isfinite(left) & np.isfinite(top)
+        across, top = self._pixels(x, y)
+        available = np.isfinite(across) & np.isfinite(top)
         fragments = []
-        for run in np.split(np.arange(left.size), np.nonzero(np.diff(available))[0] + 1):
+        for run in np.split(np.arange(across.size), np.nonzero(np.diff(available))[0] + 1):
             if run.size and available[run[0]]:
-                points = np.round(np.column_stack([left[run], top[run]])[_extremes(top[run])], 1)
+                points = np.round(np.column_stack([across[run], top[run]])[_extremes(top[run])], 1)
                 points = np.clip(points, -9999, 9999)
                 fragments.append("M" + "L".join(f"{a:g} {b:g}" for a, b in points))
         return "".join(fragments)
@@ -320,15 +312,15 @@ class Chart:
 
         A text has its place, the words, anchor, and whether it is turned.
         """
-        letters, (left, top, width, height) = self.letters, area
+        letters, (x0, top, width, height) = self.letters, area
         flat = side in ("bottom", "top")
-        edge = {"bottom": top + height, "top": top, "left": left, "right": left + width}[side]
+        edge = {"bottom": top + height, "top": top, "left": x0, "right": x0 + width}[side]
         sign = 1 if side in ("bottom", "right") else -1
         written, interior = axis.ticks(6 if (width if flat else height) > 150 else 4)
 
         def position(value: float) -> float:
             share = float(axis.position(value))
-            return left + share * width if flat else top + (1 - share) * height
+            return x0 + share * width if flat else top + (1 - share) * height
 
         def stubs(values: list[float], length: float) -> str:
             form = "M{0:.1f} {1:.1f}v{2:g}" if flat else "M{1:.1f} {0:.1f}h{2:g}"
@@ -338,21 +330,21 @@ class Chart:
         name: tuple[Any, ...]
         if flat:
             anchor, near = "middle", 6 + letters if side == "bottom" else -9.0
-            places = [(position(value), edge + near) for value in written]
-            name = left + width / 2, edge + near + sign * 1.55 * letters, axis.label, "middle"
+            points = [(position(value), edge + near) for value in written]
+            name = x0 + width / 2, edge + near + sign * 1.55 * letters, axis.label, "middle"
         else:
             anchor, across = ("end", -8.0) if side == "left" else ("start", 8.0)
-            places = [(edge + across, position(value) + letters / 3) for value in written]
+            points = [(edge + across, position(value) + letters / 3) for value in written]
             longest = max(map(len, texts), default=1) * _DIGIT_WIDTH * letters
             far = edge - 18 - longest if side == "left" else edge + 14 + letters + longest
             half = len(axis.label) * _LETTER_WIDTH * letters / 2  # it must not be cut off above a low picture
             middle = max(top + height / 2, half)
             name = min(max(far, letters), self.size[0] - 4), middle, axis.label, "middle", True
-        line = f"M{left:.1f} {edge:.1f}h{width:.1f}" if flat else f"M{edge:.1f} {top:.1f}v{height:.1f}"
+        line = f"M{x0:.1f} {edge:.1f}h{width:.1f}" if flat else f"M{edge:.1f} {top:.1f}v{height:.1f}"
         return {
             "grid": stubs(written, -sign * (height if flat else width)) if grid else "",
             "line": line + stubs(written, 4.5 * sign) + stubs(interior, 2.5 * sign),
-            "texts": [*((*place, text, anchor) for place, text in zip(places, texts, strict=True)), name],
+            "texts": [*((*point, text, anchor) for point, text in zip(points, texts, strict=True)), name],
         }
 
     def _legend_below(self) -> tuple[list[tuple[float, float, str, str, dict[str, Any]]], float]:
@@ -360,20 +352,20 @@ class Chart:
 
         Its columns are as wide as its labels.
         """
-        listed = [(kind, step) for kind, step in self.steps if step.get("label") and step.get("listed", True)]
-        if not listed:
+        items = [(kind, step) for kind, step in self.steps if step.get("label") and step.get("listed", True)]
+        if not items:
             return [], 0.0
         across, letter = self.size[0] - 24, _LETTER_WIDTH * self.letters
-        longest = 44 + letter / 2 * max(len(_NARROW.sub("", s["label"]) + s["label"]) for _, s in listed)
-        columns = min(max(int(across / longest), 1), _MOST_COLUMNS)
+        longest = 44 + letter / 2 * max(len(_NARROW.sub("", s["label"]) + s["label"]) for _, s in items)
+        columns = min(max(int(across / longest), 1), _MAX_COLUMNS)
         room = int((across - 38) / letter)
         lines = []
-        for index, (kind, step) in enumerate(listed):
+        for index, (kind, step) in enumerate(items):
             row, column = divmod(index, columns)
             label = step["label"] if len(step["label"]) <= room else f"{step['label'][: room - 1]}…"
-            place = round(12 + across / columns * column, 1), self.size[1] + 9 + 1.5 * self.letters * row
-            lines.append((*place, label, kind, step))
-        return lines, 1.5 * self.letters * -(-len(listed) // columns) + 6
+            point = round(12 + across / columns * column, 1), self.size[1] + 9 + 1.5 * self.letters * row
+            lines.append((*point, label, kind, step))
+        return lines, 1.5 * self.letters * -(-len(items) // columns) + 6
 
 
 _NOT_IN_URI = re.compile(r"[^\w =:/+;,'()!*@?$~.-]+", re.ASCII)
@@ -394,9 +386,9 @@ def data_uri(svg: str) -> str:
 
 def _extremes(values: np.ndarray) -> np.ndarray:
     """Return the places of the values that a line is drawn through: all, or the extremes of each few."""
-    if values.size <= _MOST_POINTS:
+    if values.size <= _MAX_POINTS:
         return np.arange(values.size)
-    stride = -(-2 * values.size // _MOST_POINTS)
+    stride = -(-2 * values.size // _MAX_POINTS)
     complete = values.size // stride * stride
     rows = values[:complete].reshape(-1, stride)
     first_points = np.arange(0, complete, stride)

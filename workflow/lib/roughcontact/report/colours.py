@@ -71,7 +71,10 @@ def coloured(
 
 
 def _png(index: np.ndarray, palette: bytes) -> bytes:
-    """Return a PNG of places in a palette; as differences of rows ("up") heights take half the room."""
+    """Return a PNG of places in a palette; as differences of rows ("up") heights take half the room.
+
+    The default level of compression takes three times as long for a tenth less.
+    """
 
     def chunk(name: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
@@ -81,7 +84,7 @@ def _png(index: np.ndarray, palette: bytes) -> bytes:
     components = [
         (b"IHDR", struct.pack(">2I5B", width, height, 8, 3, 0, 0, 0)),
         (b"PLTE", palette),
-        (b"IDAT", zlib.compress(np.insert(rows, 0, 2, axis=1).tobytes())),
+        (b"IDAT", zlib.compress(np.insert(rows, 0, 2, axis=1).tobytes(), 4)),
         (b"IEND", b""),
     ]
     return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*component) for component in components)
@@ -101,10 +104,10 @@ def _averaged(level: np.ndarray, missing: np.ndarray, together: int) -> tuple[np
 
 def _palette(name: str, of_colours: int, bad: str, steps: int) -> bytes:
     """Return so many colours of a scale, and after them their blends with the colour of bad points."""
-    *anchors, second = (list(bytes.fromhex(colour[1:])) for colour in [*colour_scale(name), bad])
+    *anchors, missing_colour = (list(bytes.fromhex(colour[1:])) for colour in [*colour_scale(name), bad])
     indices = np.linspace(0, len(anchors) - 1, of_colours)
     channels = zip(*anchors, strict=True)
     scale = np.column_stack([np.interp(indices, np.arange(len(anchors)), channel) for channel in channels])
     shares = np.linspace(0, 1, steps)[:, None, None] if steps > 1 else np.zeros((1, 1, 1))
-    blends = (1 - shares) * scale + shares * np.array(second)
+    blends = (1 - shares) * scale + shares * np.array(missing_colour)
     return np.rint(blends).astype(np.uint8).tobytes()

@@ -1,6 +1,5 @@
 """Facts of a surface in words, beside its checks, and the captions of its maps."""
 
-import json
 import re
 import textwrap
 from collections.abc import Callable, Mapping
@@ -9,82 +8,111 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.io.metadata import labelled, stored_instrument
-from roughcontact.levelling.record import removed_and_filled
-from roughcontact.maps import side_lengths, spacing, within_edges
-from roughcontact.profiles.surface import is_drawn, surfaces_behind
-from roughcontact.quantities import counted_noun, number, percent, quantity
-from roughcontact.report.tables import is_finite_body, material_name
+from roughcontact.arguments.maps import side_lengths, spacing
+from roughcontact.arguments.measurement import Instrument, json_attribute
+from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
+from roughcontact.arguments.variables import values_at_load
+from roughcontact.io.metadata import labelled
+from roughcontact.io.sources import in_words
+from roughcontact.report.tables import material_name
 from roughcontact.report.template import sentence
 from roughcontact.report.units import unit_of
-from roughcontact.roughness.profile_parameters import profile_parameters
-from roughcontact.roughness.texture import LAY
 from roughcontact.statistics.adhesion import adhesion_in_words
 from roughcontact.statistics.friction import slip_in_words
-from roughcontact.variables import values_at_load
-from roughcontact.window.band import shortest_reliable_wave
+from roughcontact.statistics.kinds import facts_of_numbers, load_in_words
+from roughcontact.surface.levelling.record import removed_and_filled
+from roughcontact.surface.profiles.surface import are_lines, surfaces_behind
+from roughcontact.surface.roughness.profile_parameters import profile_parameters
+from roughcontact.surface.roughness.texture import LAY
+from roughcontact.surface.window.band import shortest_reliable_wave
+
+_FLOW_NOT_SOLVED = "not solved; state a seal, or flow: always in the section statistics"
 
 
 def surface_facts(
-    measured: xr.DataArray, levelled: xr.DataArray, window: xr.DataArray, numbers: xr.Dataset
+    measured_map: xr.DataArray, levelled_map: xr.DataArray, window: xr.DataArray, numbers: xr.Dataset
 ) -> list[tuple[str, str]]:
     """Return the facts of a surface as (name, text), in the order of the page; unknown ones are left out."""
-    pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured)[::-1]))
-    instrument = labelled(stored_instrument(measured.attrs))
+    pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured_map)[::-1]))
+    instrument = labelled(json_attribute(measured_map.attrs, "instrument"))
     instrument_text = ", ".join(f"{label} {text}" for label, text in instrument)
-    source = [str(measured.attrs.get(key, "")) for key in ("source_file", "source_format")]
+    source = [str(measured_map.attrs.get(key, "")) for key in ("source_file", "source_format")]
     resolution = float(numbers["points_per_shortest_wavelength"][0])
     length = unit_of(numbers, "m").text
+    sources = json_attribute(measured_map.attrs, "ingest_sources")
     facts = [
         ("File", " · ".join(filter(None, source))),
-        ("First row", sentence("first_row", measured.attrs)),
-        ("Channel", str(measured.attrs.get("channel", ""))),
+        ("First row", sentence("first_row", measured_map.attrs)),
+        ("Sources", in_words(sources)),
+        ("Not used", "; ".join(sources.get("not used", []))),
+        ("Channel", str(measured_map.attrs.get("channel", ""))),
         ("Instrument", textwrap.shorten(instrument_text, 160, placeholder=" …")),
-        ("Map", f"{_size(measured)} of {pitch}"),
-        ("Missing points", percent(measured.attrs.get("missing_share", 0.0))),
-        ("Counter-face", sentence("counter_face", levelled.attrs)),
-        ("Removed form", _removed(levelled, numbers)),
-        ("Scan lines", sentence("scan_lines", levelled.attrs, length)),
-        ("Filters", sentence("filters", json.loads(levelled.attrs.get("filters_removed", "{}")), length)),
+        ("Assumed in the ±", _assumed(numbers)),
+        ("Map", f"{_size(measured_map)} of {pitch}"),
+        ("Missing points", percent(measured_map.attrs.get("missing_share", 0.0))),
+        ("Counter-face", sentence("counter_face", levelled_map.attrs)),
+        ("Removed form", _removed(levelled_map, numbers)),
+        ("Scan lines", sentence("scan_lines", levelled_map.attrs, length)),
+        ("Filters", sentence("filters", json_attribute(levelled_map.attrs, "filters_removed"), length)),
         ("Corrected for", str(window.attrs.get("corrected_for", ""))),
-        *_parameters(levelled, length),
-        ("Window", _size(window[within_edges(window)])),
+        *_parameters(levelled_map, length),
+        ("Window", _size(window)),
         ("Periodisation", str(window.attrs.get("periodisation", "none"))),
         ("Sal, Str, lay", _texture(numbers)),
-        ("rms height", length(float(numbers["rms_height"]))),
-        ("rms gradient g", number(float(numbers["rms_gradient"]))),
         ("rms curvature", f"{number(float(numbers['rms_curvature']) * 1e-3)} mm⁻¹"),
         ("Nayak parameter", number(float(numbers["nayak_parameter"]))),
         ("Points per shortest wave", number(resolution, digits=2)),
-        ("First yield below the surface", _first_yield(numbers)),
-        ("Gap closes", _closing(numbers)),
-        ("Adhesion", adhesion_in_words(numbers)),
-        ("Stick and slip", slip_in_words(numbers)),
-        ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
-        ("Body of finite size", _finite_body(numbers)),
-        ("Hardness", _of_softer_body(numbers, "hardness")),
-        ("First yield at the surface, p̄", _of_softer_body(numbers, "first_yield_pressure")),
+        *number_facts(numbers),
+        ("Body of finite size", size_of_contact(numbers, -1)),
     ]
     return [(name, text) for name, text in facts if text]
 
 
-def _finite_body(numbers: xr.Dataset) -> str:
-    """Return the contact of a body of finite size under its largest force, and Hertz's of the smooth body."""
-    if not is_finite_body(numbers):
+def _assumed(numbers: xr.Dataset) -> str:
+    """Return what the ± assumes of an instrument of which nobody has stated lens, tip or noise."""
+    stated = Instrument.read(numbers.attrs).properties()
+    lens = (
+        "" if {"numerical_aperture", "resolution", "tip_radius"} & stated.keys() else "a perfect lens or tip"
+    )
+    noise = "" if "noise" in stated else "no noise but what a flat spectrum shows"
+    missing = " and ".join(filter(None, (lens, noise)))
+    return f"{missing}: state them in the section instrument" if missing else ""
+
+
+def number_facts(numbers: xr.Dataset) -> list[tuple[str, str]]:
+    """Return the facts that follow from the statistics of a surface, loads rising, as of `surface_facts`."""
+    facts = [
+        ("rms height", unit_of(numbers, "m").text(float(numbers["rms_height"]))),
+        ("rms gradient g", number(float(numbers["rms_gradient"]))),
+        ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
+        ("Hardness", _hardness(numbers)),
+        ("First yield at the surface", _first_yield(numbers, "first_yield_pressure")),
+        ("First yield below the surface", _first_yield(numbers, "first_subsurface_yield_pressure")),
+        ("Gap closes", closing := _closing(numbers)),
+        ("Flow through the gap", _FLOW_NOT_SOLVED * (bool(closing) and "flow_factor_xx" not in numbers)),
+        ("Adhesion", adhesion_in_words(numbers)),
+        ("Stick and slip", slip_in_words(numbers)),
+    ]
+    return [(name, text) for name, text in facts if text]
+
+
+def size_of_contact(numbers: xr.Dataset, load: int) -> str:
+    """Return the contact of a body of finite size at a load (index), and Hertz's of the smooth body."""
+    kind = facts_of_numbers(numbers)
+    if not kind.sentence:
         return ""
-    load = int(numbers["force"].values.argmax())
-    return sentence("finite_body", values_at_load(numbers, load), "bodies" in numbers.attrs)
+    return sentence(kind.sentence, values_at_load(numbers, load), "bodies" in numbers.attrs)
 
 
-def date_of(measured: xr.DataArray) -> str:
+def date_text(measured_map: xr.DataArray) -> str:
     """Return the date of a measurement, YYYY-MM-DD; nothing where its file states none of this form.
 
     Examples
     --------
-    >>> date_of(xr.DataArray(0.0, attrs={"instrument": '{"acquisition_time": "2011-07-23T16:49:36"}'}))
+    >>> date_text(xr.DataArray(0.0, attrs={"instrument": '{"acquisition_time": "2011-07-23T16:49:36"}'}))
     '2011-07-23'
     """
-    date = stored_instrument(measured.attrs).get("acquisition_time", "")
+    date = json_attribute(measured_map.attrs, "instrument").get("acquisition_time", "")
     result = re.match(r"\d{4}-\d\d-\d\d", str(date))
     return result[0] if result else ""
 
@@ -98,42 +126,38 @@ def versions(numbers: xr.Dataset) -> str:
     >>> versions(xr.Dataset(attrs={"versions": '{"python": "3.11", "numpy": "2.1"}'}))
     'python 3.11, numpy 2.1'
     """
-    return ", ".join(map(" ".join, json.loads(numbers.attrs.get("versions", "{}")).items()))
+    return ", ".join(map(" ".join, json_attribute(numbers.attrs, "versions").items()))
 
 
-def measured_caption(measured: xr.DataArray) -> str:
+def measured_caption(measured_map: xr.DataArray) -> str:
     """Return the caption of the measured map, with its number of missing points.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from roughcontact.maps import height_map
+    >>> from roughcontact.arguments.maps import height_map
     >>> measured_caption(height_map(np.array([[0.0, np.nan], [0.0, 1e-6]]), 1e-6))
     '1 point not measured (pink).'
     """
-    missing = measured.attrs.get("missing_points", 0)
+    missing = measured_map.attrs.get("missing_points", 0)
     if not missing:
         return "Every point was measured."
-    return f"{counted_noun(missing, 'point')} not measured{'' if _is_profile(measured) else ' (pink)'}."
+    colour = "" if are_lines(measured_map) else " (pink)"
+    return f"{counted_noun(missing, 'point')} not measured{colour}."
 
 
-def _is_profile(height: xr.DataArray) -> bool:
-    """Return whether a map is a profile, or profiles of an isotropic surface in rows."""
-    return 1 in height.shape or is_drawn(height)
-
-
-def levelled_caption(levelled: xr.DataArray) -> str:
+def levelled_caption(levelled_map: xr.DataArray) -> str:
     """Return the caption of the levelled map: points filled in, outliers rejected.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from roughcontact.maps import height_map
+    >>> from roughcontact.arguments.maps import height_map
     >>> levelled_caption(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(outlier_kinds='{"scar": 3}'))
     '0 points filled in, 0 outliers rejected (3 in scars). The red frame is the solved window.'
     """
-    frame = "" if _is_profile(levelled) else " The red frame is the solved window."
-    return f"{removed_and_filled(levelled.attrs)}.{frame}"
+    frame = "" if are_lines(levelled_map) else " The red frame is the solved window."
+    return f"{removed_and_filled(levelled_map.attrs)}.{frame}"
 
 
 def spectrum_caption(window: xr.DataArray, numbers: xr.Dataset) -> str:
@@ -142,17 +166,17 @@ def spectrum_caption(window: xr.DataArray, numbers: xr.Dataset) -> str:
     Examples
     --------
     >>> import numpy as np
-    >>> from roughcontact.maps import height_map
+    >>> from roughcontact.arguments.maps import height_map
     >>> band = {"band_shortest": 2e-6, "band_longest": 1e-4, "band_removed_rms_height": 0.0}
     >>> spectrum_caption(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(band), xr.Dataset())
     'Mean over all directions. Waves from 2.00 µm to 100 µm are solved.'
     """
-    shortest, longest = (quantity(window.attrs[f"band_{end}"], "m") for end in ("shortest", "longest"))
+    shortest, longest = (quantity(window.attrs[f"band_{bound}"], "m") for bound in ("shortest", "longest"))
     band = f"Waves from {shortest} to {longest} are solved"
-    if removed := window.attrs["band_removed_rms_height"]:
+    if removed_height := window.attrs["band_removed_rms_height"]:
         gradient = number(window.attrs["band_removed_rms_gradient"])
-        band += f"; removed: rms height {unit_of(numbers, 'm').text(removed)}, rms gradient {gradient}"
-    return f"{band}." if 1 in window.shape else f"Mean over all directions. {band}."
+        band += f"; removed: rms height {unit_of(numbers, 'm').text(removed_height)}, rms gradient {gradient}"
+    return f"{band}." if are_lines(window) else f"Mean over all directions. {band}."
 
 
 def waves_in_words(window: xr.DataArray) -> str:
@@ -161,17 +185,16 @@ def waves_in_words(window: xr.DataArray) -> str:
     Examples
     --------
     >>> import numpy as np
-    >>> from roughcontact.maps import height_map
+    >>> from roughcontact.arguments.maps import height_map
     >>> band = {"band_shortest": 2e-6, "reliable_wavelength": 3.3e-6}
     >>> waves_in_words(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(band))
     'waves longer than 3.30 µm'
     """
     shortest = shortest_reliable_wave(window)
     text = f"waves longer than {quantity(shortest, 'm')}" if shortest else ""
-    if is_drawn(window):
-        text = ", ".join(filter(None, [surfaces_behind(window), text]))
-    if corrected := window.attrs.get("corrected_for"):
-        text = f"{text or 'the map'}, corrected for {corrected}"
+    text = ", ".join(filter(None, [surfaces_behind(window), text]))
+    if causes := window.attrs.get("corrected_for"):
+        text = f"{text or 'the map'}, corrected for {causes}"
     return text
 
 
@@ -196,21 +219,6 @@ def lay_caption(numbers: xr.Dataset) -> str:
     return f"Strongest waves at {float(numbers['Std']):.0f}° (Std), lay at {_lay(numbers)}, from x towards y."
 
 
-def autocorrelation_caption(numbers: xr.Dataset, *, profile: bool) -> str:
-    """Return the length over which the autocorrelation falls, from `Sal` (m) and `Str`, if no `profile`.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> autocorrelation_caption(xr.Dataset({"Sal": 2e-5, "Str": 0.5}), profile=True)
-    'Falls to 0.2 over 20.0 µm (Sal).'
-    """
-    length = f"Falls to 0.2 over {quantity(float(numbers['Sal']), 'm')} (Sal)"
-    if not profile:
-        length += f" in the direction of the fastest fall; Str = {number(float(numbers['Str']))}"
-    return f"{length}."
-
-
 def _has_lay(numbers: xr.Dataset) -> bool:
     """Return whether a surface has a direction."""
     return float(numbers["Str"]) <= LAY
@@ -221,24 +229,19 @@ def _lay(numbers: xr.Dataset) -> str:
     return f"{(float(numbers['Std']) + 90) % 180:.0f}°"
 
 
-def _of_softer_body(numbers: xr.Dataset, name: str) -> str:
-    """Return a pressure of the softer body, nothing where no hardness is stated."""
-    return unit_of(numbers, "Pa").text(float(numbers[name])) if name in numbers else ""
+def _hardness(numbers: xr.Dataset) -> str:
+    """Return the hardness of the softer body, nothing where none is stated."""
+    return unit_of(numbers, "Pa").text(float(numbers["hardness"])) if "hardness" in numbers else ""
 
 
-def _first_yield(numbers: xr.Dataset) -> str:
-    """Return the load at which a body begins to yield below its surface, where it was computed."""
-    name = "first_subsurface_yield_pressure"
+def _first_yield(numbers: xr.Dataset, name: str) -> str:
+    """Return the load, by its variable, at which a body begins to yield, where it was computed."""
     if name not in numbers:
         return ""
     load = float(numbers[name])
-    if np.isnan(load):
-        volumes = numbers["volume_above_yield"].values
-        return f"{'below' if volumes[0] > 0 else 'above'} the loads solved"
-    if is_finite_body(numbers):  # in proportion to the mean pressure over the map
-        return f"at {quantity(load * float((numbers['force'] / numbers['mean_pressure'])[0]), 'N')}"
-    text = f"at {unit_of(numbers, 'Pa').text(load)} mean pressure"
-    if "material_first_yield_pressure" not in numbers:
+    kind, load_text = load_in_words(load, numbers)
+    text = f"at {load_text} {kind}".removesuffix(" force") if kind else load_text
+    if not kind or name == "first_yield_pressure" or "material_first_yield_pressure" not in numbers:
         return text
     index = int(np.nanargmin(numbers["material_first_yield_pressure"].values))
     nearest = int(np.argmin(np.abs(np.log(numbers["mean_pressure"].values / load))))
@@ -251,18 +254,18 @@ def _first_yield(numbers: xr.Dataset) -> str:
 def _closing(numbers: xr.Dataset) -> str:
     """Return between which loads the gap closes along each axis, nothing for a profile and for a flat map."""
     flat = not np.isfinite(numbers.get("Std", np.nan))
-    if "gap_percolates_x" not in numbers or is_finite_body(numbers) or flat:
+    if "gap_percolates_x" not in numbers or flat or not facts_of_numbers(numbers).has_flow:
         return ""
     loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"]]
     result = {}
     for axis in ("x", "y"):
-        closed = np.flatnonzero(numbers[f"gap_percolates_{axis}"].values == 0)
-        if not closed.size:
+        closed_loads = np.flatnonzero(numbers[f"gap_percolates_{axis}"].values == 0)
+        if not closed_loads.size:
             result[axis] = f"not up to {loads[-1]}"
-        elif closed[0] == 0:
+        elif closed_loads[0] == 0:
             result[axis] = f"at {loads[0]} already"
         else:
-            result[axis] = f"between {loads[closed[0] - 1]} and {loads[closed[0]]}"
+            result[axis] = f"between {loads[closed_loads[0] - 1]} and {loads[closed_loads[0]]}"
     if result["x"] == result["y"]:
         return result["x"]
     return "; ".join(f"along {axis} {text}" for axis, text in result.items())
@@ -276,36 +279,38 @@ def _size(height: xr.DataArray) -> str:
     return f"{lengths}, {points} points"
 
 
-def _removed(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
+def _removed(levelled_map: xr.DataArray, numbers: xr.Dataset) -> str:
     """Return the form that levelling removed."""
-    removed = json.loads(levelled.attrs.get("form_removed", "{}"))
+    components_removed = json_attribute(levelled_map.attrs, "form_removed")
     components = [
-        f"{name.replace('_', ' ')} {_removed_part(name, entry, levelled, numbers)}"
-        for name, entry in removed.items()
+        f"{name.replace('_', ' ')} {_removed_part(name, entry, levelled_map, numbers)}"
+        for name, entry in components_removed.items()
         if name.startswith(("mean", "slope", "curvature", "radius", "axis"))  # the rest are coefficients
     ]
-    return f"{levelled.attrs.get('form', 'none')}" + (f": {', '.join(components)}" if components else "")
+    return f"{levelled_map.attrs.get('form', 'none')}" + (f": {', '.join(components)}" if components else "")
 
 
-def _removed_part(name: str, entry: Mapping[str, Any], levelled: xr.DataArray, numbers: xr.Dataset) -> str:
+def _removed_part(
+    name: str, entry: Mapping[str, Any], levelled_map: xr.DataArray, numbers: xr.Dataset
+) -> str:
     """Return a mean, slope or curvature; 0 where it is negligible over the whole map."""
     if entry["units"] == "degree":
         return f"{entry['value']:.2f}°".replace("-", "−")
     power = {"m": 0, "1": 1, "m-1": 2}[entry["units"]]
-    over_the_map = abs(entry["value"]) * max(side_lengths(levelled)) ** power
-    empty = over_the_map < 1e-6 * float(np.nanstd(levelled.values))
+    over_the_map = abs(entry["value"]) * max(side_lengths(levelled_map)) ** power
+    empty = over_the_map < 1e-6 * float(np.nanstd(levelled_map.values))
     value = 0.0 if empty else entry["value"]
     if name.startswith("mean"):
         return unit_of(numbers, "m").text(value)
     return quantity(value, entry["units"].replace("m-1", "m⁻¹"))
 
 
-def _parameters(levelled: xr.DataArray, length: Callable[[float], str]) -> list[tuple[str, str]]:
+def _parameters(levelled_map: xr.DataArray, length: Callable[[float], str]) -> list[tuple[str, str]]:
     """Return the height parameters of the levelled map, or of its profiles, of the measured points."""
-    letter, parameters = "S", levelled.attrs
+    letter, parameters = "S", levelled_map.attrs
     rows: list[tuple[str, ...]] = [("a", "q", "z"), ("sk", "ku", "dq"), ("k", "pk", "vk")]
-    if _is_profile(levelled):
-        parameters = profile_parameters(levelled)
+    if are_lines(levelled_map):
+        parameters = profile_parameters(levelled_map)
         letter = min(parameters)[0]
         rows.append(("sm",))
     facts = []

@@ -1,26 +1,28 @@
 """The results of all surfaces of a run: one dataset, one table, one page."""
 
-import json
 import shutil
 from collections.abc import Collection, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import pandas as pd
 import xarray as xr
 
+from roughcontact.arguments.measurement import json_attribute, json_attributes
 from roughcontact.errors import RoughContactError
 from roughcontact.report.asked import contacts
 from roughcontact.report.page import write_report
 from roughcontact.results.collect import (
     Entry,
     Failure,
+    append_failures,
     collect_statistics,
     file_of,
     pairs_table,
     solved_results,
     summary_table,
-    with_failures,
 )
 from roughcontact.results.storage import provenance, table_text, write_dataset, write_table, write_text
 from roughcontact.uncertainty.combination import is_of_budget, uncertainty_table
@@ -36,17 +38,18 @@ def write_results(
     title: str,
     settings: dict[str, Any],
     settings_of_statistics: dict[str, Any],
-    groups: Mapping[str, tuple[Mapping[str, str], bool]],
+    groups: Mapping[str, Mapping[str, str]],
+    pairs: Mapping[str, Sequence[str]] = MappingProxyType({}),
     same_area_pairs: Sequence[Sequence[str]] = (),
     changed: Mapping[str, Sequence[str]] | None = None,
     failures: Sequence[Failure] = (),
-    link_folder: str | Path | None = None,
+    linked: bool = True,
 ) -> list[str]:
     """Write the datasets, tables and page of all surfaces of a run; return why groups were left out.
 
-    `groups` are those of `Plan.groups`, `same_area_pairs` names of every two surfaces of the same area, the
-    earlier one first, `changed` the settings in words by case, `failures` surfaces without results, and
-    `link_folder` the folder to which the files will be moved, for the links.
+    `groups` and `pairs` are those of `Plan`, `same_area_pairs` names of every two surfaces of the same area,
+    the earlier one first, `changed` the settings in words by case, `failures` surfaces without results; the
+    page is `linked` to the files of the run unless it is to stand by itself.
     """
     folder = Path(folder)
     remove_earlier(folder)
@@ -54,38 +57,36 @@ def write_results(
     for entry in finished:
         if contact_of_case[entry["case"] or ""].get("unload") is None:  # of an earlier run
             file_of(entry, "residual.nc").unlink(missing_ok=True)
+        of_case = settings if entry["case"] is None else settings[entry["case"]]
+        if not of_case.get("wear", {}).get("coefficient"):
+            file_of(entry, "worn.nc").unlink(missing_ok=True)
+        if not of_case.get("sliding", {}).get("relaxation"):
+            file_of(entry, "sliding.nc").unlink(missing_ok=True)
     statistics = collect_statistics(finished)
     attrs = provenance(settings_of_statistics, source_sha256=statistics.source_sha256, stage="statistics")
     if failures:
-        attrs["failed"] = json.dumps(list(failures), sort_keys=True)
+        attrs |= json_attributes({"failed": list(failures)})
     write_dataset(statistics.assign_attrs(attrs), folder / "statistics.nc")
     summary = summary_table(statistics)
-    text = table_text(with_failures(summary, failures))
+    text = table_text(append_failures(summary, failures))
     write_text(text, folder / "summary.csv")
     write_table(budget_table(statistics), folder / "uncertainty.csv")
-    pair_of_placement = {
-        placement: name
-        for name, (components, placements) in groups.items()
-        if placements
-        for placement in components
-        if placement in set(summary["surface"])
-    }
-    if pair_of_placement:
-        write_table(pairs_table(summary, pair_of_placement), folder / "pairs.csv")
-    requested = {name for pair in same_area_pairs for name in pair}.union(
-        *(components for components, _ in groups.values())
-    )
-    solved = _by_map(statistics, requested)
-    answers, omitted = group_answers(solved, groups)
-    compared, not_compared = comparisons(answers, same_area_pairs)
-    of_maps, not_shared = map_comparisons(solved, groups, same_area_pairs)
-    compared, omitted = compared | of_maps, omitted + not_compared + not_shared
-    if groups or same_area_pairs:
-        attrs["left_out"] = json.dumps(omitted, ensure_ascii=False)
+    solved = set(summary["surface"])
+    pair_of_surface = {name: pair for pair, names in pairs.items() for name in names if name in solved}
+    if pair_of_surface:
+        write_table(pairs_table(summary, pair_of_surface), folder / "pairs.csv")
+    names_requested = {*chain.from_iterable((*same_area_pairs, *groups.values(), *pairs.values()))}
+    by_case = _split_by_map(statistics, names_requested)
+    answers, omissions = group_answers(by_case, groups, pairs)
+    comparisons_by_pair, not_compared = comparisons(answers, same_area_pairs)
+    of_maps, not_shared = map_comparisons(by_case, pairs, same_area_pairs)
+    comparisons_by_pair, omissions = comparisons_by_pair | of_maps, omissions + not_compared + not_shared
+    if groups or pairs or same_area_pairs:
+        attrs |= json_attributes({"left_out": omissions})
         attrs = {key: text for key, text in attrs.items() if key != "comment"} | {"title": "Groups of maps"}
         write_dataset(joined_groups(answers).assign_attrs(attrs), folder / "groups.nc")
         write_table(groups_table(answers), folder / "groups.csv")
-        write_table(comparisons_table(compared), folder / "comparisons.csv")
+        write_table(comparisons_table(comparisons_by_pair), folder / "comparisons.csv")
     write_report(
         folder / "report.html",
         finished=finished,
@@ -95,12 +96,12 @@ def write_results(
         settings=settings,
         changed=changed,
         groups=answers,
-        compared=compared,
-        omissions=omitted,
+        compared=comparisons_by_pair,
+        omissions=omissions,
         failures=failures,
-        folder=link_folder,
+        linked=linked,
     )
-    return omitted
+    return omissions
 
 
 def remove_earlier(folder: Path) -> None:
@@ -111,31 +112,34 @@ def remove_earlier(folder: Path) -> None:
 
 
 def group_answers(
-    solved: Mapping[str, Mapping[str, xr.Dataset]], groups: Mapping[str, tuple[Mapping[str, str], bool]]
+    by_case: Mapping[str, Mapping[str, xr.Dataset]],
+    groups: Mapping[str, Mapping[str, str]],
+    pairs: Mapping[str, Sequence[str]],
 ) -> tuple[list[NamedGroup], list[str]]:
-    """Return the answer of each group under each case, and a sentence for each that has none.
+    """Return the answer of each group, and of each pair of faces, under each case, or a sentence without one.
 
-    `solved` has the statistics of each map by case ("" without cases) and name.
+    `by_case` has the statistics of each map by case ("" without cases) and name.
     """
-    answers, omitted = [], []
-    for name, (components, placements) in groups.items():
-        for case, of_case in solved.items():
-            selected = {map_: of_case[map_] for map_ in components if map_ in of_case}
-            if not selected:
+    answers, omissions = [], []
+    members = {**groups, **{pair: {name: name for name in names} for pair, names in pairs.items()}}
+    for name, components in members.items():
+        for case, of_case in by_case.items():
+            components_solved = {map_: of_case[map_] for map_ in components if map_ in of_case}
+            if not components_solved:
                 continue
             try:
                 result = group_statistics(
-                    list(selected.values()),
-                    names=list(selected),
-                    parts=[components[map_] for map_ in selected],
+                    list(components_solved.values()),
+                    names=list(components_solved),
+                    parts=[components[map_] for map_ in components_solved],
                     group=name,
-                    placements=placements,
+                    placements=name in pairs,
                 )
             except RoughContactError as error:
-                omitted.append(f"{error}{f' (case {case})' if case else ''}")
+                omissions.append(f"{error}{f' (case {case})' if case else ''}")
             else:
-                answers.append(NamedGroup(name, case or None, result, placements))
-    return answers, omitted
+                answers.append(NamedGroup(name, case or None, result, name in pairs))
+    return answers, omissions
 
 
 def comparisons(
@@ -147,61 +151,60 @@ def comparisons(
     sentence for each that cannot be made.
     """
     result: dict[tuple[str, str], xr.Dataset] = {}
-    omitted: list[str] = []
+    omissions: list[str] = []
     for case in dict.fromkeys(group.case for group in answers):
         of_case = [group for group in answers if group.case == case and not group.placements]
-        selected = {group.label: group.answer for group in of_case}
-        compared, reasons = compare_all(selected, same_area_pairs=same_area_pairs)
-        result, omitted = result | compared, omitted + reasons
+        answers_by_label = {group.label: group.answer for group in of_case}
+        new_comparisons, reasons = compare_all(answers_by_label, same_area_pairs=same_area_pairs)
+        result, omissions = result | new_comparisons, omissions + reasons
     for name in dict.fromkeys(group.name for group in answers):
-        selected = {group.label: group.answer for group in answers if group.name == name}
-        if len(selected) > 1 and any(answer.sizes["map"] > 1 for answer in selected.values()):
-            compared, reasons = compare_all(selected, cases=case_pairs(list(selected)))
-            result, omitted = result | compared, omitted + reasons
-    return result, omitted
+        answers_by_label = {group.label: group.answer for group in answers if group.name == name}
+        if len(answers_by_label) > 1 and any(answer.sizes["map"] > 1 for answer in answers_by_label.values()):
+            new_comparisons, reasons = compare_all(answers_by_label, cases=case_pairs(list(answers_by_label)))
+            result, omissions = result | new_comparisons, omissions + reasons
+    return result, omissions
 
 
 def map_comparisons(
-    solved: Mapping[str, Mapping[str, xr.Dataset]],
-    groups: Mapping[str, tuple[Mapping[str, str], bool]],
+    by_case: Mapping[str, Mapping[str, xr.Dataset]],
+    pairs: Mapping[str, Sequence[str]],
     same_area_pairs: Sequence[Sequence[str]],
 ) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
     """Return the comparisons under each case of maps of a place, and of the first placement with the others.
 
     With them comes a sentence for each that cannot be made.
     """
-    pairs = [(earlier, later) for earlier, later in same_area_pairs]
-    for first, *remaining in (list(components) for components, placements in groups.values() if placements):
-        pairs += [(first, second) for second in remaining]
+    compared = [(earlier, later) for earlier, later in same_area_pairs]
+    compared += [(reference, partner) for reference, *others in pairs.values() for partner in others]
     result: dict[tuple[str, str], xr.Dataset] = {}
-    omitted: list[str] = []
-    for case, of_case in solved.items():
-        shared = {}
-        for pair in pairs:
+    omissions: list[str] = []
+    for case, of_case in by_case.items():
+        results_by_pair = {}
+        for pair in compared:
             if of_case.keys() >= {*pair}:
-                first, second = (f"{name} · {case}" if case else name for name in pair)
-                shared[first, second] = of_case[pair[0]], of_case[pair[1]]
-        compared, reasons = compare_maps(shared)
-        result, omitted = result | compared, omitted + reasons
-    return result, omitted
+                reference, partner = (f"{name} · {case}" if case else name for name in pair)
+                results_by_pair[reference, partner] = of_case[pair[0]], of_case[pair[1]]
+        new_comparisons, reasons = compare_maps(results_by_pair)
+        result, omissions = result | new_comparisons, omissions + reasons
+    return result, omissions
 
 
-def _by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[str, dict[str, xr.Dataset]]:
+def _split_by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[str, dict[str, xr.Dataset]]:
     """Return what groups and differences need of some solved maps, by case ("" without cases) and name."""
-    bands = json.loads(statistics.attrs["bands"])
-    needed = statistics[needed_for_groups(map(str, statistics.variables))].drop_attrs(deep=False)
-    solved: dict[str, dict[str, xr.Dataset]] = {}
-    for labels, result in solved_results(needed):
+    bands = json_attribute(statistics.attrs, "bands")
+    variables_needed = statistics[needed_for_groups(map(str, statistics.variables))].drop_attrs(deep=False)
+    by_case: dict[str, dict[str, xr.Dataset]] = {}
+    for labels, result in solved_results(variables_needed):
         case, surface = labels.get("case", ""), labels["surface"]
         if surface in names:
-            solved.setdefault(case, {})[surface] = result.assign_attrs(bands[case][surface])
-    return solved
+            by_case.setdefault(case, {})[surface] = result.assign_attrs(bands[case][surface])
+    return by_case
 
 
 def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return the components of every interval of the surfaces (and cases) of `collect_statistics`."""
     of_budget = statistics[[name for name in statistics.variables if is_of_budget(str(name))]]
     tables = [uncertainty_table(result).assign(**labels) for labels, result in solved_results(of_budget)]
-    joined = pd.concat(tables, ignore_index=True)
-    labels = [dim for dim in ("case", "surface") if dim in joined]
-    return joined[labels + [column for column in joined if column not in labels]]
+    combined_table = pd.concat(tables, ignore_index=True)
+    labels = [dim for dim in ("case", "surface") if dim in combined_table]
+    return combined_table[labels + [column for column in combined_table if column not in labels]]

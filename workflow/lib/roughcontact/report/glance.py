@@ -1,34 +1,61 @@
 """The table at a glance: the main answers for each surface at two or three loads, with their intervals."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import Unit, number, percent, quantity, with_interval
-from roughcontact.report.tables import UNITS, as_the_area, has_number, is_finite_body, is_profile
-from roughcontact.report.units import interval_at, middle_of, unit_of
+from roughcontact.arguments.answers import (
+    ANSWERS,
+    AREA,
+    ASKED_BY,
+    GAP,
+    PEAK,
+    QUANTITIES,
+    TITLES,
+    UNITS,
+    USUAL,
+)
+from roughcontact.arguments.quantities import Unit, percent, quantity
+from roughcontact.arguments.variables import Numbers
+from roughcontact.report.allowed import allowed_in_words, stated_allowed
+from roughcontact.report.tables import is_profile
+from roughcontact.report.units import (
+    hardness_reached,
+    has_number,
+    interval_at,
+    lacks_interval,
+    largest_source,
+    median_numbers,
+    number_text,
+    unit_of,
+)
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
+from roughcontact.statistics.decisions import CLOSED, gap_is_closed, is_yielding
+from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.statistics.outcome import FAILED, VERDICTS
-from roughcontact.statistics.precision import gap_is_decided, precision_in_words, yield_is_decided
-from roughcontact.variables import ANSWERS, Numbers, values_at_load
+from roughcontact.statistics.precision import precision_in_words
 
 AREAS = (0.01, 0.1, 0.3)  # the loads with contact areas nearest to these are shown
 NOT_JUDGED = "not judged"
-IN_WORDS = "seals?", "yields?"  # headings of the columns that hold no number
+_FURTHER = [name for name in ASKED_BY if name not in ANSWERS]
+COLUMN_NAMES = (*ANSWERS, *_FURTHER)  # that follow the load
 HEADINGS = (
-    "mean pressure\N{NO-BREAK SPACE}p̄",
-    "contact area\N{NO-BREAK SPACE}A/A₀",
-    "pressure in contact",
-    "mean\N{NO-BREAK SPACE}gap\N{NO-BREAK SPACE}ū",
-    *IN_WORDS,
-    "largest pressure",
-    "conductance",
+    TITLES["mean_pressure"],
+    *(answer.heading for answer in ANSWERS.values()),
+    *(TITLES[name] for name in _FURTHER),
 )
+IN_WORDS = [answer.heading for answer in ANSWERS.values() if not answer.quantity]  # they hold no number
 
+_CLOSED = "closed (< 1 nm)"
 _NO_INTERVAL = "no ±"
-_ONE_SIDED, _TWO_SIDED = "in all of the ±", "either in the ±"  # of a yes or no
+_DECIDED, _NOT_DECIDED = "decided", "not decided"  # of a yes or no
+_OF_YIELD = (  # numbers of a load, or of the surface, that tell whether a body yields
+    *("volume_above_yield", "load_share_above_hardness", "area_share_above_hardness", "hardness"),
+    *("contact_modulus", "mean_contact_pressure", PEAK),
+)
+_PROPERTIES = {"conductivity": "thermal_conductivity", "resistivity": "electrical_resistivity"}
 _COMMON_UNIT_RATIO = 100.0  # ratio of rms heights up to which one unit does for all
 
 
@@ -66,12 +93,49 @@ def usable_loads(numbers: xr.Dataset) -> list[int]:
 
     Planned loads may lie beyond what the material bears: those are left to the tables of all loads.
     """
-    areas, usable = numbers["relative_contact_area"].values, np.arange(numbers.sizes["load"])
-    if numbers.attrs.get("loads") == "found" and "verdict" in numbers:
+    areas, usable = numbers[AREA].values, np.arange(numbers.sizes["load"])
+    if numbers.attrs.get("loads") == "planned" and "verdict" in numbers:
         usable = np.flatnonzero(numbers["verdict"].values != list(VERDICTS).index(FAILED))
     if not usable.size:
         return shown_loads(areas)
     return usable[shown_loads(areas[usable])].tolist()
+
+
+def asked_columns(results: Sequence[xr.Dataset]) -> list[int]:
+    """Return the places in `HEADINGS` of the load and of what any of some surfaces is asked for.
+
+    Examples
+    --------
+    >>> seal = xr.Dataset({"leak_rate_x": ("load", [1e-9])})
+    >>> [HEADINGS[place] for place in asked_columns([seal])[1:]], asked_columns([xr.Dataset()])
+    (['seals?'], [0, 1, 2, 3])
+    """
+    asked = {
+        name
+        for numbers in results
+        for name in [key for key, by in ASKED_BY.items() if any(has_number(numbers, one) for one in by)]
+        or USUAL
+    }
+    return [0, *(place for place, name in enumerate(COLUMN_NAMES, 1) if name in asked)]
+
+
+def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell]) -> str:
+    """Return what a surface is asked for at a load, whose cells of `glance_rows` these are, in one line.
+
+    With it comes whether what is allowed holds.
+    """
+    words = []
+    for place in asked_columns([numbers])[1:]:
+        name, cell = COLUMN_NAMES[place - 1], cells[place]
+        subject = (
+            ""
+            if HEADINGS[place] in IN_WORDS
+            else f"{ANSWERS[name].words if name in ANSWERS else HEADINGS[place]} "
+        )
+        words.append(f"{subject}{cell.text}{f' ({cell.precision})' if cell.precision else ''}")
+    allowed = [allowed_in_words(numbers, name, index) for name in stated_allowed(numbers)]
+    line = f"At {cells[0].details or cells[0].text}: {', '.join(words)}"
+    return ". ".join([line, *(f"{text[0].upper()}{text[1:]}" for text in allowed)]) + "."
 
 
 def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[int]:
@@ -79,7 +143,7 @@ def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[i
 
     The median area there is nearest to `area`, by ratio; with other numbers of loads each has its own.
     """
-    areas = [result["relative_contact_area"].values for result in results]
+    areas = [result[AREA].values for result in results]
     if len({result.size for result in areas}) == 1:
         areas = [np.median(areas, axis=0)] * len(areas)
     deviation = [np.abs(np.log(np.maximum(result, 1e-300)) - np.log(area)) for result in areas]
@@ -92,7 +156,7 @@ def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
     Lengths have that of all unless the rms heights differ more than `_COMMON_UNIT_RATIO` times.
     """
     rms = [value for result in results if (value := float(result.get("rms_height", 0.0))) > 0]
-    common_units = middle_of(results) if not rms or max(rms) <= _COMMON_UNIT_RATIO * min(rms) else None
+    common_units = median_numbers(results) if not rms or max(rms) <= _COMMON_UNIT_RATIO * min(rms) else None
     return [
         {
             name: unit_of(result if unit == "Pa" or common_units is None else common_units, unit)
@@ -110,27 +174,26 @@ def glance_rows(
     An absent or NaN number counts as not asked for; `units` and `indices` default to those of this surface.
     """
     units = glance_units([numbers])[0] if units is None else units
-    indices = shown_loads(numbers["relative_contact_area"].values) if indices is None else indices
+    indices = shown_loads(numbers[AREA].values) if indices is None else indices
     plain = {str(name): variable.values for name, variable in numbers.variables.items()}
-    return [
-        [
-            _load_cell(plain, units, index),
-            *_judged(
-                [
-                    interval_cell(plain, "relative_contact_area", units, index),
-                    interval_cell(plain, "mean_contact_pressure", units, index),
-                    interval_cell(plain, "mean_gap", units, index),
-                    _seals(plain, units, index),
-                    _yields(values_at_load(numbers, index)),
-                    largest_cell(plain, units, index),
-                    _conducts(plain, units, index),
-                ],
-                plain,
-                index,
-            ),
-        ]
-        for index in indices
-    ]
+    rows = []
+    for index in indices:
+        row = [_load_cell(plain, units, index)]
+        for name in COLUMN_NAMES:
+            if name in _CELLS:
+                cell = _CELLS[name](plain, units, index)
+            elif name in _FURTHER and not has_number(plain, name):
+                cell = Cell(NOT_JUDGED)
+            else:
+                cell = interval_cell(plain, name, units, index)
+            # what is not judged has no verdict
+            if cell.text != NOT_JUDGED:
+                held = [allowed_in_words(plain, allowed, index) for allowed in stated_allowed(plain, name)]
+                details = "; ".join(filter(None, [cell.details, *held]))
+                cell = cell._replace(details=details, outcome=outcome_of(plain, index, name))
+            row.append(cell)
+        rows.append(row)
+    return rows
 
 
 def _load_cell(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
@@ -139,14 +202,6 @@ def _load_cell(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     if not has_number(numbers, "force"):
         return cell
     return cell._replace(details=quantity(float(numbers["force"][index]), "N"))
-
-
-def _judged(cells: Sequence[Cell], numbers: Numbers, index: int) -> list[Cell]:
-    """Return the cells of a load with their verdicts, where they are known; what is not judged has none."""
-    return [
-        cell._replace(outcome=outcome_of(numbers, index, answer)) if cell.text != NOT_JUDGED else cell
-        for cell, answer in zip(cells, ANSWERS, strict=True)  # in the order of the columns
-    ]
 
 
 def outcome_of(numbers: Numbers, index: int, answer: str = "") -> str:
@@ -163,65 +218,86 @@ def outcome_of(numbers: Numbers, index: int, answer: str = "") -> str:
 
 
 def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> Cell:
-    """Return a number of a load and its interval."""
-    factor, unit_label = units[name]
-    value, lower, upper = (number * factor for number in interval_at(numbers, name, index))
-    if not has_number(numbers, f"{name}_lower"):
-        has_area = has_number(numbers, "relative_contact_area_lower")
-        if name.endswith(("_conductance", "_resistance")) and has_area:
-            return Cell(f"{as_the_area(numbers, name, units[name], index)} {unit_label}", _NO_INTERVAL)
-        return Cell(f"{number(value)} {unit_label}")
-    text, _, interval = with_interval(value, lower, upper).partition(" ")
-    precision = precision_in_words(value, lower, upper, Unit(1.0, unit_label))
-    return Cell(f"{text} {unit_label}", interval.strip("()"), precision=precision)
+    """Return a number of a load, its interval, and how well it is known; of a limited one the limit."""
+    factor, symbol = units[name]
+    text, _, interval = number_text(numbers, name, units[name], index).partition(" ")
+    has_range = "hardness_lower" in numbers
+    is_hardness = name == PEAK and bool(hardness_reached(numbers)[index])
+    if is_hardness and not has_range:
+        return Cell(f"{text} {symbol}", "the hardness, taken as exact")
+    if lacks_interval(numbers, name):
+        return Cell(f"{text} {symbol}", _NO_INTERVAL)
+    limited = name in QUANTITIES and QUANTITIES[name].limits is not None and PEAK in numbers
+    share = numbers.get("load_share_above_hardness")  # of a group of maps it is not known
+    flows = limited and bool((hardness_reached(numbers) if share is None else np.greater(share, 0))[index])
+    value, lower, upper = (end * factor for end in interval_at(numbers, name, index))
+    remark = "hardness taken as exact" if flows and not has_range else ""
+    if has_range and (is_hardness or largest_source(numbers, name, index) == "hardness"):
+        remark = "most of it by the hardness"
+    precision = precision_in_words(value, lower, upper, Unit(1.0, symbol), remark=remark)
+    if name == GAP and min(value, upper) < CLOSED * factor:  # a NaN end is no smaller
+        open_elsewhere = f"up to {Unit(1.0, symbol).text(upper)}" if upper >= CLOSED * factor else ""
+        return Cell(_CLOSED, open_elsewhere, precision="" if open_elsewhere else "to 1 nm")
+    return Cell(f"{text} {symbol}", interval.strip("()"), precision=precision)
 
 
 def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return whether the gap is closed to a fluid, else leak rate and narrowest place."""
     if not has_number(numbers, "gap_percolates_x"):
-        return Cell(NOT_JUDGED, "a body of finite size" if is_finite_body(numbers) else "")
+        return Cell(NOT_JUDGED, facts_of_numbers(numbers).noun)
     if is_profile(numbers):
         return Cell(NOT_JUDGED, "a profile does not tell")
-    is_open = [axis for axis in ("x", "y") if float(numbers[f"gap_percolates_{axis}"][index])]
-    decided = [gap_is_decided(numbers, axis)[index] for axis in "xy"]
-    doubted = [axis for axis, one_sided in zip("xy", decided, strict=True) if one_sided == 0]
-    precision = "" if np.isnan(decided).any() else _TWO_SIDED if doubted else _ONE_SIDED
-    displayed = [axis for axis in "xy" if axis in is_open + doubted]
-    doubt, details = " (in doubt)" if doubted else "", [] if is_open else ["gap closed along x and y"]
+    decisions = {axis: gap_is_closed(numbers, axis)[index] for axis in "xy"}
+    percolates = [axis for axis in "xy" if float(numbers[f"gap_percolates_{axis}"][index])]
+    is_open = [
+        axis for axis in "xy" if decisions[axis] == 0 or (np.isnan(decisions[axis]) and axis in percolates)
+    ]
+    judged = [axis for axis in "xy" if has_number(numbers, f"critical_constriction_{axis}_lower")]
+    undecided = [axis for axis in judged if np.isnan(decisions[axis])]
+    precision = "" if len(judged) < 2 else _NOT_DECIDED if undecided else _DECIDED
+    axes_shown = [axis for axis in "xy" if axis in is_open + undecided]
+    details = [] if is_open else ["gap closed along x and y"]
     for sentence, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
-        if displayed and has_number(numbers, f"{name}_x"):
-            result = {axis: _unbroken(numbers, f"{name}_{axis}", units, index) for axis in displayed}
-            if len(displayed) == 2 and len(set(result.values())) == 1:  # one place decides both ways
+        if axes_shown and has_number(numbers, f"{name}_x"):
+            result = {axis: _unbroken(numbers, f"{name}_{axis}", units, index) for axis in axes_shown}
+            if len(axes_shown) == 2 and len(set(result.values())) == 1:  # one place decides both ways
                 result = {"x and y": result["x"]}
             details.append(f"{sentence} {', '.join(f'{text} ({axis})' for axis, text in result.items())}")
     if not is_open:
-        return Cell(f"seals{doubt}", "; ".join(details), precision=precision)
-    closed = {"x": "y", "y": "x"}[is_open[0]]
-    answer = "leaks" if len(is_open) == 2 else f"seals along {closed}, leaks along {is_open[0]}"
-    return Cell(answer + doubt, "; ".join(details), precision=precision)
+        return Cell("seals", "; ".join(details), precision=precision)
+    sealing_axis = {"x": "y", "y": "x"}[is_open[0]]
+    answer = "leaks" if len(is_open) == 2 else f"seals along {sealing_axis}, leaks along {is_open[0]}"
+    return Cell(answer, "; ".join(details), precision=precision)
 
 
 def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> str:
     """Return a number of a load with its interval before its unit, joined by no-break spaces."""
-    value, *ends = interval_at(numbers, name, index)
-    if not np.isfinite([value, *ends]).any():
+    value, *bounds = interval_at(numbers, name, index)
+    if not np.isfinite([value, *bounds]).any():
         return "not known"
-    return f"{units[name].interval(value, *ends)} {units[name].symbol}".replace(" ", "\N{NO-BREAK SPACE}")
+    text = f"{number_text(numbers, name, units[name], index)} {units[name].symbol}"
+    return text.replace(" ", "\N{NO-BREAK SPACE}")
 
 
-def _yields(load: Mapping[str, Any]) -> Cell:
+def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return whether a body yields at a load, at its surface or below."""
+    load = {
+        name: np.asarray(numbers[name])[index] if np.ndim(numbers[name]) else numbers[name]
+        for name in _OF_YIELD
+        if name in numbers
+    }
     below = float(load.get("volume_above_yield", np.nan)) > 0  # infinite where all of the body yields
     if has_number(load, "hardness"):
-        share, decided = float(load["load_share_above_hardness"]), float(yield_is_decided(load))
+        share = float(load["load_share_above_hardness"])
         if share == 0 and below:
             return Cell("yes", "below the surface")
-        precision = "" if np.isnan(decided) else _ONE_SIDED if decided else _TWO_SIDED
-        doubt = " (in doubt)" if decided == 0 else ""
-        limited = float(load.get("max_pressure", 0.0)) >= float(load["hardness"]) * (1 - 1e-9)
-        details = "hardness just reached" if limited else "hardness nowhere reached"
+        decision = is_yielding(numbers)[index]
+        has_interval = has_number(numbers, f"{PEAK}_lower") or has_number(numbers, f"{PEAK}_upper")
+        precision = "" if not has_interval else _NOT_DECIDED if np.isnan(decision) else _DECIDED
+        reaches_hardness = PEAK in load and bool(hardness_reached(load))
+        details = "hardness just reached" if reaches_hardness else "hardness nowhere reached"
         details = f"{percent(share)} of the load flows" if share > 0 else details
-        return Cell(f"{'yes' if share > 0 else 'no'}{doubt}", details, precision=precision)
+        return Cell("yes" if share > 0 or decision == 1 else "no", details, precision=precision)
     if below or has_number(load, "volume_above_yield"):
         return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")
     if rubber_like(load):
@@ -231,41 +307,42 @@ def _yields(load: Mapping[str, Any]) -> Cell:
     return Cell(NOT_JUDGED, "no hardness stated" + would.get(" ".join(flags), ""))
 
 
-def largest_cell(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
-    """Return the largest pressure of a load; a pressure that is limited has no interval of its own."""
-    if is_limited(numbers, index):
-        largest = float(numbers["max_pressure"][index])
-        return Cell(units["max_pressure"].text(largest), "the hardness")
-    return interval_cell(numbers, "max_pressure", units, index)
-
-
-def is_limited(numbers: Numbers, index: int) -> bool:
-    """Return whether the largest pressure of a load is the hardness.
-
-    Examples
-    --------
-    >>> is_limited(xr.Dataset({"max_pressure": ("load", [2e8, 3e8]), "hardness": 3e8}), 1)
-    True
-    """
-    if not has_number(numbers, "hardness"):
-        return False
-    return bool(float(numbers["max_pressure"][index]) >= float(numbers["hardness"]) * (1 - 1e-9))
-
-
 def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return the conductance of heat or of current, or that by conductivity."""
-    for name, sentence in (
-        ("thermal_conductance", "heat"),
-        ("electrical_conductance", "current"),
-        ("conductance_per_conductivity", "by conductivity"),
+    for name, sentence, assumption in (
+        ("thermal_conductance", "heat", "conductivity"),
+        ("electrical_conductance", "current", "resistivity"),
+        ("conductance_per_conductivity", "by conductivity", ""),
     ):
         if has_number(numbers, name):
             text, interval, _, precision = interval_cell(numbers, name, units, index)
             details = [f"{interval}, {sentence}" if interval else sentence]
-            if (second := name.replace("conductance", "resistance")) in numbers:
-                cell = interval_cell(numbers, second, units, index)
+            if (resistance := name.replace("conductance", "resistance")) in numbers:
+                cell = interval_cell(numbers, resistance, units, index)
                 details.append(
-                    cell.text if interval == _NO_INTERVAL else _unbroken(numbers, second, units, index)
+                    cell.text if interval == _NO_INTERVAL else _unbroken(numbers, resistance, units, index)
                 )
+            if assumption and precision and f"{_PROPERTIES[assumption]}_lower" not in numbers:
+                precision += f", {assumption} taken as exact"
             return Cell(text, "; ".join(details), precision=precision)
     return Cell(NOT_JUDGED)
+
+
+def _size(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
+    """Return the radius of the contact of a body of finite size, and its approach."""
+    if not has_number(numbers, "contact_radius"):
+        return Cell(NOT_JUDGED)
+    cell = interval_cell(numbers, "contact_radius", units, index)
+    approach = (
+        f"approach {quantity(-float(numbers['approach'][index]), 'm')}" if "approach" in numbers else ""
+    )
+    return cell._replace(details="; ".join(filter(None, [cell.details, approach])))
+
+
+# of the answers that are more than a number with its interval
+_CELLS: dict[str, Callable[[Numbers, Mapping[str, Unit], int], Cell]] = {
+    "sealing": _seals,
+    "yield": _yields,
+    "conductance": _conducts,
+    "contact_radius": _size,
+}

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.dataset import layers_of
-from roughcontact.quantities import Unit
+from roughcontact.arguments.answers import AREA, GAP, PEAK, PRESSURE
+from roughcontact.arguments.quantities import Unit
 from roughcontact.report.charts import (
     COLOURS,
     DASH_DOTTED,
@@ -20,12 +20,11 @@ from roughcontact.report.charts import (
     load_label,
     log_axis,
 )
-from roughcontact.report.tables import is_finite_body
-from roughcontact.report.units import interval_of, unit_of
-from roughcontact.roughness.summits import summit_statistics
+from roughcontact.report.units import interval_values, unit_of
 from roughcontact.statistics import theory
+from roughcontact.statistics.theory import AREAS
+from roughcontact.surface.roughness.summits import summit_statistics
 
-_AREA = "relative_contact_area"
 _DASHES = ("", DASHED, DOTTED, DASH_DOTTED)  # of cases
 _SHOWN_BELOW = 0.1  # of the least area: an interval that ends below is drawn as far as the axis reaches
 _RELATIVE = "relative pressure p′ = p̄ / (E* g)"
@@ -49,11 +48,11 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
     pascals = unit_of(statistics, "Pa")
     load = statistics["mean_pressure"].values * pascals.factor
     relative = statistics["relative_pressure"].values
-    corrected, *ends = interval_of(statistics, _AREA)
-    counted = statistics[f"{_AREA}_pixels"].values
+    estimate, *bounds = interval_values(statistics, AREA)
+    pixel_area = statistics[f"{AREA}_pixels"].values
     chart = _area_chart(
         load,
-        np.concatenate([corrected, _clipped_ends(ends[0], corrected), theory.persson_area(relative)]),
+        np.concatenate([estimate, _clipped_ends(bounds[0], estimate), theory.persson_area(relative)]),
         label=load_label(pascals),
         top=_relative_axis(statistics),
     )
@@ -65,15 +64,15 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
             if np.isfinite(area).any():
                 x, name = line * unit * pascals.factor, "Greenwood-Williamson"
                 chart.line(x, 100 * area, colour="#8a5a00", dash=DASH_DOTTED, width=1.3, label=name)
-    chart.bars(load, *(100 * end for end in ends), colour=COLOURS[0])
-    chart.marks(load, 100 * counted, colour=COLOURS[0], filled=False, label="solved, pixels counted")
-    chart.marks(load, 100 * corrected, colour=COLOURS[0], label="solved, corrected")
+    chart.bars(load, *(100 * bound for bound in bounds), colour=COLOURS[0])
+    chart.marks(load, 100 * pixel_area, colour=COLOURS[0], filled=False, label="solved, pixels counted")
+    chart.marks(load, 100 * estimate, colour=COLOURS[0], label="solved, corrected")
     return chart
 
 
 def has_theories(statistics: xr.Dataset) -> bool:
     """Return whether the theories, which are of half-spaces, are of these bodies."""
-    return layers_of(statistics) is None and not is_finite_body(statistics)
+    return bool(np.isfinite(np.asarray(statistics.get(AREAS[0], 1.0))).any())
 
 
 def compare_areas(
@@ -91,10 +90,10 @@ def compare_areas(
     """
     loads = np.concatenate([load for _, load, _ in series])
     areas = np.concatenate([*(area for _, _, area in series), *(low for low, _ in intervals)])
-    drawn = np.concatenate([area for _, _, area in series])
+    areas_drawn = np.concatenate([area for _, _, area in series])
     factor = pressure.factor if pressure else 1.0
     label = load_label(pressure) if pressure else _RELATIVE
-    chart = _area_chart(loads * factor, _clipped_ends(areas, drawn), **_WIDE, label=label)
+    chart = _area_chart(loads * factor, _clipped_ends(areas, areas_drawn), **_WIDE, label=label)
     if pressure is None:
         _theory_lines(chart, loads)
     multiple = len({case for _, case in styles}) > 1
@@ -106,7 +105,7 @@ def compare_areas(
         of_surface, _, of_case = name.partition(" · ")
         style, dashes = surfaces[of_surface], cases[of_case] = _style(surface), _case_style(case)
         if intervals:
-            chart.bars(load * factor, *(100 * end for end in intervals[index]), colour=style["colour"])
+            chart.bars(load * factor, *(100 * bound for bound in intervals[index]), colour=style["colour"])
         x, y = load[order] * factor, 100 * area[order]
         chart.marks(x, y, width=1.0, label=name, listed=not multiple, **style, **dashes)
     if multiple:
@@ -117,30 +116,27 @@ def compare_areas(
     return chart.source()
 
 
-def group_areas(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit, *, curves: bool) -> str:
-    """Draw the contact area of some groups against the load, with their intervals.
+def group_areas(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> str:
+    """Draw the contact area of some groups, with their intervals and each of their maps, against the load.
 
     `groups` has a (label, answer of `group_statistics`) for each; loads are shown in the unit `pressure`.
-    Beside one another at each load stand the groups with each of their maps, or they are `curves` with bands.
     """
     loads = np.concatenate([answer["mean_pressure"].values for _, answer in groups])
-    keys = f"{_AREA}_of_maps", f"{_AREA}_lower"
+    keys = f"{AREA}_of_maps", f"{AREA}_lower"
     areas = np.concatenate([np.ravel(answer[key].values) for _, answer in groups for key in keys])
     chart = _area_chart(loads * pressure.factor, areas, **_WIDE, label=load_label(pressure))
     room = min(0.08, 0.3 / len(groups))  # ln(load) between the maps of a group and its mean
     for index, (name, answer) in enumerate(groups):
         style = _style(index)
-        load = answer["mean_pressure"].values * pressure.factor
-        area, *ends = (100 * values for values in interval_of(answer, _AREA))
-        if curves:
-            chart.shade(load, *ends, colour=style["colour"])
-        else:
-            load = load * np.exp(2 * room * (index - (len(groups) - 1) / 2))
-            for of_map in answer[f"{_AREA}_of_maps"].values:
-                chart.marks(load / np.exp(room / 2), 100 * of_map, filled=False, **style)
-            load = load * np.exp(room / 2)
-            chart.bars(load, *ends, colour=style["colour"])
-        chart.marks(load, area, width=1.4 if curves else 0.0, label=name, **style)
+        # groups are apart by a little at each load, so that none hides another
+        shift = np.exp(2 * room * (index - (len(groups) - 1) / 2))
+        load = answer["mean_pressure"].values * pressure.factor * shift
+        area, *bounds = (100 * values for values in interval_values(answer, AREA))
+        for of_map in answer[f"{AREA}_of_maps"].values:
+            chart.marks(load / np.exp(room / 2), 100 * of_map, filled=False, **style)
+        load = load * np.exp(room / 2)
+        chart.bars(load, *bounds, colour=style["colour"])
+        chart.marks(load, area, width=0.0, label=name, **style)
     return chart.source()
 
 
@@ -155,7 +151,7 @@ def _case_style(case: int) -> dict[str, Any]:
     return {"filled": not case, "dash": _DASHES[case % len(_DASHES)]}
 
 
-def sample_of(surface: int, case: int) -> dict[str, str]:
+def line_sample(surface: int, case: int) -> dict[str, str]:
     """Return colour and dashes of the line of a surface under a case, by their places, in `compare_areas`."""
     return {"colour": _style(surface)["colour"], "dash": _case_style(case)["dash"]}
 
@@ -199,13 +195,13 @@ def _theory_lines(chart: Chart, loads: np.ndarray, unit: float = 1.0) -> np.ndar
 def _area_chart(loads: np.ndarray, areas: np.ndarray, *, label: str = _RELATIVE, **options: Any) -> Chart:
     """Return the log-log axes of area (percent) against load that hold these shares; `options` of `Chart`."""
     lowest = max(np.min(areas[areas > 0], initial=1.0) / 2, 1e-8)
-    y = Axis("contact area A/A₀ (%)", 100 * lowest, 140.0, log=True)
+    y = Axis("contact area (%)", 100 * lowest, 140.0, log=True)
     return Chart(log_axis(label, loads), y, **options)
 
 
-def _clipped_ends(ends: np.ndarray, areas: np.ndarray) -> np.ndarray:
+def _clipped_ends(lower_bounds: np.ndarray, areas: np.ndarray) -> np.ndarray:
     """Return lower ends of areas as far as an axis shows them, down to a tenth of the least area."""
-    return np.maximum(ends, _SHOWN_BELOW * np.min(areas[areas > 0], initial=1.0))
+    return np.maximum(lower_bounds, _SHOWN_BELOW * np.min(areas[areas > 0], initial=1.0))
 
 
 def _relative_axis(statistics: xr.Dataset) -> Axis | None:
@@ -217,25 +213,23 @@ def _relative_axis(statistics: xr.Dataset) -> Axis | None:
 
 def gap_against_load(statistics: xr.Dataset) -> Chart:
     """Draw the mean gap with its interval against the load, both logarithmic, with the rms height."""
-    lines = [("mean_gap", "mean gap", COLOURS[2], "o")]
+    lines = [(GAP, "mean gap", COLOURS[2], "o")]
     limit = float(statistics["rms_height"]), "rms height"
-    return _against_load(statistics, lines, label="mean gap ū", unit=unit_of(statistics, "m"), limit=limit)
+    return _load_chart(statistics, lines, label="mean gap", unit=unit_of(statistics, "m"), limit=limit)
 
 
 def pressure_against_load(statistics: xr.Dataset) -> Chart:
     """Draw mean and largest pressure of the contact with their intervals against the load, logarithmic."""
     hardness = float(statistics.get("hardness", np.nan))
-    if "max_pressure_upper" in statistics:  # what is limited to the hardness has no interval beyond it
-        statistics = statistics.assign(max_pressure_upper=np.fmin(statistics["max_pressure_upper"], hardness))
     lines = [
-        ("max_pressure", "largest", COLOURS[1], "^"),
-        ("mean_contact_pressure", "mean over the contact", COLOURS[0], "o"),
+        (PEAK, "largest", COLOURS[1], "^"),
+        (PRESSURE, "mean over the contact", COLOURS[0], "o"),
     ]
     unit, limit = unit_of(statistics, "Pa"), (hardness, "hardness")
-    return _against_load(statistics, lines, label="pressure in contact", unit=unit, limit=limit)
+    return _load_chart(statistics, lines, label="pressure in contact", unit=unit, limit=limit)
 
 
-def _against_load(
+def _load_chart(
     statistics: xr.Dataset,
     lines: Sequence[tuple[str, str, str, str]],
     *,
@@ -246,17 +240,17 @@ def _against_load(
     """Draw results (name, label, colour, marker) with their intervals, and a `limit`, against the load."""
     pascals = unit_of(statistics, "Pa")
     load = statistics["mean_pressure"].values * pascals.factor
-    results = [[values * unit.factor for values in interval_of(statistics, name)] for name, *_ in lines]
+    results = [[values * unit.factor for values in interval_values(statistics, name)] for name, *_ in lines]
     at_limit, limit_label = limit[0] * unit.factor, limit[1]
-    drawn = np.concatenate([*(values for result in results for values in result), [at_limit]])
-    drawn[drawn < 1e-5 * np.nanmax(drawn)] = np.nan
-    y = log_axis(f"{label} ({unit.symbol})", drawn, room=1.6)
+    all_values = np.concatenate([*(values for result in results for values in result), [at_limit]])
+    all_values[all_values < 1e-5 * np.nanmax(all_values)] = np.nan
+    y = log_axis(f"{label} ({unit.symbol})", all_values, room=1.6)
     x = log_axis(load_label(pascals), load)
     chart = Chart(x, y, top=_relative_axis(statistics))
     if np.isfinite(at_limit):
         chart.across(y=at_limit, dash=DASHED, label=limit_label)
-    for (_, text, colour, marker), (value, *ends) in zip(lines, results, strict=True):
-        chart.bars(load, *ends, colour=colour)
+    for (_, text, colour, marker), (value, *bounds) in zip(lines, results, strict=True):
+        chart.bars(load, *bounds, colour=colour)
         chart.marks(load, value, colour=colour, marker=marker, width=1.4, label=text)
     return chart
 
@@ -289,15 +283,15 @@ def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart:
     return _distribution(statistics.assign(patch_density=share), loads, "patch", largest)
 
 
-def _distribution(statistics: xr.Dataset, loads: Sequence[int], name: str, dotted: np.ndarray) -> Chart:
-    """Draw shares per factor e over a logarithmic axis at a few loads, lines at the values `dotted`."""
+def _distribution(statistics: xr.Dataset, loads: Sequence[int], name: str, line_values: np.ndarray) -> Chart:
+    """Draw shares per factor e over a logarithmic axis at a few loads, lines at the values `line_values`."""
     unit, quantity, share, dotted_label = _DISTRIBUTIONS[name]
     bounds = statistics[f"{name}_bin_bounds"].values
     shares = statistics[f"{name}_density"].fillna(0.0).values * np.diff(bounds, axis=1).ravel()
     widths = np.log(bounds[1:, 1] / bounds[1:, 0])
     carrying = np.nonzero((shares[loads, 1:] > 1e-4).any(axis=0))[0]
-    first, last = (carrying[0], carrying[-1]) if carrying.size else (0, len(widths) - 1)
-    low, high = bounds[1 + first, 0], bounds[1 + last, 1]
+    lowest, last = (carrying[0], carrying[-1]) if carrying.size else (0, len(widths) - 1)
+    low, high = bounds[1 + lowest, 0], bounds[1 + last, 1]
     factor, unit_label = unit_of(statistics, unit)
     highest = 1.05 * float((shares[loads, 1:] / widths).max()) or 1.0
     chart = Chart(
@@ -310,5 +304,5 @@ def _distribution(statistics: xr.Dataset, loads: Sequence[int], name: str, dotte
         label = f"p̄ = {unit_of(statistics, 'Pa').text(float(statistics['mean_pressure'][load]))}"
         chart.line(edges, steps, colour=COLOURS[index], label=label)
         text = dotted_label if load == loads[-1] else ""
-        chart.across(x=float(dotted[load]) * factor, colour=COLOURS[index], dash=DOTTED, label=text)
+        chart.across(x=float(line_values[load]) * factor, colour=COLOURS[index], dash=DOTTED, label=text)
     return chart

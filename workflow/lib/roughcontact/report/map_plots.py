@@ -6,17 +6,17 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.maps import side_lengths, within_edges
-from roughcontact.profiles.surface import is_drawn
-from roughcontact.quantities import Unit
+from roughcontact.arguments.maps import dimensions, side_lengths
+from roughcontact.arguments.quantities import Unit
 from roughcontact.report.charts import COLOURS, Axis, Chart
 from roughcontact.report.colours import colour_scale, coloured
 from roughcontact.report.units import length_unit
+from roughcontact.surface.profiles.surface import are_lines
 
 _MICROMETRES, _MEGAPASCALS = Unit(1e6, "µm"), Unit(1e-6, "MPa")
 _WIDTH = 240.0  # of a square picture, pixels
 _HIGHEST = 330.0  # of a picture, pixels
-_LONGEST_ASPECT = 4.0  # longer pictures are drawn out of scale
+_MAX_ASPECT = 4.0  # longer pictures are drawn out of scale
 
 Frame = tuple[float, float, float, float]  # x, y, length x, length y
 Fields = tuple[np.ndarray, np.ndarray]  # pressure (Pa) and gap (m) of a load
@@ -47,31 +47,28 @@ def height_map(
 
     `rectangle` (m from the first corner) outlines the window; `unit` is of heights, `along` of lengths.
     """
-    is_simulated = "window_reason" in height.attrs  # a surface behind the profiles, not these
-    if 1 in height.shape or (is_drawn(height) and not is_simulated):
+    if are_lines(height):
         profiles = height.values if height.shape[1] > 1 else height.values.T
-        coloured = enumerate(zip(profiles, COLOURS, strict=False), 1)  # no more than there are colours
-        lines = [(row, f"profile {index}", colour) for index, (row, colour) in coloured]
+        colours = enumerate(zip(profiles, COLOURS, strict=False), 1)  # no more than there are colours
+        lines = [(row, f"profile {index}", colour) for index, (row, colour) in colours]
         return _profile(height, lines, label="height", unit=unit, along=along)
     outline = None
     if rectangle is not None:
         x, y, width, depth = rectangle
         outline = np.array([x, x + width, x + width, x, x]), np.array([y, y, y + depth, y + depth, y])
-    face = within_edges(height)
-    values = height.values - np.nanmean(height.values[face])
-    # a few spikes must not take up the colour scale, nor what lies beyond the edges
-    lowest, highest = (float(end) for end in np.nanpercentile(values[face], [0.1, 99.9]))
+    values = height.values - np.nanmean(height.values)
+    # a few spikes must not take up the colour scale
+    lowest, highest = (float(limit) for limit in np.nanpercentile(values, [0.1, 99.9]))
     return _map(_HEIGHT, height, values, (lowest, highest), unit=unit, outline=outline, along=along)
 
 
-def common_limits(height: xr.DataArray, loads: Iterable[Fields]) -> tuple[float, float]:
+def common_limits(loads: Iterable[Fields]) -> tuple[float, float]:
     """Return the highest pressure (Pa) and the widest gap (m) of the colour scales of several loads."""
-    face = within_edges(height)
     highest = widest = 0.0
     for pressure, gap in loads:
-        touching = pressure[face] > 0
-        highest = max(highest, _most(pressure[face][touching]))
-        widest = max(widest, _most(gap[face][~touching]))
+        touching = pressure > 0
+        highest = max(highest, _most(pressure[touching]))
+        widest = max(widest, _most(gap[~touching]))
         del pressure, gap  # before the next ones are made
     return highest or 1.0, widest
 
@@ -93,9 +90,9 @@ def pressure_map(
 
     `ellipse` (its semi-axes `axis_x`, `axis_y` in m) is outlined; `highest` (Pa) has the last colour.
     """
-    if 1 in pressure.shape:
+    if dimensions(pressure.shape) == 1:
         return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit=unit)
-    highest = common_limits(height, [(pressure, pressure)])[0] if highest is None else highest
+    highest = common_limits([(pressure, pressure)])[0] if highest is None else highest
     outline = None
     if ellipse:
         angle, (ly, lx) = np.linspace(0, 2 * np.pi, 181), side_lengths(height)
@@ -113,14 +110,14 @@ def gap_map(
     unit: Unit = _MICROMETRES,
 ) -> Chart:
     """Draw the gap (m) over the window, contact in white; a profile shows both faces as lines."""
-    if 1 in gap.shape:
+    if dimensions(gap.shape) == 1:
         faces = [
             (height.values.ravel(), "rough surface", COLOURS[0]),
             ((height.values + gap).ravel(), "deformed surface", COLOURS[1]),
         ]
         return _profile(height, faces, label="height", unit=unit)
     # the gap (m) of the last colour; in full contact there is none for the scale
-    widest = widest or common_limits(height, [(pressure, gap)])[1] or float(np.ptp(height.values))
+    widest = widest or common_limits([(pressure, gap)])[1] or float(np.ptp(height.values))
     return _map(_GAP, height, np.where(pressure > 0, np.nan, gap), (0, widest), unit=unit)
 
 
@@ -138,7 +135,7 @@ def framed(
     `extend` says whether values lie below and above the colours. Pictures of one shape come out alike.
     """
     aspect = abs(y.high - y.low) / abs(x.high - x.low)
-    in_scale = 1 / _LONGEST_ASPECT <= aspect <= _LONGEST_ASPECT
+    in_scale = 1 / _MAX_ASPECT <= aspect <= _MAX_ASPECT
     if not in_scale:
         aspect = 1.0
         y = Axis(f"{y.label}, not to scale", y.low, y.high)
@@ -203,7 +200,7 @@ def _profile(
     position = height[axis].values - height[axis].values[0]
     factor, of_lengths = along or length_unit(max(side_lengths(height)))
     values_of_all = np.concatenate([values for values, *_ in lines])
-    low, high = (float(end) * unit.factor for end in (np.nanmin(values_of_all), np.nanmax(values_of_all)))
+    low, high = (float(limit) * unit.factor for limit in (np.nanmin(values_of_all), np.nanmax(values_of_all)))
     room = (high - low) * 0.06 or 1e-6 * unit.factor
     chart = Chart(
         Axis(f"{axis} ({of_lengths})", 0.0, float(position[-1]) * factor),
@@ -211,6 +208,6 @@ def _profile(
         size=(430.0, 290.0),
     )
     for values, name, colour in lines:
-        listed = name if len(lines) > 1 else ""
-        chart.line(position * factor, values * unit.factor, colour=colour, width=1.1, label=listed)
+        legend = name if len(lines) > 1 else ""
+        chart.line(position * factor, values * unit.factor, colour=colour, width=1.1, label=legend)
     return chart

@@ -1,22 +1,25 @@
 """The paragraph of methods for a paper: what was done to a map, and the answers, from its statistics."""
 
-import json
 import math
 from typing import Any
 
 import xarray as xr
 
-from roughcontact.bodies import have_layers
-from roughcontact.profiles.surface import is_drawn, surfaces_behind
-from roughcontact.quantities import prefix, with_interval
+from roughcontact.arguments.answers import AREA, GAP, PRESSURE, UNITS
+from roughcontact.arguments.bodies import properties_of_bodies
+from roughcontact.arguments.kinds import facts_of
+from roughcontact.arguments.measurement import json_attribute
+from roughcontact.arguments.quantities import quantity
 from roughcontact.report.asked import bodies_in_words
-from roughcontact.report.tables import is_finite_body
+from roughcontact.report.budget_plots import largest_parts
 from roughcontact.report.template import paragraph, template
-from roughcontact.report.units import interval_at
-from roughcontact.uncertainty.measurands import measurand_in_words
+from roughcontact.report.units import interval_at, number_text, unit_of
+from roughcontact.statistics.decisions import CLOSED
+from roughcontact.statistics.kinds import facts_of_numbers
+from roughcontact.surface.profiles.surface import surfaces_behind
+from roughcontact.uncertainty.sample import MEASURAND_IN_WORDS
 
-_ANSWERS = {"relative_contact_area": "%", "mean_contact_pressure": "Pa", "mean_gap": "m"}  # in these units
-_MOST_LOADS = 3  # whose answers a paragraph has: the lowest, one between, the highest
+_MAX_LOADS = 3  # whose answers a paragraph has: the lowest, one between, the highest
 
 
 def methods_paragraph(statistics: xr.Dataset) -> str:
@@ -32,11 +35,11 @@ def methods_paragraph(statistics: xr.Dataset) -> str:
     >>> methods_paragraph(statistics).split(". ")[1][:56]
     'A window of 64.0 µm × 64.0 µm was periodic as measured; '
     """
-    settings, versions = (json.loads(statistics.attrs[name]) for name in ("settings", "versions"))
+    settings, versions = (json_attribute(statistics.attrs, name) for name in ("settings", "versions"))
     attrs, contact = statistics.attrs, settings["contact"]
     lengths = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
     rising = statistics["mean_pressure"].argsort().values.tolist()
-    selected = [rising[0], rising[len(rising) // 2], rising[-1]] if len(rising) > _MOST_LOADS else rising
+    indices = [rising[0], rising[len(rising) // 2], rising[-1]] if len(rising) > _MAX_LOADS else rising
     text = template("methods.txt").render(
         {name: settings[name] for name in ("level", "window", "contact")},
         attrs=attrs,
@@ -44,19 +47,29 @@ def methods_paragraph(statistics: xr.Dataset) -> str:
         sha256=[f"{text[:8]}…" for text in str(attrs.get("source_sha256", "")).split(" + ") if text],
         sides=[length for length in lengths if math.isfinite(length)],
         periodisation=attrs.get("periodisation", settings["window"]["method"]),
-        drawn_from=surfaces_behind(statistics) if is_drawn(statistics) else "",
+        drawn_from=surfaces_behind(statistics),
         **{name: float(statistics[name]) for name in ("rms_height", "rms_gradient", "contact_modulus")},
         bodies=bodies_in_words(contact),
-        layered=have_layers(contact["bodies"]),
-        free=contact.get("boundary") == "free",
-        finite=is_finite_body(statistics),
+        layered=bool(properties_of_bodies(contact["bodies"])),
+        kind=facts_of(contact),
         bound=_rounded_up(float(statistics["error_bound"].max())),
-        loads=[_answers(statistics, index) for index in selected],
-        measurand=_measurand(statistics, settings["uncertainty"]),
+        loads=[_answers(statistics, index) for index in indices],
+        measurand=interval_measurand(statistics, settings["uncertainty"]),
+        largest=largest_parts(statistics.isel(load=indices)),
+        hardness=_range_of_hardness(statistics),
         version=versions["roughcontact"],
         commit=str(attrs.get("commit", ""))[:7],
     )
     return paragraph(text)
+
+
+def _range_of_hardness(statistics: xr.Dataset) -> str:
+    """Return what the intervals hold of the hardness."""
+    if "hardness_lower" not in statistics:
+        return "taken as exact"
+    unit = unit_of(statistics, "Pa")
+    both = [float(statistics[f"hardness_{end}"]) for end in ("lower", "upper")]
+    return f"in the intervals {unit.ends(*both)}"
 
 
 def _rounded_up(bound: float) -> float:
@@ -65,25 +78,28 @@ def _rounded_up(bound: float) -> float:
     return math.ceil(bound / last_digit * (1 - 1e-9)) * last_digit
 
 
-def _answers(statistics: xr.Dataset, index: int) -> dict[str, Any]:
+def _answers(statistics: xr.Dataset, index: int) -> dict[str, str]:
     """Return a load, and the answers there with their intervals in words."""
-    answers: dict[str, Any] = {
-        name: float(statistics[name][index]) for name in ("mean_pressure", "force") if name in statistics
-    }
-    for name, unit in _ANSWERS.items():
-        interval = interval_at(statistics, name, index)
-        factor, symbol = (100.0, unit) if unit == "%" else prefix(interval[0], unit)
-        answers[name] = f"{with_interval(*(factor * end for end in interval))} {symbol}"
+    answers = {}
+    for name in ("mean_pressure", AREA, PRESSURE, GAP):
+        unit = unit_of(statistics, UNITS[name])
+        answers[name] = f"{number_text(statistics, name, unit, index)} {unit.symbol}"
+    if float(statistics[GAP][index]) < CLOSED:  # some atoms, of which the contact of solids knows nothing
+        upper = interval_at(statistics, GAP, index)[2]
+        at_most = f" (at most {quantity(upper, 'm')})" if upper >= CLOSED else ""
+        answers[GAP] = f"less than {quantity(CLOSED, 'm')}{at_most}"
+    if "force" in statistics:
+        answers["force"] = quantity(float(statistics["force"][index]), "N")
     return answers
 
 
-def _measurand(statistics: xr.Dataset, uncertainty: dict[str, Any]) -> str:
+def interval_measurand(statistics: xr.Dataset, uncertainty: dict[str, Any]) -> str:
     """Return what the intervals are for, nothing where there are none."""
     if "relative_contact_area_lower" not in statistics:
         return ""
-    if is_finite_body(statistics):
+    if facts_of_numbers(statistics).form_is_meant:
         positions = statistics.attrs.get("window_reason")
         return f"this body{', also at other positions on its roughness' if positions else ''}"
     if "window" not in uncertainty["sources"]:
         return "this map alone"
-    return measurand_in_words(uncertainty["extent"] if uncertainty["measurand"] == "longer" else None)
+    return MEASURAND_IN_WORDS

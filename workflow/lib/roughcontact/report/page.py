@@ -11,30 +11,41 @@ import numpy as np
 import xarray as xr
 
 from roughcontact import __version__
-from roughcontact.quantities import Unit, number
+from roughcontact.arguments.answers import ANSWERS, AREA
+from roughcontact.arguments.quantities import Unit, number
 from roughcontact.report import ONE_PAGE
-from roughcontact.report.asked import describe_problem, measured_in_words, planned_in_words, same_loads
-from roughcontact.report.captions import comparison_caption
+from roughcontact.report.asked import describe_problem, measured_in_words, same_loads
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
-from roughcontact.report.glance import HEADINGS, IN_WORDS, Cell, glance_rows, glance_units, loads_to_compare
+from roughcontact.report.glance import (
+    HEADINGS,
+    IN_WORDS,
+    Cell,
+    answer_line,
+    asked_columns,
+    glance_rows,
+    glance_units,
+    loads_to_compare,
+)
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
-from roughcontact.report.groups import comparison_rows, group_pictures, group_rows
-from roughcontact.report.load_plots import compare_areas, sample_of, spread_of_areas
+from roughcontact.report.groups import comparison_rows, group_picture, group_rows
+from roughcontact.report.load_plots import compare_areas, line_sample, spread_of_areas
+from roughcontact.report.sliding import sliding_section
 from roughcontact.report.summary import read_summary
-from roughcontact.report.tables import is_finite_body
 from roughcontact.report.template import template
-from roughcontact.report.units import interval_of, unit_of
-from roughcontact.report.unloading import unloading_of
+from roughcontact.report.units import interval_values, unit_of
+from roughcontact.report.unloading import unloading_section
+from roughcontact.report.wear import wear_of
 from roughcontact.results.collect import Entry, Failure, file_of, solved_results
 from roughcontact.results.storage import write_text
+from roughcontact.statistics.decisions import OPEN_BELOW, OPEN_PARTS
+from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 
-# columns of the index of many surfaces: of `HEADINGS` all but the last; and the variables that sort them
-_HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g", *HEADINGS[:-1])
-_AREA = "relative_contact_area"
-_SORTED_BY = ("mean_pressure", _AREA, "mean_contact_pressure", "mean_gap", "", "", "max_pressure")
+# columns of the index of many surfaces: load and all answers but the last; and the variables that sort them
+_HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g", *HEADINGS[: len(ANSWERS)])
+_SORTED_BY = ("mean_pressure", *(answer.quantity for answer in [*ANSWERS.values()][:-1]))
 
 Key = tuple[str, str | None]  # surface and case
 
@@ -52,86 +63,97 @@ def write_report(
     compared: Mapping[tuple[str, str], xr.Dataset] | None = None,
     omissions: Sequence[str] = (),
     failures: Sequence[Failure] = (),
-    folder: str | Path | None = None,
+    linked: bool = True,
 ) -> None:
     """Write the page of a run: verdicts, comparison, and the part of every surface (`write_panel`).
 
     Up to `ONE_PAGE` results stand on one self-contained page; of more there is an index, and beside it the
     folder `pages`. `summary` is the text of `summary.csv`, `changed` the settings in words by case,
-    `omissions` why groups have no answer, `folder` where the page will be moved to, for its links.
+    `omissions` why groups have no answer; the page is `linked` to the tables of the run.
     """
-    indexed = len(finished) + len(failures) > ONE_PAGE
-    folder = Path(path).parent if folder is None else Path(folder)
+    has_index = len(finished) + len(failures) > ONE_PAGE
+    folder = Path(path).parent
     series = _series(statistics)
     by_surface: dict[str, dict[str, xr.Dataset]] = {}
     for (surface, case), data in series.items():
         by_surface.setdefault(surface, {})[case or ""] = data
     # a placement stands with its pair, which comes last
-    grouped = {str(name): group.name for group in groups for name in group.answer["map"].values}
+    group_of_surface = {str(name): group.name for group in groups for name in group.answer["map"].values}
     results = list(series.values())
-    styles, indices = _line_styles(series, grouped), loads_to_compare(results)
+    styles, indices = _line_styles(series, group_of_surface), loads_to_compare(results)
     units = dict(zip(series, glance_units(results), strict=True))
     compared_at = dict(zip(series, indices, strict=True))
+    asked = asked_columns(results)
+    further = [0, *(place for place in range(1, len(ANSWERS) + 1) if place not in asked)]
     rows: list[dict[str, Any]] = []
     for entry in finished:
         key, path_of_panel = (entry["surface"], entry["case"]), file_of(entry, "panel.html")
         panel = read_summary(path_of_panel)
+        numbers, cells = series[key], glance_rows(series[key], units[key], panel["loads"])
         rows.append(
             {
                 **entry,
                 **panel,
                 "panel": path_of_panel,
                 "residual": file_of(entry, "residual.nc"),
-                "glance": glance_rows(series[key], units[key], panel["loads"]),
-                "numbers": _compared(series[key], units[key], compared_at[key]) if indexed else [],
-                "sample": sample_of(*styles[key]),
-                "group": grouped.get(entry["surface"], ""),
+                "worn": file_of(entry, "worn.nc"),
+                "sliding": file_of(entry, "sliding.nc"),
+                "answer": answer_line(numbers, panel["loads"][-1], cells[-1]),
+                "glance": [[cells_of_load[place] for place in asked] for cells_of_load in cells],
+                "further": [[cells_of_load[place] for place in further] for cells_of_load in cells],
+                "numbers": _compared(numbers, units[key], compared_at[key]) if has_index else [],
+                "sample": line_sample(*styles[key]),
+                "group": group_of_surface.get(entry["surface"], ""),
                 "rank": len(VERDICTS) - list(VERDICTS).index(panel["verdict"]),
             }
         )
     causes: dict[tuple[str, str], list[str | None]] = {}
     for failure in failures:
         causes.setdefault((failure["surface"], failure["reason"]), []).append(failure["case"])
-    named = [
+    failure_rows = [
         {"surface": name, "reason": reason, "cases": cases, "name": _name(name, _listed(cases))}
         for (name, reason), cases in causes.items()
     ]
     cases = [*(case for _, case in series), *(failure["case"] for failure in failures)]
     head: dict[str, Any] = {"title": title, "version": __version__, "words": VERDICTS}
-    head |= {"asked": HEADINGS, "in_words": IN_WORDS, "asked_of_run": describe_problem(settings, changed)}
+    head |= {"asked": [HEADINGS[place] for place in asked], "further": [HEADINGS[place] for place in further]}
+    head |= {"open_below": OPEN_BELOW, "open_parts": OPEN_PARTS}
+    head |= {"in_words": IN_WORDS, "asked_of_run": describe_problem(settings, changed)}
     equal = same_loads(settings)
-    if indexed:
-        written_to, place = Path(path).parent / "pages", folder / "pages"
-        _write_pages(written_to, rows, by_surface, named, equal_loads=equal, head=head, folder=place)
+    if has_index:
+        _write_pages(folder / "pages", rows, by_surface, failure_rows, equal_loads=equal, head=head)
     html = template("report.html").render(
         rows=rows,
         headings=_HEADINGS,
-        download=None if indexed else _as_download(summary),
+        download=None if has_index else _as_download(summary),
+        linked=linked,
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in VERDICTS},
-        many=indexed,
+        many=has_index,
         doubts=Counter(doubt for row in rows for doubt in row["doubts"]).most_common(),
         surfaces=len(by_surface),
         cases_of_run=[*filter(None, dict.fromkeys(cases))],
-        light=planned_in_words(
-            settings,
-            {(name, case or ""): float(data["mean_pressure"][0]) for (name, case), data in series.items()},
-        ),
         which_load=_which_load(indices, results),
-        comparisons=_comparisons(series, styles, bool(grouped), many=indexed),
-        cases=_cases(by_surface, many=indexed, equal_loads=equal),
+        comparisons=_comparisons(series, styles, bool(group_of_surface), large=has_index),
+        cases=_cases(by_surface, large=has_index, equal_loads=equal),
         unloadings=[
-            unloading_of(row["name"], series[row["surface"], row["case"]], residual, folder)
+            unloading_section(row["name"], series[row["surface"], row["case"]], residual, folder)
             for row in rows
             if (residual := row["residual"]).is_file()
         ],
-        parts=[] if indexed else [_panel_html(row, folder) for row in rows],
-        failures=named,
+        slidings=[
+            sliding_section(row["name"], row["sliding"], folder) for row in rows if row["sliding"].is_file()
+        ],
+        wears=[wear_of(row["name"], row["worn"], folder) for row in rows if row["worn"].is_file()],
+        parts=[]
+        if has_index
+        else [from_page(row["panel"].read_text(encoding="utf-8"), row["panel"], folder) for row in rows],
+        failures=failure_rows,
         groups=group_rows(groups, {(row["surface"], row["case"]): VERDICTS[row["verdict"]] for row in rows}),
         group_headings=GROUP_HEADINGS,
-        group_pictures=group_pictures(groups) if groups else [],
+        group_picture=group_picture(groups) if groups else None,
         left_out=omissions,
         compared=comparison_rows(compared or {}, groups, {_name(*key): data for key, data in series.items()}),
-        folded=bool(grouped) and by_surface.keys() <= grouped.keys(),
+        folded=bool(group_of_surface) and by_surface.keys() <= group_of_surface.keys(),
         **head,
         measured=measured_in_words({row["surface"]: row["measured"] for row in rows}),
         settings=json.dumps(settings, indent=1, sort_keys=True),
@@ -140,39 +162,36 @@ def write_report(
 
 
 def _write_pages(
-    written_to: Path,
+    folder: Path,
     rows: Sequence[Mapping[str, Any]],
     by_surface: Mapping[str, Mapping[str, xr.Dataset]],
     failures: Sequence[Mapping[str, Any]],
     *,
     equal_loads: bool,
     head: Mapping[str, Any],
-    folder: Path,
 ) -> None:
-    """Write the page of each surface, with all its cases and the same `head`; `folder` is their place.
+    """Write the page of each surface, with all its cases and the same `head`.
 
     `equal_loads` is as of `case_table`.
     """
     names = list(dict.fromkeys(row["surface"] for row in rows))
-    for before, name, after in zip([None, *names], names, [*names[1:], None], strict=False):
-        selected = [row for row in rows if row["surface"] == name]
+    for previous, name, following in zip([None, *names], names, [*names[1:], None], strict=False):
+        rows_of_surface = [row for row in rows if row["surface"] == name]
         html = template("surface.html").render(
             head,
-            measured=measured_in_words({name: selected[0]["measured"]}),
+            measured=measured_in_words({name: rows_of_surface[0]["measured"]}),
             name=name,
-            before=before,
-            after=after,
+            before=previous,
+            after=following,
             cases=case_table(by_surface[name], equal_loads=equal_loads),
-            rows=selected,
+            rows=rows_of_surface,
             failures=[failure for failure in failures if failure["surface"] == name],
-            parts=[_panel_html(row, folder) for row in selected],
+            parts=[
+                from_page(row["panel"].read_text(encoding="utf-8"), row["panel"], folder)
+                for row in rows_of_surface
+            ],
         )
-        write_text(html, written_to / f"{name}.html")
-
-
-def _panel_html(row: Mapping[str, Any], folder: Path) -> str:
-    """Return the part of a surface as it stands on a page of `folder`."""
-    return from_page(Path(row["panel"]).read_text(encoding="utf-8"), row["panel"], folder)
+        write_text(html, folder / f"{name}.html")
 
 
 def _as_download(text: str) -> str:
@@ -181,25 +200,25 @@ def _as_download(text: str) -> str:
 
 
 def _comparisons(
-    series: Mapping[Key, xr.Dataset], styles: Mapping[Key, tuple[int, int]], grouped: bool, *, many: bool
+    series: Mapping[Key, xr.Dataset], styles: Mapping[Key, tuple[int, int]], has_groups: bool, *, large: bool
 ) -> list[tuple[str, str]]:
     """Return (image, caption) of area against load of all rough surfaces: in Pa, and relative to E* g.
 
-    `styles` is of `_line_styles`, `grouped` whether there are groups of maps.
+    `styles` is of `_line_styles`, `has_groups` whether there are groups of maps.
     """
     rough = {key: data for key, data in series.items() if np.isfinite(data["relative_pressure"]).all()}
-    half_spaces = {key: data for key, data in rough.items() if not is_finite_body(data)}
+    half_spaces = {key: data for key, data in rough.items() if facts_of_numbers(data).scaled_columns}
     # the panel of a single surface has the same
-    if len(rough) < 2 or (many and not half_spaces):
+    if len(rough) < 2 or (large and not half_spaces):
         return []
     in_these_units = (
         "Over the pressure relative to E* times the rms gradient rough surfaces fall close together; the "
         "dark lines without marks are theories, in which the rms gradient alone stands for the surface."
     )
-    if many:
+    if large:
         groups: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
         for (_, case), data in half_spaces.items():
-            line = data["relative_pressure"].values, data[_AREA].values
+            line = data["relative_pressure"].values, data[AREA].values
             groups.setdefault(case or "", []).append(line)
         statements = f"Each surface is a faint line. {in_these_units}"
         return [
@@ -208,44 +227,46 @@ def _comparisons(
         ]
     # that of the stiffest, where the cases differ in it
     pressure = min((unit_of(data, "Pa") for data in rough.values()), key=lambda unit: unit.factor)
-    available = all(f"{_AREA}_lower" in data for data in rough.values())
+    available = all(f"{AREA}_lower" in data for data in rough.values())
     remarks = ["Bars: the ±."] if available else []
     remarks += ["Surfaces are colours, cases are line styles."] if any(case for _, case in rough) else []
-    remarks += ["The maps of a group have one colour."] if grouped else []
+    remarks += ["The maps of a group have one colour."] if has_groups else []
     charts = []
-    for drawn, load, unit, text in (
+    for compared, load, unit, text in (
         (rough, "mean_pressure", pressure, " ".join(remarks)),
         (half_spaces, "relative_pressure", None, in_these_units),
     ):
-        if len(drawn) < 2:
+        if len(compared) < 2:
             continue
-        lines = [(_name(*key), data[load].values, data[_AREA].values) for key, data in drawn.items()]
-        ends = [interval_of(data, _AREA)[1:] for data in drawn.values() if available]
-        image = compare_areas(lines, intervals=ends, pressure=unit, styles=[styles[key] for key in drawn])
-        charts.append((image, f"{comparison_caption(lines, unit)} {text}".strip()))
+        lines = [(_name(*key), data[load].values, data[AREA].values) for key, data in compared.items()]
+        bounds = [interval_values(data, AREA)[1:] for data in compared.values() if available]
+        image = compare_areas(
+            lines, intervals=bounds, pressure=unit, styles=[styles[key] for key in compared]
+        )
+        charts.append((image, text))
     return charts
 
 
 def _cases(
-    by_surface: Mapping[str, Mapping[str, xr.Dataset]], *, many: bool, equal_loads: bool
+    by_surface: Mapping[str, Mapping[str, xr.Dataset]], *, large: bool, equal_loads: bool
 ) -> list[tuple[str, dict[str, Any]]]:
     """Return (title, table) of the cases side by side: of each surface, or of all where there are many."""
-    if many:
+    if large:
         medians = case_medians(list(by_surface.values()), equal_loads=equal_loads)
         return [("", medians)] if medians else []
     tables = [(name, case_table(cases, equal_loads=equal_loads)) for name, cases in by_surface.items()]
     return [(name, table) for name, table in tables if table]
 
 
-def _line_styles(series: Iterable[Key], grouped: Mapping[str, str]) -> dict[Key, tuple[int, int]]:
+def _line_styles(series: Iterable[Key], groups_by_surface: Mapping[str, str]) -> dict[Key, tuple[int, int]]:
     """Return the indices of colour and line style of all results.
 
     The maps of a group (name of a map -> of its group) have one colour, cases have line styles.
     """
-    colours = list(dict.fromkeys(grouped.get(surface, surface) for surface, _ in series))
+    colours = list(dict.fromkeys(groups_by_surface.get(surface, surface) for surface, _ in series))
     cases = list(dict.fromkeys(case for _, case in series))
     return {
-        (surface, case): (colours.index(grouped.get(surface, surface)), cases.index(case))
+        (surface, case): (colours.index(groups_by_surface.get(surface, surface)), cases.index(case))
         for surface, case in series
     }
 
@@ -257,8 +278,8 @@ def _series(statistics: xr.Dataset) -> dict[Key, xr.Dataset]:
     """
     series = {}
     for labels, result in solved_results(statistics):
-        placed = result.assign_coords(place=("load", np.arange(result.sizes["load"])))
-        series[labels["surface"], labels.get("case")] = placed.sortby("mean_pressure")
+        result_with_place = result.assign_coords(place=("load", np.arange(result.sizes["load"])))
+        series[labels["surface"], labels.get("case")] = result_with_place.sortby("mean_pressure")
     return series
 
 

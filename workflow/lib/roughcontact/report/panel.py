@@ -8,17 +8,16 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from roughcontact.bodies import have_layers
-from roughcontact.maps import side_lengths
-from roughcontact.profiles.surface import is_drawn
-from roughcontact.quantities import percent
+from roughcontact.arguments.answers import AREA, GAP, PEAK, PRESSURE
+from roughcontact.arguments.maps import dimensions, side_lengths
+from roughcontact.arguments.measurement import json_attribute
+from roughcontact.arguments.quantities import percent
 from roughcontact.report import captions, facts, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
 from roughcontact.report.files import relative_links
 from roughcontact.report.glance import HEADINGS, glance_rows, outcome_of, usable_loads
 from roughcontact.report.methods import methods_paragraph
-from roughcontact.report.stack import stack_of_layers
 from roughcontact.report.summary import write_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
@@ -27,12 +26,13 @@ from roughcontact.statistics import checks
 from roughcontact.statistics.finite_body import hertz_contact
 from roughcontact.statistics.outcome import (
     VERDICTS,
-    by_importance,
     concerns,
     not_passed,
     reason_text,
-    verdict_of,
+    sort_by_importance,
+    worst_result,
 )
+from roughcontact.surface.faces.placing import frame_of_place, place_in_words, separate_overviews
 
 _LINE = 150  # letters of a reason; a line of a wide page has some 170
 
@@ -49,41 +49,46 @@ def write_panel(
     statistics: str | Path,
     settings: dict,
     counter_face: str | Path | None = None,
+    overview: str | Path | None = None,
     linked: bool = True,
 ) -> None:
     """Write one surface's part of the report: an HTML fragment, and its summary (`.json`), from its files.
 
     Where `contact` keeps no maps the part says so; `linked` puts links to the files, `counter_face` is the
-    other file of a pair.
+    other file of a pair, `overview` that of the coarser maps around this one.
     """
-    measured, plane, solved = (_read_map(file) for file in (height, levelled, window))
+    measured_map, plane, window_map = (_read_map(file) for file in (height, levelled, window))
     numbers = read_dataset(statistics)
     order = np.argsort(numbers["mean_pressure"].values, kind="stable")
     numbers = numbers.isel(load=order)
-    displayed = usable_loads(numbers)
+    indices = usable_loads(numbers)
     checks_of = partial(
         checks.surface_checks,
-        height=plane.attrs if counter_face else measured.attrs,  # of both faces together
+        height=plane.attrs if counter_face else measured_map.attrs,  # of both faces together
         levelled=plane.attrs,
-        window=solved.attrs,
-        points=solved.size,
+        window=window_map.attrs,
+        points=window_map.size,
     )
     outcome = checks_of(numbers)
     name = surface if case is None else f"{surface} · {case}"
     identifier = surface if case is None else f"{case}--{surface}"
     # of loads that nobody stated those are judged that are shown
-    judged = checks_of(numbers.isel(load=displayed)) if numbers.attrs.get("loads") == "found" else outcome
-    verdict = verdict_of(judged)
-    doubts = by_importance(not_passed(outcome))
-    bodies = settings["contact"].get("bodies")
-    available = facts.surface_facts(measured, plane, solved, numbers)
-    maps = _maps(measured, plane, solved, numbers, counter_face)
-    source, date = measured.attrs.get("source_sha256", ""), facts.date_of(measured)
-    del measured, plane  # large maps leave no room for them beside the solution
-    fields = _fields(contact, solved, numbers, order[displayed])
+    checks_shown = (
+        checks_of(numbers.isel(load=indices)) if numbers.attrs.get("loads") == "planned" else outcome
+    )
+    verdict = worst_result(checks_shown)
+    doubts = sort_by_importance(not_passed(outcome))
+    available = facts.surface_facts(measured_map, plane, window_map, numbers)
+    maps = _maps(measured_map, plane, window_map, numbers, counter_face)
+    if overview is not None:
+        coarser = separate_overviews(read_dataset(overview))
+        maps += [_overview(field, plane, numbers) for field in coarser]
+    source, date = measured_map.attrs.get("source_sha256", ""), facts.date_text(measured_map)
+    del measured_map, plane  # large maps leave no room for them beside the solution
+    fields = _fields(contact, window_map, numbers, order[indices])
     files = {"measured heights": height, "levelled": levelled, "solved window": window}
     files |= {"pressure and gap" if fields else "solution without maps": contact, "all numbers": statistics}
-    recorded = json.loads(numbers.attrs.get("settings", "{}"))
+    recorded_settings = json_attribute(numbers.attrs, "settings")
     rough = float(numbers["rms_gradient"]) > 0  # a flat map has neither waves nor charts
     html = template("panel.html").render(
         identifier=identifier,
@@ -93,23 +98,22 @@ def write_panel(
         doubts=doubts,
         checks=outcome,
         facts=available,
-        stack=stack_of_layers(bodies, solved) if have_layers(bodies) else None,
         maps=maps,
         concerns=concerns,
-        profile=1 in solved.shape,
+        profile=dimensions(window_map.shape) == 1,
         fields=fields,
-        drawn=displayed,
-        loads=json.dumps(_each_load(numbers, displayed if fields else []), ensure_ascii=False),
-        waves=_waves(solved, numbers) if rough else [],
-        charts=_charts(numbers, solved, displayed) if rough else {},
-        bars=partial(captions.reading_of, numbers),
+        drawn=indices,
+        loads=json.dumps(each_load(numbers, indices if fields else []), ensure_ascii=False),
+        waves=_waves(window_map, numbers) if rough else [],
+        charts=_charts(numbers, window_map, indices) if rough else {},
+        bars=partial(captions.bars_in_words, numbers),
         theories=load_plots.has_theories(numbers),
-        budget=shown_budget(numbers, displayed, extent=settings["uncertainty"]["extent"]),
-        tables=tables.number_tables(numbers, checks.load_flags(numbers, solved.size)),
+        budget=shown_budget(numbers, indices),
+        tables=tables.number_tables(numbers, checks.load_flags(numbers, window_map.size)),
         outcomes=[outcome_of(numbers, index) for index in range(numbers.sizes["load"])],
-        material=tables.material_table(numbers, displayed),
+        material=tables.material_table(numbers, indices),
         files=relative_links(path, files) if linked else [],
-        methods=methods_paragraph(numbers) if "level" in recorded else "",
+        methods=methods_paragraph(numbers) if "level" in recorded_settings else "",
         settings=json.dumps(settings, indent=1, sort_keys=True),
         versions=facts.versions(numbers),
         source_sha256=source,
@@ -125,9 +129,10 @@ def write_panel(
             "doubts": [str(check.name) for check in doubts],
             "main_reason": reason_text(doubts[0], letters=_LINE) if doubts else "",
             "halve": str(numbers.attrs.get("halve", "")),
-            "loads": displayed,
+            "overview": str(numbers.attrs.get("overview", "")),
+            "loads": indices,
             "measured": date,
-            "waves": facts.waves_in_words(solved),
+            "waves": facts.waves_in_words(window_map),
         },
         path,
     )
@@ -149,26 +154,32 @@ def _frame(window: xr.DataArray) -> map_plots.Frame:
 
 
 def _maps(
-    measured: xr.DataArray,
-    levelled: xr.DataArray,
+    measured_map: xr.DataArray,
+    levelled_map: xr.DataArray,
     window: xr.DataArray,
     numbers: xr.Dataset,
     counter_face: str | Path | None,
 ) -> list[tuple[str, str, str]]:
     """Return (title, image, caption) of the heights after each stage; of a pair, both measured faces."""
-    faces = [("Face, as measured" if counter_face else "As measured", measured)]
-    if counter_face:
-        faces.append(("Counter-face, as measured", _read_map(counter_face)))
-    drawn = partial(map_plots.height_map, unit=unit_of(numbers, "m"), along=unit_of(numbers, "m along"))
+    faces, title_of_levelled = {"As measured": measured_map}, "Levelled"
+    if counter_face is not None:
+        faces = {"Face, as measured": measured_map, "Counter-face, as measured": _read_map(counter_face)}
+        title_of_levelled = "Sum of both, levelled"
+    chart = partial(map_plots.height_map, unit=unit_of(numbers, "m"), along=unit_of(numbers, "m along"))
+    levelled_chart = chart(levelled_map, rectangle=_frame(window))
     return [
-        *((title, drawn(face).source(), facts.measured_caption(face)) for title, face in faces),
-        (
-            "Sum of both, levelled" if counter_face else "Levelled",
-            drawn(levelled, rectangle=_frame(window)).source(),
-            facts.levelled_caption(levelled),
-        ),
-        ("Solved window", drawn(window).source(), window.attrs.get("window_reason", "")),
+        *((title, chart(face).source(), facts.measured_caption(face)) for title, face in faces.items()),
+        (title_of_levelled, levelled_chart.source(), facts.levelled_caption(levelled_map)),
+        ("Solved window", chart(window).source(), window.attrs.get("window_reason", "")),
     ]
+
+
+def _overview(overview: xr.DataArray, levelled: xr.DataArray, numbers: xr.Dataset) -> tuple[str, str, str]:
+    """Return title, image and caption of an overview with the map in it."""
+    units = {"unit": unit_of(numbers, "m"), "along": unit_of(numbers, "m along")}
+    frame = frame_of_place(overview, levelled)
+    image = map_plots.height_map(overview, rectangle=frame, **units).source()
+    return f"Overview{', the map in it' if frame else ''}", image, place_in_words(overview)
 
 
 def _fields(
@@ -188,27 +199,27 @@ def _fields(
             result = contact[["pressure", "gap"]].isel(load=load)
             return result["pressure"].values, result["gap"].values
 
-        highest, widest = map_plots.common_limits(window, map(maps, loads))
+        highest, widest = map_plots.common_limits(map(maps, loads))
         of_pressure, of_gap = unit_of(numbers, "Pa"), unit_of(numbers, "m")
         fields = []
         for load in loads:
             pressure, gap = maps(load)
             area = percent(np.count_nonzero(pressure > 0) / pressure.size)
             hertz = hertz_contact(window, numbers, load)
-            shown = map_plots.pressure_map(window, pressure, highest=highest, unit=of_pressure, ellipse=hertz)
+            chart = map_plots.pressure_map(window, pressure, highest=highest, unit=of_pressure, ellipse=hertz)
             gap_chart = map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap)
             mean = of_pressure.text(float(contact["mean_pressure"][load]))
-            outlined = "; red: the contact of the smooth bodies (Hertz)" if hertz else ""
-            caption = f"p̄ = {mean}: {area} of the pixels touch{outlined}"
-            fields.append((caption, shown.source(), gap_chart.source()))
+            outline = "; red: the contact of the smooth bodies (Hertz)" if hertz else ""
+            caption = f"p̄ = {mean}: {area} of the pixels touch{outline}"
+            fields.append((caption, chart.source(), gap_chart.source()))
             del pressure, gap  # before the next ones are read
     return fields
 
 
-def _each_load(numbers: xr.Dataset, drawn: Sequence[int]) -> list[tuple[str, str, int, float]]:
+def each_load(numbers: xr.Dataset, with_maps: Sequence[int]) -> list[tuple[str, str, int, float]]:
     """Return for each load its name, its answers in words, the place of the maps, and its value in a chart.
 
-    The maps are those of the load itself or, as the words say, of the nearest of those that are `drawn`.
+    The maps are those of the load itself or, as the words say, of the nearest of those `with_maps`.
     """
     pressure, loads = unit_of(numbers, "Pa"), numbers["mean_pressure"].values
     result = []
@@ -218,11 +229,10 @@ def _each_load(numbers: xr.Dataset, drawn: Sequence[int]) -> list[tuple[str, str
             + (f" ({VERDICTS[cell.outcome]})" if cell.outcome else "")
             for title, cell in zip(HEADINGS[1:], cells, strict=True)
         ]
-        nearest = int(np.argmin(np.abs(np.log(loads[list(drawn)] / loads[index])))) if drawn else 0
-        if index not in drawn:
-            text.append(
-                "maps of this load are not drawn" + ("; below those of the nearest load" if drawn else "")
-            )
+        nearest = int(np.argmin(np.abs(np.log(loads[list(with_maps)] / loads[index])))) if with_maps else 0
+        if index not in with_maps:
+            remark = "; below those of the nearest load" if with_maps else ""
+            text.append(f"maps of this load are not drawn{remark}")
         name = f"p̄ = {pressure.text(float(loads[index]))} ({index + 1} of {loads.size})"
         result.append((name, "; ".join(text), nearest, float(f"{loads[index] * pressure.factor:.6g}")))
     return result
@@ -230,30 +240,32 @@ def _each_load(numbers: xr.Dataset, drawn: Sequence[int]) -> list[tuple[str, str
 
 def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, str]]:
     """Return (title, image, caption) of the waves of a window that is not flat."""
-    profile = 1 in window.shape
     pictures = [("Power spectrum", texture_plots.spectrum(window), facts.spectrum_caption(window, numbers))]
-    if is_drawn(window):
+    if "profile_spectra" in window.attrs:
         caption = "Of the profiles, and of such profiles of the surface that was fitted to them."
         pictures.insert(0, ("Spectrum of the profiles", texture_plots.fitted_spectrum(window), caption))
-    if not profile:
+    if dimensions(window.shape) == 2:
         directions = texture_plots.directional_spectrum(window)
         pictures.append(("Waves by direction", directions, facts.lay_caption(numbers)))
-    caption = facts.autocorrelation_caption(numbers, profile=profile)
-    pictures.append(("Autocorrelation", texture_plots.autocorrelation_map(window), caption))
     return pictures
 
 
-def _charts(
-    numbers: xr.Dataset, window: xr.DataArray, displayed: Sequence[int]
-) -> dict[str, tuple[str, str]]:
+def _charts(numbers: xr.Dataset, window: xr.DataArray, indices: Sequence[int]) -> dict[str, tuple[str, str]]:
     """Return {name: (image, caption)} of the charts of a window that is not flat."""
     charts = {
-        "area": (load_plots.area_against_load(numbers, window), captions.area_caption),
-        "pressure": (load_plots.pressure_against_load(numbers), captions.pressure_caption),
-        "gap": (load_plots.gap_against_load(numbers), captions.gap_caption),
-        "pressures": (load_plots.pressure_distribution(numbers, displayed), captions.distribution_caption),
-        "gaps": (load_plots.gap_distribution(numbers, displayed), captions.open_caption),
+        "area": (load_plots.area_against_load(numbers, window), [AREA]),
+        "pressure": (load_plots.pressure_against_load(numbers), [PRESSURE, PEAK]),
+        "gap": (load_plots.gap_against_load(numbers), [GAP]),
+        "pressures": (
+            load_plots.pressure_distribution(numbers, indices),
+            ["pressure_std", "area_share_above_hardness"],
+        ),
+        "gaps": (load_plots.gap_distribution(numbers, indices), [GAP]),
     }
-    if 1 not in window.shape:  # the patches of a profile have no area
-        charts["patches"] = load_plots.patch_distribution(numbers, displayed), captions.patch_caption
-    return {name: (chart.source(), caption(numbers)) for name, (chart, caption) in charts.items()}
+    if dimensions(window.shape) == 2:  # the patches of a profile have no area
+        patches = load_plots.patch_distribution(numbers, indices)
+        charts["patches"] = patches, ["contact_clusters", "largest_patch_area"]
+    return {
+        name: (chart.source(), captions.answers_caption(numbers, *quantities))
+        for name, (chart, quantities) in charts.items()
+    }

@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import TypedDict, cast
+from typing import TypedDict, cast, get_origin
 
 from roughcontact.errors import InputFileError
 from roughcontact.results.storage import write_text
@@ -19,6 +19,7 @@ class Summary(TypedDict):
     doubts: list[str]  # the names of these checks
     main_reason: str  # the first reason, in one line of the table
     halve: str  # what would halve the ± of the contact area; empty where there is none
+    overview: str  # how well gap and area are known with and without the overview; empty without one
     loads: list[int]  # indices of those shown in tables, loads rising
     measured: str  # date of the measurement, ISO 8601; empty where the file states none
     waves: str  # for which the numbers hold, in words
@@ -34,8 +35,9 @@ def read_summary(panel: str | Path) -> Summary:
     path = Path(panel).with_suffix(".json")
     try:
         result = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputFileError(f"{path}: no summary of a panel; delete {panel} and run again") from error
-    if not isinstance(result, dict) or result.keys() != Summary.__annotations__.keys():
+    kinds = {key: get_origin(kind) or kind for key, kind in Summary.__annotations__.items()}
+    if not isinstance(result, dict) or {key: type(value) for key, value in result.items()} != kinds:
         raise InputFileError(f"{path}: no summary of a panel; delete it and run again")
     return cast(Summary, result)

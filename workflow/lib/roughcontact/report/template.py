@@ -10,7 +10,7 @@ from typing import Any
 import jinja2
 from markupsafe import Markup, escape
 
-from roughcontact.quantities import number, percent, quantity
+from roughcontact.arguments.quantities import number, percent, quantity
 
 _TEMPLATES = Path(__file__).with_name("templates")
 

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import Unit, height_unit, pressure_unit
-from roughcontact.variables import Numbers
+from roughcontact.arguments.answers import AREA, GAP, PEAK
+from roughcontact.arguments.quantities import Unit, height_unit, number, pressure_unit
+from roughcontact.arguments.variables import Numbers
+from roughcontact.statistics.decisions import CLOSED
 
 # units that are the same on every page; a leak is by length of the seal
 _FIXED = {
@@ -28,7 +30,10 @@ _FIXED = {
     "Ohm": Unit(1e3, "mΩ"),
     "Ohm m2": Unit(1e12, "µΩ mm²"),
     "m2 s-1": Unit(3.6e9, "ml/(h m)"),
+    "m3 s-1": Unit(3.6e9, "ml/h"),
 }
+_ROUNDING = 1e-9
+_GAPS = (GAP, "critical_constriction_x", "critical_constriction_y")
 
 
 def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
@@ -67,16 +72,86 @@ def interval_at(numbers: Numbers, name: str, index: int) -> tuple[float, float, 
     >>> interval_at({"mean_gap": [2e-6], "mean_gap_lower": [1e-6]}, "mean_gap", 0)
     (2e-06, 1e-06, nan)
     """
-    value, lower, upper = (float(values[index]) for values in interval_of(numbers, name))
+    value, lower, upper = (float(values[index]) for values in interval_values(numbers, name))
     return value, lower, upper
 
 
-def interval_of(numbers: Numbers, name: str) -> list[np.ndarray]:
-    """Return a quantity (load) and both ends of its interval (SI), NaN where it has none."""
+def interval_values(numbers: Numbers, name: str) -> list[np.ndarray]:
+    """Return a quantity (load) and both ends of its interval (SI), NaN where it has none.
+
+    A largest pressure that is the hardness has none of its own where the hardness is taken as exact.
+    """
     keys = [name, f"{name}_lower", f"{name}_upper"]
     available = {key: np.asarray(numbers[key], float) for key in keys if key in numbers}
     absent = np.full(next(iter(available.values()), np.array(np.nan)).shape, np.nan)
-    return [available.get(key, absent) for key in keys]
+    value, *ends = (available.get(key, absent) for key in keys)
+    if name == PEAK and "hardness" in numbers and "hardness_lower" not in numbers:
+        limited, hardness = hardness_reached(numbers), float(numbers["hardness"])
+        ends = [np.where(limited, np.nan, np.where(end > hardness, hardness, end)) for end in ends]
+    return [value, *ends]
+
+
+def hardness_reached(numbers: Numbers) -> np.ndarray:
+    """Return at which loads the largest pressure is the hardness.
+
+    Examples
+    --------
+    >>> hardness_reached(xr.Dataset({"max_pressure": ("load", [2e8, 3e8]), "hardness": 3e8})).tolist()
+    [False, True]
+    """
+    hardness = float(numbers.get("hardness", np.nan))
+    return np.greater_equal(np.asarray(numbers[PEAK], float), hardness * (1 - _ROUNDING))
+
+
+def largest_source(numbers: Numbers, name: str, index: int) -> str:
+    """Return the source with the largest part in the interval of a quantity at a load; empty without one.
+
+    Examples
+    --------
+    >>> widths = {"mean_gap_uncertainty": [[0.1, 0.3, 0.32]], "source": ["window", "hardness", "combined"]}
+    >>> largest_source(widths, "mean_gap", 0)
+    'hardness'
+    """
+    if (key := f"{name}_uncertainty") not in numbers or "source" not in numbers:
+        return ""
+    widths = np.nan_to_num(np.asarray(numbers[key], float)[index][:-1], nan=-1.0)
+    return str(np.asarray(numbers["source"])[widths.argmax()]) if widths.max(initial=0.0) > 0 else ""
+
+
+def has_number(numbers: Numbers, name: str) -> bool:
+    """Return whether a number is present, at one load at least."""
+    return name in numbers and bool(np.isfinite(np.asarray(numbers[name], float)).any())
+
+
+def lacks_interval(numbers: Numbers, name: str) -> bool:
+    """Return whether a number follows from others that have an interval, and has none itself."""
+    derived = name.endswith(("conductance", "_resistance"))
+    return derived and not has_number(numbers, f"{name}_lower") and has_number(numbers, f"{AREA}_lower")
+
+
+def number_text(numbers: Numbers, name: str, unit: Unit, index: int) -> str:
+    """Return a number of a load and its interval in a unit: with the same digits on page and screen.
+
+    Examples
+    --------
+    >>> gap = {"mean_gap": [2e-6], "mean_gap_lower": [1.8e-6], "mean_gap_upper": [2.2e-6]}
+    >>> number_text(gap, "mean_gap", Unit(1e6, "µm"), 0)
+    '2.00 ± 0.20'
+    """
+    value, *ends = interval_at(numbers, name, index)
+    if name == "contact_clusters":  # a whole number
+        return f"{value:.0f}"
+    if name in _GAPS and not (value >= CLOSED and ends[0] >= CLOSED):  # finer than atoms nothing is known
+        ends = [0.0 if end < CLOSED else end for end in ends]
+        if 0 < value < CLOSED:
+            least = f"< {number(CLOSED * unit.factor, digits=1)}"
+            return (
+                least if not ends[1] > 0 else f"{least} ({unit.ends(*ends).removesuffix(f' {unit.symbol}')})"
+            )
+    if lacks_interval(numbers, name):  # the digits that the contact area carries
+        area, *area_ends = interval_at(numbers, AREA, index)
+        return unit.interval(value, *(value * end / area for end in area_ends)).split()[0]
+    return unit.interval(value, *ends)
 
 
 def length_unit(longest: float) -> Unit:
@@ -94,12 +169,12 @@ def length_unit(longest: float) -> Unit:
     return Unit(1e6, "µm")
 
 
-def middle_of(results: Sequence[xr.Dataset]) -> dict[str, float]:
+def median_numbers(results: Sequence[xr.Dataset]) -> dict[str, float]:
     """Return the medians over several surfaces of the numbers that units depend on, for `unit_of`.
 
     Examples
     --------
-    >>> middle_of([xr.Dataset({"rms_height": rms}) for rms in (1e-8, 1e-6, 2e-6)])
+    >>> median_numbers([xr.Dataset({"rms_height": rms}) for rms in (1e-8, 1e-6, 2e-6)])
     {'rms_height': 1e-06}
     """
     available = (

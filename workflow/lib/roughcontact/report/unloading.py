@@ -8,44 +8,47 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import quantity
+from roughcontact.arguments.answers import AREA, TITLES, UNITS
+from roughcontact.arguments.quantities import quantity
 from roughcontact.report.charts import COLOURS, DASHED, Chart, load_label, log_axis
-from roughcontact.report.tables import TITLES, UNITS
 from roughcontact.report.template import sentence
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import read_dataset
 
-_AREA = "relative_contact_area"
-_DRAWN = (_AREA, "mean_gap", "contact_stiffness", "thermal_conductance", "electrical_conductance")
+_DRAWN = (AREA, "mean_gap", "contact_stiffness", "thermal_conductance", "electrical_conductance")
 _LEAK_RATES = ("leak_rate_x", "leak_rate_y")
 
 
-def unloading_of(name: str, loaded: xr.Dataset, residual: str | Path, folder: Path) -> dict[str, Any]:
+def unloading_section(name: str, loading: xr.Dataset, residual: str | Path, folder: Path) -> dict[str, Any]:
     """Return charts by label, a sentence for each peak of the load, and the link from `folder`."""
     link = Path(os.path.relpath(residual, folder)).as_posix()
     as_solved = {
-        key.removesuffix("_as_solved"): loaded[key] for key in map(str, loaded) if key.endswith("_as_solved")
+        key.removesuffix("_as_solved"): loading[key]
+        for key in map(str, loading)
+        if key.endswith("_as_solved")
     }
-    loaded = loaded.assign(as_solved)  # the way back has no correction for the grid either
-    recorded = read_dataset(residual)
-    if "peak" not in recorded.dims:
-        recorded = recorded.expand_dims("peak")
-    peaks = [recorded.isel(peak=index) for index in range(recorded.sizes["peak"])]
+    loading = loading.assign(as_solved)  # the way back has no correction for the grid either
+    residual_data = read_dataset(residual)
+    if "peak" not in residual_data.dims:
+        residual_data = residual_data.expand_dims("peak")
+    peaks = [residual_data.isel(peak=index) for index in range(residual_data.sizes["peak"])]
     unloadings = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
     charts = {
-        TITLES[name]: _loading_and_unloading(loaded, unloadings, name) for name in (*_DRAWN, *_LEAK_RATES)
+        TITLES[name]: _loading_and_unloading(loading, unloadings, name) for name in (*_DRAWN, *_LEAK_RATES)
     }
     images = {label: chart.source() for label, chart in charts.items() if chart}
-    sentences = [_lowered(loaded, unloading) for unloading in unloadings]
+    sentences = [_lowered(loading, unloading) for unloading in unloadings]
     return {"name": name, "images": images, "sentences": sentences, "link": link}
 
 
-def _loading_and_unloading(loaded: xr.Dataset, unloadings: Sequence[xr.Dataset], result: str) -> Chart | None:
+def _loading_and_unloading(
+    loading: xr.Dataset, unloadings: Sequence[xr.Dataset], result: str
+) -> Chart | None:
     """Draw one result on loading and on unloading against the load, both logarithmic, if all have it."""
-    curves = [loaded.sortby("mean_pressure"), *unloadings]
+    curves = [loading.sortby("mean_pressure"), *unloadings]
     if not all(result in curve for curve in curves):
         return None
-    pascals, unit = unit_of(loaded, "Pa"), unit_of(loaded, UNITS[result])
+    pascals, unit = unit_of(loading, "Pa"), unit_of(loading, UNITS[result])
     loads = [curve["mean_pressure"].values * pascals.factor for curve in curves]
     values = [curve[result].values * unit.factor for curve in curves]
     if not (np.concatenate(values) > 0).any():
@@ -58,14 +61,14 @@ def _loading_and_unloading(loaded: xr.Dataset, unloadings: Sequence[xr.Dataset],
     return chart
 
 
-def _lowered(loaded: xr.Dataset, unloading: xr.Dataset) -> str:
+def _lowered(loading: xr.Dataset, unloading: xr.Dataset) -> str:
     """Return what flow has lowered by how much, and the area of both ways at the lowest load, in words."""
     lightest = unloading.isel(load=int(np.argmin(unloading["mean_pressure"].values)))
-    loads, areas = (loaded.sortby("mean_pressure")[name].values for name in ("mean_pressure", _AREA))
+    loads, areas = (loading.sortby("mean_pressure")[name].values for name in ("mean_pressure", AREA))
     load = float(lightest["mean_pressure"])
-    ways = {"on loading": np.interp(load, loads, areas, left=np.nan), "on unloading": lightest[_AREA]}
-    known = {way: float(area) for way, area in ways.items() if np.isfinite(area)}
+    ways = {"on loading": np.interp(load, loads, areas, left=np.nan), "on unloading": lightest[AREA]}
+    areas_by_way = {way: float(area) for way, area in ways.items() if np.isfinite(area)}
     once = {
         str(name): number.values.item() for name, number in unloading.variables.items() if not number.dims
     }
-    return sentence("flow_has_lowered", once, load, known)
+    return sentence("flow_has_lowered", once, load, areas_by_way)

@@ -4,16 +4,19 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any, NotRequired, TypedDict
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from roughcontact.arguments.answers import ANSWERS, AREA, answer_name
+from roughcontact.arguments.measurement import json_attribute
+from roughcontact.arguments.variables import VARIABLES
 from roughcontact.errors import SettingsError
-from roughcontact.results.storage import Array, read_arrays
+from roughcontact.results.storage import Array, check_origin, read_arrays
 from roughcontact.statistics.outcome import VERDICTS
-from roughcontact.variables import ANSWERS, VARIABLES
+from roughcontact.statistics.precision import relative_half_width
 
 _BINS = ("pressure_bin", "gap_bin", "patch_bin")
 _COORDINATES = (
@@ -22,7 +25,7 @@ _COORDINATES = (
     "interface_depth",
     *(f"{bins}_{value}" for bins in _BINS for value in ("centre", "bounds")),
 )
-_LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
+_LEADING = ("mean_pressure", "relative_pressure", AREA, f"{AREA}_pixels")
 # dimensions
 _NOT_IN_TABLE = {
     *_BINS,
@@ -33,6 +36,7 @@ _NOT_IN_TABLE = {
 _COMMON_LABELS = {"source": object, "input": object, "component": object, "hardness_over_modulus": float}
 # attributes of each file
 _BANDS = ("band_shortest", "band_longest", "band_reason", "corrected_for", "measured_by", "stresses_of")
+_VALUES = ("value", "lower", "upper")
 _WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged", "gap_percolates_x", "gap_percolates_y")
 
 
@@ -42,6 +46,7 @@ class Entry(TypedDict):
     surface: str
     case: str | None
     statistics: str | Path
+    origin: NotRequired[str]  # which the file must have (`check_origin`)
 
 
 class Failure(TypedDict):
@@ -52,10 +57,10 @@ class Failure(TypedDict):
     reason: str
 
 
-def entry_of(result: str, statistics: str | Path) -> Entry:
+def result_entry(result: str, statistics: str | Path, origin: str = "") -> Entry:
     """Return the entry of a result, named by its folder: "ground", or "soft/ground" under a case."""
     case, _, surface = result.rpartition("/")
-    return Entry(surface=surface, case=case or None, statistics=statistics)
+    return Entry(surface=surface, case=case or None, statistics=statistics, origin=origin)
 
 
 def file_of(entry: Entry, name: str) -> Path:
@@ -77,6 +82,7 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     attributes: dict[str, dict[str, dict[str, Any]]] = {case or "": {} for case in cases}
     for entry in entries:
         arrays, attrs = read_arrays(entry["statistics"])
+        check_origin(attrs, entry["statistics"], entry.get("origin", ""))
         datasets[cases.index(entry["case"]), surfaces.index(entry["surface"])] = arrays
         checksums[entry["surface"]] = attrs.get("source_sha256", "")
         attributes[entry["case"] or ""][entry["surface"]] = attrs
@@ -99,28 +105,28 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
                 corner: tuple[int | slice, ...] = (*position, *(slice(size) for size in block.shape))
                 values[corner] = block
         columns["profile_depth" if name == "depth" else name] = (("case", "surface", *names_of_dim), values)
-    collected = xr.Dataset(columns, coords=_labels("surface", surfaces))
-    collected = collected.set_coords([name for name in _COORDINATES if name in columns])
+    result = xr.Dataset(columns, coords=_labels("surface", surfaces))
+    result = result.set_coords([name for name in _COORDINATES if name in columns])
     for name, label_kind in _COMMON_LABELS.items():
         if name in sizes:
-            first = next(arrays for arrays in datasets.values() if name in arrays)
-            collected = collected.assign_coords({name: first[name].values.astype(label_kind)})
-    collected.attrs["source_sha256"] = json.dumps(checksums, sort_keys=True)
-    picked: dict[str, Callable[[Mapping[str, Any]], Any]] = {
+            template = next(arrays for arrays in datasets.values() if name in arrays)
+            result = result.assign_coords({name: template[name].values.astype(label_kind)})
+    result.attrs["source_sha256"] = json.dumps(checksums, sort_keys=True)
+    selectors: dict[str, Callable[[Mapping[str, Any]], Any]] = {
         "verdicts": lambda attrs: json.loads(attrs["verdicts"]),
         "reasons": lambda attrs: json.loads(attrs["reasons"]),
         "bands": lambda attrs: {key: attrs[key] for key in _BANDS if key in attrs},
     }
-    for name, pick in picked.items():
+    for name, pick in selectors.items():
         with suppress(KeyError):  # of files without verdicts
             by_case = {
                 case: {surface: pick(attrs) for surface, attrs in by_surface.items()}
                 for case, by_surface in attributes.items()
             }
-            collected.attrs[name] = json.dumps(by_case, default=float, ensure_ascii=False)
+            result.attrs[name] = json.dumps(by_case, default=float, ensure_ascii=False)
     if cases == [None]:
-        return collected.isel(case=0)
-    return collected.assign_coords(_labels("case", cases))
+        return result.isel(case=0)
+    return result.assign_coords(_labels("case", cases))
 
 
 def _labels(dim: str, names: Sequence[str | None]) -> dict[str, Any]:
@@ -163,9 +169,11 @@ def table(statistics: xr.Dataset) -> pd.DataFrame:
     statistics = statistics.drop_indexes("mean_pressure", errors="ignore")
     single = "surface" not in statistics.coords
     if single:  # the attributes of a run are by case and surface
-        picked = {"verdicts": json.loads(statistics.attrs.get("verdicts", "null")), "bands": statistics.attrs}
-        nested = {key: json.dumps({"": {"": value}}, default=str) for key, value in picked.items() if value}
-        statistics = statistics.assign_coords(surface="").assign_attrs(nested)
+        attributes = {"verdicts": json_attribute(statistics.attrs, "verdicts"), "bands": statistics.attrs}
+        texts = {
+            key: json.dumps({"": {"": value}}, default=str) for key, value in attributes.items() if value
+        }
+        statistics = statistics.assign_coords(surface="").assign_attrs(texts)
     for dim in ("surface", "case"):  # one of them may be selected
         if dim in statistics.coords and dim not in statistics.dims:
             names = [str(statistics[dim].item())]
@@ -175,12 +183,65 @@ def table(statistics: xr.Dataset) -> pd.DataFrame:
     return frame.drop(columns="surface") if single else frame
 
 
+def summary(result: xr.Dataset) -> pd.DataFrame:
+    """Return what a load is asked for, each quantity with its 95 % interval in a row of its own.
+
+    Parameters
+    ----------
+    result : Dataset
+        of one surface, as `evaluate` returns it, or of a run.
+
+    Returns
+    -------
+    DataFrame
+        a row for each `quantity` and `load` (mean pressure in Pa, of a body of finite size the force in N):
+        `value`, `lower` and `upper` in the unit of the variable, `known` (larger half-width over the value,
+        NaN where nothing bounds it) and `verdict` (use, review, do not use) on what the quantity belongs to;
+        `surface` and `case` where there are any.
+
+    Raises
+    ------
+    SettingsError
+        for statistics without intervals and verdicts.
+
+    Examples
+    --------
+    >>> from roughcontact.arguments.variables import describe
+    >>> gaps = {"mean_gap": 3e-7, "mean_gap_lower": 2e-7, "mean_gap_upper": 3.5e-7, "verdict": 0}
+    >>> loads = {"mean_pressure": ("load", [1e6])}
+    >>> result = xr.Dataset({name: ("load", [value]) for name, value in gaps.items()}, loads)
+    >>> print(summary(result).round(3).to_string(index=False))
+    quantity      load  value  lower  upper  known verdict
+    mean_gap 1000000.0    0.0    0.0    0.0  0.333     use
+    """
+    frames = []
+    words = np.array(list(VERDICTS.values()), object)
+    for labels, statistics in solved_results(result):
+        loads = statistics["force" if "force" in statistics else "mean_pressure"].values
+        of_loads = [str(name) for name, variable in statistics.items() if variable.dims == ("load",)]
+        for name in of_loads:
+            if {f"{name}_lower", f"{name}_upper", "verdict"} <= {*statistics.data_vars}:
+                verdict = statistics.get(f"{answer_name(name)}_verdict", statistics["verdict"]).values.astype(
+                    int
+                )
+                values = [statistics[f"{name}{suffix}"].values for suffix in ("", "_lower", "_upper")]
+                columns = {"quantity": name, "load": loads, **dict(zip(_VALUES, values, strict=True))}
+                columns |= {"known": relative_half_width(*values), "verdict": words[verdict]}
+                frames.append(pd.DataFrame(labels | columns))
+    if not frames:
+        raise SettingsError(
+            "summary: the dataset has no interval with a verdict; give the result of evaluate, with its "
+            "uncertainty, or of read_statistics"
+        )
+    return pd.concat(frames, ignore_index=True)
+
+
 def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return one row per (case,) surface and load of `collect_statistics`, each column named with its unit.
 
     Without densities; the last columns are verdicts, `reasons` joined by " | ", and `corrected_for`.
     """
-    statistics = _with_columns_of_the_budget(statistics).drop_vars(["surface", "case"], errors="ignore")
+    statistics = _add_budget_columns(statistics).drop_vars(["surface", "case"], errors="ignore")
     names = [
         name
         for name in map(str, statistics.variables)
@@ -193,14 +254,14 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     columns = statistics[names].reset_coords().to_dataframe(dim_order=order).reset_index()
     labels = [dim for dim in ("case", "surface") if f"{dim}_name" in statistics.coords]
     frame = pd.DataFrame({dim: statistics[f"{dim}_name"].values[columns[dim]] for dim in labels})
-    units = {name: VARIABLES[name.partition("_from_")[0]][0] for name in names}
+    units = {name: (VARIABLES.get(name) or VARIABLES[name.partition("_from_")[0]])[0] for name in names}
     numbers = {column_name(name, unit): columns[name].to_numpy() for name, unit in units.items()}
     frame = pd.concat([frame, pd.DataFrame(numbers)], axis="columns")
     real = np.isfinite(columns["mean_pressure"].to_numpy())
     frame = frame[real].reset_index(drop=True)
     cases = frame["case"] if "case" in frame else [""] * len(frame)
     if "verdicts" in statistics.attrs:
-        verdicts = json.loads(statistics.attrs["verdicts"])
+        verdicts = json_attribute(statistics.attrs, "verdicts")
         rows = [*zip(cases, frame["surface"], columns["load"][real], strict=True)]
         if len(rows) != sum(len(verdicts[case][surface]) for case, surface in {row[:2] for row in rows}):
             raise SettingsError(
@@ -218,14 +279,14 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     for name in _WHOLE_NUMBERS:
         if name in frame and frame[name].notna().all():
             frame[name] = frame[name].astype(int)
-    bands = json.loads(statistics.attrs.get("bands", "{}"))
-    corrected = [
+    bands = json_attribute(statistics.attrs, "bands")
+    corrections = [
         bands.get(c, {}).get(s, {}).get("corrected_for") for c, s in zip(cases, frame["surface"], strict=True)
     ]
-    return frame.assign(corrected_for=corrected) if any(corrected) else frame
+    return frame.assign(corrected_for=corrections) if any(corrections) else frame
 
 
-def _with_columns_of_the_budget(statistics: xr.Dataset) -> xr.Dataset:
+def _add_budget_columns(statistics: xr.Dataset) -> xr.Dataset:
     """Return the statistics with the error budget as columns: combined, and of the area by source."""
     if "source" not in statistics.dims:
         return statistics
@@ -260,13 +321,13 @@ def solved_results(statistics: xr.Dataset) -> Iterator[tuple[dict[str, str], xr.
     dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
     for index in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
         result = statistics.isel(dict(zip(dims, index, strict=True)))
-        solved = np.isfinite(result["mean_pressure"].values)  # the others are padding
-        if solved.any():
+        is_solved = np.isfinite(result["mean_pressure"].values)  # the others are padding
+        if is_solved.any():
             labels = {dim: str(result[f"{dim}_name"].values) for dim in dims}
-            yield labels, result if solved.all() else result.isel(load=solved)
+            yield labels, result if is_solved.all() else result.isel(load=is_solved)
 
 
-def with_failures(summary: pd.DataFrame, failures: Sequence[Failure]) -> pd.DataFrame:
+def append_failures(summary: pd.DataFrame, failures: Sequence[Failure]) -> pd.DataFrame:
     """Return the table with a last row for each failure, of verdict "failed" and without numbers."""
     if not failures:
         return summary

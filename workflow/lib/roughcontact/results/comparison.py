@@ -1,21 +1,18 @@
 """Comparison of two runs: the numbers that differ by more than their uncertainties."""
 
 from collections.abc import Iterator
-from itertools import chain
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from roughcontact.arguments.variables import VARIABLES
 from roughcontact.errors import InputFileError
 from roughcontact.results.collect import solved_results
-from roughcontact.variables import VARIABLES
+from roughcontact.statistics.load_pairs import paired_loads
 
 _LABELS = ("case", "surface")
-# by which loads are the same, where it agrees to a thousandth
-_LOADS = ("mean_pressure", "relative_pressure")
-_SAME_LOAD = 1e-3
 # how a load was solved and judged, not results
 _NOT_COMPARED = {
     "iterations",
@@ -28,8 +25,6 @@ _NOT_COMPARED = {
     "verdict",
 }
 _BUDGET = ("_uncertainty", "_lower", "_upper", "_parts")
-
-Surfaces = dict[tuple[str, ...], list[xr.Dataset]]
 
 
 def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | None = None) -> pd.DataFrame:
@@ -44,8 +39,7 @@ def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | 
     ----------
     before, after : Dataset
         from `contact_statistics` or `collect_statistics`, both of one kind. Surfaces and cases belong
-        together by name, loads by `mean_pressure` or `relative_pressure`, to a thousandth, first by that in
-        which more of them agree.
+        together by name, loads by `statistics.load_pairs`.
     share : float, optional
         largest change allowed, over the number itself.
 
@@ -79,64 +73,60 @@ def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | 
     >>> compare_statistics(run(200e-9), run(205e-9))["differs"].tolist()
     [True]
     """
-    first, second = _surfaces(before), _surfaces(after)
+    earlier, later = _surfaces(before), _surfaces(after)
     labels = [dim for dim in _LABELS if dim in before.dims]
     if labels != [dim for dim in _LABELS if dim in after.dims]:
         raise InputFileError(
             "one file holds a single surface, the other a whole run or several cases: compare two of a kind"
         )
     rows: list[dict[str, Any]] = []
-    for name in dict.fromkeys([*first, *second]):
+    for name in dict.fromkeys([*earlier, *later]):
         label = dict(zip(labels, name, strict=True))
-        for old, new in _pairs(first.get(name, []), second.get(name, [])):
+        for old, new in _pairs(earlier.get(name), later.get(name)):
             rows += [label | row for row in _judged(old, new, share)]
     if not rows:
         raise InputFileError(
             "nothing to compare: one of the files holds no ± (uncertainty: {sources: []} in its settings); "
-            "try --share 0.01"
+            "give the share by which numbers may differ, 0.01"
         )
     columns = [*labels, "mean_pressure", "quantity", "unit", "before", "after", "allowed", "differs"]
     return pd.DataFrame(rows)[columns]
 
 
-def _surfaces(statistics: xr.Dataset) -> Surfaces:
-    """Return the loads of each surface by its labels, without the padding of shorter lists."""
-    return {
-        tuple(labels.values()): [result.isel(load=load) for load in range(result.sizes["load"])]
-        for labels, result in solved_results(statistics)
-    }
+def _surfaces(statistics: xr.Dataset) -> dict[tuple[str, ...], xr.Dataset]:
+    """Return the numbers of each surface by its labels, without the padding of shorter lists of loads."""
+    return {tuple(labels.values()): result for labels, result in solved_results(statistics)}
 
 
-def _pairs(before: list[xr.Dataset], after: list[xr.Dataset]) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
+def _pairs(before: xr.Dataset | None, after: xr.Dataset | None) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
     """Yield the loads of both that belong together; one without a partner comes with an empty dataset."""
-    alike = []
-    for name in _LOADS:
-        old, new = (np.array([float(load.get(name, np.nan)) for load in side]) for side in (before, after))
-        alike.append(np.argwhere(np.isclose(old[:, None], new, rtol=_SAME_LOAD, atol=0)).tolist())
-    partners: dict[int, int] = {}
-    for before_index, index in chain(*sorted(alike, key=len, reverse=True)):
-        if before_index not in partners and index not in partners.values():
-            partners[before_index] = index
     empty = xr.Dataset()
-    yield from ((load, after[partners[i]] if i in partners else empty) for i, load in enumerate(before))
-    yield from ((empty, load) for i, load in enumerate(after) if i not in partners.values())
+    sides = [
+        [] if side is None else [side.isel(load=i) for i in range(side.sizes["load"])]
+        for side in (before, after)
+    ]
+    pairs = {}
+    if before is not None and after is not None:
+        pairs = dict(zip(*(indices.tolist() for indices in paired_loads(before, after)), strict=True))
+    yield from ((load, sides[1][pairs[i]] if i in pairs else empty) for i, load in enumerate(sides[0]))
+    yield from ((empty, load) for i, load in enumerate(sides[1]) if i not in pairs.values())
 
 
 def _judged(old: xr.Dataset, new: xr.Dataset, share: float | None) -> Iterator[dict[str, Any]]:
     """Yield a row for each number of a load that can be judged, or one for a load without a partner."""
     pressures = [float(side["mean_pressure"]) if "mean_pressure" in side else np.nan for side in (old, new)]
     if np.isnan(pressures).any():
-        yield _row(np.nanmax(pressures), "mean_pressure", *pressures, allowed=0.0)
+        yield _row(np.nanmax(pressures), "mean_pressure", *pressures, tolerance=0.0)
         return
     for name in _numbers(old):
         values = float(old[name]), float(new.get(name, np.nan))
         if share is not None:
-            yield _row(pressures[0], name, *values, allowed=share * max(map(abs, values)))
+            yield _row(pressures[0], name, *values, tolerance=share * max(map(abs, values)))
         elif f"{name}_uncertainty" in old and name not in new:
-            yield _row(pressures[0], name, *values, allowed=_half_width(old, name, values[0]))
+            yield _row(pressures[0], name, *values, tolerance=_half_width(old, name, values[0]))
         elif f"{name}_uncertainty" in old and f"{name}_uncertainty" in new:
-            allowed = float(np.hypot(_half_width(old, name, values[1]), _half_width(new, name, values[0])))
-            yield _row(pressures[0], name, *values, allowed=allowed)
+            tolerance = float(np.hypot(_half_width(old, name, values[1]), _half_width(new, name, values[0])))
+            yield _row(pressures[0], name, *values, tolerance=tolerance)
 
 
 def _numbers(old: xr.Dataset) -> list[str]:
@@ -153,15 +143,15 @@ def _numbers(old: xr.Dataset) -> list[str]:
 
 def _half_width(side: xr.Dataset, name: str, value: float) -> float:
     """Return the half-width of a number's interval on the side of the other run's number."""
-    end = f"{name}_upper" if value > float(side[name]) else f"{name}_lower"
-    if end in side:
-        reach = abs(float(side[end]) - float(side[name]))
+    bound = f"{name}_upper" if value > float(side[name]) else f"{name}_lower"
+    if bound in side:
+        reach = abs(float(side[bound]) - float(side[name]))
         # an interval that the map does not bound upwards holds all that is more
         return np.inf if np.isnan(reach) and np.isfinite(side[f"{name}_lower"]) else reach
     return float(side[f"{name}_uncertainty"].sel(source="combined"))
 
 
-def _row(pressure: float, name: str, before: float, after: float, *, allowed: float) -> dict[str, Any]:
+def _row(pressure: float, name: str, before: float, after: float, *, tolerance: float) -> dict[str, Any]:
     """Return one row of the table."""
     is_equal = before == after or (np.isnan(before) and np.isnan(after))
     change = abs(after - before)
@@ -171,6 +161,6 @@ def _row(pressure: float, name: str, before: float, after: float, *, allowed: fl
         "unit": VARIABLES[name][0] if name in VARIABLES else "1",
         "before": before,
         "after": after,
-        "allowed": allowed,
-        "differs": bool(not is_equal and not (change <= allowed and np.isfinite(change))),
+        "allowed": tolerance,
+        "differs": bool(not is_equal and not (change <= tolerance and np.isfinite(change))),
     }

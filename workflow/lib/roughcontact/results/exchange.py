@@ -12,12 +12,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from roughcontact.arguments.maps import spacing
 from roughcontact.errors import SettingsError
-from roughcontact.maps import spacing
-from roughcontact.results.storage import atomic_write
+from roughcontact.results.storage import as_words, atomic_write
 
 _UNITS = {"height": "m", "pressure": "Pa", "gap": "m", "contact": "1"}
-_LARGEST_TIFF = 2**32 - 2**20  # bytes, whose places have 32 bits
+_MAX_TIFF_BYTES = 2**32 - 2**20  # bytes, whose places have 32 bits
 
 
 def write_vti(contact: xr.Dataset, path: str | Path) -> None:
@@ -42,7 +42,7 @@ def write_vti(contact: xr.Dataset, path: str | Path) -> None:
     --------
     >>> import tempfile
     >>> from roughcontact.contact.solve import solve_contact
-    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
     >>> solved = solve_contact(rough_reference_surface(64), contact_modulus=1.0, mean_pressure=[0.1, 0.2])
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_vti(solved, f"{folder}/maps.vti")
@@ -105,7 +105,7 @@ def write_tiff(contact: xr.Dataset, path: str | Path) -> None:
     >>> import tempfile
     >>> from PIL import Image
     >>> from roughcontact.contact.solve import solve_contact
-    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
     >>> solved = solve_contact(rough_reference_surface(64), contact_modulus=1.0, mean_pressure=0.1)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_tiff(solved, f"{folder}/maps.tiff")
@@ -119,7 +119,7 @@ def write_tiff(contact: xr.Dataset, path: str | Path) -> None:
 
     dy, dx = spacing(contact["height"])
     size = 4 * contact["height"].size * (1 + 3 * contact.sizes["load"])
-    if size > _LARGEST_TIFF:
+    if size > _MAX_TIFF_BYTES:
         raise SettingsError(f"{path}: the maps take {size / 1e9:.3g} GB, a TIFF holds 4 GB: choose .vti")
     with atomic_write(path, size=size) as partial, AppendingTiffWriter(str(partial), new=True) as file:
         for name, load, field in _maps(contact):
@@ -151,7 +151,7 @@ def write_gsf(values: xr.DataArray, path: str | Path) -> None:
     --------
     >>> import tempfile
     >>> from roughcontact import read_height_map
-    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
     >>> height = rough_reference_surface(64)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_gsf(height, f"{folder}/height.gsf")
@@ -171,11 +171,11 @@ def write_gsf(values: xr.DataArray, path: str | Path) -> None:
         "ZUnits": values.attrs.get("units", ""),
     }
     head = "Gwyddion Simple Field 1.0\n" + "".join(f"{name} = {value}\n" for name, value in fields.items())
-    encoded = head.encode()
+    header = head.encode()
     # one to four zeros, so that the numbers begin at a multiple of four
-    encoded += bytes(4 - len(encoded) % 4)
-    with atomic_write(path, size=len(encoded) + 4 * values.size) as partial:
-        partial.write_bytes(encoded + values.values[::-1].astype("<f4").tobytes())
+    header += bytes(4 - len(header) % 4)
+    with atomic_write(path, size=len(header) + 4 * values.size) as partial:
+        partial.write_bytes(header + values.values[::-1].astype("<f4").tobytes())
 
 
 def write_workbook(sheets: Mapping[str, pd.DataFrame], path: str | Path) -> None:
@@ -200,7 +200,7 @@ def write_workbook(sheets: Mapping[str, pd.DataFrame], path: str | Path) -> None
     with pd.ExcelWriter(content, engine="openpyxl") as book:
         for name, frame in sheets.items():
             if len(frame):
-                frame.to_excel(book, sheet_name=name, index=False, freeze_panes=(1, 0))
+                frame.map(as_words).to_excel(book, sheet_name=name, index=False, freeze_panes=(1, 0))
     with atomic_write(path, size=content.tell()) as partial:
         partial.write_bytes(content.getvalue())
 

@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from xarray.core.indexing import IndexSelResult
 
 from roughcontact.errors import InputFileError
 from roughcontact.results.storage import read_dataset
+
+# what `Index.sel` returns: the type has no public name, so that one of xarray's own indexes is asked
+_Selection: Any = type(xr.indexes.PandasIndex([0.0], "load").sel({"load": 0.0}))
 
 
 def read_statistics(path: str | Path) -> xr.Dataset:
@@ -77,34 +79,32 @@ class _MeanPressureIndex(xr.Index):
 
     def isel(self, indexers: Mapping[Any, Any]) -> "_MeanPressureIndex | None":
         """Return the index of a part; None where a single load is left."""
-        selected = self.pressures.isel(
+        pressures = self.pressures.isel(
             {dim: indexer for dim, indexer in indexers.items() if dim in self.pressures.dims}
         )
-        return _MeanPressureIndex(self.name, selected) if "load" in selected.dims else None
+        return _MeanPressureIndex(self.name, pressures) if "load" in pressures.dims else None
 
-    def sel(
-        self, labels: dict[Any, Any], method: str | None = None, tolerance: float | None = None
-    ) -> IndexSelResult:
+    def sel(self, labels: dict[Any, Any], method: str | None = None, tolerance: float | None = None) -> Any:
         """Return the place of the load at one pressure, or at several, for each surface."""
         ((name, label),) = labels.items()
         if method not in (None, "nearest"):
             raise ValueError(f'{name}: method = {method!r} is not one of None, "nearest"')
-        requested = np.asarray(label, float)
-        if requested.ndim > 1:
+        pressures = np.asarray(label, float)
+        if pressures.ndim > 1:
             raise ValueError(f"{name}: give a pressure or a list of them, not a table")
-        requested_variable = xr.Variable(["asked"] if requested.ndim else [], requested)
+        requested_variable = xr.Variable(["asked"] if pressures.ndim else [], pressures)
         distances = abs(self.pressures - requested_variable).fillna(np.inf)
-        allowed = 0.0 if method is None else np.inf if tolerance is None else float(tolerance)
-        if not (distances.min("load") <= allowed).all():
-            solved = np.unique(self.pressures.values[np.isfinite(self.pressures.values)])
-            listed = ", ".join(f"{pressure:.6g}" for pressure in solved)
-            raise KeyError(f'{name} = {label} Pa is none of the loads {listed}; try method="nearest"')
+        max_distance = 0.0 if method is None else np.inf if tolerance is None else float(tolerance)
+        if not (distances.min("load") <= max_distance).all():
+            solved_pressures = np.unique(self.pressures.values[np.isfinite(self.pressures.values)])
+            loads_text = ", ".join(f"{pressure:.6g}" for pressure in solved_pressures)
+            raise KeyError(f'{name} = {label} Pa is none of the loads {loads_text}; try method="nearest"')
         nearest = distances.argmin("load")
-        if requested.ndim:
+        if pressures.ndim:
             nearest = xr.Variable(["load" if dim == "asked" else dim for dim in nearest.dims], nearest.values)
         elif not nearest.ndim:
-            return IndexSelResult({"load": int(nearest)})
-        return IndexSelResult({"load": nearest})
+            return _Selection({"load": int(nearest)})
+        return _Selection({"load": nearest})
 
     def equals(self, other: xr.Index, **_: Any) -> bool:
         """Return whether another index holds the same pressures."""

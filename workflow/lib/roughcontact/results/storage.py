@@ -4,9 +4,10 @@ import errno
 import json
 import os
 import platform
+import re
 import shutil
 import subprocess
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -18,16 +19,19 @@ import pandas as pd
 import xarray as xr
 
 from roughcontact import __version__
+from roughcontact.arguments.measurement import file_attributes, map_attributes
+from roughcontact.arguments.settings.stages import origin_id
+from roughcontact.arguments.si import labelled_in_si
+from roughcontact.arguments.variables import describe
 from roughcontact.errors import InputFileError, OutputFileError, RoughContactError
 from roughcontact.io.guards import brief
 from roughcontact.io.seal import WAY_OUT, check_seal, seal
-from roughcontact.si import labelled_in_si
-from roughcontact.variables import describe
 
 if TYPE_CHECKING:
     import netCDF4
 
 _FORMULA = tuple("=+-@\t\r")  # first letters of a formula in a spreadsheet
+_UNPRINTABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")  # no characters of XML
 
 
 class Array(NamedTuple):
@@ -43,7 +47,6 @@ _MAP_CHUNK = (1, 512, 1024)  # chunk of a map: loads are read one by one
 _AS_NOISE = ("gap",)  # nearly random digits: compression takes longer than the solution, and saves a sixth
 _CACHE = 2**20  # bytes of a variable that are kept in memory: less than a chunk
 _BYTES_OF_MAPS = 17  # at most, of a point under one load: pressure, gap and contact
-_SEALED = "CRC-32 in the last line of the file"  # the attribute `digest`: without that line the file is cut
 
 
 # packages that may affect a number, as far as they are installed; Snakemake started the jobs
@@ -60,10 +63,13 @@ _TITLES = {
     "height": "Heights as measured",
     "levelled": "Levelled heights",
     "window": "Periodic window",
+    "overview": "Coarser maps around",
     "contact": "Solution of the contact",
     "uncertainty": "Error budget of the contact",
     "statistics": "Statistics of the contact",
     "residual": "Surface after the load",
+    "worn": "Surfaces worn by sliding",
+    "sliding": "Friction of sliding rubber",
 }
 
 
@@ -115,15 +121,15 @@ def _commit() -> str:
         return ""
     command = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
     with suppress(OSError, subprocess.SubprocessError):
-        completed = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
-        return completed.stdout.strip()
+        process = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
+        return process.stdout.strip()
     return ""
 
 
 def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     """Write a dataset as netCDF-4, to a temporary name first, so that no half file is ever seen.
 
-    Every variable gets its unit and description from `roughcontact.variables`; lengths and pressures that
+    Every variable gets its unit and description from `arguments.variables`; lengths and pressures that
     state another unit are converted. Arrays of 4096 elements and more are compressed (fastest zlib, byte
     shuffle), but for the gap. The last line is a checksum, which every function that reads results compares.
 
@@ -137,7 +143,7 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     Raises
     ------
     RoughContactError
-        where a variable is not in the table of `roughcontact.variables`.
+        where a variable is not in the table of `roughcontact.arguments.variables`.
     OutputFileError
         where the disk is full or the folder may not be written.
 
@@ -151,11 +157,11 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     """
     if isinstance(dataset, xr.DataArray):
         name = dataset.name or "height"
-        converted = labelled_in_si(dataset.to_dataset(name=name))
-        converted = converted.assign_attrs(converted[name].attrs)
+        result = labelled_in_si(dataset.to_dataset(name=name))
+        result = result.assign_attrs(result[name].attrs)
     else:
-        converted = labelled_in_si(dataset)
-    dataset = describe(converted)
+        result = labelled_in_si(dataset)
+    dataset = describe(result)
     with atomic_write(path, size=dataset.nbytes) as partial:
         _write(dataset, partial)
 
@@ -171,17 +177,28 @@ def _write(dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w") ->
             continue
         if variable.size >= _COMPRESSED_FROM:
             encoding[name] |= _packed(str(name), variable)
+    dataset = _with_attributes(dataset.copy(deep=False), file_attributes)
     with _uncached():
-        dataset.assign_attrs(digest=_SEALED).to_netcdf(path, engine="netcdf4", mode=mode, encoding=encoding)
+        dataset.to_netcdf(path, engine="netcdf4", mode=mode, encoding=encoding)
     seal(path)
+
+
+def _with_attributes(
+    dataset: xr.Dataset, change: Callable[[Mapping[str, Any]], dict[str, Any]]
+) -> xr.Dataset:
+    """Change the attributes of a dataset with a height map, and of the map; return the dataset."""
+    if "height" in dataset.variables:
+        dataset.attrs = change(dataset.attrs)
+        dataset["height"].attrs = change(dataset["height"].attrs)
+    return dataset
 
 
 def _packed(name: str, variable: xr.Variable | xr.DataArray) -> dict[str, Any]:
     """Return the encoding of a large variable; maps of loads in chunks of one load."""
-    packed = {} if name in _AS_NOISE else _COMPRESSION
+    encoding = {} if name in _AS_NOISE else _COMPRESSION
     if variable.dims[1:] != ("y", "x"):
-        return packed
-    return packed | {"chunksizes": tuple(map(min, _MAP_CHUNK, variable.shape))}
+        return encoding
+    return encoding | {"chunksizes": tuple(map(min, _MAP_CHUNK, variable.shape))}
 
 
 class LoadByLoad:
@@ -281,12 +298,11 @@ def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
 
     `InputFileError` for a missing or damaged file may also be raised within the block.
     """
-    with _readable(path) as sealed:
+    with _readable(path):
         with _uncached():
             dataset = xr.open_dataset(path, engine="netcdf4")
         with dataset:
-            _take_digest(dataset.attrs, path, sealed)
-            yield dataset
+            yield _with_attributes(dataset, map_attributes)
 
 
 @contextmanager
@@ -297,38 +313,30 @@ def _uncached() -> Iterator[None]:
     """
     from netCDF4 import get_chunk_cache, set_chunk_cache
 
-    before = get_chunk_cache()
+    previous = get_chunk_cache()
     set_chunk_cache(_CACHE)
     try:
         yield
     finally:
-        set_chunk_cache(*before)
+        set_chunk_cache(*previous)
 
 
 @contextmanager
-def _readable(path: str | Path) -> Iterator[int]:
-    """Yield the bytes of the seal of a result file; raise an `InputFileError` where it cannot be read."""
-    sealed = 0
+def _readable(path: str | Path) -> Iterator[None]:
+    """Raise an `InputFileError` where a result file cannot be read within the block."""
+    seal_size = 0
     try:
-        yield (sealed := check_seal(path))
-    except RoughContactError:
+        seal_size = check_seal(path)
+        yield
+    except (RoughContactError, ImportError):
         raise
     except Exception as error:  # the libraries raise errors of many types on what is damaged
-        if sealed:  # the content is as it was written: something else is wrong
+        if seal_size:  # the content is as it was written: something else is wrong
             raise
         if isinstance(error, FileNotFoundError):
             raise InputFileError(f"{path}: no such file; check the path") from error
         why = brief(error)
         raise InputFileError(f"{path}: not readable as netCDF ({why}); {WAY_OUT}") from error
-
-
-def _take_digest(attrs: dict[str, Any], path: str | Path, sealed: int) -> None:
-    """Remove the attribute that a file has of its seal; raise an `InputFileError` where there is no seal."""
-    if attrs.pop("digest", None) and not sealed:
-        raise InputFileError(
-            f"{path}: states a {_SEALED}, which is not there: cut off, or changed by another program; "
-            f"{WAY_OUT}, or, if it is to be read as it is, remove its attribute `digest`"
-        )
 
 
 def read_arrays(path: str | Path) -> tuple[dict[str, Array], dict[str, Any]]:
@@ -344,14 +352,19 @@ def read_arrays(path: str | Path) -> tuple[dict[str, Array], dict[str, Any]]:
     """
     from netCDF4 import Dataset
 
-    with _readable(path) as sealed, Dataset(path) as file:
+    with _readable(path), Dataset(path) as file:
         file.set_auto_maskandscale(False)
         arrays = {
             name: Array(variable.dimensions, variable[...]) for name, variable in file.variables.items()
         }
-        attrs = {name: file.getncattr(name) for name in file.ncattrs()}
-        _take_digest(attrs, path, sealed)
+        attrs = map_attributes({name: file.getncattr(name) for name in file.ncattrs()})
         return arrays, attrs
+
+
+def check_origin(attrs: Mapping[str, Any], path: str | Path, origin: str) -> None:
+    """Raise an `InputFileError` where the attributes of a file are not of an `origin` that is not empty."""
+    if origin and origin_id(str(attrs.get("settings")), str(attrs.get("source_sha256"))) != origin:
+        raise InputFileError(f"{path}: belongs to other settings or another measured file; {WAY_OUT}")
 
 
 def write_table(frame: pd.DataFrame, path: str | Path) -> None:
@@ -368,16 +381,21 @@ def table_text(frame: pd.DataFrame) -> str:
     >>> table_text(pd.DataFrame({"surface": ["=1"], "load": [1 / 3]}))
     "surface,load\n'=1,0.3333333333\n"
     """
-    # an apostrophe keeps spreadsheets from taking = + - @ for the start of a formula
-    frame = frame.map(lambda cell: f"'{cell}" if isinstance(cell, str) and cell[:1] in _FORMULA else cell)
-    return str(frame.to_csv(index=False, float_format="%.10g", lineterminator="\n"))
+    return str(frame.map(as_words).to_csv(index=False, float_format="%.10g", lineterminator="\n"))
 
 
-def read_table(path: str | Path) -> pd.DataFrame:
-    """Read a table written by `write_table`, its texts as they were."""
-    return pd.read_csv(path).map(
-        lambda cell: cell[1:] if isinstance(cell, str) and cell[:1] == "'" and cell[1:2] in _FORMULA else cell
-    )
+def as_words(cell: Any) -> Any:
+    r"""Return a cell whose text no spreadsheet takes for a formula, without characters that it cannot hold.
+
+    Examples
+    --------
+    >>> as_words("=1"), as_words("\x1b[31m"), as_words(2.5)
+    ("'=1", '\ufffd[31m', 2.5)
+    """
+    if not isinstance(cell, str):
+        return cell
+    cell = _UNPRINTABLE.sub("\ufffd", cell)
+    return f"'{cell}" if cell[:1] in _FORMULA else cell
 
 
 def write_text(text: str, path: str | Path) -> None:
@@ -398,6 +416,7 @@ def atomic_write(path: str | Path, *, size: int) -> Iterator[Path]:
     partial = path.with_name(f".{path.name}.partial")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        partial.unlink(missing_ok=True)  # a link would lead elsewhere
         yield partial
         partial.replace(path)
     except (OSError, RuntimeError) as error:  # netCDF says RuntimeError, and nothing about the reason
@@ -411,6 +430,8 @@ def atomic_write(path: str | Path, *, size: int) -> Iterator[Path]:
 
 def _why_not_written(folder: Path, error: Exception, size: int) -> str | None:
     """Return why nothing can be written to a folder, and the way out; None for other reasons."""
+    if os.sep == "/" and "\\" in str(folder.absolute()):
+        return "netCDF takes the backslash in its path for a separator: rename that folder"
     code = getattr(error, "errno", None)
     existing = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
     free, may_write = shutil.disk_usage(existing).free, os.access(existing, os.W_OK)

@@ -1,0 +1,82 @@
+"""Whether what is allowed holds, in words, with the load from which on it does."""
+
+import numpy as np
+
+from roughcontact.arguments.answers import ALLOWED_VALUES
+from roughcontact.arguments.quantities import quantity
+from roughcontact.arguments.variables import Numbers
+from roughcontact.report.units import unit_of
+from roughcontact.statistics.kinds import load_in_words
+
+HOLDS, FAILS, NOT_DECIDED = "holds", "does not hold", "not decided"
+
+
+def stated_allowed(numbers: Numbers, answer: str = "") -> list[str]:
+    """Return the names of the allowed values of numbers, of one of the answers alone."""
+    return [
+        name
+        for name, allowed in ALLOWED_VALUES.items()
+        if f"{name}_holds" in numbers and answer in ("", allowed.answer)
+    ]
+
+
+def allowed_in_words(numbers: Numbers, name: str, index: int) -> str:
+    """Return whether an allowed value holds at a load, and from which one on.
+
+    Examples
+    --------
+    >>> bounds = {"leak_holds_from": 1.8e6, "leak_holds_from_lower": 1.2e6, "leak_holds_from_upper": 3.4e6}
+    >>> numbers = {"contact_modulus": 1e9, "mean_pressure": [1e6], "allowed_leak": 3e-10}
+    >>> allowed_in_words(numbers | bounds | {"leak_holds": [np.nan]}, "leak", 0)
+    'leak of at most 1.08 ml/h: not decided, would be from 1.80 MPa on (1.20 MPa to 3.40 MPa)'
+    """
+    allowed, holds = ALLOWED_VALUES[name], float(numbers[f"{name}_holds"][index])
+    limit = float(numbers[f"allowed_{name}"])
+    text = quantity(limit, "Pa") if allowed.unit == "Pa" else unit_of(numbers, allowed.unit).text(limit)
+    word, link = {1.0: (HOLDS, ""), 0.0: (FAILS, "would ")}.get(holds, (NOT_DECIDED, "would be "))
+    sentence = f"{allowed.words} of at {allowed.bound} {text}: {word}, {link}{_load_in_words(numbers, name)}"
+    return f"{sentence}{_roughness_in_words(numbers, name, index)}"
+
+
+def _roughness_in_words(numbers: Numbers, name: str, index: int) -> str:
+    """Return up to which Sq a requirement holds, after its sentence; empty where it is not known.
+
+    Examples
+    --------
+    >>> bounds = {"gap_largest_Sq_lower": [1.1e-7], "gap_largest_Sq_upper": [1.6e-7]}
+    >>> _roughness_in_words({"gap_largest_Sq": [1.4e-7]} | bounds, "gap", 0)
+    '; holds for Sq up to 140 nm (110 nm to 160 nm) of this texture'
+    """
+    names = [f"{name}_largest_Sq{end}" for end in ("", "_lower", "_upper")]
+    if names[0] not in numbers or not np.isfinite(np.asarray(numbers[names[0]])[index]):
+        return ""
+    largest, *bounds = (float(np.asarray(numbers[each])[index]) for each in names)
+    interval = " to ".join(quantity(bound, "m") for bound in bounds) if np.isfinite(bounds).all() else ""
+    return (
+        f"; holds for Sq up to {quantity(largest, 'm')}{f' ({interval})' if interval else ''} of this texture"
+    )
+
+
+def _load_in_words(numbers: Numbers, name: str) -> str:
+    """Return the load from which on, or up to which, an allowed value holds, with its bounds."""
+    crossing, lower, upper = (float(numbers[f"{name}_holds_from{end}"]) for end in ("", "_lower", "_upper"))
+    loads = np.asarray(numbers["mean_pressure"], float)
+    rises = ALLOWED_VALUES[name].trend > 0
+
+    def text(load: float) -> str:
+        return load_in_words(load, numbers)[1]
+
+    bounds = [f"{text(lower)} or more" if lower > 0 else "", f"{text(upper)} or less" if upper > 0 else ""]
+    interval = f"{text(lower)} to {text(upper)}" if all(bounds) else "".join(bounds)
+    if np.isnan(crossing):
+        sentence = "below the loads solved" if rises else "beyond the loads solved"
+    elif rises:
+        at_all = crossing == loads.max() and not upper > 0
+        sentence, interval = f"up to {text(crossing)}", "" if at_all else interval
+        sentence += " at least" if at_all else ""
+    elif crossing == loads.min() and lower == 0:
+        sentence = f"at {text(crossing)} already"
+        interval = "" if upper == crossing else interval
+    else:
+        sentence = f"from {text(crossing)} on"
+    return f"{sentence} ({interval})" if interval else sentence

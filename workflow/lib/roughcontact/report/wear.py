@@ -1,0 +1,63 @@
+"""Running-in on the page: maps before and after, the contact over the distance, when it settles."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.arguments.answers import AREA, CONDUCTANCE, GAP, PEAK, TITLES
+from roughcontact.arguments.quantities import number
+from roughcontact.report.charts import Axis, Chart, log_axis
+from roughcontact.report.course import course_chart, course_section
+from roughcontact.report.template import sentence
+from roughcontact.report.units import unit_of
+from roughcontact.results.storage import read_dataset
+
+_DRAWN = (AREA, PEAK, GAP, CONDUCTANCE, "leak_rate_x", "leak_rate_y")
+_HEIGHTS = {"Sq": "root mean square", "Spk": "reduced peaks", "Svk": "reduced dales"}
+
+
+def wear_of(name: str, worn: str | Path, folder: Path) -> dict[str, Any]:
+    """Return pictures by label, the sentence of a worn face, and the link from `folder`."""
+    from roughcontact.report.map_plots import height_map  # with all that levels maps, for few pages
+
+    over = read_dataset(worn)
+    images = {
+        f"heights {when}": height_map(over["height"].isel(sliding_distance=index)).source()
+        for when, index in (
+            ("before wear", 0),
+            (f"after {number(over['sliding_distance'].values[-1])} m", -1),
+        )
+    }
+    charts = {TITLES[result]: course_chart(over, result, *_axis(over)) for result in _DRAWN if result in over}
+    charts["height parameters"] = _parameters(over)
+    images |= {f"{label} over the distance": chart.source() for label, chart in charts.items()}
+    ends = ("", "_lower", "_upper")
+    settled = [over[f"running_in_distance{end}"].item() for end in ends]
+    last = {
+        str(key): over[key].values[-1].item()
+        for key in ("sliding_distance", "worn_volume", "max_worn_depth", "time_error_bound", "mean_pressure")
+        if key in over
+    }
+    areas = over[AREA].values[[0, -1]].tolist()
+    text = sentence("runs_in", last, settled, areas, over["Sq"].values[[0, -1]].tolist())
+    return course_section(name, worn, folder, images=images, text=text)
+
+
+def _axis(over: xr.Dataset) -> tuple[np.ndarray, Axis]:
+    """Return the distances (m) and their axis; the face as it is stands at the left end."""
+    distances = over["sliding_distance"].values.copy()
+    distances[distances == 0] = distances[distances > 0].min() / 3
+    return distances, log_axis("sliding distance s (m), the first: none", distances, room=1.3)
+
+
+def _parameters(over: xr.Dataset) -> Chart:
+    """Draw height parameters against the distance."""
+    distances, x_axis = _axis(over)
+    unit = unit_of(over.isel(sliding_distance=0), "m")
+    curves = {f"{name}, {words}": over[name].values * unit.factor for name, words in _HEIGHTS.items()}
+    chart = Chart(x_axis, log_axis(f"height ({unit.symbol})", np.concatenate([*curves.values()]), room=1.3))
+    for index, (label, values) in enumerate(curves.items()):
+        chart.series(index, distances, values, label=label)
+    return chart
