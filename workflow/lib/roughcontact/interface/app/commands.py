@@ -1,0 +1,100 @@
+"""The commands of the terminal that the page starts: the run, whose screen is a file, and exports."""
+
+import json
+import os
+import shlex
+import sys
+from collections.abc import Mapping
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from subprocess import DEVNULL, STDOUT, Popen, run
+from typing import Any
+
+from roughcontact.arguments.measurement import json_attribute
+from roughcontact.errors import SettingsError
+from roughcontact.interface.app import measurements
+from roughcontact.interface.app.study import check_within_study
+from roughcontact.interface.command_line.saving import EXPORTS
+from roughcontact.report.summary import Summary, read_summary
+from roughcontact.results.storage import opened_dataset
+from snakemake_logger_plugin_roughcontact.screen import BAR, ERASE
+
+RESULTS = Path("results")
+_PROGRAM = [sys.executable, "-P", "-m", "roughcontact.interface"]  # -P: the study is data, not code
+_SCREEN = Path("logs/page.log")
+_WIDEST = "400"  # characters of the bar
+
+
+class Run:
+    """The run that the page has started, if any."""
+
+    process: Popen | None = None
+
+    def start(self) -> None:
+        """Start the command, unless it is at work."""
+        if self.running():
+            return
+        check_within_study(RESULTS, _SCREEN.parent, Path(".snakemake"))
+        _SCREEN.parent.mkdir(exist_ok=True)
+        _SCREEN.unlink(missing_ok=True)
+        with _SCREEN.open("xb") as screen:
+            env = os.environ | {BAR: "1", "COLUMNS": _WIDEST, "PYTHONUNBUFFERED": "1"}
+            self.process = Popen([*_PROGRAM, "run"], env=env, stdin=DEVNULL, stdout=screen, stderr=STDOUT)
+
+    def cancel(self) -> None:
+        """Terminate the command, which ends its jobs, and wait for its end; what is finished stays."""
+        if self.process and self.running():
+            self.process.terminate()
+            self.process.wait()
+
+    def running(self) -> bool:
+        """Return whether the command is at work."""
+        return self.process is not None and self.process.poll() is None
+
+    def state(self) -> dict[str, Any]:
+        """Return how the run stands, the lines of its screen, and the last one with the time left."""
+        code = self.process.poll() if self.process else None
+        written = _SCREEN.read_bytes().decode(errors="replace") if _SCREEN.is_file() else ""
+        *lines, bar = [line.rpartition(ERASE)[2] for line in written.split("\n")]
+        return {"running": self.running(), "code": code, "lines": lines, "bar": bar}
+
+
+def results(settings: Mapping[str, Any] | None) -> dict[str, tuple[Summary, bool]]:
+    """Return the summary of each result with a name that has settings, and whether it is of these.
+
+    Where no settings are known, all results are those of others.
+    """
+    found = {}
+    for panel in sorted(RESULTS.rglob("panel.json")):
+        name = panel.parent.relative_to(RESULTS).as_posix()
+        if settings is None or name in settings:
+            recorded = _settings_of(panel.with_name("statistics.nc"))
+            wanted = None if settings is None else json.loads(json.dumps(settings[name]))
+            found[name] = read_summary(panel), recorded == wanted
+    return found
+
+
+def _settings_of(path: Path) -> Any:
+    """Return the settings that a result was made with; none where they cannot be read."""
+    with suppress(OSError, ValueError):
+        return _read_settings(path, path.stat().st_mtime_ns)
+    return None
+
+
+@cache
+def _read_settings(path: Path, _: int) -> Any:
+    """Return the settings in a file of a given age."""
+    with measurements.READING, opened_dataset(path) as statistics:
+        return json_attribute(statistics.attrs, "settings")
+
+
+def export(result: str, form: str, earlier: str, *, names: Mapping[str, Any] | None) -> tuple[str, str]:
+    """Make one of `EXPORTS` of one of the results; return the command that does it, and what it says."""
+    if not {result, earlier} <= {*results(names)} or form not in EXPORTS:
+        raise SettingsError(f"{result}, {earlier}, {form}: are no results of this study, or no form of them")
+    names = {"folder": RESULTS / result, "before": RESULTS / earlier}
+    arguments = EXPORTS[form][1].format(**names, output=f"exports/{result.replace('/', '-')}").split()
+    check_within_study(RESULTS, Path("exports"))
+    process = run([*_PROGRAM, *arguments], capture_output=True, text=True, check=False)
+    return shlex.join(["roughcontact", *arguments]), (process.stdout + process.stderr).strip()

@@ -1,0 +1,123 @@
+"""The server of the page: on the loopback interface, for one page with the token in its address."""
+
+import asyncio
+import json
+import os
+import secrets
+import signal
+import socket
+import sys
+import time
+import webbrowser
+from functools import partial
+from pathlib import Path
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.datastructures import QueryParams
+from starlette.middleware import Middleware
+from starlette.middleware.base import BaseHTTPMiddleware
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, PlainTextResponse, Response
+from starlette.routing import Mount, Route
+from starlette.staticfiles import StaticFiles
+
+from roughcontact.errors import SettingsError
+from roughcontact.interface.app.access import Claim, Connection, guard
+from roughcontact.interface.app.measurements import heights, save_upload
+from roughcontact.interface.app.page import FOLDER, Page
+from roughcontact.interface.app.study import check_within_study, error_in_words
+from roughcontact.study.run_lock import lock_file
+
+_FAREWELL = 1.5  # s in which a page that is closed says so
+_LOCK, _OPENING = Path(".snakemake/page"), Path(".snakemake/page.html")
+
+
+def application(page: Page, *, token: str, port: int) -> Starlette:
+    """Return the application of the study in the working directory."""
+    claim = Claim()
+
+    async def first(request: Request) -> Response:
+        deadline = time.monotonic() + _FAREWELL  # of the same page before it was loaded again
+        name = claim.open(here="here" in request.query_params)
+        while not name and time.monotonic() < deadline:
+            await asyncio.sleep(0.02)
+            name = claim.open()
+        return HTMLResponse(page.first(name), 200 if name else 409, {} if name else {"Refresh": "2"})
+
+    async def answer(request: Request) -> Response:
+        action, query = request.path_params["action"], request.query_params
+        try:
+            claim.check(query.get("page", ""), closed=action == "leave")
+            if action == "drop":
+                return PlainTextResponse(await save_upload(query.get("name", ""), request.stream()))
+            form = QueryParams(await request.body())
+            if action == "leave" and not form:  # with what was typed last, if anything
+                return PlainTextResponse("")
+            return HTMLResponse(await run_in_threadpool(page.after, action, form))
+        except Exception as error:  # the page says what is wrong, whatever it is
+            return HTMLResponse(page.html(["problem"], problem=error_in_words(error)), status_code=400)
+
+    def picture(request: Request) -> Response:
+        inspection = page.reader.inspections.get(request.path_params["key"], {})
+        return Response(inspection.get("picture"), media_type="image/png")
+
+    def heights_of_row(request: Request) -> Response:
+        try:
+            row = page.context["table"][request.path_params["number"]]
+            content, facts = heights(row, request.query_params.get("box", ""))
+        except Exception as error:
+            return PlainTextResponse(error_in_words(error), status_code=400)
+        return Response(content, headers={"facts": json.dumps(facts)})
+
+    routes = [
+        Route("/", first),
+        Route("/map/{key}", picture),
+        Route("/heights/{number:int}", heights_of_row),
+        Route("/{action}", answer, methods=["POST"]),
+        Mount("/page", StaticFiles(directory=FOLDER)),
+        Mount("/results", StaticFiles(directory="results", check_dir=False)),
+    ]
+    dispatch = partial(guard, token=token, hosts=(f"127.0.0.1:{port}", f"localhost:{port}"))
+    guard_layer = Middleware(BaseHTTPMiddleware, dispatch=dispatch)
+    return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=[guard_layer])
+
+
+def open_in_browser(address: str) -> None:
+    """Open an address by a file that this user alone may read: everybody sees the words of a command."""
+    _OPENING.unlink(missing_ok=True)
+    _OPENING.touch(0o600, exist_ok=False)
+    _OPENING.write_text(f'<meta http-equiv="refresh" content="0; url={address}">', encoding="ascii")
+    webbrowser.open(_OPENING.absolute().as_uri())
+
+
+def serve(folder: Path, *, port: int = 0, browser: bool = True) -> int:
+    """Open the page of a study folder, which is made if there is none, and serve it until interrupted."""
+    folder.mkdir(parents=True, exist_ok=True)
+    os.chdir(folder)
+    check_within_study(_LOCK)
+    _LOCK.parent.mkdir(exist_ok=True)
+    with _LOCK.open("ab") as lock, socket.create_server(("127.0.0.1", port)) as listener:
+        if os.name != "nt" and lock_file(lock.fileno()) is False:
+            raise SettingsError(
+                f"{Path.cwd()}: its page is open already, by another `roughcontact app`: use that one, or "
+                "end it first (Ctrl-C where it was started)"
+            )
+        token, page, port = secrets.token_urlsafe(24), Page(), listener.getsockname()[1]
+        address = f"http://127.0.0.1:{port}/{token}/"
+        print(f"{Path.cwd()}: {address}\nCtrl-C ends the page, and a run that it has started.", flush=True)
+        app = application(page, token=token, port=port)
+        # the backlog is what asyncio accepts at once, before a connection can make room
+        limits = {"backlog": 50, "timeout_graceful_shutdown": 1}
+        config = uvicorn.Config(app, http=Connection, log_config=None, ws="none", **limits)  # type: ignore[arg-type]
+        # uvicorn raises the signal again: it ends the program by what follows
+        signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
+        try:
+            if browser:
+                open_in_browser(address)
+            uvicorn.Server(config).run(sockets=[listener])
+        finally:
+            page.run.cancel()
+            _OPENING.unlink(missing_ok=True)
+    return 0

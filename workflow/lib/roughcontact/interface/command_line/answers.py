@@ -1,0 +1,164 @@
+"""The answers of `roughcontact solve` on the screen: the cells and sentences of the page, as text."""
+
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import compress
+from typing import Any
+
+import xarray as xr
+
+from roughcontact.arguments.answers import AREA, TABLES
+from roughcontact.arguments.kinds import facts_of
+from roughcontact.arguments.quantities import percent, quantity
+from roughcontact.interface.command_line.describe import labelled_line, points_in_words
+from roughcontact.report import facts
+from roughcontact.report.asked import bodies_in_words
+from roughcontact.report.budget_plots import largest_parts, wider_intervals
+from roughcontact.report.glance import (
+    HEADINGS,
+    NOT_JUDGED,
+    Cell,
+    answer_line,
+    asked_columns,
+    glance_rows,
+    glance_units,
+)
+from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
+from roughcontact.report.groups import group_cells
+from roughcontact.report.methods import interval_measurand
+from roughcontact.report.tables import number_tables
+from roughcontact.uncertainty.groups import is_range
+
+_TABLE_WIDTH = 130
+_ABOUT_GROUPS = "95 %: ± of the mean of the finish, and of one more map"
+
+
+def solution(result: Mapping[str, Any], statistics: xr.Dataset) -> str:
+    """Return the answers of a result of `solve_file`, as the page has them, and checks that did not pass."""
+    window, settings = result["window"], result["settings"]
+    flags = [load["flags"] for load in result["loads"]]
+    order = statistics["mean_pressure"].argsort().values.tolist()
+    numbers, flags = statistics.isel(load=order), [flags[index] for index in order]
+    lengths = [
+        quantity(result["surface"][f"window_length_{axis}"], "m") for axis in "xy" if window[f"n{axis}"] > 1
+    ]
+    size = f"{points_in_words(window)}, {' × '.join(lengths)}"
+    body = facts_of(settings["contact"]).noun or f"made periodic: {window['periodisation']}"
+    lines = [
+        ("levelled", result["levelled"]["removed_and_filled"]),
+        ("window", f"{size}, {percent(window['share'])} of the map, {body}"),
+        ("bodies", bodies_in_words(settings["contact"])),
+        *facts.number_facts(numbers),
+        *_bodies_at_loads(numbers),
+    ]
+    shortest, corrected = window.get("shortest_wavelength"), window.get("corrected_for")
+    measurand = interval_measurand(numbers, settings["uncertainty"])
+    remarks = [
+        ("waves", f"longer than {quantity(shortest, 'm')}" if shortest else ""),
+        ("corrected", f"for {corrected}" if corrected else ""),
+        ("±", f"for {measurand}" if measurand else ""),
+        *wider_intervals(numbers)[0].items(),
+        ("verdict", _verdict(result)),
+        ("with overview", result["overview"]),
+        ("largest part", largest_parts(numbers)),
+        ("to halve the ±", result["halve"]),
+        ("for ± 10 %", result["places"]),
+        *((check["name"], check["sentence"]) for check in result["checks"] if check["outcome"] != "passed"),
+    ]
+    rows = glance_rows(numbers, indices=range(len(flags)))
+    return "\n".join(
+        [
+            str(result["file"]),
+            *_lines([("answer", answer_line(numbers, len(flags) - 1, rows[-1])), *lines]),
+            "",
+            *answers(numbers, rows, flags),
+            "",
+            *_lines(remarks),
+        ]
+    )
+
+
+def answers(
+    numbers: xr.Dataset, cells_of_loads: Sequence[Sequence[Cell]], flags: Sequence[Sequence[str]]
+) -> list[str]:
+    """Return the lines of the table of what is asked for at all loads, and one of what is judged at none."""
+    places = asked_columns([numbers])
+    headings = [HEADINGS[place] for place in places]
+    rows = [[cells[place] for place in places] for cells in cells_of_loads]
+    judged = [any(cell.text != NOT_JUDGED for cell in column) for column in zip(*rows, strict=True)]
+    unanswered = [
+        ", ".join(filter(None, (heading, cell.details)))
+        for heading, cell, is_judged in zip(headings, rows[0], judged, strict=True)
+        if not is_judged
+    ]
+    table = _table([*compress(headings, judged)], [[*compress(row, judged)] for row in rows], flags)
+    return [*table, *_lines([(NOT_JUDGED, "; ".join(unanswered))])]
+
+
+def _lines(named: Iterable[tuple[str, str]]) -> list[str]:
+    """Return a line for each label with a text."""
+    return [labelled_line(label, text) for label, text in named if text]
+
+
+def _verdict(result: Mapping[str, Any]) -> str:
+    """Return the verdict on a map, and the answers that have another one."""
+    answers: dict[str, list[str]] = {}
+    for answer, verdict in result["verdicts"].items():
+        if verdict != result["verdict"]:
+            answers.setdefault(verdict, []).append(answer)
+    return "; ".join(
+        [result["verdict"], *(f"{verdict}: {', '.join(names)}" for verdict, names in answers.items())]
+    )
+
+
+def group(result: Mapping[str, Any], answer: xr.Dataset | None) -> str:
+    """Return the numbers of several maps together, by `solve_files`, and a line about each map."""
+    lines = [f"{result['group']['maps']} maps together", ""]
+    if answer is None:
+        lines.append(labelled_line("no group", result["group"]["none"]))
+    else:
+        (units,) = glance_units([answer])
+        rows = [group_cells(answer, units, index) for index in range(answer.sizes["load"])]
+        lines += [*_table(GROUP_HEADINGS, rows), ""]
+        lines += [] if is_range(answer) else [labelled_line("intervals", _ABOUT_GROUPS)]
+        lines += [labelled_line("remark", text) for text in result["group"]["remarks"]]
+    for entry in result["maps"]:
+        areas = ", ".join(percent(load[AREA]) for load in entry["loads"])
+        lines += ["", str(entry["file"]), *_lines([("A/A₀", areas), ("verdict", _verdict(entry))])]
+    return "\n".join(lines)
+
+
+def _bodies_at_loads(numbers: xr.Dataset) -> list[tuple[str, str]]:
+    """Return the contact of a body of finite size at each load, or of one wider than its map."""
+    loads = range(numbers.sizes["load"])
+    sizes = [("body", facts.size_of_contact(numbers, index)) for index in loads]
+    lines = [line for line in sizes if line[1]]
+    tables = {table["title"]: table for table in number_tables(numbers, [""] * len(loads))}
+    if wider := tables.get(TABLES["local_contact_area"]):
+        for index, row in enumerate(wider["rows"]):
+            force, radius = (float(numbers[name][index]) for name in ("force", "hertz_radius"))
+            cells = zip(wider["header"][1:], row["cells"][1:], strict=True)
+            texts = [f"{title} {text} {unit}" for (title, unit, _), text in cells]
+            lines.append(
+                (f"at {quantity(force, 'N')}", ", ".join([f"radius {quantity(radius, 'm')}", *texts]))
+            )
+    return lines
+
+
+def _table(
+    headings: Sequence[str], rows: Iterable[Sequence[Cell]], flags: Sequence[Sequence[str]] = ()
+) -> list[str]:
+    """Return the lines of a table: below each number with its interval how well it is known, then `flags`."""
+    from rich.console import Console
+    from rich.table import Table
+
+    remarks = ["remarks"] if any(flags) else []
+    table = Table(*headings, *remarks, box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="")
+    for index, cells in enumerate(rows):
+        texts = ["\n".join(filter(None, (cell.text, cell.details, cell.precision))) for cell in cells]
+        table.add_row(*texts, *([", ".join(flags[index])] if remarks else []))
+    page = io.StringIO()
+    Console(
+        file=page, width=_TABLE_WIDTH, color_system=None, markup=False, emoji=False, highlight=False
+    ).print(table)
+    return [f"  {line}".rstrip() for line in page.getvalue().splitlines()]

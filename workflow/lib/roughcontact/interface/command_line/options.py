@@ -1,0 +1,193 @@
+"""The settings as options: `level.form` is `--level-form`, `contact.tolerance` is `--tolerance`.
+
+Names, meanings, defaults and checks are those of `roughcontact.arguments.settings`.
+"""
+
+import os
+from argparse import ArgumentParser, Namespace, _ArgumentGroup
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic.fields import FieldInfo
+
+from roughcontact.arguments.settings.fields import fields_at, grouped, is_list
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.errors import SettingsError
+
+# settings for the workflow alone, or with an option of their own here
+_WITHOUT_OPTION = {"bodies", "keep_fields", "unload"}
+_BODY = ("youngs_modulus", "poissons_ratio", "hardness")
+_LAYER = ("thickness", "youngs_modulus", "poissons_ratio")
+_LOADS = ("mean_pressure", "relative_pressure", "force")  # one or the other
+_HEADINGS = {  # of the sections of settings
+    "contact": "contact (give --contact-modulus or --body twice)",
+    "level": "levelling",
+    "window": "periodic window",
+    "form": "form of a body of finite size (--boundary free)",
+    "uncertainty": "error budget, the ± of the numbers",
+    "instrument": "what is known of the instrument, for the ±",
+}
+
+
+def add_settings(parser: ArgumentParser) -> None:
+    """Add an option for each setting of the stages to the parser of `roughcontact solve`."""
+    groups = {section: parser.add_argument_group(heading) for section, heading in _HEADINGS.items()}
+    elasticity, loads = (groups["contact"].add_mutually_exclusive_group() for _ in range(2))
+    together = {"contact_modulus": elasticity} | dict.fromkeys(_LOADS, loads)
+    for section, key, option, field in _options():
+        text = field.description or ""
+        default_value = field.get_default(call_default_factory=True)
+        if default_value is not None:
+            default_text = " ".join(default_value) if isinstance(default_value, list) else str(default_value)
+            text += f" (default: {default_text.lower() if isinstance(default_value, bool) else default_text})"
+        together.get(key, groups[section]).add_argument(
+            option,
+            dest=f"{section}.{key}",
+            metavar="VALUE",
+            nargs="*" if is_list(field.annotation) else None,
+            help=text.replace("%", "%%"),
+        )
+    add_body(elasticity)
+    parser.add_argument(
+        "--threads",
+        type=int,
+        default=min(4, os.cpu_count() or 1),
+        metavar="NUMBER",
+        help="threads of the solve (default: %(default)s)",
+    )
+
+
+def add_body(parser: ArgumentParser | _ArgumentGroup) -> None:
+    """Add the option for the materials."""
+    parser.add_argument(
+        "--body",
+        nargs="+",
+        action="append",
+        metavar=("NAME | E NU", "H | KEY=VALUE"),
+        help="name of a material (steel, NBR), or Young's modulus (Pa), Poisson's ratio and, if known, "
+        "hardness (Pa) of one body; give it twice; units are allowed: 210GPa 0.3 2GPa. Other properties by "
+        "their keys, electrical_resistivity=1.7e-8; layers, the outermost first: layer=THICKNESS,E,NU or "
+        "layer=THICKNESS,NAME",
+    )
+
+
+def keys_in_words(section: str) -> str:
+    """Return the keys of a section with what they are, those that it needs first and without brackets.
+
+    Examples
+    --------
+    >>> keys_in_words("statistics.joint").split("; ")[-2][:16]
+    '[film_thickness='
+    """
+    fields = fields_at(section.split("."))
+    required = sorted(fields.items(), key=lambda entry: not entry[1].is_required())
+    words = [f"{key}= {field.description or ''}" for key, field in required]
+    return "; ".join(
+        text if field.is_required() else f"[{text}]" for text, (_, field) in zip(words, required, strict=True)
+    )
+
+
+def parse_bodies(texts: Sequence[Sequence[str]]) -> list[str | dict[str, Any]]:
+    """Return the two bodies, as in the configuration, from what `--body` was given."""
+    if len(texts) != 2:
+        times = "once" if len(texts) == 1 else f"{len(texts)} times"
+        raise SettingsError(f"--body is given {times}; give it twice, one for each body")
+    bodies: list[str | dict[str, Any]] = []
+    for text in map(_hardness_in_the_name, texts):
+        values = [argument for argument in text if "=" not in argument]
+        if files := [value for value in values[1:] if Path(value).exists()]:
+            raise SettingsError(f"--body {' '.join(text)}: {files[0]} is a file; files go before --body")
+        if len(values) > 3 or (len(values) == 1 and values[0][:1].isdigit()):
+            raise SettingsError(
+                f"--body {' '.join(text)}: has {len(values)} values; give the name of a material, or "
+                "Young's modulus, Poisson's ratio and, if known, hardness"
+            )
+        plain = [argument for argument in text if not argument.startswith("layer=")]
+        body: dict[str, Any] = keyed("--body", plain, names=_BODY, by_name=("material",))
+        if layers := [
+            argument.removeprefix("layer=").split(",") for argument in text if argument.startswith("layer=")
+        ]:
+            names = {"names": _LAYER, "by_name": ("thickness", "material")}
+            body["layers"] = [keyed("--body layer", layer, **names) for layer in layers]
+        bodies.append(body["material"] if list(body) == ["material"] else body)
+    return bodies
+
+
+def _hardness_in_the_name(words: Sequence[str]) -> list[str]:
+    """Return the words of a body with the name of an elastomer and its hardness, NBR 70 Shore A, as one."""
+    plain = [word for word in words if "=" not in word]
+    is_name = len(plain) > 1 and plain[0][:1].isalpha() and plain[1][:1].isdigit()
+    return [" ".join(plain), *(word for word in words if "=" in word)] if is_name else [*words]
+
+
+def keyed(
+    option: str, arguments: Sequence[str], *, names: Sequence[str] = (), by_name: Sequence[str] = ()
+) -> dict[str, str]:
+    """Return values by their keys, from KEY=VALUE, after those of `names` (or `by_name`) without a key.
+
+    Examples
+    --------
+    >>> keyed("--body", ["210GPa", "0.3", "yield_stress=400MPa"], names=("youngs_modulus", "poissons_ratio"))
+    {'youngs_modulus': '210GPa', 'poissons_ratio': '0.3', 'yield_stress': '400MPa'}
+    """
+    values = [argument for argument in arguments if "=" not in argument]
+    names = by_name if len(values) == len(by_name) else names
+    pairs = [*zip(names, values, strict=False)]
+    pairs += [
+        (key, value)
+        for key, _, value in (argument.partition("=") for argument in arguments if "=" in argument)
+    ]
+    result = dict(pairs)
+    if len(values) > len(names) or len(result) < len(pairs) or not all(map(all, pairs)):
+        keys = f"{', '.join(names)}, then " if names else ""
+        raise SettingsError(f"{option} {' '.join(arguments)}: give {keys}KEY=VALUE, each key once")
+    return result
+
+
+def chosen_settings(options: Namespace) -> dict:
+    """Return the full settings of a single case, as `resolve` does, from options of `add_settings`."""
+    names = [f"{section}.{key}" for section, key, _, _ in _options()]
+    chosen = {name: value for name in names if (value := getattr(options, name)) is not None}
+    literals: dict[str, Any] = {"null": None, "['null']": None, "['[]']": []}  # as in a configuration
+    config = {"contact": {}} | grouped(
+        {name: literals.get(str(value), value) for name, value in chosen.items()}
+    )
+    if config["contact"].get("contact_modulus") is None and not options.body:
+        raise SettingsError(
+            "no elasticity given; give --contact-modulus (E* in Pa, or as 115GPa), or --body (a name, or E "
+            "NU) twice"
+        )
+    if options.body:
+        config["contact"]["bodies"] = parse_bodies(options.body)
+    return resolve(config)[""]
+
+
+def message_with_options(error: SettingsError) -> str:
+    """Return the message of an error about settings as one sentence that names options."""
+    return "; ".join(_name_options(mistake) for mistake in error.mistakes or (error,))
+
+
+def _name_options(mistake: SettingsError) -> str:
+    """Return the message of one mistake, with its settings replaced by their options."""
+    names = {"contact.bodies": "--body"}
+    for section, key, option, _ in _options():
+        names[f"{section}.{key}"] = option
+        if section == "contact":  # `solve_contact` calls its arguments so
+            names[key] = option
+    message = str(mistake)
+    if mistake.place:  # the sentence begins with the setting; other settings in it are meant as they are
+        setting = "".join(mistake.keys[:1])
+        return names.get(setting, setting) + message.removeprefix(setting)
+    for key in mistake.keys:
+        message = message.replace(key, names.get(key, key))
+    return message
+
+
+def _options() -> Iterator[tuple[str, str, str, FieldInfo]]:
+    """Yield (section, key, option, field) of every setting with an option."""
+    for section in _HEADINGS:
+        for key, field in fields_at([section]).items():
+            if key not in _WITHOUT_OPTION:
+                prefix = "" if section == "contact" else f"{section}-"
+                yield section, key, f"--{prefix}{key.replace('_', '-')}", field

@@ -1,0 +1,567 @@
+"""The program `roughcontact`: its commands and exit codes.
+
+Exit codes: 0 done, 1 a load missed the tolerance or two runs differ, 2 bad input (one sentence on standard
+error), 130 interrupted, 143 terminated, 141 the reader of the output has closed it.
+"""
+
+import argparse
+import errno
+import os
+import shlex
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from roughcontact import __version__
+from roughcontact.errors import (
+    ConvergenceError,
+    HeightMapWarning,
+    InputFileError,
+    RoughContactError,
+    SettingsError,
+)
+from roughcontact.interface.command_line import saving
+from roughcontact.interface.command_line.words import with_units
+from roughcontact.io.request import FILE_OPTIONS
+from roughcontact.study.garbage import collect_rarely
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_BROKEN_PIPE = 141  # exit status that a shell reports for a program ended by SIGPIPE
+_DESCRIPTION = (
+    "True contact area and contact pressures of measured surfaces: of one map, or of a whole study."
+)
+
+# what a person types, at the end of each help
+_EXAMPLES = {
+    "inspect": "roughcontact inspect ground.x3p",
+    "solve": "roughcontact solve ground.x3p --body steel --body NBR 70",
+    "init": "roughcontact init measured/ --body steel --body copper",
+    "run": "roughcontact run, or first roughcontact run -n",
+    "app": "roughcontact app my-study",
+    "methods": "roughcontact methods results/ground",
+    "table": "roughcontact table results/ground -o ground.csv",
+    "compare": "roughcontact compare results-before results",
+    "export": "roughcontact export results/ground -o ground.xlsx",
+    "crate": "roughcontact crate results --configfile config/config.yaml",
+}
+
+# options of `init` for sections of the statistics
+_DERIVED = {
+    "seal": "the fluid that a seal holds, and its width",
+    "joint": "the gas in the gap, and a film on the spots in contact",
+    "requirement": "what the surface has to meet: thermal_resistance, contact_area ...",
+    "friction": "a tangential load, or sliding",
+}
+
+# options of `init` for other settings, by their names, and for columns of the table
+_LOADS_AND_FORM = {
+    "mean-pressure": "nominal pressures, Pa, or with their unit",
+    "force": "forces, N, on the area, or on a body of finite size",
+    "area": "nominal area that carries the force, m2",
+    "form-radius": "of a ball or an ellipsoid, m, on which the map is the roughness (boundary: free)",
+}
+_COLUMNS = {
+    "group": "name of the finish that all files are maps of, for their numbers together",
+    "lay": "of profiles: across (one lay, the profiles across it) or none (alike in all directions)",
+}
+
+_RESULT = "a result: its folder, results/SURFACE, or its file of numbers, statistics.nc or that of solve"
+
+_RUN = """Run the workflow in the working directory, on all cores. Options are passed to Snakemake: -n lists
+the jobs without running them, --cores 1 uses a single core, --configfile FILE takes other settings than
+config/config.yaml, --directory FOLDER works there."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that reports errors in single sentences."""
+
+    def error(self, message: str) -> NoReturn:
+        """Exit with one sentence instead of the whole usage."""
+        stray = message.partition("unrecognized arguments: ")[2]
+        hint = "; write a number and its unit as one word: 5GPa" if stray[:1].isalpha() else ""
+        self.exit(2, f"{self.prog}: {message}{hint}; see {self.prog} --help\n")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the program and return its exit code, one of those at the head of this module."""
+    if arguments is None:  # the process is this program's own
+        collect_rarely()
+        arguments = sys.argv[1:]
+    try:
+        arguments = [*arguments[:1], *with_units(arguments[1:])]
+        parser = _parser(verb="".join(arguments[:1]))
+        if arguments[:1] == ["run"] and not {"-h", "--help"} & set(arguments):
+            options = argparse.Namespace(run=_run, arguments=arguments[1:])  # all for Snakemake
+        else:
+            options = parser.parse_args(arguments)
+        code = options.run(options)
+        sys.stdout.flush()
+        return code
+    except ConvergenceError as error:
+        return _failed(error, 1)
+    except RoughContactError as error:
+        return _failed(error, 2)
+    except BrokenPipeError:  # the reader has closed the output, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the final flush
+        return _BROKEN_PIPE
+    except OSError as error:
+        if error.errno != errno.ENAMETOOLONG:
+            raise
+        return _failed(f"{str(error.filename)[:60]}...: longer than the path of any file; check the path", 2)
+    except KeyboardInterrupt:
+        return _failed("interrupted", 130)
+
+
+def _failed(error: RoughContactError | str, code: int) -> int:
+    """Print an error on standard error, and return the exit code."""
+    print(f"roughcontact: {error}", file=sys.stderr)
+    return code
+
+
+def _parser(*, verb: str) -> argparse.ArgumentParser:
+    """Return the parser; some options of `verb` come from the settings, whose import takes a moment."""
+    parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
+    parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
+    verbs = parser.add_subparsers(
+        required=True,
+        metavar="inspect | solve | init | run | app | methods | table | compare | export | crate",
+    )
+
+    def add_verb(name: str, run: Callable[[argparse.Namespace], int], text: str) -> argparse.ArgumentParser:
+        """Return the parser of one verb, which `run` carries out."""
+        subparser = verbs.add_parser(name, help=text, epilog=f"Example: {_EXAMPLES[name]}")
+        subparser.set_defaults(run=run)
+        return subparser
+
+    inspect = add_verb("inspect", _inspect, "describe the contents of a file, or of all in a folder")
+    inspect.add_argument(
+        "files", nargs="+", metavar="FILE", help="measured height maps, any format, or folders of them"
+    )
+    _add_file_options(inspect)
+
+    solve = add_verb("solve", _solve, "read, level, make periodic and solve maps; print the numbers")
+    solve.add_argument(
+        "files",
+        nargs="+",
+        metavar="FILE",
+        help="a measured height map, any format; of several maps of a finish the numbers of all together",
+    )
+    _add_file_options(solve)
+    if verb == "solve":
+        solve.add_argument(
+            "-o",
+            "--output",
+            type=Path,
+            metavar="RESULT",
+            help=f"also write the results of one map to this file: {_endings(saving.CONTENT_BY_ENDING)}",
+        )
+        _add_overview(solve)
+        from roughcontact.interface.command_line.options import add_settings
+
+        add_settings(solve)
+
+    init = add_verb("init", _init, "write settings and a table of surfaces, to change and to run")
+    init.add_argument("files", nargs="*", metavar="FILE", help="measured height maps, or folders of them")
+    if verb == "init":
+        _add_initial_settings(init)
+
+    verbs.add_parser(
+        "run",
+        help="run the workflow: all surfaces of the table, to results/report.html",
+        usage="roughcontact run [OPTION ...]",
+        description=_RUN,
+        epilog=f"Example: {_EXAMPLES['run']}",
+    )
+
+    app = add_verb("app", _app, "open a page that sets up, runs and shows a study, for use by clicking")
+    app.add_argument(
+        "folder",
+        nargs="?",
+        type=Path,
+        default=Path(),
+        metavar="FOLDER",
+        help="the study, by default the working directory; an empty one is begun",
+    )
+    app.add_argument(
+        "--port", type=int, default=0, help="port of the page on 127.0.0.1, by default a free one"
+    )
+    app.add_argument(
+        "--no-browser", action="store_true", help="print the address of the page, and open no browser"
+    )
+
+    methods = add_verb("methods", _methods, f"print {saving.EXPORTS['methods'][0]}")
+    methods.add_argument(
+        "files",
+        nargs="*",
+        default=["results"],
+        metavar="RESULT",
+        help=f"{_RESULT}, or a folder of several; by default results",
+    )
+
+    table = add_verb("table", _table, f"print {saving.EXPORTS['table'][0]}")
+    table.add_argument("file", metavar="RESULT", help=f"{_RESULT} (statistics.flow: always)")
+    table.add_argument("-o", "--output", type=Path, metavar="TABLE", help="write it, as .csv or .nc")
+
+    compare = add_verb("compare", _compare, f"list {saving.EXPORTS['compare'][0]}")
+    for name in ("before", "after"):
+        compare.add_argument(name, metavar="RESULT", help=f"{_RESULT}, or of a run; {name} the change")
+    compare.add_argument(
+        "--share",
+        type=float,
+        metavar="NUMBER",
+        help="compare every number, and allow a relative change by this share: 0.01 is 1 %%",
+    )
+    _add_json(compare)
+
+    export = add_verb("export", _export, "write a result of a finished run as another kind of file")
+    export.add_argument("folder", type=Path, metavar="RESULT", help=_RESULT)
+    export.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", required=True, help=_endings(saving.EXPORTED_BY_ENDING)
+    )
+
+    crate = add_verb("crate", _crate, f"write {saving.EXPORTS['crate'][0]}")
+    crate.add_argument(
+        "folder", metavar="FOLDER", help="the results of the run; ro-crate-metadata.json goes there"
+    )
+    crate.add_argument(
+        "--configfile",
+        dest="configuration",
+        metavar="FILE",
+        help="the settings of the run: they, the table and the measured files go into the crate, which then "
+        "repeats the run",
+    )
+    crate.add_argument(
+        "--license",
+        dest="terms",
+        metavar="TEXT",
+        help="address of the licence under which others may use the results, or its text",
+    )
+    crate.add_argument("--author", metavar="TEXT", help='who made the run: "Name <address of the ORCID>"')
+    crate.add_argument(
+        "--publisher", metavar="TEXT", help='the organisation that publishes it: "Name <address of the ROR>"'
+    )
+    return parser
+
+
+def _endings(content: Mapping[str, str]) -> str:
+    """Return what files with each ending hold, in a sentence."""
+    return (
+        f"its ending says what it holds. {'; '.join(f'{ending}: {text}' for ending, text in content.items())}"
+    )
+
+
+def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `init` for materials, loads, form, columns of the table and what is derived."""
+    from roughcontact.interface.command_line.options import add_body, keys_in_words
+
+    add_body(parser)
+    for option, text in _LOADS_AND_FORM.items():
+        parser.add_argument(f"--{option}", nargs="+", metavar="VALUE", help=text)
+    for column, text in _COLUMNS.items():
+        parser.add_argument(f"--{column}", metavar="TEXT", help=text)
+    for name, holds in _DERIVED.items():
+        text = f"{holds}: {keys_in_words(f'statistics.{name}')}".replace("%", "%%")
+        parser.add_argument(f"--{name}", nargs="+", metavar="KEY=VALUE", help=text)
+
+
+def _add_overview(parser: argparse.ArgumentParser) -> None:
+    """Add the options of coarser maps around a map."""
+    parser.add_argument(
+        "--overview",
+        type=Path,
+        nargs="+",
+        default=[],
+        metavar="FILE",
+        help="coarser maps of a larger field around the map, by the next lower magnification",
+    )
+    parser.add_argument(
+        "--overview-position",
+        default="",
+        metavar="X Y UNIT",
+        help="x and y of the middle of the map in the overview ('300 250 um'), where it cannot be found; "
+        "elsewhere: the overview is of another position of the face",
+    )
+
+
+def _add_file_options(parser: argparse.ArgumentParser) -> None:
+    """Add options for information that is missing in a file, and for the output format."""
+    group = parser.add_argument_group("information missing in the file")
+    for name, text in FILE_OPTIONS.items():
+        convert, metavar = (_length, "LENGTH") if name in ("dx", "dy") else (str, "TEXT")
+        group.add_argument(f"--{name}", help=text, type=convert, metavar=metavar)
+    _add_json(parser)
+
+
+def _length(text: str) -> float | str:
+    """Return a number, or the text itself if it is a number with a unit."""
+    from roughcontact.arguments.units import carries_unit
+
+    if carries_unit(text):
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is neither a number nor a number with its unit (1.5um)"
+        ) from None
+
+
+def _add_json(parser: argparse.ArgumentParser) -> None:
+    """Add the option for the output format."""
+    parser.add_argument(
+        "--json", action="store_true", help="print for machines: SI units, names as in the files"
+    )
+
+
+def _read_arguments(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the keyword arguments of `read_height_map` that were given."""
+    names = (name.replace("-", "_") for name in FILE_OPTIONS)
+    return {name_: value for name_ in names if (value := getattr(options, name_)) is not None}
+
+
+def _inspect(options: argparse.Namespace) -> int:
+    """Print the contents of each file, of those in a folder a line; what cannot be read is reported."""
+    from roughcontact.interface.command_line.describe import as_json, inspection, overview
+    from roughcontact.io.folder import is_folder, list_measurements
+    from roughcontact.io.inspection import inspect_file
+
+    contents_of_files: list[dict[str, Any]] = []
+    code = 0
+    for file in options.files:
+        if is_folder(file):
+            folder_contents = [_contents(path, options) for path in list_measurements(Path(file))[0]]
+            contents_of_files += folder_contents
+            if not options.json:
+                print(overview(folder_contents, file))
+            continue
+        try:
+            contents = inspect_file(file, **_read_arguments(options))
+        except RoughContactError as error:
+            code = _failed(error, 2)
+            continue
+        contents_of_files.append(contents)
+        if not options.json:
+            print(inspection(contents, file), end="\n\n" if len(options.files) > 1 else "\n")
+    if options.json:
+        print(as_json(contents_of_files))
+    return code
+
+
+def _contents(path: Path, options: argparse.Namespace) -> dict[str, Any]:
+    """Return the contents of a file of a folder, of one that cannot be read its name and the reason."""
+    from roughcontact.io.inspection import inspect_file
+
+    try:
+        return inspect_file(path, **_read_arguments(options))
+    except RoughContactError as error:
+        return {"file": path.name, "format": None, "map": None, "problem": str(error), "warnings": []}
+
+
+def _solve(options: argparse.Namespace) -> int:
+    """Print the contact of one map, or of several together."""
+    from roughcontact.interface.command_line.answers import group, solution
+    from roughcontact.interface.command_line.describe import as_json
+    from roughcontact.interface.command_line.options import chosen_settings, message_with_options
+    from roughcontact.interface.command_line.solving import solve_file, solve_files
+
+    try:
+        settings = chosen_settings(options)
+        arguments, threads = (_read_arguments(options), settings), options.threads
+        numbers: Any  # none of maps that are no group
+        together, output = len(options.files) > 1, options.output
+        if together and options.overview:
+            raise SettingsError(
+                f"--overview {options.overview[0]}: is of one map; give one file, or a table with this column"
+            )
+        if output:
+            saving.check_output(output, options.files)
+        with _warnings_in_words():
+            if together:
+                result, numbers = solve_files(options.files, *arguments, threads=threads)
+            else:
+                result, numbers = solve_file(
+                    options.files[0],
+                    *arguments,
+                    threads=threads,
+                    output=output,
+                    overviews=options.overview,
+                    overview_position=options.overview_position,
+                )
+    except SettingsError as error:
+        raise SettingsError(message_with_options(error)) from error
+    if options.json:
+        print(as_json(result))
+    else:
+        print((group if together else solution)(result, numbers))
+    maps = result["maps"] if together else [result]
+    return 0 if all(load["converged"] for solved_map in maps for load in solved_map["loads"]) else 1
+
+
+@contextmanager
+def _warnings_in_words() -> Iterator[None]:
+    """Print each warning once on standard error, as errors are, without the place in the source."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("once", HeightMapWarning)
+        warnings.showwarning = lambda message, *_: print(f"roughcontact: warning: {message}", file=sys.stderr)
+        yield
+
+
+def _init(options: argparse.Namespace) -> int:
+    """Write settings and table, and print the next steps."""
+    from roughcontact.interface.command_line.options import keyed, message_with_options, parse_bodies
+    from roughcontact.interface.command_line.project import collect_files, problems, write_project
+
+    files, omissions = collect_files(options.files)
+    contact: dict[str, Any] = {"bodies": parse_bodies(options.body)} if options.body else {}
+    contact |= {name: value for name in ("mean_pressure", "force") if (value := getattr(options, name))}
+    contact |= {"area": options.area[0]} if options.area else {}
+    contact |= {"boundary": "free"} if options.form_radius else {}
+    form = {"radius": options.form_radius} if options.form_radius else {}
+    columns = {name: value for name in _COLUMNS if (value := getattr(options, name))}
+    statistics = {
+        name: keyed(f"--{name}", words) for name in _DERIVED if (words := getattr(options, name)) is not None
+    }
+    try:
+        settings, table = write_project(
+            files, sections={"contact": contact, "form": form, "statistics": statistics}, columns=columns
+        )
+    except SettingsError as error:
+        raise SettingsError(message_with_options(error)) from error
+    if not options.body:
+        print(f"{settings}: state your materials and loads under `contact` (or here, with --body twice)")
+    print(f"{table}: {len(files) or 'no'} surface{'s' * (len(files) != 1)}, a row each")
+    if omissions:
+        print(f"left out, as no measurements: {', '.join(omissions)}")
+    for path, problem in problems(files):
+        print(f"to be given in {table}: {path}: {problem}")
+    print("then: roughcontact run")
+    return 0
+
+
+def _run(options: argparse.Namespace) -> int:
+    """Run the workflow."""
+    from roughcontact.study.running import run_workflow
+
+    return run_workflow(options.arguments)
+
+
+def _app(options: argparse.Namespace) -> int:
+    """Serve the page of a study until it is interrupted."""
+    from importlib.metadata import requires
+    from importlib.util import find_spec
+
+    if missing := [name for name in ("snakemake", "starlette", "uvicorn") if find_spec(name) is None]:
+        extras = ("extra == 'workflow'", "extra == 'app'")
+        lines = [line.replace('"', "'").partition("; ") for line in requires("roughcontact") or ()]
+        further = shlex.join(name for name, _, extra in lines if extra in extras)
+        raise SettingsError(f"{missing[0]} is not installed: pip install {further}")
+    from roughcontact.interface.app.server import serve
+
+    try:
+        return serve(options.folder, port=options.port, browser=not options.no_browser)
+    except (OSError, OverflowError) as error:
+        raise SettingsError(
+            f"{options.folder}: its page cannot be served ({error}); name a folder that you may write in, "
+            "and a free --port"
+        ) from error
+
+
+def _compare(options: argparse.Namespace) -> int:
+    """Print which numbers of two runs differ; return 1 where any does."""
+    from roughcontact.interface.command_line.describe import as_json, comparison
+    from roughcontact.results.comparison import compare_statistics
+
+    if options.share is not None and not 0 <= options.share < 1:
+        raise SettingsError(f"--share {options.share:g}: a share is between 0 and 1; 0.01 is 1 %")
+    files = _read_run_statistics(options.before), _read_run_statistics(options.after)
+    table = compare_statistics(*files, share=options.share)
+    rows: list[dict[str, Any]] = [dict(row) for _, row in table.iterrows()]
+    print(as_json(rows) if options.json else comparison(rows, share=options.share))
+    return int(any(row["differs"] for row in rows))
+
+
+def _methods(options: argparse.Namespace) -> int:
+    """Print the paragraph of methods of each result."""
+    from roughcontact.report.methods import methods_paragraph
+
+    files: list[Path] = []
+    for path in map(Path, options.files):
+        files += sorted(path.glob("**/*/statistics.nc")) or [_file_of_result(path)]
+    for path in files:
+        statistics = _read_run_statistics(str(path), single=True)
+        print(*([f"# {path.parent.name}"] if len(files) > 1 else []), methods_paragraph(statistics), sep="\n")
+    return 0
+
+
+def _table(options: argparse.Namespace) -> int:
+    """Print or write the table of a result over the mean gap."""
+    from roughcontact.evaluation.evaluate import tabulate_by_gap
+    from roughcontact.results.collect import column_name
+    from roughcontact.results.storage import table_text, write_dataset, write_table
+
+    if options.output is not None:
+        saving.check_ending(options.output, (".csv", ".nc"))
+    try:
+        table = tabulate_by_gap(_read_run_statistics(options.file, single=True))
+    except SettingsError as error:
+        raise InputFileError(f"{options.file}: {error}") from error
+    if options.output is not None and options.output.suffix.lower() == ".nc":
+        write_dataset(table, options.output)
+        return 0
+    headings = {str(name): column_name(str(name), table[name].attrs["units"]) for name in table.variables}
+    frame = table.to_dataframe().reset_index().rename(columns=headings)
+    frame["rms_height_m"] = table.attrs["rms_height"]  # of the shear flow
+    if options.output is None:
+        print(table_text(frame), end="")
+    else:
+        write_table(frame, options.output)
+    return 0
+
+
+def _file_of_result(path: str | Path) -> Path:
+    """Return the file of numbers of a result that is named by its folder, or by that file."""
+    inside = Path(path) / "statistics.nc"
+    return inside if inside.is_file() else Path(path)
+
+
+def _read_run_statistics(path: str, *, single: bool = False) -> "xr.Dataset":
+    """Return the statistics of a run, or of a `single` surface; raise an error for any other file."""
+    from roughcontact.results.storage import read_dataset
+
+    of_which = "in the folder of one surface" if single else "of a run, of all surfaces or of one"
+    advice = f"name the statistics.nc {of_which}"
+    path = str(_file_of_result(path))
+    if not Path(path).is_file():
+        reason = "is a folder" if Path(path).is_dir() else "no such file"
+        raise InputFileError(f"{path}: {reason}; {advice}")
+    try:
+        statistics = read_dataset(path)
+    except InputFileError as error:
+        raise InputFileError(f"{path}: is damaged, or no file of a run; {advice}") from error
+    if "mean_pressure" not in statistics or {"y", "group"} & set(statistics.dims):
+        raise InputFileError(f"{path}: holds no statistics of contacts; {advice}")
+    if single and "surface" in statistics.dims:
+        raise InputFileError(f"{path}: is of all surfaces; {advice}")
+    return statistics
+
+
+def _export(options: argparse.Namespace) -> int:
+    """Write a result of a finished run as another kind of file."""
+    is_numbers = options.folder.name == "statistics.nc" and options.folder.is_file()
+    saving.export(options.folder.parent if is_numbers else options.folder, options.output)
+    return 0
+
+
+def _crate(options: argparse.Namespace) -> int:
+    """Write the description of a run, and print its path."""
+    from roughcontact.study.crate import write_crate
+
+    names = ("configuration", "terms", "author", "publisher")
+    entries = {name: text for name in names if (text := getattr(options, name))}
+    print(write_crate(options.folder, **entries))
+    return 0
