@@ -11,6 +11,5 @@ include: "workflow/Snakefile"
 
 # what is included sets no default target
 rule default:
-    default_target: True
     input:
         rules.all.input,

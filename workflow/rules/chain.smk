@@ -1,4 +1,5 @@
-# The chain: read, level, window in the job `prepare`; solve, evaluate, draw in the job `contact`; the report of all.
+# The chain: read, level, window in the job `prepare`; solve, evaluate in the job `contact`; draw in
+# the job `panel`, so that another word or colour solves nothing again; the report of all.
 # {result} is the folder of a result: `ground`, or `soft/ground` under a case. A case that agrees with an earlier one in
 # the settings that a file depends on has no such file: `file_of` names that of the earlier case.
 from roughcontact.report import ONE_PAGE
@@ -39,9 +40,24 @@ use rule prepare as prepare_face with:
         **params_of("prepare_face"),
 
 
+use rule prepare as prepare_with_overview with:
+    output:
+        height="results/{result}/height.nc",
+        levelled="results/{result}/levelled.nc",
+        window="results/{result}/window.nc",
+        overview="results/{result}/overview.nc",
+    log:
+        "logs/{result}/prepare_with_overview.log",
+    wildcard_constraints:
+        result=pattern_of("prepare_with_overview"),
+    params:
+        **params_of("prepare_with_overview"),
+
+
 rule superpose:
     """Lay the two levelled faces of a pair on one another, in one of their relative positions."""
     input:
+        sources=sources_of("superpose"),
         face=file_of("face"),
         counter_face=file_of("counter_face"),
     output:
@@ -62,13 +78,14 @@ rule superpose:
 
 
 rule contact:
-    """Solve the contact for every load, bound its error, compute the statistics, draw the panel."""
+    """Solve the contact for every load, bound its error, compute the statistics."""
     input:
         sources=sources_of("contact"),
         height=file_of("height"),
         counter_height=file_of("counter_height"),
         levelled=file_of("levelled"),
         window=file_of("window"),
+        overview=file_of("overview"),
         uncertainty=file_of("uncertainty", earlier=True),
     output:
         contact="results/{result}/contact.nc",
@@ -76,10 +93,6 @@ rule contact:
         statistics=shown(
             "results/{result}/statistics.nc", "surface_statistics", "all numbers"
         ),
-        panel=shown(
-            "results/{result}/panel.html", "surface_panel", "figures and checks"
-        ),
-        summary="results/{result}/panel.json",
     log:
         "logs/{result}/contact.log",
     wildcard_constraints:
@@ -103,6 +116,7 @@ use rule contact as statistics with:
         counter_height=file_of("counter_height"),
         levelled=file_of("levelled"),
         window=file_of("window"),
+        overview=file_of("overview"),
         contact=file_of("contact"),
         uncertainty=file_of("uncertainty", earlier=True),
         statistics=file_of("statistics", earlier=True),
@@ -111,10 +125,6 @@ use rule contact as statistics with:
         statistics=shown(
             "results/{result}/statistics.nc", "surface_statistics", "all numbers"
         ),
-        panel=shown(
-            "results/{result}/panel.html", "surface_panel", "figures and checks"
-        ),
-        summary="results/{result}/panel.json",
     log:
         "logs/{result}/statistics.log",
     wildcard_constraints:
@@ -125,9 +135,41 @@ use rule contact as statistics with:
         **params_of("statistics"),
 
 
+rule panel:
+    """Draw the section of one result in the report: figures, checks, tables."""
+    input:
+        sources=sources_of("panel"),
+        height=file_of("height"),
+        counter_height=file_of("counter_height"),
+        levelled=file_of("levelled"),
+        window=file_of("window"),
+        overview=file_of("overview"),
+        contact=file_of("contact"),
+        statistics="results/{result}/statistics.nc",
+    output:
+        panel=shown(
+            "results/{result}/panel.html", "surface_panel", "figures and checks"
+        ),
+        summary="results/{result}/panel.json",
+    log:
+        "logs/{result}/panel.log",
+    wildcard_constraints:
+        result=pattern_of("panel"),
+    priority: 1  # a result is complete before the next one is solved
+    conda:
+        "../envs/roughcontact.yaml"
+    resources:
+        **resources_of("panel"),
+    params:
+        **params_of("panel"),
+    script:
+        "../scripts/panel.py"
+
+
 rule unload:
     """Take the load off: the surface that plastic flow has left, and the contact on the way back."""
     input:
+        sources=sources_of("unload"),
         window=file_of("window"),
         contact=file_of("contact"),
     output:
@@ -147,6 +189,52 @@ rule unload:
         "../scripts/unload.py"
 
 
+rule wear:
+    """Let the face slide against a smooth one: the worn surfaces, and the contact over the distance."""
+    input:
+        sources=sources_of("wear"),
+        window=file_of("window"),
+        contact=file_of("contact"),
+    output:
+        worn="results/{result}/worn.nc",
+    log:
+        "logs/{result}/wear.log",
+    wildcard_constraints:
+        result=pattern_of("wear"),
+    conda:
+        "../envs/roughcontact.yaml"
+    threads: threads_of()
+    resources:
+        **resources_of("wear"),
+    params:
+        **params_of("wear"),
+    script:
+        "../scripts/wear.py"
+
+
+rule slide:
+    """Let rubber slide over the face: its friction and its contact over the speed."""
+    input:
+        sources=sources_of("slide"),
+        window=file_of("window"),
+        contact=file_of("contact"),
+    output:
+        sliding="results/{result}/sliding.nc",
+    log:
+        "logs/{result}/slide.log",
+    wildcard_constraints:
+        result=pattern_of("slide"),
+    conda:
+        "../envs/roughcontact.yaml"
+    threads: threads_of()
+    resources:
+        **resources_of("slide"),
+    params:
+        **params_of("slide"),
+    script:
+        "../scripts/slide.py"
+
+
 # files that only some studies have
 FURTHER = {}
 if REPORT["pairs"]:
@@ -164,11 +252,14 @@ if len(REPORT["results"]) > ONE_PAGE:
 rule report:
     """Put all results into one dataset, one table, and one self-contained page."""
     input:
+        sources=sources_of("report"),
         statistics=expand("results/{result}/statistics.nc", result=REPORT["results"]),
         # which are read beside the statistics
         panels=expand("results/{result}/panel.html", result=REPORT["results"]),
         summaries=expand("results/{result}/panel.json", result=REPORT["results"]),
         residuals=expand("results/{result}/residual.nc", result=REPORT["unloaded"]),
+        worn=expand("results/{result}/worn.nc", result=REPORT["worn"]),
+        sliding=expand("results/{result}/sliding.nc", result=REPORT["slid"]),
     output:
         **FURTHER,
         statistics=shown("results/statistics.nc", "statistics", "all numbers"),

@@ -1,20 +1,21 @@
-# Settings, table and plan of the run, and what the rules ask for; roughcontact.command_line.rule_arguments computes it.
+# Settings, table and plan of the run, and what the rules ask for; roughcontact.study.rule_arguments computes it.
 import gc
 import os
 from functools import partial
 
 from snakemake.logging import logger
 
-from roughcontact.command_line.records import LAST_RESULTS, lost_records, note_results
-from roughcontact.command_line.rule_arguments import RuleArguments
-from roughcontact.command_line.unfinished import start_partial_report
-from roughcontact.configuration.places import check_places, stale_results
-from roughcontact.configuration.plan import Plan
-from roughcontact.configuration.study import read_study
-from roughcontact.configuration.surfaces import find
-from roughcontact.configuration.yaml_text import check_yaml
+from roughcontact.study.failures import start_partial_report
+from roughcontact.study.records import LAST_RESULTS, note_results, renew_records
+from roughcontact.study.rule_arguments import RuleArguments
+from roughcontact.study.places import check_places, stale_results
+from roughcontact.study.plan import Plan
+from roughcontact.study.study import read_study
+from roughcontact.study.surfaces import find
+from roughcontact.study.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
-from roughcontact.command_line.garbage import collect_rarely
+from roughcontact.io.guards import listed
+from roughcontact.study.garbage import collect_rarely
 
 # a plan of thousands of jobs is millions of objects that stay: no garbage is looked for until it is complete (onstart)
 collect_rarely()
@@ -62,8 +63,10 @@ sources_of = partial(ARGUMENTS.sources_of, local=local)
 REPORT = {
     "results": PLAN.results,
     "unloaded": PLAN.unloaded,
-    "pairs": bool(PLAN.placements),
-    "groups": bool(PLAN.groups or PLAN.same_area_pairs),
+    "worn": PLAN.worn,
+    "slid": PLAN.slid,
+    "pairs": bool(PLAN.pairs),
+    "groups": bool(PLAN.groups or PLAN.pairs or PLAN.same_area_pairs),
 }
 
 if DEFAULTS and not os.path.isfile("config/config.yaml"):
@@ -72,8 +75,8 @@ if DEFAULTS and not os.path.isfile("config/config.yaml"):
         f"There is no config/config.yaml here: settings of {DEFAULT}, surfaces of {table} "
         f"({len(PLAN.measured)} maps)."
     )
-if reason := lost_records():
-    logger.info(f"results/ {reason}: all results are made again.")
+if replaced := renew_records(PLAN):
+    logger.info(f"Not left by the last run here, made again: {listed(replaced)}")
 if stale := stale_results(PLAN.results):
     logger.info(
         f"Not in the table: {', '.join(stale[:5])}{' ...' if len(stale) > 5 else ''}. They stay as an earlier run left "

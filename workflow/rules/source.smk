@@ -14,7 +14,7 @@ def installed():
     command = "pip install 'roughcontact[workflow]' of the same version"
     try:
         from roughcontact import __version__
-        from roughcontact.command_line.running import workflow_file
+        from roughcontact.study.running import workflow_file
     except ImportError:
         sys.exit(f"The workflow needs the package, which is not installed: {command}")
     folder = workflow_file().parent

@@ -1,39 +1,35 @@
 """Common parts of all scripts: import path, log, short error messages, provenance of results.
 
 A script is run by Snakemake, which adds the object `snakemake` to its globals. Importing this module first
-opens the log of the job, which receives the traceback of an error; the screen shows one sentence. A
-job whose run was killed ends as well, so that two runs never write to one file.
+opens the log of the job, which receives the traceback of an error; the screen shows one sentence.
 """
 
 import atexit
 import errno
 import json
 import os
-import socket
 import sys
-import threading
-import time
 import traceback
 import warnings
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from __main__ import snakemake  # the global of the script; only few versions have it in `snakemake.script`
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 
-from roughcontact.command_line.garbage import collect_rarely
-from roughcontact.configuration.places import check_dates
 from roughcontact.errors import (
     HeightMapError,
     InputFileError,
     RoughContactError,
     SettingsError,
-    with_path,
+    path_message,
 )
 from roughcontact.io.checksums import checksum
+from roughcontact.study.garbage import collect_rarely
+from roughcontact.study.places import check_dates
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,16 +54,29 @@ _DISK = {
 
 
 try:  # a descriptor, not a file: no buffer whose flush fails on a full disk when the job ends
-    _LOG = os.open(snakemake.log[0], os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+    _LOG_FILE = os.open(snakemake.log[0], os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
 except OSError as cause:
     sys.exit(f"[{_NAME}] ERROR: {snakemake.log[0]}: cannot be written ({cause.strerror})")
 
 
-def _record(text: str) -> bool:
+# what the screen and the report of a run in which jobs fail read of this one
+_RECORD: dict[str, Any] = {"job": _NAME, "done": False, "warnings": 0, "sources": {}}
+
+
+def _log(text: str) -> bool:
     """Write to the log, and return whether that succeeded; a job does not fail because of its log."""
     content = text.encode("utf-8", "replace")
     with suppress(OSError):
-        return os.write(_LOG, content) == len(content)
+        return os.write(_LOG_FILE, content) == len(content)
+    return False
+
+
+def _write_record(**fields: Any) -> bool:
+    """Add to the record of this job, beside its log, and return whether that succeeded."""
+    _RECORD.update(fields)
+    with suppress(OSError):
+        Path(snakemake.log[0]).with_suffix(".json").write_text(json.dumps(_RECORD), encoding="utf-8")
+        return True
     return False
 
 
@@ -95,9 +104,15 @@ def remove_superseded(output: str) -> None:
 
 def say(text: str) -> None:
     """Write one line to the log, and to the screen unless that shows only a line for each surface."""
-    _record(f"[{_NAME}] {text}\n")
+    _log(f"[{_NAME}] {text}\n")
     if not _SCREEN:
         print(f"[{_NAME}] {text}", file=sys.stderr, flush=True)
+
+
+def warn(text: str) -> None:
+    """Write a warning to the log, and count it in the record."""
+    _RECORD["warnings"] += 1
+    say(f"warning: {text}")
 
 
 def progress(done: int, total: int, text: str) -> None:
@@ -106,11 +121,11 @@ def progress(done: int, total: int, text: str) -> None:
 
 
 def check_sources() -> None:
-    """Raise an error where a file from outside has changed since the plan; log the checksum of each."""
+    """Raise an error where a file from outside has changed since the plan; record the checksum of each."""
     for path, expected in snakemake.params.sources.items():
         if checksum(path) != expected:
             raise InputFileError(f"{path}: changed while the run was at work; run again")
-        _record(f"[{_NAME}] has read {path}, SHA-256 {expected}\n")
+        _RECORD["sources"][path] = expected
 
 
 def save(
@@ -137,6 +152,9 @@ def save(
         subject=", ".join(reversed(result_of_job().split("/"))),
         history=source.get("history", ""),
     )
+    read = dict.fromkeys(snakemake.params.get("sources", {}).values())
+    if further := [digest for digest in read if digest not in source["source_sha256"]]:
+        origin["further_sha256"] = " ".join(further)  # of repeats, profiles along a lay, a finer map
     result = result.assign_attrs(origin)
     if into is not None:
         into.complete(result)
@@ -144,15 +162,25 @@ def save(
         write_dataset(result, path)
 
 
+def _check_inputs() -> None:
+    """Refuse files from the future, and a window of other settings or measured files."""
+    from roughcontact.results.storage import check_origin, opened_dataset
+
+    check_dates(snakemake.input)
+    if window := snakemake.input.get("window"):
+        with opened_dataset(window) as file:
+            check_origin(file.attrs, window, snakemake.params.origin)
+
+
 def _report_error(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
     """Write the traceback to the log, and one sentence to the screen."""
     sys.excepthook = sys.__excepthook__
-    _record("".join(traceback.format_exception(kind, error, trace)))
+    _log("".join(traceback.format_exception(kind, error, trace)))
     if kind is KeyboardInterrupt:  # by the user, who knows
         return
     row = snakemake.params.get("row")
     if isinstance(error, HeightMapError | SettingsError) and row:
-        text = with_path(error, row["path"], row["origin"])
+        text = path_message(error, row["path"], row["origin"])
     elif isinstance(error, RoughContactError):
         text = str(error)
     elif isinstance(error, MemoryError):
@@ -162,7 +190,7 @@ def _report_error(kind: type[BaseException], error: BaseException, trace: Traceb
     else:
         text = f"{kind.__name__}: {error} (unexpected, please report it with {snakemake.log[0]})"
     line = f"[{_NAME}] ERROR: {text}"
-    recorded = _record(f"{line}\n")  # for the partial report and the screen as well
+    recorded = _write_record(error=text) and _log(f"{line}\n")
     if not (_SCREEN and recorded):
         print(line, file=sys.stderr, flush=True)
 
@@ -176,51 +204,18 @@ def _log_warning(
     line: str | None = None,
 ) -> None:
     """Write a warning to the log."""
-    _record(warnings.formatwarning(message, category, filename, lineno, line))
+    _log(warnings.formatwarning(message, category, filename, lineno, line))
 
 
-def _end_with_the_run() -> None:
-    """End this job as soon as the run that started it ends: by the file that `roughcontact run` holds."""
-    # unset if Snakemake was started by itself, or passes no variables on; on a cluster jobs outlive the run
-    own = os.environ.get("ROUGHCONTACT_RUN", "")
-    if not own.startswith(f"{socket.gethostname()} "):
-        return
-    try:
-        import fcntl
-
-        file = Path(".snakemake/running").open(encoding="utf-8")  # noqa: SIM115 - open until the job ends
-    except (ImportError, OSError):  # a system or a folder without locks
-        return
-
-    def run_at_work() -> bool:
-        """Return whether the run that holds the file still runs, and is the one that started this job."""
-        file.seek(0)
-        if file.read().strip() != own:  # it has ended in order, or the next one has started
-            return False
-        try:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return True
-        return False
-
-    def watch() -> None:
-        with suppress(OSError):
-            while run_at_work():
-                time.sleep(0.2)
-            os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
-
-
-def _say_done() -> None:
-    """Write the last line of a log, which a killed job does not have."""
+def _finish() -> None:
+    """Record that the job has come to its end, which a killed one has not."""
     if sys.excepthook is _report_error:
-        _record(f"[{_NAME}] done\n")
+        _write_record(done=True)
 
 
 collect_rarely()
-atexit.register(_say_done)
-_end_with_the_run()
+_write_record()
+atexit.register(_finish)
 sys.excepthook = _report_error
 warnings.showwarning = _log_warning
-check_dates(snakemake.input)
+_check_inputs()

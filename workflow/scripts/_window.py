@@ -2,8 +2,8 @@
 
 from _job import save, snakemake
 
-from roughcontact.profiles.surface import solved_window
 from roughcontact.results.storage import opened_dataset
+from roughcontact.surface.preparation import preparation_of
 
 
 def write_window(settings: dict) -> None:
@@ -12,4 +12,9 @@ def write_window(settings: dict) -> None:
         snakemake.output.levelled
     ) as file:  # without the rejected heights, which are as large
         plane = file["height"].drop_vars("rejected_height", errors="ignore").load()
-    save(solved_window(plane, settings), snakemake.output.window, settings, source=plane.attrs)
+    save(
+        preparation_of(plane, settings).window(plane, settings),
+        snakemake.output.window,
+        settings,
+        source=plane.attrs,
+    )

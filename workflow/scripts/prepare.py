@@ -1,56 +1,57 @@
-"""Read, level and cut out the window of one surface: a measured file to height.nc, levelled.nc, window.nc."""
+"""Read, level and cut out the window of one surface: a measured file to height.nc, levelled.nc, window.nc.
 
-import json
+With a coarser map around it, its overview, also overview.nc.
+"""
+
 import math
 
-from _job import check_sources, save, say, snakemake
+from _job import check_sources, save, say, snakemake, warn
+from _overviews import write_overviews
 from _window import write_window
 
-from roughcontact.configuration.tiles import Tile, cut
+from roughcontact.arguments.measurement import Instrument, Measurement, add_remark
 from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
-from roughcontact.levelling.repeats import noise_of_repeats
-from roughcontact.profiles.surface import levelled_heights, stacked
 from roughcontact.results.storage import read_dataset
+from roughcontact.study.tiles import Tile, cut
+from roughcontact.surface.levelling.repeats import noise_of_repeats
+from roughcontact.surface.preparation import preparation_of
+from roughcontact.surface.preparation.region import read_region
+from roughcontact.surface.profiles.surface import stacked
 
 settings, row, output = snakemake.params.settings, snakemake.params.row, snakemake.output
 arguments = dict(settings["height"]["surface"])
 name, repeat = arguments.pop("name"), dict(arguments.pop("repeat", {}))
 try:
     tile, along = arguments.pop("parts", None), arguments.pop("along", ())
-    height = read_height_map(row["path"], **arguments)
+    overviews = arguments.pop("overview", ())
+    height = read_region(row["path"], **arguments)
     if along:
         height = stacked(height, [read_height_map(**profile) for profile in along])
     if tile:
         height = cut(height, Tile(*tile))
-    if repeat and "instrument_noise" not in height.attrs:
+    if repeat and Instrument.read(height.attrs).noise is None:
         name_of_repeat = repeat.pop("name")
-        noise, remark = noise_of_repeats(height, read_height_map(**repeat))
+        noise, remark = noise_of_repeats(height, read_region(**repeat))
         # what the noise leaves out is a fact, what is no noise a warning
         noisy = not math.isnan(noise)
-        attrs = {"instrument_noise": noise} if noisy else {}
-        for key in ("ingest_warnings", *(["ingest_facts"] if noisy else [])) if remark else ():
-            remarks = [
-                *json.loads(height.attrs[key]),
-                f"the repeats {name} and {name_of_repeat} differ {remark}",
-            ]
-            attrs[key] = json.dumps(remarks, ensure_ascii=False)
-        height.attrs |= attrs
+        height.attrs |= Instrument(noise=noise).attributes() if noisy else {}
+        if remark:
+            text = f"the repeats {name} and {name_of_repeat} differ {remark}"
+            height.attrs |= add_remark(height.attrs, text, fact=noisy)
 except RoughContactError as error:
     raise type(error)(f"{error} ({row['origin']})") from error
-facts = json.loads(height.attrs["ingest_facts"])
-for text in json.loads(height.attrs["ingest_warnings"]):
-    say(f"{'note' if text in facts else 'warning'}: {text}")
+reading = Measurement.read(height.attrs)
+for text in reading.warnings:
+    say(f"note: {text}") if text in reading.facts else warn(text)
 save(height, output.height, settings["height"], source=height.attrs)
 del height  # large maps leave no room for two
 measured = read_dataset(output.height)["height"]
-save(
-    levelled_heights(measured, settings["levelled"]["level"]),
-    output.levelled,
-    settings["levelled"],
-    source=measured.attrs,
-)
-del measured
+levelled = preparation_of(measured, settings["levelled"]).level(measured, settings["levelled"]["level"])
+if overviews:  # one that does not show the map is known before anything is solved
+    write_overviews(measured, levelled, overviews)
+save(levelled, output.levelled, settings["levelled"], source=measured.attrs)
+del measured, levelled
 if "window" in dict(output.items()):  # a face is windowed together with its counter-face
     write_window(settings["window"])
 check_sources()

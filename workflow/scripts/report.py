@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from _job import say, snakemake
+from _job import snakemake, warn
 
 from roughcontact.report.gather import write_results
-from roughcontact.results.collect import entry_of
+from roughcontact.results.collect import result_entry
 
 params, files = snakemake.params, snakemake.input.statistics
-finished = [entry_of(result, path) for result, path in zip(params.results, files, strict=True)]
+finished = list(map(result_entry, params.results, files, params.results.values()))
 left_out = write_results(Path(snakemake.output.page).parent, finished=finished, **params.arguments)
 for text in left_out:
-    say(f"warning: {text}")
+    warn(text)

@@ -3,9 +3,9 @@
 from _job import save, snakemake
 from _window import write_window
 
-from roughcontact.faces.composite import composite
-from roughcontact.faces.positions import relative_positions
 from roughcontact.results.storage import read_dataset
+from roughcontact.surface.faces.composite import composite
+from roughcontact.surface.faces.positions import relative_positions
 
 settings, paths = snakemake.params.settings, snakemake.input
 faces = [read_dataset(path)["height"] for path in (paths.face, paths.counter_face)]

@@ -3,10 +3,10 @@
 from _job import save, snakemake
 
 from roughcontact.results.storage import opened_dataset, read_dataset
-from roughcontact.statistics.after_load import after_the_load
+from roughcontact.statistics.after_load import evaluate_unloading
 
 paths, settings = snakemake.input, snakemake.params.settings["residual"]
 window = read_dataset(paths.window)["height"]
 with opened_dataset(paths.contact) as contact:
-    residual = after_the_load(contact, window, settings, threads=snakemake.threads)
+    residual = evaluate_unloading(contact, window, settings, threads=snakemake.threads)
 save(residual, snakemake.output.residual, settings, source=window.attrs)

@@ -9,7 +9,7 @@ numbers that may be text with a unit ("115 GPa"). They return SI units, and foll
     contact  = solve_contact(window, contact_modulus=1e9, mean_pressure=[1e6, 5e6])
     stats    = contact_statistics(contact)
 
-`evaluate(path, contact={"contact_modulus": 1e9})` goes all this way, to the numbers with their intervals;
+`evaluate(path, contact_modulus=1e9)` goes all this way, to the numbers with their intervals;
 `plot` draws them, `group_statistics` makes one answer of several maps, and `compare_groups` tells whether two
 finishes differ.
 
@@ -26,32 +26,38 @@ except PackageNotFoundError:  # used from a checkout that was not installed
 
 _HOME = {
     "read_height_map": "roughcontact.io.read",
-    "height_map": "roughcontact.maps",
+    "height_map": "roughcontact.arguments.maps",
     "inspect_file": "roughcontact.io.inspection",
-    "level": "roughcontact.levelling.level",
-    "composite": "roughcontact.faces.composite",
-    "relative_positions": "roughcontact.faces.positions",
-    "periodic_window": "roughcontact.window.periodic_window",
-    "profile_parameters": "roughcontact.roughness.profile_parameters",
-    "surface_from_profiles": "roughcontact.profiles.surface",
+    "sample_file": "roughcontact.io.samples",
+    "level": "roughcontact.surface.levelling.level",
+    "composite": "roughcontact.surface.faces.composite",
+    "relative_positions": "roughcontact.surface.faces.positions",
+    "periodic_window": "roughcontact.surface.window.periodic_window",
+    "parameters": "roughcontact.surface.window.areal",
+    "power_spectrum": "roughcontact.surface.window.areal",
+    "profile_parameters": "roughcontact.surface.roughness.profile_parameters",
+    "surface_from_profiles": "roughcontact.surface.profiles.surface",
     "solve_contact": "roughcontact.contact.solve",
     "partial_slip": "roughcontact.contact.partial_slip",
     "flash_temperature": "roughcontact.contact.flash_temperature",
     "unload": "roughcontact.statistics.unloading",
+    "run_in": "roughcontact.statistics.running_in",
+    "sliding_friction": "roughcontact.statistics.sliding",
     "contact_statistics": "roughcontact.statistics.contact_statistics",
     "first_yield_pressure": "roughcontact.statistics.first_yield",
     "error_budget": "roughcontact.uncertainty.budget",
-    "evaluate": "roughcontact.evaluation",
-    "contact_table": "roughcontact.evaluation",
-    "material": "roughcontact.named_materials",
+    "evaluate": "roughcontact.evaluation.evaluate",
+    "contact_table": "roughcontact.evaluation.evaluate",
+    "material": "roughcontact.arguments.named_materials",
     "group_statistics": "roughcontact.uncertainty.groups",
     "compare_groups": "roughcontact.uncertainty.differences",
     "surface_checks": "roughcontact.statistics.checks",
     "with_uncertainty": "roughcontact.statistics.contact_statistics",
-    "with_interval": "roughcontact.quantities",
-    "self_affine_surface": "roughcontact.references.synthetic",
-    "workflow_file": "roughcontact.command_line.running",
+    "with_interval": "roughcontact.arguments.quantities",
+    "self_affine_surface": "roughcontact.surface.synthetic",
+    "workflow_file": "roughcontact.study.running",
     "table": "roughcontact.results.collect",
+    "summary": "roughcontact.results.collect",
     "compare_statistics": "roughcontact.results.comparison",
     "read_dataset": "roughcontact.results.storage",
     "read_statistics": "roughcontact.results.selection",
@@ -64,7 +70,7 @@ _HOME = {
     "ConvergenceError": "roughcontact.errors",
 }
 
-_MODULES = ("plot",)
+_MODULES = {"plot": "roughcontact.report.plot"}
 
 __all__ = ["__version__", *_HOME]  # noqa: PLE0604 - the keys are strings
 
@@ -73,7 +79,7 @@ def __getattr__(name):
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
     if name in _MODULES:
-        return import_module(f"roughcontact.{name}")
+        return import_module(_MODULES[name])
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -7,7 +7,24 @@ from collections.abc import Sequence
 
 
 class RoughContactError(Exception):
-    """Base of all errors raised on purpose by this package."""
+    """Base of all errors raised on purpose by this package.
+
+    Parameters
+    ----------
+    message : str
+        what is wrong, and the way out.
+    keys : sequence of str
+        the settings, columns or arguments that `message` asks for, as it spells them: who offers them under
+        other names, as options or fields, knows by these which ones are meant.
+    place : str
+        the setting or cell that is wrong, by its dotted name, ``contact.bodies[0].hardness``, or
+        ``rows.7.dx`` for the column of a line of the table; empty where there is not just one.
+    """
+
+    def __init__(self, message: str = "", *, keys: Sequence[str] = (), place: str = "") -> None:
+        super().__init__(message)
+        self.keys = tuple(keys)
+        self.place = place
 
 
 class InputFileError(RoughContactError, ValueError):
@@ -19,11 +36,8 @@ class SettingsError(RoughContactError, ValueError):
 
     Parameters
     ----------
-    message : str
-        what is wrong, and the way out.
-    keys : sequence of str
-        the settings that `message` names, as it spells them: who offers them under other names, as the
-        options of a program, knows by these what to replace.
+    message, keys, place
+        As of `RoughContactError`.
     mistakes : sequence of SettingsError
         the single mistakes, where `message` lists several.
 
@@ -35,10 +49,14 @@ class SettingsError(RoughContactError, ValueError):
     """
 
     def __init__(
-        self, message: str, *, keys: Sequence[str] = (), mistakes: Sequence["SettingsError"] = ()
+        self,
+        message: str = "",
+        *,
+        keys: Sequence[str] = (),
+        place: str = "",
+        mistakes: Sequence["SettingsError"] = (),
     ) -> None:
-        super().__init__(message)
-        self.keys = tuple(keys)
+        super().__init__(message, keys=keys, place=place)
         self.mistakes = tuple(mistakes)
 
 
@@ -58,12 +76,12 @@ class HeightMapWarning(UserWarning):
     """A map that is solved as asked, though no measured surface is like it: too few points, too steep."""
 
 
-def with_path(error: Exception, path: str, origin: str = "") -> str:
+def path_message(error: Exception, path: str, origin: str = "") -> str:
     """Return the message about a map with the path of its file, and the line of the table that names it.
 
     Examples
     --------
-    >>> with_path(HeightMapError("a.txt: all points are missing"), "maps/a.txt", "surfaces.tsv, line 2")
+    >>> path_message(HeightMapError("a.txt: all points are missing"), "maps/a.txt", "surfaces.tsv, line 2")
     'maps/a.txt: all points are missing (surfaces.tsv, line 2)'
     """
     text = str(error).removeprefix(f"{path}: ").removeprefix(f"{path.rpartition('/')[2]}: ")

@@ -4,7 +4,7 @@ import time
 from collections import Counter, defaultdict
 
 # usual seconds of a job, and of a minute of its requested run time per thread, which is an upper limit
-_START = {"prepare": 3.0, "prepare_face": 3.0, "superpose": 3.0}
+_START = dict.fromkeys(("prepare", "prepare_with_overview", "prepare_face", "superpose"), 3.0)
 _START_OF_OTHERS, _PER_MINUTE = 6.0, 1.0
 _OF_ALL = 6.0  # s of usual time by which the speed of all jobs counts for that of a rule
 REPORT = "report"  # the rule with a single job, at the end

@@ -1,9 +1,10 @@
 """What a run shows: a line for each result that is done, and below them how much of the run is done.
 
 All else that Snakemake and the jobs report is in their logs. Of a job that has failed the sentence follows in
-which its log says why, else how it was ended. Other warnings and errors are shown in full.
+which its record says why, else how it was ended. Other warnings and errors are shown in full.
 """
 
+import json
 import logging
 import re
 import shutil
@@ -21,7 +22,7 @@ ERASE = "\r\x1b[K"  # the line of the bar
 _PREAMBLE = ("Assuming unrestricted shared filesystem", "Building DAG of jobs", "host: ")
 _BAR = 20  # characters
 _PAGE = Path("results/report.html")  # which a run of single results leaves as it is
-_LAST = ("contact", "statistics")  # the rules whose job is the last one of a result
+_LAST = ("panel",)  # the rule whose job is the last one of a result
 
 
 class Screen:
@@ -120,7 +121,7 @@ class Screen:
             return
         result = _result(fields)
         logs = self.logs.pop(result, []) + self.logs.pop(re.sub(r"-\d+$", "", result), [])
-        warnings = sum(map(_warnings, logs))
+        warnings = sum(read_record(log).get("warnings", 0) for log in logs)
         warned = (
             f", {warnings} warning{'s' * (warnings != 1)} in its logs and in the report" if warnings else ""
         )
@@ -133,7 +134,7 @@ class Screen:
         self._line(f"{result}: done{warned} ({self.done} of {self.results}{left})")
 
     def _job_failed(self, record: logging.LogRecord) -> None:
-        """Show why a job has failed: what its log says, else how it was ended, which is added to the log.
+        """Show why a job has failed: what its record says, else how it was ended, which is added to it.
 
         The temporary files of a killed job are removed.
         """
@@ -149,8 +150,9 @@ class Screen:
             with suppress(OSError):
                 path.with_name(f".{path.name}.partial").unlink(missing_ok=True)
         logs = fields["log"] or []
-        if errors := [line for log in logs for line in _errors(_text(log))]:
-            self._line("\n".join(errors))
+        recorded = read_record(logs[0]) if logs else {}
+        if "error" in recorded:
+            self._line(f"[{_name(fields)}] ERROR: {recorded['error']}")
             return
         of_cluster = [log for log in failed["log"] or [] if log not in logs]
         why = why_killed("\n".join(map(_text, of_cluster)), fields) or why_ended(
@@ -158,11 +160,10 @@ class Screen:
         )
         if why is None:
             return
-        line = f"[{_name(fields)}] ERROR: {why}"
-        self._line(line)
+        self._line(f"[{_name(fields)}] ERROR: {why}")
         for log in logs[:1]:
-            with suppress(OSError), Path(log).open("a", encoding="utf-8") as file:
-                file.write(f"{line}\n")
+            with suppress(OSError):
+                _record_of(log).write_text(json.dumps(recorded | {"done": False, "error": why}), "utf-8")
 
     def _bar(self, now: float) -> str:
         """Return the last line of a terminal: the share that is done, the time left, and the running jobs."""
@@ -253,11 +254,12 @@ def _text(log: str | Path) -> str:
     return ""
 
 
-def _warnings(log: str) -> int:
-    """Return the number of warnings in the log of a job."""
-    return len(re.findall(r"^\[.*?\] warning: ", _text(log), re.MULTILINE))
+def read_record(log: str | Path) -> dict[str, Any]:
+    """Return the record that a job leaves beside its log, empty where there is none."""
+    with suppress(OSError, ValueError):
+        return dict(json.loads(_record_of(log).read_text(encoding="utf-8")))
+    return {}
 
 
-def _errors(text: str) -> list[str]:
-    """Return the lines by which a script has said why it failed."""
-    return re.findall(r"^\[.*?\] ERROR: .+$", text, re.MULTILINE)
+def _record_of(log: str | Path) -> Path:
+    return Path(log).with_suffix(".json")

@@ -1,0 +1,74 @@
+"""What a run was made from, beside its results: settings, table of surfaces and measured files."""
+
+import hashlib
+import json
+import shutil
+from contextlib import chdir
+from pathlib import Path
+
+from roughcontact.errors import InputFileError, SettingsError
+from roughcontact.io.guards import sha256
+from roughcontact.results.storage import opened_dataset, write_text
+from roughcontact.study.plan import Plan
+from roughcontact.study.study import read_study
+from roughcontact.study.surfaces import OVERVIEW, PAIR, find, read_table, separate_files, table_text
+from roughcontact.study.yaml_text import check_yaml
+
+FOLDER = "run_inputs"  # no surface has this name: `_` is not admitted
+
+
+def copy_inputs(results: Path, configuration: Path, read_checksums: set[str]) -> Path:
+    """Copy settings, table and measured files of a run into its results; return the path of the settings.
+
+    All must be as the run has read them: settings and rows as the results record them, files by one of the
+    checksums (SHA-256) of `read_checksums`.
+    """
+    import yaml  # comes with Snakemake
+
+    if not configuration.is_file():
+        raise SettingsError(f"{configuration}: no such file; name the settings of the run")
+    check_yaml(configuration)
+    config = yaml.safe_load(configuration.read_text(encoding="utf-8"))
+    # paths are looked up beside the results, then beside the file that names them
+    search_path = [results.resolve().parent, configuration.resolve().parent]
+    with chdir(search_path[0]):
+        plan = Plan(*read_study(config, [".", search_path[1]], measured_in=["."], origin=str(configuration)))
+    for result in plan.results:
+        with opened_dataset(results / result / "statistics.nc") as statistics:
+            settings_of_result = json.loads(statistics.attrs["settings"])
+        if settings_of_result != json.loads(json.dumps(plan.settings("statistics", result))):
+            raise InputFileError(f"{result}: its settings, or its row, have changed; repeat the run first")
+    table = find(plan.common["surfaces"], search_path) or Path()
+    header, rows = read_table(table)
+    target = results / FOLDER
+    shutil.rmtree(target, ignore_errors=True)
+
+    def copied(path: str, folders: list[Path]) -> str:
+        """Copy a file into a folder named after its content, so that no other file has its path."""
+        file = find(path, folders) or Path(path)
+        checksum = sha256(file)
+        if checksum not in read_checksums:
+            raise InputFileError(f"{file}: is not the file that the run has read; repeat the run first")
+        copy = target / "measured" / checksum[:12] / file.name
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(file, copy)
+        return copy.relative_to(target).as_posix()
+
+    surfaces = [dict(zip(header, cells, strict=False)) for _, cells in rows]
+    for row in surfaces:
+        paths = {name: row[name] for name in ("path", PAIR) if row.get(name)}
+        folders = [search_path[0], table.parent]
+        row |= {name: copied(path, folders) for name, path in paths.items()}
+        row |= {OVERVIEW: "; ".join(copied(file, folders) for file in separate_files(row.get(OVERVIEW, "")))}
+    text = table_text(surfaces)
+    name = f"surfaces-{hashlib.sha256(text.encode()).hexdigest()[:12]}.tsv"
+    write_text(text, target / name)
+    for section in (config, *(config.get("cases") or {}).values()):
+        instrument = section.get("instrument") or {}
+        if path := instrument.get("finer_spectrum"):
+            instrument["finer_spectrum"] = copied(path, search_path)
+        sliding = section.get("sliding") or {}
+        if path := sliding.get("relaxation"):
+            sliding["relaxation"] = copied(path, search_path)
+    write_text(json.dumps(config | {"surfaces": name}, indent=2, default=str) + "\n", target / "config.yaml")
+    return target / "config.yaml"

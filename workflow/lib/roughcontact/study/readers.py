@@ -1,0 +1,62 @@
+"""Which reader reads a measured file, so that a change of another one concerns no job."""
+
+import hashlib
+import json
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+
+from roughcontact.io.checksums import checksum
+from roughcontact.study.dependencies import PACKAGE, source_digest
+
+NOTED = Path(".snakemake/roughcontact-readers")
+
+
+def reader_digest(path: str | Path) -> str:
+    """Return the checksum of the code of the reader that recognises a file; empty if that is unreadable.
+
+    Recognising imports all readers, so it is noted by the content of the file.
+    """
+    content, readers = checksum(path), _all_readers()
+    if not content:
+        return ""
+    noted = _noted()
+    if (key := f"{content} {readers}") not in noted:
+        noted[key] = _recognised(Path(path))
+        with suppress(OSError), NOTED.open("a", encoding="utf-8") as file:
+            file.write(json.dumps([key, noted[key]]) + "\n")
+    return _digest(noted[key])
+
+
+@cache
+def _digest(name: str) -> str:
+    module = PACKAGE / f"io/readers/{name}.py"
+    own = hashlib.sha256(module.read_bytes()).hexdigest() if module.is_file() else ""
+    return f"{name} {own[:16]} {source_digest(module) if own else ''}"
+
+
+@cache
+def _all_readers() -> str:
+    """Return the checksum of the code by which readers recognise files, of all of them."""
+    code = b"".join(path.read_bytes() for path in sorted((PACKAGE / "io/readers").glob("*.py")))
+    return hashlib.sha256(code).hexdigest()[:16]
+
+
+@cache
+def _noted() -> dict[str, str]:
+    """Return the noted names of readers; damaged lines, as of a killed run, are left out."""
+    names: dict[str, str] = {}
+    with suppress(OSError, UnicodeDecodeError):
+        for line in NOTED.read_text(encoding="utf-8").splitlines():
+            with suppress(ValueError):
+                names.update([json.loads(line)])
+    return names
+
+
+def _recognised(path: Path) -> str:
+    """Return the name of the reader of a file; empty where none takes it, of which its job complains."""
+    from roughcontact.io.registry import recognised
+
+    with suppress(Exception):  # a damaged file fails in any way
+        return recognised(path)[0]
+    return ""

@@ -1,0 +1,146 @@
+"""Settings and table of surfaces together: all mistakes in both are reported at once, before a run begins."""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from roughcontact.arguments.checking import check_choice, check_lay, marker_values
+from roughcontact.arguments.choices import Checksum, FirstRow, Resampling
+from roughcontact.arguments.kinds import PERIODIC_MAP
+from roughcontact.arguments.settings.models import Composite, Settings
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.arguments.units import unit_factor, unknown_unit
+from roughcontact.errors import SettingsError
+from roughcontact.study.surfaces import (
+    GROUP,
+    OVERVIEW,
+    PAIR,
+    PAIR_FIRST_ROW,
+    Mistake,
+    Surface,
+    find,
+    first_rows,
+    read_surfaces,
+)
+from roughcontact.study.yaml_text import MAX_VALUES
+
+
+def read_study(
+    config: Mapping[str, Any],
+    folders: Sequence[str | Path],
+    *,
+    measured_in: Sequence[str | Path],
+    origin: str = "the settings",
+    checked: bool = False,
+) -> tuple[dict[str, dict[str, Any]], dict[str, Surface]]:
+    r"""Return the settings of every case (as `resolve`) and the table of surfaces (as `read_surfaces`).
+
+    `folders` and `measured_in` are search paths of table and measured files, which may have gone where they
+    were `checked` when the run began. A `SettingsError` from `origin` lists all mistakes in both.
+    """
+    _check_size(config)
+    cases: dict[str, dict[str, Any]] = {}
+    surfaces: dict[str, Surface] = {}
+    errors: list[SettingsError] = []
+    try:
+        cases = resolve(config, origin=origin)
+    except SettingsError as error:
+        errors.append(error)
+    files = (("instrument", "finer_spectrum"), ("sliding", "relaxation"))
+    errors += [
+        SettingsError(
+            f"{section}.{key} = {path}: no such file; correct the path (from the working folder)",
+            place=f"{section}.{key}",
+        )
+        for section, key in files
+        for path in dict.fromkeys(settings[section][key] for settings in cases.values())
+        if path and not checked and find(path, ["."]) is None
+    ]
+    table = config.get("surfaces", Settings.model_fields["surfaces"].default)
+    if isinstance(table, str) and table:  # otherwise it is among the mistakes in the settings
+        try:
+            path, count = find(table, folders) or table, _placements_each(config)
+            surfaces = read_surfaces(
+                path, measured_in, check=None if checked else _find_mistakes, placements_each=count
+            )
+        except SettingsError as error:
+            errors.append(error)
+    errors += [
+        SettingsError(
+            f"{row.origin}, {GROUP} = {name}: a case of the settings has this name as well; rename one",
+            place=f"rows.{row.line}.{GROUP}",
+        )
+        for name, row in first_rows(surfaces).items()
+        if name in cases
+    ]
+    errors += [
+        SettingsError(f"{row.origin}, {PAIR}: {reason}", place=f"rows.{row.line}.{PAIR}")
+        for section, key in (("wear", "coefficient"), ("sliding", "relaxation"))
+        for row in surfaces.values()
+        if (reason := PERIODIC_MAP.reason_against(section, row.properties))
+        and any(settings[section][key] for settings in cases.values())
+    ]
+    if errors:
+        mistakes = [mistake for error in errors for mistake in error.mistakes or (error,)]
+        raise SettingsError("\n".join(map(str, errors)), mistakes=mistakes)
+    return cases, surfaces
+
+
+def _placements_each(config: Mapping[str, Any]) -> int:
+    """Return the number of placements of each pair; 1 where the settings of pairs have mistakes."""
+    try:
+        composite = Composite.model_validate(config.get("composite", {}))
+    except ValidationError:
+        return 1
+    return composite.shifts * len(composite.rotations)
+
+
+def _check_size(config: Mapping[str, Any]) -> None:
+    """Reject more values than any study has: a few lines of aliases can stand for a billion."""
+    waiting: list[Any] = [config]
+    for _ in range(MAX_VALUES):
+        if not waiting:
+            return
+        value = waiting.pop()
+        if isinstance(value, Mapping):
+            waiting += value.values()
+        elif isinstance(value, list):
+            waiting += value
+    raise SettingsError(
+        f"the configuration has more than {MAX_VALUES} values: look for aliases (*name) that stand for one "
+        "another, and write out their values"
+    )
+
+
+def _find_mistakes(row: Surface) -> list[Mistake]:
+    """Return column and sentence of the mistakes in the files, units and choices of a row."""
+    paths = [("path", row.path), (PAIR, row.counter_face)]
+    paths += [(OVERVIEW, Path(file["path"])) for file in row.read_arguments.get(OVERVIEW, ())]
+    mistakes = [
+        (key, f"{key} = {str(path)!r}: no such file; correct the path or put # before the row")
+        for key, path in paths
+        if path is not None and (key, path) != ("path", Path()) and find(path, ["."]) is None
+    ]
+    mistakes += [
+        (key, f"{key}: {unknown_unit(row.read_arguments[key], 'm')}")
+        for key in ("unit", "height_unit")
+        if key in row.read_arguments and unit_factor(row.read_arguments[key], "m") is None
+    ]
+    choices = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow, PAIR_FIRST_ROW: FirstRow}
+    checks: dict[str, Callable[[Any], object]] = {
+        "missing_value": marker_values,
+        "ignore_lines": lambda cell: marker_values(cell, "ignore_lines"),
+        "lay": lambda cell: check_lay("across" if cell == "along" else cell),  # of one group
+        **{key: partial(check_choice, key, choices=words) for key, words in choices.items()},
+    }
+    cells = {**row.read_arguments, PAIR_FIRST_ROW: row.counter_face_first_row}
+    for key, check in checks.items():
+        try:
+            if cells.get(key):
+                check(cells[key])
+        except SettingsError as error:
+            mistakes.append((key, str(error)))
+    return mistakes

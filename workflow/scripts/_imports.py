@@ -1,0 +1,21 @@
+"""What the scripts import: the executor of local runs imports it once, and each job is a fork of it."""
+
+import sys
+from importlib import import_module
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
+
+MODULES = (
+    "netCDF4",
+    "roughcontact.evaluation.pipeline",
+    "roughcontact.io.read",
+    "roughcontact.report.gather",
+    "roughcontact.report.panel",
+    "roughcontact.statistics.sealing.flow",
+    "scipy.ndimage",
+    "scipy.optimize",
+)
+for module in MODULES:
+    import_module(module)
+import_module("roughcontact.io.registry").readers()

@@ -1,0 +1,27 @@
+"""The coarser maps around a surface with its place in each, a file of the rule `prepare_with_overview`."""
+
+from collections.abc import Mapping, Sequence
+
+from _job import save, say, snakemake
+from xarray import DataArray
+
+from roughcontact.errors import RoughContactError
+from roughcontact.io.read import read_height_map
+from roughcontact.surface.faces.placing import joined_overviews, place_in_words
+from roughcontact.surface.preparation import preparation_of
+
+
+def write_overviews(measured: DataArray, levelled: DataArray, files: Sequence[Mapping]) -> None:
+    """Read, level and place the overviews of a map (y, x; m): overview.nc; each file with its position."""
+    settings = snakemake.params.settings["overview"]
+    preparation, fields = preparation_of(measured, settings), []
+    for file in files:
+        arguments = dict(file)
+        position = arguments.pop("position", "")
+        try:
+            overview = read_height_map(**arguments)
+            fields.append(preparation.overview(levelled, overview, settings["level"], position))
+        except RoughContactError as error:
+            raise type(error)(f"{error} ({snakemake.params.row['origin']})") from error
+        say(f"note: {file['path']}: {place_in_words(fields[-1])}")
+    save(joined_overviews(fields), snakemake.output.overview, settings, source=measured.attrs)

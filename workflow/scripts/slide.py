@@ -1,0 +1,13 @@
+"""Let rubber slide over the face: window.nc to sliding.nc, friction and contact over the speed."""
+
+from _job import save, snakemake
+
+from roughcontact.results.storage import opened_dataset, read_dataset
+from roughcontact.uncertainty.sliding import slid_in_a_run
+
+paths, settings = snakemake.input, snakemake.params.settings["sliding"]
+window = read_dataset(paths.window)["height"]
+with opened_dataset(paths.contact) as contact:
+    load = settings["sliding"]["mean_pressure"] or float(contact["mean_pressure"].max())
+slid = slid_in_a_run(window, settings, mean_pressure=load, threads=snakemake.threads)
+save(slid, snakemake.output.sliding, settings, source=window.attrs)

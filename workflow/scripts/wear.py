@@ -1,0 +1,13 @@
+"""Wear the face by sliding: window.nc to worn.nc, the faces over the distance and their contact."""
+
+from _job import save, snakemake
+
+from roughcontact.results.storage import opened_dataset, read_dataset
+from roughcontact.uncertainty.running_in import worn_in_a_run
+
+paths, settings = snakemake.input, snakemake.params.settings["worn"]
+window = read_dataset(paths.window)["height"]
+with opened_dataset(paths.contact) as contact:
+    load = settings["wear"]["mean_pressure"] or float(contact["mean_pressure"].max())
+worn = worn_in_a_run(window, settings, mean_pressure=load, threads=snakemake.threads)
+save(worn, snakemake.output.worn, settings, source=window.attrs)
