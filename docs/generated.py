@@ -17,10 +17,10 @@ from unittest import mock
 import yaml
 
 import roughcontact
-from roughcontact.command_line import program
-from roughcontact.configuration.fields import choices_of, section_of
-from roughcontact.configuration.models import Settings
-from roughcontact.variables import VARIABLES
+from roughcontact.arguments.settings.fields import section_model, setting_choices
+from roughcontact.arguments.settings.models import Settings
+from roughcontact.arguments.variables import VARIABLES
+from roughcontact.interface import program
 from validation.lines import Evidence, Line
 from validation.page import cells
 
@@ -28,17 +28,17 @@ PACKAGE = Path(roughcontact.__file__).parent
 VALIDATION = Path(__file__).parent / "explanation" / "validation.csv"
 # the modules that users and authors of readers call, beside the functions of `roughcontact`
 MODULES = (
-    "plot",
+    "report.plot",
     "results.exchange",
     "statistics.contact_statistics",
     "statistics.checks",
     "statistics.theory",
-    "roughness.heights",
-    "roughness.parameters",
-    "roughness.spectrum",
-    "roughness.texture",
-    "references.synthetic",
-    "quantities",
+    "surface.roughness.heights",
+    "surface.roughness.parameters",
+    "surface.roughness.spectrum",
+    "surface.roughness.texture",
+    "surface.synthetic",
+    "arguments.quantities",
     "io.interface",
     "kernels.memory",
 )
@@ -69,7 +69,7 @@ def settings() -> str:
     """Return one table for each section of the settings: key, default, what it may be, meaning."""
     parts = []
     for name, field in Settings.model_fields.items():
-        section = section_of(field)
+        section = section_model(field)
         if section is None:
             parts.append(f"## `{name}`\n\n{_sentence(field.description)} Default: {_default(field)}.")
             continue
@@ -89,7 +89,7 @@ def variables() -> str:
 
 def materials() -> str:
     """Return the table of materials by name, with the range of each property behind its value."""
-    text = (PACKAGE / "materials.tsv").read_text(encoding="utf-8")
+    text = (PACKAGE / "arguments/materials.tsv").read_text(encoding="utf-8")
     sources = [line.removeprefix("# ") for line in text.splitlines() if line.startswith("#")]
     _, *rows = (line.split("\t") for line in text.splitlines() if not line.startswith("#"))
     shown = [
@@ -210,7 +210,7 @@ def _default(field) -> str:
 
 def _words(field) -> str:
     """Return the words that a setting may be, as the end of a sentence."""
-    words = choices_of(field)
+    words = setting_choices(field)
     return f"; one of {', '.join(f'`{word}`' for word in words)}" if words else ""
 
 
