@@ -12,17 +12,17 @@ import xarray as xr
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
+from roughcontact.arguments.maps import height_map, side_lengths, spacing
 from roughcontact.errors import RoughContactError
-from roughcontact.fourier import wavenumbers
-from roughcontact.maps import height_map, side_lengths, spacing
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness.spectrum import isotropic_spectrum
+from roughcontact.kernels.fourier import wavenumbers
+from roughcontact.surface.roughness.spectrum import isotropic_spectrum
+from roughcontact.surface.synthetic import self_affine_surface
 
 LOADS = (0.003, 0.03, 0.3, 1.0)  # p' = mean pressure over E* times the rms gradient
 HURST = 0.8
 LONGEST = 4  # waves per side of the longest waves
 POINTS_PER_SHORTEST_WAVE = 8
-LEAST_POINTS = 1000  # of a measured map that is counted: smaller ones are solved at once
+MIN_CASE_POINTS = 1000  # of a measured map that is counted: smaller ones are solved at once
 # the work does not depend on the scale: what a file does not say of it may be anything
 SCALES = ({}, {"unit": "um"}, {"dx": 1, "dy": 1, "unit": "um"})
 
@@ -34,8 +34,8 @@ def surface(size: int, seed: int = 0) -> np.ndarray:
     elsewhere. The larger the map, the more of the spectrum is in it: eight points per shortest wave always.
     """
     band = {"shortest": POINTS_PER_SHORTEST_WAVE / size, "longest": 1 / LONGEST}
-    made = self_affine_surface((size, size), 1 / size, hurst=HURST, rms_gradient=1.0, seed=seed, **band)
-    return made.values
+    heights = self_affine_surface((size, size), 1 / size, hurst=HURST, rms_gradient=1.0, seed=seed, **band)
+    return heights.values
 
 
 def measured_maps(folders: Sequence[Path]) -> Iterator[tuple[str, xr.DataArray, xr.DataArray | None]]:
@@ -45,7 +45,7 @@ def measured_maps(folders: Sequence[Path]) -> Iterator[tuple[str, xr.DataArray, 
             with contextlib.suppress(RoughContactError):
                 levelled = rc.level(rc.read_height_map(path, **scale).astype(float))
                 window = rc.periodic_window(levelled)
-                if window.size >= LEAST_POINTS:
+                if window.size >= MIN_CASE_POINTS:
                     yield path.name, window, square_window(levelled) if min(window.shape) > 1 else None
                 break
 
@@ -53,9 +53,9 @@ def measured_maps(folders: Sequence[Path]) -> Iterator[tuple[str, xr.DataArray, 
 def square_window(levelled: xr.DataArray) -> xr.DataArray | None:
     """Return the window of the largest square in the middle of a map; None where it is not a square, too."""
     side = min(levelled.shape)
-    top, left = ((n - side) // 2 for n in levelled.shape)
+    top, left_column = ((n - side) // 2 for n in levelled.shape)
     try:
-        window = rc.periodic_window(levelled[top : top + side, left : left + side])
+        window = rc.periodic_window(levelled[top : top + side, left_column : left_column + side])
     except RoughContactError:
         return None
     height, width = side_lengths(window)
@@ -68,9 +68,9 @@ def enlarged(window, size: int, seed: int = 0):
     The spectrum is averaged over all directions; waves longer than the window are as strong as its longest.
     """
     pitch = min(spacing(window))
-    known, power = isotropic_spectrum(window)
+    window_wavenumbers, power = isotropic_spectrum(window)
     q = wavenumbers((size, size), (pitch, pitch))
-    power = np.where(q > 0, np.interp(q, known, power, right=0.0), 0.0)
+    power = np.where(q > 0, np.interp(q, window_wavenumbers, power, right=0.0), 0.0)
     noise = np.fft.rfft2(np.random.default_rng(seed).standard_normal((size, size)))
     amplitude = np.sqrt(power) / (size * pitch)
     return height_map(np.fft.irfft2(noise * amplitude * size, s=(size, size)), pitch)

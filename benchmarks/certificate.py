@@ -13,9 +13,9 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import nnls
 
+from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.contact.loads import plan_loads
-from roughcontact.maps import height_map, spacing
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface
 
 JOBS = 10  # each keeps its records, so that a long measurement can be stopped
 RANDOM, DENSE = 100, 24  # solves of each job: 1 000 and 240

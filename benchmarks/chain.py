@@ -24,8 +24,8 @@ from cases import relative_error, surface
 from speed import machine
 
 import roughcontact as rc
-from roughcontact.maps import spacing
-from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.arguments.maps import spacing
+from roughcontact.surface.roughness.parameters import rms_gradient
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -71,21 +71,28 @@ def take(command: list, folder: Path) -> dict:
     # compiled modules are kept, as where nobody has said otherwise
     usual = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
     variables = usual | threads | {"CLOCK": str(clock), "PYTHONPATH": os.pathsep.join(paths)}
-    before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    usage_before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     run = subprocess.run(
         list(map(str, command)), cwd=folder, env=variables, capture_output=True, text=True, check=False
     )
-    wall, after = time.perf_counter() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
+    wall, usage_after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
     if run.returncode:
         raise RuntimeError(f"{' '.join(map(str, command))}\n{run.stdout}{run.stderr}")
-    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    used = usage_after.ru_utime + usage_after.ru_stime - usage_before.ru_utime - usage_before.ru_stime
     processes = [json.loads(line) for line in clock.read_text().splitlines()] if clock.exists() else []
     return {"wall": wall, "cpu": used, "output": run.stdout, "processes": processes}
 
 
 def workflow(folder: Path, *arguments: str, cores: int = 1) -> dict:
     """Run the workflow in a folder."""
-    words = [sys.executable, "-m", "roughcontact.command_line", "run", "--configfile", "settings.json"]
+    words = [
+        sys.executable,
+        "-m",
+        "roughcontact.interface",
+        "run",
+        "--configfile",
+        "settings.json",
+    ]
     return take([*words, "--cores", str(cores), *arguments], folder)
 
 
@@ -101,24 +108,24 @@ def stage_of(process: dict) -> str:
 def measure_stages(work: Path, size: int) -> dict:
     """Return CPU time and peak memory of every job of one map, three loads."""
     folder = study(work / "stages", files=[heights(work, size)], settings={})
-    taken = workflow(folder)
+    process_results = workflow(folder)
     stages = {
         stage: {"cpu": process["cpu"], "peak_MB": process["peak_MB"]}
-        for process in taken["processes"]
+        for process in process_results["processes"]
         if (stage := stage_of(process))
     }
-    return {"size": size, "stages": stages, "cpu": taken["cpu"], "wall": taken["wall"]}
+    return {"size": size, "stages": stages, "cpu": process_results["cpu"], "wall": process_results["wall"]}
 
 
 def measure_study(work: Path, *, number: int, size: int, cores: int) -> dict:
     """Return what a study of three cases takes, its second run, and the size of its pages."""
     files = [heights(work, size, seed) for seed in range(number)]
     folder = study(work / "study", files=files, settings={"cases": CASES})
-    first = workflow(folder, cores=cores)
-    second = workflow(folder, cores=cores)
+    first_run = workflow(folder, cores=cores)
+    second_run = workflow(folder, cores=cores)
     reports = [folder / "results/report.html", *folder.glob("results/pages/*")]
-    jobs = [process for process in first["processes"] if stage_of(process) not in ("", "run")]
-    own = sum(process["cpu"] for process in first["processes"] if stage_of(process) == "run")
+    jobs = [process for process in first_run["processes"] if stage_of(process) not in ("", "run")]
+    snakemake_time = sum(process["cpu"] for process in first_run["processes"] if stage_of(process) == "run")
     cpu = sum(process["cpu"] for process in jobs)
     return {
         "surfaces": number,
@@ -127,10 +134,10 @@ def measure_study(work: Path, *, number: int, size: int, cores: int) -> dict:
         "jobs": len(jobs),
         "CPU s of jobs": cpu,
         "CPU s for each result": cpu / number / len(CASES),
-        "CPU s of Snakemake": own,
-        "wall s": first["wall"],
+        "CPU s of Snakemake": snakemake_time,
+        "wall s": first_run["wall"],
         "cores": cores,
-        "second run (s)": second["wall"],
+        "second run (s)": second_run["wall"],
         "pages (MB)": sum(page.stat().st_size for page in reports) / 1e6,
     }
 
@@ -138,13 +145,13 @@ def measure_study(work: Path, *, number: int, size: int, cores: int) -> dict:
 def measure_plan(work: Path, *, number: int) -> dict:
     """Return what the dry run of a study of three cases takes."""
     folder = study(work / "plan", files=[heights(work, 64)] * number, settings={"cases": CASES})
-    taken = workflow(folder, "-n")
-    lines = taken["output"].count("\n")
+    usage = workflow(folder, "-n")
+    lines = usage["output"].count("\n")
     return {
         "surfaces": number,
         "cases": len(CASES),
-        "wall s": taken["wall"],
-        "CPU s": taken["cpu"],
+        "wall s": usage["wall"],
+        "CPU s": usage["cpu"],
         "lines": lines,
     }
 
@@ -162,30 +169,50 @@ def measure_scripts(
 ) -> list[dict]:
     """Return what one map with eight loads takes, file to numbers, by this program and by plain scripts."""
     loads = [MODULUS * gradient * load for load in MANY]
-    own = [sys.executable, "-m", "roughcontact.command_line", "solve", file, "--json", "--threads", "1"]
-    own += ["--dx", "1", "--dy", "1", "--unit", "um", "--contact-modulus", MODULUS, "--mean-pressure", *loads]
+    own_command = [
+        sys.executable,
+        "-m",
+        "roughcontact.interface",
+        "solve",
+        file,
+        "--json",
+        "--threads",
+        "1",
+    ]
+    own_command += [
+        "--dx",
+        "1",
+        "--dy",
+        "1",
+        "--unit",
+        "um",
+        "--contact-modulus",
+        MODULUS,
+        "--mean-pressure",
+        *loads,
+    ]
     plain = ["--level-form", "plane", "--window-method", "raw", "--uncertainty-sources"]
-    take([*own, *plain], work)  # loads what is loaded once
-    bare, budget = take([*own, *plain], work), take(own, work)
+    take([*own_command, *plain], work)  # loads what is loaded once
+    bare, budget = take([*own_command, *plain], work), take(own_command, work)
     contact = {"contact_modulus": MODULUS, "mean_pressure": loads}
     chain = workflow(study(work / "chain", files=[file], settings={"contact": contact}))
     once = ("", "report", "run")  # whatever the number of surfaces
     jobs = sum(process["cpu"] for process in chain["processes"] if stage_of(process) not in once)
-    found = {"without error budget": bare, "with error budget": budget, "whole chain": chain}
-    known = {"map": name, "points": " × ".join(map(str, np.load(file, mmap_mode="r").shape))}
-    rows = [known | {"what": what} | _times(taken) for what, taken in found.items()]
-    rows.append(known | {"what": "jobs of the surface alone", "CPU s": jobs})
+    usages = {"without error budget": bare, "with error budget": budget, "whole chain": chain}
+    row_of_map = {"map": name, "points": " × ".join(map(str, np.load(file, mmap_mode="r").shape))}
+    rows = [row_of_map | {"what": what} | _times(usage) for what, usage in usages.items()]
+    rows.append(row_of_map | {"what": "jobs of the surface alone", "CPU s": jobs})
     areas = [load["relative_contact_area_pixels"] for load in json.loads(bare["output"])["loads"]]
     for code in codes:
-        taken = take([python, HERE / RIVALS[code], file, *(load / MODULUS for load in loads)], work)
-        off = relative_error(np.array(json.loads(taken["output"].splitlines()[-1])), np.array(areas))
-        ratios = {f"times {what}": float(f"{taken['cpu'] / one['cpu']:.2g}") for what, one in found.items()}
-        rows.append(known | {"what": code} | _times(taken) | ratios | {"area off": f"{off:.1e}"})
+        usage = take([python, HERE / RIVALS[code], file, *(load / MODULUS for load in loads)], work)
+        difference = relative_error(np.array(json.loads(usage["output"].splitlines()[-1])), np.array(areas))
+        ratios = {f"times {what}": float(f"{usage['cpu'] / one['cpu']:.2g}") for what, one in usages.items()}
+        rows.append(row_of_map | {"what": code} | _times(usage) | ratios | {"area off": f"{difference:.1e}"})
     return rows
 
 
-def _times(taken: dict) -> dict:
-    return {"CPU s": taken["cpu"], "wall s": taken["wall"]}
+def _times(usage: dict) -> dict:
+    return {"CPU s": usage["cpu"], "wall s": usage["wall"]}
 
 
 def tables(results: dict) -> dict[str, pd.DataFrame]:
@@ -193,7 +220,11 @@ def tables(results: dict) -> dict[str, pd.DataFrame]:
     stages = {f"{size}²": results["stages"][size] for size in sorted(results["stages"], key=int)}
     took = pd.DataFrame({size: entry["stages"] for size, entry in stages.items()}).reindex([*STAGES, "run"])
     used = {
-        what: took.map(lambda of, what=what: of[what] if isinstance(of, dict) else np.nan)
+        what: took.map(
+            lambda usage_of_part, what=what: (
+                usage_of_part[what] if isinstance(usage_of_part, dict) else np.nan
+            )
+        )
         for what in ("cpu", "peak_MB")
     }
     used["cpu"].loc["all, CPU s"] = [entry["cpu"] for entry in stages.values()]
@@ -231,16 +262,16 @@ def main() -> None:
     options = parser.parse_args()
     work = options.output.resolve()
     work.mkdir(parents=True, exist_ok=True)
-    kept = work / "results.json"
-    results: dict = json.loads(kept.read_text()) if kept.exists() else {}
+    results_file = work / "results.json"
+    results: dict = json.loads(results_file.read_text()) if results_file.exists() else {}
     for part in ("stages", "studies", "plans", "scripts"):
         results.setdefault(part, {})
     results["busy"] = options.busy
     results["machine"] = machine() | {"python": platform.python_version()}
 
-    def keep(part: str, key: int | str, found: dict | list) -> None:
-        results[part][str(key)] = found
-        kept.write_text(json.dumps(results, indent=1))
+    def keep(part: str, key: int | str, record: dict | list) -> None:
+        results[part][str(key)] = record
+        results_file.write_text(json.dumps(results, indent=1))
         print(part, key, flush=True)
 
     python = options.rivals.absolute() / "bin/python"
@@ -258,8 +289,8 @@ def main() -> None:
     for number in options.plans:
         keep("plans", number, measure_plan(work, number=number))
     for number in options.studies:
-        found = measure_study(work, number=number, size=options.study_size, cores=options.cores)
-        keep("studies", number, found)
+        study_times = measure_study(work, number=number, size=options.study_size, cores=options.cores)
+        keep("studies", number, study_times)
     if options.write:
         pages.publish("chain", tables(results), {name: results[name] for name in ("machine", "busy")})
     else:

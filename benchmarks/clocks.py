@@ -14,8 +14,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
+from roughcontact.arguments.maps import height_map
 from roughcontact.kernels.fft import make_plan
-from roughcontact.maps import height_map
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "workflow" / "lib"
@@ -30,8 +30,8 @@ ENOUGH = 0.5  # seconds that something is repeated for
 PROCESS = """
 import time
 start = time.perf_counter()
-import numpy, roughcontact, roughcontact.maps
-heights = roughcontact.maps.height_map(numpy.load({heights!r}), 1 / {size})
+import numpy, roughcontact, roughcontact.arguments.maps
+heights = roughcontact.arguments.maps.height_map(numpy.load({heights!r}), 1 / {size})
 imported = time.perf_counter()
 for _ in range(2):
     before = time.perf_counter()
@@ -57,11 +57,11 @@ def installation(study) -> dict:
         subprocess.run([*command, str(ROOT)], check=True)
         installed = time.perf_counter() - start
         environment = {"PATH": os.environ["PATH"], "HOME": str(home), "OMP_NUM_THREADS": "1"}
-        first, second = (one_process(study, target, environment) for _ in range(2))
+        times_first, times_second = (one_process(study, target, environment) for _ in range(2))
     return {
         "pip install of the package beside its dependencies, the compiled passes built": installed,
-        "its first process: imports, a solve of 256²": first["whole"],
-        "its second process": second["whole"],
+        "its first process: imports, a solve of 256²": times_first["whole"],
+        "its second process": times_second["whole"],
     }
 
 
@@ -75,14 +75,14 @@ def process(study) -> dict:
         "first": "of which the first solve",
         "second": "the same solve again",
     }
-    return {shown: statistics.median(run[name] for run in runs) for name, shown in names.items()}
+    return {heading: statistics.median(run[name] for run in runs) for name, heading in names.items()}
 
 
 def one_process(study, package: Path, environment: dict) -> dict:
     """Return the seconds of a process that imports the package and solves one map twice."""
     code = PROCESS.format(heights=str(study.made(FIRST_SIZE, 0)), size=FIRST_SIZE, load=LOAD)
     start = time.perf_counter()
-    done = subprocess.run(
+    completed_process = subprocess.run(
         [sys.executable, "-c", code],
         env=environment | {"PYTHONPATH": str(package)},
         cwd=study.work,
@@ -90,9 +90,9 @@ def one_process(study, package: Path, environment: dict) -> dict:
         capture_output=True,
         text=True,
     )
-    whole = time.perf_counter() - start
-    first, second, imports = map(float, done.stdout.split())
-    return {"whole": whole - second, "imports": imports, "first": first, "second": second}
+    total = time.perf_counter() - start
+    time_first, time_second, imports = map(float, completed_process.stdout.split())
+    return {"whole": total - time_second, "imports": imports, "first": time_first, "second": time_second}
 
 
 def pair(study):
@@ -117,7 +117,7 @@ def over_one_pair(study, size: int, threads: int) -> dict:
         times["pair (ms)"] += repeated(transform)
         times["solve (ms)"] += repeated(lambda: rc.solve_contact(window, **options))
     work = float(rc.solve_contact(window, **options)["operator_applications"].sum())
-    medians = {name: 1000 * statistics.median(found) for name, found in times.items()}
+    medians = {name: 1000 * statistics.median(seconds) for name, seconds in times.items()}
     over = {"solve / pair": medians["solve (ms)"] / medians["pair (ms)"]}
     return {"points per side": size, "threads": threads} | medians | {"pairs": work} | over
 
@@ -125,10 +125,10 @@ def over_one_pair(study, size: int, threads: int) -> dict:
 def repeated(run) -> list[float]:
     """Return the seconds of repeated calls, the first half second of them left out."""
     seconds, start = [], time.perf_counter()
-    while (begun := time.perf_counter()) < start + 2 * ENOUGH or not seconds:
+    while (start_of_call := time.perf_counter()) < start + 2 * ENOUGH or not seconds:
         run()
-        if begun > start + ENOUGH or time.perf_counter() > start + 2 * ENOUGH:
-            seconds.append(time.perf_counter() - begun)
+        if start_of_call > start + ENOUGH or time.perf_counter() > start + 2 * ENOUGH:
+            seconds.append(time.perf_counter() - start_of_call)
     return seconds
 
 
@@ -151,8 +151,11 @@ def one_call_or_many(study, size: int, threads: int) -> dict:
             answers = [ask(load=load) for load in loads]
             times[name].append(1000 * sum(answer["seconds"] for answer in answers))
             work[name] = sum(answer["operator_applications"] for answer in answers)
-    medians = {name: statistics.median(found) for name, found in times.items()}
-    one, many = calls
-    shares = {"share of time (%)": medians[one] / medians[many], "share of pairs (%)": work[one] / work[many]}
+    medians = {name: statistics.median(seconds) for name, seconds in times.items()}
+    single, several = calls
+    shares = {
+        "share of time (%)": medians[single] / medians[several],
+        "share of pairs (%)": work[single] / work[several],
+    }
     percent = {name: 100 * share for name, share in shares.items()}
     return {"points per side": size, "threads": threads} | medians | percent

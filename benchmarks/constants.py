@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
 from roughcontact.contact.loads import plan_loads
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface
 from roughcontact.uncertainty import ensemble
 from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, PEAK
@@ -35,7 +35,7 @@ CONSTANTS = {
     ("discretisation", "_NOISE_PER_SWITCH"): 1.0,
     ("subwindows", "_MIN_POINTS_PER_SIDE"): 24,
     ("subwindows", "_CUTS"): (2, 3),
-    ("subwindows", "_LEAST_SCATTER"): 0.04,
+    ("subwindows", "_MIN_SCATTER"): 0.04,
     ("ensemble", "MARGIN"): 0.5,
     ("instrument", "_NOISE_MARGIN"): 0.0,
     ("instrument", "_MOST_NOISE"): 0.5,
@@ -78,8 +78,8 @@ def widths(heights: list, *, correct: bool) -> pd.DataFrame:
         settings = {"window": window_arguments, "contact": contact, "instrument": instrument}
         budget = rc.error_budget(levelled, window, settings)
         for name, short in QUANTITIES.items():
-            ends = [budget[f"{name}_{end}"].values for end in ("lower", "upper")]
-            rows += [{"quantity": short, "width": width} for width in ends[1] - ends[0]]
+            bounds = [budget[f"{name}_{side}"].values for side in ("lower", "upper")]
+            rows += [{"quantity": short, "width": width} for width in bounds[1] - bounds[0]]
     return pd.DataFrame(rows)
 
 
@@ -96,17 +96,17 @@ def main() -> None:
             importlib.import_module(f"roughcontact.uncertainty.{m}")
             for m in (module, *BOUND_IN.get(name, ()))
         ]
-        before, correct = getattr(bound[0], name), name == "_CORRECTION_UNCERTAINTY"
-        for place in bound:
-            setattr(place, name, value)
+        original, correct = getattr(bound[0], name), name == "_CORRECTION_UNCERTAINTY"
+        for owner in bound:
+            setattr(owner, name, value)
         solve_member.__kwdefaults__["tolerance"] = ensemble.TOLERANCE
         changed = widths(heights, correct=correct)
-        for place in bound:
-            setattr(place, name, before)
+        for owner in bound:
+            setattr(owner, name, original)
         change = 100 * (changed["width"] / plain[correct]["width"] - 1)
         row = {
             "constant": f"`{module}.{name.strip('_')}`",
-            "value": f"{before:g}" if np.isscalar(before) else str(before),
+            "value": f"{original:g}" if np.isscalar(original) else str(original),
         }
         row["tried"] = f"{value:g}" if np.isscalar(value) else str(value)
         for quantity, of_quantity in change.groupby(plain[correct]["quantity"], sort=False):

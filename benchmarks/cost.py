@@ -19,12 +19,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from roughcontact.arguments.maps import refined, spacing
+from roughcontact.arguments.quantities import number, percent
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, RoughContactError
-from roughcontact.maps import refined, spacing
-from roughcontact.quantities import number, percent
 from roughcontact.results.storage import read_dataset, write_table
-from roughcontact.uncertainty.headline import fields_of, quantities_of
+from roughcontact.uncertainty.headline import headline_values, iterate_fields
 
 WORDS = {
     "relative_contact_area": "contact area",
@@ -102,18 +102,20 @@ def run_time_against_error(
     )
     solve(grids[-1], tolerance=1e-1)  # loads the libraries
     reference, _ = solve(finest, tolerance=_REFERENCE_TOLERANCE)
-    own = {name: np.zeros(len(mean_pressure)) for name in QUANTITIES}
+    order_errors = {name: np.zeros(len(mean_pressure)) for name in QUANTITIES}
     for step, grid in enumerate(grids[1:], start=1):
-        found, _ = solve(grid, tolerance=_REFERENCE_TOLERANCE)
+        result, _ = solve(grid, tolerance=_REFERENCE_TOLERANCE)
         for name, order in QUANTITIES.items():
-            difference = np.abs(found[name] - reference[name])
-            own[name] = np.maximum(own[name], difference / (2 ** (step * order) - 1))
+            difference = np.abs(result[name] - reference[name])
+            order_errors[name] = np.maximum(order_errors[name], difference / (2 ** (step * order) - 1))
     rows = []
     for grid in grids[1:]:
         for tolerance in TOLERANCES:
-            found, seconds = solve(grid, tolerance=tolerance)
+            result, seconds = solve(grid, tolerance=tolerance)
             errors = {
-                f"{name}_error": _relative(np.abs(found[name] - reference[name]) + own[name], reference[name])
+                f"{name}_error": _relative(
+                    np.abs(result[name] - reference[name]) + order_errors[name], reference[name]
+                )
                 for name in QUANTITIES
             }
             rows.append(
@@ -125,7 +127,7 @@ def run_time_against_error(
                         "mean_pressure": mean_pressure,
                         "seconds": seconds,
                     }
-                    | found
+                    | result
                     | errors
                 )
             )
@@ -152,7 +154,7 @@ def _every_second(grid: xr.DataArray) -> xr.DataArray | None:
 def _headline(contact: xr.Dataset) -> xr.Dataset:
     """Return the headline quantities (load) of a solution with its fields."""
     steps = spacing(contact["pressure"])
-    rows = [quantities_of(*fields, QUANTITIES, steps=steps) for fields in fields_of(contact)]
+    rows = [headline_values(*fields, QUANTITIES, steps=steps) for fields in iterate_fields(contact)]
     return xr.Dataset({name: ("load", [row[name] for row in rows]) for name in QUANTITIES})
 
 
@@ -243,20 +245,20 @@ def advice(table: pd.DataFrame) -> list[str]:
     sentences = []
     options = choices(table)
     for quantity, words in WORDS.items():
-        found = {target: cheapest(table, quantity, target) for target in _TARGETS}
-        reached = [(target, row) for target, row in found.items() if row is not None]
+        choice_by_target = {target: cheapest(table, quantity, target) for target in _TARGETS}
+        reached = [(target, row) for target, row in choice_by_target.items() if row is not None]
         for _, group in groupby(reached, key=lambda pair: in_words(pair[1])):
             targets, rows = zip(*group, strict=True)
-            wanted = " or ".join(f"{100 * target:g} %" for target in targets)
+            targets_text = " or ".join(f"{100 * target:g} %" for target in targets)
             seconds = number(rows[-1]["seconds"], digits=2)
-            sentences.append(f"For {wanted} in {words}, solve at {in_words(rows[-1])}: {seconds} s.")
-        missed = [target for target, row in found.items() if row is None]
+            sentences.append(f"For {targets_text} in {words}, solve at {in_words(rows[-1])}: {seconds} s.")
+        missed = [target for target, row in choice_by_target.items() if row is None]
         if missed:
             best = options.iloc[options[f"{quantity}_error"].argmin()]
-            left = percent(best[f"{quantity}_error"])
+            error_left = percent(best[f"{quantity}_error"])
             sentences.append(
                 f"For {100 * missed[0]:g} % in {words}, no grid of this comparison is fine enough; the best, "
-                f"{in_words(best)}, has {left}."
+                f"{in_words(best)}, has {error_left}."
             )
     return sentences
 

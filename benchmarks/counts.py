@@ -13,9 +13,9 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
+from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.contact.loads import plan_loads
-from roughcontact.fourier import halfplane_weights, wavenumbers
-from roughcontact.maps import height_map, spacing
+from roughcontact.kernels.fourier import halfplane_weights, wavenumbers
 
 TOLERANCES = (1e-4, 1e-8)
 TRUTH = 1e-12
@@ -25,7 +25,7 @@ SEEDS = 3  # of made and hard maps
 MADE_SIZES = (128, 256, 512)
 MEMORY_LOAD = 0.03
 ASPHER_TOLERANCE = 4e-6  # its own, which meets a true error of about 1e-4
-LARGEST_IN_MEMORY = {"ASPHER": 4096}  # points per side; it takes minutes above
+MAX_IN_MEMORY = {"ASPHER": 4096}  # points per side; it takes minutes above
 
 
 def maps(study):
@@ -39,11 +39,11 @@ def of_map(name: str, window) -> dict:
     ways = {"elements": {"influence": "elements"}, "single precision": {"precision": "single"}}
     solves = []
     for relative, load in loads_of(window):
-        solves += [found | {"load": relative} for found in certified(window, load)]
+        solves += [result | {"load": relative} for result in certified(window, load)]
         hard = {f"hardness {ratio:g} p̄": {"hardness": ratio * load} for ratio in HARDNESS}
         for way, options in (ways | hard).items():
-            found = solved(window, load, tolerance=TOLERANCES[0], **options)
-            solves.append(pairs(found) | {"load": relative, "way": way, "tolerance": TOLERANCES[0]})
+            result = solved(window, load, tolerance=TOLERANCES[0], **options)
+            solves.append(pairs(result) | {"load": relative, "way": way, "tolerance": TOLERANCES[0]})
     return {"name": name, "shape": list(window.shape), "solves": solves}
 
 
@@ -59,7 +59,7 @@ def of_hard(name: str) -> dict:
     for seed in range(SEEDS):
         window = cases.hard_surfaces(seed)[name]
         for relative, load in loads_of(window):
-            solves += [found | {"load": relative, "seed": seed} for found in certified(window, load)]
+            solves += [result | {"load": relative, "seed": seed} for result in certified(window, load)]
     return {"name": name, "solves": solves}
 
 
@@ -76,8 +76,8 @@ def of_made(size: int) -> dict:
         window = height_map(cases.surface(size, seed), 1 / size)
         for relative, load in loads_of(window):
             for tolerance in TOLERANCES:
-                found = pairs(solved(window, load, tolerance=tolerance, fields=False))
-                solves.append(found | {"load": relative, "seed": seed, "tolerance": tolerance})
+                result = pairs(solved(window, load, tolerance=tolerance, fields=False))
+                solves.append(result | {"load": relative, "seed": seed, "tolerance": tolerance})
     return {"name": f"{size}²", "solves": solves}
 
 
@@ -94,11 +94,16 @@ def growth(study):
 
 def of_size(kind: str, window, size: int, relative: float) -> dict:
     """Return the pairs to both tolerances on a made map, or on a window enlarged by its spectrum."""
-    made = kind == "made"
-    large = height_map(cases.surface(size), 1 / size) if made else cases.enlarged(window, size)
+    is_synthetic = kind == "made"
+    large = height_map(cases.surface(size), 1 / size) if is_synthetic else cases.enlarged(window, size)
     load = plan_loads(large, contact_modulus=1.0, relative_pressure=[relative])
-    found = [solved(large, load, tolerance=tolerance, fields=False) for tolerance in TOLERANCES]
-    return {"kind": kind, "size": size, "load": relative, "pairs": [pairs(one)["pairs"] for one in found]}
+    results = [solved(large, load, tolerance=tolerance, fields=False) for tolerance in TOLERANCES]
+    return {
+        "kind": kind,
+        "size": size,
+        "load": relative,
+        "pairs": [pairs(result)["pairs"] for result in results],
+    }
 
 
 def memory(study):
@@ -107,7 +112,7 @@ def memory(study):
     for size in study.memory_sizes:
         for name, options in ways:
             code = name.split(",")[0]
-            if code in study.pythons and size <= LARGEST_IN_MEMORY.get(code, size):
+            if code in study.pythons and size <= MAX_IN_MEMORY.get(code, size):
                 yield f"{name} {size}", partial(peak, study, code, name, size, options)
 
 
@@ -151,8 +156,8 @@ def certified(window, load: float) -> list[dict]:
     records = []
     for tolerance in TOLERANCES:
         solution = solved(window, load, tolerance=tolerance)
-        held = compare(solution, reference, spacing(window))
-        records.append(pairs(solution) | held | {"way": "default", "tolerance": tolerance})
+        comparison = compare(solution, reference, spacing(window))
+        records.append(pairs(solution) | comparison | {"way": "default", "tolerance": tolerance})
     return records
 
 

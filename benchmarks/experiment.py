@@ -57,7 +57,7 @@ def parts_of(aperture: np.ndarray, dy: float, dx: float, *, cut: int) -> list:
 
 
 def closures(
-    windows: list, loads: np.ndarray, modulus: float, first: int, *, hardness: float | None = None
+    windows: list, loads: np.ndarray, modulus: float, first_load: int, *, hardness: float | None = None
 ) -> np.ndarray:
     """Return the closure (m) of each window from one of the loads on; with a hardness of both ways."""
     rows = []
@@ -66,7 +66,7 @@ def closures(
         row = solved["approach"].values
         if hardness is not None:
             row = np.append(row, rc.unload(solved, mean_pressure=loads[::-1])["approach"].values)
-        rows.append(row[first] - row)
+        rows.append(row[first_load] - row)
     return np.array(rows)
 
 
@@ -101,30 +101,30 @@ def specimen(folder: Path, number: int, *, cuts: tuple[int, ...] = CUTS) -> pd.D
     aperture, dy, dx, measured = read_specimen(folder, number)
     top = int(measured[:, 0].argmax())
     up, down = measured[: top + 1], measured[top:][::-1]
-    loads, first = up[:, 0], int(np.searchsorted(up[:, 0], SEATED))
+    loads, first_load = up[:, 0], int(np.searchsorted(up[:, 0], SEATED))
     windows = [parts_of(aperture, dy, dx, cut=cut) for cut in cuts]
     mean, half = interval(
         [
-            np.array([closures(parts, loads, contact_modulus(youngs), first) for youngs in MODULI])
+            np.array([closures(parts, loads, contact_modulus(youngs), first_load) for youngs in MODULI])
             for parts in windows
         ]
     )
     columns = {"specimen": number, "way": "up", "mean_pressure_Pa": loads}
     tables = [pd.DataFrame(columns | {"measured_m": up[:, 1], "closure_m": mean, "half_width_m": half})]
     for hardness in HARDNESSES:
-        both = [
-            closures(parts, loads, contact_modulus(np.mean(MODULI)), first, hardness=hardness).mean(0)
+        closures_up_and_down = [
+            closures(parts, loads, contact_modulus(np.mean(MODULI)), first_load, hardness=hardness).mean(0)
             for parts in windows
         ]
-        known = {"up": (loads, up[:, 1]), "down": (loads[::-1], np.interp(loads[::-1], *down.T))}
+        measured_ways = {"up": (loads, up[:, 1]), "down": (loads[::-1], np.interp(loads[::-1], *down.T))}
         for (way, (load, closure)), computed in zip(
-            known.items(), np.split(np.mean(both, 0), 2), strict=True
+            measured_ways.items(), np.split(np.mean(closures_up_and_down, 0), 2), strict=True
         ):
             columns = {"specimen": number, "way": f"{way}, hardness {hardness / 1e6:.0f} MPa"}
             columns |= {"mean_pressure_Pa": load, "measured_m": closure, "closure_m": computed}
             tables.append(pd.DataFrame(columns))
     table = pd.concat(tables, ignore_index=True)
-    return table.assign(measured_m=table["measured_m"] - up[first, 1])
+    return table.assign(measured_m=table["measured_m"] - up[first_load, 1])
 
 
 def hydraulic_apertures(
@@ -168,8 +168,10 @@ def draw(table: pd.DataFrame, path: Path) -> None:
                 load, mean, half = (
                     loading[name] for name in ("mean_pressure_Pa", "closure_m", "half_width_m")
                 )
-                ends = 1e6 * (mean - half), 1e6 * (mean + half)
-                ax.fill_between(load / 1e6, *ends, color=color, alpha=0.25, lw=0, label="computed, 95 %")
+                closure_interval = 1e6 * (mean - half), 1e6 * (mean + half)
+                ax.fill_between(
+                    load / 1e6, *closure_interval, color=color, alpha=0.25, lw=0, label="computed, 95 %"
+                )
                 ax.plot(load / 1e6, 1e6 * mean, color=color, label="computed, elastic")
             for hardness, style in zip(HARDNESSES, (":", "--", "-."), strict=True):
                 part = rows[rows["way"] == f"{way}, hardness {hardness / 1e6:.0f} MPa"]
@@ -201,19 +203,19 @@ def main() -> None:
     options = parser.parse_args()
     table = pd.concat([specimen(options.folder, number, cuts=options.cuts) for number in FLUID_PRESSURE])
     up = table[(table["way"] == "up") & (table["closure_m"] > 0)]
-    off = (up["measured_m"] - up["closure_m"]).abs()
-    print(f"inside: {(off <= up['half_width_m']).sum()} of {len(up)}; ", end="")
+    deviation = (up["measured_m"] - up["closure_m"]).abs()
+    print(f"inside: {(deviation <= up['half_width_m']).sum()} of {len(up)}; ", end="")
     print(f"half-width, median: {100 * (up['half_width_m'] / up['closure_m']).median():.0f} %")
     columns = ["measured_m", "closure_m", "half_width_m"]
     print((up.set_index(["specimen", "mean_pressure_Pa"])[columns] * 1e6).round(1).to_string())
     for (number, way), rows in table[table["way"].str.startswith("down")].groupby(["specimen", "way"]):
-        left, known = (1e6 * rows.iloc[-1][name] for name in ("closure_m", "measured_m"))
-        print(number, way, f"{left:.1f} µm left, measured {known:.1f}")
+        residual, reference = (1e6 * rows.iloc[-1][name] for name in ("closure_m", "measured_m"))
+        print(number, way, f"{residual:.1f} µm left, measured {reference:.1f}")
     for number in FLUID_PRESSURE:
-        computed, known = (1e6 * value for value in hydraulic_apertures(options.folder, number))
+        computed, reference = (1e6 * value for value in hydraulic_apertures(options.folder, number))
         softer, _ = hydraulic_apertures(options.folder, number, youngs_modulus=MODULI[0] / 2)
         flowing, _ = hydraulic_apertures(options.folder, number, hardness=HARDNESSES[0])
-        print(number, f"hydraulic aperture {computed:.0f} µm, measured {known:.1f} at most; ", end="")
+        print(number, f"hydraulic aperture {computed:.0f} µm, measured {reference:.1f} at most; ", end="")
         print(f"with half the modulus {1e6 * softer:.0f}, with a hardness {1e6 * flowing:.0f} µm")
     if options.write:
         table.to_csv(RESULTS, index=False, float_format="%.6g")

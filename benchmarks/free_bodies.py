@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 from worker import Worker
 
+from roughcontact.contact.elasticity import free_space
+from roughcontact.contact.elasticity.halfspace import HalfSpace
+from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.free_boundary import FreeBody
-from roughcontact.elasticity import free_space
-from roughcontact.elasticity.halfspace import HalfSpace
-from roughcontact.elasticity.influence import Elasticity
 from roughcontact.errors import HeightMapError
 
 HERE = Path(__file__).resolve().parent
@@ -71,8 +71,8 @@ def solved(heights: np.ndarray, force: float, tolerance: float, influence: str =
 
 def forget_kernels() -> None:
     """Remove the kernels that are kept between solves: each code sets up a solve anew."""
-    for kept in (free_space.transform_of_pixels, free_space._cut_off):
-        kept.cache_clear()
+    for cached in (free_space.transform_of_pixels, free_space._cut_off):
+        cached.cache_clear()
 
 
 def relative(pressure: np.ndarray, exact: np.ndarray) -> float:
@@ -142,11 +142,11 @@ def bound(points: int, bodies: int) -> list[dict]:
             refused += 1
             continue
         for tolerance in TOLERANCES:
-            found = solved(heights, force, tolerance, "sampled")
-            error = norm(found.pressure - exact) / norm(exact)
-            passes[tolerance].append(found.passes)
+            solution = solved(heights, force, tolerance, "sampled")
+            error = norm(solution.pressure - exact) / norm(exact)
+            passes[tolerance].append(solution.passes)
             if error > 1e-8:
-                ratios[tolerance].append(found.error_bound / error)
+                ratios[tolerance].append(solution.error_bound / error)
     return [
         {
             "tolerance": tolerance,

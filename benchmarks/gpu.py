@@ -20,7 +20,7 @@ import pages
 import pandas as pd
 
 import roughcontact as rc
-from roughcontact.maps import height_map
+from roughcontact.arguments.maps import height_map
 
 LOAD = 0.03
 TIGHT = 1e-8  # tolerance of the solutions that are compared
@@ -48,8 +48,8 @@ def timed(window, **options) -> tuple[float, float]:
     solve(window, **options)
     seconds = []
     while len(seconds) < LEAST or (len(seconds) < MOST and sum(seconds) < BUDGET):
-        contact, taken = solve(window, **options)
-        seconds.append(taken)
+        contact, elapsed = solve(window, **options)
+        seconds.append(elapsed)
     return statistics.median(seconds), contact["error_bound"].item()
 
 
@@ -63,8 +63,8 @@ def measure(size: int, ways: dict, reference: str) -> dict:
         row[f"{name} (ms)"] = f"{1e3 * seconds:.0f}"
         bounds.append(bound)
         if "arrays" in options:
-            found = solve(window, tolerance=TIGHT, **options)[0]["pressure"].values
-            differences.append(np.sqrt(np.mean((found - exact) ** 2) / np.mean(exact**2)))
+            pressure = solve(window, tolerance=TIGHT, **options)[0]["pressure"].values
+            differences.append(np.sqrt(np.mean((pressure - exact) ** 2) / np.mean(exact**2)))
     row |= {"difference of pressures": f"{max(differences):.1e}", "error bound": f"{max(bounds):.1e}"}
     print(row, flush=True)
     return row

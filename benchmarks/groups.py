@@ -34,8 +34,8 @@ from roughcontact.statistics.contact_statistics import with_uncertainty
 from roughcontact.uncertainty.groups import from_scale, to_scale
 from roughcontact.uncertainty.random_effects import (
     SIGNIFICANCE,
+    adjust_over_loads,
     correlation_at_least,
-    over_loads,
     p_value,
     random_effects,
     welch,
@@ -67,9 +67,9 @@ def pool(kind: str) -> dict[str, np.ndarray]:
         master = master_surface(kind, MASTER, longest=1 / 6, seed=10_000 + seed)
         window = rc.periodic_window(rc.level(cut_out(master, SIDE, generator)))
         contact = {"contact_modulus": 1.0, "mean_pressure": list(GRID), "tolerance": 1e-3}
-        found = rc.solve_contact(window, **contact, reduce=rc.contact_statistics)
+        statistics = rc.solve_contact(window, **contact, reduce=rc.contact_statistics)
         for name in NAMES:
-            rows[name].append(to_scale(name, found[name].values))
+            rows[name].append(to_scale(name, statistics[name].values))
     return {name: np.array(values) for name, values in rows.items()}
 
 
@@ -78,12 +78,12 @@ def results(solved: dict, maps: np.ndarray, factors: np.ndarray) -> dict[str, np
     grid = np.log(GRID)
     at = (np.log(np.array(LOADS)[None, :] / factors[:, None]) - grid[0]) / (grid[1] - grid[0])
     below = np.clip(at.astype(int), 0, grid.size - 2)
-    found = {}
+    results_by_name = {}
     for name in NAMES:
-        left, right = (solved[name][maps[:, None], below + step] for step in (0, 1))
-        found[name] = left + (at - below) * (right - left)
-    found["mean_gap"] = found["mean_gap"] + np.log(factors)[:, None]
-    return found
+        lower, right = (solved[name][maps[:, None], below + step] for step in (0, 1))
+        results_by_name[name] = lower + (at - below) * (right - lower)
+    results_by_name["mean_gap"] = results_by_name["mean_gap"] + np.log(factors)[:, None]
+    return results_by_name
 
 
 def truth(solved: dict, scatter: float) -> dict[str, np.ndarray]:
@@ -91,14 +91,21 @@ def truth(solved: dict, scatter: float) -> dict[str, np.ndarray]:
     maps = np.arange(POOL)
     total: dict[str, np.ndarray] = {name: np.zeros(len(LOADS)) for name in NAMES}
     for node, weight in zip(NODES, WEIGHTS / WEIGHTS.sum(), strict=True):
-        found = results(solved, maps, np.full(maps.size, np.exp(scatter * node)))
+        results_of_maps = results(solved, maps, np.full(maps.size, np.exp(scatter * node)))
         for name in NAMES:
-            total[name] += weight * found[name].mean(axis=0)
+            total[name] += weight * results_of_maps[name].mean(axis=0)
     return total
 
 
 def drawn(
-    solved: dict, parts: list[int], batches: int, generator, *, scatter: float, within: float = 0.0, shift=0.0
+    solved: dict,
+    parts: list[int],
+    batches: int,
+    generator,
+    *,
+    scatter: float,
+    deviation_within: float = 0.0,
+    shift=0.0,
 ) -> dict[str, np.ndarray]:
     """Return the results (map, batch, load) of batches of so many maps of each part.
 
@@ -106,34 +113,36 @@ def drawn(
     """
     part = np.repeat(np.arange(len(parts)), parts)
     of_part = scatter * generator.standard_normal((len(parts), batches))
-    factors = np.exp(of_part[part] + within * generator.standard_normal((part.size, batches)) + shift)
+    factors = np.exp(
+        of_part[part] + deviation_within * generator.standard_normal((part.size, batches)) + shift
+    )
     maps = generator.integers(0, len(solved["mean_gap"]), factors.size)
-    found = results(solved, maps, factors.ravel())
-    return {name: values.reshape(part.size, batches, -1) for name, values in found.items()}
+    results_of_maps = results(solved, maps, factors.ravel())
+    return {name: values.reshape(part.size, batches, -1) for name, values in results_of_maps.items()}
 
 
 def inside(
-    found: dict, parts: list[int], expected: dict, further: dict
+    results_by_name: dict, parts: list[int], expected: dict, further: dict
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Return whether the intervals of mean and next map hold theirs, by quantity (batch, load)."""
     labels = [f"part {part}" for part, count in enumerate(parts) for _ in range(count)]
-    shape = found["mean_gap"].shape[1:]
+    shape = results_by_name["mean_gap"].shape[1:]
     datasets = [
         xr.Dataset(
-            {name: ("load", from_scale(name, found[name][place].ravel())) for name in NAMES},
-            {"mean_pressure": ("load", 1.0 + np.arange(np.prod(shape)))},
+            {name: ("load", from_scale(name, results_by_name[name][index].ravel())) for name in NAMES},
+            {"mean_pressure": ("load", 1.01 ** np.arange(np.prod(shape)))},  # none is the same as the next
         )
-        for place in range(len(labels))
+        for index in range(len(labels))
     ]
     group = rc.group_statistics(datasets, parts=labels)
-    held = []
+    hits = []
     for ending, values in (("", expected), ("next_", further)):
-        held.append({})
+        hits.append({})
         for name in NAMES:
-            low, high = (group[f"{name}_{ending}{end}"].values.reshape(shape) for end in ("lower", "upper"))
+            low, high = (group[f"{name}_{ending}{side}"].values.reshape(shape) for side in ("lower", "upper"))
             value = from_scale(name, np.broadcast_to(values[name], shape))
-            held[-1][name] = (low <= value) & (value <= high)
-    return held[0], held[1]
+            hits[-1][name] = (low <= value) & (value <= high)
+    return hits[0], hits[1]
 
 
 def coverage(solved: dict[str, dict]) -> pd.DataFrame:
@@ -145,9 +154,11 @@ def coverage(solved: dict[str, dict]) -> pd.DataFrame:
             for count in COUNTS:
                 generator = np.random.default_rng([count, round(100 * scatter), *map(ord, finish)])
                 batch = [1] * count
-                found = drawn(solved[kind], batch, BATCHES, generator, scatter=scatter)
+                results_by_name = drawn(solved[kind], batch, BATCHES, generator, scatter=scatter)
                 further = drawn(solved[kind], [1], BATCHES, generator, scatter=scatter)
-                mean, next_map = inside(found, batch, expected, {n: v[0] for n, v in further.items()})
+                mean, next_map = inside(
+                    results_by_name, batch, expected, {n: v[0] for n, v in further.items()}
+                )
                 rows += [
                     {
                         "finish": finish,
@@ -166,15 +177,19 @@ def coverage(solved: dict[str, dict]) -> pd.DataFrame:
 def nested(solved: dict[str, dict]) -> pd.DataFrame:
     """Return the same for several maps of each part: equally many, and not."""
     rows = []
-    scatter, within = 0.15, 0.05
+    scatter, deviation_within = 0.15, 0.05
     for words, parts in (("3 × 3", [3] * 3), ("5 × 3", [3] * 5), ("1 + 4 + 2 + 3 + 1", [1, 4, 2, 3, 1])):
         for kind in KINDS:
             generator = np.random.default_rng([sum(parts), *map(ord, kind)])
             # every map is of another place: the scatter of the places is within the parts
-            expected = truth(solved[kind], float(np.hypot(scatter, within)))
-            found = drawn(solved[kind], parts, BATCHES, generator, scatter=scatter, within=within)
-            further = drawn(solved[kind], [1], BATCHES, generator, scatter=scatter, within=within)
-            mean, next_map = inside(found, parts, expected, {n: v[0] for n, v in further.items()})
+            expected = truth(solved[kind], float(np.hypot(scatter, deviation_within)))
+            results_by_name = drawn(
+                solved[kind], parts, BATCHES, generator, scatter=scatter, deviation_within=deviation_within
+            )
+            further = drawn(
+                solved[kind], [1], BATCHES, generator, scatter=scatter, deviation_within=deviation_within
+            )
+            mean, next_map = inside(results_by_name, parts, expected, {n: v[0] for n, v in further.items()})
             rows += [
                 {
                     "maps of each part": words,
@@ -202,27 +217,29 @@ def differences(solved: dict[str, dict]) -> pd.DataFrame:
             for kind in KINDS:
                 finish = solved[kind]
                 if shift:
-                    place = generator.integers(0, POOL, 1)
-                    finish = {key: curves[place] for key, curves in finish.items()}
+                    indices = generator.integers(0, POOL, 1)
+                    finish = {key: curves[indices] for key, curves in finish.items()}
                 groups = [
-                    drawn(finish, [1] * count, PAIRS, generator, scatter=0.1, shift=own)[name]
-                    for own in (0.0, shift)
+                    drawn(finish, [1] * count, PAIRS, generator, scatter=0.1, shift=shift_of_finish)[name]
+                    for shift_of_finish in (0.0, shift)
                 ]
                 parts = [str(k) for k in range(count)]
                 effects = (random_effects(group.reshape(count, -1), parts) for group in groups)
                 p_values.append(p_value(*welch(*effects)).reshape(PAIRS, len(LOADS)))
                 for pair, values in enumerate(p_values[-1]):
-                    off = np.concatenate(
+                    deviations = np.concatenate(
                         [random_effects(group[:, pair], parts).deviations for group in groups]
                     )
-                    together.append(over_loads(values, correlation_at_least(off, len(off) - 2)))
-            found, together = np.concatenate(p_values), np.array(together)
+                    together.append(
+                        adjust_over_loads(values, correlation_at_least(deviations, len(deviations) - 2))
+                    )
+            adjusted, together = np.concatenate(p_values), np.array(together)
             shares = (
-                100 * np.mean(found[:, 0] < SIGNIFICANCE),
+                100 * np.mean(adjusted[:, 0] < SIGNIFICANCE),
                 100 * np.mean((together < SIGNIFICANCE).any(axis=1)),
             )
             rows.append(
-                {"finishes": words, "maps": count, "pairs": len(found)}
+                {"finishes": words, "maps": count, "pairs": len(adjusted)}
                 | dict(zip(DIFFER, shares, strict=True))
             )
     return pd.DataFrame(rows)
@@ -240,7 +257,7 @@ def pair_of_faces(trial: int) -> dict[str, list[bool]]:
     def placed(number: int) -> list:
         cut = [rc.level(cut_out(master, SIDE, generator)) for master in masters]
         where = rc.relative_positions(*cut, shifts=number, rotations=[0], overlap=0.75, seed=trial)
-        return [rc.composite(*cut, **each) for each in where]
+        return [rc.composite(*cut, **position) for position in where]
 
     def counted(levelled) -> tuple:
         window = rc.periodic_window(levelled)
@@ -248,16 +265,21 @@ def pair_of_faces(trial: int) -> dict[str, list[bool]]:
 
     members = []
     for levelled in placed(4):
-        window, found = counted(levelled)
+        window, statistics = counted(levelled)
         settings = {"level": {}, "window": {}, "contact": contact}
-        members.append(with_uncertainty(found, rc.error_budget(levelled, window, settings, sources=SOURCES)))
+        members.append(
+            with_uncertainty(statistics, rc.error_budget(levelled, window, settings, sources=SOURCES))
+        )
     pair = rc.group_statistics(members, placements=True)
-    _, other = counted(placed(1)[0])
+    _, statistics_of_new = counted(placed(1)[0])
     return {
         name: [
             bool(low <= value <= high)
             for low, value, high in zip(
-                pair[f"{name}_lower"].values, other[name].values, pair[f"{name}_upper"].values, strict=True
+                pair[f"{name}_lower"].values,
+                statistics_of_new[name].values,
+                pair[f"{name}_upper"].values,
+                strict=True,
             )
         ]
         for name in NAMES
@@ -266,11 +288,11 @@ def pair_of_faces(trial: int) -> dict[str, list[bool]]:
 
 def shares(frame: pd.DataFrame, by: str, title: str) -> pd.DataFrame:
     """Return the shares inside in percent, by a column."""
-    found = (
+    shares_by = (
         frame.groupby(by, sort=False).agg({"batches": "sum", "mean": "mean", "next": "mean"}).reset_index()
     )
-    found[["mean", "next"]] *= 100
-    return found.rename(columns={by: title, "mean": INSIDE[0], "next": INSIDE[1]})
+    shares_by[["mean", "next"]] *= 100
+    return shares_by.rename(columns={by: title, "mean": INSIDE[0], "next": INSIDE[1]})
 
 
 def main() -> None:
@@ -284,11 +306,11 @@ def main() -> None:
     with ProcessPoolExecutor(4) as processes:
         pools = {kind: processes.submit(pool, kind) for kind in KINDS}
         trials = list(processes.map(pair_of_faces, range(options.faces)))
-        solved = {kind: found.result() for kind, found in pools.items()}
+        solved = {kind: table.result() for kind, table in pools.items()}
     single, of_parts = coverage(solved), nested(solved)
-    each = [shares(single, by, "batches of") for by in ("maps", "scatter", "finish", "quantity")]
-    each.append(shares(of_parts, "maps of each part", "batches of"))
-    found = pd.concat([frame.rename(columns={"batches": "number"}) for frame in each])
+    share_tables = [shares(single, by, "batches of") for by in ("maps", "scatter", "finish", "quantity")]
+    share_tables.append(shares(of_parts, "maps of each part", "batches of"))
+    table = pd.concat([frame.rename(columns={"batches": "number"}) for frame in share_tables])
     faces = [
         {
             "quantity": words,
@@ -299,7 +321,7 @@ def main() -> None:
     ]
     forms = dict.fromkeys((*INSIDE, INSIDE_PAIRS, *DIFFER), ".1f")
     tables = {
-        "coverage": pages.text(found, forms),
+        "coverage": pages.text(table, forms),
         "differences": pages.text(differences(solved), forms),
         "faces": pages.text(pd.DataFrame(faces), forms),
     }

@@ -21,9 +21,9 @@ import pandas as pd
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.maps import height_map, spacing
-from roughcontact.references.synthetic import ground_surface, self_affine_surface
+from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.statistics import instrument_checks as checks
+from roughcontact.surface.synthetic import ground_surface, self_affine_surface
 from validation.masters import KINDS, master_surface
 
 SIDE, PIXEL, GREEN = 216, 0.3e-6, 550e-9
@@ -35,22 +35,22 @@ AGAIN = {"matrix-3.txt", "sample-land-cran.x3p"}  # the same maps as two others
 
 def measured(folders: list[pathlib.Path]) -> dict[str, xr.DataArray]:
     """Return the maps that are read without further words, and are large enough."""
-    found = {}
+    maps_by_name = {}
     for path in sorted(path for folder in folders for path in folder.iterdir()):
         try:
             height = rc.read_height_map(path)
         except (rc.RoughContactError, OSError):
             continue
         if min(height.shape) >= 75 and height.isnull().mean() < 0.4 and path.name not in AGAIN:
-            found[path.name] = height
-    return found
+            maps_by_name[path.name] = height
+    return maps_by_name
 
 
 def part_of(height: xr.DataArray) -> xr.DataArray:
     """Return the part of a map with the fewest missing points, filled in, and pixels of at least 0.1 µm."""
     starts = [np.linspace(0, max(n - SIDE, 0), 5).astype(int) for n in height.shape]
     parts = [height.isel(y=slice(y, y + SIDE), x=slice(x, x + SIDE)) for y in starts[0] for x in starts[1]]
-    part = min(parts, key=lambda one: int(one.isnull().sum()))
+    part = min(parts, key=lambda candidate: int(candidate.isnull().sum()))
     if part.isnull().any():
         part = rc.level(part, form="none", outlier_threshold=None, line_alignment="none")
         part = part.fillna(part.mean()).drop_vars("filled")
@@ -60,24 +60,24 @@ def part_of(height: xr.DataArray) -> xr.DataArray:
 
 def made() -> dict[tuple[str, str], xr.DataArray]:
     """Return made surfaces that are not periodic, by kind and name."""
-    sides, pitch, found = (256, 256), 1e-6, {}
+    sides, pitch, surfaces = (256, 256), 1e-6, {}
     for seed, (hurst, slope) in enumerate((h, g) for h in (0.3, 0.5, 0.8, 0.95) for g in (0.1, 0.4)):
         band = {"shortest": 2e-6, "longest": 1e-4, "seed": seed}
         surface = self_affine_surface(sides, pitch, hurst=hurst, rms_gradient=slope, **band)
-        found["self-affine", f"H = {hurst}, g = {slope}"] = surface
+        surfaces["self-affine", f"H = {hurst}, g = {slope}"] = surface
     for seed, (hurst, power) in enumerate((h, k) for h in (0.5, 0.8) for k in (1.0, 2.0)):
         band = {"shortest": 2e-6, "longest": 6e-5, "rms_height": 3e-7, "seed": seed}
         surface = ground_surface(sides, pitch, hurst=hurst, skewness_power=power, **band)
-        found["ground", f"H = {hurst}, power {power}"] = surface
+        surfaces["ground", f"H = {hurst}, power {power}"] = surface
     wave = 2 * np.pi * np.hypot(np.fft.fftfreq(256)[:, None], np.fft.rfftfreq(256)[None, :])
     for seed, exponent in enumerate((4, 5, 5.5, 6)):
         noise = np.fft.rfft2(np.random.default_rng(seed).standard_normal(sides))
         heights = np.fft.irfft2(noise * (1 + (4 * wave) ** 2) ** (-exponent / 4), s=sides)
-        found["roll-off", f"q^-{exponent}"] = height_map(3e-7 / heights.std() * heights, pitch)
+        surfaces["roll-off", f"q^-{exponent}"] = height_map(3e-7 / heights.std() * heights, pitch)
     for seed, kind in enumerate(KINDS):
         surface = master_surface(kind, 256, longest=0.4, seed=seed)
-        found["band-limited", kind] = instruments.scaled(surface, 256e-6, 256e-6)
-    return {key: surface.isel(y=slice(SIDE), x=slice(SIDE)) for key, surface in found.items()}
+        surfaces["band-limited", kind] = instruments.scaled(surface, 256e-6, 256e-6)
+    return {key: surface.isel(y=slice(SIDE), x=slice(SIDE)) for key, surface in surfaces.items()}
 
 
 def fourier_finer(height: xr.DataArray) -> xr.DataArray:
@@ -92,28 +92,32 @@ def fourier_finer(height: xr.DataArray) -> xr.DataArray:
 def faults(height: xr.DataArray, seed: int) -> dict[str, xr.DataArray]:
     """Return the map with each of the faults."""
     generator, pixel, rms = np.random.default_rng(seed), max(spacing(height)), rc.level(height).std().item()
-    found = {"none": height}
+    maps_by_fault = {"none": height}
     for aperture in (0.3, 0.42, 0.55):
         if GREEN / (2 * aperture) >= 2 * pixel:  # the cut-off is resolved
-            found[f"lens NA {aperture}"] = instruments.through_lens(height, aperture, GREEN)
-    found["stylus 5 µm"] = instruments.traced_by(height, 5e-6)
-    found["median 5 x 5"] = instruments.median_filtered(height, 5)
-    found["Gauss 2 pixels"] = instruments.gauss_filtered(height, 2)
-    found["Gauss 2 pixels, noise 0.3 %"] = instruments.with_noise(found["Gauss 2 pixels"], 0.003 * rms, seed)
-    found["peaks compressed"] = instruments.with_compressed_peaks(height, 0.1, 0.3)
+            maps_by_fault[f"lens NA {aperture}"] = instruments.through_lens(height, aperture, GREEN)
+    maps_by_fault["stylus 5 µm"] = instruments.traced_by(height, 5e-6)
+    maps_by_fault["median 5 x 5"] = instruments.median_filtered(height, 5)
+    maps_by_fault["Gauss 2 pixels"] = instruments.gauss_filtered(height, 2)
+    maps_by_fault["Gauss 2 pixels, noise 0.3 %"] = instruments.add_noise(
+        maps_by_fault["Gauss 2 pixels"], 0.003 * rms, seed
+    )
+    maps_by_fault["peaks compressed"] = instruments.with_compressed_peaks(height, 0.1, 0.3)
     quarter = height.isel(y=slice(SIDE // 2), x=slice(SIDE // 2))
-    found |= {"quarter": quarter, "finer, cubic": instruments.finer(quarter, 2)}
-    found["finer, Fourier"] = fourier_finer(quarter)
+    maps_by_fault |= {"quarter": quarter, "finer, cubic": instruments.finer(quarter, 2)}
+    maps_by_fault["finer, Fourier"] = fourier_finer(quarter)
     for share in (0.03, 0.1):
-        found[f"noise {100 * share:.0f} %"] = instruments.with_noise(height, share * rms, seed)
+        maps_by_fault[f"noise {100 * share:.0f} %"] = instruments.add_noise(height, share * rms, seed)
     for number in range(4):
-        place = [int(n * generator.uniform(0.15, 0.85)) for n in height.shape]
+        centre = [int(n * generator.uniform(0.15, 0.85)) for n in height.shape]
         width = generator.uniform(1.5, 8) / 2.355  # from full width at half of the height
-        found[f"dust {number}"] = instruments.with_dust(height, generator.uniform(4, 10) * rms, width, place)
+        maps_by_fault[f"dust {number}"] = instruments.with_dust(
+            height, generator.uniform(4, 10) * rms, width, centre
+        )
     thirds = [np.array_split(np.arange(n), 3) for n in height.shape]
     for row, column in np.ndindex(3, 3):
-        found[f"part {row}{column}"] = height.isel(y=thirds[0][row], x=thirds[1][column])
-    return found
+        maps_by_fault[f"part {row}{column}"] = height.isel(y=thirds[0][row], x=thirds[1][column])
+    return maps_by_fault
 
 
 def counted(contact: xr.Dataset) -> xr.Dataset:
@@ -135,14 +139,14 @@ def judged(task: tuple[str, str, xr.DataArray, int]) -> list[dict]:
     for fault, faulty in faults(height, number).items():
         window = rc.periodic_window(rc.level(faulty))
         base = "quarter" if fault.startswith("finer") else "none"
-        own = fault.startswith(("none", "part", "quarter"))
-        slope = window.attrs["rms_gradient_after"] if own else reference[base][0]
+        is_original = fault.startswith(("none", "part", "quarter"))
+        slope = window.attrs["rms_gradient_after"] if is_original else reference[base][0]
         loads = [load * slope for load in LOADS]
         solved = counted(rc.solve_contact(window, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-2))
         area, peak = (solved[name].values for name in ("relative_contact_area_pixels", "max_pressure"))
         reference.setdefault(fault, (slope, area, peak))
-        _, before, peak_before = reference[base]
-        found = [
+        _, area_before, peak_before = reference[base]
+        check_results = [
             checks.smoothed(window.attrs),
             checks.noise(solved, window.attrs),
             checks.isolated_peak(solved, window.attrs),
@@ -151,8 +155,8 @@ def judged(task: tuple[str, str, xr.DataArray, int]) -> list[dict]:
         ]
         rows.append(
             {"kind": kind, "map": name, "half": ("even", "odd")[number % 2], "fault": fault}
-            | {"area": float(area[1] / before[1] - 1), "peak": float((peak / peak_before).max() - 1)}
-            | {check.name: check.outcome == "review" for check in found}
+            | {"area": float(area[1] / area_before[1] - 1), "peak": float((peak / peak_before).max() - 1)}
+            | {check.name: check.outcome == "review" for check in check_results}
         )
     return rows
 
@@ -186,8 +190,8 @@ def main() -> None:
     maps = [("measured", name, part_of(height)) for name, height in measured(options.folders).items()]
     maps += [(kind, name, surface) for (kind, name), surface in made().items()]
     with multiprocessing.Pool() as pool:
-        tasks = [(*one, number) for number, one in enumerate(maps)]
-        rows = [row for found in pool.map(judged, tasks, chunksize=1) for row in found]
+        tasks = [(*task, number) for number, task in enumerate(maps)]
+        rows = [row for rows_of_map in pool.map(judged, tasks, chunksize=1) for row in rows_of_map]
     table = rates(pd.DataFrame(rows))
     print(table.to_string(index=False))
     if options.write:

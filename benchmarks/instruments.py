@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 from scipy import ndimage
 
-from roughcontact.maps import height_map, spacing
+from roughcontact.arguments.maps import height_map, spacing
 
 
-def with_noise(height: xr.DataArray, rms: float, seed: int) -> xr.DataArray:
+def add_noise(height: xr.DataArray, rms: float, seed: int) -> xr.DataArray:
     """Add white Gaussian noise of a given `rms` (m)."""
     noise = rms * np.random.default_rng(seed).standard_normal(height.shape)
     return height.copy(data=height.values + noise)
@@ -75,12 +75,12 @@ def finer(height: xr.DataArray, factor: int) -> xr.DataArray:
     """Return the map with pixels `factor` times as small, interpolated by cubic splines as software does."""
     shape = [factor * n for n in height.shape]
     # places of the new cell centres, in points of the map
-    places = [(np.arange(n) + 0.5) / factor - 0.5 for n in shape]
-    grid = np.meshgrid(*places, indexing="ij")
+    positions = [(np.arange(n) + 0.5) / factor - 0.5 for n in shape]
+    grid = np.meshgrid(*positions, indexing="ij")
     values = ndimage.map_coordinates(height.values, grid, order=3, mode="reflect")
     coordinates = {
-        axis: height[axis].values[0] + place * step
-        for axis, place, step in zip("yx", places, spacing(height), strict=True)
+        axis: height[axis].values[0] + coordinate * step
+        for axis, coordinate, step in zip("yx", positions, spacing(height), strict=True)
     }
     return xr.DataArray(values, coordinates, ("y", "x"), name=height.name, attrs=height.attrs)
 
@@ -101,10 +101,10 @@ def gauss_filtered(height: xr.DataArray, points: float) -> xr.DataArray:
     return height.copy(data=ndimage.gaussian_filter(height.values, points, mode="reflect"))
 
 
-def with_dust(height: xr.DataArray, peak: float, width: float, place: tuple[int, int]) -> xr.DataArray:
-    """Add a Gaussian bell at a `place` (row, column), `peak` (m) high, with a deviation of `width` points."""
+def with_dust(height: xr.DataArray, peak: float, width: float, spot: tuple[int, int]) -> xr.DataArray:
+    """Add a Gaussian bell at a `spot` (row, column), `peak` (m) high, with a deviation of `width` points."""
     rows, columns = np.ogrid[: height.shape[0], : height.shape[1]]
-    square = (rows - place[0]) ** 2 + (columns - place[1]) ** 2
+    square = (rows - spot[0]) ** 2 + (columns - spot[1]) ** 2
     return height.copy(data=height.values + peak * np.exp(-square / (2 * width**2)))
 
 
@@ -132,10 +132,10 @@ def other_surface(kind: str, points: int, longest: float, *, hurst: float, seed:
         return height_map(fine, 1.0)
     if kind == "lognormal":
         return height_map(np.exp(0.5 * fine), 1.0)
-    coarse, places = np.zeros(shape), np.arange(points)
+    coarse, positions = np.zeros(shape), np.arange(points)
     for _ in range(400):
         radius, centre = longest / 2 * generator.uniform(0.2, 1.0), generator.uniform(0, points, 2)
-        rows, columns = (np.abs((places - at + points / 2) % points - points / 2) for at in centre)
+        rows, columns = (np.abs((positions - at + points / 2) % points - points / 2) for at in centre)
         distance = np.hypot(rows[:, None], columns[None, :]) / radius
         if kind == "cratered":
             coarse = np.minimum(coarse, radius * (distance**2 - 1))

@@ -12,12 +12,12 @@ import numpy as np
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.elasticity.energy import elastic_energy
-from roughcontact.elasticity.influence import Elasticity
-from roughcontact.elasticity.layers import layered_pair
-from roughcontact.maps import height_map, spacing
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.arguments.maps import height_map, spacing
+from roughcontact.contact.elasticity.energy import elastic_energy
+from roughcontact.contact.elasticity.influence import Elasticity
+from roughcontact.contact.elasticity.layers import elastic_medium
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.synthetic import self_affine_surface
 
 RESULTS = Path(__file__).parent / "results"
 RIGID = {"youngs_modulus": 1e20, "poissons_ratio": 0.3}
@@ -52,7 +52,7 @@ def pairs() -> list[dict]:
         bodies = [
             body(thickness / POINTS, ratio) if thickness else {"youngs_modulus": 1.0, "poissons_ratio": 0.3}
         ]
-        found = rc.solve_contact(
+        contact = rc.solve_contact(
             window,
             bodies=[*bodies, RIGID],
             mean_pressure=[modulus * load for load in RELATIVE_PRESSURES],
@@ -68,8 +68,8 @@ def pairs() -> list[dict]:
             }
             for load, count, area in zip(
                 RELATIVE_PRESSURES,
-                found["operator_applications"].values,
-                found["contact"].mean(("y", "x")).values,
+                contact["operator_applications"].values,
+                contact["contact"].mean(("y", "x")).values,
                 strict=True,
             )
         ]
@@ -109,7 +109,7 @@ def bound() -> list[dict]:
     for seed in range(SOLVES):
         rng = np.random.default_rng(seed)
         window, bodies, load = random_problem(rng)
-        pair = layered_pair(bodies)
+        pair = elastic_medium(bodies)
         assert pair is not None
         pressure = load * pair.modulus * rms_gradient(window)
         hardness = pressure * float(10 ** rng.uniform(0.3, 1.5)) if rng.random() < 0.3 else None
@@ -124,14 +124,14 @@ def bound() -> list[dict]:
             )
             for tolerance in (10 ** rng.uniform(-3, -1), 1e-11)
         )
-        difference, whole = (
-            elastic_energy(field, spacing(window), Elasticity(pair.modulus, layers=pair))
+        difference, total = (
+            elastic_energy(field, spacing(window), Elasticity(pair.modulus, medium=pair))
             for field in (
                 coarse["pressure"].values[0] - exact["pressure"].values[0],
                 exact["pressure"].values[0],
             )
         )
-        error = float(np.sqrt(difference / whole)) if whole > 0 else 0.0
+        error = float(np.sqrt(difference / total)) if total > 0 else 0.0
         rows.append(
             {
                 "seed": seed,

@@ -36,10 +36,10 @@ import instruments
 import pages
 
 import roughcontact as rc
-from roughcontact.maps import height_map, spacing
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.window.rectangle import largest_rectangle
+from roughcontact.arguments.maps import height_map, spacing
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact.surface.window.rectangle import largest_rectangle
 from validation.masters import master_surface
 
 SHOWN = {  # quantities: names in the tables
@@ -159,7 +159,7 @@ class Spoiler(NamedTuple):
 def noisy(share: float, height: xr.DataArray, seed: int) -> Measurement:
     """Return a map with white noise of a share of Sq."""
     rms = share * float(height.std())
-    return Measurement(instruments.with_noise(height, rms, seed), {"noise": rms})
+    return Measurement(instruments.add_noise(height, rms, seed), {"noise": rms})
 
 
 def blurred(numerical_aperture: float, height: xr.DataArray, seed: int) -> Measurement:
@@ -261,25 +261,28 @@ def synthetic(name: str) -> xr.DataArray:
     kind, pitch, gradient, hurst = (MADE | HELD_OUT_MADE)[name]
     side, seed = SIDES[0], zlib.crc32(name.encode())
     if name in HELD_OUT_MADE:
-        whole = instruments.other_surface(kind, 2 * side, side / 2, hurst=hurst, seed=seed)
+        surface = instruments.other_surface(kind, 2 * side, side / 2, hurst=hurst, seed=seed)
     elif kind == "self-affine":
         lengths = {"shortest": 2.0, "longest": side / 2}
-        whole = self_affine_surface(
+        surface = self_affine_surface(
             (2 * side, 2 * side), 1.0, hurst=hurst, rms_height=1.0, seed=seed, **lengths
         )
     else:
-        whole = master_surface(kind, 2 * side, longest=1 / 4, seed=seed, hurst=hurst)
-    map_ = height_map(whole.values[:side, :side], pitch)
+        surface = master_surface(kind, 2 * side, longest=1 / 4, seed=seed, hurst=hurst)
+    map_ = height_map(surface.values[:side, :side], pitch)
     return map_ * (gradient / rms_gradient(rc.periodic_window(rc.level(map_))))
 
 
 def measured(path: Path) -> xr.DataArray:
     """Return the middle of a measured map, levelled and filled; nothing is kept of its instrument."""
     levelled = rc.level(rc.read_height_map(path).astype(float))
-    top, left, *size = largest_rectangle(~np.isnan(levelled.values), np.arange(max(levelled.shape) + 1))
+    top, left_column, *size = largest_rectangle(
+        ~np.isnan(levelled.values), np.arange(max(levelled.shape) + 1)
+    )
     sides = [next(side for side in SIDES if side <= length) for length in size]
     starts = [
-        start + (length - side) // 2 for start, length, side in zip((top, left), size, sides, strict=True)
+        start + (length - side) // 2
+        for start, length, side in zip((top, left_column), size, sides, strict=True)
     ]
     part = levelled.values[tuple(slice(s, s + side) for s, side in zip(starts, sides, strict=True))]
     return height_map(part, spacing(levelled))
@@ -290,15 +293,15 @@ def true_map(name: str, files: dict[str, Path], folder: Path) -> tuple[xr.DataAr
 
     The results are the mean pressures (Pa), and by quantity a list (load).
     """
-    kept = folder / f"{name}.nc"
-    if kept.exists():
-        height = xr.load_dataarray(kept)
+    map_file = folder / f"{name}.nc"
+    if map_file.exists():
+        height = xr.load_dataarray(map_file)
         return height, json.loads(height.attrs.pop("results"))
     height = synthetic(name) if name in MADE | HELD_OUT_MADE else measured(files[name])
     contact = {"contact_modulus": MODULUS, "relative_pressure": list(LOADS)}
-    found = rc.evaluate(height, contact=contact, uncertainty={"sources": ["discretisation"]})
-    results = {name: found[name].values.tolist() for name in ("mean_pressure", *SHOWN)}
-    height.assign_attrs(results=json.dumps(results)).to_netcdf(kept)
+    statistics = rc.evaluate(height, contact=contact, uncertainty={"sources": ["discretisation"]})
+    results = {name: statistics[name].values.tolist() for name in ("mean_pressure", *SHOWN)}
+    height.assign_attrs(results=json.dumps(results)).to_netcdf(map_file)
     return height, results
 
 
@@ -308,46 +311,48 @@ def spoilt(spoiler: str, name: str, height: xr.DataArray) -> Measurement:
 
 
 def measure(
-    name: str, spoiler: str, files: dict[str, Path], folder: Path, *, again: bool, stated: bool
+    name: str, spoiler: str, files: dict[str, Path], folder: Path, *, again: bool, with_statement: bool
 ) -> list[dict]:
     """Return rows (load, quantity) of a spoilt truth, from the folder where they are kept unless `again`."""
     os.environ["OMP_NUM_THREADS"] = "1"
     warnings.simplefilter("ignore")
-    kept = folder / f"{name}, {spoiler}, {'' if stated else 'un'}stated.json"
-    if kept.exists() and not again:
-        return json.loads(kept.read_text("utf-8"))
+    rows_file = folder / f"{name}, {spoiler}, {'' if with_statement else 'un'}stated.json"
+    if rows_file.exists() and not again:
+        return json.loads(rows_file.read_text("utf-8"))
     height, truth = true_map(name, files, folder)
     case = spoilt(spoiler, name, height)
     contact = {"contact_modulus": case.modulus, "mean_pressure": truth["mean_pressure"]}
-    statement = statements(case, folder / f"{name}, {spoiler}.nc") if stated else {}
-    found = rc.evaluate(case.height, contact=contact | statement.pop("contact", {}), **statement)
+    statement = statements(case, folder / f"{name}, {spoiler}.nc") if with_statement else {}
+    statistics = rc.evaluate(case.height, contact=contact | statement.pop("contact", {}), **statement)
     flags = [
         [text.split(":")[0].split(" (")[0] for text in reasons]
-        for _, reasons in json.loads(found.attrs["verdicts"])
+        for _, reasons in json.loads(statistics.attrs["verdicts"])
     ]
     rows = [
         {
             "group": "synthetic" if name in MADE | HELD_OUT_MADE else "measured",
             "truth": name,
             "spoiler": spoiler,
-            "stated": stated,
+            "stated": with_statement,
             "load": load,
-            "quantity": shown,
-            "value": float(found[quantity][at]),
+            "quantity": label,
+            "value": float(statistics[quantity][at]),
             **{
-                which + end: float(found[f"{quantity}_{which}{end}"][at])
+                which + side: float(statistics[f"{quantity}_{which}{side}"][at])
                 for which in INTERVALS
-                for end in ("lower", "upper")
+                for side in ("lower", "upper")
             },
-            "of_cause": of_cause(found, quantity, at),
+            "of_cause": of_cause(statistics, quantity, at),
             "true": truth[quantity][at],
             "flags": "; ".join(flags[at]),
-            "verdict": float(found[f"{quantity}_verdict"][at]) if f"{quantity}_verdict" in found else np.nan,
+            "verdict": float(statistics[f"{quantity}_verdict"][at])
+            if f"{quantity}_verdict" in statistics
+            else np.nan,
         }
         for at, load in enumerate(LOADS)
-        for quantity, shown in SHOWN.items()
+        for quantity, label in SHOWN.items()
     ]
-    kept.write_text(json.dumps(rows, ensure_ascii=False), encoding="utf-8")
+    rows_file.write_text(json.dumps(rows, ensure_ascii=False), encoding="utf-8")
     return rows
 
 
@@ -357,15 +362,15 @@ def statements(case: Measurement, finer: Path) -> dict[str, dict]:
     if case.finer is not None:
         case.finer.to_netcdf(finer)
         instrument["finer_spectrum"] = str(finer)
-    found = {"instrument": instrument} if instrument else {}
+    settings = {"instrument": instrument} if instrument else {}
     if case.modulus_uncertainty is not None:
-        found["contact"] = {"contact_modulus_uncertainty": case.modulus_uncertainty}
-    return found
+        settings["contact"] = {"contact_modulus_uncertainty": case.modulus_uncertainty}
+    return settings
 
 
-def of_cause(found: xr.Dataset, quantity: str, at: int) -> float:
+def of_cause(budget: xr.Dataset, quantity: str, at: int) -> float:
     """Return half of what instrument and material add to the length of an interval, without other sources."""
-    parts = found[f"{quantity}_components"][at].sel(source=["instrument", "material"])
+    parts = budget[f"{quantity}_components"][at].sel(source=["instrument", "material"])
     widths = np.sqrt((parts.sel(component=["down", "up"]) ** 2).sum("source")).sum()
     return float(widths + parts.sel(component=["shift_down", "shift_up"]).sum()) / 2
 
@@ -397,12 +402,14 @@ def counted(rows: pd.DataFrame, which: str = "") -> dict:
     """
     row: dict = {"cases": len(rows[["truth", "spoiler"]].drop_duplicates())}
     for quantity in SHOWN.values():
-        some = rows[rows["quantity"] == quantity]
-        largest = some["error"].quantile(0.95)
-        row[f"{quantity} inside (%)"] = 100 * some[f"{which}inside"].mean()
+        chosen = rows[rows["quantity"] == quantity]
+        largest = chosen["error"].quantile(0.95)
+        row[f"{quantity} inside (%)"] = 100 * chosen[f"{which}inside"].mean()
         # without an error there is nothing that a width could be held against
-        row[f"{quantity} width"] = some[f"{which}half_width"].median() / largest if largest > 1e-9 else np.nan
-        of_cause = some["of_cause"].median()
+        row[f"{quantity} width"] = (
+            chosen[f"{which}half_width"].median() / largest if largest > 1e-9 else np.nan
+        )
+        of_cause = chosen["of_cause"].median()
         row[f"{quantity} width of the cause"] = (
             of_cause / largest if min(largest, of_cause) > 1e-9 else np.nan
         )
@@ -418,17 +425,17 @@ def tables(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     errors, causes = [], []
     coarser = rows["cause"].str.startswith("pixels")
     for which, interval in INTERVALS.items():
-        own = rows[coarser == (interval == "octave")]
-        for error, some in own.groupby("spoiler", sort=False):
-            errors.append({"interval": interval, "error": error} | counted(some, which))
-        for cause, some in own.groupby("cause", sort=False):
+        rows_of_interval = rows[coarser == (interval == "octave")]
+        for error, part in rows_of_interval.groupby("spoiler", sort=False):
+            errors.append({"interval": interval, "error": error} | counted(part, which))
+        for cause, part in rows_of_interval.groupby("cause", sort=False):
             for group in ("synthetic", "measured", "all"):
-                chosen = some if group == "all" else some[some["group"] == group]
+                chosen = part if group == "all" else part[part["group"] == group]
                 if len(chosen):
                     causes.append(
                         {"interval": interval, "cause": cause, "group": group} | counted(chosen, which)
                     )
-    found = {"errors": pd.DataFrame(errors), "causes": pd.DataFrame(causes)}
+    tables_by_name = {"errors": pd.DataFrame(errors), "causes": pd.DataFrame(causes)}
     return {
         name: pages.text(
             frame,
@@ -438,7 +445,7 @@ def tables(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
                 if column.endswith(("(%)", "width", "cause"))
             },
         )
-        for name, frame in found.items()
+        for name, frame in tables_by_name.items()
     }
 
 
@@ -455,12 +462,12 @@ def unstated(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Return by error, and of all, what the verdicts are worth where nothing is said of the instrument."""
     rows = judged(rows).dropna(subset="verdict")  # the conductance has none of its own
     rows = rows.assign(flagged=rows["verdict"] > 0)
-    found = [
-        {"error": error, "maps": some["truth"].nunique(), "inside (%)": 100 * some["inside"].mean()}
-        | worth(some)
-        for error, some in (*rows.groupby("spoiler", sort=False), ("all", rows))
+    rows_by_error = [
+        {"error": error, "maps": part["truth"].nunique(), "inside (%)": 100 * part["inside"].mean()}
+        | worth(part)
+        for error, part in (*rows.groupby("spoiler", sort=False), ("all", rows))
     ]
-    table = pd.DataFrame(found)
+    table = pd.DataFrame(rows_by_error)
     return {"unstated": pages.text(table, dict.fromkeys(table.columns[2:], ".0f"))}
 
 
@@ -479,8 +486,8 @@ def main() -> None:
     options = parser.parse_args()
     warnings.simplefilter("ignore")
     files = {path.name: path for folder in options.folders for path in folder.iterdir()}
-    made, known = (HELD_OUT_MADE, HELD_OUT) if options.held_out else (MADE, MEASURED)
-    names = [*made, *(name for name in known if name in files)]
+    synthetic_names, measured_names = (HELD_OUT_MADE, HELD_OUT) if options.held_out else (MADE, MEASURED)
+    names = [*synthetic_names, *(name for name in measured_names if name in files)]
     names = [name for name in names if name in QUICK or not options.quick]
     silent = ("finer", "steps")  # nothing is stated of the instrument
     errors = [
@@ -499,15 +506,21 @@ def main() -> None:
                 if SPOILERS[spoiler].pitches[0] <= pitch <= SPOILERS[spoiler].pitches[1]
             ]
         run = partial(
-            measure, files=files, folder=options.work, again=options.again, stated=not options.unstated
+            measure,
+            files=files,
+            folder=options.work,
+            again=options.again,
+            with_statement=not options.unstated,
         )
-        rows = pd.DataFrame([row for found in pool.map(run, *zip(*jobs, strict=True)) for row in found])
+        rows = pd.DataFrame(
+            [row for tables_by_name in pool.map(run, *zip(*jobs, strict=True)) for row in tables_by_name]
+        )
     rows.to_csv(options.work / "rows.csv", index=False, float_format="%.6g", lineterminator="\n")
-    found = unstated(rows) if options.unstated else tables(rows)
+    tables_by_name = unstated(rows) if options.unstated else tables(rows)
     if options.write:
-        pages.publish("held_out" if options.held_out else "measurement", found)
+        pages.publish("held_out" if options.held_out else "measurement", tables_by_name)
     else:
-        pages.show(found)
+        pages.show(tables_by_name)
 
 
 if __name__ == "__main__":

@@ -19,8 +19,8 @@ from free_bodies import ask, relative, rough_body, solved
 from worker import Worker
 
 from roughcontact import height_map, partial_slip, self_affine_surface, solve_contact, unload
-from roughcontact.references.synthetic import rough_reference_surface
-from roughcontact.sealing.flow import flow_columns
+from roughcontact.statistics.sealing.flow import flow_columns
+from roughcontact.surface.synthetic import rough_reference_surface
 
 HERE = Path(__file__).resolve().parent
 TABLE = HERE / "results" / "oracles.csv"
@@ -77,11 +77,16 @@ def flattening(python: str, folder: Path) -> Iterator[Row]:
                 relative(theirs, ours["pressure"].values[0]),
                 1e-5,
             )
-            left = unload(ours, mean_pressure=load / 4, tolerance=1e-8)
+            residual = unload(ours, mean_pressure=load / 4, tolerance=1e-8)
             _, theirs = ask(
-                worker, folder, f"flattened {name}", left["residual_height"].values, load / 4, 1e-12
+                worker, folder, f"flattened {name}", residual["residual_height"].values, load / 4, 1e-12
             )
-            yield f"pressure after the load, {name}", code, relative(theirs, left["pressure"].values[0]), 1e-5
+            yield (
+                f"pressure after the load, {name}",
+                code,
+                relative(theirs, residual["pressure"].values[0]),
+                1e-5,
+            )
 
 
 def flow(python: str, folder: Path) -> Iterator[Row]:

@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 import worker
 
 import roughcontact as rc
-from roughcontact.maps import height_map
+from roughcontact.arguments.maps import height_map
 
 THREADS = int(os.environ["OMP_NUM_THREADS"])
 
@@ -32,20 +32,20 @@ def solve(window, load, tolerance, *, fields=True, precision="double"):
 
 def details(contact) -> dict:
     """Return the numbers of a solution, all loads taken together."""
-    found = {
+    numbers = {
         "operator_applications": float(contact["operator_applications"].sum()),
         "error_bound": float(contact["error_bound"].max()),
         "converged": bool(contact["converged"].all()),
     }
     if "contact" in contact:
-        found["contact_share"] = float(contact["contact"][-1].mean())
-    return found
+        numbers["contact_share"] = float(contact["contact"][-1].mean())
+    return numbers
 
 
 def versions() -> dict:
     """Return the versions of the package and of the libraries that compute for it."""
     used = ("numpy", "scipy", "ducc0")
-    installed = {found.metadata["Name"]: found.version for found in distributions()}
+    installed = {distribution.metadata["Name"]: distribution.version for distribution in distributions()}
     return {"roughcontact": rc.__version__} | {name: installed[name] for name in used if name in installed}
 
 

@@ -29,27 +29,28 @@ BLOCKS = {
     "window": RESULTS / "window.md",
     "bank": RESULTS / "bank.md",
     "groups": RESULTS / "groups.md",
+    "readers": RESULTS / "readers.md",
 }
 
 
 def read(folder: Path) -> dict:
     """Return the tables of a benchmark by name, each a list of rows, and `about`."""
-    found = {
+    tables_by_name = {
         path.stem: list(csv.DictReader(path.read_text("utf-8").splitlines())) for path in folder.glob("*.csv")
     }
     about = folder / "about.json"
-    return found | {"about": json.loads(about.read_text("utf-8")) if about.exists() else {}}
+    return tables_by_name | {"about": json.loads(about.read_text("utf-8")) if about.exists() else {}}
 
 
-def where(rows: list[dict], **wanted: str) -> list[dict]:
+def where(rows: list[dict], **values: str) -> list[dict]:
     """Return the rows that have the wanted values, without these columns."""
-    chosen = [row for row in rows if all(row[name] == value for name, value in wanted.items())]
-    return [{name: value for name, value in row.items() if name not in wanted} for row in chosen]
+    chosen = [row for row in rows if all(row[name] == value for name, value in values.items())]
+    return [{name: value for name, value in row.items() if name not in values} for row in chosen]
 
 
-def only(rows: list[dict], **wanted: str) -> dict:
+def only(rows: list[dict], **values: str) -> dict:
     """Return the one row that has the wanted values."""
-    (row,) = where(rows, **wanted)
+    (row,) = where(rows, **values)
     return row
 
 
@@ -89,7 +90,7 @@ def with_block(page: str, name: str, text: str) -> str:
     marks = re.compile(rf"(<!-- {name}: [^\n]*-->\n).*?(<!-- end of {name} -->)", re.DOTALL)
     if not marks.search(page):
         raise ValueError(f"the page has no lines <!-- {name}: ... --> and <!-- end of {name} -->")
-    return marks.sub(lambda found: found[1] + text + found[2], page)
+    return marks.sub(lambda match: match[1] + text + match[2], page)
 
 
 def rendered(results: Path = RESULTS) -> dict[Path, str]:

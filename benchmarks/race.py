@@ -95,31 +95,31 @@ def rung_key(case: Case, code: str) -> str:
 def rung(study, case: Case, code: str, guesses: dict) -> dict:
     """Return the loosest tolerance, a power of two, at which a code meets the true error, and its solve."""
     make_truth(study, case)
-    first = guesses.get((code, case.load), FIRST_RUNG[code])
-    found = loosest(lambda tolerance: solve(study, case, code, tolerance), first)
-    guesses[code, case.load] = found.get("tolerance", first)
-    return found
+    start_tolerance = guesses.get((code, case.load), FIRST_RUNG[code])
+    solve_found = loosest(lambda tolerance: solve(study, case, code, tolerance), start_tolerance)
+    guesses[code, case.load] = solve_found.get("tolerance", start_tolerance)
+    return solve_found
 
 
-def loosest(run, first: float) -> dict:
-    """Return the solve at the largest tolerance, by factors of 2 from `first`, that meets the true error.
+def loosest(run, start: float) -> dict:
+    """Return the solve at the largest tolerance, by factors of 2 from `start`, that meets the true error.
 
     `run(tolerance)` returns a dict with `true_error`; so does this, with `tolerance`; it is empty where even
     the smallest tolerance does not do, or where a solve fails: a smaller tolerance would only take it longer.
     """
-    tolerance, found = first, {first: run(first)}
-    while tolerance < 0.25 and found[tolerance]["true_error"] <= TRUE_ERROR:
+    tolerance, solves = start, {start: run(start)}
+    while tolerance < 0.25 and solves[tolerance]["true_error"] <= TRUE_ERROR:
         tolerance *= 2
-        found[tolerance] = run(tolerance)
-    while found[tolerance]["true_error"] > TRUE_ERROR:
-        if math.isinf(found[tolerance]["true_error"]):
+        solves[tolerance] = run(tolerance)
+    while solves[tolerance]["true_error"] > TRUE_ERROR:
+        if math.isinf(solves[tolerance]["true_error"]):
             return {}
         tolerance /= 2
         if tolerance < LAST_RUNG:
             return {}
-        if tolerance not in found:
-            found[tolerance] = run(tolerance)
-    return {"tolerance": tolerance} | found[tolerance]
+        if tolerance not in solves:
+            solves[tolerance] = run(tolerance)
+    return {"tolerance": tolerance} | solves[tolerance]
 
 
 def options_of(code: str, size: int) -> dict:
@@ -181,32 +181,32 @@ def race(study):
     """Yield the jobs of timing all codes on each case."""
     guesses: dict = {}
     for case in all_cases(study):
-        known: dict = {}
+        known_solves: dict = {}
         for threads in study.threads:
-            yield f"{case.key} threads {threads}", partial(times, study, case, threads, known, guesses)
+            yield f"{case.key} threads {threads}", partial(times, study, case, threads, known_solves, guesses)
 
 
-def times(study, case: Case, threads: int, known: dict, guesses: dict) -> dict:
+def times(study, case: Case, threads: int, memo: dict, guesses: dict) -> dict:
     """Return median seconds and largest true error of all codes, taking turns.
 
-    `known` gets the solve of each code at its tolerance: those of the other codes are kept by `rungs`, this
+    `memo` gets the solve of each code at its tolerance: those of the other codes are kept by `rungs`, this
     solver's own is looked for anew, because it may have changed since.
     """
-    kept = study.results.setdefault("rungs", {})
+    rung_solves = study.results.setdefault("rungs", {})
     codes = codes_for(study, case, threads)
     for code in codes:
-        if code not in known:
+        if code not in memo:
             key = rung_key(case, code)
-            known[code] = kept[key] if key in kept else rung(study, case, code, guesses)
+            memo[code] = rung_solves[key] if key in rung_solves else rung(study, case, code, guesses)
             if code != "roughcontact":
-                kept[key] = known[code]
-    solves: dict = {code: [] for code in codes if known[code]}
+                rung_solves[key] = memo[code]
+    solves: dict = {code: [] for code in codes if memo[code]}
     for repeat in range(study.repeats):
         for code, of_code in solves.items():
-            last = of_code[-1] if of_code else known[code]  # the first guess may be of a busy machine
+            last = of_code[-1] if of_code else memo[code]  # the first guess may be of a busy machine
             if repeat == 0 or repeat < most_repeats(last["seconds"]):
                 time.sleep(PAUSE)
-                brief, tolerance = last["seconds"] < REHEARSED, known[code]["tolerance"]
+                brief, tolerance = last["seconds"] < REHEARSED, memo[code]["tolerance"]
                 of_code.append(solve(study, case, code, tolerance, threads=threads, rehearse=brief))
     return {
         "name": case.name,
@@ -216,8 +216,8 @@ def times(study, case: Case, threads: int, known: dict, guesses: dict) -> dict:
         "threads": threads,
         "codes": {
             code: {
-                "seconds": statistics.median(one["seconds"] for one in of_code),
-                "true_error": max(one["true_error"] for one in of_code),
+                "seconds": statistics.median(solve_of_code["seconds"] for solve_of_code in of_code),
+                "true_error": max(solve_of_code["true_error"] for solve_of_code in of_code),
             }
             for code, of_code in solves.items()
         },
@@ -226,4 +226,4 @@ def times(study, case: Case, threads: int, known: dict, guesses: dict) -> dict:
 
 def most_repeats(seconds: float) -> int:
     """Return how often a solve that takes about so many seconds is timed at most."""
-    return next((most for long, most in REPEATS if seconds > long), sys.maxsize)
+    return next((count for long, count in REPEATS if seconds > long), sys.maxsize)

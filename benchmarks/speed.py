@@ -30,8 +30,8 @@ import race
 import speed_tables
 from worker import Worker
 
-from roughcontact.maps import spacing
-from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.arguments.maps import spacing
+from roughcontact.surface.roughness.parameters import rms_gradient
 
 HERE = Path(__file__).parent
 SCRIPTS = {
@@ -82,14 +82,14 @@ class Study:
         """Make the records of a part that are not there, each kept as soon as it is there."""
         if again:
             self.results.pop(part, None)
-        kept = self.results.setdefault(part, {})
+        records = self.results.setdefault(part, {})
         about = self.results.setdefault("about", {})
         about["machine"] = machine()
         if part in TIMES:
             about.setdefault("load", {})[part] = self.load
         for name, job in PARTS[part](self):
-            if name not in kept:
-                kept[name] = job()
+            if name not in records:
+                records[name] = job()
                 self.keep()
                 print(f"{part}: {name}", flush=True)
         self.keep()
@@ -111,13 +111,13 @@ class Study:
 
     def _squares(self) -> list:
         """Return name, file of heights over the side, and rms gradient of all square windows."""
-        found = []
+        squares = []
         for name, _, window in self.maps():
             if window is not None:
                 side = window.shape[1] * spacing(window)[1]
                 path = self.measured(name, window.values / side)
-                found.append((name, path, rms_gradient(window)))
-        return found
+                squares.append((name, path, rms_gradient(window)))
+        return squares
 
     def measured(self, name: str, heights: np.ndarray) -> Path:
         """Return the file of a square window; where it has changed, what was known of it is dropped."""
@@ -128,9 +128,9 @@ class Study:
             if truth.name.endswith(path.name):
                 truth.unlink()
         for part in ("rungs", "race"):
-            kept = self.results.get(part, {})
-            for key in [key for key in kept if key.startswith(f"{name} ")]:
-                del kept[key]
+            records = self.results.get(part, {})
+            for key in [key for key in records if key.startswith(f"{name} ")]:
+                del records[key]
         return saved(path, heights)
 
     def worker(self, code: str, threads: int) -> Worker:
@@ -216,8 +216,8 @@ def main() -> None:
             study.measure(part, again=options.again)
     tables = speed_tables.tables(study.results)
     if options.write and options.held_out:
-        kept = {name: tables[name] for name in ("pairs", "bounds", "race", "ratios") if name in tables}
-        pages.publish("speed_held_out", kept, {"maps": len(study.results["maps"])})
+        tables_kept = {name: tables[name] for name in ("pairs", "bounds", "race", "ratios") if name in tables}
+        pages.publish("speed_held_out", tables_kept, {"maps": len(study.results["maps"])})
     elif options.write:
         pages.publish("speed", tables, speed_tables.about(study.results))
     else:

@@ -13,25 +13,29 @@ BOUNDS = {1e-4: "1e-4", 1e-8: "1e-8"}
 
 def tables(results: dict) -> dict[str, pd.DataFrame]:
     """Return the tables of all parts that were measured, with numbers as text."""
-    found: dict[str, pd.DataFrame] = {}
+    tables_by_name: dict[str, pd.DataFrame] = {}
     for part, make in PARTS.items():
         if results.get(part):
-            found |= make(list(results[part].values()))
-    return found
+            tables_by_name |= make(list(results[part].values()))
+    return tables_by_name
 
 
 def about(results: dict) -> dict | None:
     """Return machine, versions, and the time of one load on the largest synthetic map up to 1024 points."""
-    known = results["about"]
+    about_codes = results["about"]
     if not (results.get("race") and results.get("maps")):
         return None
-    made = [case for case in results["race"].values() if case["group"] == "made" and case["threads"] == 1]
-    points = min(1024, max(case["size"] for case in made))
-    times = [case["codes"]["roughcontact"]["seconds"] for case in made if case["size"] == points]
+    synthetic_cases = [
+        case for case in results["race"].values() if case["group"] == "made" and case["threads"] == 1
+    ]
+    points = min(1024, max(case["size"] for case in synthetic_cases))
+    times = [case["codes"]["roughcontact"]["seconds"] for case in synthetic_cases if case["size"] == points]
     return {
-        "machine": known["machine"],
-        "versions": {name: version for code in known["versions"].values() for name, version in code.items()},
-        "busy": max(known.get("load", {}).values(), default=0.0) > QUIET,
+        "machine": about_codes["machine"],
+        "versions": {
+            name: version for code in about_codes["versions"].values() for name, version in code.items()
+        },
+        "busy": max(about_codes.get("load", {}).values(), default=0.0) > QUIET,
         "points": points,
         "one load (ms)": f"{1000 * np.median(times):.3g}",
         "maps": len(results["maps"]),
@@ -46,19 +50,22 @@ def geometric_mean(values: pd.Series) -> float:
 def race(records: list[dict]) -> dict[str, pd.DataFrame]:
     """Return times and ratios of every map, and the mean ratios to each other code."""
     keys = ["threads", "group", "points per side", "map", "p′"]
-    known = [(case["threads"], case["group"], case["size"], case["name"], case["load"]) for case in records]
-    seconds = [{code: found["seconds"] for code, found in case["codes"].items()} for case in records]
-    times = pd.DataFrame(seconds, index=pd.MultiIndex.from_tuples(known, names=keys))
+    labels = [(case["threads"], case["group"], case["size"], case["name"], case["load"]) for case in records]
+    seconds = [
+        {code: tables_by_name["seconds"] for code, tables_by_name in case["codes"].items()}
+        for case in records
+    ]
+    times = pd.DataFrame(seconds, index=pd.MultiIndex.from_tuples(labels, names=keys))
     codes = [code for code in CODES if code in times]
     ratios = times[codes[1:]].div(times[codes[0]], axis=0)
     cells = (1000 * times[codes]).add_suffix(" (ms)").join(ratios.add_suffix(" ratio"), validate="1:1")
     cells = cells.rename(index=lambda name: re.sub(r"made .*", "synthetic", str(name)), level="map")
     groups = cells.groupby(keys)
-    shown = groups.agg(geometric_mean).assign(cases=groups.size()).reset_index()
-    shown = shown[["threads", "map", "cases", "points per side", "p′", *cells]]
-    decimals = dict.fromkeys(shown.filter(like=" ratio"), ".1f")
-    found = {"race": text(shown, decimals)}
-    return found if ratios.empty else found | {"ratios": _mean_ratios(ratios)}
+    means = groups.agg(geometric_mean).assign(cases=groups.size()).reset_index()
+    means = means[["threads", "map", "cases", "points per side", "p′", *cells]]
+    decimals = dict.fromkeys(means.filter(like=" ratio"), ".1f")
+    tables_by_name = {"race": text(means, decimals)}
+    return tables_by_name if ratios.empty else tables_by_name | {"ratios": _mean_ratios(ratios)}
 
 
 def _mean_ratios(ratios: pd.DataFrame) -> pd.DataFrame:
@@ -66,14 +73,16 @@ def _mean_ratios(ratios: pd.DataFrame) -> pd.DataFrame:
     long = ratios.melt(var_name="code", value_name="ratio", ignore_index=False).dropna().reset_index()
     long["map"] = long["map"].str.replace(r"made (\d+) (\d+)", r"synthetic, \1², seed \2", regex=True)
     long["group"] = long["group"].replace("made", "synthetic")
-    both = pd.concat([long, long.assign(group="all")], ignore_index=True)
+    all_ratios = pd.concat([long, long.assign(group="all")], ignore_index=True)
     rows = []
-    for (threads, code, maps), some in both.groupby(["threads", "code", "group"], sort=False):
-        least = some.loc[some["ratio"].idxmin()]
+    for (threads, code, maps), ratios_of_group in all_ratios.groupby(
+        ["threads", "code", "group"], sort=False
+    ):
+        lowest = ratios_of_group.loc[ratios_of_group["ratio"].idxmin()]
         rows.append(
-            {"threads": threads, "code": code, "maps": maps, "cases": len(some)}
-            | {"geometric mean": geometric_mean(some["ratio"]), "least": least["ratio"]}
-            | {"least map": least["map"], "least p′": least["p′"]}
+            {"threads": threads, "code": code, "maps": maps, "cases": len(ratios_of_group)}
+            | {"geometric mean": geometric_mean(ratios_of_group["ratio"]), "least": lowest["ratio"]}
+            | {"least map": lowest["map"], "least p′": lowest["p′"]}
         )
     table = pd.DataFrame(rows).sort_values(["threads", "code"], kind="stable")
     return text(table, {"geometric mean": ".1f", "least": ".1f"})
@@ -81,7 +90,9 @@ def _mean_ratios(ratios: pd.DataFrame) -> pd.DataFrame:
 
 def solves_of(records: list[dict]) -> pd.DataFrame:
     """Return all solves of some maps."""
-    solves = pd.DataFrame([{"map": one["name"]} | solve for one in records for solve in one["solves"]])
+    solves = pd.DataFrame(
+        [{"map": record["name"]} | solve for record in records for solve in record["solves"]]
+    )
     return solves.assign(**{"error bound": solves["tolerance"].map(BOUNDS)})
 
 
@@ -113,26 +124,28 @@ def maps(records: list[dict]) -> dict[str, pd.DataFrame]:
         pd.concat([default, default.assign(**{"p′": "all"})]).groupby(["error bound", "p′"], sort=False)
     )
     pairs = pairs.reset_index().sort_values("error bound", kind="stable")
-    most = default.groupby(["map", "error bound"])["pairs"].max().unstack()
+    max_pairs = default.groupby(["map", "error bound"])["pairs"].max().unstack()
     at_most = (
         default[default["tolerance"] == 1e-4]
         .sort_values("pairs", ascending=False, kind="stable")
         .drop_duplicates("map")
     )
-    shapes = {one["name"]: " × ".join(map(str, one["shape"])) for one in records}
-    hardest = at_most[["map", "p′"]].join(most, on="map").sort_values(list(BOUNDS.values()), ascending=False)
+    shapes = {record["name"]: " × ".join(map(str, record["shape"])) for record in records}
+    hardest = (
+        at_most[["map", "p′"]].join(max_pairs, on="map").sort_values(list(BOUNDS.values()), ascending=False)
+    )
     hardest.insert(1, "points", hardest["map"].map(shapes))
-    other = solves[solves["way"] != "default"].rename(columns={"way": "setting"})
-    missed = ~other["converged"]
-    settings = spread(other[~missed].groupby("setting")).reindex(other["setting"].unique())
-    settings["not reached"] = missed.groupby(other["setting"]).sum()
-    by_rounding = missed & (other["floor"] > other["tolerance"])
-    settings["of these by rounding"] = by_rounding.groupby(other["setting"]).sum()
-    held = default[default["resolved"].eq(True)].groupby("error bound")
-    ratio = held["ratio"]
+    variants = solves[solves["way"] != "default"].rename(columns={"way": "setting"})
+    missed = ~variants["converged"]
+    settings = spread(variants[~missed].groupby("setting")).reindex(variants["setting"].unique())
+    settings["not reached"] = missed.groupby(variants["setting"]).sum()
+    by_rounding = missed & (variants["floor"] > variants["tolerance"])
+    settings["of these by rounding"] = by_rounding.groupby(variants["setting"]).sum()
+    resolved_solves = default[default["resolved"].eq(True)].groupby("error bound")
+    ratio = resolved_solves["ratio"]
     bounds = pd.DataFrame(
         {"solves": ratio.size(), "least": ratio.min(), "median": ratio.median(), "largest": ratio.max()}
-        | {"bound below error": held["below"].sum()}
+        | {"bound below error": resolved_solves["below"].sum()}
     )
     return {
         "pairs": text(pairs, ONE_DECIMAL),
@@ -146,7 +159,7 @@ def maps(records: list[dict]) -> dict[str, pd.DataFrame]:
 
 def certificate(records: list[dict]) -> dict[str, pd.DataFrame]:
     """Return the bound over the true error of random maps; the ratio where the reference resolves it."""
-    solves = pd.DataFrame([solve for one in records for solve in one["solves"]])
+    solves = pd.DataFrame([solve for record in records for solve in record["solves"]])
     below = solves["bound"] < solves["true_error"] - solves["reference_error"]
     ratio = solves["ratio"][solves["resolved"]]
     row = {"solves": len(solves), "least": ratio.min(), "median": ratio.median(), "largest": ratio.max()}
@@ -178,9 +191,15 @@ def growth(records: list[dict]) -> dict[str, pd.DataFrame]:
     """Return the pairs by size of the map, and at 1e-4 how they grow."""
     rows = pd.DataFrame(
         [
-            ("synthetic" if one["kind"] == "made" else one["kind"], one["load"], bound, one["size"], pairs)
-            for one in records
-            for bound, pairs in zip(BOUNDS.values(), one["pairs"], strict=True)
+            (
+                "synthetic" if record["kind"] == "made" else record["kind"],
+                record["load"],
+                bound,
+                record["size"],
+                pairs,
+            )
+            for record in records
+            for bound, pairs in zip(BOUNDS.values(), record["pairs"], strict=True)
         ],
         columns=["map", "p′", "error bound", "size", "pairs"],
     )
@@ -189,8 +208,8 @@ def growth(records: list[dict]) -> dict[str, pd.DataFrame]:
     growth = (table.iloc[:, -1] / table.iloc[:, 0]).where(first_bound)
     table.columns = [f"{size}²" for size in table]
     table = table.sort_index(level="map", ascending=False, sort_remaining=False, kind="stable")
-    shown = table.assign(growth=growth).reset_index()
-    return {"growth": text(shown, dict.fromkeys(table, ".1f") | {"growth": ".2f"})}
+    growths = table.assign(growth=growth).reset_index()
+    return {"growth": text(growths, dict.fromkeys(table, ".1f") | {"growth": ".2f"})}
 
 
 def starts(records: list[dict]) -> dict[str, pd.DataFrame]:
@@ -216,7 +235,7 @@ def sweep(records: list[dict]) -> dict[str, pd.DataFrame]:
 def memory(records: list[dict]) -> dict[str, pd.DataFrame]:
     """Return the peak memory by code and size."""
     table = pd.DataFrame(records).pivot(index="code", columns="size", values="bytes_per_point")
-    table = table.loc[list(dict.fromkeys(one["code"] for one in records))]
+    table = table.loc[list(dict.fromkeys(record["code"] for record in records))]
     table.columns = [f"{size}²" for size in table]
     return {"memory": text(table.reset_index(), dict.fromkeys(table, ".0f"))}
 

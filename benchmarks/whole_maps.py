@@ -25,8 +25,8 @@ import xarray as xr
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
+from roughcontact.arguments.quantities import Unit
 from roughcontact.errors import RoughContactError
-from roughcontact.quantities import Unit
 from roughcontact.statistics.precision import precision_in_words
 
 BODIES = (
@@ -79,7 +79,7 @@ def row_of_planned(name: str, statistics: xr.Dataset | str) -> dict[str, str]:
     ]
     area = statistics[AREA].values
     typical = int(np.abs(np.log(area / TYPICAL)).argmin())
-    ends = (float(statistics[f"{AREA}{end}"][typical]) for end in ("", "_lower", "_upper"))
+    interval = (float(statistics[f"{AREA}{suffix}"][typical]) for suffix in ("", "_lower", "_upper"))
     return {
         "map": name,
         "loads": str(red.size),
@@ -87,7 +87,7 @@ def row_of_planned(name: str, statistics: xr.Dataset | str) -> dict[str, str]:
         "for planned loads alone": "yes" if red.any() and not red.all() else "no",
         "why": "; ".join(reasons),
         "area (%)": f"{100 * area[typical]:.3g}",
-        "known": precision_in_words(*ends, Unit(100.0, "%")),
+        "known": precision_in_words(*interval, Unit(100.0, "%")),
         "halve": statistics.attrs.get("halve", ""),
         "refused": "",
     }
@@ -97,18 +97,20 @@ def half_widths(statistics: xr.Dataset) -> dict[str, np.ndarray]:
     """Return half-widths (percent of the result) at the judged loads; infinite without an upper end."""
     area = statistics["relative_contact_area"].values
     judged = (area >= JUDGED[0]) & (area <= JUDGED[1])
-    found = {}
+    widths = {}
     for column, name in WIDTHS.items():
-        value, lower, upper = (statistics[name + end].values[judged] for end in ("", "_lower", "_upper"))
-        found[column] = 50 * np.where(np.isnan(upper), np.inf, upper - lower) / value
-    found[BOUNDED] = 100.0 * np.isfinite(statistics["max_pressure_upper"].values[judged])
-    return found
+        value, lower, upper = (
+            statistics[name + suffix].values[judged] for suffix in ("", "_lower", "_upper")
+        )
+        widths[column] = 50 * np.where(np.isnan(upper), np.inf, upper - lower) / value
+    widths[BOUNDED] = 100.0 * np.isfinite(statistics["max_pressure_upper"].values[judged])
+    return widths
 
 
-def tables(found: dict[str, xr.Dataset]) -> dict[str, pd.DataFrame]:
+def tables(statistics_by_map: dict[str, xr.Dataset]) -> dict[str, pd.DataFrame]:
     """Return the table of verdicts, widths and reasons by map, and of all."""
     rows, widths = [], []
-    for name, statistics in found.items():
+    for name, statistics in statistics_by_map.items():
         reasons = "; ".join(reason["check"] for reason in json.loads(statistics.attrs["reasons"]))
         verdicts = {"loads": statistics.sizes["load"], "use": int((statistics["verdict"] == 0).sum())}
         widths.append(pd.DataFrame(half_widths(statistics)))
@@ -138,8 +140,8 @@ def main() -> None:
         files = [path for path in files if path.name not in NO_MAPS]
         with ProcessPoolExecutor(2) as pool:
             rows = [
-                row_of_planned(path.name, one)
-                for path, one in zip(files, pool.map(planned, files), strict=True)
+                row_of_planned(path.name, statistics)
+                for path, statistics in zip(files, pool.map(planned, files), strict=True)
             ]
         by_name = {"planned": pd.DataFrame(rows).fillna("")}
         if arguments.write:
@@ -149,11 +151,11 @@ def main() -> None:
         return
     with ProcessPoolExecutor(2) as pool:
         every = zip(files, pool.map(evaluated, files), strict=True)
-        found = {path.name: statistics for path, statistics in every if statistics is not None}
+        statistics_by_map = {path.name: statistics for path, statistics in every if statistics is not None}
     if arguments.write:
-        pages.publish("whole_maps", tables(found))
+        pages.publish("whole_maps", tables(statistics_by_map))
     else:
-        pages.show(tables(found))
+        pages.show(tables(statistics_by_map))
 
 
 if __name__ == "__main__":

@@ -26,11 +26,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
-from roughcontact.choices import Placement, WindowMethod
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.arguments.choices import Placement, WindowMethod
+from roughcontact.arguments.maps import height_map
 from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.synthetic import self_affine_surface
 from validation.masters import grooves
 
 METHODS = get_args(WindowMethod)
@@ -60,10 +60,10 @@ def master(kind: str, seed: int, points: int, *, longest: float | None = None, s
     shape = (points, points)
     longest = longest or points / 2
 
-    def waves(first, last, seed=seed, **options):
+    def waves(shortest, last, seed=seed, **options):
         options = {"rms_height": 1.0} | options
         return self_affine_surface(
-            shape, 1.0, hurst=0.8, shortest=first, longest=last, seed=seed, **options
+            shape, 1.0, hurst=0.8, shortest=shortest, longest=last, seed=seed, **options
         ).values
 
     if kind == "isotropic":
@@ -99,12 +99,12 @@ def solve(window, loads) -> np.ndarray:
     """Return the pressures (load, y, x) over E*; zero where the load is."""
     loads = np.asarray(loads, dtype=float)
     pressure = np.zeros((loads.size, *window.shape))
-    some = loads > 1e-4
-    if some.any():
+    is_loaded = loads > 1e-4
+    if is_loaded.any():
         contact = rc.solve_contact(
-            window, contact_modulus=1.0, mean_pressure=list(loads[some]), tolerance=TOLERANCE
+            window, contact_modulus=1.0, mean_pressure=list(loads[is_loaded]), tolerance=TOLERANCE
         )
-        pressure[some] = contact["pressure"].values
+        pressure[is_loaded] = contact["pressure"].values
     return pressure
 
 
@@ -127,7 +127,7 @@ def compare_methods(kind, seed, *, points, side) -> list[dict]:
     """Return a row for each window, method and load of one periodic surface."""
     surface = master(kind, seed, points)
     truth = solve(surface, LOADS)
-    whole = [area(pressure) for pressure in truth]
+    areas = [area(pressure) for pressure in truth]
     rows = []
     for y0 in range(0, points, side):
         for x0 in range(0, points, side):
@@ -136,31 +136,33 @@ def compare_methods(kind, seed, *, points, side) -> list[dict]:
                 window = rc.periodic_window(levelled, method=method)
                 images = 2 if method == "mirror" else 1
                 size = [n // images for n in window.shape]
-                top, left = (round(window.attrs[f"window_offset_{axis}"]) for axis in "yx")
-                part = truth[:, y0 + top :, x0 + left :][:, : size[0], : size[1]]
+                top, left_column = (round(window.attrs[f"window_offset_{axis}"]) for axis in "yx")
+                part = truth[:, y0 + top :, x0 + left_column :][:, : size[0], : size[1]]
                 carried = part.mean(axis=(1, 2))
-                given, same = solve(window, LOADS), solve(window, carried)
+                pressure, same = solve(window, LOADS), solve(window, carried)
                 for i, load in enumerate(LOADS):
-                    own = given[i, : size[0], : size[1]]
+                    window_pressure = pressure[i, : size[0], : size[1]]
                     rows.append(
                         {
                             "kind": kind,
                             "seed": seed,
                             "method": method,
                             "load": load,
-                            "area": area(given[i]) / whole[i],
+                            "area": area(pressure[i]) / areas[i],
                             "same_area": area(same[i]),
                             "part_area": area(part[i], periodic=False),
-                            "peak": float(own.max() / part[i].max()) if part[i].any() and own.any() else None,
+                            "peak": float(window_pressure.max() / part[i].max())
+                            if part[i].any() and window_pressure.any()
+                            else None,
                             "gradient": float(window.attrs["rms_gradient_after"]),
-                            "rim": rim_load(own) / load,
+                            "rim": rim_load(window_pressure) / load,
                             "part_rim": rim_load(part[i]) / load,
                         }
                     )
     return rows
 
 
-def natural_windows(kind, seeds, *, points, side, whole) -> list[dict]:
+def natural_windows(kind, seeds, *, points, side, areas) -> list[dict]:
     """Return rows for windows that are periodic by nature: what the size alone does.
 
     They hold the same waves as a surface of `points` x `points`, as far as these fit in.
@@ -170,7 +172,7 @@ def natural_windows(kind, seeds, *, points, side, whole) -> list[dict]:
         pressure = solve(master(kind, seed, side, longest=points / 2), LOADS)
         rows += [
             {"kind": kind, "method": "periodic by nature", "load": load, "area": area(p) / a}
-            for load, p, a in zip(LOADS, pressure, whole, strict=True)
+            for load, p, a in zip(LOADS, pressure, areas, strict=True)
         ]
     return rows
 
@@ -206,16 +208,16 @@ def run(part, *, points, side, seeds, say=print) -> list[dict]:
     rows = []
     for kind in KINDS if part == "methods" else (*KINDS, *REPEATING):
         for seed in seeds:
-            begin = time.perf_counter()
+            start = time.perf_counter()
             if part == "methods":
                 rows += compare_methods(kind, seed, points=points, side=side)
             else:
                 rows += compare_placements(kind, seed, points=points, side=side)
-            say(f"{part}, {kind}, seed {seed}: {time.perf_counter() - begin:.0f} s", flush=True)
+            say(f"{part}, {kind}, seed {seed}: {time.perf_counter() - start:.0f} s", flush=True)
         if part == "methods":  # as many windows as were cut out
-            whole = [area(p) for p in solve(master(kind, seeds[0], points), LOADS)]
-            more = range(1000, 1000 + len(seeds) * (points // side) ** 2)
-            rows += natural_windows(kind, more, points=points, side=side, whole=whole)
+            areas = [area(p) for p in solve(master(kind, seeds[0], points), LOADS)]
+            further_seeds = range(1000, 1000 + len(seeds) * (points // side) ** 2)
+            rows += natural_windows(kind, further_seeds, points=points, side=side, areas=areas)
     return rows
 
 
@@ -237,9 +239,9 @@ def summary(rows: pd.DataFrame, by: list[str]) -> pd.DataFrame:
 
 def misses(rows: pd.DataFrame) -> pd.DataFrame:
     """Return how far each method is from the truth: rms over kinds and loads."""
-    found = summary(rows[rows["same_area"].notna()], ["kind", "load", "method"])
-    off = found[RATIOS] - 1
-    return (off**2).groupby("method", sort=False).mean() ** 0.5
+    deviations = summary(rows[rows["same_area"].notna()], ["kind", "load", "method"])
+    deviation = deviations[RATIOS] - 1
+    return (deviation**2).groupby("method", sort=False).mean() ** 0.5
 
 
 def best_method(missed: pd.DataFrame) -> str:
@@ -252,7 +254,9 @@ def best_method(missed: pd.DataFrame) -> str:
 
 def placement_table(rows: pd.DataFrame) -> pd.DataFrame:
     """Return mean and error of the area by both placements, and by how much their squares differ, by kind."""
-    return pd.DataFrame([placement_row(kind, some) for kind, some in rows.groupby("kind", sort=False)])
+    return pd.DataFrame(
+        [placement_row(kind, rows_of_kind) for kind, rows_of_kind in rows.groupby("kind", sort=False)]
+    )
 
 
 def placement_row(kind: str, rows: pd.DataFrame) -> dict:
@@ -289,20 +293,20 @@ def method_tables(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 def tables(results: dict) -> dict[str, pd.DataFrame]:
     """Return the tables of the parts that were measured."""
-    found = method_tables(pd.DataFrame(results["methods"]["rows"])) if "methods" in results else {}
+    tables_by_name = method_tables(pd.DataFrame(results["methods"]["rows"])) if "methods" in results else {}
     if "placements" in results:
         placed = placement_table(pd.DataFrame(results["placements"]["rows"]))
         decimals = {name: ".3f" if name.startswith("area") else ".1f" for name in placed.columns[1:]}
-        found["placements"] = pages.text(placed, decimals)
-    return found
+        tables_by_name["placements"] = pages.text(placed, decimals)
+    return tables_by_name
 
 
 def about(results: dict) -> dict:
     """Return sizes, the nearest method, and numbers of maps, of the parts that were measured."""
-    found: dict = {}
+    facts_found: dict = {}
     if "methods" in results:
         methods = pd.DataFrame(results["methods"]["rows"])
-        found |= {
+        facts_found |= {
             "points": results["methods"]["points"],
             "side": results["methods"]["side"],
             "surfaces of each kind": results["methods"]["seeds"],
@@ -311,11 +315,11 @@ def about(results: dict) -> dict:
         }
     if "placements" in results:
         placements = pd.DataFrame(results["placements"]["rows"])
-        found |= {
+        facts_found |= {
             "maps of each kind": int(placements.groupby(["kind", "placement"]).size().iloc[0]),
             "longest side": round(1.3 * results["placements"]["side"]),
         }
-    return found
+    return facts_found
 
 
 def main() -> None:
@@ -341,8 +345,8 @@ def main() -> None:
         options.results.write_text(json.dumps(results), encoding="utf-8")
     if options.write:
         facts = pages.RESULTS / "window/about.json"
-        kept = json.loads(facts.read_text("utf-8")) if facts.is_file() else {}
-        pages.publish("window", tables(results), kept | about(results))
+        facts_kept = json.loads(facts.read_text("utf-8")) if facts.is_file() else {}
+        pages.publish("window", tables(results), facts_kept | about(results))
     else:
         pages.show(tables(results))
 

@@ -40,7 +40,7 @@ def serve(pose, solve, versions: dict) -> None:
         if request["heights"] != path:
             path, problem = request["heights"], pose(np.load(request["heights"]))
         run = partial(solve, problem, request["load"], request["tolerance"], **request.get("options", {}))
-        held = _memory("VmRSS", reset_peak=True)
+        memory_before = _memory("VmRSS", reset_peak=True)
         try:
             start = time.perf_counter()
             while request.get("rehearse") and time.perf_counter() - start < REHEARSAL:
@@ -54,7 +54,7 @@ def serve(pose, solve, versions: dict) -> None:
             "seconds": time.perf_counter() - start,
             "processor_seconds": time.process_time() - processor_start,
         }
-        peak = _memory("VmHWM") - held
+        peak = _memory("VmHWM") - memory_before
         if request.get("pressure"):
             np.save(request["pressure"], pressure)
         print(json.dumps(times | {"peak_bytes": peak} | details()), file=answers)

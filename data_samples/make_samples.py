@@ -1,6 +1,6 @@
 """Make the sample maps of this folder: `python data_samples/make_samples.py [folder]`.
 
-The heights come from the formulas in `roughcontact.references.synthetic`, with fixed seeds, dates and
+The heights come from the formulas in `roughcontact.surface.synthetic`, with fixed seeds, dates and
 quantisation, so that every run writes the same files.
 """
 
@@ -11,8 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from scipy import ndimage
 
-from roughcontact.references.synthetic import (
+from roughcontact.surface.synthetic import (
     ground_surface,
     rough_reference_surface,
     self_affine_surface,
@@ -119,6 +120,30 @@ def blasted_profiles():
     return quantised(blasted_surface().values[50:500:100])
 
 
+def lapped_surface():
+    """Return heights (480, 480) of an isotropic surface with waves as long as 0.3 mm, a DataArray (m)."""
+    return self_affine_surface(
+        (480, 480), 1e-6, hurst=0.8, shortest=6e-6, longest=300e-6, rms_height=0.5e-6, seed=21
+    )
+
+
+def lapped_fine():
+    """Return heights (128, 128) of a place of `lapped_surface` by a 50x objective. Pitch 1 µm."""
+    return quantised(lapped_surface().values[176:304, 144:272])
+
+
+def lapped_overview():
+    """Return heights (96, 96) of a field around this place by a 10x objective. Pitch 4 µm.
+
+    The lens smooths, the camera has noise of 1 %, the heights are 2 % too large and the field is tilted.
+    """
+    values = ndimage.gaussian_filter(lapped_surface().values, 2.4, mode="wrap")[32:416, 32:416]
+    values = 1.02 * values.reshape(96, 4, 96, 4).mean(axis=(1, 3))
+    values += np.random.default_rng(22).normal(0, 5e-9, values.shape)
+    x = (np.arange(96) - 47.5) * 4e-6
+    return quantised(values + 0.004 * x)
+
+
 def x3p_bytes(values, pitch):
     import x3pio
 
@@ -191,6 +216,8 @@ def make_samples() -> dict[str, bytes]:
         "ground.txt": matrix_bytes(ground(), (2e-6, 1e-6)),
         "stylus-profile.csv": profile_bytes(stylus_profile(), 0.5e-6),
         "blasted-profiles.csv": profile_bytes(blasted_profiles(), 1e-6),
+        "lapped-50x.txt": matrix_bytes(lapped_fine(), (1e-6, 1e-6)),
+        "lapped-10x.txt": matrix_bytes(lapped_overview(), (4e-6, 4e-6)),
         "periodic.nc": netcdf_bytes(periodic(), 100e-6),
     }
 
