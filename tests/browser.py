@@ -55,9 +55,9 @@ class Browser:
 
     def new_page(self):
         """Open a further page, drive it, and return the target of the former one."""
-        self.session, before = None, self.session
+        self.session, previous_page = None, self.session
         self.attach(self.send("Target.createTarget", url="about:blank")["targetId"])
-        return before
+        return previous_page
 
     def send(self, method, **params):
         """Send a command and return its result."""
@@ -96,14 +96,14 @@ class Browser:
 
     def wait(self, condition, *, seconds=60):
         """Wait until a script is true."""
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
             with contextlib.suppress(RuntimeError):  # while another page is loaded
                 if self.evaluate(f"Boolean({condition})"):
                     return
             time.sleep(0.05)
-        shown = self.evaluate("document.body.innerText")
-        raise TimeoutError(f"{condition} is not so after {seconds} s:\n{shown[-6000:]}")
+        page_text = self.evaluate("document.body.innerText")
+        raise TimeoutError(f"{condition} is not so after {seconds} s:\n{page_text[-6000:]}")
 
     def text(self, selector):
         """Return the text of an element."""
@@ -112,9 +112,9 @@ class Browser:
     def text_of_frame(self):
         """Return the text of the frame of another origin within the page."""
         session, self.session = self.session, None
-        end = time.monotonic() + 30
-        while not (frames := [each for each in self._targets() if each["type"] == "iframe"]):
-            assert time.monotonic() < end, "no frame of another origin"
+        deadline = time.monotonic() + 30
+        while not (frames := [target for target in self._targets() if target["type"] == "iframe"]):
+            assert time.monotonic() < deadline, "no frame of another origin"
             time.sleep(0.05)
         self.attach(frames[0]["targetId"])
         self.wait("document.readyState === 'complete'")

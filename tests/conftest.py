@@ -53,16 +53,18 @@ def disk(tmp_path):
     mounted = []
 
     def mount(options, folder=None):
-        place = folder or tmp_path / f"disk-{len(mounted)}"
-        place.mkdir(exist_ok=True)
+        mount_point = folder or tmp_path / f"disk-{len(mounted)}"
+        mount_point.mkdir(exist_ok=True)
         words = ["mount", "-t", "tmpfs", "-o", f"remount,{options}" if folder else options]
         if os.name != "posix" or os.geteuid():
             pytest.skip("only root may mount a small disk")
-        if subprocess.run([*words, "tmpfs", str(place)], check=False, capture_output=True).returncode:
+        if subprocess.run([*words, "tmpfs", str(mount_point)], check=False, capture_output=True).returncode:
             pytest.skip("no disk may be mounted here")
-        mounted.append(place)
-        return place
+        mounted.append(mount_point)
+        return mount_point
 
     yield mount
-    for place in set(mounted):  # lazily: a netCDF file whose writing failed is closed when it is collected
-        subprocess.run(["umount", "--lazy", str(place)], check=True)
+    for mounted_folder in set(
+        mounted
+    ):  # lazily: a netCDF file whose writing failed is closed when it is collected
+        subprocess.run(["umount", "--lazy", str(mounted_folder)], check=True)

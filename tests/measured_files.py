@@ -130,10 +130,10 @@ def tmd(heights, size, comment=b"", version=b"v2.0"):
     return mark + comment + b"\0" + header + heights.astype("<f4").tobytes()
 
 
-def gsf(heights, **stated):
+def gsf(heights, **entries):
     """Gwyddion Simple Field: header, zeros to a multiple of four, 4-byte floats."""
     sizes = dict(zip(("YRes", "XRes"), heights.shape, strict=True)) | {"XYUnits": "m", "ZUnits": "m"}
-    lines = [f"{key} = {value}" for key, value in (sizes | stated).items() if value is not None]
+    lines = [f"{key} = {value}" for key, value in (sizes | entries).items() if value is not None]
     header = "\n".join(["Gwyddion Simple Field 1.0", *lines, ""]).encode()
     return header + bytes(4 - len(header) % 4) + heights.astype("<f4").tobytes()
 

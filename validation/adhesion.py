@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from roughcontact.elasticity.influence import HALF_SPACE, Elasticity
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.arguments.maps import height_map
+from roughcontact.contact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.statistics.adhesion import adhesion_numbers
+from roughcontact.surface.synthetic import self_affine_surface
 from validation.lines import Section
 
 _MODULUS, _WORK = 2e6, 0.05  # rubber, Pa and J/m²

@@ -22,9 +22,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact.elasticity.halfspace import LATTICE_CONSTANT
-from roughcontact.fourier import halfplane_weights, wavenumbers
-from roughcontact.references.closed_forms import hertz
+from roughcontact.contact.elasticity.closed_forms import hertz
+from roughcontact.contact.elasticity.halfspace import LATTICE_CONSTANT
+from roughcontact.kernels.fourier import halfplane_weights, wavenumbers
 
 # --- Westergaard: h = D cos(2πx/λ) ------------------------------------------------------------------------
 
@@ -545,7 +545,7 @@ def cattaneo_stick_radius(share: float) -> float:
 
     Examples
     --------
-    >>> cattaneo_stick_radius(0.875)
+    >>> round(cattaneo_stick_radius(0.875), 12)  # the last bit of a cube root differs between processors
     0.5
     """
     return float(np.cbrt(1 - share))

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from roughcontact.contact.elasticity.influence import Elasticity
+from roughcontact.contact.elasticity.layers import conducting_pair
 from roughcontact.contact.response import linear_response
-from roughcontact.elasticity.influence import Elasticity
-from roughcontact.elasticity.layers import conducting_pair
 from roughcontact.statistics.conductance import conductance_columns
 from validation import closed_forms
 from validation.lines import Section
@@ -47,7 +47,7 @@ def add_lines(section: Section, *, finest_grid: int) -> None:
         pair = conducting_pair([perfect | {"layers": [film]}, perfect], "thermal_conductivity")
         assert pair is not None
         compliance = linear_response(
-            touching, (1 / finest_grid,) * 2, Elasticity(pair.modulus, layers=pair), 1e-3
+            touching, (1 / finest_grid,) * 2, Elasticity(pair.modulus, medium=pair), 1e-3
         )
         expected = closed_forms.film_strips_conductance(0.5, thickness)
         section.compare("film", thickness / compliance, expected, 2 / finest_grid, t=thickness, n=finest_grid)

@@ -3,9 +3,9 @@
 import numpy as np
 import xarray as xr
 
-from roughcontact.maps import height_map, spacing
-from roughcontact.references.synthetic import rough_reference_surface
-from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.arguments.maps import height_map, spacing
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.synthetic import rough_reference_surface
 from validation import drawing
 from validation.lines import Figure, Section
 from validation.problems import solve

@@ -7,16 +7,16 @@ from typing import TypedDict
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.maps import refined
+from roughcontact.arguments.quantities import number
 from roughcontact.contact.solve import solve_contact
-from roughcontact.levelling.level import level
-from roughcontact.maps import refined
-from roughcontact.quantities import number
-from roughcontact.references import synthetic
+from roughcontact.surface import synthetic
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.scales import ANSWERS, QUANTITIES, from_scale, to_scale
-from roughcontact.window.periodic_window import periodic_window
 from validation.lines import Section, Table
 from validation.masters import FAULTS, KINDS, cut_out, master_surface
 

@@ -19,11 +19,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from roughcontact.checking import check_choice
+from roughcontact.arguments.checking import check_choice
+from roughcontact.arguments.maps import spacing
 from roughcontact.errors import HeightMapError, RoughContactError, SettingsError
-from roughcontact.maps import spacing
 from roughcontact.results.storage import read_dataset, write_table
-from roughcontact.roughness import parameters
+from roughcontact.surface.roughness import parameters
 from validation.closed_forms import gap_left_by
 from validation.layered_sphere import rigid_base_factor
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 
+from roughcontact.arguments.maps import height_map
+from roughcontact.contact.elasticity.halfspace import HalfSpace
 from roughcontact.contact.partial_slip import partial_slip
 from roughcontact.contact.solve import solve_contact
-from roughcontact.elasticity.halfspace import HalfSpace
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.unloading import unload
+from roughcontact.surface.synthetic import rough_reference_surface
 from validation import closed_forms
 from validation.axisymmetric import ring_contact, rings
 from validation.lines import Section

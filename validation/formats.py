@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.contact.solve import solve_contact
-from roughcontact.faces.composite import composite
 from roughcontact.io.read import read_height_map
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.contact_statistics import contact_statistics
-from roughcontact.window.periodic_window import periodic_window
+from roughcontact.surface.faces.composite import composite
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact.surface.window.periodic_window import periodic_window
 from validation.lines import Section
 
 _SHAPE, _STEP = (48, 64), 1e-6  # points; m

@@ -2,11 +2,11 @@
 
 import xarray as xr
 
-from roughcontact.elasticity.energy import conforming_energy
-from roughcontact.elasticity.influence import HALF_SPACE
-from roughcontact.maps import spacing
-from roughcontact.references import synthetic
-from roughcontact.roughness import parameters
+from roughcontact.arguments.maps import spacing
+from roughcontact.contact.elasticity.energy import conforming_energy
+from roughcontact.contact.elasticity.influence import HALF_SPACE
+from roughcontact.surface import synthetic
+from roughcontact.surface.roughness import parameters
 from validation import closed_forms
 from validation.lines import Section
 from validation.problems import solve

@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 
+from roughcontact.arguments.maps import height_map
+from roughcontact.contact.elasticity.closed_forms import hertz_ellipse
 from roughcontact.contact.solve import solve_contact
-from roughcontact.evaluation import evaluate
-from roughcontact.maps import height_map
-from roughcontact.references.closed_forms import hertz_ellipse
-from roughcontact.references.synthetic import westergaard_surface
+from roughcontact.evaluation.evaluate import evaluate
 from roughcontact.statistics.contact_geometry import relative_contact_area
+from roughcontact.surface.synthetic import westergaard_surface
 from validation import closed_forms
 from validation.lines import Section
 from validation.problems import FORCE, RADIUS, solve, sphere

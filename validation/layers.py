@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from roughcontact.arguments.maps import height_map
+from roughcontact.contact.elasticity.layers import Layer, Material, Stack
+from roughcontact.contact.elasticity.subsurface import subsurface_stress
 from roughcontact.contact.solve import solve_contact
-from roughcontact.elasticity.layers import Layer, Material, Stack
-from roughcontact.elasticity.subsurface import subsurface_stress
-from roughcontact.maps import height_map
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from validation.layered_sphere import sphere_on_layer
 from validation.layered_wave import layered_wave_stresses

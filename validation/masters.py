@@ -10,9 +10,9 @@ from typing import Literal, get_args
 import numpy as np
 import xarray as xr
 
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.arguments.maps import height_map
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.synthetic import self_affine_surface
 
 Kind = Literal["random", "worn", "eroded", "honed", "dimpled", "ground", "turned", "grainy"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -70,7 +70,7 @@ def cut_out(
     Examples
     --------
     >>> import numpy as np
-    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
     >>> found = cut_out(rough_reference_surface(64), 32, np.random.default_rng(1))
     >>> found.shape, bool(0.01 <= found.isnull().mean() < 0.1)
     ((32, 32), True)

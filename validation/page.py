@@ -9,8 +9,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+from roughcontact.arguments.quantities import number
 from roughcontact.errors import RoughContactError
-from roughcontact.quantities import number
 from roughcontact.report.template import template
 from roughcontact.results.storage import provenance, write_text
 from validation.lines import Line, Section

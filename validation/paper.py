@@ -9,20 +9,20 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from roughcontact.choices import ZeroFrequency
+from roughcontact.arguments.choices import ZeroFrequency
+from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.quantities import number, percent
+from roughcontact.contact.elasticity.free_space import TruncatedKernel
+from roughcontact.contact.elasticity.halfspace import HalfSpace, zero_frequency_compliance
+from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.solve import solve_contact
-from roughcontact.elasticity.free_space import TruncatedKernel
-from roughcontact.elasticity.halfspace import HalfSpace, zero_frequency_compliance
-from roughcontact.elasticity.influence import Elasticity
 from roughcontact.io.read import read_height_map
-from roughcontact.levelling.level import level
-from roughcontact.maps import spacing
-from roughcontact.quantities import number, percent
-from roughcontact.references import synthetic
 from roughcontact.report import map_plots
-from roughcontact.roughness import parameters
 from roughcontact.statistics.contact_geometry import relative_contact_area
-from roughcontact.window.periodic_window import periodic_window
+from roughcontact.surface import synthetic
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.roughness import parameters
+from roughcontact.surface.window.periodic_window import periodic_window
 from validation import closed_forms, drawing
 from validation.lines import Figure, Section
 from validation.problems import solve

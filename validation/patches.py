@@ -3,12 +3,12 @@
 import numpy as np
 from scipy.special import ellipe, ndtri
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.contact.solve import solve_contact
-from roughcontact.maps import height_map
-from roughcontact.roughness.bearing import bearing_parameters
-from roughcontact.roughness.heights import height_parameters
-from roughcontact.sealing.connectivity import region_sizes
 from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.statistics.sealing.connectivity import region_sizes
+from roughcontact.surface.roughness.bearing import bearing_parameters
+from roughcontact.surface.roughness.heights import height_parameters
 from validation import closed_forms
 from validation.lines import Section
 from validation.problems import (

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.maps import height_map, spacing
+from roughcontact.contact.elasticity.energy import elastic_energy
+from roughcontact.contact.elasticity.influence import HALF_SPACE
 from roughcontact.contact.response import linear_response
 from roughcontact.contact.solve import solve_contact
-from roughcontact.elasticity.energy import elastic_energy
-from roughcontact.elasticity.influence import HALF_SPACE
-from roughcontact.maps import height_map, spacing
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from validation import closed_forms
 

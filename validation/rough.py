@@ -3,12 +3,12 @@
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.quantities import number, percent
 from roughcontact.contact.loads import DEFAULT_PLAN
-from roughcontact.quantities import number, percent
-from roughcontact.references import synthetic
-from roughcontact.roughness import parameters
-from roughcontact.roughness.summits import summit_statistics
 from roughcontact.statistics import theory
+from roughcontact.surface import synthetic
+from roughcontact.surface.roughness import parameters
+from roughcontact.surface.roughness.summits import summit_statistics
 from validation import closed_forms, drawing
 from validation.lines import Figure, Section, Table
 from validation.problems import solve
@@ -28,7 +28,7 @@ def ensemble_map(points: int, seed: int) -> xr.DataArray:
 
     Examples
     --------
-    >>> from roughcontact.roughness.parameters import rms_gradient
+    >>> from roughcontact.surface.roughness.parameters import rms_gradient
     >>> round(rms_gradient(ensemble_map(64, seed=0)), 6)
     1.0
     """

@@ -5,15 +5,15 @@ import xarray as xr
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.quantities import number, percent
 from roughcontact.contact.solve import solve_contact
-from roughcontact.maps import spacing
-from roughcontact.quantities import number, percent
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.sealing.connectivity import percolates
-from roughcontact.sealing.flow import flow_columns, leak_columns
-from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics.contact_geometry import relative_contact_area
+from roughcontact.statistics.sealing.connectivity import percolates
+from roughcontact.statistics.sealing.flow import flow_columns, leak_columns
+from roughcontact.statistics.sealing.percolation import percolation_columns
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.synthetic import self_affine_surface
 from validation import closed_forms
 from validation.lines import Section, Table
 from validation.problems import AMPLITUDE, Solution, solve, solved_ridges

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
+from roughcontact.contact.elasticity.subsurface import subsurface_stress, tresca, von_mises
 from roughcontact.contact.solve import solve_contact
-from roughcontact.elasticity.subsurface import subsurface_stress, tresca, von_mises
-from roughcontact.references import synthetic
 from roughcontact.statistics.contact_statistics import contact_statistics
-from roughcontact.statistics.subsurface import stress_columns, with_subsurface_yield
+from roughcontact.statistics.subsurface import add_subsurface_yield, stress_columns
 from roughcontact.statistics.targets import target_loads
+from roughcontact.surface import synthetic
 from validation import closed_forms, depth_integral
 from validation.lines import Section
 from validation.problems import FORCE, RADIUS, solve, sphere
@@ -135,7 +135,7 @@ def _first_yield(section: Section, points: int) -> None:
     bodies = [{"poissons_ratio": ratio, "yield_stress": stress * _HERTZ["max_pressure"]}, {}]
     loads = [FORCE / 2, 2 * FORCE]
     solved = solve_contact(height, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-5)
-    between = with_subsurface_yield(contact_statistics(solved, bodies=bodies, flow="never"), bodies)
+    between = add_subsurface_yield(contact_statistics(solved, bodies=bodies, flow="never"), bodies)
     (searched,) = target_loads(
         height, contact_modulus=1.0, target="first_yield", bodies=bodies, tolerance=1e-5
     )

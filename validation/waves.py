@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from roughcontact.quantities import number
+from roughcontact.arguments.quantities import number
 from validation import closed_forms, drawing
 from validation.lines import Figure, Section
 from validation.problems import (

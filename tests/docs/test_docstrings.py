@@ -40,12 +40,12 @@ def public_functions(module):
 
 def docstring_of(function, of_class):
     """Return its docstring, or that of the method which it overrides or implements."""
-    places = [function]
+    overrides = [function]
     if of_class is not None:
         described = IMPLEMENTED.get(of_class, of_class)
-        places.append(getattr(described, function.__name__))
-        assert arguments(places[-1]) == arguments(function)
-    return NumpyDocString(next(filter(None, map(inspect.getdoc, places))))
+        overrides.append(getattr(described, function.__name__))
+        assert arguments(overrides[-1]) == arguments(function)
+    return NumpyDocString(next(filter(None, map(inspect.getdoc, overrides))))
 
 
 def arguments(function):
@@ -54,13 +54,15 @@ def arguments(function):
 
 @pytest.mark.parametrize("name", MODULES)
 def test_every_public_function_describes_its_arguments_and_what_it_gives(name):
-    whole = name.removeprefix("roughcontact.") in generated.MODULES
+    is_complete = name.removeprefix("roughcontact.") in generated.MODULES
     for function_name, function, of_class in public_functions(importlib.import_module(name)):
-        if not whole and function_name not in roughcontact.__all__:
+        if not is_complete and function_name not in roughcontact.__all__:
             continue
         docstring = docstring_of(function, of_class)
         described = {
-            one.strip().lstrip("*") for entry in docstring["Parameters"] for one in entry.name.split(",")
+            parameter_name.strip().lstrip("*")
+            for entry in docstring["Parameters"]
+            for parameter_name in entry.name.split(",")
         }
         missing = arguments(function) - described
         assert not missing, f"{function_name}: {missing} not described"
@@ -72,7 +74,7 @@ def test_every_public_function_describes_its_arguments_and_what_it_gives(name):
 
 
 def test_functions_and_methods_are_found():
-    found = {name for name, *_ in public_functions(compiled)} | {
+    functions = {name for name, *_ in public_functions(compiled)} | {
         name for name, *_ in public_functions(array_api)
     }
-    assert {"library", "Compiled.measure", "CompiledSmallGrids.restrict", "small_grids"} <= found
+    assert {"library", "Compiled.measure", "CompiledSmallGrids.restrict", "small_grids"} <= functions

@@ -12,10 +12,10 @@ import pytest
 from PIL import Image
 
 import roughcontact
-from roughcontact.configuration.fields import section_of
-from roughcontact.configuration.models import Settings
-from roughcontact.configuration.surfaces import COLUMNS
-from roughcontact.variables import VARIABLES
+from roughcontact.arguments.settings.fields import section_model
+from roughcontact.arguments.settings.models import Settings
+from roughcontact.arguments.variables import VARIABLES
+from roughcontact.study.surfaces import COLUMNS
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "workflow/lib/roughcontact"
@@ -75,12 +75,12 @@ def test_the_graph_of_the_rules_is_that_of_snakemake(monkeypatch):
 def test_a_picture_of_the_report_is_told_from_one_of_another_page(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs/images")
     pictures = importlib.import_module("make_pictures")
-    shown = pictures.words_of('<head>1</head><body><h2 title="2">At a glance</h2><p>8.4 &plusmn; 0.77 %</p>')
-    assert shown == "At a glance 8.4 ± 0.77 %"
-    assert not pictures.difference(shown, shown)
-    assert not pictures.difference(shown, shown.replace("0.77", "0.78"))
-    for other in (shown.replace("8.4", "9.4"), shown.replace("±", "−"), f"{shown} 1", f"{shown} more", ""):
-        assert pictures.difference(shown, other), other
+    words = pictures.words_of('<head>1</head><body><h2 title="2">At a glance</h2><p>8.4 &plusmn; 0.77 %</p>')
+    assert words == "At a glance 8.4 ± 0.77 %"
+    assert not pictures.difference(words, words)
+    assert not pictures.difference(words, words.replace("0.77", "0.78"))
+    for variant in (words.replace("8.4", "9.4"), words.replace("±", "−"), f"{words} 1", f"{words} more", ""):
+        assert pictures.difference(words, variant), variant
     committed = Image.open(ROOT / "docs/images/report.png").text[pictures.WORDS]
     assert committed.startswith("At a glance")  # `.ci/run` holds it against the page of the samples
 
@@ -103,7 +103,7 @@ def test_a_picture_of_another_page_ends_in_the_command_that_draws_it(monkeypatch
 def test_every_setting_has_a_row(generated):
     page = generated.settings()
     for name, field in Settings.model_fields.items():
-        section = section_of(field)
+        section = section_model(field)
         part = page.partition(f"## `{name}`\n")[2].partition("\n## ")[0]
         assert part.strip()
         for key in section.model_fields if section else ():
@@ -126,9 +126,9 @@ def test_the_modules_for_users_are_shown_with_their_names_and_no_others(generate
     page = generated.interface()["modules"]
     assert re.findall(r"automodule:: roughcontact\.(\S+)\n", page) == list(generated.MODULES)
     for module in generated.MODULES:
-        shown = page.partition(f"automodule:: roughcontact.{module}\n   :members: ")[2].partition("\n")[0]
+        listing = page.partition(f"automodule:: roughcontact.{module}\n   :members: ")[2].partition("\n")[0]
         defined = generated.public_names(PACKAGE.joinpath(*module.split(".")).with_suffix(".py"))
-        assert set(shown.split(", ")) == set(defined) - set(roughcontact.__all__)
+        assert set(listing.split(", ")) == set(defined) - set(roughcontact.__all__)
 
 
 def test_pages_of_an_earlier_interface_are_removed(generated, tmp_path):
@@ -160,24 +160,23 @@ def test_every_section_of_the_settings_is_named_beside_the_configuration():
 
 def test_every_line_of_the_validation_is_shown(generated):
     with (ROOT / "docs/explanation/validation.csv").open(newline="", encoding="utf-8") as file:
-        kept = [row["what"] for row in csv.DictReader(file)]
-    shown = re.findall(r"^\| (.*?) \| ", generated.validation(), re.MULTILINE)
-    shown = [what.replace("\\", "") for what in shown if what not in ("line", "---")]
-    assert shown == kept
-    assert f"{len(kept)} lines" in (ROOT / "README.md").read_text(encoding="utf-8")
+        lines_kept = [row["what"] for row in csv.DictReader(file)]
+    lines_of_page = re.findall(r"^\| (.*?) \| ", generated.validation(), re.MULTILINE)
+    lines_of_page = [what.replace("\\", "") for what in lines_of_page if what not in ("line", "---")]
+    assert lines_of_page == lines_kept
+    assert f"{len(lines_kept)} lines" in (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def test_every_dependency_is_in_the_table_of_dependencies():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
-    wanted = list(project["project"]["dependencies"])
+    requirements = list(project["project"]["dependencies"])
     for extra in project["project"]["optional-dependencies"].values():
-        wanted += extra
+        requirements += extra
     for group in project["dependency-groups"].values():
-        wanted += [entry for entry in group if isinstance(entry, str)]
-    names = {re.match(r"[\w-]+", entry).group().lower() for entry in wanted}
+        requirements += [entry for entry in group if isinstance(entry, str)]
+    names = {re.match(r"[\w-]+", entry).group().lower() for entry in requirements}
     # named together with what they belong to
     names = {{"pytest-cov": "cov", "pytest-xdist": "xdist"}.get(name, name) for name in names}
-    names.discard("snakemake-executor-plugin-slurm")
     table = (ROOT / "docs/reference/dependencies.md").read_text(encoding="utf-8").lower()
     assert {name for name in names if not re.search(rf"(?<![\w-]){name}(?![\w-])", table)} == set()
 

@@ -20,9 +20,8 @@ import xarray as xr
 
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import InputFileError
-from roughcontact.evaluation import evaluate
+from roughcontact.evaluation.evaluate import evaluate
 from roughcontact.io.read import read_height_map
-from roughcontact.levelling.level import level
 from roughcontact.results.selection import read_statistics
 from roughcontact.results.storage import (
     opened_dataset,
@@ -31,7 +30,8 @@ from roughcontact.results.storage import (
     write_dataset,
     written_load_by_load,
 )
-from roughcontact.window.periodic_window import periodic_window
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.window.periodic_window import periodic_window
 
 SAMPLE = Path(__file__).parents[2] / "data_samples/sandblasted.x3p"
 CONTACT = {"contact_modulus": 1e9, "mean_pressure": [1e6, 5e6]}
@@ -52,11 +52,11 @@ def damaged(data: bytes, choose: random.Random) -> bytes:
     """Return a file with a few bytes changed, removed or inserted, or with one bit turned."""
     length, kind = choose.randint(1, _LONGEST), choose.choice(["changed", "turned", "removed", "inserted"])
     start = choose.randrange(len(data))
-    end = min(start + length, len(data))
+    stop = min(start + length, len(data))
     if kind == "turned":
         return data[:start] + bytes([data[start] ^ 1 << choose.randrange(8)]) + data[start + 1 :]
-    new = b"" if kind == "removed" else choose.randbytes(length if kind == "inserted" else end - start)
-    return data[:start] + new + data[start if kind == "inserted" else end :]
+    new = b"" if kind == "removed" else choose.randbytes(length if kind == "inserted" else stop - start)
+    return data[:start] + new + data[start if kind == "inserted" else stop :]
 
 
 def _opened(path: Path) -> xr.Dataset:

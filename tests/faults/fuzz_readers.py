@@ -58,8 +58,8 @@ from roughcontact.results.storage import read_dataset, write_dataset
 LONGEST = 10  # seconds of CPU time
 LARGEST = 2 * 10**9  # bytes
 _HARD = 6 * 2**30  # bytes of address space above what a process has, so that the machine stays well
-_LONGEST_MESSAGE = 600
-_LARGEST_SEED = 600_000  # bytes
+_MAX_MESSAGE_LENGTH = 600
+_MAX_SEED = 600_000  # bytes
 GIVEN = {"dx": 1.0, "dy": 1.5, "unit": "um", "height_unit": "nm"}
 
 
@@ -145,10 +145,10 @@ SEEDS: dict[str, Callable[[Path], object]] = {
 
 def whole_files(folder: Path) -> dict[str, tuple[bytes, bool]]:
     """Return the whole files: name -> content, and whether it is one of the project's own results."""
-    found = {}
+    seeds = {}
     for name, write in SEEDS.items():
         write(folder / "seed.npy")
-        found[name] = (folder / "seed.npy").read_bytes(), False
+        seeds[name] = (folder / "seed.npy").read_bytes(), False
     surface = xr.DataArray(
         heights(),
         dims=("y", "x"),
@@ -156,14 +156,14 @@ def whole_files(folder: Path) -> dict[str, tuple[bytes, bool]]:
         name="height",
     )
     write_dataset(surface, folder / "result.nc")
-    found["own result"] = (folder / "result.nc").read_bytes(), True
+    seeds["own result"] = (folder / "result.nc").read_bytes(), True
     if DATA.is_dir():
         for folder_of_files in (DATA, DATA.parent / "more_data"):
             for path in sorted(folder_of_files.glob("*.*")):
-                known = path.suffix not in (".md", ".tsv", ".json")
-                if known and 0 < path.stat().st_size <= _LARGEST_SEED:
-                    found[path.name] = path.read_bytes(), False
-    return found
+                is_seed = path.suffix not in (".md", ".tsv", ".json")
+                if is_seed and 0 < path.stat().st_size <= _MAX_SEED:
+                    seeds[path.name] = path.read_bytes(), False
+    return seeds
 
 
 def mutant(data: bytes, choose: random.Random) -> bytes:
@@ -199,23 +199,25 @@ def _place(data: bytes, choose: random.Random) -> int:
 
 
 def _flip(data, choose):
-    changed, place = bytearray(data), _place(data, choose)
+    changed, position = bytearray(data), _place(data, choose)
     if changed:
-        changed[place] ^= 1 << choose.randrange(8)
+        changed[position] ^= 1 << choose.randrange(8)
     return bytes(changed)
 
 
 def _random_bytes(data, choose):
-    place = _place(data, choose)
-    return data[:place] + choose.randbytes(choose.randint(1, 16)) + data[place + choose.randint(0, 16) :]
+    position = _place(data, choose)
+    return (
+        data[:position] + choose.randbytes(choose.randint(1, 16)) + data[position + choose.randint(0, 16) :]
+    )
 
 
 def _extreme_number(data, choose):
-    place = _place(data, choose)
+    position = _place(data, choose)
     number = choose.choice([0, 1, 2**15, 2**16 - 1, 2**31 - 1, 2**31, 2**32 - 1, 2**63 - 1, 2**64 - 1])
     size = choose.choice([size for size in (2, 4, 8) if number < 256**size])
     written = number.to_bytes(size, choose.choice(["little", "big"]))
-    return data[:place] + written + data[place + size :]
+    return data[:position] + written + data[position + size :]
 
 
 def _cut(data, choose):
@@ -223,22 +225,22 @@ def _cut(data, choose):
 
 
 def _left_out(data, choose):
-    place = _place(data, choose)
-    return data[:place] + data[place + choose.randint(1, max(1, len(data) // 8)) :]
+    position = _place(data, choose)
+    return data[:position] + data[position + choose.randint(1, max(1, len(data) // 8)) :]
 
 
 def _doubled(data, choose):
-    place = _place(data, choose)
-    piece = data[place : place + choose.randint(1, 4096)]
-    return data[:place] + piece * choose.randint(2, 20) + data[place:]
+    position = _place(data, choose)
+    piece = data[position : position + choose.randint(1, 4096)]
+    return data[:position] + piece * choose.randint(2, 20) + data[position:]
 
 
 def _words(data, choose):
-    place = _place(data, choose)
+    position = _place(data, choose)
     word = choose.choice(
         [b"nan", b"-", b";", b",", b"\t", b"\n", b"1e999", b"\xb5m", b"[", b"=", b"\0" * 8, b" " * 99]
     )
-    return data[:place] + word + data[place:]
+    return data[:position] + word + data[position:]
 
 
 _WAYS = (_flip, _flip, _random_bytes, _extreme_number, _cut, _left_out, _doubled, _words)
@@ -246,13 +248,13 @@ _WAYS = (_flip, _flip, _random_bytes, _extreme_number, _cut, _left_out, _doubled
 
 def outcome_of(path: Path, read: Callable[[Path], str | None]) -> Outcome:
     """Return what reading a file comes to, in a process of its own."""
-    said, tell = os.pipe()
+    read_end, tell = os.pipe()
     process = os.fork()
     if process == 0:
-        os.close(said)
+        os.close(read_end)
         _read_and_tell(path, read, tell)
     os.close(tell)
-    with os.fdopen(said, "rb") as stream:
+    with os.fdopen(read_end, "rb") as stream:
         words = stream.read().decode("utf-8", "replace")
     _, status, usage = os.wait4(process, 0)
     kind, _, text = words.partition("\n")
@@ -280,7 +282,7 @@ def _read_and_tell(path: Path, read: Callable[[Path], str | None], tell: int) ->
         try:
             words = f"map\n{read(path) or ''}"
         except RoughContactError as error:
-            named = path.name in str(error) and len(str(error)) <= _LONGEST_MESSAGE
+            named = path.name in str(error) and len(str(error)) <= _MAX_MESSAGE_LENGTH
             words = f"{'refused' if named else 'message'}\n{error}"
         except BaseException:
             words = f"exception\n{traceback.format_exc()}"
@@ -295,7 +297,7 @@ def read_foreign(path: Path) -> str:
     Returns checksum of heights and positions, and the warnings without their numbers.
     """
     problem = inspect_file(path)["problem"] or str(path)
-    if path.name not in problem or len(problem) > _LONGEST_MESSAGE:
+    if path.name not in problem or len(problem) > _MAX_MESSAGE_LENGTH:
         raise InputFileError(problem)
     height = read_height_map(path, **GIVEN)
     digest = hashlib.sha256(b"".join(array.values.tobytes() for array in (height, height.x, height.y)))
@@ -326,25 +328,25 @@ def fuzz(mutants: int, seed: int, folder: Path) -> dict[str, Counter]:
         with suppress(RoughContactError):
             right[name] = (read_own if result else read_foreign)(folder / "whole")
     (folder / "whole").unlink()
-    own = [name for name, (_, result) in seeds.items() if result]
+    own_results = [name for name, (_, result) in seeds.items() if result]
     written = list(SEEDS)
-    real = [name for name in seeds if name not in SEEDS and name not in own]
+    real = [name for name in seeds if name not in SEEDS and name not in own_results]
     counts: dict[str, Counter] = {}
     for number in range(mutants):
         if number % 10 == 0:
-            name = choose.choice(own)
+            name = choose.choice(own_results)
         else:
             name = choose.choice(real if real and number % 2 else written)
         path = folder / f"mutant-{number}"
         path.write_bytes(mutant(seeds[name][0], choose))
-        found = outcome_of(path, read_own if name in own else read_foreign)
+        outcome = outcome_of(path, read_own if name in own_results else read_foreign)
         label = name if name not in real else "real file of an instrument"
-        _count(counts.setdefault(label, Counter()), found, path, name)
-        if found.kind == "map":
-            digest, _, said = found.said.partition("\n")
+        _count(counts.setdefault(label, Counter()), outcome, path, name)
+        if outcome.kind == "map":
+            digest, _, message = outcome.said.partition("\n")
             right_digest, _, usual = right.get(name, "").partition("\n")
             counts[label]["other"] += digest != right_digest
-            counts[label]["silent"] += digest != right_digest and said == usual
+            counts[label]["silent"] += digest != right_digest and message == usual
     return counts
 
 
@@ -359,23 +361,23 @@ def hostile(folder: Path) -> dict[str, Counter]:
     for number, (name, (write, refused)) in enumerate(HOSTILE.items()):
         path = folder / f"hostile-{number}"
         write(path)
-        found = outcome_of(path, _read)
-        if refused and found.kind == "map":
-            found = found._replace(kind="exception", said="it was read, and should be refused")
-        _count(counts.setdefault(name, Counter()), found, path, name)
+        outcome = outcome_of(path, _read)
+        if refused and outcome.kind == "map":
+            outcome = outcome._replace(kind="exception", said="it was read, and should be refused")
+        _count(counts.setdefault(name, Counter()), outcome, path, name)
     return counts
 
 
-def _count(counts: Counter, found: Outcome, path: Path, name: str) -> None:
+def _count(counts: Counter, outcome: Outcome, path: Path, name: str) -> None:
     """Add an outcome to counts; say what went wrong and keep its file, else remove it."""
-    counts[found.kind] += 1
+    counts[outcome.kind] += 1
     counts["files"] += 1
-    counts["largest"] = max(counts["largest"], found.peak)
-    counts["longest"] = max(counts["longest"], found.seconds)
-    if found.kind in ("map", "refused"):
+    counts["largest"] = max(counts["largest"], outcome.peak)
+    counts["longest"] = max(counts["longest"], outcome.seconds)
+    if outcome.kind in ("map", "refused"):
         path.unlink()
         return
-    print(f"{found.kind}: {path} (of {name}): {found.said[-1500:]}", flush=True)
+    print(f"{outcome.kind}: {path} (of {name}): {outcome.said[-1500:]}", flush=True)
 
 
 def rows(counts: dict[str, Counter]) -> list[dict[str, str]]:
@@ -383,19 +385,19 @@ def rows(counts: dict[str, Counter]) -> list[dict[str, str]]:
     return [
         {
             "file": name,
-            "files": str(each["files"]),
-            "maps": str(each["map"]),
-            "with other heights": str(each["other"]),
-            "of these without a new warning": str(each["silent"]),
-            "refused": str(each["refused"]),
-            "other exceptions": str(each["exception"] + each["message"]),
-            "crashes": str(each["signal"]),
-            "over 10 s": str(each["time"]),
-            "over 2 GB": str(each["memory"]),
-            "longest (s)": f"{each['longest']:.1f}",
-            "largest (MB)": f"{each['largest'] / 1e6:.0f}",
+            "files": str(count["files"]),
+            "maps": str(count["map"]),
+            "with other heights": str(count["other"]),
+            "of these without a new warning": str(count["silent"]),
+            "refused": str(count["refused"]),
+            "other exceptions": str(count["exception"] + count["message"]),
+            "crashes": str(count["signal"]),
+            "over 10 s": str(count["time"]),
+            "over 2 GB": str(count["memory"]),
+            "longest (s)": f"{count['longest']:.1f}",
+            "largest (MB)": f"{count['largest'] / 1e6:.0f}",
         }
-        for name, each in counts.items()
+        for name, count in counts.items()
     ]
 
 

@@ -86,6 +86,13 @@ def _long_coordinate(file: netCDF4.Dataset) -> None:
         file.createVariable(name, "f8", ("x",), chunksizes=(1024,))
 
 
+def _long_coordinates(file: netCDF4.Dataset) -> None:
+    _good_map(file)
+    for number in range(20):
+        file.createDimension(f"d{number}", 10**8)
+        file.createVariable(f"d{number}", "f8", (f"d{number}",), chunksizes=(10**5,), zlib=True)
+
+
 def _unread_variables(file: netCDF4.Dataset) -> None:
     _good_map(file)
     file.createDimension("high", 11585)
@@ -188,6 +195,7 @@ FILES: dict[str, tuple[Callable[[Path], None], bool]] = {
     "TIFF: a page that is its own next one": (_bytes(_tiff(8)), True),
     "TIFF: a page outside the file": (_bytes(_tiff(10**8)), True),
     "netCDF: a coordinate of 10¹⁰ points": (_netcdf(_long_coordinate), True),
+    "netCDF: 20 coordinates of 10⁸ points": (_netcdf(_long_coordinates), True),
     "netCDF: six variables of 11 585²": (_netcdf(_unread_variables), False),
     "netCDF: 200 000 brackets in an attribute": (_netcdf(_brackets), False),
     "netCDF: 2³⁰ axes of a variable (CDF-5)": (_bytes(_cdf5(axes=2**30)), True),

@@ -6,11 +6,12 @@
 
 A run is killed again and again, each time a little further, until it has come to its end; then its results
 are compared with those of a run that was left alone, and the next run begins from nothing. After half of the
-kills the same command goes on at once, after the others when no job is left. What is killed:
+kills the same command goes on at once, after the others when no job is left, but for those of the program
+alone. What is killed:
 
 - script: one job of the run;
-- scheduler: Snakemake alone, so that its jobs have to notice by themselves;
-- wrapper: the program `roughcontact run` alone, so that what it has started has to end by itself;
+- scheduler: Snakemake alone, whose jobs `roughcontact run` then ends;
+- wrapper: the program `roughcontact run` alone: what it has started goes on until the next run ends it;
 - terminated: the same program, by SIGTERM, as a service or a container ends one;
 - group: the run and all its jobs at once;
 - writing: the same, at the moment a result is being written.
@@ -40,9 +41,10 @@ from study import command, environment, results, start_again, write_study
 from roughcontact.results.storage import read_dataset
 
 GATHERED = ("results/statistics.nc", "results/summary.csv", "results/uncertainty.csv", "results/report.html")
+RULES = ("prepare", "contact", "statistics", "panel", "report")
 KINDS = ("script", "scheduler", "wrapper", "terminated", "group", "writing")
 HANGS = 900.0  # seconds from which a run that does nothing any more is taken for one that never will
-AFTERWARDS = 5.0  # seconds in which jobs have to notice that their run is gone
+AFTERWARDS = 5.0  # seconds in which jobs have to end with their run
 COUNTED = {
     "kills": "kills",
     "script": "of a job",
@@ -83,11 +85,11 @@ def kill_at_random(
     (killed := folder / "killed").mkdir()
     counts = Counter(dict.fromkeys(COUNTED, 0))
     wrong: list[str] = []
-    for each in (left_alone, killed):
-        write_study(each, **study)
-    begin = time.monotonic()
+    for study_folder in (left_alone, killed):
+        write_study(study_folder, **study)
+    start = time.monotonic()
     subprocess.run(command(left_alone, *targets), env=environment(), check=True, capture_output=True)
-    longest = 0.1 * (time.monotonic() - begin)
+    longest = 0.1 * (time.monotonic() - start)
     expected = results(left_alone)
     choose = random.Random(seed)
 
@@ -95,18 +97,18 @@ def kill_at_random(
         """Count what went wrong and say it, and keep the folder as it is."""
         counts[kind] += len(sentences)
         if sentences:
-            kept = folder / f"wrong-{len(wrong) + 1}"
-            shutil.copytree(killed, kept, symlinks=True, ignore_dangling_symlinks=True)
-            wrong.extend(f"{kind}: {sentence} ({kept})" for sentence in sentences)
+            copy = folder / f"wrong-{len(wrong) + 1}"
+            shutil.copytree(killed, copy, symlinks=True, ignore_dangling_symlinks=True)
+            wrong.extend(f"{kind}: {sentence} ({copy})" for sentence in sentences)
             print(*wrong[-len(sentences) :], sep="\n", file=sys.stderr, flush=True)
 
     while counts["kills"] < kills:
         start_again(killed)
         shutil.rmtree(killed / "said", ignore_errors=True)
         longest = run_with_kills(killed, targets, kills, longest, choose, expected, counts, complain)
-        left = [str(path) for path in killed.glob("results/**/.*.partial")]
+        partial_files = [str(path) for path in killed.glob("results/**/.*.partial")]
         counts["runs"] += 1
-        differing = differences(expected, killed) + left
+        differing = differences(expected, killed) + partial_files
         complain("differing files", *(f"after run {counts['runs']}: {name}" for name in differing))
         print(dict(counts), file=sys.stderr, flush=True)
     return counts, wrong
@@ -118,27 +120,27 @@ def run_with_kills(folder, targets, kills, longest, choose, expected, counts, co
     It grows while kills come too early for any progress, and falls where a run bore few of them, so that it
     suits the machine and what else it does.
     """
-    kind, before = "none", counts["kills"]
+    kind, kills_before = "none", counts["kills"]
     (folder / "said").mkdir()
     while True:
-        done = len(results(folder))
-        file = folder / f"said/{counts['kills'] - before}.txt"
-        with file.open("w") as said:  # a pipe that nobody reads would stop the run
+        result_count = len(results(folder))
+        file = folder / f"said/{counts['kills'] - kills_before}.txt"
+        with file.open("w") as output:  # a pipe that nobody reads would stop the run
             run = subprocess.Popen(
                 command(folder, *targets),
                 env=environment(),
-                stdout=said,
-                stderr=said,
+                stdout=output,
+                stderr=output,
                 start_new_session=True,
             )
         enough = counts["kills"] >= kills
-        after = choose.uniform(0, longest)
+        delay = choose.uniform(0, longest)
         previous, kind, at_once = kind, choose.choice(KINDS), choose.random() < 0.5
-        victims = [] if enough else wait_and_find(run, folder, kind, after)
+        victims = [] if enough else wait_and_find(run, folder, kind, delay)
         if not victims:
             if end_of(run):
                 complain("refused or failed", f"after a kill of {previous}: {file.read_text()[-2000:]}")
-            return longest * (0.7 if counts["kills"] - before < FEW else 1.0)
+            return longest * (0.7 if counts["kills"] - kills_before < FEW else 1.0)
         for victim in victims:
             with suppress(psutil.NoSuchProcess):
                 victim.send_signal(signal.SIGTERM if kind == "terminated" else signal.SIGKILL)
@@ -147,7 +149,7 @@ def run_with_kills(folder, targets, kills, longest, choose, expected, counts, co
         # where a job alone was killed, or the run was asked to end, it ends by itself
         if end_of(run) == -signal.SIGKILL and kind in ("script", "terminated"):
             complain("hung", f"after a kill of {kind}: {file.read_text()[-2000:]}")
-        if at_once:
+        if at_once or kind == "wrapper":
             counts["at once"] += 1
         else:
             _, outlived = psutil.wait_procs(session(run), timeout=AFTERWARDS)
@@ -159,7 +161,7 @@ def run_with_kills(folder, targets, kills, longest, choose, expected, counts, co
             if content != expected.get(name) and not (name in GATHERED and is_whole(folder / name))
         ]
         complain("half files", *(f"after a kill of {kind}: {name}" for name in half))
-        if len(results(folder)) == done:
+        if len(results(folder)) == result_count:
             longest *= 1.03
         print(dict(counts), f"{longest:.1f} s", file=sys.stderr, flush=True)
 
@@ -173,21 +175,21 @@ def end_of(run):
         return run.wait()
 
 
-def wait_and_find(run, folder, kind, after):
+def wait_and_find(run, folder, kind, delay):
     """Wait until the time has come, and return the processes to kill; none where the run has ended before."""
-    until = time.monotonic() + after
+    until = time.monotonic() + delay
     while time.monotonic() < until and run.poll() is None:
         time.sleep(0.01)
     while run.poll() is None and time.monotonic() < until + HANGS:
         if kind != "writing" or list(folder.glob("results/**/.*.partial")):
             everyone = family(run)
-            scripts = [process for process in everyone if ".snakemake/scripts" in words(process)]
+            scripts = [process for process in everyone if is_job(process)]
             scheduler = [process for process in everyone if " snakemake --snakefile " in words(process)]
             of_kind = {"scheduler": scheduler, "script": scripts[:1]}
-            found = of_kind | dict.fromkeys(("wrapper", "terminated"), everyone[:1])
-            found = found.get(kind, everyone)
-            if found:
-                return found
+            processes = of_kind | dict.fromkeys(("wrapper", "terminated"), everyone[:1])
+            processes = processes.get(kind, everyone)
+            if processes:
+                return processes
             time.sleep(0.05)
         time.sleep(0.002)
     return []
@@ -196,23 +198,31 @@ def wait_and_find(run, folder, kind, after):
 def family(run):
     """Return a process and all its descendants."""
     try:
-        first = psutil.Process(run.pid)
-        return [first, *first.children(recursive=True)]
+        parent = psutil.Process(run.pid)
+        return [parent, *parent.children(recursive=True)]
     except psutil.NoSuchProcess:
         return []
 
 
 def session(run):
     """Return the processes that a run has started, also those whose parent is gone."""
-    found = []
+    processes = []
     for process in psutil.process_iter():
         try:
             # one that has ended, but is not reaped yet, has no command line
             if os.getsid(process.pid) == run.pid and words(process):
-                found.append(process)
+                processes.append(process)
         except ProcessLookupError:
             continue
-    return found
+    return processes
+
+
+def is_job(process):
+    """Return whether a process is a job, a fork that is named after its rule."""
+    try:
+        return process.name() in RULES and "server.py" in words(process)
+    except psutil.Error:
+        return False
 
 
 def words(process):
@@ -235,8 +245,10 @@ def is_whole(path):
 
 def differences(expected, folder):
     """Return the names of files that are not as expected, or that stand on one side only."""
-    found = results(folder)
-    return [name for name in sorted({*found, *expected}) if found.get(name) != expected.get(name)]
+    results_here = results(folder)
+    return [
+        name for name in sorted({*results_here, *expected}) if results_here.get(name) != expected.get(name)
+    ]
 
 
 def main() -> int:

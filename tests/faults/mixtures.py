@@ -12,13 +12,15 @@ import json
 import random
 import re
 import sys
+import tempfile
+import warnings
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from dialects import main
+from texts import arguments
 
 from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
@@ -118,28 +120,28 @@ def two_tables(write: Writer) -> Mixture:
     """Two or three tables below one another, with headings, with words, or without."""
     choose, heights = write.choose, write.heights
     how = choose.choice(["sizes", "sizes", "words", "nothing", "empty cells", "size, then words"])
-    others = [heights[:, ::-1] * 0.5, np.cos(heights)[:8]][: choose.choice([1, 2])]
-    first = write.rows(write.in_unit(heights))
+    further_tables = [heights[:, ::-1] * 0.5, np.cos(heights)[:8]][: choose.choice([1, 2])]
+    first_rows = write.rows(write.in_unit(heights))
     lines, title = [], choose.choice(["Topography", "Height", "Z sensor"])
     arguments = GIVEN | {"height_unit": write.unit}
     if how.startswith("size"):
         lines, arguments = write.sizes(heights.shape, title), {}
     elif how == "words":
         lines = [title]
-    lines += first
+    lines += first_rows
     start = 0
-    for number, other in enumerate(others):
+    for number, table in enumerate(further_tables):
         blank = choose.choice([1, 1, 2]) if how != "sizes" else choose.choice([0, 1, 2])
         empty = write.separator * (heights.shape[1] - 1) if how == "empty cells" else ""
         lines += [empty] * blank
         start = start or len(lines) + 1
         if how == "sizes":
             unit = choose.choice(["deg", "V", "nm"])
-            lines += write.sizes(other.shape, f"Channel {number}", unit)
+            lines += write.sizes(table.shape, f"Channel {number}", unit)
         elif "words" in how:
             lines.append(f"Signal {number}")
-        lines += write.rows(write.in_unit(other))
-    right = None if how in ("nothing", "empty cells", "size, then words") else map_of(heights)
+        lines += write.rows(write.in_unit(table))
+    right = None if how in ("nothing", "empty cells") else map_of(heights)
     if right is not None and choose.random() < 0.3:
         arguments["channel"] = title
     return Mixture(write.text(lines), arguments, right, STEPS, LINE.format(start), f"two tables, {how}")
@@ -150,7 +152,7 @@ def one_table(write: Writer) -> Mixture:
     heights = write.in_unit(write.heights)
     if write.choose.random() < 0.4:
         blank = write.choose.choice([1, 2])
-        lines = [each for row in write.rows(heights) for each in (row, *[""] * blank)]
+        lines = [line for row in write.rows(heights) for line in (row, *[""] * blank)]
         given = GIVEN | {"height_unit": write.unit}
         return Mixture(write.text(lines), given, map_of(write.heights), STEPS, "", "an empty line everywhere")
     lines = (
@@ -181,21 +183,23 @@ def traces(write: Writer) -> Mixture:
     arguments: dict[str, Any] = {} if named else {"unit": unit, "height_unit": write.unit}
     count = choose.choice([2, 3, 4])
     profiles = [write.rows(np.column_stack([x, row])) for row in z[:count]]
-    wanted = choose.randrange(count)
+    chosen = choose.randrange(count)
     if how in ("turn", "step back"):
-        place = choose.randrange(4, 12)
+        turning_point = choose.randrange(4, 12)
         positions = x.copy()
-        positions[place:] = x[place - 1] + (x[place:] - x[place - 1]) * (-1 if how == "turn" else 1)
+        positions[turning_point:] = x[turning_point - 1] + (x[turning_point:] - x[turning_point - 1]) * (
+            -1 if how == "turn" else 1
+        )
         if how == "step back":
-            positions[place:] -= 1.6 * DX * factor
+            positions[turning_point:] -= 1.6 * DX * factor
         if how == "turn":
-            positions[place + 2 :] = x[place + 2 :]
+            positions[turning_point + 2 :] = x[turning_point + 2 :]
         lines = heading + write.rows(np.column_stack([positions, z[0]]))
-        asked = LINE.format(len(heading) + 1 + place)
+        message = LINE.format(len(heading) + 1 + turning_point)
         if choose.random() < 0.5:
             arguments["resample"] = "linear"
-        return Mixture(write.text(lines), arguments, None, (), asked, f"traces, {how}")
-    lines, second = list(heading), 0
+        return Mixture(write.text(lines), arguments, None, (), message, f"traces, {how}")
+    lines, second_line = list(heading), 0
     for number, profile in enumerate(profiles):
         back = how in ("there and back", "repeated end") and number % 2
         if how == "headings":
@@ -203,7 +207,7 @@ def traces(write: Writer) -> Mixture:
             lines += ([""] if number and choose.random() < 0.7 else []) + (
                 [] if number and choose.random() < 0.3 else [f"Trace {number}"]
             )
-            second = second or (
+            second_line = second_line or (
                 len(lines) if number and lines[-1].startswith("Trace") else len(lines) + 1 if number else 0
             )
             lines += heading
@@ -212,21 +216,21 @@ def traces(write: Writer) -> Mixture:
         written = profile[::-1] if back else profile
         if how == "there and back" and number:
             written = written[1:]
-        second = second or (len(lines) + 1 if number else 0)
+        second_line = second_line or (len(lines) + 1 if number else 0)
         lines += written
     right, steps = None, (1e-6 * DX,)
     if choose.random() < 0.5 and how not in ("headings", "there and back"):
-        arguments["channel"] = f"profile {wanted + 1}"
-        right = metres(write.heights[wanted : wanted + 1])
+        arguments["channel"] = f"profile {chosen + 1}"
+        right = metres(write.heights[chosen : chosen + 1])
     elif choose.random() < 0.3:
         arguments["resample"] = "linear"
-    return Mixture(write.text(lines), arguments, right, steps, LINE.format(second), f"traces, {how}")
+    return Mixture(write.text(lines), arguments, right, steps, LINE.format(second_line), f"traces, {how}")
 
 
 def named_columns(write: Writer) -> Mixture:
     """A profile, several, or points, with named columns and their units."""
     choose = write.choose
-    place, height, index, profile = WORDS[choose.choice(list(WORDS))]
+    position_word, height, index, profile = WORDS[choose.choice(list(WORDS))]
     unit = choose.choice(["µm", "mm", "um", "nm"])
     brackets = choose.choice(
         ["{} [{}]", "{} ({})", "{}_[{}]", "{} in {}"] if write.separator != " " else ["{} ({})", "{} [{}]"]
@@ -237,12 +241,12 @@ def named_columns(write: Writer) -> Mixture:
     z = [write.heights[row] / UNITS[units[row]] for row in range(count)]
     names = [height] if count == 1 else [f"{profile} {row + 1}" for row in range(count)]
     if write.separator == " ":
-        place, names, index = (
-            place.replace(" ", ""),
+        position_word, names, index = (
+            position_word.replace(" ", ""),
             [name.replace(" ", "") for name in names],
             index.replace(" ", ""),
         )
-    cells = [brackets.format(place, unit), *map(brackets.format, names, units)]
+    cells = [brackets.format(position_word, unit), *map(brackets.format, names, units)]
     columns = [x, *z]
     if choose.random() < 0.5:
         cells, columns = [index, *cells], [np.arange(x.size) + choose.choice([0, 1, 37]), *columns]
@@ -253,15 +257,15 @@ def named_columns(write: Writer) -> Mixture:
     lines = [choose.choice(["", "measured on Monday"]), write.separator.join(cells)]
     lines += write.rows(np.column_stack(columns))
     arguments, right = {}, metres(write.heights[:1])
-    wanted = choose.randrange(count)
+    chosen = choose.randrange(count)
     if count > 1 and choose.random() < 0.5:
-        arguments, right = {"channel": names[wanted]}, metres(write.heights[wanted : wanted + 1])
+        arguments, right = {"channel": names[chosen]}, metres(write.heights[chosen : chosen + 1])
     elif count > 1:
         right = None
     if right is None and choose.random() < 0.3:
         arguments = GIVEN  # as the user gives them who takes it for a map
-    asked = "" if right is not None else rf"{re.escape(names[0])}.*channel"
-    return Mixture(write.text(lines), arguments, right, (1e-6 * DX,), asked, f"{count} named columns")
+    message = "" if right is not None else rf"{re.escape(names[0])}.*channel"
+    return Mixture(write.text(lines), arguments, right, (1e-6 * DX,), message, f"{count} named columns")
 
 
 def headers(write: Writer) -> Mixture:
@@ -304,20 +308,22 @@ def headers(write: Writer) -> Mixture:
         "scale": f"Z scale: {write.number(choose.choice([0.1, 1000]))}",
         "two meanings": f"Width: 1{',' if write.decimal == '.' else '.'}{choose.randrange(100, 1000)} µm",
     }
-    said = choose.choice([*wrong, *["agreeing"] * 6, "optical alone", "motor alone"])
-    if said.endswith("alone"):
-        lines = [size[said.split()[0]], f"Z unit: {write.unit}"]
-        asked = "give dx, dy, unit"
-        return Mixture(write.text([*lines, *table]), {}, None, STEPS, asked, f"header, {said}")
+    statement = choose.choice([*wrong, *["agreeing"] * 6, "optical alone", "motor alone"])
+    if statement.endswith("alone"):
+        lines = [size[statement.split()[0]], f"Z unit: {write.unit}"]
+        message = "give dx, dy, unit"
+        return Mixture(write.text([*lines, *table]), {}, None, STEPS, message, f"header, {statement}")
     lines = list(dict.fromkeys(size[key] for key in good))
     choose.shuffle(lines)
     lines.append(f"Z unit: {write.unit}")
-    if said == "agreeing":
+    if statement == "agreeing":
         return Mixture(write.text([*lines, *table]), {}, map_of(heights), STEPS, "", "header, agreeing")
-    if said == "another step" and not {"dx", "dy", "both", "pairs", "width", "field", "mm"} & {*good}:
+    if statement == "another step" and not {"dx", "dy", "both", "pairs", "width", "field", "mm"} & {*good}:
         return headers(write)
-    lines.insert(choose.randrange(len(lines)), wrong[said])
-    return Mixture(write.text([*lines, *table]), {}, None, STEPS, r"line \d+|header says", f"header, {said}")
+    lines.insert(choose.randrange(len(lines)), wrong[statement])
+    return Mixture(
+        write.text([*lines, *table]), {}, None, STEPS, r"line \d+|header says", f"header, {statement}"
+    )
 
 
 def positions(write: Writer) -> Mixture:
@@ -332,39 +338,44 @@ def positions(write: Writer) -> Mixture:
     )
     rows = [[*map(write.number, row)] for row in write.in_unit(heights)]
     if where != "row":
-        rows = [[write.number(place), *row] for place, row in zip(y, rows, strict=True)]
+        rows = [[write.number(position), *row] for position, row in zip(y, rows, strict=True)]
     corner = choose.choice(["0", "", "none", "y/x", "0"]) if where == "both" else "none"
     if corner == "none" and where == "both" and write.separator != " ":
         corner = ""
     if where != "column":
-        first = [*map(write.number, x)]
+        top_row = [*map(write.number, x)]
         if where == "both" and corner != "none":
-            first = [corner, *first]
-        rows = [first, *rows]
+            top_row = [corner, *top_row]
+        rows = [top_row, *rows]
     if corner == "" and write.separator == " ":
         return positions(write)
     right = metres(heights)[:, :: signs[1] if where != "column" else 1]
     right = right[:: signs[0]] if where != "row" else right[::-1]
-    said = choose.choice(["given", "given", "header", "unit"])
+    statement = choose.choice(["given", "given", "header", "unit"])
     lines, arguments = [], GIVEN | {"height_unit": write.unit}
-    asked = ""
-    if said == "header":
+    message = ""
+    if statement == "header":
         lines, arguments = write.sizes(heights.shape), {}
-    elif said == "unit":
+    elif statement == "unit":
         arguments = {"unit": "um", "height_unit": write.unit}
         if where != "both":
-            asked = "give d[xy]|give dx, dy and unit"
+            message = "give d[xy]|give dx, dy and unit"
     lines += [write.separator.join(row) for row in rows]
     return Mixture(
-        write.text(lines), arguments, right, STEPS, asked, f"positions, {where}, {said}, corner {corner!r}"
+        write.text(lines),
+        arguments,
+        right,
+        STEPS,
+        message,
+        f"positions, {where}, {statement}, corner {corner!r}",
     )
 
 
 def repeated_positions(write: Writer) -> Mixture:
     """Maps beside or below one another, told by their positions, columns without names, uneven positions."""
-    choose, one = write.choose, write.in_unit(write.heights)
-    two = one[:, ::-1]
-    x, y = (step * np.arange(n) for step, n in zip((DX, DY), one.shape[::-1], strict=True))
+    choose, left_half = write.choose, write.in_unit(write.heights)
+    right_half = left_half[:, ::-1]
+    x, y = (step * np.arange(n) for step, n in zip((DX, DY), left_half.shape[::-1], strict=True))
     how = choose.choice(
         [
             "rows",
@@ -380,26 +391,26 @@ def repeated_positions(write: Writer) -> Mixture:
         ]
     )
     table = {
-        "among": lambda: np.vstack([one, x, two]),
-        "among columns": lambda: np.column_stack([one, y, two]),
-        "in rows": lambda: np.vstack([x, np.nan_to_num(one[0])]),
-        "uneven": lambda: np.column_stack([np.r_[7, y], np.vstack([(x + DX) ** 1.3, one])]),
-        "rows": lambda: np.vstack([x, one, x, two]),
-        "columns": lambda: np.column_stack([np.r_[y, y], np.vstack([one, two])]),
-        "both": lambda: np.column_stack([np.r_[0, y, 0, y], np.vstack([x, one, x, two])]),
-        "beside": lambda: np.vstack([np.r_[x, x], np.hstack([one, two])]),
-        "profiles": lambda: np.column_stack([x, *one[:3]]),
-        "pairs": lambda: np.column_stack([x, one[0], x, one[1]]),
+        "among": lambda: np.vstack([left_half, x, right_half]),
+        "among columns": lambda: np.column_stack([left_half, y, right_half]),
+        "in rows": lambda: np.vstack([x, np.nan_to_num(left_half[0])]),
+        "uneven": lambda: np.column_stack([np.r_[7, y], np.vstack([(x + DX) ** 1.3, left_half])]),
+        "rows": lambda: np.vstack([x, left_half, x, right_half]),
+        "columns": lambda: np.column_stack([np.r_[y, y], np.vstack([left_half, right_half])]),
+        "both": lambda: np.column_stack([np.r_[0, y, 0, y], np.vstack([x, left_half, x, right_half])]),
+        "beside": lambda: np.vstack([np.r_[x, x], np.hstack([left_half, right_half])]),
+        "profiles": lambda: np.column_stack([x, *left_half[:3]]),
+        "pairs": lambda: np.column_stack([x, left_half[0], x, left_half[1]]),
     }[how]()
     arguments = GIVEN | {"height_unit": write.unit}
     if how == "profiles":
         arguments = {"unit": "um", "height_unit": write.unit}
-    asked = {
+    message = {
         "profiles": "name the columns",
         "in rows": r"line 1\b.* positions",
         "uneven": "row .* not even",
     }.get(how, r"begins? anew")
-    return Mixture(write.text(write.rows(table)), arguments, None, (), asked, f"positions again, {how}")
+    return Mixture(write.text(write.rows(table)), arguments, None, (), message, f"positions again, {how}")
 
 
 def one_column(write: Writer) -> Mixture:
@@ -479,21 +490,27 @@ def outcome(text: Mixture, folder: Path) -> str:
 
 def counted(texts: int, seed: int, folder: Path) -> tuple[Counter[str], list[tuple[Mixture, str]]]:
     """Return the outcomes of so many texts, and those that were neither read right nor asked about."""
-    found, wrong = Counter(), []
+    counts, wrong = Counter(), []
     for number in range(texts):
         text = mixture(number, seed)
-        said = outcome(text, folder)
-        found[said.partition(":")[0]] += 1
-        if said not in ("read right", "asked"):
-            wrong.append((text, said))
-    return found, wrong
+        result = outcome(text, folder)
+        counts[result.partition(":")[0]] += 1
+        if result not in ("read right", "asked"):
+            wrong.append((text, result))
+    return counts, wrong
 
 
 def described(mixture_and_outcome: tuple[Mixture, str]) -> str:
     """Return kind and arguments of a text, and what came of it."""
-    text, said = mixture_and_outcome
-    return f"{text.kind} {text.arguments}: {said}"
+    text, result = mixture_and_outcome
+    return f"{text.kind} {text.arguments}: {result}"
 
 
 if __name__ == "__main__":
-    sys.exit(main(__doc__, 2000, counted, described))
+    options = arguments(__doc__, 2000).parse_args()
+    warnings.simplefilter("ignore")
+    with tempfile.TemporaryDirectory() as place:
+        outcomes, unread = counted(options.texts, options.seed, Path(place))
+    print("\n".join(map(described, unread)))
+    print("; ".join(f"{name}: {number}" for name, number in outcomes.most_common()))
+    sys.exit(bool(unread))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface
 
 ROOT = Path(__file__).parents[2]
 SETTINGS = {
@@ -39,13 +39,13 @@ def write_settings(folder: Path, settings: dict) -> None:
 
 def command(folder: Path, *arguments: str) -> list[str]:
     """Return the command that runs the study; to be started with `environment()`."""
-    words = [sys.executable, "-m", "roughcontact.command_line", "run", *arguments, "--cores", "2"]
+    words = [sys.executable, "-m", "roughcontact.interface", "run", *arguments, "--cores", "2"]
     return [*words, "--directory", str(folder), "--configfile", str(folder / "settings.yaml")]
 
 
-def environment(**more: str) -> dict[str, str]:
+def environment(**extra: str) -> dict[str, str]:
     """Return the variables that `command` needs."""
-    return os.environ | {"PYTHONPATH": str(ROOT / "workflow/lib"), "OMP_NUM_THREADS": "1"} | more
+    return os.environ | {"PYTHONPATH": str(ROOT / "workflow/lib"), "OMP_NUM_THREADS": "1"} | extra
 
 
 def start_again(folder: Path) -> None:

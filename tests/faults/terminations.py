@@ -46,47 +46,49 @@ def end_at_random(folder: Path, tries: int, seed: int) -> list[str]:
     """
     write_study(folder, sides=(40,) * len(TARGETS), cases=False)
     choose, wrong = random.Random(seed), []
-    begin = time.monotonic()
+    start = time.monotonic()
     subprocess.run(command(folder, *TARGETS), env=environment(), check=True, capture_output=True)
-    longest = time.monotonic() - begin
+    longest = time.monotonic() - start
     for number in range(1, tries + 1):
         start_again(folder)
-        after = choose.uniform(0, longest)
-        with (folder / "said.txt").open("w") as said:
+        delay = choose.uniform(0, longest)
+        with (folder / "said.txt").open("w") as output:
             run = subprocess.Popen(
                 command(folder, *TARGETS),
                 env=environment(),
-                stdout=said,
-                stderr=said,
+                stdout=output,
+                stderr=output,
                 start_new_session=True,
             )
         if number % 2:
-            time.sleep(after)
+            time.sleep(delay)
         else:
-            after = wait_for_a_job(run, folder)
+            delay = wait_for_a_job(run, folder)
             time.sleep(further := choose.uniform(0, 0.05))
-            after += further
+            delay += further
         run.terminate()
         try:
             run.wait(timeout=LONGEST)
         except subprocess.TimeoutExpired:
-            wrong.append(f"try {number}, after {after:.2f} s: still at work {LONGEST:g} s later")
-        left = session(run)
-        wrong += [f"try {number}, after {after:.2f} s: left {words(each)}" for each in left]
-        for process in left:
+            wrong.append(f"try {number}, after {delay:.2f} s: still at work {LONGEST:g} s later")
+        survivors = session(run)
+        wrong += [
+            f"try {number}, after {delay:.2f} s: left {words(process_left)}" for process_left in survivors
+        ]
+        for process in survivors:
             process.kill()
         run.wait()
-        psutil.wait_procs(left)
-        print(f"try {number}: ended after {after:.2f} s, {len(wrong)} wrong so far", flush=True)
+        psutil.wait_procs(survivors)
+        print(f"try {number}: ended after {delay:.2f} s, {len(wrong)} wrong so far", flush=True)
     return wrong
 
 
 def wait_for_a_job(run, folder):
-    """Wait until Snakemake has written the script of a job, which it starts then; return the time taken."""
-    begin = time.monotonic()
-    while run.poll() is None and not list(folder.glob(".snakemake/scripts/tmp*")):
+    """Wait until a job has begun, which opens its log first; return the time taken."""
+    start = time.monotonic()
+    while run.poll() is None and not list(folder.glob("logs/**/*.log")):
         time.sleep(0.001)
-    return time.monotonic() - begin
+    return time.monotonic() - start
 
 
 def main() -> int:

@@ -48,8 +48,8 @@ def test_what_does_not_end_is_noticed(tmp_path, monkeypatch):
     monkeypatch.setattr(fuzz_readers, "LONGEST", 1)
 
     def spin(path):
-        end = time.process_time() + 20
-        while time.process_time() < end:
+        deadline = time.process_time() + 20
+        while time.process_time() < deadline:
             pass
 
     assert fuzz_readers.outcome_of(tmp_path / "file", spin).kind == "time"

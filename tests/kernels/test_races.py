@@ -18,24 +18,26 @@ def compiled(folder, *options):
     command = ["gcc", *flags, *files, "-o", str(program), "-lpthread", "-lm"]
     if shutil.which("gcc") is None:
         pytest.skip("no gcc")
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if "libtsan" in done.stderr:
+    process = subprocess.run(command, capture_output=True, text=True, check=False)
+    if "libtsan" in process.stderr:
         pytest.skip("this gcc has no ThreadSanitizer")
-    assert done.returncode == 0, done.stderr
+    assert process.returncode == 0, process.stderr
     return program
 
 
 @pytest.mark.slow
 def test_threads_share_passes_without_a_race(tmp_path):
     for _ in range(5):
-        done = subprocess.run([compiled(tmp_path)], capture_output=True, text=True, check=False, timeout=300)
-        assert done.returncode == 0, done.stdout + done.stderr
-        assert done.stdout == "1200 passes, 0 wrong\n"
+        process = subprocess.run(
+            [compiled(tmp_path)], capture_output=True, text=True, check=False, timeout=300
+        )
+        assert process.returncode == 0, process.stdout + process.stderr
+        assert process.stdout == "1200 passes, 0 wrong\n"
 
 
 @pytest.mark.slow
 def test_a_race_would_be_found(tmp_path):
     program = compiled(tmp_path, "-DSEEDED")
-    done = subprocess.run([program], capture_output=True, text=True, check=False, timeout=300)
-    assert done.returncode == 66
-    assert "WARNING: ThreadSanitizer: data race" in done.stderr
+    process = subprocess.run([program], capture_output=True, text=True, check=False, timeout=300)
+    assert process.returncode == 66
+    assert "WARNING: ThreadSanitizer: data race" in process.stderr

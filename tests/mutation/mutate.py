@@ -53,17 +53,17 @@ def main():
     parser.add_argument("--seed", type=int, default=1, help="of the sample (%(default)s)")
     parser.add_argument("--again", action="store_true", help="only what survived, or did not run, last time")
     parser.add_argument("--show", action="store_true", help="run nothing, show what the last run found")
-    given = parser.parse_args()
-    if unknown := set(given.parts) - set(parts):
+    options = parser.parse_args()
+    if unknown := set(options.parts) - set(parts):
         parser.error(f"unknown: {', '.join(sorted(unknown))}; parts are {', '.join(parts)}")
     SESSIONS.mkdir(parents=True, exist_ok=True)
-    for name in given.parts or parts:
-        if not given.show:
-            run(name, parts[name], given)
-    return max([report(name) for name in given.parts or parts])
+    for name in options.parts or parts:
+        if not options.show:
+            run(name, parts[name], options)
+    return max([report(name) for name in options.parts or parts])
 
 
-def run(name, part, given):
+def run(name, part, options):
     """Run the mutants of one part in a copy of the project; the session is kept below build/mutation."""
     session = SESSIONS / f"{name}.sqlite"
     with tempfile.TemporaryDirectory(prefix="mutation.") as folder:
@@ -92,16 +92,16 @@ def run(name, part, given):
         (copy / "mutation.toml").write_text("\n".join(settings), encoding="utf-8")
         call = [str(Path(sys.executable).with_name("cosmic-ray"))]
         digest = hashlib.sha256(b"".join((copy / module).read_bytes() for module in modules)).hexdigest()
-        kept = session.with_suffix(".sha256")
-        if given.again:
-            if kept.read_text() != digest:
+        checksum_file = session.with_suffix(".sha256")
+        if options.again:
+            if checksum_file.read_text() != digest:
                 sys.exit(f"{name}: its modules have changed since the last run; start anew, without --again")
             forget_survivors(session)
         else:
             session.unlink(missing_ok=True)
-            kept.write_text(digest)
+            checksum_file.write_text(digest)
             subprocess.run([*call, "init", "mutation.toml", session], cwd=copy, check=True)
-            keep_sample(session, copy, f"{name} {given.seed}", given.sample)
+            keep_sample(session, copy, f"{name} {options.seed}", options.sample)
         print(f"{name}: the tests take {seconds:.0f} s", flush=True)
         subprocess.run([*call, "exec", "mutation.toml", session], cwd=copy, env=environment, check=True)
         # an environment that broke on the way has killed whatever came after
@@ -135,7 +135,7 @@ def is_sensible(mutation, sources):
     # no product, what follows has to be named; a guard against mistakes in the code itself
     if text.startswith("*,", column) or text[:column].endswith("strict="):
         return False
-    return not any(begin <= (row, column) < end for begin, end in annotations(source))
+    return not any(start <= (row, column) < stop for start, stop in annotations(source))
 
 
 def forget_survivors(session):
@@ -143,10 +143,10 @@ def forget_survivors(session):
     from cosmic_ray.work_db import use_db
 
     with use_db(session) as db:
-        items, done = db.work_items, [(job, result) for job, result in db.results if result.is_killed]
+        items, killed = db.work_items, [(job, result) for job, result in db.results if result.is_killed]
         db.clear()
         db.add_work_items(items)
-        for job, result in done:
+        for job, result in killed:
             db.set_result(job, result)
 
 
@@ -158,13 +158,13 @@ def place(mutation):
 @cache
 def annotations(source):
     """Return from where to where the annotations of a module go: `float | None` computes nothing."""
-    found = []
+    spans = []
     for node in ast.walk(ast.parse(source)):
         parts = (getattr(node, kind, None) for kind in ("annotation", "returns"))
-        found += [
+        spans += [
             ((part.lineno, part.col_offset), (part.end_lineno, part.end_col_offset)) for part in parts if part
         ]
-    return found
+    return spans
 
 
 def report(name):
@@ -172,7 +172,7 @@ def report(name):
     from cosmic_ray.work_db import use_db
 
     judged = tomllib.loads((HERE / "judged.toml").read_text(encoding="utf-8"))
-    known = {(entry["module"], entry["line"], entry.get("mutant")) for entry in judged.get(name, ())}
+    judged_mutants = {(entry["module"], entry["line"], entry.get("mutant")) for entry in judged.get(name, ())}
     killed, timeouts, equivalent, survivors = 0, 0, 0, []
     with use_db(SESSIONS / f"{name}.sqlite") as db:
         waiting = len(db.pending_work_items)
@@ -191,7 +191,7 @@ def report(name):
                 )
                 for sign in "-+"
             )
-            if {(module, line, mutant), (module, line, None)} & known:
+            if {(module, line, mutant), (module, line, None)} & judged_mutants:
                 equivalent += 1
             else:
                 survivors.append((module, mutation.start_pos[0], line, mutant))

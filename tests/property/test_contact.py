@@ -91,6 +91,6 @@ def test_the_error_bound_holds_and_is_nearly_sharp(seed, relative, exponent, sha
 
     converged = tight["pressure"].values[0]
     error = energy_norm(loose["pressure"].values[0] - converged) / energy_norm(loose["pressure"].values[0])
-    left = float(tight["error_bound"][0])
-    assert left <= max(1e-2 * bound, 1e-11)
-    assert error <= bound + left
+    remaining_bound = float(tight["error_bound"][0])
+    assert remaining_bound <= max(1e-2 * bound, 1e-11)
+    assert error <= bound + remaining_bound

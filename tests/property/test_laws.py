@@ -14,16 +14,16 @@ from hypothesis import settings as examples
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact.maps import height_map, spacing
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness.bearing import BEARING_PARAMETERS
-from roughcontact.roughness.parameters import roughness_parameters
+from roughcontact.arguments.maps import height_map, spacing
+from roughcontact.arguments.variables import VARIABLES
 from roughcontact.statistics.contact_statistics import statistics_function, with_uncertainty
-from roughcontact.statistics.first_yield import with_first_yield
-from roughcontact.statistics.subsurface import with_subsurface_yield
+from roughcontact.statistics.first_yield import add_first_yield
+from roughcontact.statistics.subsurface import add_subsurface_yield
+from roughcontact.surface.roughness.bearing import BEARING_PARAMETERS
+from roughcontact.surface.roughness.parameters import roughness_parameters
+from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact.surface.window.periodisation import is_periodic
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.variables import VARIABLES
-from roughcontact.window.periodisation import is_periodic
 
 
 class Law(NamedTuple):
@@ -94,7 +94,7 @@ LAWS = {
 }
 # what the solver says of its own work: no property of the surface
 OF_THE_SOLVER = {"iterations", "operator_applications", "error_bound", "rounding_floor", "load_error"}
-OF_THE_SOLVER |= {"max_penetration"}
+OF_THE_SOLVER |= {"max_penetration", "conductance_error_bound"}
 # maps, labels, and what is compared elsewhere: another code's numbers
 NO_NUMBER = {"height", "filled", "line_offset", "rejected_height", "pressure", "gap", "contact", "x", "y"}
 NO_NUMBER |= {
@@ -125,6 +125,15 @@ NO_NUMBER |= {
     "plastic_volume",
     "dissipated_energy",
 }
+NO_NUMBER |= {"worn_volume", "max_worn_depth", "time_error_bound", "wear_steps", "running_in_distance"}
+NO_NUMBER |= {"sliding_distance"}
+# of sliding rubber, in a dataset of its own
+NO_NUMBER |= {"speed", "octave_wavelength", "contacts_solved", "shear_strength", "hysteretic_friction_bound"}
+NO_NUMBER |= {name for name in VARIABLES if "friction_" in name}
+# what a user allows, totals of an area or perimeter of his, and the materials'
+NO_NUMBER |= {name for name in VARIABLES if name.startswith(("allowed_", "total_"))}
+NO_NUMBER |= {name for name in VARIABLES if re.search("_(holds(_from)?|largest_Sq)$", name)}
+NO_NUMBER |= {"joint_resistance", "temperature_drop", "thermal_conductivity", "electrical_resistivity"}
 NO_NUMBER |= {"shear_traction", "stick", "stick_share", "tangential_load", "tangential_displacement"}
 NO_NUMBER |= {"tangential_error_bound", "tangential_stiffness", "friction_coefficient", "peak_pressure"}
 NO_NUMBER |= {"temperature_rise", "mean_flash_temperature", "max_flash_temperature", "loaded_radius"}
@@ -140,7 +149,7 @@ NO_NUMBER |= {
 }
 ENDINGS = (
     # of an interval or a magnification curve, of the same kind as its number
-    r"_(uncertainty|((map|next|longer|octave|next_part)_)?(lower|upper)|of_maps|parts|half_way|as_solved|estimate|at_cutoff"
+    r"_(uncertainty|((map|next|joint|octave|next_part|alone)_)?(lower|upper)|joint|of_maps|parts|half_way|as_solved|estimate|at_cutoff"
     r"|components|as_measured)$"
 )
 
@@ -212,27 +221,27 @@ def solved(window, *, scale=1.0, yields=1.0, energy=1.0, hardness=None, budget=F
         seal=SEAL,
         work_of_adhesion=0.05 * energy,
     )
-    result = with_first_yield(rc.solve_contact(window, **contact, reduce=count), window, contact)
+    result = add_first_yield(rc.solve_contact(window, **contact, reduce=count), window, contact)
     if budget:
         verbs = {"level": {"form": "mean", "outlier_threshold": None, "line_alignment": "none"}, "window": {}}
         verbs["contact"] = contact | {"contact_modulus_uncertainty": 0.05}
         result = with_uncertainty(result, error_budget(levelled, window, verbs, windows=4))
-    return with_subsurface_yield(result, bodies)
+    return add_subsurface_yield(result, bodies)
 
 
-def same(found, expected, name, points=np.inf, core=0.0):
+def same(actual, expected, name, points=np.inf, core=0.0):
     """Whether two numbers are one, up to the tolerance of the solution and to rounding.
 
     Parameters of the curve through the heights of so many points are so beside the height of its `core`.
     """
-    found, expected = np.asarray(found, float), np.asarray(expected, float)
+    actual, expected = np.asarray(actual, float), np.asarray(expected, float)
     # of the curve through the sorted heights few are peaks
     rtol = points**-0.5 + 1e-9 if name in BEARING_PARAMETERS else STATED.get(name, 2e-5)
-    assert found.shape == expected.shape, name
+    assert actual.shape == expected.shape, name
     scale = np.abs(expected[np.isfinite(expected)]).max(initial=0.0)
     if name in BEARING_PARAMETERS and np.isfinite(points):
         scale = max(scale, 1.0 if name.startswith("Smr") else core)
-    np.testing.assert_allclose(found, expected, rtol=rtol, atol=rtol * scale + 1e-300, err_msg=name)
+    np.testing.assert_allclose(actual, expected, rtol=rtol, atol=rtol * scale + 1e-300, err_msg=name)
 
 
 def test_every_variable_has_a_law():
@@ -261,10 +270,10 @@ def test_numbers_follow_the_scales(seed, heights, lengths, modulus, yielding, bu
     a, b, c = (base ** (round(power) if budget else power) for power in (heights, lengths, modulus))
     window = made(seed)
     limit = HARDNESS if yielding else None
-    before = solved(window, hardness=limit, budget=budget)
+    reference = solved(window, hardness=limit, budget=budget)
     scaled = height_map(a * window.values, tuple(b * step for step in spacing(window)))
     pressure = c * a / b
-    after = solved(
+    scaled_result = solved(
         scaled,
         scale=c,
         yields=pressure,
@@ -272,30 +281,32 @@ def test_numbers_follow_the_scales(seed, heights, lengths, modulus, yielding, bu
         hardness=limit and limit * pressure,
         budget=budget,
     )
-    assert set(after.variables) == set(before.variables)
-    for name in numbers(before):
+    assert set(scaled_result.variables) == set(reference.variables)
+    for name in numbers(reference):
         law = law_of(name)
         if not law.similar:
             factor = a**law.heights * b**law.lengths * c**law.modulus
-            same(after[name].values / factor, before[name].values, name)
+            same(scaled_result[name].values / factor, reference[name].values, name)
 
 
 @examples(max_examples=2, deadline=None, phases=[Phase.generate])
 @given(seed=st.integers(0, 10**6), unit=st.floats(-3, 3))
 def test_numbers_of_slopes_follow_where_slopes_stay(seed, unit):
     window, factor = made(seed), 10.0**unit
-    before = solved(window)
+    reference = solved(window)
     scaled = height_map(factor * window.values, tuple(factor * step for step in spacing(window)))
-    after = solved(scaled, energy=factor)
-    for name in numbers(before):
+    scaled_result = solved(scaled, energy=factor)
+    for name in numbers(reference):
         law = law_of(name)
-        same(after[name].values / factor ** (law.heights + law.lengths), before[name].values, name)
+        same(scaled_result[name].values / factor ** (law.heights + law.lengths), reference[name].values, name)
 
 
 def swapped(name):
     """Return what a number is called when x and y change places."""
-    other = {"x": "y", "y": "x"}
-    return re.sub(r"_(x|y|xx|yy)(?=$|_)", lambda end: "_" + "".join(other[axis] for axis in end[1]), name)
+    exchange = {"x": "y", "y": "x"}
+    return re.sub(
+        r"_(x|y|xx|yy)(?=$|_)", lambda match: "_" + "".join(exchange[axis] for axis in match[1]), name
+    )
 
 
 def mirrored_angle(angle):
@@ -328,33 +339,33 @@ def test_numbers_follow_the_map(change, seed, yielding):
     window = made(seed)
     steps = spacing(window)
     limit = HARDNESS if yielding else None
-    before = solved(window, hardness=limit)
-    place = height_map(turn(np.arange(window.size).reshape(window.shape)), 1.0).values.astype(int)
-    after = solved(height_map(turn(window.values), steps[::-1] if across else steps), hardness=limit)
-    assert set(after.variables) == set(before.variables)
-    for name in numbers(before):
+    reference = solved(window, hardness=limit)
+    index = height_map(turn(np.arange(window.size).reshape(window.shape)), 1.0).values.astype(int)
+    turned_result = solved(height_map(turn(window.values), steps[::-1] if across else steps), hardness=limit)
+    assert set(turned_result.variables) == set(reference.variables)
+    for name in numbers(reference):
         if name in not_of.get(change, ()) or name in ("max_von_mises_x", "max_von_mises_y"):
             continue
-        found, expected = after[swapped(name) if across else name].values, before[name].values
+        actual, expected = turned_result[swapped(name) if across else name].values, reference[name].values
         if name == "flow_factor_xy":
             expected = cross_flow * expected
         if name == "Std":
-            off = (found - direction(expected) + 90) % 180 - 90
-            assert abs(off) < 1e-6, name
+            deviation = (actual - direction(expected) + 90) % 180 - 90
+            assert abs(deviation) < 1e-6, name
             continue
-        same(found, expected, name)
+        same(actual, expected, name)
     # the most strained point is the same point of the surface
-    for load in range(before.sizes["load"]):
+    for load in range(reference.sizes["load"]):
         rows, columns = (
-            int(float(each[f"max_von_mises_{axis}"][load]) / step)
-            for each, axis, step in ((before, "y", steps[0]), (before, "x", steps[1]))
+            int(float(result[f"max_von_mises_{axis}"][load]) / step)
+            for result, axis, step in ((reference, "y", steps[0]), (reference, "x", steps[1]))
         )
         after_steps = steps[::-1] if across else steps
         row, column = (
-            int(float(after[f"max_von_mises_{axis}"][load]) / step)
+            int(float(turned_result[f"max_von_mises_{axis}"][load]) / step)
             for axis, step in zip("yx", after_steps, strict=True)
         )
-        assert place[row, column] == rows * window.shape[1] + columns
+        assert index[row, column] == rows * window.shape[1] + columns
 
 
 @examples(max_examples=3, deadline=None, phases=[Phase.generate])
@@ -364,9 +375,9 @@ def test_a_map_beside_itself_has_the_same_contact(seed):
     four = np.tile(window.values, (2, 2))
     # of more lines it is judged more strictly: one seed in a hundred or two fails
     assume(is_periodic(window.values) and is_periodic(four))
-    before = solved(window)
-    after = solved(height_map(four, spacing(window)))
-    for name in numbers(before):
+    single = solved(window)
+    repeated = solved(height_map(four, spacing(window)))
+    for name in numbers(single):
         if name in (
             "depth",
             "von_mises_profile",
@@ -380,10 +391,10 @@ def test_a_map_beside_itself_has_the_same_contact(seed):
             # lie up to 5 % apart; of four equal places any may be named, and angles of waves are told apart
             # as finely as the window is long
             continue
-        found, expected = (
-            each[name].isel(load=slice(2), missing_dims="ignore").values for each in (after, before)
+        actual, expected = (
+            result[name].isel(load=slice(2), missing_dims="ignore").values for result in (repeated, single)
         )
-        same(found, law_of(name).repeated * expected, name, points=window.size, core=float(before["Sk"]))
+        same(actual, law_of(name).repeated * expected, name, points=window.size, core=float(single["Sk"]))
 
 
 # patches are those of a line; Nayak's parameter is that of an isotropic surface, or of a line
@@ -398,10 +409,18 @@ def test_a_profile_is_the_surface_that_does_not_vary_across_it(seed, along):
     assume(is_periodic(line) and is_periodic(extruded))
     if along == "y":
         profile, extruded = profile.T, extruded.T
-    one, many = (solved(height_map(values, 1e-6)) for values in (profile, extruded))
-    for name in numbers(one):
-        if not np.isnan(one[name].values.astype(float)).all() and not name.startswith(NOT_OF_PROFILES):
-            same(one[name].values, many[name].values, name, points=line.size, core=float(many["Sk"]))
+    profile_result, extruded_result = (solved(height_map(values, 1e-6)) for values in (profile, extruded))
+    for name in numbers(profile_result):
+        if not np.isnan(profile_result[name].values.astype(float)).all() and not name.startswith(
+            NOT_OF_PROFILES
+        ):
+            same(
+                profile_result[name].values,
+                extruded_result[name].values,
+                name,
+                points=line.size,
+                core=float(extruded_result["Sk"]),
+            )
 
 
 # --- what the names say -----------------------------------------------------------------------------------
@@ -421,25 +440,25 @@ def change(numbers, name):
 @pytest.mark.parametrize("share", [0.01, 0.05, 0.3])
 def test_stiffness_and_energy_are_differences_of_gap_and_approach(share):
     window = made(3, shape=(64, 64), pitch=1e-6)
-    found = near(window, share * MODULUS * roughness_parameters(window)["rms_gradient"])
-    loads = change(found, "mean_pressure")
-    stiffness = float(found["contact_stiffness"][1])
-    assert stiffness == pytest.approx(-loads / change(found, "mean_gap"), rel=0.02)
+    nearby = near(window, share * MODULUS * roughness_parameters(window)["rms_gradient"])
+    loads = change(nearby, "mean_pressure")
+    stiffness = float(nearby["contact_stiffness"][1])
+    assert stiffness == pytest.approx(-loads / change(nearby, "mean_gap"), rel=0.02)
     # the surfaces approach one another by as much as the gap closes, displacements counted from their mean
-    assert change(found, "approach") == pytest.approx(change(found, "mean_gap"), rel=1e-6)
+    assert change(nearby, "approach") == pytest.approx(change(nearby, "mean_gap"), rel=1e-6)
     # what the load does on its way is in the body: dW = p dp / K
-    load = float(found["mean_pressure"][1])
-    assert change(found, "elastic_energy") == pytest.approx(-load * change(found, "approach"), rel=1e-3)
+    load = float(nearby["mean_pressure"][1])
+    assert change(nearby, "elastic_energy") == pytest.approx(-load * change(nearby, "approach"), rel=1e-3)
 
 
 def test_stiffness_of_further_loading_is_a_difference_where_points_have_yielded():
     window = made(3, shape=(64, 64), pitch=1e-6)
     load = 0.2 * MODULUS * roughness_parameters(window)["rms_gradient"]
-    found = near(window, load, hardness=0.6 * HARDNESS)
-    assert float(found["load_share_above_hardness"][1]) > 0.4
-    expected = -change(found, "mean_pressure") / change(found, "mean_gap")
-    assert float(found["loading_stiffness"][1]) == pytest.approx(expected, rel=0.02)
-    assert float(found["contact_stiffness"][1]) > 1.05 * expected  # which is that of unloading
+    nearby = near(window, load, hardness=0.6 * HARDNESS)
+    assert float(nearby["load_share_above_hardness"][1]) > 0.4
+    expected = -change(nearby, "mean_pressure") / change(nearby, "mean_gap")
+    assert float(nearby["loading_stiffness"][1]) == pytest.approx(expected, rel=0.02)
+    assert float(nearby["contact_stiffness"][1]) > 1.05 * expected  # which is that of unloading
     assert "loading_stiffness" not in near(window, load)  # where nothing yields there is one stiffness
 
 
@@ -447,56 +466,61 @@ def test_densities_are_of_what_they_name():
     window = made(4, shape=(64, 64), pitch=1e-6)
     load = 0.1 * MODULUS * roughness_parameters(window)["rms_gradient"]
     contact = rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=load, tolerance=1e-8)
-    found = rc.contact_statistics(contact).isel(load=0)
+    statistics = rc.contact_statistics(contact).isel(load=0)
     pressure, gap = contact["pressure"].values[0], contact["gap"].values[0]
     touching = pressure > 0
-    patches = float(found["relative_contact_area_pixels"]) * window.size * 1e-12 / found["contact_clusters"]
+    patches = (
+        float(statistics["relative_contact_area_pixels"])
+        * window.size
+        * 1e-12
+        / statistics["contact_clusters"]
+    )
     for kind, mean in (
         ("pressure", pressure[touching].mean()),
         ("gap", gap[~touching].mean()),
         ("patch_area", float(patches)),
     ):
-        density = found[f"{kind}_density"].values
-        edges = found[f"{kind.removesuffix('_area')}_bin_bounds"].values
+        density = statistics[f"{kind}_density"].values
+        edges = statistics[f"{kind.removesuffix('_area')}_bin_bounds"].values
         widths = np.diff(edges, axis=-1).ravel()
         assert (density * widths).sum() == pytest.approx(1, rel=1e-9)
         highest = (density * widths * edges[:, 1]).sum()
         lowest = (density * widths * edges[:, 0]).sum()
         assert lowest <= mean <= highest
-    assert float(found["mean_gap"]) == pytest.approx(gap.mean(), rel=1e-9)
-    assert float(found["mean_contact_pressure"]) == pytest.approx(pressure[touching].mean(), rel=1e-12)
+    assert float(statistics["mean_gap"]) == pytest.approx(gap.mean(), rel=1e-9)
+    assert float(statistics["mean_contact_pressure"]) == pytest.approx(pressure[touching].mean(), rel=1e-12)
 
 
 def test_ratios_are_those_of_the_numbers_that_they_name():
     window = made(5)
-    found = solved(window, hardness=HARDNESS)
-    modulus, gradient = float(found["contact_modulus"]), float(found["rms_gradient"])
+    statistics = solved(window, hardness=HARDNESS)
+    modulus, gradient = float(statistics["contact_modulus"]), float(statistics["rms_gradient"])
     ratios = {
-        "relative_pressure": found["mean_pressure"] / (modulus * gradient),
-        "max_pressure_over_modulus": found["max_pressure"] / modulus,
-        "conductance_per_conductivity": found["contact_stiffness"] / modulus,
-        "thermal_conductance": found["contact_stiffness"] / modulus * 2 * 2.0 * 4.0 / (2.0 + 4.0),
-        "electrical_conductance": found["contact_stiffness"] / modulus * 2 / (1e-6 + 2e-6),
-        "thermal_resistance": 1 / found["thermal_conductance"],
-        "electrical_resistance": 1 / found["electrical_conductance"],
-        "effective_work_of_adhesion": 0.05 - found["conforming_energy"],
-        "leak_rate_x": found["flow_factor_xx"] * found["mean_gap"] ** 3 * 1e5 / (12 * 1e-3 * 2e-3),
-        "leak_rate_y": found["flow_factor_yy"] * found["mean_gap"] ** 3 * 1e5 / (12 * 1e-3 * 2e-3),
+        "relative_pressure": statistics["mean_pressure"] / (modulus * gradient),
+        "max_pressure_over_modulus": statistics["max_pressure"] / modulus,
+        "conductance_per_conductivity": statistics["contact_stiffness"] / modulus,
+        "thermal_conductance": statistics["contact_stiffness"] / modulus * 2 * 2.0 * 4.0 / (2.0 + 4.0),
+        "electrical_conductance": statistics["contact_stiffness"] / modulus * 2 / (1e-6 + 2e-6),
+        "thermal_resistance": 1 / statistics["thermal_conductance"],
+        "electrical_resistance": 1 / statistics["electrical_conductance"],
+        "effective_work_of_adhesion": 0.05 - statistics["conforming_energy"],
+        "leak_rate_x": statistics["flow_factor_xx"] * statistics["mean_gap"] ** 3 * 1e5 / (12 * 1e-3 * 2e-3),
+        "leak_rate_y": statistics["flow_factor_yy"] * statistics["mean_gap"] ** 3 * 1e5 / (12 * 1e-3 * 2e-3),
         "leak_rate_by_cube": 1e5 / (12 * 1e-3 * 2e-3),
     }
     for name, expected in ratios.items():
-        np.testing.assert_allclose(found[name], expected, rtol=1e-9, err_msg=name)
+        np.testing.assert_allclose(statistics[name], expected, rtol=1e-9, err_msg=name)
 
 
 def test_at_the_load_of_first_yield_it_begins():
     window = made(6)
-    found = solved(window, hardness=HARDNESS)
+    statistics = solved(window, hardness=HARDNESS)
     contact = {"contact_modulus": MODULUS, "tolerance": 1e-8}
-    load = float(found["first_yield_pressure"])
-    there = rc.solve_contact(window, mean_pressure=load, **contact)
-    assert float(there["pressure"].max()) == pytest.approx(HARDNESS, rel=2e-3)
-    load = float(found["first_subsurface_yield_pressure"])
+    load = float(statistics["first_yield_pressure"])
+    at_yield = rc.solve_contact(window, mean_pressure=load, **contact)
+    assert float(at_yield["pressure"].max()) == pytest.approx(HARDNESS, rel=2e-3)
+    load = float(statistics["first_subsurface_yield_pressure"])
     if np.isfinite(load):
-        there = rc.solve_contact(window, mean_pressure=load, **contact)
-        stress = rc.contact_statistics(there, bodies=BODIES, stress="always")["max_von_mises_stress"]
+        at_yield = rc.solve_contact(window, mean_pressure=load, **contact)
+        stress = rc.contact_statistics(at_yield, bodies=BODIES, stress="always")["max_von_mises_stress"]
         assert float(stress[0]) == pytest.approx(BODIES[0]["yield_stress"], rel=0.05)

@@ -5,12 +5,12 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.maps import height_map, refined
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.statistics.checks import with_verdicts
+from roughcontact.arguments.maps import height_map, refined
+from roughcontact.statistics.checks import add_verdicts
 from roughcontact.statistics.contact_statistics import statistics_function, with_uncertainty
-from roughcontact.statistics.first_yield import with_first_yield
-from roughcontact.statistics.subsurface import with_subsurface_yield
+from roughcontact.statistics.first_yield import add_first_yield
+from roughcontact.statistics.subsurface import add_subsurface_yield
+from roughcontact.surface.synthetic import self_affine_surface
 
 MODULUS, GRADIENT, PITCH, POINTS = 1.2e11, 0.1, 1e-6, 2048
 BODY = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "yield_stress": 2e9}
@@ -24,6 +24,7 @@ SOLVER = {
     "iterations",
     "operator_applications",
     "error_bound",
+    "conductance_error_bound",
     "rounding_floor",
     "max_penetration",
     "load_error",
@@ -53,17 +54,17 @@ def statistics(heights, pitch, *, along, hardness):
     extra = {"seal": SEAL, "work_of_adhesion": 0.05, "flow": "always", "stress": "always", "bodies": bodies}
     count = statistics_function(window, contact_modulus=MODULUS, **extra)
     settings = {"level": {"form": "plane"}, "window": {}, "contact": problem}
-    solved = with_first_yield(
+    solved = add_first_yield(
         rc.solve_contact(window, **problem, reduce=count), window, problem | {"bodies": bodies}
     )
     complete = with_uncertainty(solved, rc.error_budget(levelled, window, settings))
-    return with_verdicts(with_subsurface_yield(complete, bodies), window)
+    return add_verdicts(add_subsurface_yield(complete, bodies), window)
 
 
-def shares(found, name):
+def shares(numbers, name):
     """Return the shares up to the end of each bin of a density, of all loads."""
-    bounds = found[f"{name.removesuffix('_density')}_bin_bounds"]
-    return (found[name] * bounds.diff("bounds").isel(bounds=0)).cumsum(found[name].dims[-1]).values
+    bounds = numbers[f"{name.removesuffix('_density')}_bin_bounds"]
+    return (numbers[name] * bounds.diff("bounds").isel(bounds=0)).cumsum(numbers[name].dims[-1]).values
 
 
 def limit_of(name):
@@ -86,32 +87,36 @@ def test_a_profile_that_is_sampled_more_finely_keeps_its_numbers(seed, hardness,
     none = NONE | {f"window_length_{across}", f"max_von_mises_{across}"}
     assert set(coarse.variables) == set(fine.variables)
     assert {*FACTORS, *SOLVER, *OF_DEPTH, *none} <= set(coarse.variables)
-    off = {}
+    deviations = {}
     for name in map(str, coarse.variables):
-        one, two = coarse[name], fine[name]
-        if one.dtype.kind in "OU":
-            np.testing.assert_array_equal(one, two, err_msg=name)
+        coarse_values, fine_values = coarse[name], fine[name]
+        if coarse_values.dtype.kind in "OU":
+            np.testing.assert_array_equal(coarse_values, fine_values, err_msg=name)
         elif name in none:
-            assert all(found.isnull().all() for found in (one, two)), name
+            assert all(result.isnull().all() for result in (coarse_values, fine_values)), name
         elif name == "von_mises_profile":
             depth = coarse["depth"].values[1:-1]
-            one, two = (
-                np.array([np.interp(depth, found["depth"], row) for row in found[name].values])
-                for found in (coarse, fine)
+            coarse_values, fine_values = (
+                np.array([np.interp(depth, result["depth"], row) for row in result[name].values])
+                for result in (coarse, fine)
             )
-            off[name] = float(np.abs(two - one).max() / one.max())
-        elif name in SOLVER | OF_DEPTH or "cutoff" in one.dims or name.endswith("_parts"):
+            deviations[name] = float(np.abs(fine_values - coarse_values).max() / coarse_values.max())
+        elif name in SOLVER | OF_DEPTH or "cutoff" in coarse_values.dims or name.endswith("_parts"):
             # in pixels, not in lengths; subwindows are solved coarsely
             continue
         elif name.endswith("_density"):
-            off[name] = float(np.nanmax(np.abs(shares(fine, name) - shares(coarse, name))))
+            deviations[name] = float(np.nanmax(np.abs(shares(fine, name) - shares(coarse, name))))
         else:
-            if "source" in one.dims:
-                one, two = (each.drop_sel(source=OF_THE_GRID) for each in (one, two))
-            expected = one * FACTORS.get(name, 1.0)
-            np.testing.assert_array_equal(np.isfinite(one), np.isfinite(two), err_msg=name)
+            if "source" in coarse_values.dims:
+                coarse_values, fine_values = (
+                    variable.drop_sel(source=OF_THE_GRID) for variable in (coarse_values, fine_values)
+                )
+            expected = coarse_values * FACTORS.get(name, 1.0)
+            np.testing.assert_array_equal(np.isfinite(coarse_values), np.isfinite(fine_values), err_msg=name)
             scale = xr.where(expected == 0, 1.0, np.abs(expected))
-            off[name] = float((np.abs(two - expected) / scale).where(np.isfinite(expected), 0.0).max())
+            deviations[name] = float(
+                (np.abs(fine_values - expected) / scale).where(np.isfinite(expected), 0.0).max()
+            )
     # a wrong width would show as a half or as twice, its root as 0.3 or 0.4
-    too_far = {name: value for name, value in off.items() if not value <= limit_of(name)}
+    too_far = {name: value for name, value in deviations.items() if not value <= limit_of(name)}
     assert not too_far

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact.maps import height_map
+from roughcontact.arguments.maps import height_map
 
 MORE = np.longdouble
 SHAPES = [(1, 2), (2, 1), (1, 3), (2, 2), (3, 2), (4, 4), (1, 9), (5, 7), (8, 8)]
@@ -54,12 +54,12 @@ def extended_pressure(heights, load, hardness=np.inf):
         given_ = np.append(
             target[free] - operator[np.ix_(free, full)].sum(1) * cap, size * MORE(load) - cap * full.sum()
         )
-        found = np.zeros(free.sum() + 1, MORE)
+        solution = np.zeros(free.sum() + 1, MORE)
         for _ in range(6):  # iterative refinement
-            found += np.linalg.solve(system.astype(float), (given_ - system @ found).astype(float))
+            solution += np.linalg.solve(system.astype(float), (given_ - system @ solution).astype(float))
         pressure = np.where(full, cap, 0 * target)
-        pressure[free] = found[:-1]
-        gap = operator @ pressure - target - found[-1]
+        pressure[free] = solution[:-1]
+        gap = operator @ pressure - target - solution[-1]
         changed = (
             (full & (gap <= 0)) | (free & (pressure > hardness)),
             (none & (gap >= 0)) | (free & (pressure < 0)),
@@ -120,11 +120,11 @@ def test_the_bound_holds_on_regular_maps_whose_roundings_are_alike(kind, relativ
 def test_the_bound_is_never_below_the_error(shape, seed, exponent, hardness, precision):
     heights = np.random.default_rng(seed).standard_normal(shape)
     tolerance = {"single": 1e-4, "double": 1e-12}[precision]
-    found = bound_and_error(
+    result = bound_and_error(
         heights, 10**exponent, hardness=hardness, precision=precision, tolerance=tolerance
     )
-    assume(found is not None)
-    bound, error = found
+    assume(result is not None)
+    bound, error = result
     assert error <= bound
 
 

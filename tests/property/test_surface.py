@@ -8,18 +8,18 @@ from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from roughcontact.choices import WindowMethod
+from roughcontact.arguments.choices import WindowMethod
+from roughcontact.arguments.maps import height_map
 from roughcontact.contact.solve import solve_contact
-from roughcontact.levelling.filling import fill_harmonic, find_holes
-from roughcontact.levelling.forms import form_from_record
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
-from roughcontact.roughness import parameters
+from roughcontact.surface.levelling.filling import fill_harmonic, find_holes
+from roughcontact.surface.levelling.forms import form_from_record
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.roughness import parameters
+from roughcontact.surface.window import periodisation
+from roughcontact.surface.window.periodic_window import periodic_window
+from roughcontact.surface.window.rectangle import largest_rectangle
+from roughcontact.surface.window.sides import friendly_sides
 from roughcontact.uncertainty.budget_inputs import budget_inputs
-from roughcontact.window import periodisation
-from roughcontact.window.periodic_window import periodic_window
-from roughcontact.window.rectangle import largest_rectangle
-from roughcontact.window.sides import friendly_sides
 
 quick = settings(max_examples=60, deadline=None)
 
@@ -27,13 +27,15 @@ shapes = st.tuples(st.integers(1, 14), st.integers(2, 16))
 pitches = st.tuples(st.floats(0.1, 10), st.floats(0.1, 10))
 
 
+def lengths(limit):
+    """Return numbers up to a limit whose squares are not lost to underflow, as no surface's are."""
+    return st.floats(-limit, limit).map(lambda number: number if abs(number) >= 1e-100 else 0.0)
+
+
 @st.composite
 def maps(draw, missing=False):
     shape = draw(shapes)
-    values = draw(arrays(float, shape, elements=st.floats(-1, 1, allow_subnormal=False)))
-    values[np.abs(values) < 1e-100] = (
-        0  # the squares of such heights are lost to underflow, and no surface has them
-    )
+    values = draw(arrays(float, shape, elements=lengths(1)))
     if missing:
         lost = draw(arrays(bool, shape, elements=st.booleans()))
         lost.flat[draw(st.integers(0, lost.size - 1))] = False
@@ -63,9 +65,9 @@ def test_form_and_residual_make_up_the_map(height, form, order, robust):
         height, form=form, order=order, robust=robust, outlier_threshold=None, fill="none", max_missing=1
     )
     record = json.loads(levelled.attrs["form_removed"])
-    taken = form_from_record(record, height["y"].values, height["x"].values)
-    scale = max(1.0, np.abs(taken).max())
-    np.testing.assert_allclose((levelled.values + taken), height.values, atol=1e-9 * scale)
+    removed_form = form_from_record(record, height["y"].values, height["x"].values)
+    scale = max(1.0, np.abs(removed_form).max())
+    np.testing.assert_allclose((levelled.values + removed_form), height.values, atol=1e-9 * scale)
     np.testing.assert_array_equal(np.isnan(levelled.values), np.isnan(height.values))
 
 
@@ -79,7 +81,7 @@ def test_levelling_twice_changes_nothing(height, form):
 
 
 @quick
-@given(maps(), st.floats(-3, 3), st.floats(-3, 3), st.floats(-100, 100))
+@given(maps(), lengths(3), lengths(3), lengths(100))
 def test_a_tilt_makes_no_difference(height, slope_y, slope_x, offset):
     y, x = height["y"].values[:, None], height["x"].values[None, :]
     tilted = height.copy(data=height.values + slope_y * y + slope_x * x + offset)
@@ -94,10 +96,10 @@ def test_filling_obeys_the_maximum_principle(height):
     labels, sizes = find_holes(np.isnan(values))
     filled = fill_harmonic(values, labels, (1.0, 2.0))
     assert sizes.sum() == np.count_nonzero(labels)
-    known = values[~np.isnan(values)]
+    heights = values[~np.isnan(values)]
     inside = filled[labels > 0]
-    tolerance = 1e-7 * (np.ptp(known) + np.abs(known).max())
-    assert ((inside >= known.min() - tolerance) & (inside <= known.max() + tolerance)).all()
+    tolerance = 1e-7 * (np.ptp(heights) + np.abs(heights).max())
+    assert ((inside >= heights.min() - tolerance) & (inside <= heights.max() + tolerance)).all()
     np.testing.assert_array_equal(filled[labels == 0], values[labels == 0])
 
 
@@ -179,9 +181,9 @@ def test_units_make_no_difference(height, unit):
 def test_roughness_does_not_depend_on_the_start(height, dy, dx):
     rolled = height.copy(data=np.roll(height.values, (dy, dx), (0, 1)))
     for name, value in parameters.roughness_parameters(height).items():
-        other = parameters.roughness_parameters(rolled)[name]
+        rolled_value = parameters.roughness_parameters(rolled)[name]
         if name in ("rms_height", "rms_gradient", "rms_curvature"):
-            assert abs(other - value) <= 1e-9 * max(value, 1e-12)
+            assert abs(rolled_value - value) <= 1e-9 * max(value, 1e-12)
 
 
 @quick

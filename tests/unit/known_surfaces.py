@@ -1,6 +1,8 @@
 """The surfaces and problems on which the ensembles of the error budget are tried."""
 
-from roughcontact.references.synthetic import self_affine_surface
+import numpy as np
+
+from roughcontact.surface.synthetic import self_affine_surface
 
 GRADIENT = 0.1
 MEANS = ("relative_contact_area", "mean_gap", "mean_contact_pressure")
@@ -16,6 +18,11 @@ def surface(points, *, longest=32.0, seed=0, hurst=0.8):
         rms_gradient=GRADIENT,
         seed=seed,
     )
+
+
+def noisy(height, noise, seed=0):
+    """Return a map plus white noise of a draw that is not one of the program's."""
+    return height.copy(data=height.values + noise * np.random.default_rng(seed).standard_normal(height.shape))
 
 
 def contact(*relative_pressures):

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface
 from validation import outside
 
 FILE = Path(__file__).with_name("other_codes_pressures.csv")
@@ -32,18 +32,20 @@ def solve(python, code, heights):
         problem, solution = Path(folder) / "problem.npz", Path(folder) / "solution.npz"
         np.savez(problem, heights=heights, lengths=lengths, loads=LOADS)
         subprocess.run([python, outside.__file__, code, problem, solution], check=True, env={})
-        with np.load(solution) as found:
-            return np.abs(found["pressures"]), f"{code} {found['version']}"
+        with np.load(solution) as archive:
+            return np.abs(archive["pressures"]), f"{code} {archive['version']}"
 
 
 def main(python):
     band = {"hurst": 0.8, "shortest": 6.0, "longest": 24.0}
     surface = self_affine_surface(SHAPE, PITCHES, **band, rms_gradient=1.0, seed=11)
     heights = np.round(surface.values, 6)
-    found, names = zip(*(solve(python, code, heights) for code in CODES), strict=True)
+    pressures_by_code, names = zip(*(solve(python, code, heights) for code in CODES), strict=True)
     columns = [f"{code} at {load}" for code in CODES for load in LOADS]
     head = HEAD.format(" and ".join(names), *SHAPE, *PITCHES, ",".join(columns))
-    rows = np.column_stack([heights.ravel(), *(p.ravel() for pressures in found for p in pressures)])
+    rows = np.column_stack(
+        [heights.ravel(), *(p.ravel() for pressures in pressures_by_code for p in pressures)]
+    )
     np.savetxt(FILE, rows, fmt=["%.6f"] + ["%.10g"] * len(columns), delimiter=",", header=head)
 
 

@@ -1,6 +1,6 @@
 """Navier's equations of a layered body under a pressure wave, solved directly with hundreds of digits.
 
-Independent of `roughcontact.elasticity.layers`: one linear system of all interfaces, the exponential of each
+Independent of `contact.elasticity.layers`: one linear system of all interfaces, the exponential of each
 layer by its power series, the base by the condition that nothing grows with the depth.
 """
 
@@ -11,7 +11,9 @@ import numpy as np
 Matrix = list[list[Decimal]]
 
 
-def random_layers(rng: np.random.Generator, fewest: int, most: int) -> list[tuple[float, float, float]]:
+def random_layers(
+    rng: np.random.Generator, fewest: int, most_layers: int
+) -> list[tuple[float, float, float]]:
     """Return thickness, modulus and Poisson's ratio of so many layers, over three and four decades."""
     return [
         (
@@ -19,7 +21,7 @@ def random_layers(rng: np.random.Generator, fewest: int, most: int) -> list[tupl
             float(10 ** rng.uniform(-2, 2)),
             float(rng.choice([0.0, 0.33, 0.5])),
         )
-        for _ in range(rng.integers(fewest, most + 1))
+        for _ in range(rng.integers(fewest, most_layers + 1))
     ]
 
 
@@ -32,19 +34,19 @@ def system(youngs_modulus: float, poissons_ratio: float) -> Matrix:
     mu = e / (2 * (1 + nu))
     compressibility = (1 - 2 * nu) / (2 * mu * (1 - nu))  # 1/(lambda + 2 mu)
     lateral = nu / (1 - nu)  # lambda/(lambda + 2 mu)
-    zero, one = Decimal(0), Decimal(1)
+    zero, unit_value = Decimal(0), Decimal(1)
     return [
-        [zero, one, 1 / mu, zero],
+        [zero, unit_value, 1 / mu, zero],
         [-lateral, zero, zero, compressibility],
         [2 * mu / (1 - nu), zero, zero, lateral],  # 4 mu (lambda + mu)/(lambda + 2 mu)
-        [zero, zero, -one, zero],
+        [zero, zero, -unit_value, zero],
     ]
 
 
-def times(left: Matrix, right: Matrix) -> Matrix:
+def times(a: Matrix, right: Matrix) -> Matrix:
     return [
         [sum(a * b for a, b in zip(row, column, strict=True)) for column in zip(*right, strict=True)]
-        for row in left
+        for row in a
     ]
 
 
@@ -73,11 +75,11 @@ def solve(matrix: Matrix, right: list[Decimal]) -> list[Decimal]:
         for j in range(i + 1, size):
             share = rows[j][i] / rows[i][i]
             rows[j] = [a - share * b for a, b in zip(rows[j], rows[i], strict=True)]
-    found = [Decimal(0)] * size
+    solution = [Decimal(0)] * size
     for i in reversed(range(size)):
-        rest = sum(rows[i][j] * found[j] for j in range(i + 1, size))
-        found[i] = (rows[i][size] - rest) / rows[i][i]
-    return found
+        remainder = sum(rows[i][j] * solution[j] for j in range(i + 1, size))
+        solution[i] = (rows[i][size] - remainder) / rows[i][i]
+    return solution
 
 
 def states(
@@ -112,8 +114,8 @@ def states(
             plus = [[a + int(i == j) for j, a in enumerate(row)] for i, row in enumerate(system(*base))]
             square = times(plus, plus)
             matrix[-2][-4:], matrix[-1][-4:] = square[0], square[1]
-        found = [float(value) for value in solve(matrix, right)]
-    return [found[start : start + 4] for start in range(0, size, 4)]
+        solution = [float(value) for value in solve(matrix, right)]
+    return [solution[start : start + 4] for start in range(0, size, 4)]
 
 
 def surface_compliance(

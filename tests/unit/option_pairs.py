@@ -14,17 +14,17 @@ def every_pair(*options):
     one at a time (Lei and Tai 1998, doi:10.1109/HASE.1998.731623).
     """
     cases = [list(case) for case in product(*(range(len(option)) for option in options[:2]))]
-    for place, option in enumerate(options[2:], start=2):
+    for index, option in enumerate(options[2:], start=2):
         missing = {
             (earlier, other, value)
-            for earlier in range(place)
+            for earlier in range(index)
             for other in range(len(options[earlier]))
             for value in range(len(option))
         }
         used = [0] * len(option)
 
         def pairs(case, value):
-            return {(earlier, other, value) for earlier, other in enumerate(case)}
+            return {(earlier, level, value) for earlier, level in enumerate(case)}
 
         for case in cases:
             # the value that adds most pairs; of equal ones the rarest
@@ -35,6 +35,6 @@ def every_pair(*options):
             used[best] += 1
             case.append(best)
         for earlier, other, value in sorted(missing):
-            cases.append([0] * place + [value])
+            cases.append([0] * index + [value])
             cases[-1][earlier] = other
     return [tuple(option[index] for option, index in zip(options, case, strict=True)) for case in cases]

@@ -50,12 +50,12 @@ class Drawn:
     def labelled(self, label: str) -> Points:
         """Return the line or the marks that the legend calls so."""
         colour, style = self.legend[label]
-        (found,) = [
-            one
-            for one in (self.marks if any(m.colour == colour for m in self.marks) else self.lines)
-            if one.colour == colour and one.style == style
+        (match,) = [
+            candidate
+            for candidate in (self.marks if any(m.colour == colour for m in self.marks) else self.lines)
+            if candidate.colour == colour and candidate.style == style
         ]
-        return found
+        return match
 
 
 def read_chart(chart: Chart | str, *, log: str = "") -> Drawn:
@@ -64,39 +64,45 @@ def read_chart(chart: Chart | str, *, log: str = "") -> Drawn:
     assert kind == "data:image/svg+xml"
     root = ElementTree.fromstring(unquote(text))
     area = root.find(f"{_SVG}svg")
-    left, upper_edge, width, height = (float(area.get(name)) for name in ("x", "y", "width", "height"))
+    left_edge, upper_edge, width, height = (float(area.get(name)) for name in ("x", "y", "width", "height"))
     ticks = {"below": [], "above": [], "beside": []}
     letters = float(root.get("font-size"))
     edges = {round(upper_edge + height + 6 + letters, 1): "below", round(upper_edge - 9, 1): "above"}
-    for each in root.iter(f"{_SVG}text"):
-        place = float(each.get("x", "nan")) - left, float(each.get("y", "nan")) - letters / 3 - upper_edge
-        if each.get("text-anchor") == "end":
-            ticks["beside"].append((place[1], _value(each.text)))
-        elif each.get("text-anchor") == "middle" and float(each.get("y", "nan")) in edges:
-            ticks[edges[float(each.get("y"))]].append((place[0], _value(each.text)))
+    for element in root.iter(f"{_SVG}text"):
+        match = (
+            float(element.get("x", "nan")) - left_edge,
+            float(element.get("y", "nan")) - letters / 3 - upper_edge,
+        )
+        if element.get("text-anchor") == "end":
+            ticks["beside"].append((match[1], _value(element.text)))
+        elif element.get("text-anchor") == "middle" and float(element.get("y", "nan")) in edges:
+            ticks[edges[float(element.get("y"))]].append((match[0], _value(element.text)))
     to_x, to_y = _scale(ticks["below"], log="x" in log), _scale(ticks["beside"], log="y" in log)
     to_top, from_x = (_scale(ticks["above"], log="x" in log), _inverse(ticks["below"], log="x" in log))
     lines, marks, bars, bands = [], {}, [], []
     for path in area.iter(f"{_SVG}path"):
         words, colour = path.get("d"), path.get("stroke")
-        if place := re.match(rf"translate\({_NUMBER} {_NUMBER}\)", path.get("transform", "")):
-            marks.setdefault((colour, path.get("fill")), []).append([float(v) for v in place.groups()])
+        if match := re.match(rf"translate\({_NUMBER} {_NUMBER}\)", path.get("transform", "")):
+            marks.setdefault((colour, path.get("fill")), []).append([float(v) for v in match.groups()])
         elif band := re.fullmatch(rf"M{_NUMBER} 0H{_NUMBER}V.*z", words):
-            bands.append(tuple(float(to_x(float(end))) for end in band.groups()))
+            bands.append(tuple(float(to_x(float(position))) for position in band.groups()))
         elif "V" in words:
-            ends = np.array(re.findall(rf"M{_NUMBER} {_NUMBER}V{_NUMBER}", words), float).reshape(-1, 3)
-            bars.append(Points(colour, "", to_x(ends[:, 0]), to_y(ends[:, 1]), to_y(ends[:, 2])))
+            bar_ends = np.array(re.findall(rf"M{_NUMBER} {_NUMBER}V{_NUMBER}", words), float).reshape(-1, 3)
+            bars.append(Points(colour, "", to_x(bar_ends[:, 0]), to_y(bar_ends[:, 1]), to_y(bar_ends[:, 2])))
         else:
             points = np.array(re.findall(f"{_NUMBER} {_NUMBER}", words), float).reshape(-1, 2)
             style = path.get("stroke-dasharray", "")
             lines.append(Points(colour, style, to_x(points[:, 0]), to_y(points[:, 1])))
-    kinds = [(kind, np.array(places)) for kind, places in marks.items()]
+    kinds = [(kind, np.array(points_by_style)) for kind, points_by_style in marks.items()]
     return Drawn(
-        [each.text for each in root.iter(f"{_SVG}text")],
+        [element.text for element in root.iter(f"{_SVG}text")],
         to_x(np.array([0.0, width])),
         to_y(np.array([height, 0.0])),
         lines,
-        [Points(*kind, to_x(places[:, 0]), to_y(places[:, 1])) for kind, places in kinds],
+        [
+            Points(*kind, to_x(points_by_style[:, 0]), to_y(points_by_style[:, 1]))
+            for kind, points_by_style in kinds
+        ],
         bars,
         bands,
         _legend(root),
@@ -106,14 +112,17 @@ def read_chart(chart: Chart | str, *, log: str = "") -> Drawn:
 
 def _legend(root: ElementTree.Element) -> dict[str, tuple[str, str]]:
     """Return colour and style of the sample that is drawn right before each text of the legend."""
-    found, sample = {}, None
-    for each in root.find(f"{_SVG}g[@id='legend']"):
-        if each.tag == f"{_SVG}path" and each.get("stroke"):
-            filled = each.get("transform") is not None
-            sample = each.get("stroke"), each.get("fill") if filled else each.get("stroke-dasharray", "")
-        elif each.tag == f"{_SVG}text":
-            found[each.text] = sample
-    return found
+    labels, sample = {}, None
+    for element in root.find(f"{_SVG}g[@id='legend']"):
+        if element.tag == f"{_SVG}path" and element.get("stroke"):
+            filled = element.get("transform") is not None
+            sample = (
+                element.get("stroke"),
+                element.get("fill") if filled else element.get("stroke-dasharray", ""),
+            )
+        elif element.tag == f"{_SVG}text":
+            labels[element.text] = sample
+    return labels
 
 
 def _value(words: str) -> float:
@@ -126,10 +135,10 @@ def _value(words: str) -> float:
 
 def _fit(ticks: list, *, log: bool) -> tuple[float, float]:
     """Return slope and offset of the values, or of their logarithms, over the places of all ticks."""
-    places, values = np.array(ticks).T
+    positions, values = np.array(ticks).T
     values = np.log10(values) if log else values
-    slope, offset = np.polyfit(places, values, 1)
-    assert np.abs(offset + slope * places - values).max() < 0.01 * np.ptp(values), ticks
+    slope, offset = np.polyfit(positions, values, 1)
+    assert np.abs(offset + slope * positions - values).max() < 0.01 * np.ptp(values), ticks
     return slope, offset
 
 
@@ -138,7 +147,7 @@ def _scale(ticks: list, *, log: bool) -> Callable | None:
     if not ticks:
         return None
     slope, offset = _fit(ticks, log=log)
-    return lambda place: 10 ** (offset + slope * place) if log else offset + slope * place
+    return lambda position: 10 ** (offset + slope * position) if log else offset + slope * position
 
 
 def _inverse(ticks: list, *, log: bool) -> Callable:

@@ -5,12 +5,12 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.configuration.resolve import resolve
-from roughcontact.elasticity.energy import conforming_energy
-from roughcontact.elasticity.influence import HALF_SPACE, Elasticity
-from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.arguments.variables import describe
+from roughcontact.contact.elasticity.energy import conforming_energy
+from roughcontact.contact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.statistics.adhesion import adhesion_in_words, adhesion_numbers
-from roughcontact.variables import describe
+from roughcontact.surface.synthetic import rough_reference_surface
 from validation import closed_forms
 
 ROUGH = rough_reference_surface(64)
@@ -21,18 +21,18 @@ def test_energy_is_the_work_of_full_contact(shape):
     """Against the closed form written apart, and against half of pressure times displacement."""
     height = np.random.default_rng(1).standard_normal(shape) + 7.0
     steps = (0.3, 0.5)
-    found = conforming_energy(height, steps, Elasticity(3.0))
-    assert found == pytest.approx(closed_forms.full_contact_energy(height, steps, 3.0), rel=1e-12)
+    energy = conforming_energy(height, steps, Elasticity(3.0))
+    assert energy == pytest.approx(closed_forms.full_contact_energy(height, steps, 3.0), rel=1e-12)
     pressure = closed_forms.full_contact_fluctuation(height, steps, 3.0)
-    assert found == pytest.approx((pressure * (height - height.mean())).mean() / 2, rel=1e-10)
+    assert energy == pytest.approx((pressure * (height - height.mean())).mean() / 2, rel=1e-10)
 
 
 def test_it_is_the_energy_of_the_solved_contact_when_all_of_it_touches():
     contact = rc.solve_contact(ROUGH, contact_modulus=2.0, mean_pressure=10.0)
     stats = describe(rc.contact_statistics(contact, work_of_adhesion=0.5))
     assert stats["elastic_energy"].item() == pytest.approx(stats["conforming_energy"].item(), rel=1e-10)
-    left = 0.5 - stats["conforming_energy"].item()
-    assert stats["effective_work_of_adhesion"].item() == pytest.approx(left)
+    remaining_energy = 0.5 - stats["conforming_energy"].item()
+    assert stats["effective_work_of_adhesion"].item() == pytest.approx(remaining_energy)
     assert stats["effective_work_of_adhesion"].attrs["units"] == "J m-2"
     assert "effective_work_of_adhesion" not in rc.contact_statistics(contact)
 

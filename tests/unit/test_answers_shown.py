@@ -9,17 +9,17 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.arguments.maps import height_map
 from roughcontact.report import load_plots
 from roughcontact.report.charts import COLOURS
 from roughcontact.report.facts import _closing, surface_facts
 from roughcontact.report.glance import NOT_JUDGED, Cell, _seals, _yields, glance_rows, glance_units
 from roughcontact.report.page import _comparisons
 from roughcontact.report.tables import number_tables
-from roughcontact.results.collect import collect_statistics, entry_of, solved_results
+from roughcontact.results.collect import collect_statistics, result_entry, solved_results
 from roughcontact.results.storage import write_dataset
-from roughcontact.statistics.subsurface import with_subsurface_yield
+from roughcontact.statistics.subsurface import add_subsurface_yield
+from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
 
 BODIES = [
     {"poissons_ratio": 0.3, "yield_stress": 2e8, "thermal_conductivity": 50.0},
@@ -34,15 +34,17 @@ def maps():
     return height, levelled, rc.periodic_window(levelled)
 
 
-def shown(maps, **more):
+def shown(maps, **options):
     """Return titles and cells of the tables of numbers, and the facts, of two loads."""
     contact = rc.solve_contact(maps[2], contact_modulus=4e9, mean_pressure=[1e4, 2e8])
-    numbers = with_subsurface_yield(rc.contact_statistics(contact, **more), more.get("bodies"))
+    numbers = add_subsurface_yield(rc.contact_statistics(contact, **options), options.get("bodies"))
     units, cells = {}, [{}, {}]
     for table in number_tables(numbers, [[], []]):
         units |= {title: unit for title, unit, _ in table["header"]}
-        for known, row in zip(cells, table["rows"], strict=True):
-            known |= {column[0]: cell for column, cell in zip(table["header"], row["cells"], strict=True)}
+        for numbers_of_load, row in zip(cells, table["rows"], strict=True):
+            numbers_of_load |= {
+                column[0]: cell for column, cell in zip(table["header"], row["cells"], strict=True)
+            }
     return units, cells, dict(surface_facts(*maps, numbers))
 
 
@@ -52,7 +54,7 @@ def test_answers_that_need_materials_and_a_seal(maps):
     assert units["thermal conductance"].endswith("W/(m² K)")
     assert units["largest von Mises stress"] == "MPa"
     assert units["leak rate along x"].endswith("l/(h m)")
-    assert units["narrowest place along x"] == units["mean gap ū"]
+    assert units["narrowest place along x"] == units["mean gap"]
     assert float(cells[0]["narrowest place along x"]) > float(cells[1]["narrowest place along x"])
     assert facts["Adhesion"].startswith("not sticky")
     assert facts["First yield below the surface"].endswith("mean pressure")
@@ -61,8 +63,8 @@ def test_answers_that_need_materials_and_a_seal(maps):
 def test_answers_that_nobody_asked_for_take_no_room(maps):
     units, _, facts = shown(maps, flow="never")
     assert "narrowest place along x" in units
-    asked = {"thermal conductance", "largest von Mises stress", "leak rate along x", "flow factor along x"}
-    assert not asked & set(units)
+    unwanted = {"thermal conductance", "largest von Mises stress", "leak rate along x", "flow factor along x"}
+    assert not unwanted & set(units)
     assert not {"Adhesion", "First yield below the surface"} & set(facts)
 
 
@@ -89,15 +91,18 @@ def test_where_a_gap_closes_and_whether_that_is_in_doubt():
         }
     )
     (units,) = glance_units([numbers])
-    cells = [_seals(numbers, units, place) for place in range(3)]
+    cells = [_seals(numbers, units, index) for index in range(3)]
     assert cells[0] == Cell(
         "leaks",
         "narrowest place 2.00_±_0.20_µm (x), 1.00_µm (y)".replace("_", "\N{NO-BREAK SPACE}"),
     )
-    both = numbers.assign({f"critical_constriction_{axis}": ("load", [2e-6, 0.0, 0.0]) for axis in "xy"})
-    one = both.drop_vars([f"critical_constriction_x_{end}" for end in ("lower", "upper")])
-    assert _seals(one, units, 0).details == "narrowest place 2.00\N{NO-BREAK SPACE}µm (x and y)"
-    assert cells[1].text == "seals along y, leaks along x (in doubt)"
+    closed = numbers.assign({f"critical_constriction_{axis}": ("load", [2e-6, 0.0, 0.0]) for axis in "xy"})
+    without_x = closed.drop_vars([f"critical_constriction_x_{side}" for side in ("lower", "upper")])
+    assert _seals(without_x, units, 0).details == "narrowest place 2.00\N{NO-BREAK SPACE}µm (x and y)"
+    assert cells[1].text == "seals along y, leaks along x"
+    ends = {f"critical_constriction_y_{end}": ("load", [0.0, 0.0, 0.0]) for end in ("lower", "upper")}
+    words = [_seals(numbers.assign(ends), units, index).precision for index in range(3)]
+    assert words == ["decided", "not decided", "decided"]
     assert cells[2] == Cell("seals", "gap closed along x and y")
     assert _closing(numbers) == "along x between 2.00 MPa and 5.00 MPa; along y between 1.00 MPa and 2.00 MPa"
     assert _seals(numbers.assign(window_length_y=float("nan")), units, 0).text == NOT_JUDGED
@@ -124,8 +129,8 @@ def test_the_leak_rate_of_a_seal_stands_beside_the_answer():
         "leak rate 3600 ml/(h m) (x); narrowest place 2.00 µm (x)"
     )
     unsolved = numbers.assign(leak_rate_x=("load", [np.nan]))  # its flow did not converge
-    both = xr.concat([numbers, unsolved], "load", data_vars="minimal")
-    details = _seals(both, *glance_units([numbers]), 1).details
+    two_loads = xr.concat([numbers, unsolved], "load", data_vars="minimal")
+    details = _seals(two_loads, *glance_units([numbers]), 1).details
     assert details.startswith("leak rate not known (x); narrowest place")
 
 
@@ -136,8 +141,10 @@ def test_lengths_of_the_table_have_one_unit_and_pressures_that_of_the_material(m
     ]
     results = [rc.contact_statistics(contact) for contact in contacts]
     rows = [glance_rows(*pair)[0] for pair in zip(results, glance_units(results), strict=True)]
-    shown = [[cell.text.partition(" ")[2] for cell in row[:4]] for row in rows]
-    assert shown == [["MPa", "%", "MPa", shown[0][3]]] * 2 + [["kPa", "%", "kPa", shown[0][3]]]
+    units_of_cells = [[cell.text.partition(" ")[2] for cell in row[:4]] for row in rows]
+    assert units_of_cells == [["MPa", "%", "MPa", units_of_cells[0][3]]] * 2 + [
+        ["kPa", "%", "kPa", units_of_cells[0][3]]
+    ]
 
 
 def test_whether_a_body_yields_is_answered_where_it_can_be():
@@ -152,23 +159,27 @@ def test_whether_a_body_yields_is_answered_where_it_can_be():
             "volume_above_yield": 1e-9,
         }
     )
-    assert _yields(load.assign(hardness=3e9)) == Cell("yes", "25.0 % of the load flows")
-    kept = load.assign(load_share_above_hardness=0.0, hardness=3e9)
-    assert _yields(kept) == Cell("yes", "below the surface")
-    limited = kept.assign(volume_above_yield=0.0, max_pressure=3e9)
-    assert _yields(limited) == Cell("no", "hardness just reached")
-    elastic = kept.assign(volume_above_yield=0.0, max_pressure=1e9)
-    assert _yields(elastic.assign(max_pressure_upper=2e9)) == Cell(
-        "no", "hardness nowhere reached", precision="in all of the ±"
+
+    def answer(numbers):
+        return _yields(numbers, {}, 0)
+
+    assert answer(load.assign(hardness=3e9)) == Cell("yes", "25.0 % of the load flows")
+    below_surface = load.assign(load_share_above_hardness=0.0, hardness=3e9)
+    assert answer(below_surface) == Cell("yes", "below the surface")
+    limited = below_surface.assign(volume_above_yield=0.0, max_pressure=3e9)
+    assert answer(limited) == Cell("no", "hardness just reached")
+    elastic = below_surface.assign(volume_above_yield=0.0, max_pressure=1e9)
+    assert answer(elastic.assign(max_pressure_upper=2e9)) == Cell(
+        "no", "hardness nowhere reached", precision="decided"
     )
-    assert _yields(elastic.assign(max_pressure_upper=3e9)) == Cell(
-        "no (in doubt)", "hardness nowhere reached", precision="either in the ±"
+    assert answer(elastic.assign(max_pressure_upper=3e9)) == Cell(
+        "no", "hardness nowhere reached", precision="not decided"
     )
-    assert _yields(load.assign(volume_above_yield=0.0)) == Cell("no", "yield stress nowhere reached")
-    assert _yields(load.assign(volume_above_yield=np.inf)) == Cell("yes", "below the surface")
+    assert answer(load.assign(volume_above_yield=0.0)) == Cell("no", "yield stress nowhere reached")
+    assert answer(load.assign(volume_above_yield=np.inf)) == Cell("yes", "below the surface")
     unknown = load.drop_vars("volume_above_yield")
-    assert _yields(unknown) == Cell(NOT_JUDGED, "no hardness stated; metals would")
-    assert _yields(unknown.assign(contact_modulus=1e6)) == Cell(NOT_JUDGED, "rubber-like")
+    assert answer(unknown) == Cell(NOT_JUDGED, "no hardness stated; metals would")
+    assert answer(unknown.assign(contact_modulus=1e6)) == Cell(NOT_JUDGED, "rubber-like")
 
 
 @pytest.mark.parametrize("name", ["gap", "patch"])
@@ -187,10 +198,12 @@ def test_distributions_have_an_area_of_one(maps, name):
         bounds = numbers[f"{name}_bin_bounds"].values[1:]
         per_pixel = np.log(bounds[-1, 1] / bounds[0, 0]) / np.ptp(points[:, 0])
         written = [t for t in svg if t.tag.endswith("text") and t.get("text-anchor") == "end"]
-        values, places = zip(*((float(t.text), float(t.get("y"))) for t in written), strict=True)
-        per_unit = np.ptp(values) / np.ptp(places)
-        first = float(numbers["gap_density"][0, 0] * np.diff(numbers["gap_bin_bounds"][0])[0])
-        assert below * per_pixel * per_unit == pytest.approx(1, abs=0.02 + (first if name == "gap" else 0.05))
+        values, positions = zip(*((float(t.text), float(t.get("y"))) for t in written), strict=True)
+        per_unit = np.ptp(values) / np.ptp(positions)
+        first_share = float(numbers["gap_density"][0, 0] * np.diff(numbers["gap_bin_bounds"][0])[0])
+        assert below * per_pixel * per_unit == pytest.approx(
+            1, abs=0.02 + (first_share if name == "gap" else 0.05)
+        )
     assert width > 0
 
 
@@ -200,8 +213,8 @@ def test_the_axis_of_the_gap_spans_what_is_drawn(scale):
     source = load_plots.gap_against_load(xr.Dataset(gaps).assign(rms_height=5e-7 * scale)).source()
     axes = ElementTree.fromstring(unquote(source.partition(",")[2])).find("{http://www.w3.org/2000/svg}svg")
     line = next(path for path in axes if path.get("stroke") == COLOURS[2])
-    first, last = re.findall(r"(-?[\d.]+) (-?[\d.]+)", line.get("d"))
-    share = (float(last[1]) - float(first[1])) / float(axes.get("height"))
+    start, last = re.findall(r"(-?[\d.]+) (-?[\d.]+)", line.get("d"))
+    share = (float(last[1]) - float(start[1])) / float(axes.get("height"))
     assert share == pytest.approx(np.log(2) / np.log(2 * 1.6**2), rel=0.01)
 
 
@@ -214,19 +227,19 @@ def test_periodic_results_beside_those_of_a_finite_body(tmp_path):
     }
     runs = []
     for case, contact in contacts.items():
-        found = rc.evaluate(
+        result = rc.evaluate(
             self_affine_surface((48, 48), 1e-6, hurst=0.8, shortest=6e-6, longest=4e-5, rms_height=5e-9),
             contact={"contact_modulus": "2 GPa"} | contact,
             form={"radius": "1 mm"} if "force" in contact else None,
             uncertainty={"sources": []},
         )
-        write_dataset(found, tmp_path / case / "a" / "statistics.nc")
-        runs.append(entry_of(f"{case}/a", tmp_path / case / "a" / "statistics.nc"))
+        write_dataset(result, tmp_path / case / "a" / "statistics.nc")
+        runs.append(result_entry(f"{case}/a", tmp_path / case / "a" / "statistics.nc"))
     series = {
         (labels["surface"], labels["case"]): data for labels, data in solved_results(collect_statistics(runs))
     }
     forces = {case: glance_rows(data)[0][0].details for (_, case), data in series.items()}
     assert forces == {"whole": "", "free": "1.00 mN", "free2": "2.00 mN"}
-    ((_, text),) = _comparisons(series, {}, grouped=False, many=True)
+    ((_, text),) = _comparisons(series, {}, has_groups=False, large=True)
     assert "theories" in text
-    assert _comparisons(dict([*series.items()][1:]), {}, grouped=False, many=True) == []
+    assert _comparisons(dict([*series.items()][1:]), {}, has_groups=False, large=True) == []

@@ -5,13 +5,13 @@ import json
 import numpy as np
 import pytest
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness import parameters
-from roughcontact.window.band import limit_band, reliable_wavelength
-from roughcontact.window.periodic_window import periodic_window
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.roughness import parameters
+from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact.surface.window.band import limit_band, reliable_wavelength
+from roughcontact.surface.window.periodic_window import periodic_window
 
 
 def three_waves():
@@ -28,44 +28,44 @@ def limited(height, *, shortest=None, longest=None, reliable=False):
 def test_waves_outside_the_band_go_and_those_inside_stay():
     height = three_waves() + 3e-6
     height.attrs = three_waves().attrs
-    kept = limited(height, shortest=8e-6, longest=30e-6)
+    band = limited(height, shortest=8e-6, longest=30e-6)
     x = np.arange(120)
-    np.testing.assert_allclose(kept.values[0], 3e-6 + 0.2e-6 * np.cos(2 * np.pi * x / 12), atol=1e-18)
+    np.testing.assert_allclose(band.values[0], 3e-6 + 0.2e-6 * np.cos(2 * np.pi * x / 12), atol=1e-18)
     gone = np.array([1.0, 0.05]) * 1e-6 / np.sqrt(2)
-    assert kept.attrs["band_removed_rms_height"] == pytest.approx(np.hypot(*gone), rel=1e-9)
+    assert band.attrs["band_removed_rms_height"] == pytest.approx(np.hypot(*gone), rel=1e-9)
     slopes = gone * 2 * np.pi / np.array([60e-6, 6e-6])
-    assert kept.attrs["band_removed_rms_gradient"] == pytest.approx(np.hypot(*slopes), rel=1e-9)
-    assert kept.attrs["band_shortest"] == 8e-6
-    assert kept.attrs["band_longest"] == 30e-6
-    assert kept.attrs["band_reason"] == "window.shortest_wavelength"
+    assert band.attrs["band_removed_rms_gradient"] == pytest.approx(np.hypot(*slopes), rel=1e-9)
+    assert band.attrs["band_shortest"] == 8e-6
+    assert band.attrs["band_longest"] == 30e-6
+    assert band.attrs["band_reason"] == "window.shortest_wavelength"
 
 
 def test_a_limit_that_is_a_wave_of_the_map_keeps_it():
-    kept = limited(three_waves(), shortest=12e-6, longest=60e-6)
-    assert kept.values.var() == pytest.approx((1 + 0.04) / 2 * 1e-12, rel=1e-9)
+    band = limited(three_waves(), shortest=12e-6, longest=60e-6)
+    assert band.values.var() == pytest.approx((1 + 0.04) / 2 * 1e-12, rel=1e-9)
 
 
 def test_no_limit_changes_nothing_and_says_what_the_grid_holds():
     height = three_waves()
-    kept = limited(height)
-    np.testing.assert_array_equal(kept.values, height.values)
-    assert kept.attrs["band_removed_rms_height"] == 0
-    assert kept.attrs["band_shortest"] == pytest.approx(2e-6)
-    assert kept.attrs["band_longest"] == pytest.approx(120e-6)
-    assert kept.attrs["band_reason"] == "the grid"
+    band = limited(height)
+    np.testing.assert_array_equal(band.values, height.values)
+    assert band.attrs["band_removed_rms_height"] == 0
+    assert band.attrs["band_shortest"] == pytest.approx(2e-6)
+    assert band.attrs["band_longest"] == pytest.approx(120e-6)
+    assert band.attrs["band_reason"] == "grid"
 
 
 def test_variances_add_up():
     height = self_affine_surface(
         (64, 81), (2e-6, 1e-6), hurst=0.5, shortest=4e-6, longest=100e-6, rms_height=1e-6
     )
-    kept = limited(height, shortest=10e-6, longest=50e-6)
-    removed = kept.attrs["band_removed_rms_height"]
-    assert parameters.rms_height(kept) ** 2 + removed**2 == pytest.approx(1e-12, rel=1e-9)
-    whole = parameters.rms_gradient(height) ** 2
-    slope = kept.attrs["band_removed_rms_gradient"]
-    assert parameters.rms_gradient(kept) ** 2 + slope**2 == pytest.approx(whole, rel=1e-9)
-    assert parameters.shortest_wavelength(kept) == pytest.approx(10e-6, rel=0.05)
+    band = limited(height, shortest=10e-6, longest=50e-6)
+    removed = band.attrs["band_removed_rms_height"]
+    assert parameters.rms_height(band) ** 2 + removed**2 == pytest.approx(1e-12, rel=1e-9)
+    total = parameters.rms_gradient(height) ** 2
+    slope = band.attrs["band_removed_rms_gradient"]
+    assert parameters.rms_gradient(band) ** 2 + slope**2 == pytest.approx(total, rel=1e-9)
+    assert parameters.shortest_wavelength(band) == pytest.approx(10e-6, rel=0.05)
 
 
 @pytest.mark.parametrize(
@@ -82,11 +82,11 @@ def test_the_reliable_wave_is_that_of_the_pixels_or_of_the_lens(instrument, wave
     """At 1.24 L / NA the contrast (2/pi)(acos v - v sqrt(1 - v^2)), v = L / (2 NA wave), is one half."""
     height = height_map(np.zeros((4, 5)), (2e-6, 1e-6))
     height.attrs["instrument"] = json.dumps(instrument)
-    found, why = reliable_wavelength(height)
-    assert found == pytest.approx(wavelength, rel=1e-3)
+    wavelength_found, why = reliable_wavelength(height)
+    assert wavelength_found == pytest.approx(wavelength, rel=1e-3)
     assert why == reason
     if "lens" in why:
-        v = 550e-9 / (2 * float(why.split()[-1][:-1]) * found)
+        v = 550e-9 / (2 * float(why.split()[-1][:-1]) * wavelength_found)
         assert 2 / np.pi * (np.arccos(v) - v * np.sqrt(1 - v**2)) == pytest.approx(0.5, abs=1e-9)
 
 
@@ -94,16 +94,16 @@ def test_the_window_can_be_limited_to_what_the_lens_resolves():
     height = three_waves()
     height.attrs["instrument"] = json.dumps({"numerical_aperture": 0.08})  # 8.5 µm
     levelled = level(height, form="mean", outlier_threshold=None)
-    whole, band = periodic_window(levelled), periodic_window(levelled, reliable_band=True)
-    assert whole.attrs["band_removed_rms_height"] == 0
-    assert band.attrs["band_reason"] == "the lens (numerical aperture 0.08)"
+    full, band = periodic_window(levelled), periodic_window(levelled, reliable_band=True)
+    assert full.attrs["band_removed_rms_height"] == 0
+    assert band.attrs["band_reason"] == "window.reliable_band"
     assert band.attrs["band_removed_rms_height"] == pytest.approx(0.05e-6 / np.sqrt(2), rel=1e-6)
     assert band.attrs["rms_gradient_after"] == pytest.approx(parameters.rms_gradient(band), rel=1e-12)
-    assert band.attrs["rms_gradient_after"] < whole.attrs["rms_gradient_after"]
+    assert band.attrs["rms_gradient_after"] < full.attrs["rms_gradient_after"]
     # what was given wins where it is longer
-    given = periodic_window(levelled, reliable_band=True, shortest_wavelength=20e-6)
-    assert given.attrs["band_shortest"] == 20e-6
-    assert given.attrs["band_reason"] == "window.shortest_wavelength"
+    explicit = periodic_window(levelled, reliable_band=True, shortest_wavelength=20e-6)
+    assert explicit.attrs["band_shortest"] == 20e-6
+    assert explicit.attrs["band_reason"] == "window.shortest_wavelength"
 
 
 def test_a_cut_window_is_limited_after_it_is_made_periodic():
@@ -114,13 +114,13 @@ def test_a_cut_window_is_limited_after_it_is_made_periodic():
     window = periodic_window(levelled, shortest_wavelength=12e-6)
     assert window.attrs["periodisation"] == "smooth-cross-fade"
     assert parameters.shortest_wavelength(window) >= 12e-6 * 0.95
-    whole = periodic_window(levelled)
-    before, removed = (
-        whole.attrs["rms_gradient_after"],
+    full = periodic_window(levelled)
+    gradient_before, removed = (
+        full.attrs["rms_gradient_after"],
         window.attrs["band_removed_rms_gradient"],
     )
-    assert np.hypot(window.attrs["rms_gradient_after"], removed) == pytest.approx(before, rel=1e-9)
-    assert window.attrs["periodisation_rms_change"] == whole.attrs["periodisation_rms_change"]
+    assert np.hypot(window.attrs["rms_gradient_after"], removed) == pytest.approx(gradient_before, rel=1e-9)
+    assert window.attrs["periodisation_rms_change"] == full.attrs["periodisation_rms_change"]
 
 
 def test_profiles_and_flat_maps():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface
 
 STEP = 2.5e-4
 
@@ -61,8 +61,8 @@ def test_the_closure_of_the_whole_square_is_that_of_the_solver(experiment, folde
 
 def test_the_interval_adds_up_scatter_cut_and_modulus(experiment):
     generator = np.random.default_rng(0)
-    whole, parts = np.array([[[10.0]], [[14.0]]]), generator.normal(20, 3, (2, 4, 1))
-    mean, half = experiment.interval([whole, parts])
+    whole_areas, parts = np.array([[[10.0]], [[14.0]]]), generator.normal(20, 3, (2, 4, 1))
+    mean, half = experiment.interval([whole_areas, parts])
     assert mean[0] == pytest.approx((12 + parts.mean()) / 2)
     of_moduli = [(10 + parts[0].mean()) / 2, (14 + parts[1].mean()) / 2]
     variance = np.mean([part.var(ddof=1) / 4 for part in parts])
@@ -74,8 +74,8 @@ def test_a_rise_of_the_fluid_pressure_is_that_between_discs(experiment, folder, 
     """The pump between discs 20 um apart: 6 eta Q ln(R/r)/(pi h^3)."""
     rise = 6 * 1e-3 * experiment.PUMPED * np.log(experiment.RADII_RATIO) / (np.pi * (20e-6) ** 3)
     monkeypatch.setattr(experiment, "FLUID_PRESSURE", {1: (1e5, 1e5 + rise)})
-    computed, known = experiment.hydraulic_apertures(folder, 1)
-    assert known == pytest.approx(20e-6)
+    computed, reference = experiment.hydraulic_apertures(folder, 1)
+    assert reference == pytest.approx(20e-6)
     aperture, dy, dx, _ = experiment.read_specimen(folder, 1)
     (window,) = experiment.parts_of(aperture, dy, dx, cut=1)
     solved = rc.solve_contact(window, contact_modulus=11e9 / 1.7822, mean_pressure=6e6)

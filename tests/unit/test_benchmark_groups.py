@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.arguments.maps import height_map
+from roughcontact.surface.synthetic import self_affine_surface
 from roughcontact.uncertainty.groups import to_scale
 
 
@@ -18,25 +18,25 @@ def test_multiplied_heights_need_no_further_solve(monkeypatch):
 
     def counted(surface, pressures):
         contact = {"contact_modulus": 1.0, "mean_pressure": list(pressures), "tolerance": 1e-6}
-        found = rc.solve_contact(surface, **contact, reduce=rc.contact_statistics)
-        return {name: to_scale(name, found[name].values) for name in groups.NAMES}
+        statistics = rc.solve_contact(surface, **contact, reduce=rc.contact_statistics)
+        return {name: to_scale(name, statistics[name].values) for name in groups.NAMES}
 
     monkeypatch.setattr(groups, "GRID", np.array([0.004, 0.008]))
     monkeypatch.setattr(groups, "LOADS", loads)
     solved = {name: values[None] for name, values in counted(height, groups.GRID).items()}
     expected = counted(height_map(height.values * factor, 1 / 32), loads)
-    found = groups.results(solved, np.array([0]), np.array([factor]))
+    results = groups.results(solved, np.array([0]), np.array([factor]))
     for name in groups.NAMES:
-        np.testing.assert_allclose(found[name][0], expected[name], rtol=1e-4, err_msg=name)
+        np.testing.assert_allclose(results[name][0], expected[name], rtol=1e-4, err_msg=name)
 
 
 def test_normal_batches_are_inside_as_often_as_stated(monkeypatch):
     monkeypatch.setattr(groups, "BATCHES", 2000)
     generator = np.random.default_rng(2)
     shape = (4, 2000, len(groups.LOADS))
-    found = {name: -1.5 + 0.2 * generator.standard_normal(shape) for name in groups.NAMES}
+    values = {name: -1.5 + 0.2 * generator.standard_normal(shape) for name in groups.NAMES}
     further = {name: -1.5 + 0.2 * generator.standard_normal(shape[1:]) for name in groups.NAMES}
     expected = {name: np.full(len(groups.LOADS), -1.5) for name in groups.NAMES}
-    for held in groups.inside(found, [1] * 4, expected, further):
+    for is_inside in groups.inside(values, [1] * 4, expected, further):
         for name in groups.NAMES:
-            assert held[name].mean() == pytest.approx(0.95, abs=3 * np.sqrt(0.95 * 0.05 / 4000))
+            assert is_inside[name].mean() == pytest.approx(0.95, abs=3 * np.sqrt(0.95 * 0.05 / 4000))

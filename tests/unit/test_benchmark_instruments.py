@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy import integrate
 
-from roughcontact.maps import height_map, spacing
+from roughcontact.arguments.maps import height_map, spacing
 
 
 @pytest.fixture
@@ -23,11 +23,11 @@ def waves(periods: float, points: int = 240, pitch: float = 1e-7):
 
 def test_noise_has_its_rms_and_no_neighbours(rough):
     flat = height_map(np.zeros((256, 256)), 1e-6)
-    noise = instruments.with_noise(flat, 3e-9, seed=5).values
+    noise = instruments.add_noise(flat, 3e-9, seed=5).values
     assert noise.std() == pytest.approx(3e-9, rel=0.01)
     assert abs(np.mean(noise[:, 1:] * noise[:, :-1])) < 0.02 * 9e-18
-    assert instruments.with_noise(flat, 3e-9, seed=5).identical(instruments.with_noise(flat, 3e-9, seed=5))
-    assert instruments.with_noise(rough, 1e-9, seed=0).attrs == rough.attrs
+    assert instruments.add_noise(flat, 3e-9, seed=5).identical(instruments.add_noise(flat, 3e-9, seed=5))
+    assert instruments.add_noise(rough, 1e-9, seed=0).attrs == rough.attrs
 
 
 @pytest.mark.parametrize("periods", [2.5, 10, 20])
@@ -77,10 +77,10 @@ def test_pixels_are_merged_and_divided(rough):
     assert spacing(blocks) == pytest.approx((4e-7, 2e-7))
     assert blocks["x"].values[0] == pytest.approx(1e-7)
     wave, _ = waves(4)
-    more, (exact, _) = instruments.finer(wave, 2), waves(4, 480, 5e-8)
-    assert np.allclose(more, np.vstack([exact, exact]), atol=2e-11)
-    assert np.allclose(more["x"], exact["x"])
-    assert spacing(more) == pytest.approx((5e-8, 5e-8))
+    finer_map, (exact, _) = instruments.finer(wave, 2), waves(4, 480, 5e-8)
+    assert np.allclose(finer_map, np.vstack([exact, exact]), atol=2e-11)
+    assert np.allclose(finer_map["x"], exact["x"])
+    assert spacing(finer_map) == pytest.approx((5e-8, 5e-8))
 
 
 def test_scales_multiply_slopes(rough):

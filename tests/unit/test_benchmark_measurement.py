@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 import roughcontact as rc
-from roughcontact.maps import height_map, spacing
+from roughcontact.arguments.maps import height_map, spacing
 
 
 @pytest.fixture(scope="module")
@@ -25,8 +25,8 @@ def rows(**columns):
         "of_cause": 0.1,
     }
     frame = pd.DataFrame({"value": 1.0, "lower": 0.9, "upper": 1.1, "true": 1.0, **columns})
-    ends = {which + end: frame[end] for which in measurement.INTERVALS for end in ("lower", "upper")}
-    return frame.assign(**(ends | common))
+    bounds = {which + bound: frame[bound] for which in measurement.INTERVALS for bound in ("lower", "upper")}
+    return frame.assign(**(bounds | common))
 
 
 @pytest.mark.parametrize("side", measurement.SIDES)
@@ -43,17 +43,17 @@ def test_the_window_stays_in_its_place_with_pixels_twice_as_large(side):
 def test_an_error_is_of_the_size_that_is_stated(spoiler, truth):
     case = measurement.spoilt(spoiler, "random", truth)
     assert measurement.spoilt(spoiler, "random", truth).height.identical(case.height)
-    stated = case.instrument or {}
+    instrument = case.instrument or {}
     change = (case.height - truth).values if case.height.shape == truth.shape else None
-    if "noise" in stated:
-        assert change.std() == pytest.approx(stated["noise"], rel=0.03)
-    elif "tip_radius" in stated:
+    if "noise" in instrument:
+        assert change.std() == pytest.approx(instrument["noise"], rel=0.03)
+    elif "tip_radius" in instrument:
         assert (change >= 0).all()
-    elif "numerical_aperture" in stated:
+    elif "numerical_aperture" in instrument:
         assert 0.5 < case.height.std() / truth.std() < 1
-    elif "amplification_z" in stated:
+    elif "amplification_z" in instrument:
         assert np.ptp((case.height / truth).values) < 1e-12
-        assert abs(float(case.height[0, 0] / truth[0, 0]) - 1) <= stated["amplification_z"]
+        assert abs(float(case.height[0, 0] / truth[0, 0]) - 1) <= instrument["amplification_z"]
     elif case.modulus_uncertainty:
         assert 0 < abs(case.modulus / measurement.MODULUS - 1) <= case.modulus_uncertainty
     elif spoiler.startswith("steps"):
@@ -85,10 +85,10 @@ def test_a_part_of_a_measured_map_is_the_middle_of_what_was_measured(tmp_path):
 
 
 def test_truths_outside_are_counted_and_open_ends_hold():
-    found = measurement.judged(rows(true=[1.0, 1.2, 0.8, 1.2], upper=[1.1, 1.1, 1.1, np.nan]))
-    assert found["inside"].tolist() == [True, False, False, True]
-    assert found["silent"].tolist() == [False, True, True, False]
-    assert found["error"].tolist() == pytest.approx([0, 0.2, 0.2, 0.2])
+    judgement = measurement.judged(rows(true=[1.0, 1.2, 0.8, 1.2], upper=[1.1, 1.1, 1.1, np.nan]))
+    assert judgement["inside"].tolist() == [True, False, False, True]
+    assert judgement["silent"].tolist() == [False, True, True, False]
+    assert judgement["error"].tolist() == pytest.approx([0, 0.2, 0.2, 0.2])
     warned = measurement.judged(rows(true=[1.2]).assign(flags="Plasticity; Noise"))
     assert not warned["silent"].any()
     of_map = measurement.judged(rows(true=[1.2]).assign(map_upper=1.3))
@@ -106,11 +106,11 @@ def test_a_width_is_held_against_the_largest_errors():
 
 def test_tables_have_every_error_and_cause():
     coarser = rows(true=[1.2]).assign(spoiler="pixels × 2", octave_upper=1.3)
-    found = measurement.tables(
+    tables = measurement.tables(
         pd.concat([rows(true=[1.0]), rows(true=[1.2]).assign(spoiler="tip 10 nm"), coarser])
     )
-    assert found["errors"]["error"].tolist() == [*["none", "tip 10 nm"] * 2, "pixels × 2"]
-    causes = found["causes"].set_index(["interval", "cause", "group"])["area inside (%)"]
+    assert tables["errors"]["error"].tolist() == [*["none", "tip 10 nm"] * 2, "pixels × 2"]
+    causes = tables["causes"].set_index(["interval", "cause", "group"])["area inside (%)"]
     assert causes["map", "none", "all"] == "100"
     assert causes["surface", "tip", "synthetic"] == "0"
     assert causes["octave", "pixels", "all"] == "100"

@@ -50,9 +50,9 @@ def test_a_wrong_spread_would_be_noticed(errors):
 
 
 def test_the_contrast_of_ridges_brings_the_area_nearer(errors, reached):
-    without = benchmark.report(errors.assign(contrast=0.0))
+    without_contrast = benchmark.report(errors.assign(contrast=0.0))
     for load in benchmark.LOADS:
-        assert reached.loc[("measured", 5, AREA), load] < without.loc[("measured", 5, AREA), load]
+        assert reached.loc[("measured", 5, AREA), load] < without_contrast.loc[("measured", 5, AREA), load]
     together = "all loads"
     for kind in ("made", "measured"):
-        assert reached.loc[(kind, 5, GAP), together] < without.loc[(kind, 5, GAP), together]
+        assert reached.loc[(kind, 5, GAP), together] < without_contrast.loc[(kind, 5, GAP), together]

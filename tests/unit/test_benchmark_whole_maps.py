@@ -10,9 +10,11 @@ import xarray as xr
 def statistics(area, upper, verdict):
     """Return statistics of a map whose lower ends are 80 % of the results."""
     area = np.array(area)
-    ends = {"": area, "_lower": 0.8 * area, "_upper": np.array(upper)}
+    suffixes = {"": area, "_lower": 0.8 * area, "_upper": np.array(upper)}
     columns = {
-        name + end: ("load", values) for name in whole_maps.WIDTHS.values() for end, values in ends.items()
+        name + suffix: ("load", values)
+        for name in whole_maps.WIDTHS.values()
+        for suffix, values in suffixes.items()
     }
     return xr.Dataset(
         columns | {"max_pressure_upper": ("load", np.array(upper)), "verdict": ("load", verdict)},
@@ -21,12 +23,12 @@ def statistics(area, upper, verdict):
 
 
 def test_verdicts_and_widths_are_counted():
-    found = {
+    results = {
         # half-widths of 10, 20 and 40 %; the first load has less than 2 % in contact
         "one.sur": statistics([0.01, 0.1, 0.2, 0.4], [1.0, 0.1, 0.24, 0.64], [0, 0, 1, 1]),
         "two.x3p": statistics([0.1], [np.nan], [0]),  # open above
     }
-    rows = whole_maps.tables(found)["maps"].set_index("map")
+    rows = whole_maps.tables(results)["maps"].set_index("map")
     assert rows.loc["one.sur"].tolist() == ["4", "2", "20", "20", "20", "100", "Noise"]
     assert rows.loc["two.x3p", ["use", "area ± (%)"]].tolist() == ["1", "inf"]
     assert rows.loc["all 2"].tolist() == [

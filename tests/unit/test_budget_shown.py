@@ -15,7 +15,7 @@ LOADS = np.array([1e6, 4e6])
 @pytest.fixture
 def numbers():
     """Statistics of two loads; the gap is closed at the second one."""
-    found = xr.Dataset(
+    result = xr.Dataset(
         {"mean_pressure": ("load", LOADS), "contact_modulus": 1e11}, coords={"source": SOURCES}
     )
     for name, values in (
@@ -25,39 +25,39 @@ def numbers():
         ("mean_contact_pressure", [1e7, 1e7]),
     ):
         value = np.array(values)
-        found[name] = ("load", value)
+        result[name] = ("load", value)
         # 2 and 3 % of the pixel size and of the window, no part of the others
         shares = [0.0, 0.02, 0.03, np.nan, 0.05]
-        found[f"{name}_uncertainty"] = (("load", "source"), np.outer(value, shares))
-        found[f"{name}_lower"], found[f"{name}_upper"] = ("load", 0.96 * value), ("load", 1.05 * value)
-    return found
+        result[f"{name}_uncertainty"] = (("load", "source"), np.outer(value, shares))
+        result[f"{name}_lower"], result[f"{name}_upper"] = ("load", 0.96 * value), ("load", 1.05 * value)
+    return result
 
 
 def test_parts_are_drawn_in_percent_of_the_value_at_their_load(numbers):
     images = dict(shown_budget(numbers)["images"])
-    assert list(images) == ["contact area A/A₀", "mean gap ū", "largest pressure", "pressure in contact"]
+    assert list(images) == ["contact area", "pressure in contact", "mean gap", "largest pressure"]
     for title, image in images.items():
         drawn = read_chart(image, log="xy")
-        assert {"mean pressure p̄ (MPa)", "± in percent of the value", title} <= set(drawn.texts)
-        loads = LOADS[:1] if title == "mean gap ū" else LOADS  # of nothing there is no share
+        assert {"mean pressure (MPa)", "± in percent of the value", title} <= set(drawn.texts)
+        loads = LOADS[:1] if title == "mean gap" else LOADS  # of nothing there is no share
         *parts, up, down = drawn.lines
-        shown = [line for line in parts if line.x.size]
-        assert [line.y for line in shown] == [pytest.approx(share, rel=0.006) for share in (2.0, 3.0)]
-        for line in (*shown, up, down):
+        drawn_parts = [line for line in parts if line.x.size]
+        assert [line.y for line in drawn_parts] == [pytest.approx(share, rel=0.006) for share in (2.0, 3.0)]
+        for line in (*drawn_parts, up, down):
             assert line.x == pytest.approx(loads / 1e6, rel=0.02)
         assert (up.style, up.y) == ("", pytest.approx(5.0, rel=0.02))
         assert (down.style != "", down.y) == (True, pytest.approx(4.0, rel=0.02))
         assert [(mark.colour, mark.y) for mark in drawn.marks] == [
-            (line.colour, pytest.approx(line.y)) for line in shown
+            (line.colour, pytest.approx(line.y)) for line in drawn_parts
         ]
 
 
 @pytest.mark.parametrize("sources", [["solver", "window"], ["solver", "material"]])
 def test_other_maps_have_a_column_where_the_window_is_a_source(sources):
-    made = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=2e-5, rms_height=1e-7)
+    surface = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=2e-5, rms_height=1e-7)
     contact = {"contact_modulus": 1e9, "mean_pressure": 5e6, "contact_modulus_uncertainty": 0.1}
-    budget = shown_budget(evaluate(made, contact=contact, uncertainty={"sources": sources}), [0])
-    about = ["over 3 times the length", "of the next map"] if "window" in sources else []
+    budget = shown_budget(evaluate(surface, contact=contact, uncertainty={"sources": sources}), [0])
+    about = ["of the next map"] if "window" in sources else []
     assert [line.split(":")[0].lower() for line in budget["beyond"]] == about
     assert budget["intervals"]["header"][2:] == ["the ±", *about, "this map"]
 
@@ -73,4 +73,4 @@ def test_the_table_names_parts_in_points_of_percent_and_the_largest_one(numbers)
         "± 0.30",
         "window",
     ]
-    assert budget["notes"][:1] == ["Not in the ±: instrument, material, unresolved waves."]
+    assert budget["notes"][:1] == ["Not in the ±: instrument, modulus and load, hardness, unresolved waves."]

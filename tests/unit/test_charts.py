@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from roughcontact.maps import height_map as labelled
+from roughcontact.arguments.maps import height_map as labelled
 from roughcontact.report.charts import Axis, Chart, tick_text
 from roughcontact.report.colours import colour_scale, coloured
 from roughcontact.report.map_plots import height_map
@@ -35,43 +35,35 @@ def chart(x=Axis("x", 1.0, 100.0, log=True), y=Axis("y", 0.0, 2.0), **options): 
 
 def test_a_line_goes_through_its_points():
     """The area is 200 x 150 pixels: 10 lies half way along a logarithmic axis from 1 to 100."""
-    made = chart()
-    made.line(np.array([1.0, 10.0, 100.0]), np.array([0.0, 0.5, 2.0]), colour="#123456")
-    (path,) = [p for p in drawn(made).iter(f"{SVG}path") if p.get("stroke") == "#123456"]
+    drawing = chart()
+    drawing.line(np.array([1.0, 10.0, 100.0]), np.array([0.0, 0.5, 2.0]), colour="#123456")
+    (path,) = [p for p in drawn(drawing).iter(f"{SVG}path") if p.get("stroke") == "#123456"]
     assert path.get("d") == "M0 150L100 112.5L200 0"
 
 
 def test_a_line_is_interrupted_where_values_are_missing():
-    made = chart(x=Axis("x", 0.0, 5.0))
-    made.line(np.arange(6.0), np.array([0, 1, np.nan, 1, 2, np.nan]), colour="#123456")
-    (path,) = [p for p in drawn(made).iter(f"{SVG}path") if p.get("stroke") == "#123456"]
+    drawing = chart(x=Axis("x", 0.0, 5.0))
+    drawing.line(np.arange(6.0), np.array([0, 1, np.nan, 1, 2, np.nan]), colour="#123456")
+    (path,) = [p for p in drawn(drawing).iter(f"{SVG}path") if p.get("stroke") == "#123456"]
     assert path.get("d").count("M") == 2
 
 
 def test_a_bar_without_an_upper_end_has_an_arrow_at_the_edge():
-    made = chart(x=Axis("x", 0.0, 4.0), y=Axis("y", 0.0, 2.0))
+    drawing = chart(x=Axis("x", 0.0, 4.0), y=Axis("y", 0.0, 2.0))
     lower = np.array([0.5, 0.5, np.nan])
-    made.bars(np.array([1.0, 2.0, 3.0]), lower, np.array([1.0, np.nan, np.nan]), colour="#123456")
-    (path,) = [p for p in drawn(made).iter(f"{SVG}path") if p.get("stroke") == "#123456"]
+    drawing.bars(np.array([1.0, 2.0, 3.0]), lower, np.array([1.0, np.nan, np.nan]), colour="#123456")
+    (path,) = [p for p in drawn(drawing).iter(f"{SVG}path") if p.get("stroke") == "#123456"]
     bars = re.findall(r"M[-\d.]+ ([-\d.]+)V([-\d.]+)", path.get("d"))
     assert [(float(low), float(high)) for low, high in bars] == [(112.5, 75.0), (112.5, 1.0)]
     assert path.get("d").count("l4-7 4 7") == 1
 
 
-def test_a_band_without_an_upper_end_reaches_the_edge():
-    made = chart(x=Axis("x", 0.0, 4.0), y=Axis("y", 0.0, 2.0))
-    made.shade(np.array([1.0, 2.0]), np.array([0.5, 0.5]), np.array([1.0, np.nan]), colour="#123456")
-    (path,) = [p for p in drawn(made).iter(f"{SVG}path") if p.get("fill") == "#123456"]
-    heights = [float(y) for y in re.findall(r"[ML][-\d.]+ ([-\d.]+)", path.get("d"))]
-    assert (min(heights), max(heights)) == (0.0, 112.5)
-
-
 def test_a_long_line_keeps_its_extremes():
     values = np.zeros(40_000)
     values[12_345], values[23_456] = 2.0, -2.0
-    made = chart(x=Axis("x", 0.0, 40_000.0), y=Axis("y", -2.0, 2.0))
-    made.line(np.arange(40_000.0), values, colour="#123456")
-    (path,) = [p for p in drawn(made).iter(f"{SVG}path") if p.get("stroke") == "#123456"]
+    drawing = chart(x=Axis("x", 0.0, 40_000.0), y=Axis("y", -2.0, 2.0))
+    drawing.line(np.arange(40_000.0), values, colour="#123456")
+    (path,) = [p for p in drawn(drawing).iter(f"{SVG}path") if p.get("stroke") == "#123456"]
     heights = [float(y) for y in re.findall(r"[ML][-\d.]+ ([-\d.]+)", path.get("d"))]
     assert (min(heights), max(heights)) == (0.0, 150.0)
     assert len(heights) < 3500
@@ -98,19 +90,19 @@ def test_ticks_are_round_numbers_within_the_ends(axis, written):
 
 
 def test_texts_cannot_break_out():
-    made = chart(title="<b> & co")
-    made.line(np.array([1.0, 2.0]), np.array([1.0, 2.0]), colour="#123456", label="<script>")
-    texts = [text.text for text in drawn(made).iter(f"{SVG}text")]
+    drawing = chart(title="<b> & co")
+    drawing.line(np.array([1.0, 2.0]), np.array([1.0, 2.0]), colour="#123456", label="<script>")
+    texts = [text.text for text in drawn(drawing).iter(f"{SVG}text")]
     assert "<b> & co" in texts
     assert "<script>" in texts
 
 
 @pytest.mark.parametrize("name", ["viridis", "cividis", "magma"])
 def test_scales_of_colours_are_those_they_are_named_after(name):
-    given = 255 * matplotlib.colormaps[name](np.linspace(0, 1, 256))[:, :3]
+    reference = 255 * matplotlib.colormaps[name](np.linspace(0, 1, 256))[:, :3]
     anchors = np.array([[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in colour_scale(name)])
-    own = np.column_stack([np.interp(np.arange(256), np.arange(0, 256, 15), c) for c in anchors.T])
-    assert np.abs(own - given).max() <= 12  # of 255
+    interpolated = np.column_stack([np.interp(np.arange(256), np.arange(0, 256, 15), c) for c in anchors.T])
+    assert np.abs(interpolated - reference).max() <= 12  # of 255
 
 
 def test_every_point_of_a_large_map_is_in_its_picture():
@@ -146,9 +138,9 @@ def test_a_million_is_a_power_of_ten():
 
 
 def test_a_label_that_has_no_room_below_the_chart_is_shortened():
-    made = chart()
-    made.line(np.array([1.0, 9.0]), np.array([1.0, 1.0]), colour="#123456", label=30 * "long ")
-    (text,) = [part.text for part in legend(made) if (part.text or "").startswith("long")]
+    drawing = chart()
+    drawing.line(np.array([1.0, 9.0]), np.array([1.0, 1.0]), colour="#123456", label=30 * "long ")
+    (text,) = [part.text for part in legend(drawing) if (part.text or "").startswith("long")]
     assert text.endswith("…")
     assert 25 < len(text) < 30  # in 300 pixels, of 8 pixels each
 
@@ -159,19 +151,19 @@ def test_a_label_that_has_no_room_below_the_chart_is_shortened():
 )
 def test_a_legend_has_as_many_columns_as_its_labels_leave(letter, letters, columns):
     """Of 300 pixels 12 at either side, 44 for each sample and 8.4 for each letter, 4.2 for narrow ones."""
-    made = chart()
+    drawing = chart()
     for number in range(3):
         label = str(number).ljust(letters, letter)
-        made.line(np.array([1.0, 9.0]), np.array([1.0, 1.0]), colour="#123456", label=label)
-    texts = [part for part in legend(made) if (part.text or "").endswith(2 * letter)]
+        drawing.line(np.array([1.0, 9.0]), np.array([1.0, 1.0]), colour="#123456", label=label)
+    texts = [part for part in legend(drawing) if (part.text or "").endswith(2 * letter)]
     assert len({part.get("x") for part in texts}) == columns
     assert all(len(part.text) == letters for part in texts)
 
 
 def test_the_label_of_a_colour_bar_stays_within_the_picture():
-    made = chart()
-    made.colour_bar(Axis("height", 123456.1, 123456.9), ["#000000", "#ffffff"])
-    (label,) = [text for text in drawn(made).iter(f"{SVG}text") if text.text == "height"]
+    drawing = chart()
+    drawing.colour_bar(Axis("height", 123456.1, 123456.9), ["#000000", "#ffffff"])
+    (label,) = [text for text in drawn(drawing).iter(f"{SVG}text") if text.text == "height"]
     assert float(re.match(r"translate\(([\d.]+) ", label.get("transform"))[1]) <= 297
 
 
@@ -182,10 +174,15 @@ def test_a_title_stands_above_the_middle_of_the_chart():
 
 
 def test_a_colour_bar_rises_evenly_from_the_first_colour_to_the_last():
-    made = chart()
-    made.colour_bar(Axis("height", 0.0, 8.0), ["#000000", "#777777", "#999999", "#ffffff"])
-    (gradient,) = drawn(made).iter(f"{SVG}linearGradient")
-    assert [gradient.get(end) for end in ("x1", "y1", "x2", "y2")] == ["0", "1", "0", "0"]  # upwards
+    drawing = chart()
+    drawing.colour_bar(Axis("height", 0.0, 8.0), ["#000000", "#777777", "#999999", "#ffffff"])
+    (gradient,) = drawn(drawing).iter(f"{SVG}linearGradient")
+    assert [gradient.get(attribute) for attribute in ("x1", "y1", "x2", "y2")] == [
+        "0",
+        "1",
+        "0",
+        "0",
+    ]  # upwards
     assert [(float(stop.get("offset")), stop.get("stop-color")) for stop in gradient] == [
         (0.0, "#000000"),
         (pytest.approx(1 / 3, abs=1e-3), "#777777"),
@@ -195,10 +192,10 @@ def test_a_colour_bar_rises_evenly_from_the_first_colour_to_the_last():
 
 
 def test_a_label_of_the_legend_stands_beside_its_sample():
-    made = chart()
+    drawing = chart()
     for name, colour in (("one", "#123456"), ("two", "#654321")):
-        made.line(np.array([1.0, 9.0]), np.array([1.0, 1.0]), colour=colour, label=name)
-    parts = legend(made)
+        drawing.line(np.array([1.0, 9.0]), np.array([1.0, 1.0]), colour=colour, label=name)
+    parts = legend(drawing)
     for name, colour in (("one", "#123456"), ("two", "#654321")):
         (text,) = [part for part in parts if part.text == name]
         (sample,) = [part for part in parts if part.get("stroke") == colour]
@@ -227,9 +224,9 @@ def test_few_points_are_told_from_many():
 def test_the_label_of_colours_is_whole_in_whatever_unit(extent):
     heights = labelled(np.linspace(-extent, extent, 64).reshape(8, 8), 1e-6)
     unit = unit_of({"rms_height": extent}, "m")
-    made = ElementTree.fromstring(unquote(height_map(heights, unit=unit).source().partition(",")[2]))
-    turned = [text for text in made.iter(f"{SVG}text") if "rotate" in text.get("transform", "")]
+    picture = ElementTree.fromstring(unquote(height_map(heights, unit=unit).source().partition(",")[2]))
+    turned = [text for text in picture.iter(f"{SVG}text") if "rotate" in text.get("transform", "")]
     assert len(turned) == 2
     for text in turned:
         right = float(re.match(r"translate\(([\d.]+) ", text.get("transform"))[1])
-        assert 12 <= right <= float(made.get("width")) - 3
+        assert 12 <= right <= float(picture.get("width")) - 3

@@ -7,11 +7,11 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact import materials
-from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
-from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.arguments import materials
 from roughcontact.statistics import checks, contact_checks, map_checks
 from roughcontact.statistics.outcome import FAILED, NOTE, PASSED, REVIEW, Check, reason_text
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
 
 
 def per_load(**columns):
@@ -19,15 +19,17 @@ def per_load(**columns):
     return xr.Dataset({name: ("load", np.atleast_1d(values)) for name, values in columns.items()})
 
 
-@pytest.mark.parametrize("found", [{}, {"target_area": 0.01}])
-def test_the_unit_of_a_load_that_nobody_stated_is_not_doubted(found):
+@pytest.mark.parametrize("load_settings", [{}, {"target_area": 0.01}])
+def test_the_unit_of_a_load_that_nobody_stated_is_not_doubted(load_settings):
     smooth = rough_reference_surface(64) * 1e-6
     contact = {"contact_modulus": "1 GPa"}
-    solved = rc.evaluate(smooth, contact=contact | found, uncertainty={"sources": []})
+    solved = rc.evaluate(smooth, contact=contact | load_settings, uncertainty={"sources": []})
     loads = solved["mean_pressure"].values
-    stated = rc.evaluate(smooth, contact=contact | {"relative_pressure": 0.005}, uncertainty={"sources": []})
-    assert contact_checks.units(stated).outcome == REVIEW
-    assert loads.min() < materials.LEAST_LOAD
+    relative = rc.evaluate(
+        smooth, contact=contact | {"relative_pressure": 0.005}, uncertainty={"sources": []}
+    )
+    assert contact_checks.units(relative).outcome == REVIEW
+    assert loads.min() < materials.MIN_LOAD
     for statistics in (solved, solved.isel(load=[0])):
         check = contact_checks.units(statistics)
         assert (check.outcome, check.sentence) == (
@@ -35,7 +37,7 @@ def test_the_unit_of_a_load_that_nobody_stated_is_not_doubted(found):
             "A contact modulus of 1.00 GPa is that of real materials; no load is stated.",
         )
     assert "Units" not in {reason["check"] for reason in json.loads(solved.attrs["reasons"])}
-    assert "Units" in {reason["check"] for reason in json.loads(stated.attrs["reasons"])}
+    assert "Units" in {reason["check"] for reason in json.loads(relative.attrs["reasons"])}
 
 
 @pytest.mark.parametrize(("counted", "outcome"), [(100, PASSED), (99, REVIEW)])
@@ -91,7 +93,7 @@ def test_a_bow_may_make_up_four_fifths(share, outcome, taken_off, way_out):
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "removed", "heights", "outcome"),
+    ("gradient_before", "gradient_after", "removed", "heights", "outcome"),
     [
         (1.0, 1.0999, 0.0, 0.5, PASSED),
         (1.0, 1.1001, 0.0, 0.0, REVIEW),
@@ -101,12 +103,14 @@ def test_a_bow_may_make_up_four_fifths(share, outcome, taken_off, way_out):
         (0.0, 1.0, 0.0, 0.0, PASSED),
     ],
 )
-def test_periodisation_may_change_the_gradient_by_a_tenth(before, after, removed, heights, outcome):
+def test_periodisation_may_change_the_gradient_by_a_tenth(
+    gradient_before, gradient_after, removed, heights, outcome
+):
     check = map_checks.periodicity(
         {
             "periodisation": "mirror",
-            "rms_gradient_before": before,
-            "rms_gradient_after": after,
+            "rms_gradient_before": gradient_before,
+            "rms_gradient_after": gradient_after,
             "band_removed_rms_gradient": removed,
             "periodisation_relative_change": heights,
         }
@@ -134,7 +138,7 @@ PAIR = {"face_pitches": [1e-6, 2e-6], "covered_share_of_larger": 0.25}
 
 
 @pytest.mark.parametrize(
-    ("levelled", "shortest", "outcome", "said"),
+    ("levelled", "shortest", "outcome", "message"),
     [
         (PAIR, 2e-6, PASSED, "pixels of 1.00 µm and 2.00 µm, and 25.0 % of the larger one"),
         (PAIR | {"face_pitches": [2.01e-6, 1e-6]}, 2e-6, REVIEW, "2.01 µm and 1.00 µm: the coarser"),
@@ -155,10 +159,10 @@ PAIR = {"face_pitches": [1e-6, 2e-6], "covered_share_of_larger": 0.25}
         ),
     ],
 )
-def test_faces_of_unlike_pixels_or_sizes_are_named(levelled, shortest, outcome, said):
+def test_faces_of_unlike_pixels_or_sizes_are_named(levelled, shortest, outcome, message):
     check = map_checks.faces(levelled, {"band_shortest": shortest})
     assert check.outcome == outcome
-    assert said in check.sentence
+    assert message in check.sentence
     assert ("window.shortest_wavelength: " in check.sentence) == ("coarser" in check.sentence)
 
 
@@ -184,11 +188,11 @@ def test_words_of_a_load_at_each_limit():
     at_the_limit = per_load(converged=1, max_pressure=0.2e9, **limits).assign(contact_modulus=1e9)
     at_the_limit["relative_contact_area"] = at_the_limit["relative_contact_area_pixels"] / 1.199
     assert checks.load_flags(at_the_limit, 1000) == [["metals flow"]]
-    beyond = per_load(
+    slightly_more = per_load(
         converged=0, max_pressure=0.2e9, **{name: 1.01 * value for name, value in limits.items()}
     )
-    beyond["relative_contact_area"] = beyond["relative_contact_area_pixels"] / 1.201
-    assert checks.load_flags(beyond.assign(contact_modulus=1e9), 800) == [
+    slightly_more["relative_contact_area"] = slightly_more["relative_contact_area_pixels"] / 1.201
+    assert checks.load_flags(slightly_more.assign(contact_modulus=1e9), 800) == [
         [
             "not converged",
             "few contact points",

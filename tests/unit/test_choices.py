@@ -9,24 +9,24 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from roughcontact import choices
-from roughcontact.checking import check_choice
-from roughcontact.configuration.models import Contact, Level, Uncertainty, Window
+from roughcontact.arguments import choices
+from roughcontact.arguments.checking import check_choice
+from roughcontact.arguments.maps import height_map
+from roughcontact.arguments.settings.models import Contact, Level, Uncertainty, Window
+from roughcontact.contact.elasticity.halfspace import zero_frequency_compliance
+from roughcontact.contact.elasticity.influence import INFLUENCE
 from roughcontact.contact.solve import solve_contact
-from roughcontact.elasticity.halfspace import zero_frequency_compliance
-from roughcontact.elasticity.influence import INFLUENCE
 from roughcontact.errors import SettingsError
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.window.periodic_window import periodic_window
 from validation.crosscheck import CODES, OutsideCode
 
 SECTIONS = [(Level, level), (Window, periodic_window), (Contact, solve_contact)]
 WORDS = {name: kind for name, kind in vars(choices).items() if get_origin(kind) is Literal}
 
 
-@pytest.mark.parametrize(("section", "verb"), SECTIONS, ids=lambda each: each.__name__)
+@pytest.mark.parametrize(("section", "verb"), SECTIONS, ids=lambda function: function.__name__)
 def test_a_setting_takes_the_words_of_its_verb(section, verb):
     chosen = {
         key: field.annotation
@@ -51,7 +51,7 @@ def test_every_word_has_what_it_names():
         assert zero_frequency_compliance(rule, lengths=(1.0, 1.0)) >= 0
 
 
-@pytest.mark.parametrize(("section", "verb"), SECTIONS, ids=lambda each: each.__name__)
+@pytest.mark.parametrize(("section", "verb"), SECTIONS, ids=lambda function: function.__name__)
 def test_a_verb_refuses_a_word_that_the_settings_refuse(section, verb):
     surface = height_map(np.random.default_rng(0).standard_normal((4, 4)), 1.0)
     problem = {"contact_modulus": 1.0, "mean_pressure": 1.0} if verb is solve_contact else {}
@@ -66,8 +66,8 @@ def test_a_verb_refuses_a_word_that_the_settings_refuse(section, verb):
 @pytest.mark.parametrize(
     ("tolerance", "valid"),
     [
-        (choices.SMALLEST_TOLERANCE, True),
-        (math.nextafter(choices.SMALLEST_TOLERANCE, 0), False),
+        (choices.MIN_TOLERANCE, True),
+        (math.nextafter(choices.MIN_TOLERANCE, 0), False),
         (math.nextafter(1, 0), True),
         (1, False),
     ],
@@ -90,12 +90,12 @@ def test_settings_and_solver_take_the_same_tolerances(tolerance, valid):
 def test_the_smallest_tolerance_is_what_rounding_leaves_of_the_smallest_maps():
     surface = height_map([[1.0, 0.0]], 1.0)
     problem = {"contact_modulus": 1.0, "mean_pressure": 0.5}
-    solved = solve_contact(surface, **problem, tolerance=choices.SMALLEST_TOLERANCE)
-    assert 0.5 * choices.SMALLEST_TOLERANCE < float(solved["rounding_floor"][0]) < choices.SMALLEST_TOLERANCE
+    solved = solve_contact(surface, **problem, tolerance=choices.MIN_TOLERANCE)
+    assert 0.5 * choices.MIN_TOLERANCE < float(solved["rounding_floor"][0]) < choices.MIN_TOLERANCE
 
 
 @pytest.mark.parametrize(
-    ("kind", "value", "said"),
+    ("kind", "value", "message"),
     [
         ("Fill", "harmonics", "key = 'harmonics': did you mean 'harmonic'? choose harmonic or none"),
         ("Resampling", "cubic", "key = 'cubic': choose linear"),
@@ -103,18 +103,18 @@ def test_the_smallest_tolerance_is_what_rounding_leaves_of_the_smallest_maps():
         ("Placement", "search", "key = 'search': choose largest or whole-periods"),
     ],
 )
-def test_a_word_that_is_none_is_refused_with_the_valid_ones(kind, value, said):
+def test_a_word_that_is_none_is_refused_with_the_valid_ones(kind, value, message):
     for word in get_args(WORDS[kind]):
         check_choice("key", word, WORDS[kind])
     with pytest.raises(SettingsError) as caught:
         check_choice("key", value, WORDS[kind])
-    assert str(caught.value).startswith(said)
+    assert str(caught.value).startswith(message)
 
 
 def test_settings_and_choices_import_nothing_heavy():
     """Snakemake reads the settings in every job, before anything is computed."""
     program = (
-        "import sys, roughcontact.configuration.resolve, roughcontact.configuration.surfaces\n"
+        "import sys, roughcontact.arguments.settings.resolve, roughcontact.study.surfaces\n"
         "print(*sys.modules.keys() & {'numpy', 'scipy', 'xarray', 'pandas', 'netCDF4'})"
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

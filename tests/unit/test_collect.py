@@ -9,23 +9,24 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from roughcontact.arguments.maps import height_map
+from roughcontact.arguments.variables import ANSWERS, VARIABLES
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import InputFileError, SettingsError
-from roughcontact.evaluation import evaluate
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.evaluation.evaluate import evaluate
 from roughcontact.results.collect import (
+    append_failures,
     collect_statistics,
     column_name,
     pairs_table,
+    summary,
     summary_table,
     table,
-    with_failures,
 )
 from roughcontact.results.selection import read_statistics
 from roughcontact.results.storage import read_dataset, write_dataset, write_table
 from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
-from roughcontact.variables import VARIABLES
+from roughcontact.surface.synthetic import rough_reference_surface
 
 
 def write_statistics(path, loads, *, bins=3, scale=1.0):
@@ -86,9 +87,9 @@ def test_collected_file_and_table_can_be_read_again(tmp_path):
     ]
     collected = collect_statistics(entries)
     write_dataset(collected, tmp_path / "all.nc")
-    again = read_dataset(tmp_path / "all.nc")
-    assert list(again["surface_name"].values) == ["a", "b"]
-    pd.testing.assert_frame_equal(summary_table(again), summary_table(collected))
+    reread = read_dataset(tmp_path / "all.nc")
+    assert list(reread["surface_name"].values) == ["a", "b"]
+    pd.testing.assert_frame_equal(summary_table(reread), summary_table(collected))
 
     write_table(summary_table(collected), tmp_path / "table.csv")
     assert b"\r" not in (tmp_path / "table.csv").read_bytes()
@@ -178,12 +179,12 @@ def test_what_failed_stands_below_with_its_case_and_its_reason(case):
     of_case = {"case": [case]} if case else {}
     summary = pd.DataFrame(of_case | {"surface": ["ground"], "mean_gap_m": [2e-7], "verdict": ["use"]})
     failure = {"surface": "turned", "case": case, "reason": "turned.txt: is empty"}
-    table = with_failures(summary, [failure])
+    table = append_failures(summary, [failure])
     assert list(table.columns) == [*summary.columns, "reasons"]
     expected = {"surface": "turned", "verdict": "failed", "reasons": "turned.txt: is empty"}
     last = table.iloc[-1].dropna().to_dict()
     assert last == expected | ({"case": case} if case else {})
-    assert with_failures(summary, []) is summary
+    assert append_failures(summary, []) is summary
 
 
 def test_pairs_have_mean_and_spread_over_their_members():
@@ -213,7 +214,7 @@ def test_pairs_have_mean_and_spread_over_their_members():
 
 @pytest.mark.parametrize("cases", [[None], ["steel", "peek"]])
 def test_every_load_has_its_verdict_and_its_reasons(tmp_path, cases):
-    said = {
+    verdicts = {
         ("a", None): [["review", ["Plasticity: it flows", "Form: a bow, a dome"]], ["use", []]],
         ("b", None): [["do not use", ["Solver: missed"]]],
     }
@@ -221,14 +222,14 @@ def test_every_load_has_its_verdict_and_its_reasons(tmp_path, cases):
     for case in cases:
         for surface, loads in (("a", [1e5, 2e5]), ("b", [3e5])):
             path = write_statistics(tmp_path / f"{surface}-{case}.nc", loads)
-            found = said[surface, None]
-            codes = [["use", "review", "do not use"].index(word) for word, _ in found]
+            verdicts_of_surface = verdicts[surface, None]
+            codes = [["use", "review", "do not use"].index(word) for word, _ in verdicts_of_surface]
             judged = read_dataset(path).assign(verdict=("load", np.array(codes, np.int8)))
             of_checks = [{"check": "Form", "loads": [0], "text": "A bow."}] if surface == "a" else []
-            words = {"verdicts": json.dumps(found), "reasons": json.dumps(of_checks)}
+            words = {"verdicts": json.dumps(verdicts_of_surface), "reasons": json.dumps(of_checks)}
             write_dataset(judged.assign_attrs(words), path)
             entries.append({"surface": surface, "case": case, "statistics": path})
-            expected += [(word, " | ".join(reasons)) for word, reasons in found]
+            expected += [(word, " | ".join(reasons)) for word, reasons in verdicts_of_surface]
     collected = collect_statistics(entries)
     np.testing.assert_array_equal(
         collected["verdict"].values, np.broadcast_to([[1, 0], [2, np.nan]], collected["verdict"].shape)
@@ -238,8 +239,8 @@ def test_every_load_has_its_verdict_and_its_reasons(tmp_path, cases):
     assert list(table.columns)[-2:] == ["verdict", "reasons"]
     assert list(zip(table["verdict"], table["reasons"], strict=True)) == expected
     write_table(table, tmp_path / "summary.csv")
-    again = pd.read_csv(tmp_path / "summary.csv", keep_default_na=False)
-    assert list(again["reasons"]) == [reasons for _, reasons in expected]
+    reread = pd.read_csv(tmp_path / "summary.csv", keep_default_na=False)
+    assert list(reread["reasons"]) == [reasons for _, reasons in expected]
     pairs = pairs_table(table, {"a": "both", "b": "both"})
     assert not {"verdict", "reasons"} & set(pairs)
 
@@ -278,31 +279,33 @@ def test_loads_are_selected_by_their_pressure(two_surfaces):
     nearest = statistics.sel(mean_pressure=3.5e5, method="nearest")
     assert nearest["mean_pressure"].values.tolist() == [4e5, 3e5]
     assert nearest["relative_contact_area"].values.tolist() == [0.04, 0.03]
-    one = statistics.sel(surface="b")
-    assert one.sel(mean_pressure=2e5)["relative_contact_area"].item() == 0.02
-    several = one.sel(mean_pressure=[3.9e5, 0], method="nearest")
+    surface_b = statistics.sel(surface="b")
+    assert surface_b.sel(mean_pressure=2e5)["relative_contact_area"].item() == 0.02
+    several = surface_b.sel(mean_pressure=[3.9e5, 0], method="nearest")
     assert several["mean_pressure"].values.tolist() == [4e5, 1e5]
-    assert one["contact_clusters"].isel(load=slice(1, None)).sel(mean_pressure=2e5).item() == 6
+    assert surface_b["contact_clusters"].isel(load=slice(1, None)).sel(mean_pressure=2e5).item() == 6
     assert read_statistics(two_surfaces.with_name("b.nc")).sel(mean_pressure=1e5)["contact_clusters"] == 5
 
 
 @pytest.mark.parametrize(
-    ("asked", "error"),
+    ("selection", "error"),
     [
         ({"mean_pressure": 2e5}, "= 200000.0 Pa is none of the loads 100000, 200000, 300000, 400000; try"),
         ({"mean_pressure": 2e5, "method": "nearest", "tolerance": 1e4}, "is none of the loads"),
     ],
 )
-def test_a_load_that_a_surface_does_not_have_is_refused(two_surfaces, asked, error):
+def test_a_load_that_a_surface_does_not_have_is_refused(two_surfaces, selection, error):
     with pytest.raises(KeyError, match=error):
-        read_statistics(two_surfaces).sel(**asked)
+        read_statistics(two_surfaces).sel(**selection)
 
 
 def test_numbers_of_other_loads_are_not_taken_from_one_another(two_surfaces):
-    one, other = (read_statistics(two_surfaces).sel(surface=name)["relative_contact_area"] for name in "ba")
-    assert (one - one).values.tolist() == [0, 0, 0]
+    areas_b, areas_a = (
+        read_statistics(two_surfaces).sel(surface=name)["relative_contact_area"] for name in "ba"
+    )
+    assert (areas_b - areas_b).values.tolist() == [0, 0, 0]
     with pytest.raises(NotImplementedError, match="alignment"):
-        one - other
+        areas_b - areas_a
 
 
 def test_another_way_of_selecting_is_refused(two_surfaces):
@@ -324,11 +327,11 @@ def test_a_seal_and_the_ends_of_its_leak_rate_stand_in_the_table(tmp_path):
     height = height_map(1e-6 * np.random.default_rng(1).standard_normal((16, 16)), 1e-6)
     seal = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 1e-3}
     numbers = contact_statistics(solve_contact(height, contact_modulus=1e9, mean_pressure=1e7), seal=seal)
-    ends = {
-        f"critical_constriction_x_{end}": ("load", [height])
-        for end, height in (("lower", 0.0), ("upper", 1e-6))
+    bounds = {
+        f"critical_constriction_x_{side}": ("load", [height])
+        for side, height in (("lower", 0.0), ("upper", 1e-6))
     }
-    write_dataset(with_uncertainty(numbers, xr.Dataset(ends, coords=numbers.coords)), tmp_path / "one.nc")
+    write_dataset(with_uncertainty(numbers, xr.Dataset(bounds, coords=numbers.coords)), tmp_path / "one.nc")
     entry = {"surface": "one", "case": None, "statistics": tmp_path / "one.nc"}
     table = summary_table(collect_statistics([entry]))
     assert table["leak_rate_by_cube_per_m_s"].item() == pytest.approx(1e5 / (12 * 1e-3 * 1e-3))
@@ -338,8 +341,8 @@ def test_a_seal_and_the_ends_of_its_leak_rate_stand_in_the_table(tmp_path):
 
 def test_a_table_has_the_columns_of_the_summary(tmp_path):
     height = rough_reference_surface(64)
-    found = evaluate(height, contact={"contact_modulus": 1e9, "mean_pressure": [2e8, 4e7]})
-    write_dataset(found, tmp_path / "statistics.nc")
+    result = evaluate(height, contact={"contact_modulus": 1e9, "mean_pressure": [2e8, 4e7]})
+    write_dataset(result, tmp_path / "statistics.nc")
     entries = [
         {"surface": name, "case": case, "statistics": tmp_path / "statistics.nc"}
         for case in ("soft", "hard")
@@ -347,19 +350,68 @@ def test_a_table_has_the_columns_of_the_summary(tmp_path):
     ]
     for cases in (False, True):
         run = collect_statistics(entries if cases else [{**e, "case": None} for e in entries[:2]])
-        whole = summary_table(run)
-        pd.testing.assert_frame_equal(table(run), whole)
+        full_table = summary_table(run)
+        pd.testing.assert_frame_equal(table(run), full_table)
         at = {"surface": "turned"} | ({"case": "hard"} if cases else {})
-        rows = whole[(whole[list(at)] == list(at.values())).all(axis=1)].reset_index(drop=True)
+        rows = full_table[(full_table[list(at)] == list(at.values())).all(axis=1)].reset_index(drop=True)
         assert len(rows) == 2
         pd.testing.assert_frame_equal(table(run.sel(at)), rows)
         numbers = rows.drop(columns=list(at))
-        pd.testing.assert_frame_equal(table(found), numbers)
+        pd.testing.assert_frame_equal(table(result), numbers)
         pd.testing.assert_frame_equal(table(read_statistics(tmp_path / "statistics.nc")), numbers)
-    assert table(found)["mean_pressure_Pa"].tolist() == [2e8, 4e7]
-    assert set(table(found)["verdict"]) <= {"use", "review", "do not use"}
+    assert table(result)["mean_pressure_Pa"].tolist() == [2e8, 4e7]
+    assert set(table(result)["verdict"]) <= {"use", "review", "do not use"}
     with pytest.raises(SettingsError, match="select rows of the table"):
-        table(found.isel(load=[1]))
+        table(result.isel(load=[1]))
     # without verdicts the loads may be any
-    numbers = found.drop_attrs()[["mean_gap"]].isel(load=[1])
-    assert table(numbers)["mean_gap_m"].tolist() == [found["mean_gap"].values[1]]
+    numbers = result.drop_attrs()[["mean_gap"]].isel(load=[1])
+    assert table(numbers)["mean_gap_m"].tolist() == [result["mean_gap"].values[1]]
+
+
+def test_a_summary_has_each_quantity_with_its_interval(tmp_path):
+    bodies = ["steel", {"youngs_modulus": "4 GPa", "poissons_ratio": 0.4, "thermal_conductivity": 0.3}]
+    seal = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 1e-3}
+    result = evaluate(
+        rough_reference_surface(64), bodies=bodies, mean_pressure=[2e8, 4e7], statistics={"seal": seal}
+    )
+    rows_of_summary = summary(result)
+    assert [*rows_of_summary] == ["quantity", "load", "value", "lower", "upper", "known", "verdict"]
+    rows = rows_of_summary.set_index(["quantity", "load"])
+    verdicts = ["use", "review", "do not use"]
+    for name, answer in {
+        "relative_contact_area": "relative_contact_area",
+        "mean_gap": "mean_gap",
+        "critical_constriction_x": "sealing",
+        "leak_rate_y": "sealing",
+        "conductance_per_conductivity": "conductance",
+        "thermal_resistance": "conductance",
+        "max_pressure": "max_pressure",
+    }.items():
+        for load, pressure in enumerate((2e8, 4e7)):
+            row = rows.loc[name, pressure]
+            for column, suffix in (("value", ""), ("lower", "_lower"), ("upper", "_upper")):
+                np.testing.assert_equal(row[column], result[f"{name}{suffix}"].values[load])
+            assert row["verdict"] == verdicts[result[f"{answer}_verdict"].values[load]]
+            if name in ANSWERS:
+                np.testing.assert_equal(row["known"], result[f"{name}_known"].values[load])
+    assert not rows_of_summary["quantity"].str.contains("next|octave|map|_lower|_upper").any()
+    with pytest.raises(SettingsError, match="no interval with a verdict; give the result of evaluate"):
+        summary(result[["mean_gap"]])
+    write_dataset(result, tmp_path / "statistics.nc")
+    entries = [
+        {"surface": name, "case": None, "statistics": tmp_path / "statistics.nc"} for name in ("a", "b")
+    ]
+    run = summary(collect_statistics(entries))
+    assert run["surface"].unique().tolist() == ["a", "b"]
+    pd.testing.assert_frame_equal(
+        run[run["surface"] == "b"].drop(columns="surface").reset_index(drop=True), rows_of_summary
+    )
+
+
+def test_the_summary_of_a_finite_body_is_by_its_force():
+    x = np.linspace(-1, 1, 48) * 0.3e-3
+    ball = height_map(-(x[:, None] ** 2 + x**2) / 20e-3, x[1] - x[0])
+    result = evaluate(
+        ball, contact_modulus="1 GPa", boundary="free", force=["1 N", "2 N"], level={"form": "none"}
+    )
+    assert summary(result)["load"].unique().tolist() == [1.0, 2.0]

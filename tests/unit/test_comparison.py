@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact.command_line.program import main
+from roughcontact.arguments.maps import height_map
 from roughcontact.errors import InputFileError
-from roughcontact.maps import height_map
+from roughcontact.interface.program import main
 from roughcontact.results.collect import collect_statistics
 from roughcontact.results.comparison import compare_statistics
 from roughcontact.results.storage import write_dataset
@@ -26,42 +26,42 @@ def statistics(*, gaps=(2e-7, 1e-7), half_width=3e-9, loads=LOADS, area=(0.1, 0.
         "rms_height": 1e-7,
     }
     if half_width is not None:
-        both = np.tile([[half_width / 2, half_width]], (len(loads), 1))
-        numbers["mean_gap_uncertainty"] = (("load", "source"), both)
+        components = np.tile([[half_width / 2, half_width]], (len(loads), 1))
+        numbers["mean_gap_uncertainty"] = (("load", "source"), components)
     coordinates = {"mean_pressure": ("load", list(loads)), "source": ["window", "combined"]}
     return xr.Dataset(numbers, coords=coordinates)
 
 
-def different(before, after, **options):
+def different(earlier, later, **options):
     """Return quantity and pressure of all that differs."""
-    table = compare_statistics(before, after, **options)
+    table = compare_statistics(earlier, later, **options)
     return list(table[table["differs"]][["quantity", "mean_pressure"]].itertuples(index=False, name=None))
 
 
 def test_a_change_counts_beyond_the_root_of_both_squares():
     limit = np.hypot(3e-9, 4e-9)
-    for change, beyond in ((0.999 * limit, []), (1.001 * limit, [("mean_gap", 1e6)])):
+    for change, differences in ((0.999 * limit, []), (1.001 * limit, [("mean_gap", 1e6)])):
         for sign in (-1, 1):
-            after = statistics(gaps=(2e-7 + sign * change, 1e-7), half_width=4e-9)
-            assert different(statistics(), after) == beyond
+            changed = statistics(gaps=(2e-7 + sign * change, 1e-7), half_width=4e-9)
+            assert different(statistics(), changed) == differences
 
 
 def test_each_end_of_an_interval_counts_on_its_side():
-    before, after = statistics(half_width=5e-9), statistics(gaps=(2.04e-7, 1e-7), half_width=5e-9)
-    assert different(before, after) == []
+    earlier, later = statistics(half_width=5e-9), statistics(gaps=(2.04e-7, 1e-7), half_width=5e-9)
+    assert different(earlier, later) == []
     # towards the other run's gap both intervals are narrow, away from it they are wide
-    before["mean_gap_lower"], before["mean_gap_upper"] = before.mean_gap - 5e-9, before.mean_gap + 1e-9
-    after["mean_gap_lower"], after["mean_gap_upper"] = after.mean_gap - 1e-9, after.mean_gap + 5e-9
-    assert different(before, after) == [("mean_gap", 1e6)]
-    assert different(after, before) == [("mean_gap", 1e6)]
+    earlier["mean_gap_lower"], earlier["mean_gap_upper"] = earlier.mean_gap - 5e-9, earlier.mean_gap + 1e-9
+    later["mean_gap_lower"], later["mean_gap_upper"] = later.mean_gap - 1e-9, later.mean_gap + 5e-9
+    assert different(earlier, later) == [("mean_gap", 1e6)]
+    assert different(later, earlier) == [("mean_gap", 1e6)]
 
 
 def test_a_share_judges_every_number_and_no_count_of_work():
-    after = statistics(gaps=(2.02e-7, 1e-7), area=(0.1, 0.3 * 1.02)).assign(iterations=("load", [9, 9]))
-    table = compare_statistics(statistics(), after, share=0.015)
+    changed = statistics(gaps=(2.02e-7, 1e-7), area=(0.1, 0.3 * 1.02)).assign(iterations=("load", [9, 9]))
+    table = compare_statistics(statistics(), changed, share=0.015)
     assert sorted(set(table["quantity"])) == ["mean_gap", "relative_contact_area", "rms_height"]
-    assert different(statistics(), after, share=0.015) == [("relative_contact_area", 5e6)]
-    assert different(statistics(), after, share=0.03) == []
+    assert different(statistics(), changed, share=0.015) == [("relative_contact_area", 5e6)]
+    assert different(statistics(), changed, share=0.03) == []
 
 
 def test_missing_numbers_are_equal_to_missing_ones_only():
@@ -71,16 +71,16 @@ def test_missing_numbers_are_equal_to_missing_ones_only():
 
 
 def test_a_number_that_got_lost_or_has_no_end_differs(tmp_path, capsys):
-    before = statistics()
-    lost = before.drop_vars(["mean_gap", "mean_gap_uncertainty", "rms_height"])
-    assert different(before, lost) == [("mean_gap", load) for load in LOADS]
-    assert len(different(before, lost, share=0.01)) == 4
-    assert different(lost, before, share=0.01) == []
+    earlier = statistics()
+    lost = earlier.drop_vars(["mean_gap", "mean_gap_uncertainty", "rms_height"])
+    assert different(earlier, lost) == [("mean_gap", load) for load in LOADS]
+    assert len(different(earlier, lost, share=0.01)) == 4
+    assert different(lost, earlier, share=0.01) == []
     endless = statistics(gaps=(np.inf, 1e-7))
-    assert different(before, endless) == [("mean_gap", 1e6)]
+    assert different(earlier, endless) == [("mean_gap", 1e6)]
     assert different(endless, endless) == []
     files = [str(tmp_path / name) for name in ("before.nc", "lost.nc", "endless.nc")]
-    for dataset, file in zip((before, lost, endless), files, strict=True):
+    for dataset, file in zip((earlier, lost, endless), files, strict=True):
         write_dataset(dataset, file)
     assert main(["compare", *files[:2]]) == 1
     assert capsys.readouterr().out.splitlines()[0] == "at 1.00 MPa  mean_gap  200 nm → nothing"
@@ -89,29 +89,32 @@ def test_a_number_that_got_lost_or_has_no_end_differs(tmp_path, capsys):
 
 
 def test_a_load_of_one_run_alone_differs():
-    after = statistics(gaps=(2e-7,), area=(0.1,), loads=[1e6 * (1 + 5e-4)])
-    assert different(statistics(), after) == [("mean_pressure", 5e6)]
-    assert different(after, statistics()) == [("mean_pressure", 5e6)]
+    shifted = statistics(gaps=(2e-7,), area=(0.1,), loads=[1e6 * (1 + 5e-4)])
+    assert different(statistics(), shifted) == [("mean_pressure", 5e6)]
+    assert different(shifted, statistics()) == [("mean_pressure", 5e6)]
 
 
 def test_loads_belong_together_by_value():
     """In whatever order they are, and beside loads that the other run lacks."""
     turned = statistics(gaps=(1e-7, 2e-7), area=(0.3, 0.1), loads=LOADS[::-1])
     assert different(statistics(), turned, share=1e-6) == []
-    others = statistics(gaps=(9e-7, 1e-7), area=(0.01, 0.3), loads=[1e4, 5e6])
-    assert different(statistics(), others, share=1e-6) == [("mean_pressure", 1e6), ("mean_pressure", 1e4)]
+    partly_common = statistics(gaps=(9e-7, 1e-7), area=(0.01, 0.3), loads=[1e4, 5e6])
+    assert different(statistics(), partly_common, share=1e-6) == [
+        ("mean_pressure", 1e6),
+        ("mean_pressure", 1e4),
+    ]
 
 
 @pytest.mark.parametrize("share", [1e-6, None])
 def test_loads_of_other_bodies_belong_together_by_their_relative_pressure(share):
     """And are named by the pressure that they had in the run before."""
-    before = statistics().assign(relative_pressure=("load", [0.01, 0.05]))
-    after = statistics(gaps=(1e-7, 2e-7), area=(0.3, 0.1), loads=[15e6, 3e6])
-    after = after.assign(relative_pressure=("load", [0.05, 0.01]))
-    table = compare_statistics(before, after, share=share)
+    earlier = statistics().assign(relative_pressure=("load", [0.01, 0.05]))
+    later = statistics(gaps=(1e-7, 2e-7), area=(0.3, 0.1), loads=[15e6, 3e6])
+    later = later.assign(relative_pressure=("load", [0.05, 0.01]))
+    table = compare_statistics(earlier, later, share=share)
     assert list(table["mean_pressure"].unique()) == LOADS
     assert not table["differs"].any()
-    lost = compare_statistics(before, after.drop_vars(["mean_gap", "mean_gap_uncertainty"]), share=share)
+    lost = compare_statistics(earlier, later.drop_vars(["mean_gap", "mean_gap_uncertainty"]), share=share)
     assert list(lost["mean_pressure"].unique()) == LOADS
 
 
@@ -135,19 +138,19 @@ def test_surfaces_belong_together_by_name(tmp_path):
             [{"surface": name, "case": None, "statistics": file} for name, file in files.items()]
         )
 
-    one, other = statistics(), statistics(gaps=(4e-7, 3e-7))
-    before = run("before", ground=one, polished=other)
-    assert different(before, run("same", polished=other, ground=one)) == []
-    table = compare_statistics(before, run("less", ground=other))
+    ground, polished = statistics(), statistics(gaps=(4e-7, 3e-7))
+    earlier = run("before", ground=ground, polished=polished)
+    assert different(earlier, run("same", polished=polished, ground=ground)) == []
+    table = compare_statistics(earlier, run("less", ground=polished))
     differing = table[table["differs"]]
     assert list(differing["surface"]) == ["ground", "ground", "polished", "polished"]
     assert list(differing["quantity"]) == ["mean_gap", "mean_gap", "mean_pressure", "mean_pressure"]
     with pytest.raises(InputFileError, match="single surface"):
-        compare_statistics(before, one)
+        compare_statistics(earlier, ground)
 
 
 def test_what_cannot_be_judged_is_an_error():
-    with pytest.raises(InputFileError, match="--share"):
+    with pytest.raises(InputFileError, match="give the share by which"):
         compare_statistics(statistics(half_width=None), statistics())
 
 
@@ -158,9 +161,9 @@ def test_the_verb(tmp_path, capsys):
     assert main(["compare", files[0], files[0]]) == 0
     assert capsys.readouterr().out == "0 of 2 numbers differ by more than their ±\n"
     assert main(["compare", *files]) == 1
-    said = capsys.readouterr().out.splitlines()
-    assert said[0] == "at 5.00 MPa  mean_gap  100 nm → 110 nm  +10 %, 4.24 nm allowed"
-    assert said[1] == "1 of 2 numbers differs by more than its ±"
+    output = capsys.readouterr().out.splitlines()
+    assert output[0] == "at 5.00 MPa  mean_gap  100 nm → 110 nm  +10 %, 4.24 nm allowed"
+    assert output[1] == "1 of 2 numbers differs by more than its ±"
     write_dataset(statistics(loads=(1e6, 7e6)), files[1])
     assert main(["compare", *files]) == 1
     last = capsys.readouterr().out.splitlines()[-1]
@@ -177,9 +180,11 @@ def test_the_verb(tmp_path, capsys):
 
 
 def test_what_is_no_statistics_is_refused_in_one_sentence(tmp_path, capsys):
-    good, absent, other, damaged = (str(tmp_path / name) for name in ("a.nc", "b.nc", "summary.csv", "c.nc"))
+    good, absent, table_file, damaged = (
+        str(tmp_path / name) for name in ("a.nc", "b.nc", "summary.csv", "c.nc")
+    )
     write_dataset(statistics(), good)
-    Path(other).write_text("surface,mean_gap_m\n")
+    Path(table_file).write_text("surface,mean_gap_m\n")
     Path(damaged).write_bytes(Path(good).read_bytes()[:3000])
     heights = str(tmp_path / "height.nc")
     write_dataset(height_map([[1e-6, 2e-6], [3e-6, 1e-6]], 1e-6), heights)
@@ -188,7 +193,7 @@ def test_what_is_no_statistics_is_refused_in_one_sentence(tmp_path, capsys):
     for path, why in (
         (absent, "no such file"),
         (str(tmp_path), "is a folder"),
-        (other, "is damaged, or no file of a run"),
+        (table_file, "is damaged, or no file of a run"),
         (damaged, "is damaged, or no file of a run"),
         (heights, "holds no statistics of contacts"),
         (groups, "holds no statistics of contacts"),

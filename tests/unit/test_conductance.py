@@ -5,20 +5,21 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.configuration.resolve import resolve
-from roughcontact.contact.response import linear_response
-from roughcontact.elasticity.influence import HALF_SPACE
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
+from roughcontact.arguments.maps import height_map
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.arguments.variables import describe
+from roughcontact.contact.elasticity.energy import elastic_energy
+from roughcontact.contact.elasticity.influence import HALF_SPACE
+from roughcontact.contact.response import certified_response, linear_response
 from roughcontact.report.glance import Cell, _conducts, glance_units
 from roughcontact.report.tables import number_tables
 from roughcontact.statistics.conductance import (
     conductance_columns,
-    over_holms_resistance,
+    knudsen_resistance_ratio,
     resistances_and_joint,
 )
 from roughcontact.statistics.contact_checks import mean_free_path
-from roughcontact.variables import describe
+from roughcontact.surface.synthetic import rough_reference_surface, westergaard_surface
 from validation import closed_forms
 
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
@@ -38,22 +39,38 @@ def test_a_single_spot_conducts_as_holm_has_it():
         {"electrical_resistivity": 1.7e-8, "thermal_conductivity": 400.0},
         {"electrical_resistivity": 2e-7, "thermal_conductivity": 50.0},
     ]
-    found = conductance_columns(2 * modulus * a / area, contact_modulus=modulus, bodies=bodies)
-    assert found["electrical_conductance"] * area == pytest.approx(4 * a / (1.7e-8 + 2e-7), rel=1e-14)
+    columns = conductance_columns(2 * modulus * a / area, contact_modulus=modulus, bodies=bodies)
+    assert columns["electrical_conductance"] * area == pytest.approx(4 * a / (1.7e-8 + 2e-7), rel=1e-14)
     # heat: the same with 1/k in place of ρ
-    assert found["thermal_conductance"] * area == pytest.approx(4 * a / (1 / 400 + 1 / 50), rel=1e-14)
-    assert found["conductance_per_conductivity"] * area == pytest.approx(2 * a, rel=1e-14)
+    assert columns["thermal_conductance"] * area == pytest.approx(4 * a / (1 / 400 + 1 / 50), rel=1e-14)
+    assert columns["conductance_per_conductivity"] * area == pytest.approx(2 * a, rel=1e-14)
 
 
 @pytest.mark.parametrize("radius", [0.1, 0.15])
 def test_an_array_of_round_spots(radius):
     """The error of pixels falls with their size: twice as many halve it, and what is left is small."""
-    known = closed_forms.spot_array_stiffness(radius, 1.0, 1.0)
+    reference = closed_forms.spot_array_stiffness(radius, 1.0, 1.0)
     coarse, fine = (
         1 / linear_response(disc(n, radius), (1 / n, 1 / n), HALF_SPACE, 1e-4) for n in (256, 512)
     )
-    assert fine == pytest.approx(known, rel=0.5 / (radius * 512))
-    assert 2 * fine - coarse == pytest.approx(known, rel=3e-3)
+    assert fine == pytest.approx(reference, rel=0.5 / (radius * 512))
+    assert 2 * fine - coarse == pytest.approx(reference, rel=3e-3)
+
+
+@pytest.mark.parametrize("tolerance", [0.3, 1e-2, 1e-4])
+@pytest.mark.parametrize("load", [0.02, 0.3])
+def test_the_bound_of_the_conductance_is_never_below_its_error(load, tolerance):
+    """The truth is the energy of a flat punch on the same points, solved as a contact to 1e-9."""
+    steps = (1 / 64, 1 / 64)
+    surface = rough_reference_surface(64)
+    touching = rc.solve_contact(surface, contact_modulus=1.0, mean_pressure=load)["contact"].values[0] > 0
+    punch = height_map(np.where(touching, 0.0, -1.0), 1 / 64)
+    solved = rc.solve_contact(punch, contact_modulus=1.0, mean_pressure=1e-3, tolerance=1e-9)
+    assert (solved["contact"].values[0] == touching).all()
+    known = 2e6 * elastic_energy(solved["pressure"].values[0], steps, HALF_SPACE)
+    compliance, bound = certified_response(touching, steps, HALF_SPACE, tolerance)
+    assert abs(compliance / known - 1) <= bound < tolerance**2 + 1e-5
+    assert compliance == pytest.approx(linear_response(touching, steps, HALF_SPACE, tolerance), rel=1e-5)
 
 
 def test_array_of_spots_is_the_slope_of_the_repeated_sphere():
@@ -69,13 +86,15 @@ def test_westergaards_strips():
     full = closed_forms.westergaard_full_contact_pressure(1e-6, 1e-3, 1e9)
     bodies = [{"thermal_conductivity": 20.0}] * 2
     contact = rc.solve_contact(wave, contact_modulus=1e9, mean_pressure=[0.1 * full, 0.5 * full, 2 * full])
-    found = describe(rc.contact_statistics(contact, bodies=bodies))
-    known = np.array([closed_forms.westergaard_stiffness(1e-6, 1e-3, 1e9, r) for r in (0.1, 0.5, 2)]) / 1e9
-    np.testing.assert_allclose(found["conductance_per_conductivity"], known, rtol=4e-3)
-    np.testing.assert_allclose(found["thermal_conductance"], 20 * known, rtol=4e-3)
-    assert found["thermal_conductance"].attrs["units"] == "W m-2 K-1"
-    assert found["conductance_per_conductivity"][2] == np.inf
-    assert "electrical_conductance" not in found
+    statistics = describe(rc.contact_statistics(contact, bodies=bodies))
+    reference = (
+        np.array([closed_forms.westergaard_stiffness(1e-6, 1e-3, 1e9, r) for r in (0.1, 0.5, 2)]) / 1e9
+    )
+    np.testing.assert_allclose(statistics["conductance_per_conductivity"], reference, rtol=4e-3)
+    np.testing.assert_allclose(statistics["thermal_conductance"], 20 * reference, rtol=4e-3)
+    assert statistics["thermal_conductance"].attrs["units"] == "W m-2 K-1"
+    assert statistics["conductance_per_conductivity"][2] == np.inf
+    assert "electrical_conductance" not in statistics
 
 
 def test_heat_flows_through_touching_points_only():
@@ -90,20 +109,20 @@ def test_heat_flows_through_touching_points_only():
     q = 2 * np.pi * np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(32, 1 / 32)], indexing="ij"))
     q[0, 0] = np.inf
     kernel = np.fft.ifft2(1 / q).real  # temperature by unit flux, both bodies alike: k = 1
-    places = np.argwhere(touching)
-    apart = places[:, None] - places[None, :]
-    matrix = kernel[apart[..., 0] % 32, apart[..., 1] % 32]
-    bordered = np.block([[matrix, np.ones((len(places), 1))], [np.ones((1, len(places))), np.zeros((1, 1))]])
-    answer = np.linalg.solve(bordered, np.append(np.zeros(len(places)), touching.size))
+    points = np.argwhere(touching)
+    offsets = points[:, None] - points[None, :]
+    matrix = kernel[offsets[..., 0] % 32, offsets[..., 1] % 32]
+    bordered = np.block([[matrix, np.ones((len(points), 1))], [np.ones((1, len(points))), np.zeros((1, 1))]])
+    answer = np.linalg.solve(bordered, np.append(np.zeros(len(points)), touching.size))
     drop = -2 * answer[-1]  # of the mean temperatures of the two bodies, at a mean flux of 1
-    found = rc.contact_statistics(contact)["conductance_per_conductivity"].item()
-    assert found == pytest.approx(1 / drop, rel=2e-4)
+    conductance = rc.contact_statistics(contact)["conductance_per_conductivity"].item()
+    assert conductance == pytest.approx(1 / drop, rel=2e-4)
 
 
 def test_settings_of_the_bodies():
     bodies = [STEEL | {"thermal_conductivity": 50}, COPPER | {"thermal_conductivity": 400}]
-    found = resolve({"contact": {"bodies": bodies}})[""]["contact"]["bodies"]
-    columns = conductance_columns([1e14], contact_modulus=1e11, bodies=found)
+    bodies_resolved = resolve({"contact": {"bodies": bodies}})[""]["contact"]["bodies"]
+    columns = conductance_columns([1e14], contact_modulus=1e11, bodies=bodies_resolved)
     assert set(columns) == {"conductance_per_conductivity", "thermal_conductance"}
     assert columns["thermal_conductance"] == pytest.approx(2 * 50 * 400 / 450 * 1e3)
 
@@ -119,8 +138,8 @@ def test_one_body_alone_does_not_conduct():
 
 def test_a_flat_map_constricts_nothing():
     contact = rc.solve_contact(height_map(np.zeros((8, 8)), 1e-6), contact_modulus=1e9, mean_pressure=1e6)
-    found = rc.contact_statistics(contact, bodies=[{"electrical_resistivity": 1e-7}] * 2)
-    assert found["electrical_conductance"].item() == np.inf
+    statistics = rc.contact_statistics(contact, bodies=[{"electrical_resistivity": 1e-7}] * 2)
+    assert statistics["electrical_conductance"].item() == np.inf
 
 
 def one_spot(radius: float, resistivity: float, period: float = 1e-4) -> xr.Dataset:
@@ -140,7 +159,7 @@ def one_spot(radius: float, resistivity: float, period: float = 1e-4) -> xr.Data
     [(1e-6, 1.0), (0.01, 1.0 + 0.01 * 8 / (3 * np.pi)), (1.0, 0.79 + 0.849), (100.0, 0.66 + 84.9)],
 )
 def test_small_spots_add_sharvins_resistance_to_holms(ratio, wexler):
-    assert over_holms_resistance(ratio) == pytest.approx(wexler, rel=0.01)
+    assert knudsen_resistance_ratio(ratio) == pytest.approx(wexler, rel=0.01)
 
 
 def test_the_mean_free_path_counts_for_spots_of_its_size():
@@ -152,7 +171,7 @@ def test_the_mean_free_path_counts_for_spots_of_its_size():
     assert "go 41 nm without a collision (Knudsen number 1.0), which adds up to 63.4 % to" in small.sentence
     # Sharvin: 4ρλ/(3πa²) over ρ/(2a)
     sharvin = 4 * copper * path / (3 * np.pi * path**2) / (copper / (2 * path))
-    assert over_holms_resistance(1.0) - 1.83 / 2.33 == pytest.approx(sharvin)
+    assert knudsen_resistance_ratio(1.0) - 1.83 / 2.33 == pytest.approx(sharvin)
     assert mean_free_path(one_spot(path, copper).drop_vars("electrical_conductance")) is None
     through_layers = one_spot(path, copper).assign(conductance_per_conductivity=("load", [np.nan]))
     assert mean_free_path(through_layers) is None
@@ -161,18 +180,18 @@ def test_the_mean_free_path_counts_for_spots_of_its_size():
 def test_resistances_are_those_of_the_conductances_with_their_ends():
     numbers = one_spot(1e-6, 2e-8).assign_coords(mean_pressure=("load", [1e6]))
     base = "conductance_per_conductivity"
-    ends = {f"{base}_lower": ("load", [0.0]), f"{base}_upper": 3 * numbers[base]}
+    bounds = {f"{base}_lower": ("load", [0.0]), f"{base}_upper": 3 * numbers[base]}
     columns = resistances_and_joint({name: values.values for name, values in numbers.items()}, {}, None)
     numbers = numbers.assign(electrical_resistance=("load", columns["electrical_resistance"]))
     assert numbers["electrical_resistance"].item() * 1e8 == pytest.approx(2e-8 / (2 * 1e-6))
-    budget = xr.Dataset(ends, coords=numbers.coords)
-    found = rc.with_uncertainty(numbers, budget)
-    assert found["electrical_conductance_upper"].item() == pytest.approx(3 * 2 * 1e-6 / 2e-8 / 1e-8)
-    assert found["electrical_resistance_lower"].item() == pytest.approx(2e-8 / (2 * 1e-6) * 1e-8 / 3)
-    assert np.isnan(found["electrical_resistance_upper"].item())  # it may not conduct at all
+    budget = xr.Dataset(bounds, coords=numbers.coords)
+    result = rc.with_uncertainty(numbers, budget)
+    assert result["electrical_conductance_upper"].item() == pytest.approx(3 * 2 * 1e-6 / 2e-8 / 1e-8)
+    assert result["electrical_resistance_lower"].item() == pytest.approx(2e-8 / (2 * 1e-6) * 1e-8 / 3)
+    assert np.isnan(result["electrical_resistance_upper"].item())  # it may not conduct at all
     unbounded = rc.with_uncertainty(numbers, budget.assign({f"{base}_upper": ("load", [np.nan])}))
     assert unbounded["electrical_resistance_lower"].item() == 0
-    nothing = rc.with_uncertainty(numbers, budget.assign(dict.fromkeys(ends, ("load", [np.nan]))))
+    nothing = rc.with_uncertainty(numbers, budget.assign(dict.fromkeys(bounds, ("load", [np.nan]))))
     assert np.isnan(nothing["electrical_resistance_lower"].item())
 
 
@@ -195,5 +214,5 @@ def test_what_has_no_interval_says_so_with_the_digits_of_the_area():
     titles = [title for title, *_ in table["header"]]
     assert titles[1:] == ["electrical conductance, no ±", "specific contact resistance, no ±"]
     assert table["rows"][0]["cells"][1:] == ["946000", "0.001057"]
-    without = numbers.drop_vars([f"{area}_lower", f"{area}_upper"])  # nothing has a ± there
-    assert "no ±" not in _conducts(without, glance_units([numbers])[0], 0).details
+    without_interval = numbers.drop_vars([f"{area}_lower", f"{area}_upper"])  # nothing has a ± there
+    assert "no ±" not in _conducts(without_interval, glance_units([numbers])[0], 0).details

@@ -7,9 +7,9 @@ import pytest
 from shared_data import DATA
 
 import roughcontact as rc
-from roughcontact.maps import height_map
-from roughcontact.references import synthetic
+from roughcontact.arguments.maps import height_map
 from roughcontact.statistics.contact_geometry import relative_contact_area
+from roughcontact.surface import synthetic
 from validation import closed_forms
 
 MODULUS = 3e9

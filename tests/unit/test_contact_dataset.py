@@ -9,12 +9,12 @@ import scipy
 import xarray as xr
 
 import roughcontact as rc
+from roughcontact.arguments.maps import height_map
+from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.loads import DEFAULT_PLAN, plan_loads
 from roughcontact.contact.response import linear_response
-from roughcontact.elasticity.influence import Elasticity
-from roughcontact.fourier import wavenumbers
-from roughcontact.maps import height_map
-from roughcontact.references import synthetic
+from roughcontact.kernels.fourier import wavenumbers
+from roughcontact.surface import synthetic
 from validation.closed_forms import full_contact_fluctuation
 
 MODULUS = 2e9
@@ -103,9 +103,9 @@ def test_fields_are_optional_and_reduce_replaces_them():
     assert set(scalars.dims) == {"load"}
     xr.testing.assert_identical(scalars, full.drop_dims(["y", "x"]))
     reduced = rc.solve_contact(window, reduce=rc.contact_statistics, **kwargs)
-    whole = rc.contact_statistics(full)
-    for name in whole.data_vars:
-        np.testing.assert_array_equal(reduced[name], whole[name], err_msg=name)
+    statistics = rc.contact_statistics(full)
+    for name in statistics.data_vars:
+        np.testing.assert_array_equal(reduced[name], statistics[name], err_msg=name)
 
 
 def test_a_reduce_that_cannot_reduce_is_named():
@@ -224,11 +224,15 @@ def test_single_precision_says_its_floor_and_keeps_to_it():
 
 def test_runs_repeat_exactly_and_thread_counts_agree_to_the_certificate():
     window, load = rough(shape=(512, 512)), {"contact_modulus": MODULUS, "mean_pressure": 2e7}
-    first, again = (rc.solve_contact(window, tolerance=1e-5, **load) for _ in range(2))
-    np.testing.assert_array_equal(first["pressure"], again["pressure"])
-    two = rc.solve_contact(window, tolerance=1e-5, threads=2, **load)
-    assert float(two["contact"].mean()) == pytest.approx(float(first["contact"].mean()), rel=1e-4)
-    assert np.linalg.norm(two["pressure"] - first["pressure"]) <= 4e-5 * np.linalg.norm(first["pressure"])
+    first_result, repetition = (rc.solve_contact(window, tolerance=1e-5, **load) for _ in range(2))
+    np.testing.assert_array_equal(first_result["pressure"], repetition["pressure"])
+    with_two_threads = rc.solve_contact(window, tolerance=1e-5, threads=2, **load)
+    assert float(with_two_threads["contact"].mean()) == pytest.approx(
+        float(first_result["contact"].mean()), rel=1e-4
+    )
+    assert np.linalg.norm(with_two_threads["pressure"] - first_result["pressure"]) <= 4e-5 * np.linalg.norm(
+        first_result["pressure"]
+    )
 
 
 def test_loads_from_one_pixel_to_ten_times_full_contact():
@@ -359,12 +363,14 @@ def test_a_load_gives_what_it_does_alone_and_shares_the_cost_of_the_setup():
     loads = [3e6, 3.006e6, 3.012e6]
     together = rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=loads)
     for number, load in enumerate(loads):
-        alone = rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=load)
+        single_load = rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=load)
         # the gradient's transform, and the pressure of full contact, which is looked at once
         setup = 0.0 if number == 0 else 0.5 + 1.0
-        found = float(together["operator_applications"][number])
-        assert found == pytest.approx(float(alone["operator_applications"][0]) - setup, abs=1e-12)
-        np.testing.assert_array_equal(together["pressure"][number], alone["pressure"][0])
+        applications = float(together["operator_applications"][number])
+        assert applications == pytest.approx(
+            float(single_load["operator_applications"][0]) - setup, abs=1e-12
+        )
+        np.testing.assert_array_equal(together["pressure"][number], single_load["pressure"][0])
 
 
 def test_deep_pits_in_lines_far_apart_converge_by_safe_steps():
@@ -456,12 +462,12 @@ def arrays(request, monkeypatch):
         pytest.skip("no GPU")
     if unnamed:
         kind = type(library.asarray(0.0))
-        known = array_api_compat.array_namespace
+        original = array_api_compat.array_namespace
         monkeypatch.delattr(kind, "__array_namespace__")
         monkeypatch.setattr(
             array_api_compat,
             "array_namespace",
-            lambda field: library if isinstance(field, kind) else known(field),
+            lambda field: library if isinstance(field, kind) else original(field),
         )
     return partial(library.asarray, device="cuda") if "GPU" in request.param else library.asarray
 
@@ -482,13 +488,15 @@ ELASTICITY = {
 def test_the_solve_runs_in_the_library_of_the_arrays(mean_pressure, limit, hard, elasticity, arrays):
     window, hardness = rough(), limit if hard else None
     options = {"mean_pressure": mean_pressure, "hardness": hardness, "tolerance": 1e-8} | elasticity
-    found, expected = (rc.solve_contact(window, arrays=one, **options) for one in (arrays, None))
-    assert isinstance(found["pressure"].data, np.ndarray)
-    assert set(found.variables) == set(expected.variables)
+    actual, expected = (
+        rc.solve_contact(window, arrays=library_arrays, **options) for library_arrays in (arrays, None)
+    )
+    assert isinstance(actual["pressure"].data, np.ndarray)
+    assert set(actual.variables) == set(expected.variables)
     size = np.sqrt((expected["pressure"] ** 2).mean())
-    assert np.sqrt(((found["pressure"] - expected["pressure"]) ** 2).mean()) < 1e-7 * size
-    assert float(found["error_bound"].max()) <= 1e-8
-    np.testing.assert_array_equal(found["operator_applications"], expected["operator_applications"])
+    assert np.sqrt(((actual["pressure"] - expected["pressure"]) ** 2).mean()) < 1e-7 * size
+    assert float(actual["error_bound"].max()) <= 1e-8
+    np.testing.assert_array_equal(actual["operator_applications"], expected["operator_applications"])
     assert (expected["yielded_area"].max() > 0) == hard
 
 
@@ -497,14 +505,14 @@ def test_heights_of_another_library_are_solved_by_it():
     window = rough()
     elsewhere = window.copy(data=library.asarray(window.values))
     options = {"contact_modulus": MODULUS, "mean_pressure": 8e7, "tolerance": 1e-8}
-    found, expected = (rc.solve_contact(heights, **options) for heights in (elsewhere, window))
-    assert isinstance(found["pressure"].data, np.ndarray)
+    actual, expected = (rc.solve_contact(heights, **options) for heights in (elsewhere, window))
+    assert isinstance(actual["pressure"].data, np.ndarray)
     size = np.sqrt((expected["pressure"] ** 2).mean())
-    assert np.sqrt(((found["pressure"] - expected["pressure"]) ** 2).mean()) < 1e-7 * size
+    assert np.sqrt(((actual["pressure"] - expected["pressure"]) ** 2).mean()) < 1e-7 * size
 
 
 def test_a_large_map_without_its_workspace_between_the_loads_has_the_same_solutions(monkeypatch):
     height, loads = synthetic.rough_reference_surface(128), [0.01, 0.05, 2.0]  # the last one closes the gap
-    kept = rc.solve_contact(height, contact_modulus=1.0, mean_pressure=loads)
+    reference = rc.solve_contact(height, contact_modulus=1.0, mean_pressure=loads)
     monkeypatch.setattr("roughcontact.contact.sweep.MAX_KEPT_POINTS", 0)
-    xr.testing.assert_identical(rc.solve_contact(height, contact_modulus=1.0, mean_pressure=loads), kept)
+    xr.testing.assert_identical(rc.solve_contact(height, contact_modulus=1.0, mean_pressure=loads), reference)

@@ -6,7 +6,7 @@ import xarray as xr
 from scipy.optimize import lsq_linear
 
 import roughcontact as rc
-from roughcontact.references import synthetic
+from roughcontact.surface import synthetic
 
 MODULUS = 1e9
 
@@ -24,8 +24,8 @@ def dense_solution(heights, lengths, *, shift, hardness):
     columns = np.fft.fft2(np.eye(ny * nx).reshape(-1, ny, nx))
     matrix = np.fft.ifft2(columns * root).real.reshape(ny * nx, ny * nx)
     raised = np.fft.ifft2(np.fft.fft2(heights + shift) / root).real.ravel()
-    found = lsq_linear(matrix, raised, bounds=(0, hardness), tol=1e-14, method="bvls")
-    return found.x.reshape(heights.shape)
+    solution = lsq_linear(matrix, raised, bounds=(0, hardness), tol=1e-14, method="bvls")
+    return solution.x.reshape(heights.shape)
 
 
 @pytest.mark.parametrize(
@@ -99,7 +99,7 @@ def test_a_hardness_that_single_precision_rounds_takes_no_more_than_others(seed)
     unit = 0.1 * MODULUS
     rounded = np.float32(0.7)
     assert float(rounded) < 0.7
-    taken = [
+    iterations = [
         float(
             rc.solve_contact(
                 profile, contact_modulus=MODULUS, mean_pressure=1e7, hardness=hardness * unit, fields=False
@@ -107,8 +107,8 @@ def test_a_hardness_that_single_precision_rounds_takes_no_more_than_others(seed)
         )
         for hardness in (0.7, float(rounded))
     ]
-    assert taken[0] <= taken[1] + 2
-    assert taken[0] <= 14.1
+    assert iterations[0] <= iterations[1] + 2
+    assert iterations[0] <= 14.1
 
 
 @pytest.mark.parametrize("ratio", [1.2, 2.0, 5.0, 20.0])

@@ -12,10 +12,11 @@ from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
 import roughcontact as rc
-from roughcontact.command_line.program import main
-from roughcontact.evaluation import over_mean_gap
-from roughcontact.references.synthetic import rough_reference_surface
-from roughcontact.sealing.flow import flow_columns
+from roughcontact.arguments.maps import spacing
+from roughcontact.evaluation.evaluate import tabulate_by_gap
+from roughcontact.interface.program import main
+from roughcontact.statistics.sealing.flow import flow_columns
+from roughcontact.surface.synthetic import rough_reference_surface
 from validation import closed_forms
 from validation.sealing import gaussian_heights
 
@@ -24,8 +25,8 @@ from validation.sealing import gaussian_heights
 def test_ridges_across_carry_what_the_closed_form_says(depth):
     """Ridges across the sliding direction: <g^-2>/<g^-3> of the mean gap is driven; along it all of it."""
     gap = (1 + depth * np.cos(2 * np.pi * (np.arange(4096) + 0.5) / 4096))[None]
-    found = flow_columns(gap, (1.0, 1.0))
-    assert found["shear_flow_x"] == pytest.approx(1 - (gap**-2.0).mean() / (gap**-3.0).mean(), abs=1e-6)
+    factors = flow_columns(gap, (1.0, 1.0))
+    assert factors["shear_flow_x"] == pytest.approx(1 - (gap**-2.0).mean() / (gap**-3.0).mean(), abs=1e-6)
     along = flow_columns(np.broadcast_to(gap.T, (4096, 4)), (1.0, 1.0))
     assert along["shear_flow_x"] == pytest.approx(0, abs=1e-12)
 
@@ -94,8 +95,8 @@ def test_far_apart_it_is_three_halves_of_sigma_over_the_gap():
     values = height.values / float(height.std())
     factors = []
     for gap in (20.0, 3.0):
-        found = flow_columns(np.maximum(gap + values, 0), (1.0, 1.0), tolerance=1e-9)
-        factors.append((found["shear_flow_x"] + found["shear_flow_y"]) / 2 * gap)
+        factors_at_gap = flow_columns(np.maximum(gap + values, 0), (1.0, 1.0), tolerance=1e-9)
+        factors.append((factors_at_gap["shear_flow_x"] + factors_at_gap["shear_flow_y"]) / 2 * gap)
     assert factors[0] == pytest.approx(1.5 / 20, rel=0.03)
     curve = 1.899 * 3**0.98 * np.exp(-0.92 * 3 + 0.05 * 9)  # their fit for gamma = 1
     assert factors[1] == pytest.approx(curve, rel=0.2)  # published scatter
@@ -142,20 +143,20 @@ def test_the_table_is_that_of_the_statistics(statistics, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("dims", "told"),
+    ("dims", "message"),
     [
         (("surface", "load"), "is of all surfaces; name the statistics.nc in the folder of one"),
         (("load",), "flow"),
     ],
 )
-def test_what_has_no_table_is_refused_by_the_name_of_its_file(dims, told, tmp_path, capsys):
+def test_what_has_no_table_is_refused_by_the_name_of_its_file(dims, message, tmp_path, capsys):
     loads = np.full((2,) * len(dims), 1e6)
     numbers = xr.Dataset({"mean_gap": (dims, loads * 1e-13)}, coords={"mean_pressure": (dims, loads)})
     rc.write_dataset(numbers, tmp_path / "statistics.nc")
     assert main(["table", str(tmp_path / "statistics.nc")]) == 2
     sentence = capsys.readouterr().err
     assert f"{tmp_path / 'statistics.nc'}: " in sentence
-    assert told in sentence
+    assert message in sentence
 
 
 def test_the_ends_at_a_gap_are_those_of_a_curve_moved_along_it():
@@ -163,6 +164,7 @@ def test_the_ends_at_a_gap_are_those_of_a_curve_moved_along_it():
     gap, factor, sigma = np.geomspace(3e-6, 1e-7, 2001), 1.2, 4e-7
     rows = {
         "mean_gap": gap,
+        "approach": gap + 1e-6,
         "mean_gap_lower": gap / factor,
         "mean_gap_upper": gap * factor,
         "mean_pressure": 1e6 * (gap / 1e-6) ** -2.0,
@@ -176,7 +178,7 @@ def test_the_ends_at_a_gap_are_those_of_a_curve_moved_along_it():
     statistics = xr.Dataset({name: ("load", values) for name, values in rows.items()}).assign(
         rms_height=sigma
     )
-    table = over_mean_gap(statistics)
+    table = tabulate_by_gap(statistics)
     inner = table.sel(mean_gap=slice(2.4e-6, 1.3e-7))
     # a gap larger by f at each load: p(u) = 1/u^2 becomes f^2/u^2
     for name, exponent in {
@@ -209,24 +211,24 @@ def test_a_pressure_is_possible_at_a_gap_where_the_gap_is_possible_at_that_press
         statistics={"flow": "always"},
         window={"method": "raw"},
     )
-    table = over_mean_gap(statistics)
+    table = tabulate_by_gap(statistics)
     gap, pressure = table["mean_gap"].values, statistics["mean_pressure"].values
     assert gap[-1] == 0  # as closed as it gets
-    lower, upper = (statistics[f"mean_gap_{end}"].values for end in ("lower", "upper"))
+    lower, upper = (statistics[f"mean_gap_{side}"].values for side in ("lower", "upper"))
     possible = (lower[None] <= gap[:, None]) & (gap[:, None] <= upper[None])
-    least = table["mean_pressure_lower"].values[:, None]
+    lowest = table["mean_pressure_lower"].values[:, None]
     largest = table["mean_pressure_upper"].fillna(np.inf).values[:, None]
-    within = (least <= pressure * (1 + 1e-9)) & (pressure * (1 - 1e-9) <= largest)
-    np.testing.assert_array_equal(within[:-1], possible[:-1])
+    is_within = (lowest <= pressure * (1 + 1e-9)) & (pressure * (1 - 1e-9) <= largest)
+    np.testing.assert_array_equal(is_within[:-1], possible[:-1])
     assert possible[:-1].sum() > 2 * gap.size
     assert np.isnan([table["mean_pressure_lower"][-1], table["mean_pressure_upper"][-1]]).all()
     for name in ("mean_pressure", "relative_contact_area", "contact_stiffness"):
-        for end in ("lower", "upper"):
-            assert (np.diff(table[f"{name}_{end}"].dropna("mean_gap")) >= 0).all()
+        for side in ("lower", "upper"):
+            assert (np.diff(table[f"{name}_{side}"].dropna("mean_gap")) >= 0).all()
     for axis in "xy":
         for name, largest_value in {"pressure": 1.5, "shear": gap / table.attrs["rms_height"]}.items():
             low, value, high = (
-                table[f"{name}_flow_factor_{axis}{end}"].values for end in ("_lower", "", "_upper")
+                table[f"{name}_flow_factor_{axis}{side}"].values for side in ("_lower", "", "_upper")
             )
             bounds = np.array([np.zeros_like(low), low, value, high, largest_value + 1e-12 + 0 * low])
             assert (np.diff(bounds, axis=0) >= 0).all()
@@ -236,11 +238,34 @@ def test_without_an_error_budget_the_columns_of_the_ends_are_empty(statistics):
     bare = statistics.drop_vars(
         [name for name in statistics.variables if name.endswith(("_lower", "_upper"))]
     )
-    table = over_mean_gap(bare)
-    ends = [name for name in table.data_vars if name.endswith(("_lower", "_upper"))]
-    assert len(ends) == 16
-    assert all(np.isnan(table[name]).all() for name in ends)
-    np.testing.assert_array_equal(table["mean_pressure"], over_mean_gap(statistics)["mean_pressure"])
+    table = tabulate_by_gap(bare)
+    bound_columns = [name for name in table.data_vars if name.endswith(("_lower", "_upper"))]
+    assert len(bound_columns) == 16
+    assert all(np.isnan(table[name]).all() for name in bound_columns)
+    np.testing.assert_array_equal(table["mean_pressure"], tabulate_by_gap(statistics)["mean_pressure"])
+
+
+@pytest.mark.parametrize("hardness", [None, 1.4e9])
+def test_the_approach_is_that_of_the_bodies(hardness):
+    """Where no point flows the heights, the gap and the displacement by the pressure tell the place."""
+    window = rc.periodic_window(rc.level(rc.read_height_map("data_samples/ground.txt")))
+    problem = {"contact_modulus": 1.154e11, "mean_pressure": [6e6, 4.5e8, 1.2e9], "hardness": hardness}
+    law = rc.contact_table(window, **problem)
+    solved = rc.solve_contact(window, **problem, tolerance=1e-6)
+    axes = [2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(window.shape, spacing(window), strict=True)]
+    q = np.hypot.outer(*axes)
+    q[0, 0] = np.inf
+    positions = []
+    for pressure, gap in zip(solved["pressure"].values, solved["gap"].values, strict=True):
+        displacement = np.fft.ifft2(np.fft.fft2(pressure) * 2 / (problem["contact_modulus"] * q)).real
+        unyielded = pressure < (hardness or np.inf) * (1 - 1e-6)
+        positions.append(np.mean((gap + window.values - displacement)[unyielded]))
+    np.testing.assert_allclose(np.diff(law["approach"]), np.diff(positions), rtol=3e-3)
+    by_gap = np.diff(law["mean_gap"])
+    if hardness:
+        assert (np.diff(positions) < [1.05, 1.8] * by_gap).all()
+    else:
+        np.testing.assert_allclose(np.diff(law["approach"]), by_gap, rtol=1e-9)
 
 
 def test_loads_end_below_the_hardness_of_named_materials():
@@ -250,8 +275,8 @@ def test_loads_end_below_the_hardness_of_named_materials():
         0.95 * rc.material("steel")["hardness"], rel=1e-6
     )
     assert float(table["relative_contact_area"].max()) > 0.9
-    stated = rc.contact_table(window, contact_modulus="100 GPa", mean_pressure=["100 MPa", "200 MPa"])
-    np.testing.assert_allclose(stated["mean_pressure"], [1e8, 2e8])
+    explicit_loads = rc.contact_table(window, contact_modulus="100 GPa", mean_pressure=["100 MPa", "200 MPa"])
+    np.testing.assert_allclose(explicit_loads["mean_pressure"], [1e8, 2e8])
     with pytest.raises(rc.SettingsError, match="loads = 0"):
         rc.contact_table(window, contact_modulus="100 GPa", loads=0)
 
@@ -268,22 +293,22 @@ def test_closed_gaps_of_conductors_are_no_warning():
 
 def test_the_table_of_cuts_holds_that_of_the_whole_surface():
     """Curves of a surface that is nine times as large lie within the ends in nine of ten rows."""
-    whole = rc.self_affine_surface(
+    large_surface = rc.self_affine_surface(
         (384, 384), 1e-6, hurst=0.8, shortest=4e-6, longest=4e-5, rms_height=3e-7, seed=2
     )
-    true = rc.contact_table(whole, contact_modulus="1 GPa", loads=12).sortby("mean_gap")
+    true = rc.contact_table(large_surface, contact_modulus="1 GPa", loads=12).sortby("mean_gap")
     sigma = true.attrs["rms_height"]
     inside = []
     for corner in (0, 128, 256):
-        cut = rc.height_map(whole.values[corner : corner + 128, :128], 1e-6)
+        cut = rc.height_map(large_surface.values[corner : corner + 128, :128], 1e-6)
         table = rc.contact_table(rc.periodic_window(rc.level(cut)), contact_modulus="1 GPa", loads=12)
         table = table.sel(mean_gap=slice(float(true["mean_gap"].max()), 0.15 * sigma))
         for name in ("mean_pressure", "pressure_flow_factor_x", "shear_flow_factor_x"):
             values = np.interp(np.log(table["mean_gap"]), np.log(true["mean_gap"]), true[name])
             if name.startswith("shear"):  # times sigma is what drives the flow
                 values = values * sigma / table.attrs["rms_height"]
-            ends = table[f"{name}_lower"].fillna(0.0), table[f"{name}_upper"].fillna(np.inf)
-            inside += ((ends[0] <= values) & (values <= ends[1])).values.tolist()
+            bounds = table[f"{name}_lower"].fillna(0.0), table[f"{name}_upper"].fillna(np.inf)
+            inside += ((bounds[0] <= values) & (values <= bounds[1])).values.tolist()
     assert np.mean(inside) >= 0.9
 
 
@@ -334,9 +359,9 @@ def test_finite_elements_return_the_contact_law(tmp_path):
     """Two blocks in CalculiX that are pressed together; lengths in µm, forces in µN, pressures in MPa."""
     window = rough_reference_surface(64) * 1e-6
     law = rc.contact_table(window, contact_modulus="1 GPa", loads=12, tolerance=1e-3)
-    touch = (law["mean_gap"] + law["mean_pressure"] / law["contact_stiffness"]).values[0]
+    touch = (law["approach"] + law["mean_pressure"] / law["contact_stiffness"]).values[0]
     pressure = np.append(0, law["mean_pressure"]) * 1e-6
-    overclosure = np.append(0, touch - law["mean_gap"]) * 1e6
+    overclosure = np.append(0, touch - law["approach"]) * 1e6
     side, corners = 10.0, ((0, 0), (1, 0), (1, 1), (0, 1))
     points = [(x * side, y * side, z * side) for z in (-1, 0, 0, 1) for x, y in corners]
     text = BLOCKS.format(
@@ -369,7 +394,7 @@ def test_the_rows_of_the_window_stay_where_they_are():
 
 def test_statistics_without_flow_are_refused(statistics):
     with pytest.raises(rc.SettingsError, match=r"statistics\.flow: always"):
-        over_mean_gap(statistics.drop_vars("flow_factor_xx"))
+        tabulate_by_gap(statistics.drop_vars("flow_factor_xx"))
 
 
 @pytest.mark.parametrize(

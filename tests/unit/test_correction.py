@@ -6,17 +6,18 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import noisy
 
 import roughcontact as rc
-from roughcontact.configuration.resolve import resolve
-from roughcontact.configuration.stages import settings_of
+from roughcontact.arguments.maps import height_map, spacing
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.arguments.settings.stages import stage_settings
 from roughcontact.errors import SettingsError
-from roughcontact.maps import height_map, spacing
 from roughcontact.report.facts import waves_in_words
 from roughcontact.results.collect import collect_statistics, summary_table
-from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.window.instrument import window_arguments
-from roughcontact.window.transfer import corrected, transfer, with_noise
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.window.instrument import window_arguments
+from roughcontact.surface.window.transfer import corrected, transfer
 from validation.masters import master_surface
 
 MODULUS = 1e9
@@ -57,31 +58,33 @@ def test_a_corrected_map_is_nearer_to_the_truth_which_is_in_its_interval(
     height = true_surface(kind)
     loads = [share * MODULUS * rms_gradient(height) for share in (0.02, 0.2)]
     truth = rc.contact_statistics(rc.solve_contact(height, contact_modulus=MODULUS, mean_pressure=loads))
-    known = {}
+    optics = {}
     measured = height
     if numerical_aperture:
-        known["numerical_aperture"] = numerical_aperture
-        measured = through(measured, **known)
+        optics["numerical_aperture"] = numerical_aperture
+        measured = through(measured, **optics)
     if share_of_noise:
-        known["noise"] = share_of_noise * float(height.std())
-        measured, _ = with_noise(measured, known["noise"])
-    found = evaluated(measured, loads, correct=True, **known)
+        optics["noise"] = share_of_noise * float(height.std())
+        measured = noisy(measured, optics["noise"])
+    result = evaluated(measured, loads, correct=True, **optics)
     area = "relative_contact_area"
     for name in SHOWN[:3]:
         true = (np.array(loads) / truth[area] if "contact_p" in name else truth[name]).values
-        assert (true >= found[f"{name}_lower"]).all(), name
-        assert (np.nan_to_num(found[f"{name}_upper"], nan=np.inf) >= true).all(), name
-    own, before = (np.abs(np.log(found[name] / truth[area])).max() for name in (area, f"{area}_as_measured"))
-    assert own < before / 2
-    plain = evaluated(measured, loads, **known)
+        assert (true >= result[f"{name}_lower"]).all(), name
+        assert (np.nan_to_num(result[f"{name}_upper"], nan=np.inf) >= true).all(), name
+    error_corrected, error_measured = (
+        np.abs(np.log(result[name] / truth[area])).max() for name in (area, f"{area}_as_measured")
+    )
+    assert error_corrected < error_measured / 2
+    plain = evaluated(measured, loads, **optics)
     for name in SHOWN:
         solved = (
             np.array(loads) / plain[f"{area}_as_solved"]
             if "contact_p" in name
             else plain[f"{name}_as_solved"]
         )
-        assert found[f"{name}_as_measured"].values == pytest.approx(solved.values, rel=3e-3)
-    instrument = found[f"{area}_components"].sel(source="instrument")
+        assert result[f"{name}_as_measured"].values == pytest.approx(solved.values, rel=3e-3)
+    instrument = result[f"{area}_components"].sel(source="instrument")
     assert (instrument.sel(component=["down", "up"]) > 0).all()  # to both sides
     assert (instrument.sel(component=["shift_down", "shift_up"]) == 0).all()
 
@@ -91,18 +94,18 @@ def test_a_correction_brings_its_uncertainty_whatever_the_sources():
     height = true_surface("random")
     loads = [0.1 * MODULUS * rms_gradient(height)]
     noise = 0.05 * float(height.std())
-    noisy, _ = with_noise(height, noise)
-    unstated, stated = (
-        evaluated(noisy, loads, sources=sources, noise=noise, correct=True)
+    measured = noisy(height, noise)
+    unstated, add_noise = (
+        evaluated(measured, loads, sources=sources, noise=noise, correct=True)
         for sources in (["solver"], ["solver", "instrument"])
     )
-    xr.testing.assert_equal(unstated.drop_attrs(), stated.drop_attrs())
+    xr.testing.assert_equal(unstated.drop_attrs(), add_noise.drop_attrs())
     area = "relative_contact_area"
     true = rc.contact_statistics(rc.solve_contact(height, contact_modulus=MODULUS, mean_pressure=loads))[area]
     assert (unstated[f"{area}_lower"] <= true).all()
     assert (true <= unstated[f"{area}_upper"]).all()
     assert unstated[area].values == pytest.approx(unstated[f"{area}_as_solved"].values, rel=1e-12)
-    none = evaluated(noisy, loads, sources=[], noise=noise, correct=True)
+    none = evaluated(measured, loads, sources=[], noise=noise, correct=True)
     assert f"{area}_lower" not in none
     assert "corrected_for" in none.attrs
 
@@ -110,30 +113,30 @@ def test_a_correction_brings_its_uncertainty_whatever_the_sources():
 def test_a_correction_restores_the_gradient_that_noise_hides():
     height = true_surface("random", seed=2)
     noise = 0.1 * float(height.std())
-    noisy, _ = with_noise(height, noise)
-    found = corrected(noisy, {"noise": noise})
-    assert rms_gradient(noisy) > 1.2 * rms_gradient(height)
-    assert rms_gradient(found) == pytest.approx(rms_gradient(height), rel=0.02)
-    assert float(found.mean()) == pytest.approx(float(noisy.mean()), abs=1e-12)
+    measured = noisy(height, noise)
+    restored = corrected(measured, {"noise": noise})
+    assert rms_gradient(measured) > 1.2 * rms_gradient(height)
+    assert rms_gradient(restored) == pytest.approx(rms_gradient(height), rel=0.02)
+    assert float(restored.mean()) == pytest.approx(float(measured.mean()), abs=1e-12)
 
 
 def test_noise_that_is_all_of_the_gradient_leaves_no_upper_end():
     height = true_surface("random")
     smooth = through(height, resolution=8e-6)
     noise = 0.5 * float(smooth.std())
-    noisy, _ = with_noise(smooth, noise)
-    found = evaluated(noisy, [0.1 * MODULUS * rms_gradient(smooth)], noise=noise, correct=True)
-    assert float(found["relative_contact_area_upper"][0]) == 1.0
+    measured = noisy(smooth, noise)
+    result = evaluated(measured, [0.1 * MODULUS * rms_gradient(smooth)], noise=noise, correct=True)
+    assert float(result["relative_contact_area_upper"][0]) == 1.0
 
 
 def test_a_correction_is_named_wherever_its_numbers_stand(tmp_path):
     height = true_surface("random")
     loads = [0.1 * MODULUS * rms_gradient(height)]
     words = "noise of 2.00 nm, numerical aperture of 0.55"
-    found = evaluated(height, loads, noise=2e-9, numerical_aperture=0.55, correct=True)
-    assert found.attrs["corrected_for"] == words
-    assert json.loads(found.attrs["settings"])["instrument"]["correct"] is True
-    found.to_netcdf(tmp_path / "statistics.nc")
+    result = evaluated(height, loads, noise=2e-9, numerical_aperture=0.55, correct=True)
+    assert result.attrs["corrected_for"] == words
+    assert json.loads(result.attrs["settings"])["instrument"]["correct"] is True
+    result.to_netcdf(tmp_path / "statistics.nc")
     entry = {"surface": "one", "case": None, "statistics": tmp_path / "statistics.nc"}
     assert summary_table(collect_statistics([entry]))["corrected_for"].tolist() == [words]
     window = rc.periodic_window(height, correct_for={"noise": 2e-9, "numerical_aperture": 0.55})
@@ -142,16 +145,16 @@ def test_a_correction_is_named_wherever_its_numbers_stand(tmp_path):
 
 def test_the_window_follows_the_instrument_only_where_it_is_corrected():
     contact = {"contact": {"contact_modulus": MODULUS}}
-    plain, asked = (
+    plain, with_correction = (
         resolve(contact | {"instrument": {"noise": "2 nm", "correct": correct}})[""]
         for correct in (False, True)
     )
-    assert list(settings_of(plain, "window")) == ["level", "window"]
-    assert list(settings_of(asked, "window")) == ["level", "window", "instrument"]
-    assert list(settings_of(asked, "levelled")) == ["level"]
+    assert list(stage_settings(plain, "window")) == ["level", "window"]
+    assert list(stage_settings(with_correction, "window")) == ["level", "window", "instrument"]
+    assert list(stage_settings(with_correction, "levelled")) == ["level"]
     height = true_surface("random")
     assert window_arguments(height, plain) == plain["window"]
-    assert window_arguments(height, asked)["correct_for"]["noise"] == pytest.approx(2e-9)
+    assert window_arguments(height, with_correction)["correct_for"]["noise"] == pytest.approx(2e-9)
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,9 @@ import pytest
 from cost import QUANTITIES, TOLERANCES, advice, cheapest, choices, main, run_time_against_error
 
 import roughcontact as rc
+from roughcontact.arguments.maps import height_map, refined
 from roughcontact.errors import HeightMapError
-from roughcontact.maps import height_map, refined
-from roughcontact.references import synthetic
+from roughcontact.surface import synthetic
 from validation import closed_forms
 
 
@@ -51,13 +51,13 @@ def test_every_grid_and_tolerance_is_there(table):
 
 def test_errors_cover_the_known_answer(table):
     """Area and mean gap by an independent code at 1024 points."""
-    known = list(closed_forms.ROUGH_AREA_AND_GAP.values())[:2]
-    for (load, rows), (area, gap) in zip(table.groupby("mean_pressure"), known, strict=True):
+    reference = list(closed_forms.ROUGH_AREA_AND_GAP.values())[:2]
+    for (load, rows), (area, gap) in zip(table.groupby("mean_pressure"), reference, strict=True):
         assert load > 0
-        off = (rows["relative_contact_area"] / area - 1).abs()
-        assert (off <= rows["relative_contact_area_error"] + 5e-5).all()
-        off = (rows["mean_gap"] / (gap * 0.023699516) - 1).abs()
-        assert (off <= rows["mean_gap_error"] + 1e-5).all()
+        deviation = (rows["relative_contact_area"] / area - 1).abs()
+        assert (deviation <= rows["relative_contact_area_error"] + 5e-5).all()
+        deviation = (rows["mean_gap"] / (gap * 0.023699516) - 1).abs()
+        assert (deviation <= rows["mean_gap_error"] + 1e-5).all()
 
 
 def test_errors_fall_with_the_grid(table):
@@ -84,9 +84,9 @@ def made_up(errors, seconds):
 
 def test_a_coarse_grid_that_is_right_by_chance_is_not_trusted():
     table = made_up(errors=[1e-4, 0.03, 0.02, 0.004], seconds=[1, 2, 3, 4])
-    found = choices(table).set_index(["points_x", "tolerance"])["mean_gap_error"]
-    assert found[64, 0.1] == 0.03
-    assert found[128, 0.01] == 0.004
+    errors = choices(table).set_index(["points_x", "tolerance"])["mean_gap_error"]
+    assert errors[64, 0.1] == 0.03
+    assert errors[128, 0.01] == 0.004
     best = cheapest(table, "mean_gap", 0.01)
     assert (best["points_x"], best["tolerance"], best["seconds"]) == (128, 0.01, 4)
     assert cheapest(table, "mean_gap", 0.001) is None
@@ -116,16 +116,18 @@ def test_the_command_prints_the_advice_and_keeps_the_table(tmp_path, capsys):
     rc.write_dataset(window.to_dataset(name="height"), tmp_path / "window.nc")
     rc.write_dataset(rc.contact_statistics(contact), tmp_path / "statistics.nc")
     assert main([str(tmp_path)]) == 0
-    kept = pd.read_csv(tmp_path / "cost.csv")
-    assert sorted(set(kept["points_x"])) == [32, 64, 128]
-    assert kept["mean_pressure"].nunique() == 2
+    kept_table = pd.read_csv(tmp_path / "cost.csv")
+    assert sorted(set(kept_table["points_x"])) == [32, 64, 128]
+    assert kept_table["mean_pressure"].nunique() == 2
     printed = capsys.readouterr().out
-    for sentence in advice(kept):
+    for sentence in advice(kept_table):
         assert sentence in printed
 
 
-@pytest.mark.parametrize(("heights", "said"), [(np.eye(7, 6), "6 × 7 points"), (np.ones((64, 64)), "flat")])
-def test_a_map_that_tells_nothing_is_refused(heights, said):
+@pytest.mark.parametrize(
+    ("heights", "message"), [(np.eye(7, 6), "6 × 7 points"), (np.ones((64, 64)), "flat")]
+)
+def test_a_map_that_tells_nothing_is_refused(heights, message):
     height = height_map(heights, 1.0)
-    with pytest.raises(HeightMapError, match=said):
+    with pytest.raises(HeightMapError, match=message):
         run_time_against_error(height, contact_modulus=1.0, mean_pressure=[1.0])

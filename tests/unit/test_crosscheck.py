@@ -10,9 +10,9 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
+from roughcontact.arguments.maps import height_map
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.maps import height_map
-from roughcontact.references import synthetic
+from roughcontact.surface import synthetic
 from validation import closed_forms
 from validation.crosscheck import CrossCheckError, crosscheck, main, table
 from validation.rough import ensemble_map
@@ -23,7 +23,7 @@ OTHER_PYTHON = os.environ.get("CROSSCHECK_PYTHON")
 
 
 @pytest.fixture
-def other(tmp_path):
+def python_other(tmp_path):
     """A program that behaves like a Python with another code, in a folder with a space in its name."""
     path = tmp_path / "other code" / "python"
     path.parent.mkdir()
@@ -62,14 +62,14 @@ def assert_equal_results(result, statistics):
     """The other code's numbers are ours to seven digits."""
     assert result["other_max_pressure"].values == pytest.approx(statistics["max_pressure"].values, rel=1e-7)
     assert result["other_mean_gap"].values == pytest.approx(statistics["mean_gap"].values, rel=1e-7)
-    own = statistics["relative_contact_area_pixels"].values
-    assert result["other_contact_area_pixels"].values == pytest.approx(own, abs=1e-12)
+    own_area = statistics["relative_contact_area_pixels"].values
+    assert result["other_contact_area_pixels"].values == pytest.approx(own_area, abs=1e-12)
 
 
 @pytest.mark.parametrize("kind", MAPS)
-def test_another_program_finds_the_same(other, kind):
+def test_another_program_finds_the_same(python_other, kind):
     contact, statistics = solved(MAPS[kind])
-    result = crosscheck(MAPS[kind], contact, statistics, code="tamaas", python=other)
+    result = crosscheck(MAPS[kind], contact, statistics, code="tamaas", python=python_other)
     assert result.attrs == {"code": "Tamaas", "version": "tamaas 1.0"}
     assert_equal_results(result, statistics)
     assert (result["pressure_difference"] < 1e-7).all()
@@ -77,31 +77,31 @@ def test_another_program_finds_the_same(other, kind):
     assert result["mean_pressure"].values.tolist() == statistics["mean_pressure"].values.tolist()
 
 
-def test_without_fields_the_numbers_are_compared(other):
+def test_without_fields_the_numbers_are_compared(python_other):
     contact, statistics = solved(MAPS["map"], fields=False)
-    result = crosscheck(MAPS["map"], contact, statistics, code="contactmechanics", python=other)
+    result = crosscheck(MAPS["map"], contact, statistics, code="contactmechanics", python=python_other)
     assert_equal_results(result, statistics)
     assert np.isnan(result["pressure_difference"]).all()
     assert np.isnan(result["contact_difference"]).all()
 
 
-def test_a_difference_is_shown(other):
+def test_a_difference_is_shown(python_other):
     contact, statistics = solved(MAPS["map"])
     contact["pressure"][0] = contact["pressure"][0] * 1.01
-    result = crosscheck(MAPS["map"], contact, statistics, code="tamaas", python=other)
+    result = crosscheck(MAPS["map"], contact, statistics, code="tamaas", python=python_other)
     assert float(result["pressure_difference"][0]) == pytest.approx(0.01 / 1.01, rel=1e-5)
 
 
 @pytest.mark.parametrize(
-    ("python", "said"),
+    ("python", "message"),
     [
         ("/nowhere/python", "'/nowhere/python' does not start"),
         (sys.executable, "No module named 'tamaas'"),
     ],
 )
-def test_a_code_that_does_not_run_is_named(python, said):
+def test_a_code_that_does_not_run_is_named(python, message):
     contact, statistics = solved(MAPS["row"])
-    with pytest.raises(CrossCheckError, match=said):
+    with pytest.raises(CrossCheckError, match=message):
         crosscheck(MAPS["row"], contact, statistics, code="tamaas", python=python)
 
 
@@ -139,8 +139,8 @@ def results(tmp_path):
     return folder
 
 
-def test_the_command_writes_and_prints_the_differences(other, results, capsys):
-    assert main([str(results), "--python", other]) == 0
+def test_the_command_writes_and_prints_the_differences(python_other, results, capsys):
+    assert main([str(results), "--python", python_other]) == 0
     differences = pd.read_csv(results / "crosscheck.csv")
     assert differences["points_that_differ"].tolist() == [0, 0]
     assert (differences["pressure_rms_difference"] < 1e-7).all()
@@ -163,7 +163,7 @@ def test_differences_are_relative_to_this_program():
             "mean_gap": ("load", [1e-6, 0.0]),
         }
     )
-    other = xr.Dataset(
+    other_result = xr.Dataset(
         {
             "other_max_pressure": ("load", [0.98e8, 2e8]),
             "other_mean_gap": ("load", [1.03e-6, 1e-9]),
@@ -173,7 +173,7 @@ def test_differences_are_relative_to_this_program():
         },
         coords={"mean_pressure": ("load", [1e6, 4e6])},
     )
-    differences = table(statistics, other)
+    differences = table(statistics, other_result)
     assert differences["max_pressure_difference"].values == pytest.approx([-0.02, 0])
     assert differences["mean_gap_difference"].values == pytest.approx([0.03, 0])
     assert differences["pixels_by_the_other_code"].tolist() == [0.0625, 0.2]
@@ -197,11 +197,11 @@ def test_the_stored_numbers_of_the_other_codes(code):
     loads = list(closed_forms.OUTSIDE_CODES)
     contact = rc.solve_contact(height, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-9)
     statistics = rc.contact_statistics(contact)
-    other = crosscheck(height, contact, statistics, code=code, python=OTHER_PYTHON)
+    other_result = crosscheck(height, contact, statistics, code=code, python=OTHER_PYTHON)
     for index, (points, peak, gap) in enumerate(closed_forms.OUTSIDE_CODES.values()):
-        assert round(float(other["other_contact_area_pixels"][index]) * height.size) == points
-        assert float(other["other_max_pressure"][index]) == pytest.approx(peak, rel=1e-7)
-        assert float(other["other_mean_gap"][index]) == pytest.approx(gap, rel=1e-7)
+        assert round(float(other_result["other_contact_area_pixels"][index]) * height.size) == points
+        assert float(other_result["other_max_pressure"][index]) == pytest.approx(peak, rel=1e-7)
+        assert float(other_result["other_mean_gap"][index]) == pytest.approx(gap, rel=1e-7)
 
 
 SHEET = {"thickness": 3e-6, "youngs_modulus": 2e9, "poissons_ratio": 0.45}
@@ -216,9 +216,9 @@ def solved_on_a_sheet(counter_body=RIGID):
     return height, contact, rc.contact_statistics(contact)
 
 
-def test_a_layer_on_a_rigid_base_is_what_another_code_finds(other):
+def test_a_layer_on_a_rigid_base_is_what_another_code_finds(python_other):
     height, contact, statistics = solved_on_a_sheet()
-    result = crosscheck(height, contact, statistics, code="contactmechanics", python=other)
+    result = crosscheck(height, contact, statistics, code="contactmechanics", python=python_other)
     assert_equal_results(result, statistics)
     assert not result["contact_difference"].any()
     assert (result["pressure_difference"] < 1e-6).all()
@@ -241,7 +241,7 @@ def test_contactmechanics_finds_the_same_on_a_layer(nu, thickness):
 @pytest.mark.parametrize(
     ("code", "counter_body"), [("tamaas", RIGID), ("contactmechanics", RIGID | {"youngs_modulus": 1e11})]
 )
-def test_layers_that_no_other_code_solves_are_refused(code, counter_body, other):
+def test_layers_that_no_other_code_solves_are_refused(code, counter_body, python_other):
     height, contact, statistics = solved_on_a_sheet(counter_body)
     with pytest.raises(SettingsError, match="one layer on a rigid base"):
-        crosscheck(height, contact, statistics, code=code, python=other)
+        crosscheck(height, contact, statistics, code=code, python=python_other)

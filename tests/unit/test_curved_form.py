@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.errors import HeightMapError
-from roughcontact.levelling.curved import fit_curved_form
-from roughcontact.levelling.forms import form_from_record
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.window.periodic_window import periodic_window
+from roughcontact.surface.levelling.curved import fit_curved_form
+from roughcontact.surface.levelling.forms import form_from_record
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact.surface.window.periodic_window import periodic_window
 
 Y, X = (np.arange(120) + 0.5) * 10e-6, (np.arange(160) + 0.5) * 7.5e-6
 
@@ -76,14 +76,14 @@ def test_it_is_least_squares():
     ):
         values = smooth + 2e-6 * generator.standard_normal(smooth.shape)
         form, _, record = record_of(values, shape=shape)
-        least = np.sum((values - form) ** 2)
+        least_squares = np.sum((values - form) ** 2)
         numbers = ["height_middle", "slope_x", "slope_y", "curvature"]
         numbers += ["axis_azimuth"] if shape == "cylinder" else []
         for name in numbers:
             for sign in (1, -1):
                 changed = json.loads(json.dumps(record))
                 changed[name]["value"] += sign * 1e-4 * (abs(changed[name]["value"]) + 1e-3)
-                assert np.sum((values - form_from_record(changed, Y, X)) ** 2) > least
+                assert np.sum((values - form_from_record(changed, Y, X)) ** 2) > least_squares
 
 
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.maps import spacing
-from roughcontact.roughness.parameters import roughness_parameters
+from roughcontact.arguments.maps import spacing
+from roughcontact.surface.faces.placing import place_of
+from roughcontact.surface.roughness.parameters import roughness_parameters
 
 FOLDER = Path(__file__).parents[2] / "data_samples"
 
@@ -66,6 +67,8 @@ def test_files_are_small(samples):
         ("turned.sdf", "turned", (2e-6, 2e-6)),
         ("ground.txt", "ground", (2e-6, 1e-6)),
         ("stylus-profile.csv", "stylus_profile", (0.5e-6, 0.5e-6)),
+        ("lapped-50x.txt", "lapped_fine", (1e-6, 1e-6)),
+        ("lapped-10x.txt", "lapped_overview", (4e-6, 4e-6)),
         ("periodic.nc", "periodic", (100e-6 / 128, 100e-6 / 128)),
     ],
 )
@@ -108,11 +111,28 @@ def test_ground_and_turned_samples_have_their_lay_along_y():
         assert steps[1] > 2 * steps[0]
 
 
+def test_the_map_of_the_lapped_surface_lies_in_its_overview():
+    fine, overview = (rc.level(rc.read_height_map(FOLDER / f"lapped-{name}.txt")) for name in ("50x", "10x"))
+    place = place_of(fine, overview)
+    assert [place.y, place.x] == pytest.approx([176e-6, 176e-6], abs=2e-6)  # of 384 µm
+    assert place.correlation > 0.95
+
+
 def test_of_a_profile_without_its_highest_tips_light_loads_are_not_to_be_used():
-    asked = {"contact_modulus": 4.67e9, "hardness": 3e8, "mean_pressure": [1e6, 50e6]}
-    found = rc.evaluate(
-        FOLDER / "stylus-profile.csv", lay="across", contact=asked, uncertainty={"sources": []}
+    contact = {"contact_modulus": 4.67e9, "hardness": 3e8, "mean_pressure": [1e6, 50e6]}
+    statistics = rc.evaluate(
+        FOLDER / "stylus-profile.csv", lay="across", contact=contact, uncertainty={"sources": []}
     )
-    assert found["verdict"].values.tolist() == [2, 0]
-    (reason,) = [each for each in json.loads(found.attrs["reasons"]) if each["check"] == "Missing points"]
+    assert statistics["verdict"].values.tolist() == [2, 0]
+    (reason,) = [
+        entry for entry in json.loads(statistics.attrs["reasons"]) if entry["check"] == "Missing points"
+    ]
     assert reason["loads"] == [0]
+
+
+def test_a_sample_is_found_by_its_name():
+    assert rc.sample_file("ground.txt") == FOLDER / "ground.txt"
+    with pytest.raises(rc.InputFileError, match=r"not a sample; the samples are .*ground") as refused:
+        rc.sample_file("steel")
+    assert "README" not in str(refused.value)
+    assert "make_samples" not in str(refused.value)

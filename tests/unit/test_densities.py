@@ -40,6 +40,6 @@ def test_the_density_is_a_count_over_the_number_and_the_width():
 
 
 def test_nothing_has_no_density():
-    found = density(np.array([]), np.array([0.0, 1.0, 2.0]))
-    assert found.shape == (2,)
-    assert np.isnan(found).all()
+    values = density(np.array([]), np.array([0.0, 1.0, 2.0]))
+    assert values.shape == (2,)
+    assert np.isnan(values).all()

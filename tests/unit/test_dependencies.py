@@ -5,16 +5,27 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from roughcontact.configuration import dependencies
+from roughcontact.study import dependencies, readers
 
 ROOT = Path(__file__).parents[2]
-PAGES = {"contact", "report"}
-SOLVERS = {"contact", "unload"}
+PAGES = {"panel", "report"}
+SOLVERS = {"contact", "panel", "report", "slide", "unload", "wear"}
 READERS = {"prepare", "contact"}
-WINDOWS = {*READERS, "superpose"}
-KERNELS = {"contact", "unload", "prepare", "superpose", "report"}  # roughness is transformed, too
+UNITS = {*READERS, "panel"}
+WINDOWS = {*UNITS, "superpose", "slide", "wear"}
+KERNELS = {
+    "contact",
+    "panel",
+    "slide",
+    "unload",
+    "wear",
+    "prepare",
+    "superpose",
+    "report",
+}  # roughness is transformed, too
 SCRIPTS = sorted(path for path in (ROOT / "workflow/scripts").glob("[a-z]*.py"))
 _PROBE = """
 import ast, importlib, sys
@@ -41,8 +52,8 @@ def test_all_that_is_imported_when_a_script_starts_is_covered(script):
 
 def forget():
     """Look at the files anew, as every run does."""
-    for known in (dependencies._imported, dependencies._folders, dependencies._modules):
-        known.cache_clear()
+    for cached_function in (dependencies._imported, dependencies._folders, dependencies._modules):
+        cached_function.cache_clear()
 
 
 @pytest.fixture
@@ -64,45 +75,65 @@ def digests(workflow):
 @pytest.mark.parametrize(
     ("edited", "concerned"),
     [
-        ("lib/roughcontact/window/periodisation.py", WINDOWS),
-        ("lib/roughcontact/levelling/outliers.py", WINDOWS),
-        ("lib/roughcontact/io/units.py", READERS),
+        ("lib/roughcontact/surface/window/periodisation.py", WINDOWS),
+        ("lib/roughcontact/surface/levelling/outliers.py", {*UNITS, "superpose", "report"}),
+        ("lib/roughcontact/io/units.py", UNITS),
         ("lib/roughcontact/kernels/c/passes.h", KERNELS),
-        ("lib/roughcontact/io/readers/sdf.py", READERS),  # found in its folder at run time
-        ("lib/roughcontact/io/instruments/library.py", READERS),
+        ("lib/roughcontact/io/readers/sdf.py", set()),  # of the files that it reads: `study.readers`
+        ("lib/roughcontact/io/instruments/library.py", set()),
         ("lib/roughcontact/contact/solve.py", SOLVERS),
         ("lib/roughcontact/results/collect.py", {"report"}),
         ("lib/roughcontact/report/templates/report.css", PAGES),
-        ("lib/roughcontact/configuration/models.py", set()),
-        ("lib/roughcontact/pipeline.py", {"contact"}),
+        ("lib/roughcontact/arguments/tables.tsv", PAGES),  # words
+        ("lib/roughcontact/arguments/settings/models.py", set()),
+        ("lib/roughcontact/evaluation/pipeline.py", {"contact"}),
+        ("lib/roughcontact/uncertainty/calibration.json", {"contact", "panel", "report", "slide", "wear"}),
         ("scripts/_window.py", {"prepare", "superpose"}),
     ],
 )
 def test_an_edit_concerns_what_imports_the_module(package, edited, concerned):
-    before = digests(package)
+    digests_before = digests(package)
     path = package / edited
     path.write_bytes(path.read_bytes() + b"\n")
-    after = digests(package)
-    assert {name for name in before if before[name] != after[name]} == concerned
+    digests_after = digests(package)
+    assert {name for name in digests_before if digests_before[name] != digests_after[name]} == concerned
 
 
 @pytest.mark.parametrize(
     "edited",
-    ["scripts/_job.py", "lib/roughcontact/variables.tsv", "lib/roughcontact/uncertainty/calibration.json"],
+    [
+        "scripts/_job.py",
+        "lib/roughcontact/arguments/variables.tsv",
+    ],
 )
 def test_an_edit_of_what_all_share_concerns_all(package, edited):
-    before = digests(package)
+    digests_before = digests(package)
     path = package / edited
     path.write_bytes(path.read_bytes() + b"\n")
-    after = digests(package)
-    assert all(before[name] != after[name] for name in before)
+    digests_after = digests(package)
+    assert all(digests_before[name] != digests_after[name] for name in digests_before)
 
 
-def test_a_new_reader_concerns_what_reads_files(package):
-    before = digests(package)
-    (package / "lib/roughcontact/io/readers/another.py").write_text("from roughcontact.report import page\n")
-    after = digests(package)
-    assert {name for name in before if before[name] != after[name]} == READERS
-    page = package / "lib/roughcontact/report/page.py"
-    page.write_bytes(page.read_bytes() + b"\n")
-    assert digests(package)["prepare"] != after["prepare"]
+def test_a_reader_concerns_the_files_that_it_reads(package, monkeypatch, tmp_path):
+    monkeypatch.setattr(readers, "PACKAGE", dependencies.PACKAGE)
+    monkeypatch.chdir(tmp_path)
+    np.save("map.npy", np.zeros((3, 4)))
+    Path("map.txt").write_text("1 2\n3 4\n")
+
+    def of_files():
+        forget()
+        for cached_function in (readers._digest, readers._all_readers, readers._noted):
+            cached_function.cache_clear()
+        return [readers.reader_digest(path) for path in ("map.npy", "map.txt")]
+
+    folder = package / "lib/roughcontact/io"
+    array, text = of_files()
+    assert array.startswith("npy ")
+    assert text.startswith("text ")
+    (folder / "readers/another.py").write_text("from roughcontact.report import page\n")
+    assert of_files() == [array, text]
+    for edited, changed in (("text/columns.py", [False, True]), ("readers/npy.py", [True, False])):
+        digests_before = of_files()
+        (folder / edited).write_bytes((folder / edited).read_bytes() + b"\n")
+        assert [a != b for a, b in zip(of_files(), digests_before, strict=True)] == changed
+    assert readers.reader_digest("none.npy") == ""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface
 
 STEEL = "115 GPa"
 
@@ -23,10 +23,10 @@ def plateau(gradient):
 
 @pytest.mark.parametrize(("gradient", "fewest"), [(0.02, 7), (0.15, 4), (0.2, 4)])
 def test_every_planned_load_stays_below_what_materials_bear(gradient, fewest):
-    found = rc.evaluate(plateau(gradient), contact={"contact_modulus": STEEL})
-    assert (found["mean_contact_pressure"] < 0.1 * 115e9).all()
-    assert found.sizes["load"] >= fewest
-    assert (np.diff(found["mean_pressure"]) > 0).all()
+    statistics = rc.evaluate(plateau(gradient), contact={"contact_modulus": STEEL})
+    assert (statistics["mean_contact_pressure"] < 0.1 * 115e9).all()
+    assert statistics.sizes["load"] >= fewest
+    assert (np.diff(statistics["mean_pressure"]) > 0).all()
 
 
 def test_planned_loads_of_two_moduli_are_the_same_over_them():
@@ -41,16 +41,16 @@ def test_planned_loads_of_two_moduli_are_the_same_over_them():
 
 
 def test_a_surface_too_steep_at_every_load_says_so():
-    found = rc.evaluate(rough(1.0), contact={"contact_modulus": STEEL}, uncertainty={"sources": []})
-    assert (found["verdict"] == 2).all()
-    assert "At every load the contact is beyond what any material bears" in found.attrs["reasons"]
+    statistics = rc.evaluate(rough(1.0), contact={"contact_modulus": STEEL}, uncertainty={"sources": []})
+    assert (statistics["verdict"] == 2).all()
+    assert "At every load the contact is beyond what any material bears" in statistics.attrs["reasons"]
 
 
 def test_loads_that_are_stated_stay():
-    found = rc.evaluate(
+    statistics = rc.evaluate(
         plateau(0.2),
         contact={"contact_modulus": STEEL, "relative_pressure": [0.01, 2.0]},
         uncertainty={"sources": []},
     )
-    assert found["verdict"].values.tolist() != [0, 0]
-    assert found.sizes["load"] == 2
+    assert statistics["verdict"].values.tolist() != [0, 0]
+    assert statistics.sizes["load"] == 2

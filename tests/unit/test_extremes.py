@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import (
@@ -16,12 +17,18 @@ from roughcontact.errors import (
     RoughContactError,
     SettingsError,
 )
-from roughcontact.evaluation import evaluate
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.evaluation.evaluate import contact_table, evaluate
+from roughcontact.results.storage import read_dataset, write_dataset
 from roughcontact.statistics.contact_statistics import contact_statistics
-from roughcontact.window.periodic_window import periodic_window
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.synthetic import (
+    ground_surface,
+    product_wave_surface,
+    rough_reference_surface,
+    self_affine_surface,
+    turned_surface,
+)
+from roughcontact.surface.window.periodic_window import periodic_window
 
 BAND = {"hurst": 0.8, "shortest": 4e-6, "longest": 16e-6, "rms_gradient": 0.1}
 SURFACE = self_affine_surface((32, 32), 1e-6, **BAND, seed=1)
@@ -29,8 +36,8 @@ PROFILE = self_affine_surface((1, 256), 1e-6, **BAND | {"longest": 64e-6}, seed=
 MODULUS, PRESSURE = 1e9, 1e6
 
 
-def solved(window=SURFACE, **given):
-    return solve_contact(window, **{"contact_modulus": MODULUS, "mean_pressure": PRESSURE} | given)
+def solved(window=SURFACE, **options):
+    return solve_contact(window, **{"contact_modulus": MODULUS, "mean_pressure": PRESSURE} | options)
 
 
 def on_pixels(values, pixel):
@@ -38,7 +45,7 @@ def on_pixels(values, pixel):
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("options", "message"),
     [
         ({"hardness": PRESSURE * (1 + 1e-9)}, "1000000 Pa is less than one part in a million below"),
         ({"hardness": PRESSURE * (1 + 1e-12)}, "below the hardness 1000000 Pa: all of the surface"),
@@ -59,13 +66,13 @@ def on_pixels(values, pixel):
         ({"mean_pressure": 1e6 + 1j}, "is not a number"),
     ],
 )
-def test_a_setting_that_nothing_can_be_made_of(given, said):
-    with pytest.raises(SettingsError, match=said):
-        solved(**given)
+def test_a_setting_that_nothing_can_be_made_of(options, message):
+    with pytest.raises(SettingsError, match=message):
+        solved(**options)
 
 
 @pytest.mark.parametrize(
-    ("window", "said"),
+    ("window", "message"),
     [
         (on_pixels(SURFACE.values, 1e-300), "on pixels of 1e-300 m x 1e-300 m are beyond"),
         (on_pixels(SURFACE.values, 1e300), "are beyond the computable range; check the units"),
@@ -75,8 +82,8 @@ def test_a_setting_that_nothing_can_be_made_of(given, said):
         (SURFACE * 1e-293, "rms gradient of 0"),
     ],
 )
-def test_a_map_that_nothing_can_be_made_of(window, said):
-    with pytest.raises(HeightMapError, match=said):
+def test_a_map_that_nothing_can_be_made_of(window, message):
+    with pytest.raises(HeightMapError, match=message):
         solved(window)
 
 
@@ -94,9 +101,9 @@ NO_MAPS = {
 @pytest.mark.parametrize("verb", [solved, level, periodic_window], ids=["solve", "level", "window"])
 @pytest.mark.parametrize("what", NO_MAPS)
 def test_what_is_no_height_map(verb, what):
-    given, said = NO_MAPS[what]
-    with pytest.raises(HeightMapError, match=said):
-        verb(given)
+    value, message = NO_MAPS[what]
+    with pytest.raises(HeightMapError, match=message):
+        verb(value)
 
 
 @pytest.mark.parametrize("verb", [solved, level, periodic_window])
@@ -114,42 +121,42 @@ def test_relative_loads_are_numbers_too():
 @pytest.mark.parametrize("scale", [1e-90, 1e-60, 1e60, 1e90])
 def test_the_unit_of_length_and_pressure_is_free_within_a_wide_range(scale):
     expected = solved()
-    for found in (
+    for scaled in (
         solved(SURFACE * scale, mean_pressure=PRESSURE * scale),
         solved(contact_modulus=MODULUS * scale, mean_pressure=PRESSURE * scale),
         solved(on_pixels(SURFACE.values, 1e-6 * scale), mean_pressure=PRESSURE / scale),
     ):
-        np.testing.assert_array_equal(found["contact"], expected["contact"])
-        share = found["pressure"] / found["mean_pressure"]
+        np.testing.assert_array_equal(scaled["contact"], expected["contact"])
+        share = scaled["pressure"] / scaled["mean_pressure"]
         np.testing.assert_allclose(share, expected["pressure"] / PRESSURE, rtol=1e-9)
 
 
 @pytest.mark.parametrize("window", [SURFACE, PROFILE], ids=["surface", "profile"])
 def test_the_lightest_load_rests_on_the_highest_point_alone(window):
-    found = solved(window, mean_pressure=1e-8 * MODULUS * 0.1)
+    contact = solved(window, mean_pressure=1e-8 * MODULUS * 0.1)
     (y, x) = np.unravel_index(window.values.argmax(), window.shape)
-    assert found["contact"].values[0].sum() == 1
-    assert found["contact"].values[0, y, x]
-    assert found["pressure"].values[0, y, x] == pytest.approx(1e-8 * MODULUS * 0.1 * window.size)
+    assert contact["contact"].values[0].sum() == 1
+    assert contact["contact"].values[0, y, x]
+    assert contact["pressure"].values[0, y, x] == pytest.approx(1e-8 * MODULUS * 0.1 * window.size)
 
 
 def test_the_heaviest_load_closes_every_gap():
     """In full contact the waves of the pressure are E* |q|/2 times those of the heights (Johnson, 13.2)."""
-    found = solved(mean_pressure=1e9 * MODULUS * 0.1)
-    assert found["contact"].values.all()
+    contact = solved(mean_pressure=1e9 * MODULUS * 0.1)
+    assert contact["contact"].values.all()
     frequencies = np.fft.fftfreq(32, 1e-6) * 2 * np.pi
     stiffness = MODULUS * np.hypot(frequencies[:, None], frequencies) / 2
     waves = np.fft.ifft2(stiffness * np.fft.fft2(SURFACE.values)).real
     np.testing.assert_allclose(
-        found["pressure"].values[0] - 1e9 * MODULUS * 0.1, waves, atol=1e-6 * waves.std() * 10
+        contact["pressure"].values[0] - 1e9 * MODULUS * 0.1, waves, atol=1e-6 * waves.std() * 10
     )
 
 
 def test_just_below_the_hardness_nearly_all_of_it_yields():
-    found = solved(hardness=PRESSURE * (1 + 1e-5))
-    assert found["pressure"].values.mean() == pytest.approx(PRESSURE, rel=1e-12)
-    assert found["pressure"].values.max() <= PRESSURE * (1 + 1e-5) * (1 + 1e-12)
-    assert found["error_bound"] <= 1e-4
+    contact = solved(hardness=PRESSURE * (1 + 1e-5))
+    assert contact["pressure"].values.mean() == pytest.approx(PRESSURE, rel=1e-12)
+    assert contact["pressure"].values.max() <= PRESSURE * (1 + 1e-5) * (1 + 1e-12)
+    assert contact["error_bound"] <= 1e-4
 
 
 def test_single_precision_that_cannot_reach_the_tolerance_says_so_before_the_first_step():
@@ -167,36 +174,49 @@ def test_a_tolerance_just_above_the_floor_of_single_precision_is_reached():
 
 
 def test_reducing_to_an_unknown_variable_is_refused_after_the_first_load():
-    told = []
+    calls = []
     with pytest.raises(RoughContactError, match=r"no description for the output variables \['mean_depth'\]"):
         solve_contact(
             SURFACE,
             contact_modulus=MODULUS,
             mean_pressure=[1e6, 2e6],
             reduce=lambda contact: contact[["gap"]].mean(("y", "x")).rename(gap="mean_depth"),
-            progress=lambda *done: told.append(done),
+            progress=lambda *progress_values: calls.append(progress_values),
         )
-    assert not told
-    assert "refused after the first load" in solve_contact.__doc__
+    assert not calls
+
+
+def test_a_quantity_of_the_users_own_keeps_its_description(tmp_path):
+    def deepest(contact):
+        depth = contact["gap"].max(("y", "x")).assign_attrs(units="m", long_name="deepest gap")
+        return contact[[]].assign(deepest_gap=depth)
+
+    solution = solve_contact(SURFACE, contact_modulus=MODULUS, mean_pressure=[1e6, 2e6], reduce=deepest)
+    write_dataset(solution, tmp_path / "own.nc")
+    stored = read_dataset(tmp_path / "own.nc")["deepest_gap"]
+    assert stored.attrs["long_name"] == "deepest gap"
+    fields = solve_contact(SURFACE, contact_modulus=MODULUS, mean_pressure=[1e6, 2e6])
+    np.testing.assert_array_equal(stored, fields["gap"].max(("y", "x")))
 
 
 @pytest.mark.parametrize(
-    ("settings", "said"),
+    ("settings", "message"),
     [
         ({"l_filter": 1e300}, "level.l_filter = 1e.300 m is far from the pixels"),
         ({"s_filter": 1e300}, "check the unit"),
         ({"s_filter": 1e-300}, "level.s_filter = 1e-300 m is far from"),
     ],
 )
-def test_a_filter_that_no_map_has(settings, said):
-    with pytest.raises(SettingsError, match=said):
+def test_a_filter_that_no_map_has(settings, message):
+    with pytest.raises(SettingsError, match=message):
         level(SURFACE, **settings)
 
 
 @pytest.mark.parametrize("verb", [level, periodic_window])
 def test_heights_that_no_surface_has(verb):
-    with pytest.raises(HeightMapError, match=r"the map has heights of 5.30119e\+200 m: check the unit"):
-        verb(SURFACE * 1e207)
+    for factor, message in ((1e207, r"5.30119e\+200"), (1e-313, "5.3.*e-320")):
+        with pytest.raises(HeightMapError, match=rf"the map has heights of {message} m: check the unit"):
+            verb(SURFACE * factor)
 
 
 @pytest.mark.parametrize("form", ["sphere", "cylinder"])
@@ -209,11 +229,11 @@ def test_a_needle_is_no_ball(form):
 
 @pytest.mark.parametrize("shape", [(1, 2), (2, 1), (2, 2), (3, 3), (3, 5)])
 def test_a_map_of_few_points_is_solved_with_a_warning(shape):
-    few = on_pixels(1e-7 * np.random.default_rng(3).standard_normal(shape), 1e-6)
-    said = rf"^the map has {shape[0]} x {shape[1]} points: .* check how it was cut or read$"
-    with pytest.warns(HeightMapWarning, match=said):
-        contact = solved(few)
-    with pytest.warns(HeightMapWarning, match=said):
+    small_map = on_pixels(1e-7 * np.random.default_rng(3).standard_normal(shape), 1e-6)
+    message = rf"^the map has {shape[0]} x {shape[1]} points: .* check how it was cut or read$"
+    with pytest.warns(HeightMapWarning, match=message):
+        contact = solved(small_map)
+    with pytest.warns(HeightMapWarning, match=message):
         contact_statistics(contact)
 
 
@@ -235,7 +255,73 @@ def test_usual_maps_are_solved_without_a_warning():
 
 
 def test_evaluate_says_each_of_it_once():
-    few = on_pixels(1e-7 * np.random.default_rng(3).standard_normal((3, 3)), 1e-6)
+    small_map = on_pixels(1e-7 * np.random.default_rng(3).standard_normal((3, 3)), 1e-6)
     with pytest.warns(HeightMapWarning, match="3 x 3 points") as caught:
-        evaluate(few, contact={"contact_modulus": MODULUS, "mean_pressure": [PRESSURE]})
+        evaluate(small_map, contact={"contact_modulus": MODULUS, "mean_pressure": [PRESSURE]})
     assert sum("3 x 3" in str(warning.message) for warning in caught) == 1
+
+
+def wave(points):
+    """Return one wave over so many points, its crest on the first."""
+    return on_pixels(1e-7 * np.cos(2 * np.pi * np.arange(points) / points)[None, :], 1e-6)
+
+
+PERIODIC = {
+    "rough": SURFACE,
+    "profile": PROFILE,
+    "reference": rough_reference_surface(64),
+    "lay": ground_surface((48, 64), 1e-6, hurst=0.8, shortest=4e-6, longest=6e-5, rms_height=1e-7),
+    "grooves": turned_surface((4, 160), 1e-6, feed=4e-5, nose_radius=4e-4, groove_scatter=1e-7),
+    "one groove": turned_surface((1, 64), 1e-6, feed=64e-6, nose_radius=4e-4),
+    "product": product_wave_surface((32, 48), 1e-6, amplitude=1e-7, wavelength=16e-6),
+    "coarse": product_wave_surface((4, 4), 1e-6, amplitude=1e-7, wavelength=4e-6),
+    "three points": wave(3),
+    "noise": on_pixels(1e-8 * np.random.default_rng(0).standard_normal((40, 60)), 1e-6),
+    "noise of a line": on_pixels(1e-8 * np.random.default_rng(0).standard_normal((1, 60)), 1e-6),
+    "steps": on_pixels(1e-7 * (np.arange(64) // 16 % 2)[None, :], 1e-6),
+    "cut off": wave(64).clip(max=5e-8),
+    "on a plateau": wave(64) + 1.0,
+    "flat": on_pixels(np.zeros((8, 8)), 1e-6),
+    "in single precision": SURFACE.astype(np.float32),
+}
+
+
+@pytest.mark.parametrize("name", PERIODIC)
+@pytest.mark.parametrize("turned", [False, True])
+def test_periodic_maps_are_solved_without_a_warning(name, turned):
+    height = PERIODIC[name]
+    height = height.rename(y="x", x="y").T if turned else height
+    for shift in (0, 5):
+        rolled = height.roll(x=shift, y=shift)
+        with warnings.catch_warnings():
+            warnings.filterwarnings("error", "the map is not periodic", HeightMapWarning)
+            solved(rolled)
+
+
+def tilted(height, slope):
+    return height + slope * (height["x"] - height["x"][0])
+
+
+@pytest.mark.parametrize(
+    "height",
+    [
+        tilted(SURFACE, 0.05),
+        tilted(SURFACE, -0.02),
+        SURFACE[:, :20],
+        tilted(PROFILE, 0.05),
+        tilted(wave(64), 1e-3),
+        on_pixels(1e-9 * np.arange(64.0)[None, :] ** 2, 1e-6),
+    ],
+)
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_map_that_jumps_at_its_border_is_solved_with_a_warning(height, turned):
+    turned_height = height.rename(y="x", x="y").T if turned else height
+    along = "y" if turned else "x"
+    with pytest.warns(HeightMapWarning, match=f"not periodic along {along}: .* periodic_window") as caught:
+        solved(turned_height)
+    assert [warning.filename for warning in caught] == [__file__] * len(caught)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", HeightMapWarning)
+        solved(periodic_window(turned_height, method="raw"))  # on purpose
+    with pytest.warns(HeightMapWarning, match=f"not periodic along {along}"):
+        contact_table(turned_height, contact_modulus=MODULUS, loads=1)

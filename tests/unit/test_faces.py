@@ -8,23 +8,23 @@ import x3pio
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 import roughcontact as rc
+from roughcontact.arguments.maps import height_map
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.faces.composite import composite
-from roughcontact.faces.face import Face
-from roughcontact.faces.positions import relative_positions
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.window.instrument import stated_instrument
-from roughcontact.window.periodic_window import periodic_window
+from roughcontact.surface.faces.composite import composite
+from roughcontact.surface.faces.face import Face
+from roughcontact.surface.faces.positions import relative_positions
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact.surface.window.instrument import stated_instrument
+from roughcontact.surface.window.periodic_window import periodic_window
 
 STEP = 1e-6
 
 
 def rough(seed, shape=(64, 64), spacing=STEP, **more):
     """Return a periodic rough map with zero mean."""
-    wanted = {"hurst": 0.8, "shortest": 8e-6, "longest": 32e-6, "rms_gradient": 0.1} | more
-    surface = self_affine_surface(shape, spacing, **wanted, seed=seed)
+    parameters = {"hurst": 0.8, "shortest": 8e-6, "longest": 32e-6, "rms_gradient": 0.1} | more
+    surface = self_affine_surface(shape, spacing, **parameters, seed=seed)
     return surface - surface.mean()
 
 
@@ -66,36 +66,38 @@ def test_a_peak_on_a_peak_stands_out_twice_and_lies_where_the_mirror_image_has_i
 
 
 def test_the_sum_of_parts_is_that_of_the_arrays_less_one_plane():
-    face, other = cut(rough(1), slice(3, 50), slice(5, 61)), cut(rough(2), slice(47), slice(56))
-    together = composite(face, other)
-    expected = off_plane(face.values + other.values[:, ::-1])
+    face, counter_face = cut(rough(1), slice(3, 50), slice(5, 61)), cut(rough(2), slice(47), slice(56))
+    together = composite(face, counter_face)
+    expected = off_plane(face.values + counter_face.values[:, ::-1])
     np.testing.assert_allclose(together, expected, atol=1e-13 * np.abs(expected).max())
     np.testing.assert_allclose(together["x"], face["x"], rtol=1e-14)
     np.testing.assert_allclose(together["y"], face["y"], rtol=1e-14)
     tilted = face + 0.3 * face["x"] - 0.2 * face["y"]
-    np.testing.assert_allclose(composite(tilted, other), together, atol=1e-19 + 1e-9 * np.abs(expected).max())
+    np.testing.assert_allclose(
+        composite(tilted, counter_face), together, atol=1e-19 + 1e-9 * np.abs(expected).max()
+    )
 
 
 @pytest.mark.parametrize(("rotation", "turns"), [(90, -1), (180, 2), (270, 1), (-90, 1), (360, 0)])
 def test_right_angles_turn_the_mirror_image_from_x_towards_y(rotation, turns):
-    face, other = cut(rough(1), slice(48), slice(48)), cut(rough(2), slice(2, 50), slice(7, 55))
-    together = composite(face, other, rotation=rotation)
+    face, counter_face = cut(rough(1), slice(48), slice(48)), cut(rough(2), slice(2, 50), slice(7, 55))
+    together = composite(face, counter_face, rotation=rotation)
     # np.rot90 turns from the first axis, y, towards the second, x
-    expected = off_plane(face.values + np.rot90(other.values[:, ::-1], turns))
+    expected = off_plane(face.values + np.rot90(counter_face.values[:, ::-1], turns))
     np.testing.assert_allclose(together, expected, atol=1e-13 * np.abs(expected).max())
 
 
 def test_maps_that_are_not_square_lie_across_at_a_right_angle():
-    face, other = cut(rough(1), slice(20), slice(48)), cut(rough(2), slice(48), slice(20))
-    expected = off_plane(face.values + np.rot90(other.values[:, ::-1], -1))
-    np.testing.assert_allclose(composite(face, other, rotation=90), expected, atol=1e-18)
+    face, counter_face = cut(rough(1), slice(20), slice(48)), cut(rough(2), slice(48), slice(20))
+    expected = off_plane(face.values + np.rot90(counter_face.values[:, ::-1], -1))
+    np.testing.assert_allclose(composite(face, counter_face, rotation=90), expected, atol=1e-18)
 
 
 @pytest.mark.parametrize("shift", [(0, 0), (5, -11), (-70, 3)])
 def test_periodic_faces_make_a_periodic_one_at_every_shift(shift):
-    face, other = rough(1), rough(2)
-    together = composite(face, other, shift=[s * STEP for s in shift])
-    expected = face.values + np.roll(other.values[:, ::-1], shift, axis=(0, 1))
+    face, counter_face = rough(1), rough(2)
+    together = composite(face, counter_face, shift=[s * STEP for s in shift])
+    expected = face.values + np.roll(counter_face.values[:, ::-1], shift, axis=(0, 1))
     np.testing.assert_allclose(together, expected, atol=1e-13 * np.abs(expected).max())
     assert periodic_window(together).attrs["periodisation"] == "none"
     assert together.attrs["form"] == "mean"
@@ -103,10 +105,10 @@ def test_periodic_faces_make_a_periodic_one_at_every_shift(shift):
 
 
 def test_periodic_faces_stay_periodic_after_levelling():
-    face, other = rough(1), rough(2)
-    levelled = [level(each + 1e-3 * each["x"] * 0, form="plane") for each in (face, other)]
+    face, counter_face = rough(1), rough(2)
+    levelled = [level(side + 1e-3 * side["x"] * 0, form="plane") for side in (face, counter_face)]
     together = composite(*levelled, shift=(3e-6, 4e-6))
-    expected = face.values + np.roll(other.values[:, ::-1], (3, 4), axis=(0, 1))
+    expected = face.values + np.roll(counter_face.values[:, ::-1], (3, 4), axis=(0, 1))
     np.testing.assert_allclose(together, expected, atol=1e-9 * np.abs(expected).max())
 
 
@@ -116,38 +118,38 @@ def test_independent_faces_add_in_squares():
         pair = [
             rough(100 + 2 * seed + k, (128, 128), longest=16e-6, rms_gradient=0.1 * (k + 1)) for k in (0, 1)
         ]
-        rms.append([*(float(np.std(each)) for each in pair), float(np.std(composite(*pair)))])
-    one, other, together = np.array(rms).T
+        rms.append([*(float(np.std(side)) for side in pair), float(np.std(composite(*pair)))])
+    rms_face, rms_counter_face, together = np.array(rms).T
     # 12 pairs of maps that hold 8 x 8 of their longest waves: two standard errors are 2 %
-    assert np.mean(together**2 / (one**2 + other**2)) == pytest.approx(1, abs=0.02)
+    assert np.mean(together**2 / (rms_face**2 + rms_counter_face**2)) == pytest.approx(1, abs=0.02)
 
 
 def test_a_shift_between_points_is_interpolated_as_the_waves_go():
     y, x = np.indices((64, 64)) * STEP
-    face, other = np.zeros((64, 64)), 1e-6 * np.sin(2 * np.pi * (2 * x + y) / 32e-6)
+    face, counter_face = np.zeros((64, 64)), 1e-6 * np.sin(2 * np.pi * (2 * x + y) / 32e-6)
     turned_over = lambda y, x: 1e-6 * np.sin(2 * np.pi * (2 * (63 * STEP - x) + y) / 32e-6)  # noqa: E731
     shift = (2.3e-6, -4.6e-6)
-    together = composite(height_map(face, STEP), height_map(other, STEP), shift=shift)
+    together = composite(height_map(face, STEP), height_map(counter_face, STEP), shift=shift)
     expected = turned_over(y - shift[0], x - shift[1])
     assert together.shape == (64, 64)  # both are periodic, the flat one too
     np.testing.assert_allclose(together, expected, atol=2e-9)
 
 
 def test_a_rotation_askew_turns_the_waves():
-    face, other = np.zeros((80, 80)), np.zeros((80, 80))
+    face, counter_face = np.zeros((80, 80)), np.zeros((80, 80))
     face += 1e-12 * np.random.default_rng(1).standard_normal(face.shape)  # not periodic, as good as flat
-    y, x = (np.indices(other.shape) - 39.5) * STEP
-    other = 1e-6 * np.sin(2 * np.pi * x / 30.7e-6)
-    together = composite(height_map(face, STEP), height_map(other, STEP), rotation=30)
+    y, x = (np.indices(counter_face.shape) - 39.5) * STEP
+    counter_face = 1e-6 * np.sin(2 * np.pi * x / 30.7e-6)
+    together = composite(height_map(face, STEP), height_map(counter_face, STEP), rotation=30)
     along = x * np.cos(np.pi / 6) + y * np.sin(np.pi / 6)
     expected = 1e-6 * np.sin(-2 * np.pi * along / 30.7e-6)
     measured = np.isfinite(together.values)
-    off = (together.values - expected)[measured]
+    deviation = (together.values - expected)[measured]
     yy, xx = np.nonzero(measured)
-    terms = np.column_stack([np.ones(off.size), yy, xx])
-    off -= terms @ np.linalg.lstsq(terms, off, rcond=None)[0]
-    np.testing.assert_allclose(off, 0, atol=2.5e-9)  # next to the edges, where the spline is straight
-    assert np.sqrt(np.mean(off**2)) < 1e-9
+    terms = np.column_stack([np.ones(deviation.size), yy, xx])
+    deviation -= terms @ np.linalg.lstsq(terms, deviation, rcond=None)[0]
+    np.testing.assert_allclose(deviation, 0, atol=2.5e-9)  # next to the edges, where the spline is straight
+    assert np.sqrt(np.mean(deviation**2)) < 1e-9
     # the corners of the face reach beyond the turned counter-face
     assert np.isnan(together.values[0, 0])
     assert measured.mean() == pytest.approx(0.82, abs=0.06)
@@ -169,33 +171,33 @@ def test_the_closer_points_are_kept():
 
 
 def test_parts_that_overlap_in_part_leave_that_part():
-    face, other = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(40), slice(50))
-    together = composite(face, other, shift=(10e-6, -20e-6))
-    expected = off_plane(face.values[10:, :30] + other.values[:30, ::-1][:, 20:])
+    face, counter_face = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(40), slice(50))
+    together = composite(face, counter_face, shift=(10e-6, -20e-6))
+    expected = off_plane(face.values[10:, :30] + counter_face.values[:30, ::-1][:, 20:])
     np.testing.assert_allclose(together, expected, atol=1e-13 * np.abs(expected).max())
     assert together.attrs["covered_share"] == pytest.approx(30 * 30 / 2000)
     np.testing.assert_allclose(together["y"], face["y"][10:], rtol=1e-14)
     with pytest.raises(HeightMapError, match="do not overlap"):
-        composite(face, other, shift=(45e-6, 0))
+        composite(face, counter_face, shift=(45e-6, 0))
 
 
 @pytest.mark.parametrize("larger", ["face", "counter-face"])
 def test_pixels_and_sizes_of_both_faces_are_known(larger):
-    whole, small = rough(1, (128, 128), STEP), cut(rough(2, (128, 128), STEP / 2), slice(40), slice(60))
-    together = composite(*((whole, small) if larger == "face" else (small, whole)))
+    large, small = rough(1, (128, 128), STEP), cut(rough(2, (128, 128), STEP / 2), slice(40), slice(60))
+    together = composite(*((large, small) if larger == "face" else (small, large)))
     assert sorted(together.attrs["face_pitches"]) == pytest.approx([STEP / 2, STEP])
     share = 40 * 60 / 4 / 128**2  # within half a pixel at each end
     assert together.attrs["covered_share_of_larger"] == pytest.approx(share, rel=0.06)
 
 
 def test_missing_and_filled_points_of_either_face_count():
-    face, other = (cut(rough(seed), slice(60), slice(50)) for seed in (1, 2))
+    face, counter_face = (cut(rough(seed), slice(60), slice(50)) for seed in (1, 2))
     face.values[20, 10] = np.nan
-    other.values[40:42, 4] = np.nan
+    counter_face.values[40:42, 4] = np.nan
     for shift, holes in (((0, 0), 3), ((0, 0.5e-6), 5)):
-        together = composite(face, other, shift=shift)
+        together = composite(face, counter_face, shift=shift)
         assert int(np.isnan(together).sum()) == holes
-    levelled = [level(each) for each in (face, other)]
+    levelled = [level(side) for side in (face, counter_face)]
     together = composite(*levelled)
     assert int(together["filled"].sum()) == together.attrs["filled_points"] == 3
     assert together["filled"].values[20, 10] == together["filled"].values[40, 45] == 1
@@ -205,18 +207,18 @@ def test_missing_and_filled_points_of_either_face_count():
 def test_the_steps_of_both_faces_add_up():
     faces = [cut(rough(seed), slice(60), slice(50)) for seed in (1, 2)]
     rounded = [
-        each.copy(data=np.rint(each.values / step) * step)
-        for each, step in zip(faces, (2e-7, 3e-7), strict=True)
+        side.copy(data=np.rint(side.values / step) * step)
+        for side, step in zip(faces, (2e-7, 3e-7), strict=True)
     ]
-    together = composite(*(level(each) for each in rounded))
+    together = composite(*(level(side) for side in rounded))
     assert together.attrs["quantisation_step"] == pytest.approx(5e-7)
     assert "quantisation_step" not in composite(*rounded).attrs
 
 
 def test_profiles_shift_along_their_length():
-    face, other = (cut(rough(seed, (1, 400)), slice(1), slice(300)) for seed in (1, 2))
-    together = composite(face, other, shift=(0, 30e-6))
-    sum_of_both = face.values[0, 30:] + other.values[0, ::-1][:-30]
+    face, counter_face = (cut(rough(seed, (1, 400)), slice(1), slice(300)) for seed in (1, 2))
+    together = composite(face, counter_face, shift=(0, 30e-6))
+    sum_of_both = face.values[0, 30:] + counter_face.values[0, ::-1][:-30]
     x = np.arange(270)
     np.testing.assert_allclose(
         together.values[0], sum_of_both - np.polyval(np.polyfit(x, sum_of_both, 1), x), atol=1e-18
@@ -224,7 +226,7 @@ def test_profiles_shift_along_their_length():
     assert together.attrs["covered_share"] == pytest.approx(270 / 300)
     for wrong in ({"rotation": 90}, {"shift": (1e-6, 0)}):
         with pytest.raises(SettingsError, match="profiles"):
-            composite(face, other, **wrong)
+            composite(face, counter_face, **wrong)
     with pytest.raises(HeightMapError, match="a map and a profile"):
         composite(face, rough(1))
 
@@ -235,22 +237,27 @@ def test_a_profile_gets_the_closer_points_of_the_other_one():
     together = composite(face, fine)
     assert together.shape == (1, 199)  # from the first point of the face to its last
     np.testing.assert_allclose(together["x"][::2], face["x"], rtol=1e-12)
-    drawn = np.array([each["shift"] for each in relative_positions(face, fine)])
+    drawn = np.array([position["shift"] for position in relative_positions(face, fine)])
     assert (drawn[:, 0] == 0).all()  # along its length alone
     assert (drawn[:, 1] != 0).all()
 
 
-@pytest.mark.parametrize("off", [-5e-7, 5e-7])
-def test_steps_that_agree_to_a_millionth_are_one(off):
-    face, other = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(44), slice(54))
-    stretched = other.assign_coords(x=other["x"] * (1 + off), y=other["y"] * (1 + off))
+@pytest.mark.parametrize("relative_change", [-5e-7, 5e-7])
+def test_steps_that_agree_to_a_millionth_are_one(relative_change):
+    face, counter_face = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(44), slice(54))
+    stretched = counter_face.assign_coords(
+        x=counter_face["x"] * (1 + relative_change), y=counter_face["y"] * (1 + relative_change)
+    )
     on_points = [
-        [each["shift"] for each in relative_positions(face, one, shifts=20)] for one in (other, stretched)
+        [position["shift"] for position in relative_positions(face, partner, shifts=20)]
+        for partner in (counter_face, stretched)
     ]
     np.testing.assert_allclose(*on_points, atol=1e-3 * STEP)
     together = composite(face, stretched)
     assert together.shape == face.shape
-    np.testing.assert_allclose(together, composite(face, other), atol=1e-4 * float(np.abs(other).max()))
+    np.testing.assert_allclose(
+        together, composite(face, counter_face), atol=1e-4 * float(np.abs(counter_face).max())
+    )
 
 
 def test_periods_of_a_few_nanometres_are_told_apart():
@@ -262,10 +269,10 @@ def test_periods_of_a_few_nanometres_are_told_apart():
 
 
 def test_two_points_along_an_axis_are_an_overlap_and_one_is_none():
-    face, other = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(40), slice(50))
-    assert composite(face, other, shift=(38 * STEP, 0)).shape == (2, 50)
+    face, counter_face = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(40), slice(50))
+    assert composite(face, counter_face, shift=(38 * STEP, 0)).shape == (2, 50)
     with pytest.raises(HeightMapError, match="do not overlap"):
-        composite(face, other, shift=(39 * STEP, 0))
+        composite(face, counter_face, shift=(39 * STEP, 0))
 
 
 def test_steps_that_differ_too_much_are_refused_before_they_fill_the_memory():
@@ -284,8 +291,8 @@ def test_positions_without_meaning(wrong):
 def test_both_files_and_the_position_are_recorded():
     face = rough(1).assign_attrs(source_file="a.x3p", source_sha256="aa", ingest_warnings='["steep"]')
     blunt = json.dumps({"numerical_aperture": 0.01})
-    other = rough(2).assign_attrs(source_file="b.x3p", source_sha256="bb", instrument=blunt)
-    together = composite(face, other, shift=(2e-6, 3e-6), rotation=90)
+    counter_face = rough(2).assign_attrs(source_file="b.x3p", source_sha256="bb", instrument=blunt)
+    together = composite(face, counter_face, shift=(2e-6, 3e-6), rotation=90)
     attrs = together.attrs
     assert attrs["source_file"] == "a.x3p + b.x3p"
     assert attrs["source_sha256"] == "aa + bb"
@@ -299,59 +306,70 @@ def test_both_files_and_the_position_are_recorded():
         "missing_share": 0.25,
         "row_jitter": 0.1,
     }
-    more = {"outliers_rejected": 4, "outlier_kinds": '{"spike": 2, "scar": 2}', "missing_share": 0.125}
-    for pair in ((face.assign_attrs(rejected), other.assign_attrs(more)), (face, other)):
-        found = composite(*pair).attrs
-        known = pair[0] is not face
-        assert json.loads(found["outlier_kinds"]) == ({"spike": 5, "scar": 2} if known else {})
-        assert found["outliers_rejected"] == (7 if known else 0)
-        assert found["missing_share"] == (0.25 if known else 0)
-        assert found.get("row_jitter") == (0.1 if known else None)
+    further_attrs = {
+        "outliers_rejected": 4,
+        "outlier_kinds": '{"spike": 2, "scar": 2}',
+        "missing_share": 0.125,
+    }
+    for pair in (
+        (face.assign_attrs(rejected), counter_face.assign_attrs(further_attrs)),
+        (face, counter_face),
+    ):
+        attributes = composite(*pair).attrs
+        has_rejections = pair[0] is not face
+        assert json.loads(attributes["outlier_kinds"]) == ({"spike": 5, "scar": 2} if has_rejections else {})
+        assert attributes["outliers_rejected"] == (7 if has_rejections else 0)
+        assert attributes["missing_share"] == (0.25 if has_rejections else 0)
+        assert attributes.get("row_jitter") == (0.1 if has_rejections else None)
     assert attrs["Sq"] == pytest.approx(float(np.std(together)))
 
 
 def test_the_noise_of_two_faces_is_that_of_their_sum():
     faces = [rough(1).assign_attrs(instrument_noise=3e-9), rough(2).assign_attrs(instrument_noise=4e-9)]
-    stated = {"noise": 1e-9}
-    assert stated_instrument(composite(*faces), stated)["noise"] == pytest.approx(5e-9)
-    assert stated_instrument(composite(rough(1), rough(2)), stated)["noise"] == pytest.approx(2**0.5 * 1e-9)
-    assert stated_instrument(rough(1), stated)["noise"] == 1e-9
+    instrument = {"noise": 1e-9}
+    assert stated_instrument(composite(*faces), instrument)["noise"] == pytest.approx(5e-9)
+    assert stated_instrument(composite(rough(1), rough(2)), instrument)["noise"] == pytest.approx(
+        2**0.5 * 1e-9
+    )
+    assert stated_instrument(rough(1), instrument)["noise"] == 1e-9
 
 
 def test_an_ensemble_of_positions():
-    face, other = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(33), slice(64))
-    drawn = relative_positions(face, other, shifts=40, rotations=[0, 90], overlap=0.8, seed=3)
-    assert [each["rotation"] for each in drawn] == [0.0] * 40 + [90.0] * 40
+    face, counter_face = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(33), slice(64))
+    drawn = relative_positions(face, counter_face, shifts=40, rotations=[0, 90], overlap=0.8, seed=3)
+    assert [position["rotation"] for position in drawn] == [0.0] * 40 + [90.0] * 40
     for rotation, sides in ((0, (33, 64)), (90, (64, 33))):
-        shifts = np.array([each["shift"] for each in drawn if each["rotation"] == rotation]) / STEP
+        shifts = (
+            np.array([position["shift"] for position in drawn if position["rotation"] == rotation]) / STEP
+        )
         for values, a, b in zip(shifts.T, (40, 50), sides, strict=True):
             reach = abs(a - b) / 2 + 0.2 * min(a, b)
             assert 0.8 * reach < np.abs(values).max() <= reach + 0.5
             # points on points: halves where one number of points is odd
             np.testing.assert_allclose((values - (a - b) / 2) % 1 % 0.999999, 0, atol=1e-5)
-    fewer = relative_positions(face, other, shifts=2, rotations=[0, 90], overlap=0.8, seed=3)
+    fewer = relative_positions(face, counter_face, shifts=2, rotations=[0, 90], overlap=0.8, seed=3)
     assert fewer == drawn[:2] + drawn[40:42]
-    assert fewer != relative_positions(face, other, shifts=2, rotations=[0, 90], overlap=0.8, seed=4)
-    together = composite(face, other, **drawn[50])
+    assert fewer != relative_positions(face, counter_face, shifts=2, rotations=[0, 90], overlap=0.8, seed=4)
+    together = composite(face, counter_face, **drawn[50])
     assert not np.isnan(together).any()
     periodic = relative_positions(rough(1), rough(2), shifts=50)
-    assert 28 * STEP < np.abs([each["shift"] for each in periodic]).max() <= 32 * STEP
+    assert 28 * STEP < np.abs([position["shift"] for position in periodic]).max() <= 32 * STEP
 
 
 def test_a_shift_is_moved_to_the_nearest_points():
     """By half a step at most from where it was drawn, which is where faces of other steps lie."""
-    face, other = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(33), slice(64))
-    stretched = other.assign_coords(x=other["x"] * (1 + 1e-5), y=other["y"] * (1 + 1e-5))
+    face, counter_face = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(33), slice(64))
+    stretched = counter_face.assign_coords(x=counter_face["x"] * (1 + 1e-5), y=counter_face["y"] * (1 + 1e-5))
     on_points, drawn = (
-        np.array([each["shift"] for each in relative_positions(face, one, shifts=20)])
-        for one in (other, stretched)
+        np.array([position["shift"] for position in relative_positions(face, partner, shifts=20)])
+        for partner in (counter_face, stretched)
     )
-    off = np.abs(on_points - drawn) / STEP
-    assert 0.4 < off.max() < 0.501
+    distance = np.abs(on_points - drawn) / STEP
+    assert 0.4 < distance.max() < 0.501
 
 
 @pytest.mark.parametrize(
-    ("wrong", "said"),
+    ("wrong", "message"),
     [
         ({"shifts": 0}, "composite.shifts"),
         ({"rotations": []}, "rotations"),
@@ -359,16 +377,16 @@ def test_a_shift_is_moved_to_the_nearest_points():
         ({"overlap": 1.5}, "overlap"),
     ],
 )
-def test_ensembles_without_meaning(wrong, said):
-    with pytest.raises(SettingsError, match=said):
+def test_ensembles_without_meaning(wrong, message):
+    with pytest.raises(SettingsError, match=message):
         relative_positions(rough(1), rough(2), **wrong)
 
 
 def test_the_contact_of_two_faces_is_that_of_their_sum():
-    face, other = rough(1), rough(2)
+    face, counter_face = rough(1), rough(2)
     load = {"contact_modulus": 1e9, "mean_pressure": 1e7}
-    together = rc.solve_contact(periodic_window(rc.composite(face, other)), **load)
-    summed = rc.solve_contact(face.copy(data=face.values + other.values[:, ::-1]), **load)
+    together = rc.solve_contact(periodic_window(rc.composite(face, counter_face)), **load)
+    summed = rc.solve_contact(face.copy(data=face.values + counter_face.values[:, ::-1]), **load)
     np.testing.assert_allclose(
         together["pressure"], summed["pressure"], atol=1e-3 * float(summed["pressure"].max())
     )
@@ -412,8 +430,8 @@ FORMATS = (as_points, as_picture, as_x3p, as_array, as_array_from_the_top)
 def measured(folder, values, written):
     """Return a map (y upwards) after a way through a file."""
     path = folder / f"{written.__name__}.dat"
-    given = written(path, values)
-    return level(rc.read_height_map(path, **given), outlier_threshold=None, line_alignment="none")
+    options = written(path, values)
+    return level(rc.read_height_map(path, **options), outlier_threshold=None, line_alignment="none")
 
 
 def oblique():
@@ -422,31 +440,41 @@ def oblique():
     return cut(rough(5), slice(48), slice(64)).values + 1e-6 * np.cos(2 * np.pi * (3 * x - 5 * y) / 64e-6)
 
 
-@pytest.mark.parametrize("second", FORMATS)
-@pytest.mark.parametrize("first", FORMATS)
-def test_a_face_fits_on_its_imprint_whatever_their_formats(tmp_path, first, second):
+@pytest.mark.parametrize("format_counter_face", FORMATS)
+@pytest.mark.parametrize("format_face", FORMATS)
+def test_a_face_fits_on_its_imprint_whatever_their_formats(tmp_path, format_face, format_counter_face):
     heights = oblique()
-    face = measured(tmp_path, heights, first)
-    imprint = measured(tmp_path, -heights[:, ::-1], second)
+    face = measured(tmp_path, heights, format_face)
+    imprint = measured(tmp_path, -heights[:, ::-1], format_counter_face)
     np.testing.assert_allclose(composite(face, imprint), 0, atol=1e-11 * np.ptp(heights))
 
 
 @pytest.mark.slow
 def test_the_contact_of_a_pair_depends_neither_on_formats_nor_on_the_order(tmp_path):
-    one, other = oblique(), 0.7 * oblique()[:, ::-1] + cut(rough(6), slice(48), slice(64)).values
+    face_values, counter_values = (
+        oblique(),
+        0.7 * oblique()[:, ::-1] + cut(rough(6), slice(48), slice(64)).values,
+    )
     load = {"contact_modulus": 1e9, "mean_pressure": 1e7}
     areas, heights = [], []
-    for first, second in ((as_x3p, as_x3p), (as_picture, as_picture), (as_points, as_picture)):
-        pair = measured(tmp_path, one, first), measured(tmp_path, other, second)
+    for format_face, format_counter_face in (
+        (as_x3p, as_x3p),
+        (as_picture, as_picture),
+        (as_points, as_picture),
+    ):
+        pair = (
+            measured(tmp_path, face_values, format_face),
+            measured(tmp_path, counter_values, format_counter_face),
+        )
         laid = composite(*pair, shift=(4 * STEP, 6 * STEP))
         heights.append(laid.values)
         # the one that lies on top is turned over: seen from it, the pair is its mirror image
         turned = composite(*pair[::-1], shift=(-4 * STEP, 6 * STEP))
-        np.testing.assert_allclose(turned.values[:, ::-1], heights[-1], atol=1e-9 * np.ptp(one))
-        for each in (laid, turned):
-            solved = rc.solve_contact(periodic_window(each, method="raw"), **load)
+        np.testing.assert_allclose(turned.values[:, ::-1], heights[-1], atol=1e-9 * np.ptp(face_values))
+        for arrangement in (laid, turned):
+            solved = rc.solve_contact(periodic_window(arrangement, method="raw"), **load)
             areas.append(float(rc.contact_statistics(solved)["relative_contact_area"][0]))
-    np.testing.assert_allclose(heights, [heights[0]] * 3, atol=1e-9 * np.ptp(one))
+    np.testing.assert_allclose(heights, [heights[0]] * 3, atol=1e-9 * np.ptp(face_values))
     np.testing.assert_allclose(areas, areas[0], rtol=2e-3)
     assert 0.02 < areas[0] < 0.5
 
@@ -454,32 +482,35 @@ def test_the_contact_of_a_pair_depends_neither_on_formats_nor_on_the_order(tmp_p
 @pytest.mark.parametrize("rotation", [0, 90, 180, 270])
 def test_a_rotated_pair_is_the_same_from_both_sides(rotation):
     """The way that leads to the counter-face leads back, mirrored: shifts turn, the rotation stays."""
-    one, other = cut(rough(1), slice(50), slice(60)), cut(rough(2), slice(52), slice(54))
+    face, counter_face = cut(rough(1), slice(50), slice(60)), cut(rough(2), slice(52), slice(54))
     sy, sx = 3e-6, -4e-6
     cosine, sine = np.cos(np.radians(rotation)), np.sin(np.radians(rotation))
-    there = composite(one, other, shift=(sy, sx), rotation=rotation)
-    back = composite(other, one, shift=(sine * sx - cosine * sy, cosine * sx + sine * sy), rotation=rotation)
-    middle = [float(one[d][[0, -1]].mean()) for d in ("y", "x")]
-    y, x = (there[d].values - m for d, m in zip(("y", "x"), middle, strict=True))
+    forward = composite(face, counter_face, shift=(sy, sx), rotation=rotation)
+    back = composite(
+        counter_face, face, shift=(sine * sx - cosine * sy, cosine * sx + sine * sy), rotation=rotation
+    )
+    middle = [float(face[d][[0, -1]].mean()) for d in ("y", "x")]
+    y, x = (forward[d].values - m for d, m in zip(("y", "x"), middle, strict=True))
     v, u = np.meshgrid(y - sy, x - sx, indexing="ij")
-    place = [
-        p + float(other[d][[0, -1]].mean())
+    positions = [
+        p + float(counter_face[d][[0, -1]].mean())
         for d, p in (("y", v * cosine - u * sine), ("x", -(u * cosine + v * sine)))
     ]
-    seen = back.interp(y=("points", place[0].ravel()), x=("points", place[1].ravel()))  # on its points
-    difference = off_plane_of(there.values.ravel() - seen.values, v.ravel(), u.ravel())
+    seen = back.interp(
+        y=("points", positions[0].ravel()), x=("points", positions[1].ravel())
+    )  # on its points
+    difference = off_plane_of(forward.values.ravel() - seen.values, v.ravel(), u.ravel())
     assert np.isfinite(difference).mean() > 0.5
-    assert np.nanmax(np.abs(difference)) < 1e-9 * float(np.ptp(one.values))
+    assert np.nanmax(np.abs(difference)) < 1e-9 * float(np.ptp(face.values))
 
 
 def test_a_face_whose_file_does_not_say_where_it_begins_is_named(tmp_path):
     pair = [measured(tmp_path, oblique(), written) for written in (as_x3p, as_array)]
-    said = json.loads(composite(*pair).attrs["ingest_warnings"])
-    assert said == [
-        "as_array.dat: the first row is taken as the bottom of the picture; if it is not, give first_row"
-    ]
+    rows = "as_array.dat: the first row is taken as the bottom of the picture; if it is not, give first_row"
+    assert rows in json.loads(composite(*pair).attrs["ingest_warnings"])
     pair[1] = measured(tmp_path, oblique(), as_array_from_the_top)
-    assert json.loads(composite(*pair).attrs["ingest_warnings"]) == []
+    warnings = json.loads(composite(*pair).attrs["ingest_warnings"])
+    assert not any("first row" in text for text in warnings)
 
 
 @pytest.mark.parametrize("shape", [(60, 70), (1, 90), (64, 3)])
@@ -487,24 +518,24 @@ def test_a_face_whose_file_does_not_say_where_it_begins_is_named(tmp_path):
 def test_the_spline_is_a_not_a_knot_spline_at_the_rim_too(shape, points):
     """Waves of so many points, between the points of a map that is not periodic."""
     y, x = np.indices(shape)
-    of = {"y": 2 * np.pi / (1.3 * points), "x": 2 * np.pi / points}
+    wavenumbers = {"y": 2 * np.pi / (1.3 * points), "x": 2 * np.pi / points}
 
     def surface(y, x):
-        return 6e-7 * np.sin(of["x"] * x + 0.3) * np.cos(of["y"] * y + 0.2) + 3e-8 * x
+        return 6e-7 * np.sin(wavenumbers["x"] * x + 0.3) * np.cos(wavenumbers["y"] * y + 0.2) + 3e-8 * x
 
     heights = surface(y, x)
     face = Face(height_map(heights, STEP))
     assert not face.periodic
     rng = np.random.default_rng(0)
-    places = rng.uniform(0, 1, (2, 500)) * (np.array(shape)[:, None] - 1)
-    places[:, :250] %= 1.0  # within a point of the rim
-    found, _ = face.at(*((p - (n - 1) / 2) * STEP for p, n in zip(places, shape, strict=True)))
+    positions = rng.uniform(0, 1, (2, 500)) * (np.array(shape)[:, None] - 1)
+    positions[:, :250] %= 1.0  # within a point of the rim
+    values, _ = face.at(*((p - (n - 1) / 2) * STEP for p, n in zip(positions, shape, strict=True)))
     if shape[0] == 1:
-        expected = CubicSpline(np.arange(shape[1]), heights[0])(places[1])
+        expected = CubicSpline(np.arange(shape[1]), heights[0])(positions[1])
     else:
         degrees = [min(3, n - 1) for n in shape]
         spline = RectBivariateSpline(*map(np.arange, shape), heights, kx=degrees[0], ky=degrees[1])
-        expected = spline.ev(*places)
-    np.testing.assert_allclose(found, expected, atol=1e-9 * np.ptp(heights))
+        expected = spline.ev(*positions)
+    np.testing.assert_allclose(values, expected, atol=1e-9 * np.ptp(heights))
     if min(shape) != 3:  # range of a wave: 0.53 % at the rim for 8 points, 0.1 % for 12
-        assert np.abs(found - surface(*places)).max() < 25 * points**-4 * 1.2e-6
+        assert np.abs(values - surface(*positions)).max() < 25 * points**-4 * 1.2e-6

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact.maps import height_map
+from roughcontact.arguments.maps import height_map
 from roughcontact.report.facts import lay_caption, levelled_caption, spectrum_caption, surface_facts
 
 
-def numbers(**more):
+def numbers(**further):
     """Return statistics of three loads at which the gap closes along x between the last two."""
     single = {
         "rms_height": 4e-7,
@@ -31,19 +31,21 @@ def numbers(**more):
         "gap_percolates_x": ("load", [1.0, 1.0, 0.0]),
         "gap_percolates_y": ("load", [1.0, 1.0, 1.0]),
     }
-    return xr.Dataset(single | loads | more)
+    return xr.Dataset(single | loads | further)
 
 
 def known(value, unit):
     return {"value": value, "units": unit}
 
 
-def facts(measured=None, levelled=None, window=None, **more):
+def facts(measured=None, levelled=None, window=None, **settings):
     """Return the facts of a map of 40 x 30 points with these attributes, of a pitch of 2 and 1 µm."""
     maps = [height_map(np.eye(30, 40) * 1e-6, (2e-6, 1e-6)) for _ in range(3)]
     attrs = (measured or {}, levelled or {}, window or {})
     return dict(
-        surface_facts(*(one.assign_attrs(a) for one, a in zip(maps, attrs, strict=True)), numbers(**more))
+        surface_facts(
+            *(face.assign_attrs(a) for face, a in zip(maps, attrs, strict=True)), numbers(**settings)
+        )
     )
 
 
@@ -77,6 +79,10 @@ def test_all_that_is_known_of_a_surface():
         "File": "a.x3p · X3P",
         "Channel": "height",
         "Instrument": "lens 50x, numerical aperture 0.400",
+        "Assumed in the ±": (
+            "a perfect lens or tip and no noise but what a flat spectrum shows: state them in the section "
+            "instrument"
+        ),
         "Map": "40.0 µm × 60.0 µm, 40 × 30 points of 1.00 µm × 2.00 µm",  # x before y
         "Missing points": "1.25 %",
         "Removed form": "plane: slope x −0.0200, mean 1.50 µm",
@@ -95,9 +101,10 @@ def test_all_that_is_known_of_a_surface():
         "Points per shortest wave": "4.6",
         "First yield below the surface": "at 5.00 MPa mean pressure",
         "Gap closes": "along x between 5.00 MPa and 20.0 MPa; along y not up to 20.0 MPa",
+        "Flow through the gap": "not solved; state a seal, or flow: always in the section statistics",
         "Contact modulus E*": "115 GPa",
         "Hardness": "3000 MPa",
-        "First yield at the surface, p̄": "2.00 MPa",
+        "First yield at the surface": "at 2.00 MPa mean pressure",
     }
 
 
@@ -116,7 +123,7 @@ def test_how_a_counter_face_lies_on_the_face():
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "unit", "shown"),
+    ("name", "value", "unit", "number_text"),
     [
         # what over the 60 µm of the map makes less than a millionth of its rms height, 0.156 µm, is nothing
         ("slope_x", 3e-9, "1", "3.00×10⁻⁹"),
@@ -128,13 +135,13 @@ def test_how_a_counter_face_lies_on_the_face():
         ("axis_angle", -30.0, "degree", "−30.00°"),
     ],
 )
-def test_the_form_that_was_taken_off(name, value, unit, shown):
+def test_the_form_that_was_taken_off(name, value, unit, number_text):
     removed = facts(levelled={"form": "some", "form_removed": json.dumps({name: known(value, unit)})})
-    assert removed["Removed form"] == f"some: {name.replace('_', ' ')} {shown}"
+    assert removed["Removed form"] == f"some: {name.replace('_', ' ')} {number_text}"
 
 
 @pytest.mark.parametrize(
-    ("is_open", "said"),
+    ("is_open", "message"),
     [
         ([[0, 0, 0], [0, 0, 0]], "at 1.00 MPa already"),
         (
@@ -144,9 +151,9 @@ def test_the_form_that_was_taken_off(name, value, unit, shown):
         ([[1, 1, 1], [1, 1, 1]], "not up to 20.0 MPa"),
     ],
 )
-def test_between_which_loads_the_gap_closes(is_open, said):
-    loads = {f"gap_percolates_{axis}": ("load", of) for axis, of in zip("xy", is_open, strict=True)}
-    assert facts(**loads)["Gap closes"] == said
+def test_between_which_loads_the_gap_closes(is_open, message):
+    loads = {f"gap_percolates_{axis}": ("load", opening) for axis, opening in zip("xy", is_open, strict=True)}
+    assert facts(**loads)["Gap closes"] == message
 
 
 def test_of_a_profile_nothing_is_said_of_closing():

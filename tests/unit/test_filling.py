@@ -8,8 +8,8 @@ import scipy.fft
 from scipy import ndimage
 
 from roughcontact.errors import HeightMapError
-from roughcontact.levelling import filling
-from roughcontact.levelling.filling import fill_harmonic, find_holes
+from roughcontact.surface.levelling import filling
+from roughcontact.surface.levelling.filling import fill_harmonic, find_holes
 
 
 def fill(heights, missing, spacing=(1.0, 1.0)):
@@ -142,8 +142,10 @@ def test_the_residual_is_a_ten_thousand_millionth_of_the_right_hand_side(hole):
     missing = np.zeros((70, 70), dtype=bool)
     missing[20 : 30 if hole == "narrow" else 60, 10:60] = True
     filled, _, _ = fill(heights, missing)
-    known = np.where(missing, 0.0, heights)
-    rhs, neighbours = (sum(np.roll(f, s, a) for s in (1, -1) for a in (0, 1)) for f in (known, filled))
+    without_missing = np.where(missing, 0.0, heights)
+    rhs, neighbours = (
+        sum(np.roll(f, s, a) for s in (1, -1) for a in (0, 1)) for f in (without_missing, filled)
+    )
     residual = (4 * filled - neighbours)[missing]
     assert np.linalg.norm(residual) <= 1.01e-10 * np.linalg.norm(rhs[missing])
 

@@ -7,12 +7,12 @@ import pytest
 from scipy import ndimage
 from shared_data import DATA
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.io.read import read_height_map
-from roughcontact.levelling.filters import gaussian_mean_surface
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.levelling.filters import gaussian_mean_surface
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.synthetic import self_affine_surface
 
 # Plane removed, Gaussian low-pass of surfalize 0.19.2 (heights read by SurfaceTopography 1.27.1): nesting
 # index, m, and the mean surface, m, in the middle [ny//2, nx//2] and at (+20, -30) and (-40, +10) from there.
@@ -94,10 +94,10 @@ def test_other_software_filters_the_same(name, nesting_index):
     # counted in the rows of the file, as the other software has them
     rows = levelled.values[::-1] if levelled.attrs["first_row"] == "top" else levelled.values
     ny, nx = (n // 2 for n in levelled.shape)
-    found = [rows[ny + j, nx + i] for j, i in ((0, 0), (20, -30), (-40, 10))]
+    values_at_points = [rows[ny + j, nx + i] for j, i in ((0, 0), (20, -30), (-40, 10))]
     # the other filter cuts its weights off at four standard deviations
     np.testing.assert_allclose(
-        found, OTHER_SOFTWARE[name, nesting_index], rtol=0, atol=1e-4 * levelled.attrs["Sq"]
+        values_at_points, OTHER_SOFTWARE[name, nesting_index], rtol=0, atol=1e-4 * levelled.attrs["Sq"]
     )
 
 
@@ -106,17 +106,17 @@ def test_levelling_takes_off_short_and_long_waves_and_records_them():
         (200, 240), 1e-6, hurst=0.8, shortest=4e-6, longest=100e-6, rms_height=1e-6, seed=1
     )
     plain = level(rough, outlier_threshold=None)
-    both = level(rough, outlier_threshold=None, s_filter=8e-6, l_filter=40e-6)
+    both_filters = level(rough, outlier_threshold=None, s_filter=8e-6, l_filter=40e-6)
     smooth = gaussian_mean_surface(plain.values, (1e-6, 1e-6), 8e-6)
     expected = smooth - gaussian_mean_surface(smooth, (1e-6, 1e-6), 40e-6)
-    np.testing.assert_allclose(both.values, expected, atol=1e-18)
-    record = json.loads(both.attrs["filters_removed"])
+    np.testing.assert_allclose(both_filters.values, expected, atol=1e-18)
+    record = json.loads(both_filters.attrs["filters_removed"])
     assert record["s_filter"]["nesting_index"] == {"value": 8e-6, "units": "m"}
     assert record["s_filter"]["rms_removed"]["value"] == pytest.approx(
         np.sqrt(np.mean((plain.values - smooth) ** 2))
     )
     assert record["l_filter"]["rms_removed"]["units"] == "m"
-    assert both.attrs["Sq"] < plain.attrs["Sq"]
+    assert both_filters.attrs["Sq"] < plain.attrs["Sq"]
     assert json.loads(plain.attrs["filters_removed"]) == {}
 
 

@@ -27,12 +27,12 @@ def test_a_slow_hertzian_source(ball):
     middle = np.pi * friction * speed * largest * radius / (4 * sum(conductivities))
     # the mean is left out, and with it what the neighbours in a square period add: a lattice sum
     heat = friction * speed * contact["pressure"].values.mean()
-    alone = warm + 3.900265 * heat / (2 * np.pi * sum(conductivities))
-    assert alone.max() == pytest.approx(middle, rel=1e-3)
+    warm_contact = warm + 3.900265 * heat / (2 * np.pi * sum(conductivities))
+    assert warm_contact.max() == pytest.approx(middle, rel=1e-3)
     r = np.hypot(x[:, None], x)
     inside = r < 0.9 * radius
     np.testing.assert_allclose(
-        alone[inside], middle * (1 - r[inside] ** 2 / (2 * radius**2)), atol=1e-3 * middle
+        warm_contact[inside], middle * (1 - r[inside] ** 2 / (2 * radius**2)), atol=1e-3 * middle
     )
 
 
@@ -62,11 +62,49 @@ def test_a_wave_of_heat_is_exact_at_any_speed(direction, peclet):
     np.testing.assert_allclose(warm, expected * np.ones((points, points)), atol=1e-9 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize(
+    ("conductivities", "peclet", "largest", "mean"),
+    [
+        ((50, 50), 0.01, 1, 1),
+        ((50, 50), 10, 0.96, 0.93),
+        ((50, 50), 50, 0.88, 0.82),
+        ((50, 0.3), 50, 0.99, 0.99),
+    ],
+)
+def test_how_much_too_cool_heat_across_the_gap_makes_a_patch(conductivities, peclet, largest, mean):
+    """Against equal temperatures in the contact alone, which heat alone enters: a dense solution."""
+    n, length, radius, diffusivity = 96, 1e-3, 5e-5, 14e-6
+    x = (np.arange(n) - n / 2 + 0.5) * length / n
+    ball = rc.height_map(-(x[:, None] ** 2 + x**2) / 2e-3, length / n)
+    load = 4 * 1e9 * radius**3 / 3e-3 / length**2
+    contact = rc.solve_contact(ball, contact_modulus=1e9, mean_pressure=load, tolerance=1e-6)
+    speed, touching = 2 * diffusivity * peclet / radius, np.nonzero(contact["pressure"].values[0])
+    q_y, q_x = (2 * np.pi * np.fft.fftfreq(n, length / n)[index] for index in np.ix_(range(n), range(n)))
+    square = q_y**2 + q_x**2
+    square[0, 0] = 1e30  # the mean flows away
+    rows, columns = (np.subtract.outer(indices, indices) % n for indices in touching)
+    rises = [
+        np.fft.ifft2(1 / (k * np.sqrt(square + 1j * q_x * v / diffusivity))).real[rows, columns]
+        for k, v in zip(conductivities, (0.0, speed), strict=True)
+    ]
+    heat = 0.2 * speed * contact["pressure"].values[0][touching]
+    exact = rises[0] @ np.linalg.solve(rises[0] + rises[1], rises[1] @ heat)
+    warm = rc.flash_temperature(
+        contact,
+        friction_coefficient=0.2,
+        speed=speed,
+        thermal_conductivity=conductivities,
+        thermal_diffusivity=diffusivity,
+    )
+    assert warm["max_flash_temperature"].item() / exact.max() == pytest.approx(largest, abs=0.01)
+    assert warm["mean_flash_temperature"].item() / exact.mean() == pytest.approx(mean, abs=0.01)
+
+
 def test_what_has_no_meaning_is_refused(ball):
     contact = ball[3]
     good = {"friction_coefficient": 0.3, "speed": "1 m/s", "thermal_conductivity": [50.0, 50.0]}
     assert rc.flash_temperature(contact, **good)["max_flash_temperature"] > 0
-    conductivities = [{"thermal_conductivity": stated} for stated in ([50.0], 50.0)]
+    conductivities = [{"thermal_conductivity": conductivity} for conductivity in ([50.0], 50.0)]
     for wrong in ({"speed": 0.0}, {"friction_coefficient": -1}, *conductivities):
         with pytest.raises(rc.SettingsError, match=next(iter(wrong))):
             rc.flash_temperature(contact, **good | wrong)

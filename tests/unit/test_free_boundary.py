@@ -9,13 +9,18 @@ from scipy.integrate import dblquad, quad
 from scipy.special import j0, jv
 
 import roughcontact as rc
-from roughcontact.elasticity.free_space import FADE, TruncatedKernel, love, transform_of_pixels
-from roughcontact.elasticity.halfspace import HalfSpace
-from roughcontact.elasticity.influence import Elasticity
-from roughcontact.elasticity.layers import layered_pair
-from roughcontact.fourier import wavevectors
-from roughcontact.maps import height_map
-from roughcontact.references.closed_forms import hertz, hertz_ellipse
+from roughcontact.arguments.maps import height_map
+from roughcontact.contact.elasticity.closed_forms import hertz, hertz_ellipse
+from roughcontact.contact.elasticity.free_space import (
+    FADE,
+    TruncatedKernel,
+    love,
+    transform_of_pixels,
+)
+from roughcontact.contact.elasticity.halfspace import HalfSpace
+from roughcontact.contact.elasticity.influence import Elasticity
+from roughcontact.contact.elasticity.layers import LayeredPair, elastic_medium
+from roughcontact.kernels.fourier import wavevectors
 
 POINTS = 256
 STEEL = {"boundary": "free", "contact_modulus": 1.0}
@@ -65,13 +70,13 @@ def test_transform_of_an_even_field(shape):
 def test_sampled_symbol_is_the_transform_of_the_kernel():
     """2 times the integral of J0(q r), the kernel 1/(pi r) in polar coordinates, with the linear fade."""
     qy, qx = wavevectors((64, 64), (1 / 64, 1 / 64))
-    reach, end = 0.4, 0.4 * FADE
+    reach, outer = 0.4, 0.4 * FADE
     symbol = TruncatedKernel(reach)(qy, qx, (1 / 64, 1 / 64))
     for row, column in ((0, 1), (1, 1), (0, 3), (7, 20), (32, 32)):
         q = np.hypot(qy[row, 0], qx[0, column])
         exact = quad(lambda r, q: 2 * j0(q * r), 0, reach, args=(q,), limit=200)[0]
-        fade = quad(lambda r, q: 2 * j0(q * r) * (end - r), reach, end, args=(q,), limit=200)[0]
-        assert symbol[row, column] == pytest.approx(exact + fade / (end - reach), rel=1e-7)
+        fade = quad(lambda r, q: 2 * j0(q * r) * (outer - r), reach, outer, args=(q,), limit=200)[0]
+        assert symbol[row, column] == pytest.approx(exact + fade / (outer - reach), rel=1e-7)
 
 
 def test_love_is_the_integral_over_a_pixel():
@@ -211,6 +216,7 @@ FILM = {"youngs_modulus": 8.0, "poissons_ratio": 0.25, "thickness": 0.05}
     [
         BASE | {"layers": [FILM]},
         BASE | {"layers": [FILM | {"thickness": 0.6}]},
+        BASE | {"layers": [FILM | {"thickness": 1e-6}]},
         BASE | {"layers": [FILM | {"youngs_modulus": 0.2, "thickness": 0.02}]},
         BASE | {"layers": [FILM | {"youngs_modulus": 200.0, "thickness": 2.0}]},
         BASE | {"layers": [FILM, FILM | {"youngs_modulus": 1.0, "thickness": 0.1}]},
@@ -219,12 +225,12 @@ FILM = {"youngs_modulus": 8.0, "poissons_ratio": 0.25, "thickness": 0.05}
 )
 def test_layers_displace_as_the_integral_of_their_compliance(body):
     """Below p = (1 - r^2/a^2)^2, of transform 16 pi a^2 J3(qa)/(qa)^3, by Hankel integrals."""
-    pair, cell, step, a = layered_pair([body]), (320, 320), 1 / 128, 0.4
+    pair, cell, step, a = elastic_medium([body]), (320, 320), 1 / 128, 0.4
     x = (np.arange(128) - 63.5) * step
     r = np.hypot(x[:, None], x)
     pressure = np.zeros(cell)
     pressure[:128, :128] = np.maximum(1 - (r / a) ** 2, 0) ** 2
-    kernel = TruncatedKernel(1.15, Elasticity(layers=pair))
+    kernel = TruncatedKernel(1.15, Elasticity(medium=pair))
     symbol = kernel(*wavevectors(cell, (step, step)), (step, step))
     symbol[0, 0] = kernel.mean_displacement(cell, (step, step))
     assert symbol.min() > 0
@@ -232,15 +238,27 @@ def test_layers_displace_as_the_integral_of_their_compliance(body):
     edges = np.linspace(1e-12, 1200, 241)
     for column in (64, 90, 127):
         exact = 0.0
-        for ends in pairwise(edges):
+        for interval in pairwise(edges):
             exact += quad(
                 lambda q, at=r[64, column]: (
                     16 * a**2 * pair.factor(np.array([q]))[0] * jv(3, q * a) / (q * a) ** 3 * j0(q * at)
                 ),
-                *ends,
+                *interval,
                 limit=200,
             )[0]
         assert displacement[64, column] == pytest.approx(exact, abs=2e-7 * displacement[64, 64])
+
+
+@pytest.mark.parametrize("thickness", [0.05, 1e-4])
+def test_thin_layers_take_no_more_waves_than_thick_ones(thickness, monkeypatch):
+    counts, factor = [], LayeredPair.factor
+    monkeypatch.setattr(LayeredPair, "factor", lambda self, q: counts.append(q.size) or factor(self, q))
+    pair = elastic_medium([BASE | {"layers": [FILM | {"thickness": thickness}]}])
+    change = pair.change_of_point_force(np.array([0.3, 1.5]))
+    assert sum(counts) < 50_000
+    # far from a thin film the base alone counts; E* is that of the film
+    softer = (8.0 / (1 - 0.25**2)) / (2.0 / (1 - 0.3**2))
+    np.testing.assert_allclose(1 + change * np.pi * [0.3, 1.5], softer, rtol=thickness)
 
 
 def test_layers_of_the_material_of_their_base_and_far_thicker_than_the_contact_change_nothing():
@@ -258,17 +276,17 @@ def test_layers_of_the_material_of_their_base_and_far_thicker_than_the_contact_c
 @pytest.mark.parametrize("hardness", [None, 0.1])
 def test_bound_is_above_the_error_with_layers(body, hardness):
     rough, force = rough_body_map(3, 96)
-    known = {"boundary": "free", "bodies": [body], "force": force, "hardness": hardness}
-    exact = rc.solve_contact(rough, tolerance=1e-9, **known)["pressure"].values[0]
-    layers = layered_pair([body])
-    periodic = HalfSpace((96, 96), (1.0, 1.0), Elasticity(layers=layers))
+    problem = {"boundary": "free", "bodies": [body], "force": force, "hardness": hardness}
+    exact = rc.solve_contact(rough, tolerance=1e-9, **problem)["pressure"].values[0]
+    layers = elastic_medium([body])
+    periodic = HalfSpace((96, 96), (1.0, 1.0), Elasticity(medium=layers))
     norm = np.sqrt((exact * periodic.displacement(exact)).mean())
     cell = (400, 400)  # where the images do not reach
-    kernel = TruncatedKernel(1.5, Elasticity(layers=layers))
+    kernel = TruncatedKernel(1.5, Elasticity(medium=layers))
     symbol = kernel(*wavevectors(cell, (1 / 96, 1 / 96)), (1 / 96, 1 / 96))
     symbol[0, 0] = kernel.mean_displacement(cell, (1 / 96, 1 / 96))
     for tolerance in (0.1, 1e-2, 1e-4):
-        contact = rc.solve_contact(rough, tolerance=tolerance, **known)
+        contact = rc.solve_contact(rough, tolerance=tolerance, **problem)
         error = contact["pressure"].values[0] - exact
         displacement = np.fft.irfft2(symbol * np.fft.rfft2(error, cell), cell)[:96, :96]
         size = np.sqrt((displacement * error).mean())
@@ -312,7 +330,7 @@ def test_contact_at_the_border_is_refused_with_a_size():
         ({"force": None}, "force, boundary 'free': missing"),
         ({"mean_pressure": 1e-3}, "mean_pressure, boundary 'free'.* force in N"),
         ({"zero_frequency": "lattice"}, "zero_frequency, boundary 'free': the approach"),
-        ({"boundary": "periodic"}, "force is for boundary='free'"),
+        ({"boundary": "periodic"}, "force, boundary 'periodic': give the mean_pressure"),
         ({"boundary": "open"}, "boundary = 'open'"),
     ],
 )

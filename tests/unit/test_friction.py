@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.statistics.friction import slip_in_words
+from roughcontact.surface.synthetic import rough_reference_surface
 
 STEEL = {"youngs_modulus": 210e9, "poissons_ratio": 0.3, "thermal_conductivity": 50.0}
 COPPER = {"youngs_modulus": 120e9, "poissons_ratio": 0.34, "thermal_conductivity": 400.0}
@@ -23,14 +23,14 @@ def statistics_with(friction, **contact):
 
 def test_the_settings_add_the_friction_of_each_load():
     shares = [0.3, 0.6, 1.0]
-    found = statistics_with({"coefficient": 0.2, "tangential_load": shares, "shear_strength": "200 MPa"})
-    assert found["stick_share"].dims == ("load", "tangential_load")
-    assert (np.diff(found["stick_share"].values) < 0).all()
-    assert (found["stick_share"][:, -1] == 0).all(), "the whole contact slips"
-    assert "full slip" in slip_in_words(found)
-    assert "5 %" in slip_in_words(found)
-    area, load = found["relative_contact_area"].values, found["mean_pressure"].values
-    np.testing.assert_allclose(found["friction_coefficient"].values, 2e8 * area / load)
+    statistics = statistics_with({"coefficient": 0.2, "tangential_load": shares, "shear_strength": "200 MPa"})
+    assert statistics["stick_share"].dims == ("load", "tangential_load")
+    assert (np.diff(statistics["stick_share"].values) < 0).all()
+    assert (statistics["stick_share"][:, -1] == 0).all(), "the whole contact slips"
+    assert "full slip" in slip_in_words(statistics)
+    assert "5 %" in slip_in_words(statistics)
+    area, load = statistics["relative_contact_area"].values, statistics["mean_pressure"].values
+    np.testing.assert_allclose(statistics["friction_coefficient"].values, 2e8 * area / load)
 
 
 def test_stick_costs_nothing_unasked():
@@ -38,16 +38,16 @@ def test_stick_costs_nothing_unasked():
 
 
 def test_the_interval_of_friction_is_that_of_the_area():
-    found = rc.evaluate(
+    statistics = rc.evaluate(
         rough_reference_surface(64),
         contact={"contact_modulus": 1e9, "relative_pressure": 0.1},
         statistics={"friction": {"shear_strength": 1e6}},
         uncertainty={"sources": ["solver", "discretisation"]},  # which corrects the area
     )
-    assert (found["relative_contact_area"] != found["relative_contact_area_as_solved"]).all()
-    for end in ("", "_lower", "_upper"):
-        expected = 1e6 * found[f"relative_contact_area{end}"] / found["mean_pressure"]
-        np.testing.assert_allclose(found[f"friction_coefficient{end}"].values, expected.values)
+    assert (statistics["relative_contact_area"] != statistics["relative_contact_area_as_solved"]).all()
+    for suffix in ("", "_lower", "_upper"):
+        expected = 1e6 * statistics[f"relative_contact_area{suffix}"] / statistics["mean_pressure"]
+        np.testing.assert_allclose(statistics[f"friction_coefficient{suffix}"].values, expected.values)
 
 
 @pytest.mark.parametrize(
@@ -79,7 +79,7 @@ def test_sliding_needs_both_conductivities():
 def test_sliding_on_layers_is_refused():
     layer = {"thickness": 2e-5, "youngs_modulus": 3e9, "poissons_ratio": 0.4, "thermal_conductivity": 0.2}
     bodies, sliding = [STEEL | {"layers": [layer]}, STEEL], {"coefficient": 0.2, "speed": 1.0}
-    with pytest.raises(rc.SettingsError, match=r"friction\.speed: .* without layers"):
+    with pytest.raises(rc.SettingsError, match=r"friction\.speed = 1\.0: .* without layers"):
         statistics_with(sliding, bodies=bodies)
     contact = rc.solve_contact(rough_reference_surface(64), bodies=bodies, mean_pressure=1e7)
     with pytest.raises(rc.SettingsError, match="without layers"):
@@ -96,8 +96,8 @@ def test_sliding_on_layers_is_refused():
     ],
 )
 def test_friction_in_a_wrong_unit_is_doubted(friction, text):
-    found = statistics_with(friction, relative_pressure=0.1)
-    doubts = {reason["check"]: reason["text"] for reason in json.loads(found.attrs["reasons"])}
+    statistics = statistics_with(friction, relative_pressure=0.1)
+    doubts = {reason["check"]: reason["text"] for reason in json.loads(statistics.attrs["reasons"])}
     assert text in doubts.get("Units", "")
     assert bool(text) == ("Units" in doubts)
 
@@ -109,19 +109,19 @@ def test_flash_temperatures_are_proportional_to_a_slow_speed():
         assert (slow[name] > 0).all()
 
 
-@pytest.mark.parametrize("stated", [{}, {"coefficient": 0.2}])
-def test_sliding_of_a_shear_strength_heats_by_the_corrected_area(stated):
-    friction = {"shear_strength": "10 MPa", "speed": "1 m/s"} | stated
-    found = rc.evaluate(
+@pytest.mark.parametrize("options", [{}, {"coefficient": 0.2}])
+def test_sliding_of_a_shear_strength_heats_by_the_corrected_area(options):
+    friction = {"shear_strength": "10 MPa", "speed": "1 m/s"} | options
+    statistics = rc.evaluate(
         rough_reference_surface(64),
         contact={"bodies": [STEEL, COPPER], "relative_pressure": 0.1},
         statistics={"friction": friction},
         uncertainty={"sources": ["solver", "discretisation"]},  # which corrects the area
     )
     unit = statistics_with({"coefficient": 1.0, "speed": "1 m/s"}, relative_pressure=0.1)
-    coefficient = stated.get("coefficient", found["friction_coefficient"].values)
+    coefficient = options.get("coefficient", statistics["friction_coefficient"].values)
     for name in ("mean_flash_temperature", "max_flash_temperature"):
-        np.testing.assert_allclose(found[name].values, coefficient * unit[name].values, rtol=1e-6)
+        np.testing.assert_allclose(statistics[name].values, coefficient * unit[name].values, rtol=1e-6)
 
 
 def test_stick_and_slip_of_bodies_that_flow_are_refused_before_the_solve():
@@ -132,7 +132,7 @@ def test_stick_and_slip_of_bodies_that_flow_are_refused_before_the_solve():
 def test_stick_and_slip_of_coated_bodies_are_refused_before_the_solve():
     film = {"thickness": 2e-6, "youngs_modulus": 3e9, "poissons_ratio": 0.3}
     steel, coated = (
-        {"youngs_modulus": 1e9, "poissons_ratio": 0.3} | more for more in ({}, {"layers": [film]})
+        {"youngs_modulus": 1e9, "poissons_ratio": 0.3} | coating for coating in ({}, {"layers": [film]})
     )
     with pytest.raises(rc.SettingsError, match="those of half-spaces, without layers"):
         statistics_with({"coefficient": 0.2, "tangential_load": 0.5}, bodies=[coated, steel])

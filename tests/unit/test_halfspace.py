@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad
 
-from roughcontact.elasticity.halfspace import HalfSpace, zero_frequency_compliance
+from roughcontact.contact.elasticity.halfspace import HalfSpace, zero_frequency_compliance
 from roughcontact.errors import SettingsError
 from roughcontact.kernels import fft
 
@@ -48,7 +48,7 @@ def transforms(request, monkeypatch):
 @pytest.mark.parametrize(("shape", "lengths"), CELLS)
 def test_both_operators_equal_sums_over_waves(shape, lengths, dtype, transforms):
     field = np.random.default_rng(1).standard_normal(shape).astype(dtype) + dtype(3)
-    kept = field.copy()
+    original = field.copy()
     halfspace = HalfSpace(shape, lengths)
     rounding = 8 * np.finfo(dtype).eps * np.abs(field).max()
     softest = max(length / math.pi for length, n in zip(lengths, shape, strict=True) if n > 1)
@@ -57,10 +57,10 @@ def test_both_operators_equal_sums_over_waves(shape, lengths, dtype, transforms)
         (halfspace.pressure, lambda q: q / 2, halfspace.largest_stiffness),
     ):
         exact = by_direct_sums(field.astype(float), lengths, symbol)
-        found = apply(field)
-        assert found.dtype == dtype
-        np.testing.assert_allclose(found, exact, rtol=0, atol=rounding * largest)
-        np.testing.assert_array_equal(field, kept)
+        applied = apply(field)
+        assert applied.dtype == dtype
+        np.testing.assert_allclose(applied, exact, rtol=0, atol=rounding * largest)
+        np.testing.assert_array_equal(field, original)
     assert halfspace.applications == 2
 
 
@@ -77,9 +77,9 @@ def test_half_an_application_tells_the_energy_and_the_other_half_the_pressure(
     largest = halfspace.largest_stiffness
     rounding = float(8 * np.finfo(dtype).eps * np.abs(field).max())
     assert energy == pytest.approx(np.mean(field.astype(float) * exact), abs=rounding * largest)
-    found = halfspace.field_of(spectrum, dtype.__name__)
+    back = halfspace.spectrum_to_field(spectrum, dtype.__name__)
     assert halfspace.applications == 1
-    np.testing.assert_allclose(found, exact, rtol=0, atol=rounding * largest)
+    np.testing.assert_allclose(back, exact, rtol=0, atol=rounding * largest)
 
 
 @pytest.mark.parametrize("dtype", PRECISIONS)
@@ -109,15 +109,15 @@ def test_a_uniform_field_gives_nothing():
 
 
 @pytest.mark.parametrize("shape", [(8, 6), (9, 7), (1, 12)])
-@pytest.mark.parametrize("first", PRECISIONS)
-def test_precisions_take_turns(shape, first, transforms):
+@pytest.mark.parametrize("first_precision", PRECISIONS)
+def test_precisions_take_turns(shape, first_precision, transforms):
     """Both lie in the same memory, whichever comes first: every application reads and writes its own."""
     field = np.random.default_rng(3).standard_normal(shape)
     expected = {
         dtype: HalfSpace(shape, (1.0, 1.0)).pressure(field.astype(dtype)).copy() for dtype in PRECISIONS
     }
     halfspace = HalfSpace(shape, (1.0, 1.0))
-    for dtype in (first, *PRECISIONS, *PRECISIONS[::-1]):
+    for dtype in (first_precision, *PRECISIONS, *PRECISIONS[::-1]):
         np.testing.assert_array_equal(halfspace.pressure(field.astype(dtype)), expected[dtype])
         halfspace.scratch(np.dtype(dtype).name)[...] = np.nan
         out = np.empty(shape, dtype)
@@ -156,8 +156,8 @@ def test_lattice_rule_is_the_lattice_sum():
     zeta = alternating(lambda k: (k + 1) ** -0.5) / (1 - math.sqrt(2))
     beta = alternating(lambda k: (2 * k + 1) ** -0.5)
     constant = -4 * zeta * beta
-    found = zero_frequency_compliance("lattice", lengths=(2.5, 2.5))
-    assert found == pytest.approx(2.5 * constant / math.pi, rel=1e-14)
+    compliance = zero_frequency_compliance("lattice", lengths=(2.5, 2.5))
+    assert compliance == pytest.approx(2.5 * constant / math.pi, rel=1e-14)
 
 
 @pytest.mark.parametrize("lengths", [(1.0, 1.0), (2.0, 0.5), (0.01, 3.0)])
@@ -165,10 +165,10 @@ def test_nogi_kato_rule_is_the_mean_over_the_cell(lengths):
     ly, lx = lengths
     a, b = math.pi / lx, math.pi / ly
     quarter, _ = dblquad(lambda t, angle: 2.0, 0, math.atan2(b, a), 0, lambda angle: a / math.cos(angle))
-    other, _ = dblquad(
+    second_half, _ = dblquad(
         lambda t, angle: 2.0, math.atan2(b, a), math.pi / 2, 0, lambda angle: b / math.sin(angle)
     )
-    mean = (quarter + other) / (a * b)  # 2/|q| in polar coordinates is 2 dq dangle
+    mean = (quarter + second_half) / (a * b)  # 2/|q| in polar coordinates is 2 dq dangle
     assert zero_frequency_compliance("nogi-kato", lengths=lengths) == pytest.approx(mean, rel=1e-9)
 
 

@@ -6,14 +6,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from shared_data import DATA
 
+import roughcontact as rc
+from roughcontact.arguments.maps import height_map
+from roughcontact.arguments.si import labelled_in_si
 from roughcontact.io.read import read_height_map
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
-from roughcontact.roughness.heights import height_parameters
-from roughcontact.statistics.contact_statistics import HEIGHT_PARAMETERS, surface_statistics
-from roughcontact.window.periodic_window import periodic_window
+from roughcontact.statistics.contact_statistics import surface_statistics
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.roughness.heights import HEIGHT_PARAMETERS, height_parameters
+from roughcontact.surface.synthetic import ground_surface
+from roughcontact.surface.window.periodic_window import periodic_window
 
 TABLE = Path(__file__).with_name("height_parameters.csv")
 
@@ -31,8 +35,8 @@ def test_other_software_finds_the_same(name):
     height = read_height_map(DATA / name)
     levelled = level(height, outlier_threshold=None, fill="none")
     expected = table()[name]
-    found = {parameter: levelled.attrs[parameter] for parameter in expected}
-    assert found == pytest.approx(expected, rel=1e-6)
+    parameters = {parameter: levelled.attrs[parameter] for parameter in expected}
+    assert parameters == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_wave_in_closed_form():
@@ -40,42 +44,42 @@ def test_a_wave_in_closed_form():
     n, a, pitch = 360, 2e-7, 1e-6
     x = np.arange(n)
     height = height_map(5e-6 + a * np.cos(2 * np.pi * 3 * x / n) + np.zeros((8, 1)), pitch)
-    found = height_parameters(height)
-    assert found["Sa"] == pytest.approx(2 * a / np.pi, rel=1e-3)
-    assert found["Sq"] == pytest.approx(a / math.sqrt(2), rel=1e-12)
-    assert found["Ssk"] == pytest.approx(0, abs=1e-12)
-    assert found["Sku"] == pytest.approx(1.5, rel=1e-12)
-    assert found["Sz"] == pytest.approx(2 * a, rel=1e-12)
-    assert found["Sp"] + found["Sv"] == pytest.approx(found["Sz"], rel=1e-15)
+    parameters = height_parameters(height)
+    assert parameters["Sa"] == pytest.approx(2 * a / np.pi, rel=1e-3)
+    assert parameters["Sq"] == pytest.approx(a / math.sqrt(2), rel=1e-12)
+    assert parameters["Ssk"] == pytest.approx(0, abs=1e-12)
+    assert parameters["Sku"] == pytest.approx(1.5, rel=1e-12)
+    assert parameters["Sz"] == pytest.approx(2 * a, rel=1e-12)
+    assert parameters["Sp"] + parameters["Sv"] == pytest.approx(parameters["Sz"], rel=1e-15)
     steps = 2 * a * np.sin(np.pi * 3 / n) * np.sin(2 * np.pi * 3 * (x[:-1] + 0.5) / n)
-    assert found["Sdq"] == pytest.approx(np.sqrt(np.mean(steps**2)) / pitch, rel=1e-12)
+    assert parameters["Sdq"] == pytest.approx(np.sqrt(np.mean(steps**2)) / pitch, rel=1e-12)
 
 
 def test_a_tilted_plate_and_pixels_that_are_not_square():
     y, x = np.indices((20, 30))
-    found = height_parameters(height_map(0.3 * 2e-6 * x - 0.4 * 1e-6 * y, (1e-6, 2e-6)))
-    assert found["Sdq"] == pytest.approx(0.5, rel=1e-12)
-    assert found["Ssk"] == pytest.approx(0, abs=1e-12)
+    parameters = height_parameters(height_map(0.3 * 2e-6 * x - 0.4 * 1e-6 * y, (1e-6, 2e-6)))
+    assert parameters["Sdq"] == pytest.approx(0.5, rel=1e-12)
+    assert parameters["Ssk"] == pytest.approx(0, abs=1e-12)
 
 
 def test_points_that_were_not_measured_do_not_count():
     generator = np.random.default_rng(0)
     values = generator.standard_normal((30, 40))
     values[generator.random(values.shape) < 0.3] = np.nan
-    found = height_parameters(height_map(values, (2.0, 1.0)))
-    known = values[~np.isnan(values)]
-    assert found["Sq"] == pytest.approx(known.std(), rel=1e-12)
-    assert found["Sz"] == pytest.approx(np.ptp(known), rel=1e-12)
+    parameters = height_parameters(height_map(values, (2.0, 1.0)))
+    finite = values[~np.isnan(values)]
+    assert parameters["Sq"] == pytest.approx(finite.std(), rel=1e-12)
+    assert parameters["Sz"] == pytest.approx(np.ptp(finite), rel=1e-12)
     squares = [(values[j, i + 1] - values[j, i]) ** 2 for j in range(30) for i in range(39)]
     across = [(values[j + 1, i] - values[j, i]) ** 2 / 4 for j in range(29) for i in range(40)]
-    assert found["Sdq"] == pytest.approx(np.sqrt(np.nanmean(squares) + np.nanmean(across)), rel=1e-12)
+    assert parameters["Sdq"] == pytest.approx(np.sqrt(np.nanmean(squares) + np.nanmean(across)), rel=1e-12)
 
 
 def test_skewness_and_kurtosis_of_known_distributions():
     generator = np.random.default_rng(1)
-    found = height_parameters(height_map(generator.exponential(size=(1000, 1000)), 1.0))
-    assert found["Ssk"] == pytest.approx(2, rel=2e-2)
-    assert found["Sku"] == pytest.approx(9, rel=4e-2)
+    parameters = height_parameters(height_map(generator.exponential(size=(1000, 1000)), 1.0))
+    assert parameters["Ssk"] == pytest.approx(2, rel=2e-2)
+    assert parameters["Sku"] == pytest.approx(9, rel=4e-2)
 
 
 def test_flat_map_and_profile():
@@ -100,5 +104,58 @@ def test_they_are_those_of_the_measured_points_and_reach_the_statistics():
     assert {name: statistics[name] for name in HEIGHT_PARAMETERS} == {
         name: levelled.attrs[name] for name in HEIGHT_PARAMETERS
     }
-    # a window that nobody levelled has none
-    assert "Sa" not in surface_statistics(height_map(window.values, 1e-6))
+    restated = window.copy(data=window.values * 1e6).assign_attrs(units="um")
+    assert surface_statistics(labelled_in_si(restated))["Sq"] == levelled.attrs["Sq"]
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        lambda height: 2 * height,
+        lambda height: -height,
+        lambda height: height.isel(y=slice(40)),
+        lambda height: height - height.rolling(x=9, center=True, min_periods=1).mean(),
+        lambda height: height.copy(data=np.maximum(height.values, -1e-8)),
+    ],
+)
+@pytest.mark.parametrize("stage", ["levelled", "window"])
+def test_heights_that_were_changed_have_parameters_of_their_own(changed, stage):
+    """Attributes are kept by arithmetic, filters and selections."""
+    surface = ground_surface((64, 64), 1e-6, hurst=0.8, shortest=4e-6, longest=6e-5, rms_height=1e-7)
+    levelled = level(surface.copy(data=np.maximum(surface.values, -1.5e-7)), form="none")
+    with xr.set_options(keep_attrs=True):
+        height = changed(levelled if stage == "levelled" else periodic_window(levelled))
+    assert height.attrs["Sq"] == levelled.attrs["Sq"]
+    own_parameters = height_parameters(height)
+    assert own_parameters["Spk"] != pytest.approx(levelled.attrs["Spk"], rel=1e-2)
+    statistics = surface_statistics(height if stage == "window" else periodic_window(height, method="raw"))
+    assert {name: statistics[name] for name in HEIGHT_PARAMETERS} == pytest.approx(own_parameters, rel=1e-12)
+    assert "row_jitter" not in statistics
+
+
+@pytest.mark.parametrize("crop", [slice(None), slice(0, 50)])
+def test_the_areal_parameters_are_those_of_levelling_and_of_the_statistics(crop):
+    surface = ground_surface((64, 64), 1e-6, hurst=0.8, shortest=4e-6, longest=6e-5, rms_height=1e-7)
+    values = surface[crop].values
+    values[3, 5] = np.nan
+    levelled = level(height_map(values, 1e-6))
+    parameters = rc.parameters(levelled)
+    assert {name: parameters[name].item() for name in HEIGHT_PARAMETERS} == {
+        name: levelled.attrs[name] for name in HEIGHT_PARAMETERS
+    }
+    solved = rc.solve_contact(periodic_window(levelled), contact_modulus=1e9, mean_pressure=1e6)
+    statistics = rc.contact_statistics(solved, flow="never")
+    assert parameters.drop_attrs(deep=False).identical(statistics[[*parameters]].drop_attrs(deep=False))
+    assert (parameters["Sal"].attrs["units"], parameters["Std"].attrs["units"]) == ("m", "degree")
+
+
+def test_the_areal_parameters_of_a_wave_in_micrometres():
+    """Sal of a wave is that of its autocorrelation, a cosine: its length times acos(0.2) / (2 pi)."""
+    x = np.arange(64)
+    wave = height_map(3 * np.cos(2 * np.pi * x / 16) + np.zeros((64, 1)), 2, unit="um")
+    parameters = rc.parameters(wave)
+    assert parameters["Sq"].item() == pytest.approx(3e-6 / math.sqrt(2), rel=1e-12)
+    assert parameters["Sal"].item() == pytest.approx(32e-6 * math.acos(0.2) / (2 * np.pi), rel=1e-3)
+    assert parameters["Ssw"].item() == pytest.approx(32e-6, rel=1e-12)
+    scaled = rc.parameters(2 * wave)
+    assert scaled["Sq"].item() == pytest.approx(2 * parameters["Sq"].item(), rel=1e-12)

@@ -1,9 +1,9 @@
 """The line of what would halve the interval: its number of maps is held against groups of made maps."""
 
 import json
+import re
 from pathlib import Path
 
-import calibrate
 import numpy as np
 import pandas as pd
 import pytest
@@ -11,21 +11,21 @@ import scipy
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.configuration.tiles import cut, tiles_of
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.arguments.maps import height_map
+from roughcontact.study.tiles import cut, parse_tiles
+from roughcontact.surface.synthetic import self_affine_surface
 from roughcontact.uncertainty import calibration
-from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.groups import group_statistics
 from roughcontact.uncertainty.improvement import (
     half_width_of_mean,
     halving_line,
     maps_to_halve,
+    planning_line,
 )
+from roughcontact.uncertainty.scales import AREA
 
 SIDE = 96
-SCATTER = np.array([0.1])
 RESULTS = Path(__file__).parents[2] / "benchmarks/results/bank"
 MASTERS = ((0.8, 64e-6), (0.5, 48e-6), (0.8, 128e-6), (0.3, 32e-6))  # Hurst exponent, longest wave
 
@@ -36,33 +36,40 @@ def promised_over_found(hurst, longest, seed):
     waves = {"hurst": hurst, "shortest": 4e-6, "longest": longest, "rms_gradient": 0.1}
     master = height_map(self_affine_surface(shape, 1e-6, **waves, seed=seed).values, 1e-6)
     contact = {"contact_modulus": 1e9, "mean_pressure": [1e7]}
-    maps, scatters = [], []
-    for part in tiles_of("3x3"):
-        height = cut(master, part)
-        maps.append(rc.evaluate(height, contact=contact, uncertainty={"sources": ["window"]}))
-        levelled = rc.level(height)
-        budget = error_budget(
-            levelled, rc.periodic_window(levelled), {"window": {}, "contact": contact}, sources=["window"]
-        )
-        scatters.append(float(np.ravel(budget.attrs["map_scatter"])[0]))
+    maps = [
+        rc.evaluate(cut(master, part), contact=contact, uncertainty={"sources": ["window"]})
+        for part in parse_tiles("3x3")
+    ]
+    area = f"{AREA}_components"
+    widths = [float(found[area].sel(source="window")[0, :2].mean() / found[AREA][0]) for found in maps]
     mean = group_statistics(maps)
-    area, lower, upper = (float(mean[f"relative_contact_area{end}"][0]) for end in ("", "_lower", "_upper"))
-    return half_width_of_mean(float(np.median(scatters)), len(maps), 0.0) / ((upper - lower) / (2 * area))
+    value, lower, upper = (float(mean[f"{AREA}{suffix}"][0]) for suffix in ("", "_lower", "_upper"))
+    return half_width_of_mean(float(np.median(widths)), len(maps), 0.0) / ((upper - lower) / (2 * value))
 
 
 def test_the_mean_of_more_maps_is_known_as_well_as_the_line_promises():
     ratios = [promised_over_found(*master, seed) for seed, master in enumerate(MASTERS)]
-    assert 0.7 < 1 / scipy.stats.gmean(ratios) < 1.3
-    # the scatter of nine maps itself is known within a factor of 0.68 to 1.92 (chi-square, 95 %)
-    assert all(0.5 < ratio < 2.0 for ratio in ratios)
+    # stationary surfaces scatter less than the bank expects: the promise is kept
+    assert 1.0 < scipy.stats.gmean(ratios) < 1.5
+    assert all(0.8 < ratio < 2.0 for ratio in ratios)
 
 
 def test_the_number_of_places_holds_on_the_bank():
-    """Width of the mean of n parts over what one part promises, the map left out of the fit."""
+    """Width of the mean of n parts over what one part promises, that width by the other maps."""
     table = pd.read_csv(RESULTS / "halving.csv")
     assert set(table["maps"]) == {"measured", "synthetic"}
-    assert set(table["n"]) == {3, 5, 9}
-    assert table["width over promise"].between(0.7, 1.3).all()
+    assert set(table["n"]) == {2, 3, 5}
+    measured = table[table["maps"] == "measured"]
+    few = measured["n"] <= 3
+    assert (measured["off by a factor, median"] <= np.where(few, 1.3, 1.35)).all()
+    assert (measured["nine in ten"] <= np.where(few, 2.0, 2.2)).all()
+
+
+def test_groups_hold_on_the_bank():
+    table = pd.read_csv(RESULTS / "groups.csv")
+    measured = table[table["maps"] == "measured"]
+    assert measured["inside (%)"].between(92, 98).all()
+    assert (measured["score"] < measured["range or Student: score"]).all()
 
 
 def test_the_words_of_precision_hold_on_the_bank():
@@ -72,11 +79,6 @@ def test_the_words_of_precision_hold_on_the_bank():
     for kind in ("measured", "synthetic"):
         assert (table[f"{kind}: hold (%)"] >= 93).all()
         assert (table[f"{kind}: answers"] > 300).all()
-
-
-def test_the_calibrated_scatter_is_the_fit_to_the_bank():
-    rows = calibrate.scatter_of_maps(calibrate.read_bank())
-    assert calibrate.rounded(calibrate.fitted_scatter(rows).to_dict()) == calibration.table()["map_scatter"]
 
 
 def statistics(widths, reasons=(), **attrs):
@@ -112,35 +114,72 @@ def statistics(widths, reasons=(), **attrs):
     ],
 )
 def test_the_largest_source_decides_what_halves_the_interval(widths, reasons, words):
-    line = halving_line(statistics(widths, reasons), SCATTER)
+    line = halving_line(statistics(widths, reasons))
     assert words in line
     assert ";" not in line
 
 
+def test_the_number_of_places_for_ten_percent_is_the_smallest():
+    places = int(planning_line(statistics({"window": 0.3, "solver": 0.01})).split()[0])
+    assert half_width_of_mean(0.3, places, 0.01) <= 0.1 < half_width_of_mean(0.3, places - 1, 0.01)
+    assert planning_line(statistics({"window": 0.09})) == ""
+    of_hardness = planning_line(statistics({"hardness": 0.25, "window": 0.3}))
+    assert of_hardness == "no number of places, the hardness alone is ± 25.0 %"
+
+
 def test_an_isolated_summit_is_to_be_cleaned_first():
-    line = halving_line(statistics({"window": 0.3}, ["Isolated peak"], summit_x=2e-6, summit_y=3e-6), SCATTER)
+    line = halving_line(statistics({"window": 0.3}, ["Isolated peak"], summit_x=2e-6, summit_y=3e-6))
     assert line.startswith("clean the summit at (2.00 µm, 3.00 µm); measure ")
 
 
 def test_a_stated_instrument_is_to_be_stated_more_narrowly():
-    line = halving_line(statistics({"instrument": 0.3, "window": 0.02}, instrument_noise=1e-9), SCATTER)
+    line = halving_line(statistics({"instrument": 0.3, "window": 0.02}, instrument_noise=1e-9))
     assert line == "repeat the measurement and average, or state the instrument more narrowly"
 
 
 def test_nothing_is_proposed_without_an_interval():
-    assert halving_line(xr.Dataset({"relative_contact_area": ("load", [0.1])}), None) == ""
+    assert halving_line(xr.Dataset({"relative_contact_area": ("load", [0.1])})) == ""
 
 
 def test_the_number_of_maps_is_the_smallest_that_halves():
-    for scatter, half_width in ((0.05, 0.3), (0.1, 0.3), (0.2, 0.3)):
-        maps = maps_to_halve(scatter, half_width, 0.0)
-        factors = [
-            scipy.stats.t.ppf(0.975, n - 1)
-            * scatter
-            / np.sqrt(n)
-            * scipy.stats.chi(n - 1).median()
-            / np.sqrt(n - 1)
-            for n in (max(maps - 1, 2), maps)
-        ]
-        assert factors[1] <= half_width / 2
-        assert maps == 2 or factors[0] > half_width / 2
+    groups = calibration.table()["groups"]
+    expected, divisor = groups["freedom"], groups["half_width"][AREA]
+    for of_window, half_width in ((0.3, 0.3), (0.3, 0.35), (0.2, 0.5)):
+        maps = maps_to_halve(of_window, half_width, 0.0)
+        widths = []
+        for n in (max(maps - 1, 2), maps):
+            total = expected + n - 1
+            variance = (expected + scipy.stats.chi2(n - 1).median()) / total * (of_window / divisor) ** 2
+            widths.append(scipy.stats.t.ppf(0.975, total) * np.sqrt(variance / n))
+        assert half_width_of_mean(of_window, maps, 0.0) == pytest.approx(widths[1])
+        assert widths[1] <= half_width / 2
+        assert maps == 2 or widths[0] > half_width / 2
+
+
+def test_an_overview_comes_first_with_what_the_bank_promises():
+    """By the line of the bank the half-width on the scale is exp(c) w^k, w being that of the map alone."""
+    constant, power = calibration.table()["overview_promise"]
+    alone = statistics({"window": 0.5, "solver": 0.01})
+    line = halving_line(alone, overview=True)
+    assert line.startswith(
+        "measure an overview, a field three times as long at a quarter of the magnification"
+    )
+    step = 1e-4  # d ln A over d of ln erfinv(A), at an area of a tenth
+    slope = step / np.log(scipy.special.erfinv(0.1 * np.exp(step)) / scipy.special.erfinv(0.1))
+    expected = np.hypot(0.01, slope * np.exp(constant) * (0.5 / slope) ** power)
+    promised = float(re.search(r"magnification \(to about ± ([\d.]+) %\), or ", line).group(1))
+    assert promised == pytest.approx(100 * expected, rel=5e-3)
+    assert "more place" in line
+    assert "overview" not in halving_line(alone)
+    with_one = alone.assign(relative_contact_area_alone_lower=("load", [0.05]))
+    assert "overview" not in halving_line(with_one, overview=True)
+    narrow = statistics({"window": 0.02, "solver": 0.01})
+    assert "overview" not in halving_line(narrow, overview=True)  # it would narrow nothing
+
+
+def test_the_overview_holds_what_is_promised():
+    """The width that an overview leaves of the area, over the promise: of 216 parts of measured maps."""
+    quantiles = pd.read_csv(RESULTS.parent / "overview" / "promise.csv", index_col=0)["width over promise"]
+    assert 1 / 1.3 < quantiles[0.5] < 1.3
+    assert quantiles[0.05] > 0.5
+    assert quantiles[0.95] < 2.7  # within a factor of 1.4 in the median, of 2.2 in nine of ten

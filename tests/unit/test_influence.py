@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.elasticity import influence
-from roughcontact.elasticity.influence import Elasticity
-from roughcontact.fourier import wavevectors
-from roughcontact.maps import height_map, spacing
-from roughcontact.references.synthetic import rough_reference_surface
-from roughcontact.uncertainty.headline import quantities_of
+from roughcontact.arguments.maps import height_map, spacing
+from roughcontact.contact.elasticity import influence
+from roughcontact.contact.elasticity.influence import Elasticity
+from roughcontact.kernels.fourier import wavevectors
+from roughcontact.surface.synthetic import rough_reference_surface
+from roughcontact.uncertainty.headline import headline_values
 from roughcontact.uncertainty.scales import CONDUCTANCE
 from roughcontact.uncertainty.solver import solver_uncertainty
 
@@ -74,17 +74,17 @@ def test_the_numbers_of_a_contact_are_of_the_operator_that_solved_it():
     problem = {"contact_modulus": 1.0, "mean_pressure": loads, "tolerance": 1e-10}
     for name in ("sampled", "elements"):
         contact = rc.solve_contact(height, influence=name, **problem)
-        found = rc.contact_statistics(contact, flow="never")
-        below, _, above = found["mean_gap"].values
+        statistics = rc.contact_statistics(contact, flow="never")
+        below, _, above = statistics["mean_gap"].values
         stiffness = (loads[2] - loads[0]) / (below - above)
-        assert found["contact_stiffness"][1].item() == pytest.approx(stiffness, rel=1e-3)
+        assert statistics["contact_stiffness"][1].item() == pytest.approx(stiffness, rel=1e-3)
         # where there is pressure the surface follows the heights, and its mean displacement is zero
         pressed_in = (contact["pressure"] * (height - contact["approach"])).mean(("y", "x"))
-        np.testing.assert_allclose(found["elastic_energy"], pressed_in / 2, rtol=1e-7)
+        np.testing.assert_allclose(statistics["elastic_energy"], pressed_in / 2, rtol=1e-7)
         fields = contact["pressure"][1].values, contact["gap"][1].values
-        of_load = quantities_of(*fields, (CONDUCTANCE,), Elasticity(influence=name), steps=spacing(height))
+        of_load = headline_values(*fields, (CONDUCTANCE,), Elasticity(influence=name), steps=spacing(height))
         assert of_load[CONDUCTANCE] == pytest.approx(stiffness, rel=2e-3)
-        energy = found["elastic_energy"].values
+        energy = statistics["elastic_energy"].values
         np.testing.assert_allclose(
             solver_uncertainty(contact, energy=energy)["mean_gap"],
             contact["error_bound"] * energy / loads,

@@ -9,17 +9,17 @@ import xarray as xr
 from scipy import ndimage
 
 import roughcontact as rc
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness.summits import _chance
-from roughcontact.roughness.traces import (
+from roughcontact.arguments.maps import height_map
+from roughcontact.statistics import instrument_checks as checks
+from roughcontact.surface.roughness.summits import _chance
+from roughcontact.surface.roughness.traces import (
     _derivatives,
     _normal_curvatures,
     _roundness,
     instrument_traces,
     repeated_heights,
 )
-from roughcontact.statistics import instrument_checks as checks
+from roughcontact.surface.synthetic import self_affine_surface
 
 SHARP = {"spectrum_exponent": -3.6, "spectrum_end": 4e-6, "rounded_peaks": 0.1, "sharpest_peak_radius": 2e-6}
 SHARP |= {"spectrum_bend": 0.1, "pixel_pitch": 1e-6, "pixel_roughness": 1e-9}
@@ -76,9 +76,9 @@ def test_a_sphere_has_its_radius_on_steep_slopes_too():
     inside = (np.maximum(abs(x), abs(y)) < 2.99).ravel()  # differences reach round the map at its edges
     curvatures = _normal_curvatures(slopes, seconds)
     assert np.count_nonzero(inside) > 1e5
-    for curvature, second in zip(curvatures, seconds, strict=True):
+    for curvature, derivative in zip(curvatures, seconds, strict=True):
         np.testing.assert_allclose(curvature[inside], -1 / radius, rtol=1e-3)
-        assert second[inside].min() < -2 / radius
+        assert derivative[inside].min() < -2 / radius
 
 
 def test_a_tip_on_steep_walls_is_found():
@@ -95,45 +95,49 @@ def test_a_tip_on_steep_walls_is_found():
     assert "the tip of a stylus" in checks.smoothed(blunt.attrs).sentence
     # the second derivative, which is large on the walls, would not tell
     seconds = _derivatives(blunt.values, (1e-9, 1e-9))[1]
-    assert np.mean([_roundness(second) for second in seconds]) < checks.ROUNDED
+    assert np.mean([_roundness(derivative) for derivative in seconds]) < checks.ROUNDED
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.8])
 def test_a_lens_that_resolves_little_more_than_the_pixels_is_found(hurst):
-    made = self_affine_surface((400, 400), 7e-7, hurst=hurst, shortest=1.4e-6, longest=7e-5, rms_height=1e-7)
+    rough_map = self_affine_surface(
+        (400, 400), 7e-7, hurst=hurst, shortest=1.4e-6, longest=7e-5, rms_height=1e-7
+    )
     lens = {"numerical_aperture": 0.3, "wavelength": 550e-9}
-    part = made.isel(y=slice(220), x=slice(220))
+    part = rough_map.isel(y=slice(220), x=slice(220))
     sharp, blurred = (
-        rc.periodic_window(rc.level(one)).attrs for one in (part, instruments.through_lens(part, **lens))
+        rc.periodic_window(rc.level(measured_map)).attrs
+        for measured_map in (part, instruments.through_lens(part, **lens))
     )
     assert sharp["spectrum_bend"] == pytest.approx(0.3, abs=0.4)  # two standard errors above 0
     assert checks.smoothed(sharp).outcome == "passed"
     assert blurred["spectrum_exponent"] > checks.SPECTRUM_ENDS
     assert "A lens that resolves little more than the pixels" in checks.smoothed(blurred).sentence
     # half the wavelength over the aperture, as the settings make of it
-    known = checks.smoothed(blurred | {"instrument_resolution": 9.2e-7})
-    assert known[1:3] == ("passed", "The shortest waves are too low, as stated.")
+    with_resolution = checks.smoothed(blurred | {"instrument_resolution": 9.2e-7})
+    assert with_resolution[1:3] == ("passed", "The shortest waves are too low, as stated.")
     # another lens, far sharper than the pixels, does not do this
     assert checks.smoothed(blurred | {"instrument_resolution": 2e-7}).outcome == "review"
 
 
-@pytest.mark.parametrize("told", ["by nobody", "by the settings", "by the table", "by the file"])
-def test_a_lens_that_is_stated_is_no_fault(told):
-    made = self_affine_surface((150, 150), 3e-7, hurst=0.8, shortest=6e-7, longest=3e-5, rms_height=1e-7)
-    blurred = instruments.through_lens(made[:100, :100], numerical_aperture=0.3, wavelength=550e-9)
+@pytest.mark.parametrize("source", ["by nobody", "by the settings", "by the table", "by the file"])
+def test_a_lens_that_is_stated_is_no_fault(source):
+    rough_map = self_affine_surface((150, 150), 3e-7, hurst=0.8, shortest=6e-7, longest=3e-5, rms_height=1e-7)
+    blurred = instruments.through_lens(rough_map[:100, :100], numerical_aperture=0.3, wavelength=550e-9)
     instrument = {"numerical_aperture": 0.3}
-    if told == "by the table":
+    if source == "by the table":
         blurred.attrs["instrument_numerical_aperture"] = 0.3
-    elif told == "by the file":
+    elif source == "by the file":
         blurred.attrs["instrument"] = json.dumps(instrument)
-    found = rc.evaluate(
+    statistics = rc.evaluate(
         blurred,
         contact={"contact_modulus": 1e9, "relative_pressure": 0.1},
         uncertainty={"sources": ["solver"]},
-        instrument=instrument if told == "by the settings" else None,
+        instrument=instrument if source == "by the settings" else None,
     )
-    reasons = [reason["check"] for reason in json.loads(found.attrs["reasons"])]
-    assert ("Smoothed" in reasons) == (told == "by nobody")
+    reasons = [reason["check"] for reason in json.loads(statistics.attrs["reasons"])]
+    # the ± counts what is stated, and a file without metadata would have none
+    assert ("Smoothed" in reasons) == (source in ("by nobody", "by the file"))
 
 
 def test_a_spectrum_of_few_strong_waves_does_not_tell_a_lens():
@@ -181,17 +185,17 @@ def test_repeated_heights_warn_just_beyond_the_limit():
 
 
 @pytest.mark.parametrize(
-    "known",
+    "statement",
     [
         {"instrument_resolution": 4e-6},
         {"filters_removed": json.dumps({"s_filter": {"nesting_index": {"value": 4e-6, "units": "m"}}})},
         {"band_shortest": 4e-6, "band_reason": "window.shortest_wavelength"},
     ],
 )
-def test_what_the_settings_say_is_no_fault(known):
-    ends = SHARP | {"spectrum_exponent": -12.0}
-    assert checks.smoothed(ends).outcome == "review"
-    assert checks.smoothed(ends | known).sentence == "Waves below 4.0 µm are missing, as stated."
+def test_what_the_settings_say_is_no_fault(statement):
+    attrs = SHARP | {"spectrum_exponent": -12.0}
+    assert checks.smoothed(attrs).outcome == "review"
+    assert checks.smoothed(attrs | statement).sentence == "Waves below 4.0 µm are missing, as stated."
 
 
 def test_the_sentence_of_a_smoothed_map():
@@ -203,15 +207,15 @@ def test_the_sentence_of_a_smoothed_map():
 
 
 def test_periodic_and_tiny_maps_are_not_judged():
-    made = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=6e-5, rms_height=1e-7)
-    periodic, tiny = window_of(made), window_of(surface(8))
+    rough_map = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=6e-5, rms_height=1e-7)
+    periodic, tiny = window_of(rough_map), window_of(surface(8))
     assert periodic.attrs["periodisation"] == "none"
     assert checks.smoothed(periodic.attrs).outcome == checks.smoothed(tiny.attrs).outcome == "not made"
     assert checks.noise(xr.Dataset(), tiny.attrs).outcome == "not made"
     assert instrument_traces(height_map(np.zeros((64, 64)), 1e-6)) == {}
     # a measured plateau with pits may meet at its edges by chance: noise shows there as elsewhere
     assert checks.noise(xr.Dataset(), periodic.attrs).outcome == "passed"
-    noisy = made + 3e-8 * np.random.default_rng(1).standard_normal(made.shape)
+    noisy = rough_map + 3e-8 * np.random.default_rng(1).standard_normal(rough_map.shape)
     noisy = window_of(noisy.values)
     assert noisy.attrs["periodisation"] == "none"
     assert checks.noise(xr.Dataset(), noisy.attrs).outcome == "review"
@@ -241,10 +245,10 @@ def test_noise_is_found():
 def test_noise_warns_just_beyond_its_limits():
     limit = checks.NOISE_SHARE
     assert checks.noise(xr.Dataset(), FLAT | {"noise_gradient_share": limit}).outcome == "passed"
-    much = FLAT | {"noise_gradient_share": limit + 1e-6}
-    assert checks.noise(xr.Dataset(), much).outcome == "review"
-    assert "too small by up to 10.6 %" in checks.noise(xr.Dataset(), much).sentence
-    assert checks.noise(xr.Dataset(), much | {"top_exponent": checks.WHITE}).outcome == "passed"
+    noisy = FLAT | {"noise_gradient_share": limit + 1e-6}
+    assert checks.noise(xr.Dataset(), noisy).outcome == "review"
+    assert "too small by up to 10.6 %" in checks.noise(xr.Dataset(), noisy).sentence
+    assert checks.noise(xr.Dataset(), noisy | {"top_exponent": checks.WHITE}).outcome == "passed"
     assert "by an unknown factor" in checks.noise(xr.Dataset(), FLAT | {"noise_gradient_share": 1.2}).sentence
 
 
@@ -287,12 +291,12 @@ def test_the_chance_of_a_summit_is_that_of_an_exponential_tail():
 
 
 def test_an_isolated_peak_warns_just_beyond_its_limits():
-    mean, more = checks.PEAK_OVER_MEAN, 1 + 1e-6
+    mean, margin = checks.PEAK_OVER_MEAN, 1 + 1e-6
     usual = {"summit_over_next": 1.1, "summit_chance": checks.CHANCE, "summit_x": 1e-5, "summit_y": 2e-5}
-    dust = usual | {"summit_chance": checks.CHANCE / more}
-    assert checks.isolated_peak(loads([mean * more], [1]), dust).outcome == "review"
+    dust = usual | {"summit_chance": checks.CHANCE / margin}
+    assert checks.isolated_peak(loads([mean * margin], [1]), dust).outcome == "review"
     assert checks.isolated_peak(loads([mean], [1]), dust).outcome == "passed"
-    assert checks.isolated_peak(loads([mean * more], [1]), usual).outcome == "passed"
+    assert checks.isolated_peak(loads([mean * margin], [1]), usual).outcome == "passed"
     assert checks.isolated_peak(loads([2, 20], [1, 1]), dust).outcome == "review"
     assert checks.isolated_peak(loads([20], [1]), {}).outcome == "not made"
 
@@ -303,8 +307,8 @@ def test_the_sentence_of_an_isolated_peak():
         "One summit stands out, 2.0 times as high above its surroundings as any other, at x = 10.0 µm and "
         "y = 20.0 µm; the largest pressure is 20 times the mean in contact."
     )
-    alone = checks.isolated_peak(loads([20], [1]), dust | {"summit_over_next": np.inf})
-    assert alone.sentence.startswith("One summit stands out, and no other summit does, at")
+    single_summit = checks.isolated_peak(loads([20], [1]), dust | {"summit_over_next": np.inf})
+    assert single_summit.sentence.startswith("One summit stands out, and no other summit does, at")
 
 
 def test_heights_below_all_noise_warn():

@@ -8,13 +8,14 @@ from option_pairs import every_pair
 from scipy.linalg import eigh
 
 from roughcontact.contact.coarsening import halving_factors, hierarchy, stencil, whole_factors
+from roughcontact.contact.elasticity.influence import Elasticity
+from roughcontact.contact.elasticity.layers import elastic_medium
+from roughcontact.contact.elasticity.medium import HALF_SPACES
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.interpolation import Interpolation
-from roughcontact.elasticity.influence import Elasticity
-from roughcontact.elasticity.layers import layered_pair
 from roughcontact.kernels import array_api, compiled
 from roughcontact.kernels.compiled import Compiled
-from roughcontact.references import synthetic
+from roughcontact.surface import synthetic
 
 # shape and pitches: square, odd, prime, pixels longer than wide (with and without lines that become one
 # cell), profiles, two rows
@@ -39,14 +40,17 @@ COLLAPSED = [
 ]
 SOFT, STIFF = ({"youngs_modulus": modulus, "poissons_ratio": 0.3} for modulus in (1.0, 100.0))
 # two pixels thick: the finest grids bend
-BODIES = {"half-space": None, "film": layered_pair([SOFT | {"layers": [STIFF | {"thickness": 2.0}]}])}
+BODIES = {
+    "half-space": HALF_SPACES,
+    "film": elastic_medium([SOFT | {"layers": [STIFF | {"thickness": 2.0}]}]),
+}
 ENGINES = {"plain": array_api, "one thread": Compiled(1), "two threads": Compiled(2)}
 
 
-def make(shape, pitches, contact, engine=array_api, dtype=float, layers=None):
+def make(shape, pitches, contact, engine=array_api, dtype=float, medium=HALF_SPACES):
     """Return the interpolation P from the contact set `contact` (ny, nx) and P as a function."""
     lengths = tuple(n * d for n, d in zip(shape, pitches, strict=True))
-    interpolation = Interpolation(np.empty(shape), np.dtype(dtype).name, lengths, engine, layers)
+    interpolation = Interpolation(np.empty(shape), np.dtype(dtype).name, lengths, engine, medium)
     interpolation.set_active(contact.astype(dtype))
 
     def prolong(values):
@@ -99,10 +103,10 @@ def test_the_transpose_is_the_transpose_and_the_contact_keeps_its_values(grid, s
         transposed.sum(dtype=float), rel=0, abs=rounding * float(np.abs(transposed).sum(dtype=float))
     )
     # what leaves the contact is handed on by the same transpose
-    handed_on, taken = np.zeros(shape, dtype), np.where(contact, 0, field).astype(dtype)
-    transposed = taken.copy()
+    handed_on, projected = np.zeros(shape, dtype), np.where(contact, 0, field).astype(dtype)
+    transposed = projected.copy()
     interpolation.restrict(transposed, np.full(shape, np.nan, dtype))
-    interpolation.redistribute(taken, handed_on, np.inf, np.full(shape, np.nan, dtype))
+    interpolation.redistribute(projected, handed_on, np.inf, np.full(shape, np.nan, dtype))
     np.testing.assert_allclose(handed_on, transposed, rtol=0, atol=rounding * scale)
 
 
@@ -111,11 +115,9 @@ def test_the_transpose_is_the_transpose_and_the_contact_keeps_its_values(grid, s
 def test_the_interpolation_is_linear_and_between_the_values(shape, pitches, body):
     rng = np.random.default_rng(2)
     contact = scattered(shape, 0.2)
-    _, prolong = make(shape, pitches, contact, layers=BODIES[body])
-    one, other = (np.where(contact, rng.standard_normal(shape), 0) for _ in range(2))
-    np.testing.assert_allclose(
-        prolong(2 * one - 3 * other), 2 * prolong(one) - 3 * prolong(other), rtol=0, atol=1e-13
-    )
+    _, prolong = make(shape, pitches, contact, medium=BODIES[body])
+    a, b = (np.where(contact, rng.standard_normal(shape), 0) for _ in range(2))
+    np.testing.assert_allclose(prolong(2 * a - 3 * b), 2 * prolong(a) - 3 * prolong(b), rtol=0, atol=1e-13)
     # positive weights that sum to one; next to lines that do not touch, to less
     reach = prolong(contact.astype(float))
     assert reach.min() >= 0
@@ -171,17 +173,17 @@ def test_small_grids_in_one_call_equal_those_one_by_one(monkeypatch):
         np.where(contact, rng.standard_normal(contact.shape), 0),
         rng.standard_normal(contact.shape),
     )
-    found = []
+    results = []
     for cells in (0, 12 * 20, 24 * 40):
         monkeypatch.setitem(compiled.SMALL_GRID, "one thread", cells)
         interpolation, prolong = make(contact.shape, (1.0, 1.0), contact, Compiled(1))
         back = field.copy()
         interpolation.restrict(back, np.empty_like(back))
-        found.append((interpolation._small.first if interpolation._small else None, prolong(values), back))
-    assert [first for first, _, _ in found] == [None, 1, 0]
-    for _, prolonged, back in found[1:]:
-        np.testing.assert_allclose(prolonged, found[0][1], rtol=0, atol=1e-14)
-        np.testing.assert_allclose(back, found[0][2], rtol=0, atol=1e-13)
+        results.append((interpolation._small.first if interpolation._small else None, prolong(values), back))
+    assert [first_small for first_small, _, _ in results] == [None, 1, 0]
+    for _, prolonged, back in results[1:]:
+        np.testing.assert_allclose(prolonged, results[0][1], rtol=0, atol=1e-14)
+        np.testing.assert_allclose(back, results[0][2], rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize(("shape", "pitches"), COLLAPSED)
@@ -195,10 +197,10 @@ def test_what_is_constant_along_lines_stays_so(shape, pitches):
     lines = np.broadcast_to(np.expand_dims(rng.uniform(-1, 1, shape[1 - finer]), finer), shape)
     # all that lines take from each other are the neighbours' weights across, grid by grid of the hierarchy
     weights = [interpolation.weights, *(grid.weights for grid in interpolation.grids[:last])]
-    taken = sum(2 * weight[1 - finer] + 4 * weight[2] for weight in weights)
-    found = prolong(np.where(contact, lines, 0))
-    assert taken < 0.2
-    np.testing.assert_allclose(found, lines, rtol=0, atol=2 * taken)
+    rounding = sum(2 * weight[1 - finer] + 4 * weight[2] for weight in weights)
+    values = prolong(np.where(contact, lines, 0))
+    assert rounding < 0.2
+    np.testing.assert_allclose(values, lines, rtol=0, atol=2 * rounding)
 
 
 def in_dense_form(grid, contact):
@@ -242,19 +244,19 @@ def extreme_eigenvalues(grid, contact, *, dtype=float, steps=40):
     residual = centred(np.random.default_rng(4).standard_normal(contact.shape).astype(dtype))
     product = centred(grid.precondition_on(contact, residual))
     direction, rz = product, np.vdot(residual, product)
-    first, lengths, ratios = rz, [], []
-    while len(lengths) < steps and rz > 1e3 * np.finfo(dtype).eps ** 2 * first:
+    initial_rz, lengths, ratios = rz, [], []
+    while len(lengths) < steps and rz > 1e3 * np.finfo(dtype).eps ** 2 * initial_rz:
         displaced = centred(grid.halfspace.displacement(direction))
         lengths.append(float(rz / np.vdot(direction, displaced)))
         residual = residual - dtype(lengths[-1]) * displaced
         product = centred(grid.precondition_on(contact, residual))
-        before, rz = rz, np.vdot(residual, product)
-        ratios.append(float(rz / before))
-        direction = product + rz / before * direction
+        previous_rz, rz = rz, np.vdot(residual, product)
+        ratios.append(float(rz / previous_rz))
+        direction = product + rz / previous_rz * direction
     lengths, ratios = np.array(lengths), np.array(ratios)[:-1]
     diagonal = 1 / lengths + np.concatenate([[0], ratios / lengths[:-1]])
-    beside = np.sqrt(ratios) / lengths[:-1]
-    values = np.linalg.eigvalsh(np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1))
+    off_diagonal = np.sqrt(ratios) / lengths[:-1]
+    values = np.linalg.eigvalsh(np.diag(diagonal) + np.diag(off_diagonal, 1) + np.diag(off_diagonal, -1))
     return values[0], values[-1]
 
 
@@ -284,7 +286,7 @@ def test_hardly_more_than_the_inverse(make_contact, largest, share):
 def test_a_film_that_bends_doubles_the_inverse_at_most(share):
     """Without the sweeps over the cells that bend the ratio is 3.5 to 3.9."""
     shape = (128, 128)
-    grid = Grid(np.zeros(shape), (128.0, 128.0), Elasticity(layers=BODIES["film"]))
+    grid = Grid(np.zeros(shape), (128.0, 128.0), Elasticity(medium=BODIES["film"]))
     low, high = extreme_eigenvalues(grid, patches(shape, share))
     assert low >= 1 - 1e-10
     assert high <= 2.1

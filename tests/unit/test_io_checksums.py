@@ -12,7 +12,7 @@ from measured_files import GIVEN, array, refuses, saved
 from roughcontact import read_height_map
 from roughcontact.errors import InputFileError
 from roughcontact.io.checksums import _noted, checksum
-from roughcontact.io.guards import sha256, state_of, unchanged
+from roughcontact.io.guards import file_state, sha256, unchanged
 
 
 @pytest.fixture
@@ -37,46 +37,46 @@ def lines(noted):
 def test_a_file_of_the_same_size_and_date_is_told_from_the_one_before(path, noted, how):
     os.utime(path, (1e9, 1e9))
     time.sleep(3.1)  # until its dates are settled
-    before = checksum(path, noted=noted)
-    assert lines(noted) == [[str(path), state_of(path), before]]
+    checksum_before = checksum(path, memo=noted)
+    assert lines(noted) == [[str(path), file_state(path), checksum_before]]
     written = path if how == "in place" else path.with_name("b.txt")
     written.write_text("1 3")
     os.utime(written, (1e9, 1e9))
     written.replace(path)
     assert (path.stat().st_size, path.stat().st_mtime) == (3, 1e9)
-    assert checksum(path, noted=noted) == sha256(path) != before
+    assert checksum(path, memo=noted) == sha256(path) != checksum_before
 
 
 def test_a_file_that_has_not_changed_is_not_read_again(path, noted):
-    noted.write_text(json.dumps([str(path), state_of(path), "as noted"]) + "\n")
-    assert checksum(path, noted=noted) == "as noted"
+    noted.write_text(json.dumps([str(path), file_state(path), "as noted"]) + "\n")
+    assert checksum(path, memo=noted) == "as noted"
     path.write_text("1 3")
-    assert checksum(path, noted=noted) == sha256(path)
+    assert checksum(path, memo=noted) == sha256(path)
 
 
 def test_what_may_yet_change_within_a_tick_of_the_clock_is_not_noted(path, noted):
-    assert checksum(path, noted=noted) == sha256(path)
+    assert checksum(path, memo=noted) == sha256(path)
     assert lines(noted) == []
 
 
 def test_damaged_lines_are_left_out_and_the_last_of_a_path_counts(path, noted):
-    rows = [[str(path), [1, 2, 3, 4], "old"], [str(path), state_of(path), "new"]]
+    rows = [[str(path), [1, 2, 3, 4], "old"], [str(path), file_state(path), "new"]]
     noted.write_text("\n".join(["{", *map(json.dumps, rows), "[1, 2]", '["half']))
-    assert checksum(path, noted=noted) == "new"
+    assert checksum(path, memo=noted) == "new"
 
 
 def test_a_file_that_is_not_there_is_left_to_the_job_that_reads_it(tmp_path, noted):
-    assert checksum(tmp_path / "nowhere.txt", noted=noted) == ""
-    assert checksum(tmp_path, noted=noted) == ""
+    assert checksum(tmp_path / "nowhere.txt", memo=noted) == ""
+    assert checksum(tmp_path, memo=noted) == ""
 
 
 def test_a_file_that_is_written_to_while_it_is_read_is_refused(tmp_path):
     path = saved(tmp_path, array(np.random.default_rng(0).standard_normal((1500, 1500))))
-    done = threading.Event()
+    stop_event = threading.Event()
 
     def write():
         with path.open("r+b") as file:
-            while not done.is_set():
+            while not stop_event.is_set():
                 file.seek(1000)
                 file.write(b"12345678")
                 file.flush()
@@ -87,7 +87,7 @@ def test_a_file_that_is_written_to_while_it_is_read_is_refused(tmp_path):
     try:
         refuses(r"map\.dat: changed while it was read; wait until", path, **GIVEN)
     finally:
-        done.set()
+        stop_event.set()
         writer.join()
     assert read_height_map(path, **GIVEN).shape == (1500, 1500)
 

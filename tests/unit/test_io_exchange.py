@@ -84,7 +84,7 @@ def test_x3p_of_an_unknown_encoding_or_of_one_that_is_no_text_is_refused(refused
 
 def test_x3p_whose_numbers_were_changed_is_refused(refused):
     content = members(x3p_bytes())
-    (name,) = (each for each in content if each.endswith("data.bin"))
+    (name,) = (member_name for member_name in content if member_name.endswith("data.bin"))
     refused(archive(content | {name: content[name][:-1] + b"\0"}), "not readable as X3P")
 
 
@@ -185,16 +185,16 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("data", "words", "given"), REFUSED, ids=[words for _, words, _ in REFUSED])
-def test_what_is_damaged_incomplete_or_no_map_is_refused(refused, data, words, given):
-    refused(data, words, **given)
+@pytest.mark.parametrize(("data", "words", "options"), REFUSED, ids=[words for _, words, _ in REFUSED])
+def test_what_is_damaged_incomplete_or_no_map_is_refused(refused, data, words, options):
+    refused(data, words, **options)
 
 
 def test_positions_in_an_array_are_said(read):
     heights = np.random.default_rng(2).normal(size=(9, 12))
-    said = "the first row (0, 0.5, 1 ...) may be positions"
-    assert said in warnings_of(read(array(np.vstack([np.arange(12) / 2, heights])), **GIVEN))
-    assert said not in warnings_of(read(array(heights), **GIVEN))
+    message = "the first row (0, 0.5, 1 ...) may be positions"
+    assert message in warnings_of(read(array(np.vstack([np.arange(12) / 2, heights])), **GIVEN))
+    assert message not in warnings_of(read(array(heights), **GIVEN))
 
 
 def test_npy_never_unpickles(refused, tmp_path):
@@ -209,10 +209,10 @@ def test_npy_never_unpickles(refused, tmp_path):
 
 
 def test_own_netcdf_comes_back_as_it_was(read, tmp_path):
-    first = read(x3p_bytes())
-    write_dataset(first, tmp_path / "height.nc")
-    check(again := read_height_map(tmp_path / "height.nc"))
-    np.testing.assert_array_equal(again.values, first.values)
+    original = read(x3p_bytes())
+    write_dataset(original, tmp_path / "height.nc")
+    check(reread := read_height_map(tmp_path / "height.nc"))
+    np.testing.assert_array_equal(reread.values, original.values)
 
 
 def foreign(
@@ -220,8 +220,8 @@ def foreign(
 ):
     """Write a map of another program in netCDF: its heights in nm, its positions in mm."""
     x, y, z = ({"units": unit} if unit else {} for unit in units)
-    places = {"x": 1e3 * DX * (0.5 + np.arange(4)), "y": 1e3 * DY * (0.5 + np.arange(3))} | positions
-    axes = {"x": ("x", places["x"], x), "y": ("y", places["y"], y)}
+    coordinates = {"x": 1e3 * DX * (0.5 + np.arange(4)), "y": 1e3 * DY * (0.5 + np.arange(3))} | positions
+    axes = {"x": ("x", coordinates["x"], x), "y": ("y", coordinates["y"], y)}
     xr.Dataset({"topo": (dims, 1e9 * heights, z)}, axes).to_netcdf(path, format=netcdf)
     return path
 
@@ -294,9 +294,9 @@ def test_netcdf_with_positions_that_are_no_coordinates(tmp_path, dims):
 
 def test_inspect_names_channels_and_suspicions(read, tmp_path):
     read(x3p_bytes())
-    found = inspect_file(tmp_path / "map.dat")
-    assert found["format"] == "X3P (ISO 25178-72)"
-    assert found["problem"] is None
-    assert found["channels"][0]["missing_points"] == 1
-    assert found["channels"][0]["rms_height"] == pytest.approx(np.nanstd(HEIGHTS), rel=1e-9)
-    assert any("pixels are not square" in warning for warning in found["warnings"])
+    contents = inspect_file(tmp_path / "map.dat")
+    assert contents["format"] == "X3P (ISO 25178-72)"
+    assert contents["problem"] is None
+    assert contents["channels"][0]["missing_points"] == 1
+    assert contents["channels"][0]["rms_height"] == pytest.approx(np.nanstd(HEIGHTS), rel=1e-9)
+    assert any("pixels are not square" in warning for warning in contents["warnings"])

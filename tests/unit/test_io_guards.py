@@ -8,15 +8,15 @@ import pytest
 import x3pio
 from measured_files import GIVEN, archive, array, labelled, members, refuses, warnings_of, x3p
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.errors import HeightMapError
-from roughcontact.faces.composite import composite
 from roughcontact.io import guards, instrument_kinds
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
 from roughcontact.io.read import read_height_map
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
 from roughcontact.statistics.instrument_checks import quantisation
+from roughcontact.surface.faces.composite import composite
+from roughcontact.surface.levelling.level import level
 
 HEIGHTS = np.arange(12.0).reshape(3, 4) * 1e-6
 
@@ -32,18 +32,18 @@ def test_what_is_no_file(refused, tmp_path):
 @pytest.mark.parametrize("size", [1, 64, 512, 2 * 64 * 64, 2 * 128 * 128, 8 * 100 * 100])
 def test_rubbish_is_never_a_map(refused, size):
     for data in (bytes(size), b"\xff" * size, np.random.default_rng(size).bytes(size)):
-        said = refused(data, "map", name="map.hgt", **GIVEN)
-        assert len(said) < 400
-        assert "\n" not in said
+        message = refused(data, "map", name="map.hgt", **GIVEN)
+        assert len(message) < 400
+        assert "\n" not in message
 
 
 PROFILE = "".join(f"{0.5 * i}\t{i * i % 7}\n" for i in range(12))
 
 
 def test_of_many_profiles_the_first_ones_are_named(refused):
-    said = refused("x (µm)\tz (nm)\n" + 30 * PROFILE, "profiles of one surface")
-    assert "are 'profile 1; profile 2; ...'" in said
-    assert len(said) < 600
+    message = refused("x (µm)\tz (nm)\n" + 30 * PROFILE, "profiles of one surface")
+    assert "are 'profile 1; profile 2; ...'" in message
+    assert len(message) < 600
 
 
 @pytest.mark.parametrize("heading", ["{}\tz (nm)\n", "x (µm)\tz (nm) {}\n"])
@@ -54,6 +54,7 @@ def test_of_tables_below_one_another_long_headings_are_cut(refused, heading):
 
 BOMB = '<?xml version="1.0"?><!DOCTYPE a [<!ENTITY x "ha"><!ENTITY y "&x;&x;&x;">]><a>&y;</a>'
 BLANKS, DOCTYPE, WHOLE = b" " * 2**21, "DOCTYPE, which is refused", x3p(HEIGHTS)
+DEEP = x3p(HEIGHTS, edit=lambda main: main.replace(b"<SizeZ>1<", b"<SizeZ>100000000<"))  # layers
 WIDE = x3p(HEIGHTS, edit=lambda main: main.replace(b"<SizeX>4<", b"<SizeX>400000000<"))
 # a file, words of its refusal
 NO_X3P = [
@@ -61,7 +62,8 @@ NO_X3P = [
     (x3p(HEIGHTS, edit=lambda _: BOMB.encode("utf-16")), DOCTYPE),
     (archive({"main.xml": b"<a>" + BLANKS + b"<!DOCTYPE a>"}), DOCTYPE),
     (archive({"main.xml": BLANKS + b"<p:ISO5436_2/>"}), "begins with .* bytes of blanks: it is no XML"),
-    (WIDE, "more than the 134217728 that are read"),  # before any is read
+    (WIDE, "3 x 400000000 points, more than the 134217728 that are read"),  # before any is read
+    (DEEP, "300000000 x 4 points, more than the 134217728 that are read"),
     (WHOLE[: int(0.6 * len(WHOLE))], "without its end"),
 ]
 
@@ -102,21 +104,21 @@ def test_a_sound_map_raises_no_suspicion_unless_its_pixels_have_an_odd_ratio():
 def test_long_pixels_are_named_whatever_their_ratio(read, ratio):
     """Whole ratios too: a width in mm beside a height in µm. In a pair each face says it."""
     height = read(array(1e-6 * rough()), dx=f"{ratio} um", dy="1 um", height_unit="m")
-    (said,) = [note for note in json.loads(height.attrs["ingest_warnings"]) if "not square" in note]
-    assert f"one is {ratio}" in said.replace(".00 times", "")
-    assert said not in json.loads(height.attrs["ingest_facts"])  # a warning, no mere note
+    (message,) = [note for note in json.loads(height.attrs["ingest_warnings"]) if "not square" in note]
+    assert f"one is {ratio}" in message.replace(".00 times", "")
+    assert message not in json.loads(height.attrs["ingest_facts"])  # a warning, no mere note
     pair = composite(height, height)
-    assert sum(said in note for note in json.loads(pair.attrs["ingest_warnings"])) == 2
+    assert sum(message in note for note in json.loads(pair.attrs["ingest_warnings"])) == 2
 
 
-def changed(place, value):
+def changed(index, value):
     height = rough()
-    height[place] = value
+    height[index] = value
     return height
 
 
 @pytest.mark.parametrize(
-    ("height", "said"),
+    ("height", "message"),
     [
         (1e3 * rough(), "more than the field"),
         (changed((10, 20), -5e-5), "1 point lies far below all others (down to −50.0 µm"),
@@ -132,8 +134,8 @@ def changed(place, value):
         (changed(np.s_[20:28, 30:36], rough().mean()), "1.17 % of the points have exactly the height"),
     ],
 )
-def test_what_looks_wrong_is_said(height, said):
-    assert said in words(height)
+def test_what_looks_wrong_is_said(height, message):
+    assert message in words(height)
 
 
 def test_levels_of_one_step_are_judged_later():
@@ -141,19 +143,19 @@ def test_levels_of_one_step_are_judged_later():
 
 
 def test_a_single_bad_point_is_no_matter_of_units():
-    found = words(changed((7, 9), -1.0))
-    assert "1 point lies far below all others" in found
-    assert "more than the field" not in found
-    assert "check the height unit" not in found
+    warnings = words(changed((7, 9), -1.0))
+    assert "1 point lies far below all others" in warnings
+    assert "more than the field" not in warnings
+    assert "check the height unit" not in warnings
 
 
 def test_absurd_heights_are_refused(refused):
-    said = "are no measurement: the height unit is wrong, the number marks"
-    refused(array(1e12 * rough()), said, error=HeightMapError, dx=1e-6, dy=1e-6, unit="m")
+    message = "are no measurement: the height unit is wrong, the number marks"
+    refused(array(1e12 * rough()), message, error=HeightMapError, dx=1e-6, dy=1e-6, unit="m")
 
 
 @pytest.mark.parametrize(
-    ("kind", "scale", "step", "said"),
+    ("kind", "scale", "step", "message"),
     [
         (instrument_kinds.PROBE, 1e-2, 1e-8, None),
         (instrument_kinds.PROBE, 1e-2, 1e-5, "steps of 10.0 µm are unusual for a scanning probe microscope"),
@@ -167,9 +169,9 @@ def test_absurd_heights_are_refused(refused):
         (instrument_kinds.UNKNOWN, 1, 2e-2, "a field of 1.28 m is unusual for a roughness measurement"),
     ],
 )
-def test_ranges_of_the_kind_of_instrument(kind, scale, step, said):
-    found = words(scale * rough(), step, step, kind)
-    assert "unusual" not in found if said is None else said in found
+def test_ranges_of_the_kind_of_instrument(kind, scale, step, message):
+    warnings = words(scale * rough(), step, step, kind)
+    assert "unusual" not in warnings if message is None else message in warnings
 
 
 def test_the_kind_comes_from_the_file(read):
@@ -186,18 +188,18 @@ def test_the_kind_comes_from_the_file(read):
 
 
 def test_exchanged_sizes():
-    said = "they would be with 64 rows of 48 points: rows and columns, or the two sizes, were exchanged"
-    assert said in words(rough()[:48], dx=48e-6 / 64, dy=64e-6 / 48)
+    message = "they would be with 64 rows of 48 points: rows and columns, or the two sizes, were exchanged"
+    assert message in words(rough()[:48], dx=48e-6 / 64, dy=64e-6 / 48)
 
 
 def test_slopes_that_cannot_be():
     _, gradient = roughness_off_plane(rough(), 1e-6, 1e-6)
     # above 72 degrees nothing is measured; below 1e-8 nothing is polished
-    for steep, said in ((2.9, False), (3.1, True)):
-        assert ("steeper than anything that is measured" in words(steep / gradient * rough())) == said
+    for steep, is_named in ((2.9, False), (3.1, True)):
+        assert ("steeper than anything that is measured" in words(steep / gradient * rough())) == is_named
     assert "(rms gradient 3.10, 72°): check the units" in words(3.1 / gradient * rough())
-    for flat, said in ((0.9e-8, True), (1.1e-8, False)):
-        assert ("smaller than those of polished optics" in words(flat / gradient * rough())) == said
+    for flat, is_named in ((0.9e-8, True), (1.1e-8, False)):
+        assert ("smaller than those of polished optics" in words(flat / gradient * rough())) == is_named
 
 
 def test_roughness_off_the_plane():
@@ -248,13 +250,13 @@ def test_depths_are_turned_into_heights(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("turn", "said"),
+    ("turn", "message"),
     [(np.diag([1.0, -1.0, -1.0]), "upside down"), (np.diag([-1.0, -1.0, 1.0]), "turns its map")],
 )
-def test_a_turned_map_is_said(tmp_path, turn, said):
+def test_a_turned_map_is_said(tmp_path, turn, message):
     file = x3pio.Surface.from_array(rough(), x_scale=1e-6, y_scale=1e-6)
     file.with_placement(x3pio.Placement(rotation=turn)).save(tmp_path / "map.x3p")
     height = read_height_map(tmp_path / "map.x3p")
     np.testing.assert_array_equal(height.values, rough())
-    assert said in height.attrs["ingest_warnings"]
-    assert any(said in note for note in inspect_file(tmp_path / "map.x3p")["warnings"])
+    assert message in height.attrs["ingest_warnings"]
+    assert any(message in note for note in inspect_file(tmp_path / "map.x3p")["warnings"])

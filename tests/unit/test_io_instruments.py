@@ -1,11 +1,15 @@
 """Headers of instruments: files written here byte by byte, and public files beside what others read."""
 
+import io
 import json
+import re
 import struct
+import zlib
 
+import h5py
 import numpy as np
 import pytest
-from measured_files import gwy, holds, jpk, labelled, matlab, refuses, sdf, steps, warnings_of
+from measured_files import gwy, holds, jpk, labelled, matlab, refuses, sdf, steps, warnings_of, x3p
 from shared_data import DATA
 
 from roughcontact.io.inspection import inspect_file
@@ -16,14 +20,58 @@ COUNTS = np.random.default_rng(3).integers(-9000, 9000, (6, 8))
 HEIGHTS, SIZE = 1e-9 * COUNTS, (8e-6, 8e-6)  # m
 
 
-def surf(counts, kind=2, objects=1, *, dy=3.0, units=(b"\xb5m", b"\xb5m", b"nm")):
+def surf(counts, kind=2, objects=1, *, dy=3.0, units=(b"\xb5m", b"\xb5m", b"nm"), streams=0, names=b""):
     """Return one object of a Digital Surf file by its published layout: integers of 0.5 units each."""
     ny, nx = counts.shape
-    header = struct.pack("<12s4H60s5H8s", b"DIGITAL SURF", 0, objects, 1, kind, b"", 1, 0, 0, 0, 0, b"")
+    mark = b"DSCOMPRESSED" if streams else b"DIGITAL SURF"
+    header = struct.pack("<12s4H60s5H8s", mark, 0, objects, 1, kind, names, 1, 0, 0, 0, 0, b"")
     lowest, highest = int(counts.min()), int(counts.max())
     header += struct.pack("<H4iI3f", 32, lowest, highest, nx, ny, nx * ny, 2.0, dy, 0.5)
     header += b"".join(name.ljust(16) for name in (b"X", b"Y", b"Z", *units, *units))
-    return header.ljust(512, b"\0") + counts.astype("<i4").tobytes()
+    points = counts.astype("<i4").tobytes()
+    if streams:
+        step = -(-len(points) // streams)
+        pieces = [points[start : start + step] for start in range(0, len(points), step)]
+        packed = [zlib.compress(piece) for piece in pieces]
+        sizes = [
+            struct.pack("<2I", len(piece), len(part)) for piece, part in zip(pieces, packed, strict=True)
+        ]
+        points = struct.pack("<I", len(packed)) + b"".join(sizes + packed)
+    return header.ljust(512, b"\0") + points
+
+
+def test_packed_points_of_digital_surf(read, refused):
+    for streams in (1, 3):
+        data = surf(COUNTS, streams=streams)
+        holds(read(data), 0.5e-9 * COUNTS[::-1], 2e-6, 3e-6, rtol=1e-12)
+        refused(data[:-1], "it was cut off")
+    series = surf(COUNTS, 5, 2, streams=1) + surf(2 * COUNTS, streams=2)
+    holds(read(series, channel="object 2"), 1e-9 * COUNTS[::-1], rtol=1e-12)
+    assert read(surf(COUNTS, 4, streams=1), channel="object 2").shape == (1, 8)
+    for position, message in ((512 + 4, "states 48 points"), (512 + 40, "its packed points are damaged")):
+        damaged = bytearray(surf(COUNTS, streams=1))
+        damaged[position] ^= 1
+        refused(bytes(damaged), message)
+    oversized = bytearray(surf(COUNTS, streams=1))
+    oversized[108:120] = struct.pack("<2iI", 60_000, 60_000, 60_000**2 % 2**32)
+    refused(bytes(oversized), "states .* points of 32 bits in 60000 rows")
+
+
+def test_images_of_digital_surf_are_no_heights(read, refused):
+    data = surf(COUNTS, 13, 1, streams=1) + surf(COUNTS, 10, units=(b"mm", b"mm", b""))
+    assert read(data).attrs["channel"] == "object 1"
+    refused(data, "channel 'object 2' holds no heights .*an image", channel="object 2")
+
+
+def test_two_programs_mark_every_file_of_digital_surf_as_an_imprint(read):
+    for names, client, is_imprint in (
+        (b"", b"", True),
+        (b"SCRATCH".ljust(30) + b"csm".ljust(30), b"", False),  # Gwyddion
+        (b"", b"Exported by surfalize", False),
+    ):
+        data = bytearray(surf(COUNTS, names=names))
+        data[288], data[338 : 338 + len(client)] = 1, client
+        assert ("an imprint (replica)" in warnings_of(read(bytes(data)))) == is_imprint
 
 
 def test_a_series_of_digital_surf_has_a_channel_for_each_object(read, refused):
@@ -59,7 +107,7 @@ def test_arbitrary_units_are_no_damage(read, refused):
 def nanoscope(data, *, lines, image, scan="10000 nm", aspect="1:1", planned=8, valid=True, slow=()):
     """Return a Nanoscope file of one channel with these statements on its size."""
     ny, nx = data.shape
-    said = [
+    header_lines = [
         *("*File list", "Version: 0x05150107", "Date: 11:47:00 AM Thu Jul 22 2021"),
         *("*Ciao scan list", f"Scan Size: {scan}", f"Samps/line: {nx}", f"Lines: {planned}"),
         *(f"Aspect Ratio: {aspect}", "@Sens. Zsens: V 10.0 nm/V", *slow),
@@ -69,12 +117,12 @@ def nanoscope(data, *, lines, image, scan="10000 nm", aspect="1:1", planned=8, v
         *('@2:Image Data: S [Height] "Height"', "@2:Z scale: V [Sens. Zsens] (0.006 V/LSB) 6.5536 V"),
         "*File list end",
     ]
-    header = "".join(f"\\{line}\r\n" for line in said).encode()
+    header = "".join(f"\\{line}\r\n" for line in header_lines).encode()
     return header.ljust(2048, b"\0") + data.astype("<i2").tobytes()
 
 
 @pytest.mark.parametrize(
-    ("stated", "length"),
+    ("statements", "length"),
     [
         ({"lines": 6, "image": "10 10 ~m", "planned": 6}, 10.0),  # a whole scan with long pixels
         ({"lines": 6, "image": "10 5 ~m", "planned": 6, "aspect": "2:1"}, 5.0),
@@ -86,17 +134,98 @@ def nanoscope(data, *, lines, image, scan="10000 nm", aspect="1:1", planned=8, v
         ({"lines": 6, "image": "10 10 ~m", "slow": ["Slow Axis Size: 10000 nm"]}, 7.5),
     ],
 )
-def test_lines_and_length_of_nanoscope(read, stated, length):
-    height = read(nanoscope(COUNTS, **stated))
+def test_lines_and_length_of_nanoscope(read, statements, length):
+    height = read(nanoscope(COUNTS, **statements))
     holds(height, 1e-12 * COUNTS, 1.25e-6, 1e-6 * length / 6, rtol=1e-12)
-    whole = stated["lines"] == 6 and f"10 {length:g} ~m" == stated["image"]
-    assert ("the header states" in warnings_of(height)) == (not whole and "slow" not in stated)
+    is_consistent = statements["lines"] == 6 and f"10 {length:g} ~m" == statements["image"]
+    assert ("the header states" in warnings_of(height)) == (not is_consistent and "slow" not in statements)
+
+
+def test_a_sensitivity_of_nanoscope_in_micrometres(read):
+    data = nanoscope(COUNTS, lines=6, image="10 10 ~m", planned=6)
+    holds(read(data.replace(b"V 10.0 nm/V", b"V 0.01 ~m/V")), 1e-12 * COUNTS, 1.25e-6, 10e-6 / 6, rtol=1e-12)
+
+
+def nanonis(*images, direction="down", side="both"):
+    """Return a Nanonis file of such images (in the order of the scan) of one channel, and their header."""
+    ny, nx = images[0].shape
+    header = {
+        "NANONIS_VERSION": "2",
+        "SCANIT_TYPE": "              FLOAT            MSBFIRST",
+        "REC_DATE": " 05.10.2015",
+        "SCAN_PIXELS": f"       {nx}       {ny}",
+        "SCAN_RANGE": "           8.000000E-6           3.000000E-6",
+        "SCAN_DIR": direction,
+        "Z-CONTROLLER": "\tName\ton\n\tlog Current\t1",
+        "DATA_INFO": f"\tChannel\tName\tUnit\tDirection\tCalibration\n\t14\tZ\tm\t{side}\t-1.0E+0\n",
+        "SCANIT_END": "\n",
+    }
+    text = "".join(f":{key}:\n{value}\n" for key, value in header.items())
+    return text.encode() + b"\x1a\x04" + b"".join(image.astype(">f4").tobytes() for image in images)
+
+
+def test_scans_of_nanonis(read, refused):
+    """Values are metres as they lie; the backward scan begins at the right, one upwards at the bottom."""
+    heights = HEIGHTS.astype("f4").astype(float)
+    stopped = np.where(np.arange(6)[:, None] < 4, heights, np.nan)
+    data = nanonis(stopped, 2 * stopped[:, ::-1])
+    holds(read(data), stopped[::-1], 1e-6, 0.5e-6, rtol=1e-12)
+    holds(read(data, channel="Z (backward)"), 2 * stopped[::-1], rtol=1e-12)
+    upwards = read(nanonis(heights, direction="up", side="forward"))
+    holds(upwards, heights, rtol=1e-12)
+    assert upwards.attrs["first_row"] == "bottom"
+    for damaged, message in (
+        (data[:-40], "it was cut off"),
+        (data[:200], "the header of this Nanonis file has no end"),
+        (data.replace(b"MSBFIRST", b"LSBFIRST"), "not FLOAT MSBFIRST"),
+        (data.replace(b"8.000000E-6", b"0.000000E-6"), "are no map"),
+        (data.replace(b"both", b"none"), "its header is damaged"),
+    ):
+        refused(damaged, message)
+
+
+def test_a_scan_of_nanoscope_that_did_not_move(refused):
+    refused(
+        nanoscope(COUNTS, lines=6, image="0 0 ~m", scan="0 nm"), "its scan size is 0 0 ~m: it did not move"
+    )
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        x3p(HEIGHTS, edit=lambda main: re.sub(rb"<Increment>[^<]*</Increment>", b"", main)),
+        gwy({"a": (HEIGHTS, "m")}, (0.0, 0.0)),
+    ],
+)
+def test_steps_that_a_file_does_not_state_are_asked_for(read, refused, data):
+    refused(data, r"does not say its size \(its heights are in m\); give dx, dy, unit")
+    steps_given = {"dx": 2, "dy": 3, "unit": "um", "height_unit": "m"}
+    assert steps(read(data, **steps_given)) == pytest.approx([2e-6, 3e-6], rel=1e-12)
+
+
+def test_a_picture_of_other_programs_is_no_damaged_scan(refused):
+    """With texts as names of its tags, on which the library's reader of JPK fails."""
+    tags = [(256, 4, 1, 4), (257, 4, 1, 4), (273, 4, 1, 200), (279, 4, 1, 16), (50000, 12, 3, 220)]
+    page = struct.pack("<H", len(tags)) + b"".join(struct.pack("<HHII", *tag) for tag in tags)
+    refused((b"II*\0" + struct.pack("<I", 8) + page).ljust(400, b"\0"), "a TIFF picture, but none of Park")
+
+
+@pytest.mark.shared_data
+def test_steps_of_a_camera_that_was_not_calibrated(tmp_path):
+    """The side of a pixel in Zygo's MetroPro files is 0 where it is unknown."""
+    data = bytearray((DATA / "metropro-1.dat").read_bytes())
+    calibrated = read_height_map(DATA / "metropro-1.dat")
+    data[184:188] = bytes(4)
+    (tmp_path / "map.dat").write_bytes(data)
+    refuses("does not say its size .*; give dx, dy, unit", tmp_path / "map.dat")
+    height = read_height_map(tmp_path / "map.dat", dx=2, dy=2, unit="um", height_unit="m")
+    np.testing.assert_array_equal(height.values, calibrated.values)
 
 
 def test_bytes_of_nanoscope_that_are_no_lines_are_named(read):
     data = nanoscope(COUNTS, lines=6, image="10 10 ~m", planned=6).replace(b"length: 96", b"length: 99")
-    said = "3 of the 99 bytes of channel 'Height' are no part of its 6 lines"
-    assert said in warnings_of(read(data + b"abc"))
+    message = "3 of the 99 bytes of channel 'Height' are no part of its 6 lines"
+    assert message in warnings_of(read(data + b"abc"))
 
 
 def test_a_softgauge_of_one_profile(read, refused):
@@ -128,8 +257,8 @@ def test_a_map_of_three_axes_is_chosen_by_its_index(read, tmp_path):
         assert "'z[t=0]', the first height channel of 3, was read" in warnings_of(read_height_map(path))
     scans.transpose("y", "x", "t").rename(y="r", x="c").to_netcdf(path)
     refuses("nothing says which axes of 'z' are those of a map: name two of r, c, t y and x", path)
-    second = read(matlab({"z": values.transpose(1, 2, 0)}), channel="z(:,:,2)", dx=1, dy=1, unit="m")
-    holds(second, values[1], rtol=1e-12)
+    second_page = read(matlab({"z": values.transpose(1, 2, 0)}), channel="z(:,:,2)", dx=1, dy=1, unit="m")
+    holds(second_page, values[1], rtol=1e-12)
 
 
 def images(**units):
@@ -144,7 +273,17 @@ def test_images_of_gwyddion_in_other_units(read, refused, tmp_path):
     holds(read(data, channel="a", height_unit="m"), HEIGHTS[::-1], rtol=1e-12)
     assert read(images(a="V", b="m")).attrs["channel"] == "b"
     listed = inspect_file(tmp_path / "map.dat")["channels"]
-    assert [(each["name"], each["height_unit"]) for each in listed] == [("a", "V"), ("b", "m")]
+    assert [(channel["name"], channel["height_unit"]) for channel in listed] == [("a", "V"), ("b", "m")]
+
+
+@pytest.mark.parametrize(("stored", "title"), [(b"cZ", "Z"), (b"i\x07\0\0\0", "7")])
+def test_a_title_of_gwyddion_that_is_no_text(read, stored, title):
+    """The Python package gwyfile stores a text of one letter as type c."""
+    data = images(AAAAA="m").replace(b"sAAAAA\0", stored)
+    size = int.from_bytes(data[17:21], "little") + len(stored) - 7
+    height = read(data[:17] + size.to_bytes(4, "little") + data[21:])
+    assert height.attrs["channel"] == title
+    holds(height, HEIGHTS[::-1], rtol=1e-12)
 
 
 def test_images_of_gwyddion_by_their_names_and_under_a_mask(read):
@@ -179,9 +318,11 @@ def test_frames_and_quantities_are_channels(read, tmp_path):
     assert height.attrs["channel"] == "Height (measured) (retrace, frame 1)"
     assert height.attrs["first_row"] == "bottom"
     assert json.loads(height.attrs["instrument"])["probe"] == "USC"
-    other = read(scan(), channel="Height (trace, frame 2)")
-    holds(other, -3e-16 * FRAMES[:, 1].reshape(3, 4) + 4e-7)
-    reasons = {each["name"]: each["reason"] for each in inspect_file(tmp_path / "map.dat")["channels"]}
+    second_frame = read(scan(), channel="Height (trace, frame 2)")
+    holds(second_frame, -3e-16 * FRAMES[:, 1].reshape(3, 4) + 4e-7)
+    reasons = {
+        channel["name"]: channel["reason"] for channel in inspect_file(tmp_path / "map.dat")["channels"]
+    }
     assert reasons["Lock-In Phase (trace, frame 1)"] == "values in deg, no length"
     assert reasons["Lock-In Amplitude (retrace, frame 1)"] == "by its name no topography"
 
@@ -210,12 +351,12 @@ SHARED = {
 def test_files_of_other_programs_hold_the_map_behind_them(name):
     """But for a constant, which programs add to heights as they like."""
     height = read_height_map(CASES / name)
-    spacing, some = SHARED[name]
-    truth = np.load(CASES / "truth.npy")[some]
+    spacing, part = SHARED[name]
+    truth = np.load(CASES / "truth.npy")[part]
     measured = np.isfinite(height.values)
     assert int((~measured).sum()) == (18 if name == "zygo_xyz.xyz" else 0)
-    off = (1e6 * height.values - truth)[measured]
-    assert np.ptp(off) < 1e-6
+    deviation = (1e6 * height.values - truth)[measured]
+    assert np.ptp(deviation) < 1e-6
     assert steps(height) == pytest.approx([1e-6 * step for step in spacing])
 
 
@@ -240,3 +381,53 @@ def test_a_real_scan_of_jpk_as_afmreader_reads_it(channel, rms):
     assert height.shape == (128, 128)
     assert float(height.std()) == pytest.approx(rms, rel=1e-9)
     assert steps(height)[0] == pytest.approx(1.171875e-9, rel=1e-12)
+
+
+def imagej(values, description, *, resolution=(2.5, 4.0)):
+    """Return a TIFF of one image with such a description, as ImageJ writes it."""
+    from PIL import Image, TiffImagePlugin
+
+    tags = TiffImagePlugin.ImageFileDirectory_v2()
+    tags[270] = "ImageJ=1.54f\n" + description
+    tags[282], tags[283] = map(TiffImagePlugin.IFDRational, resolution)
+    content = io.BytesIO()
+    Image.fromarray(values).save(content, "TIFF", tiffinfo=tags)
+    return content.getvalue()
+
+
+def test_images_of_imagej(read, refused):
+    heights = (0.5 * COUNTS).astype("f4")
+    for unit in ("micron", "um", "\\u00B5m"):
+        data = imagej(heights, f"unit={unit}\nmin=-9000.0\n")
+        holds(read(data, height_unit="nm"), 0.5e-9 * COUNTS[::-1], 0.4e-6, 0.25e-6, rtol=1e-12)
+    refused(data, "does not say the unit of its heights; give height_unit")
+    refused(data[:-9], "was cut off", height_unit="nm")
+    counts = (COUNTS + 9000).astype("u2")
+    calibrated = imagej(counts, "unit=nm\ncf=0\nc0=-4500.0\nc1=0.5\nvunit=nm\n")
+    holds(read(calibrated), 0.5e-9 * COUNTS[::-1], 0.4e-9, 0.25e-9, rtol=1e-12)
+    refused(imagej(counts, "unit=nm\ncf=3\n"), "calibrated by a curve")
+    refused(imagej(heights, "unit=pixel\n"), "give dx, dy, unit, height_unit")
+    refused(imagej(counts.astype("u1"), "unit=nm\n"), "whose shades are no heights")
+
+
+def test_pages_of_imagej_are_channels(read, refused):
+    from PIL import Image
+
+    def stack(count):
+        pages = [Image.fromarray((number * COUNTS).astype("f4")) for number in range(1, count + 1)]
+        content = io.BytesIO()
+        pages[0].save(content, "TIFF", save_all=True, append_images=pages[1:], description="ImageJ=1.54f\n")
+        return content.getvalue()
+
+    height = read(stack(2), channel="page 2", dx=1, dy=1, unit="um", height_unit="nm")
+    holds(height, 2e-9 * COUNTS[::-1], 1e-6, 1e-6, rtol=1e-6)
+    refused(stack(257), "257 pages, more than the 256 that are read")
+
+
+def test_the_image_of_topostats_comes_before_its_masks(read):
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
+        file["full_mask_tensor"], file["image"] = np.zeros((6, 8, 3)), 1.0 * COUNTS
+    height = read(content.getvalue(), dx=1, dy=1, unit="um", height_unit="nm")
+    holds(height, 1e-9 * COUNTS, 1e-6, 1e-6, rtol=1e-12)
+    assert height.attrs["channel"] == "image"

@@ -5,6 +5,7 @@ import io
 import json
 
 import numpy as np
+import openpyxl
 import pytest
 from measured_files import (
     GIVEN,
@@ -22,8 +23,8 @@ from measured_files import (
 from PIL import Image
 from shared_data import DATA
 
-from roughcontact.command_line.program import main
 from roughcontact.errors import SettingsError
+from roughcontact.interface.program import main
 from roughcontact.io.read import read_height_map
 
 MORE = DATA.parent / "more_data"
@@ -55,9 +56,9 @@ def test_matrices_of_matlab(read, refused, compressed):
     assert json.loads(height.attrs["channels"])[0] == "z"
     holds(read(data, channel="x", dx=1, unit="um"), 1e-6 * np.arange(9.0)[None], 1e-6)
     refused(data, "give dx, dy, unit")
-    said = warnings_of(read(matlab({"z": [np.arange(9.0), *HEIGHTS]}), dx=2, dy=3, unit="um"))
-    assert "the first row (0, 1, 2 ...) may be numbers or positions" in said
-    assert "left out" not in said
+    warnings = warnings_of(read(matlab({"z": [np.arange(9.0), *HEIGHTS]}), dx=2, dy=3, unit="um"))
+    assert "the first row (0, 1, 2 ...) may be numbers or positions" in warnings
+    assert "left out" not in warnings
     for cut in (0.3, 0.6, 0.9):
         refused(data[: int(cut * len(data))], r"map\.", channel="z", dx=2, dy=3, unit="um")
 
@@ -79,8 +80,21 @@ def names(*listed):
     return archive(dict.fromkeys(listed, b"1 2 3 4\n"))
 
 
-def workbook(sheet):
-    return archive({"xl/workbook.xml": f'<sheet name="{sheet}" sheetId="1"/>'})
+def workbook(*sheets):
+    return archive({"xl/workbook.xml": "".join(f'<sheet name="{sheet}" sheetId="1"/>' for sheet in sheets)})
+
+
+def test_a_workbook_of_one_sheet_is_read_as_its_table(tmp_path):
+    book = openpyxl.Workbook()
+    for row in (["Profil links", None], ["x [mm]", "z [µm]"], *([0.5 * n, n * n % 7 / 4] for n in range(12))):
+        book.active.append(row)
+    book.save(tmp_path / "map.dat")
+    height = read_height_map(tmp_path / "map.dat")
+    holds(height, 1e-6 * (np.arange(12)[None] ** 2 % 7 / 4), 0.5e-3, rtol=1e-12)
+    assert height.attrs["source_format"] == "Excel workbook (text profile (x, z))"
+    book.create_sheet("second")
+    book.save(tmp_path / "two.xlsx")
+    refuses(r"the heights as CSV .*: 'Sheet', 'second'\)", tmp_path / "two.xlsx")
 
 
 def locked(packed):
@@ -96,9 +110,8 @@ XLS = b"\xd0\xcf\x11\xe0" + bytes(600) + "Workbook".encode("utf-16-le")
 
 
 @pytest.mark.parametrize(
-    ("data", "said"),
+    ("data", "message"),
     [
-        (b"DSCOMPRESSED" + bytes(500), r"Digital Surf file in its compressed form .* save it uncompressed"),
         (b"MATLAB 7.3 MAT-file, Platform" + bytes(500), r"version 7\.3 \(HDF5\).*'-v7'"),
         (gzip.compress(b"1 2 3", mtime=0), "packed file; unpack it first"),
         (b"Wyko ASCII Data File Format\t0\t0\t1\nX Size\t2\n1\t2\n", "counted in waves.*take the OPD file"),
@@ -115,7 +128,8 @@ XLS = b"\xd0\xcf\x11\xe0" + bytes(600) + "Workbook".encode("utf-16-le")
         (names("a.txt", "b/c.001"), r"none of the formats that are known .*it holds 'a\.txt', 'b/c\.001'"),
         (names("[Content_Types].xml", "xl/workbook.xml"), "Mitutoyo"),
         (names("[Content_Types].xml", "xl/other.xml"), "Excel workbook.* the sheet with the heights as CSV"),
-        (workbook("A &amp; B"), r"the heights as CSV .*: 'A & B'\)"),
+        (workbook("A &amp; B", "C"), r"the heights as CSV .*: 'A & B', 'C'\)"),
+        (workbook("heights"), "a damaged Excel workbook"),
         (workbook("DATA"), r"the heights as CSV .*: 'DATA'\)"),
         (names("word/document.xml"), "an Office document"),
         (names("z.npy"), r"NumPy arrays \(npz\); save the array of heights alone"),
@@ -123,17 +137,17 @@ XLS = b"\xd0\xcf\x11\xe0" + bytes(600) + "Workbook".encode("utf-16-le")
         (matlab({"comment": "text"}), r"no matrix of real numbers .* it has comment \(char\)"),
     ],
 )
-def test_what_is_known_and_not_read_is_named(refused, data, said):
-    assert "NMM), but is damaged" not in refused(data, said, **GIVEN)
+def test_what_is_known_and_not_read_is_named(refused, data, message):
+    assert "NMM), but is damaged" not in refused(data, message, **GIVEN)
 
 
 def test_a_film_of_high_speed_microscopy_is_named(refused):
     refused(bytes(range(256)) * 9, r"\(asd\) is not read: save a frame as text or GWY", name="film.asd")
 
 
-@pytest.mark.parametrize("within", ["", "a/b/"])
-def test_a_stale_checksum_is_read_on_request(tmp_path, within, capsys):
-    edited = x3p(HEIGHTS * 1e-6, edit=lambda main: main + b"\n", restate=False, folder=within)
+@pytest.mark.parametrize("inner_folder", ["", "a/b/"])
+def test_a_stale_checksum_is_read_on_request(tmp_path, inner_folder, capsys):
+    edited = x3p(HEIGHTS * 1e-6, edit=lambda main: main + b"\n", restate=False, folder=inner_folder)
     path = saved(tmp_path, edited)
     refuses(r"checksum of main\.xml does not match .*give checksum = ignore", path)
     height = read_height_map(path, checksum="ignore")

@@ -49,8 +49,8 @@ def northwest(main):
 
 def backwards(main):
     """Make the increment along y negative."""
-    before, cy, after = main.partition(b"<CY>")
-    return before + cy + after.replace(b"<Increment>", b"<Increment>-", 1)
+    head, cy, tail = main.partition(b"<CY>")
+    return head + cy + tail.replace(b"<Increment>", b"<Increment>-", 1)
 
 
 GWYDDION_TEXT = "# Channel: F\n# Width: 8 µm\n# Height: 15 µm\n# Value units: m\n"
@@ -93,20 +93,20 @@ FILES = {
 
 @pytest.mark.parametrize("kind", FILES)
 def test_an_f_reads_as_an_f(read, tmp_path, kind):
-    data, given, first_row, assumed = FILES[kind]
-    height = read(data, **given)
+    data, options, first_row, assumed = FILES[kind]
+    height = read(data, **options)
     # drawn with y upwards, as the report draws it, the picture is the F that was meant
     np.testing.assert_allclose(height.values[::-1], F, rtol=1e-5, atol=1e-12)
     assert np.all(np.diff(height.y) > 0)
     assert np.all(np.diff(height.x) > 0)
     assert (height.attrs["first_row"], height.attrs["first_row_assumed"]) == (first_row, assumed)
-    found = inspect_file(tmp_path / "map.dat", **given)
-    assert (found["first_row"], found["first_row_assumed"]) == (first_row, assumed)
+    contents = inspect_file(tmp_path / "map.dat", **options)
+    assert (contents["first_row"], contents["first_row_assumed"]) == (first_row, assumed)
     # and what was written comes back upright
     write_dataset(height, tmp_path / "height.nc")
-    again = read_height_map(tmp_path / "height.nc")
-    np.testing.assert_array_equal(again.values, height.values)
-    assert again.attrs["first_row"] == "bottom"  # of that file
+    reread = read_height_map(tmp_path / "height.nc")
+    np.testing.assert_array_equal(reread.values, height.values)
+    assert reread.attrs["first_row"] == "bottom"  # of that file
 
 
 def test_the_user_wins_over_the_file_with_a_warning(read, refused):

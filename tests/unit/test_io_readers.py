@@ -12,7 +12,7 @@ import xarray as xr
 from measured_files import GIVEN, archive, array, holds, refuses, saved, x3p
 
 from roughcontact.io import readers as room
-from roughcontact.io.interface import RecognisedBy, head_of
+from roughcontact.io.interface import RecognisedBy, read_head
 from roughcontact.io.registry import readers, recognised
 
 HEIGHTS = np.arange(12.0).reshape(3, 4) * 1e-6
@@ -111,7 +111,7 @@ FILES = {
 def test_each_file_has_its_reader_whatever_the_order_among_equals(tmp_path, kind):
     content, *expected = FILES[kind]
     path = saved(tmp_path, content)
-    head = head_of(path)
+    head = read_head(path)
     claims = [(reader.recognised_by, name) for name, reader in readers() if reader.recognises(path, head)]
     assert [name for _, name in claims] == [*expected, "unmarked"]
     assert recognised(path)[0] == claims[0][1]

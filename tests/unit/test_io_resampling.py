@@ -25,9 +25,9 @@ def plane(height):
 def test_only_where_asked(refused, tmp_path):
     refused(POINTS, "give resample = linear", unit="um")
     refused(POINTS, "resample = 'cubic': choose linear", error=SettingsError, unit="um", resample="cubic")
-    found = inspect_file(tmp_path / "map.dat", unit="um")
-    assert found["map"] is None
-    assert "give resample = linear" in found["problem"]
+    contents = inspect_file(tmp_path / "map.dat", unit="um")
+    assert contents["map"] is None
+    assert "give resample = linear" in contents["problem"]
     assert inspect_file(tmp_path / "map.dat", unit="um", resample="linear")["map"]["rms_height"] < 1e-15
 
 
@@ -47,8 +47,8 @@ def test_given_steps_and_units(read, refused):
     text = "x (mm)\ty (mm)\tz (um)\n" + cells(columns, form="{:.9f}")
     height = read(text, dx=2, dy=3, unit="um", resample="linear")
     assert steps(height) == pytest.approx([2e-6, 3e-6], rel=1e-9)
-    first = 1e-6 * ((X.min() + X.max()) / 2 - (height.sizes["x"] - 1))
-    assert float(height.x[0]) == pytest.approx(first, rel=1e-6)
+    first_x = 1e-6 * ((X.min() + X.max()) / 2 - (height.sizes["x"] - 1))
+    assert float(height.x[0]) == pytest.approx(first_x, rel=1e-6)
     assert float(abs(height - plane(height)).max()) < 1e-13
     refused(text, "is given without a unit", error=SettingsError, dx=2, dy=3, resample="linear")
 

@@ -51,9 +51,9 @@ def compare(height, expected):
     values = in_order_of_the_file(height)
     ny, nx = values.shape
     points = [(ny // 5, nx // 7), (ny // 3, 6 * nx // 7), (4 * ny // 5, nx // 5)]
-    found = [values[point] - values[ny // 2, nx // 2] for point in points]
+    differences = [values[point] - values[ny // 2, nx // 2] for point in points]
     close = {"rtol": 1e-5, "atol": 1e-6 * np.nanstd(values)}
-    np.testing.assert_allclose(found, np.array(expected, dtype=float), **close)
+    np.testing.assert_allclose(differences, np.array(expected, dtype=float), **close)
 
 
 def catalogue():
@@ -97,9 +97,9 @@ def test_size_heights_and_missing_points(name):
 
 @pytest.mark.parametrize("name", NAMES["refused"])
 def test_other_files_are_refused_in_a_sentence(name):
-    said = refuses(FILES[name]["refused"], DATA / name)
-    assert name in said
-    assert len(said) < 400
+    message = refuses(FILES[name]["refused"], DATA / name)
+    assert name in message
+    assert len(message) < 400
 
 
 @pytest.mark.parametrize("name", NAMES["given"])
@@ -193,8 +193,8 @@ def test_windows_of_the_solved_references(name):
     for case in cases:
         i, j, nx, ny = case["window"]
         window = in_order_of_the_file(height)[j : j + ny, i : i + nx]
-        rest = without_plane(window)
-        assert rest.std() == pytest.approx(case["rms_height"], rel=1e-9)
+        residual = without_plane(window)
+        assert residual.std() == pytest.approx(case["rms_height"], rel=1e-9)
         assert steps(height) == pytest.approx([case["dx"][0], case["dx"][1]], rel=1e-9)
 
 
@@ -202,8 +202,8 @@ def test_windows_of_the_solved_references(name):
 def test_files_cut_at_60_percent_are_refused(name, tmp_path):
     data = (DATA / name).read_bytes()
     (tmp_path / name).write_bytes(data[: int(0.6 * len(data))])
-    said = refuses(re.escape(name), tmp_path / name, **FILES[name].get("given", {}))
-    assert len(said) < 400 + len(str(tmp_path))
+    message = refuses(re.escape(name), tmp_path / name, **FILES[name].get("given", {}))
+    assert len(message) < 400 + len(str(tmp_path))
 
 
 def test_another_channel_can_be_named():
@@ -218,15 +218,15 @@ def test_another_channel_can_be_named():
 
 
 def test_inspection_lists_channels_instrument_and_choice():
-    found = inspect_file(DATA / "spot_1-1000nm.ibw")
-    assert found["format"] == "Igor binary wave"
-    assert found["channel"] == "HeightTrace"
-    assert "first height channel of 8" in found["channel_choice"]
-    heights = [channel["name"] for channel in found["channels"] if channel["is_height"]]
+    contents = inspect_file(DATA / "spot_1-1000nm.ibw")
+    assert contents["format"] == "Igor binary wave"
+    assert contents["channel"] == "HeightTrace"
+    assert "first height channel of 8" in contents["channel_choice"]
+    heights = [channel["name"] for channel in contents["channels"] if channel["is_height"]]
     assert heights == ["HeightTrace", "HeightRetrace"]
-    assert found["instrument"]["name"] == "Cypher"
-    assert found["channels"][0]["rms_height"] == pytest.approx(0.0894548e-6, rel=1e-5)
-    assert found["problem"] is None
+    assert contents["instrument"]["name"] == "Cypher"
+    assert contents["channels"][0]["rms_height"] == pytest.approx(0.0894548e-6, rel=1e-5)
+    assert contents["problem"] is None
 
 
 @pytest.mark.parametrize("name", NAMES["instrument"])
@@ -270,7 +270,7 @@ def test_converted_line_ends_are_refused(name, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "place", "change", "words"),
+    ("name", "position", "change", "words"),
     [
         ("sur-3.sur", 288, b"\1", "an imprint (replica) was measured"),
         ("sur-3.sur", 290, b"\1", "the map was inverted or mirrored"),
@@ -278,11 +278,11 @@ def test_converted_line_ends_are_refused(name, tmp_path):
         ("test_1.opd", 1067456, b"Yes", "the map was inverted or mirrored"),  # value of Data_Invert
     ],
 )
-def test_a_header_that_speaks_of_the_sign_is_passed_on(name, place, change, words, tmp_path):
+def test_a_header_that_speaks_of_the_sign_is_passed_on(name, position, change, words, tmp_path):
     data = bytearray((DATA / name).read_bytes())
-    end = place + len(change)
-    assert data[place:end] == (b"No\0" if change == b"Yes" else b"\0")
-    data[place:end] = change
+    stop = position + len(change)
+    assert data[position:stop] == (b"No\0" if change == b"Yes" else b"\0")
+    data[position:stop] = change
     (tmp_path / name).write_bytes(data)
     assert words in warnings_of(read_height_map(tmp_path / name))
     assert not any(words in note for note in inspect_file(DATA / name)["warnings"])

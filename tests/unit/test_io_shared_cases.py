@@ -26,7 +26,7 @@ def read(name, **arguments):
 
 
 @pytest.mark.parametrize(
-    ("name", "arguments", "columns", "others"),
+    ("name", "arguments", "columns", "channel_names"),
     [
         ("gwy_forward_backward.txt", {}, 36, ["Height (retrace)"]),
         ("gwy_two_channels.txt", {}, 48, ["Phase"]),
@@ -35,18 +35,18 @@ def read(name, **arguments):
         ("xpos_first_row.csv", {"dx": 0.5, "dy": 0.75, "unit": "um", "first_row": "bottom"}, 48, []),
     ],
 )
-def test_maps(truth, name, arguments, columns, others):
+def test_maps(truth, name, arguments, columns, channel_names):
     height = read(name, **arguments)
     np.testing.assert_allclose(height.values, truth[:, :columns], atol=6e-11)
     assert steps(height) == pytest.approx([0.5e-6, 0.5e-6 if columns == 36 else 0.75e-6], rel=1e-9)
-    assert json.loads(height.attrs["channels"])[1:] == others
-    said = "the first row (0, 0.5, 1 ...) is taken as positions along x" in warnings_of(height)
-    assert said == (name == "xpos_first_row.csv")
+    assert json.loads(height.attrs["channels"])[1:] == channel_names
+    is_named = "the first row (0, 0.5, 1 ...) is taken as positions along x" in warnings_of(height)
+    assert is_named == (name == "xpos_first_row.csv")
 
 
 def test_the_unit_of_each_channel_is_kept():
-    found = inspect_file(CASES / "gwy_two_channels.txt")["channels"]
-    assert [(each["name"], each["height_unit"], each["is_height"]) for each in found] == [
+    channels = inspect_file(CASES / "gwy_two_channels.txt")["channels"]
+    assert [(channel["name"], channel["height_unit"], channel["is_height"]) for channel in channels] == [
         ("Topography", "m", True),
         ("Phase", "deg", False),
     ]
@@ -107,9 +107,9 @@ def test_positions_in_row_and_column(name):
     assert height.shape == (9, 13)
     assert steps(height) == pytest.approx([0.5e-6, 0.25e-6], rel=1e-9)
     assert float(height[0, 0]) == pytest.approx(0.5561e-9, rel=1e-12)
-    stated = read(name, **NM, **STEPS)
-    np.testing.assert_array_equal(stated.values, height.values)
-    assert "taken as positions along y" in warnings_of(stated)
+    with_steps = read(name, **NM, **STEPS)
+    np.testing.assert_array_equal(with_steps.values, height.values)
+    assert "taken as positions along y" in warnings_of(with_steps)
 
 
 def test_a_row_of_an_encoder():

@@ -35,8 +35,8 @@ def points_read(path):
 def test_the_points_of_a_text_are_counted_in_a_piece(tmp_path, rows, separator, form, encoding):
     text = cells(rows, separator, form)
     # a decimal comma separates nothing
-    for each in (text, text.replace(".", ",")) if separator == ";" else (text,):
-        path = saved(tmp_path, each, encoding=encoding)
+    for content in (text, text.replace(".", ",")) if separator == ";" else (text,):
+        path = saved(tmp_path, content, encoding=encoding)
         assert estimate_points(path) == pytest.approx(HEIGHTS.size, rel=0.02)
 
 

@@ -26,8 +26,8 @@ def test_header_as_gwyddion_writes_it(read, encoding):
     np.testing.assert_allclose(height.x, [0.5e-6, 1.5e-6, 2.5e-6, 3.5e-6], rtol=1e-12)
     np.testing.assert_allclose(height.y, [0.5e-6, 1.5e-6, 2.5e-6], rtol=1e-12)
     assert height.dims == ("y", "x")
-    said = {"channel": "Topo", "first_row": "top", "missing_points": 0}
-    assert height.attrs.items() >= said.items()
+    attributes = {"channel": "Topo", "first_row": "top", "missing_points": 0}
+    assert height.attrs.items() >= attributes.items()
 
 
 def test_conversion_factor_and_counts_in_the_header(read):
@@ -62,10 +62,10 @@ def test_a_gap_in_named_columns_without_positions_stays_where_it_is(read):
 
 
 @pytest.mark.parametrize("gap", GAPS.split())
-@pytest.mark.parametrize("place", [0, 5])
-def test_what_programs_write_for_a_missing_point(read, gap, place):
+@pytest.mark.parametrize("index", [0, 5])
+def test_what_programs_write_for_a_missing_point(read, gap, index):
     heights, expected = HEIGHTS.astype(object), HEIGHTS.copy()
-    heights.flat[place], expected.flat[place] = gap, np.nan
+    heights.flat[index], expected.flat[index] = gap, np.nan
     holds(read(cells(heights, form="{}"), **GIVEN), 1e-6 * expected[::-1])
 
 
@@ -75,7 +75,9 @@ def test_a_line_drawn_below_headings_is_no_row_of_the_map(read):
 
 
 def test_exponents_of_fortran(read):
-    holds(read(cells(HEIGHTS, " ", "{:.3E}").replace("E", "D"), **GIVEN), 1e-6 * UPPER_FIRST)
+    height = read(cells(HEIGHTS, " ", "{:.3E}").replace("E", "D"), **GIVEN)
+    holds(height, 1e-6 * UPPER_FIRST)
+    assert "unit of its heights: they are taken in um, as x and y" in warnings_of(height)
 
 
 def headed_points(heading):
@@ -102,9 +104,14 @@ def test_points_with_a_fourth_column_are_no_map(read, refused):
 
 def test_bare_numbers_are_refused_with_what_to_give(tmp_path):
     path, wrong = saved(tmp_path, MATRIX), {"error": SettingsError} | GIVEN
-    refuses(r"map of 3 x 4 points that does not say its size; give dx, dy, unit", path)
-    refuses("give dx, dy, unit", path, unit="um")
-    refuses("give dx, dy, unit", path, dx=1, unit="um")
+    refuses(
+        r"map of 3 x 4 points that does not say its size, nor .* heights; give dx, dy, unit, height_unit in",
+        path,
+    )
+    refuses("give dx, dy, unit, height_unit in", path, unit="um")
+    refuses("give dx, dy, unit, height_unit in", path, dx=1, unit="um")
+    refuses("its size; give dx, dy, unit in", path, height_unit="nm")
+    refuses("give unit, height_unit in", saved(tmp_path, "0 1.5\n1 2.5\n2 2\n", "profile.txt"))
     refuses("dx = 1 is given without a unit", path, error=SettingsError, dx=1, dy=1)
     refuses(r"dx = -1 must be a positive finite number in um", path, **wrong | {"dx": -1})
     refuses(
@@ -116,6 +123,25 @@ def test_height_unit_of_the_file_stands_beside_the_unit_of_the_steps(read):
     height = read("\\Exported image units: nm\n" + MATRIX, **GIVEN)
     holds(height, 1e-9 * UPPER_FIRST)
     assert "given by the user" not in warnings_of(height)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "Heights in nm",
+        "All heights are given in nm",
+        "z-Werte in nm",
+        "Einheit der Höhen: nm",
+        "Z: nm",
+        "Wysokości w nm",
+        "Unité des hauteurs: nm",
+        "Единицы высоты: нм",
+        "高さの単位はnm",
+        "高度单位: 纳米",
+    ],
+)
+def test_the_unit_of_the_heights_in_words(read, line):
+    holds(read(f"{line}\n1 2\n3 4\n", dx=1, dy=1, unit="um"), [[3e-9, 4e-9], [1e-9, 2e-9]])
 
 
 def test_arguments_win_over_the_file_and_say_so(read):
@@ -168,9 +194,9 @@ NO_MAPS = [
 ]
 
 
-@pytest.mark.parametrize(("text", "words", "given"), NO_MAPS, ids=[words for _, words, _ in NO_MAPS])
-def test_texts_that_are_no_map(refused, text, words, given):
-    refused(text, words, **given)
+@pytest.mark.parametrize(("text", "words", "options"), NO_MAPS, ids=[words for _, words, _ in NO_MAPS])
+def test_texts_that_are_no_map(refused, text, words, options):
+    refused(text, words, **options)
 
 
 def test_one_line_is_a_profile_and_no_number_is_05(read):
@@ -203,10 +229,10 @@ def test_profile_with_unit_in_the_column_name(tmp_path):
 
 
 def test_inspect_says_what_is_missing(tmp_path):
-    found = inspect_file(saved(tmp_path, "# Value units: nm\n" + MATRIX))
-    assert "give dx, dy, unit" in found["problem"]
-    assert found["channel"] == "height"
-    (channel,) = found["channels"]
+    contents = inspect_file(saved(tmp_path, "# Value units: nm\n" + MATRIX))
+    assert "give dx, dy, unit" in contents["problem"]
+    assert contents["channel"] == "height"
+    (channel,) = contents["channels"]
     assert (channel["ny"], channel["nx"], channel["height_unit"], channel["dx"]) == (3, 4, "nm", None)
     assert channel["rms_height"] == pytest.approx(HEIGHTS.std(), rel=1e-12)
-    assert json.loads(json.dumps(found)) == found
+    assert json.loads(json.dumps(contents)) == contents

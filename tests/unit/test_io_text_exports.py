@@ -9,6 +9,7 @@ from shared_data import DATA
 
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
+from roughcontact.io.text import columns
 
 NUMBER = np.arange(12)
 X = 0.5 * NUMBER
@@ -27,10 +28,104 @@ def assert_trace(height):
     np.testing.assert_allclose(height.x, 1e-3 * X, rtol=1e-12)
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "latin-1"])
-def test_headings_of_a_spreadsheet_in_german(read, encoding):
-    text = "Messweg [mm];Höhe [µm]\n" + trace().replace(".", ",") + ";\n;\n"
+@pytest.mark.parametrize(
+    ("encoding", "headings"),
+    [
+        *((code, "Messweg [mm];Höhe [µm]") for code in ("utf-8", "utf-8-sig", "utf-16", "utf-16-le")),
+        *((code, "Messweg [mm];Höhe [µm]") for code in ("utf-16-be", "latin-1", "cp437")),
+        ("gb18030", "位置 [mm];高度 [μm]"),
+        ("cp932", "位置 [ミリメートル];高さ [μm]"),
+        ("cp949", "위치 [mm];높이 [㎛]"),
+        ("cp1251", "Положение [мм];Высота [мкм]"),
+        ("cp1250", "Położenie [mm];Wysokość [µm]"),
+    ],
+)
+def test_headings_of_a_spreadsheet_in_each_encoding(read, encoding, headings):
+    text = f"{headings}\n" + trace().replace(".", ",") + ";\n;\n"
     assert_trace(read(text.replace("\n", "\r\n"), encoding=encoding))
+
+
+@pytest.mark.parametrize(
+    ("encoding", "words"),
+    [
+        ("cp1252", "XY Calibration;Horizontal;Vertical;Unit;Height;Light intensity"),
+        ("cp1252", "XY-Justierung;Horizont.;Vertikal;Einheit;Höhe;Lichtintensität"),
+        ("cp1252", "Calibrage XY;Horizontal;Vertical;Unité;Hauteur;Intensité lumineuse"),
+        ("cp932", "XYキャリブレーション;横;縦;単位;高さ;光量"),
+        ("gbk", "XY校准;水平;垂直;单位;高度;光强"),
+        ("cp949", "XY캘리브레이션;가로;세로;단위;높이;광량"),
+    ],
+)
+@pytest.mark.parametrize("has_second", [False, True])
+def test_optical_profilers_in_six_languages(read, encoding, words, has_second):
+    """Pixel, numbers of points and unit above a titled table, perhaps with a second one below."""
+    step, columns, rows, unit, height, light = words.split(";")
+    head = [f'"{step}","0.5","μm"', f'"{columns}","4"', f'"{rows}","3"', f'"{unit}","μm"', "", f'"{height}"']
+    head = [line.replace("μ", "µ") if encoding == "cp1252" else line for line in head]
+    table = [",".join(f'"{value}"' for value in row) for row in GRID + 0.5]
+    lines = [*head, *table, *["", f'"{light}"', *table][: len(table) * 2 * has_second]]
+    height = read("\r\n".join(lines) + "\r\n", encoding=encoding)
+    holds(height, 1e-6 * (GRID[::-1] + 0.5), 0.5e-6, 0.5e-6, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        [
+            '"","V1","V2","V3","V4","V5","V6","V7","V8"',
+            *(f'"{j}",1,2,4,5,7,6,2,{j * j}' for j in range(1, 12)),
+        ],
+        ["V1 V2 V3 V4 V5 V6 V7 V8", *(f"{j} 1 2 4 5 7 6 2 {j * j}" for j in range(1, 12))],
+    ],
+)
+def test_a_matrix_of_r_has_numbered_rows_and_columns(read, lines):
+    height = read("\n".join(lines) + "\n", **GIVEN)
+    holds(height, 1e-6 * np.array([[1, 2, 4, 5, 7, 6, 2, j * j] for j in range(11, 0, -1)]))
+    assert "is taken as numbers or positions, and left out" in warnings_of(height)
+
+
+def test_the_distances_of_a_sensor_above_a_stage_are_heights(read):
+    assert_trace(read("位置 (mm);距离 (μm)\n" + trace(), encoding="gb18030"))
+
+
+@pytest.mark.parametrize(
+    ("footer", "noted"),
+    [
+        *((word, "") for word in ("EOF", "*** End of data ***", "-- Ende --", "结束", "# Ra = 0.25")),
+        ("Ra;0,25;µm\nMean: 3,5", r"below the table, line 14 ('Ra;0,25;µm') and 1 line more is left out"),
+        ("Total points: 12", "line 14 ('Total points: 12')"),
+    ],
+)
+@pytest.mark.parametrize("line_end", ["", "\n"])
+def test_lines_below_a_table_are_left_out_and_said(read, refused, footer, noted, line_end):
+    height = read(f"x [mm];z [µm]\n{trace()}{footer}{line_end}")
+    assert_trace(height)
+    assert noted in warnings_of(height)
+    assert bool(noted) == ("below the table" in warnings_of(height))
+    refused(f"x [mm];y [mm];z [µm]\n{trace(columns=(X, X, Z))}6;over;2.5;2.5\n{footer}", "no row of numbers")
+
+
+@pytest.mark.parametrize("sign", [" ", "'", "\u00a0", "\u202f", "’"])
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_separators_of_thousands_that_are_no_decimal_sign(read, sign, separator):
+    heights = 1000 * Z
+    table = "".join(f"{x:g}|{z:,.2f}\n".replace(",", sign) for x, z in zip(X, heights, strict=True))
+    assert_trace(read("x [mm]|z [µm]\n".replace("|", separator) + table.replace("|", separator)) / 1000)
+    quoted = "".join(f'"{x:g}","{z:,.2f}"\n' for x, z in zip(X, heights, strict=True))
+    assert_trace(read(f'"x [mm]","z [µm]"\n{quoted}') / 1000)
+    german = "".join(f"{x:g};{z:,.2f}\n".replace(".", "|") for x, z in zip(X, heights, strict=True))
+    german = german.replace(",", ".").replace("|", ",")
+    assert_trace(read(f"x [mm];z [µm]\n{german}") / 1000)
+
+
+def test_a_semicolon_begins_a_remark_above_rows_without_it(read):
+    assert_trace(read("; mirror M1\n; 1301\n" + trace(" "), unit="mm", height_unit="um"))
+    holds(read(";1;2\n;3;4\n", **GIVEN), [[3e-6, 4e-6], [1e-6, 2e-6]])
+
+
+def test_the_end_of_a_file_of_dos_and_a_blank_line_without_end(read):
+    assert_trace(read("x (mm);z (µm)\n" + trace() + "\x1a", encoding="cp1252"))
+    assert_trace(read("x (mm)  z (µm)\n" + trace(" ") + "   "))
 
 
 @pytest.mark.parametrize(
@@ -140,9 +235,9 @@ def test_three_columns_are_a_map_where_both_steps_are_given(tmp_path, rows):
 
 def test_one_height_in_each_line_is_a_profile(tmp_path):
     path = saved(tmp_path, cells(Z[:, None]))
-    found = inspect_file(path)
-    assert "give dx, unit" in found["problem"]
-    assert (found["channels"][0]["ny"], found["channels"][0]["nx"]) == (1, 12)
+    contents = inspect_file(path)
+    assert "give dx, unit" in contents["problem"]
+    assert (contents["channels"][0]["ny"], contents["channels"][0]["nx"]) == (1, 12)
     holds(read_height_map(path, dx=0.5, unit="mm", height_unit="um"), 1e-6 * Z[None], rtol=1e-14)
     assert read_height_map(path, dx=0.5, dy=1, unit="mm").shape == (12, 1)
 
@@ -163,10 +258,10 @@ STATED = [
 ]
 
 
-@pytest.mark.parametrize(("right", "given", "wrong", "words"), STATED, ids=[words for *_, words in STATED])
-def test_a_declared_number_of_points_is_compared(read, refused, right, given, wrong, words):
-    assert read(right, **given).shape == ((1, 12) if PROFILE in right else (3, 4))
-    refused(wrong, words, **given)
+@pytest.mark.parametrize(("right", "options", "wrong", "words"), STATED, ids=[words for *_, words in STATED])
+def test_a_declared_number_of_points_is_compared(read, refused, right, options, wrong, words):
+    assert read(right, **options).shape == ((1, 12) if PROFILE in right else (3, 4))
+    refused(wrong, words, **options)
 
 
 def matrix(rows, columns, width, height):
@@ -206,9 +301,9 @@ def test_a_matrix_of_lost_lines_is_refused(refused, rows, columns, width, height
     ],
 )
 def test_pixels_of_any_shape_are_read(read, rows, columns, width, height):
-    found = read(matrix(rows, columns, width, height))
-    assert found.shape == (rows, columns)
-    assert steps(found)[1] == pytest.approx(1e-6 * float(height) / rows)
+    height_map = read(matrix(rows, columns, width, height))
+    assert height_map.shape == (rows, columns)
+    assert steps(height_map)[1] == pytest.approx(1e-6 * float(height) / rows)
 
 
 def test_positions_rounded_to_their_last_digit_are_even(read, refused):
@@ -237,12 +332,12 @@ def test_a_file_that_ends_within_a_number_is_refused(read, refused, form, column
     if columns == 1:
         heights = np.column_stack([np.arange(6), heights])
     text = cells(heights, " ", form)
-    given = GIVEN if columns > 1 else {"unit": "um"}
-    for whole in (text, text[:-1], text[: text.rindex(" ")] + " NaN"):
-        assert read(whole, **given).size == 6 * columns
-    for end in range(text.rindex(" ") + 2, len(text) - 1):
-        words = rf"line 6 ends the file in '{re.escape(text[text.rindex(' ') + 1 : end])}'.*it was cut off"
-        refused(text[:end], words, **given)
+    options = GIVEN if columns > 1 else {"unit": "um"}
+    for text_read in (text, text[:-1], text[: text.rindex(" ")] + " NaN"):
+        assert read(text_read, **options).size == 6 * columns
+    for stop in range(text.rindex(" ") + 2, len(text) - 1):
+        words = rf"line 6 ends the file in '{re.escape(text[text.rindex(' ') + 1 : stop])}'.*it was cut off"
+        refused(text[:stop], words, **options)
 
 
 def test_a_last_number_shorter_than_all_others_is_doubted(read):
@@ -251,6 +346,24 @@ def test_a_last_number_shorter_than_all_others_is_doubted(read):
     cut = warnings_of(read(text[:-2], **GIVEN))
     assert "line 5 ends the file in '1.', without the end of a line: if the file was cut off" in cut
     assert "ends the file" not in warnings_of(read(text[:-2] + "\n", **GIVEN))
+
+
+@pytest.mark.parametrize("line_end", ["", "\n", "\n\n", "\n  ", "\n\n \t"])
+def test_blank_lines_between_the_last_rows_and_at_the_end(read, line_end):
+    """As of gnuplot's blocks; the last line may have no end."""
+    heights = np.arange(1.0, 9.0).reshape(4, 2) / 8
+    rows = cells(points(heights), " ", "{:.3f}").splitlines(keepends=True)
+    text = "x (um)  y (um)  z (um)\n" + "\n".join("".join(rows[start : start + 2]) for start in (0, 2, 4, 6))
+    holds(read(text.rstrip("\n") + line_end), 1e-6 * heights)
+
+
+def test_a_line_of_many_entries_is_looked_at_once(read, monkeypatch):
+    calls = []
+    cells_of = columns._cells
+    monkeypatch.setattr(columns, "_cells", lambda *arguments: calls.append(1) or cells_of(*arguments))
+    line = "dx = 1 um, " * 50_000
+    assert read(f"{line}\n{cells(GRID)}", **GIVEN).shape == (3, 4)
+    assert len(calls) < 100
 
 
 @pytest.mark.shared_data
@@ -297,3 +410,57 @@ def test_the_text_export_of_a_binary_format_is_read_as_text(read):
     for separator in ("\t", "\t\t"):
         heading = separator.join(["X[nm]", "Y[nm]", "Z[nm]\n\n"])
         holds(read(head + heading + cells(points(GRID, 10, 10), separator)), 1e-9 * GRID, 10e-9, 10e-9)
+
+
+@pytest.mark.parametrize("label", ["Row {}", "Zeile_{}", "y{}", "12:00:0{}", "2026-11-2{} 08:30:00.5"])
+@pytest.mark.parametrize("separator", [";", "\t", ","])
+def test_labels_in_front_of_rows_are_left_out_and_said(read, label, separator):
+    rows = [separator.join([label.format(row), *map(str, numbers)]) for row, numbers in enumerate(GRID)]
+    height = read("\n".join(["Rows: 3", *rows]), **GIVEN, height_unit="nm")
+    holds(height, 1e-9 * GRID[::-1], 1e-6, 1e-6)
+    assert f"column 1 ('{label.format(0)}') holds words and is left out" in warnings_of(height)
+
+
+def test_labelled_parameters_above_a_table_are_no_rows(read):
+    markers = "Marker 1;0.5;1.5\nMarker 2;1.5;2.5\n"
+    assert_trace(read(f"{markers}x [mm];z [µm]\n{trace()}"))
+
+
+def test_the_time_of_day_beside_a_profile(read):
+    stamps = [f"12:00:{row:02d}.25;{x};{z}" for row, (x, z) in enumerate(zip(X, Z, strict=True))]
+    assert_trace(read("\n".join(["Zeit;Weg [mm];Höhe [µm]", *stamps])))
+
+
+def test_the_units_of_both_axes_in_the_corner(read, refused):
+    heights = np.arange(20.0).reshape(4, 5) ** 2
+    table = cells(np.column_stack([0.25 * np.arange(4), heights]))
+    text = "\t" + "\t".join(f"{0.5 * column}" for column in range(5)) + "\n" + table
+    for corner in ("Y[µm]\\X[µm]", "y (µm) / x (µm)", "Zeile/Spalte [µm]"):
+        holds(read(f"Z unit: nm\n{corner}{text}"), 1e-9 * heights, 0.5e-6, 0.25e-6)
+    for corner in ("X[µm]\\Y[µm]", "Y[µm]\\X[mm]", "y (µm)"):
+        refused(f"Z unit: nm\n{corner}{text}", "does not say its lateral unit")
+
+
+def test_a_row_of_empty_cells_is_one_of_as_many_as_are_stated(read, refused):
+    first, second, third = cells(GRID, ",").splitlines()
+    text = f"{first}\n,,,\n{second}\n{third}"
+    heights = np.insert(GRID.astype(float), 1, np.nan, axis=0)
+    holds(read(f"Rows: 4\n{text}", **GIVEN, height_unit="nm"), 1e-9 * heights[::-1])
+    refused(text, "a second table begins at line 3; .* or write NaN where a row is missing", **GIVEN)
+
+
+def test_blanks_between_thousands_beside_commas_between_cells(read):
+    rows = "".join(
+        f"{x:.1f},{z:,.1f}\n".replace(",", " ").replace(" ", ",", 1)
+        for x, z in zip(X, 4e3 + 1e3 * Z, strict=True)
+    )
+    height = read("x (mm),z (nm)\n" + rows)
+    holds(height, 1e-9 * (4e3 + 1e3 * Z[None]), 0.5e-3)
+
+
+@pytest.mark.parametrize("form", ["{} resolution,{},µm", "{}-Auflösung: {} µm/px", "Resolution {} (µm): {}"])
+def test_the_resolution_along_each_axis_is_its_step(read, form):
+    lines = [form.format(*each) for each in (("X", 0.5), ("Y", 0.25))]
+    text = "\n".join(["Z unit: nm", *lines, cells(GRID, ",")])
+    holds(read(text), 1e-9 * GRID[::-1], 0.5e-6, 0.25e-6)
+    read(text.replace("µm/px", "").replace(",µm", "").replace("µm", ""), **GIVEN)  # of the lens, or points

@@ -41,8 +41,8 @@ def test_tables_with_headings_are_channels_in_their_units(read, refused, tmp_pat
     assert height.attrs["channel"] == "Topography"
     assert json.loads(height.attrs["channels"]) == ["Phase", "Topography"]
     refused(text, "channel 'Phase' holds no heights", channel="Phase")
-    found = inspect_file(tmp_path / "map.dat")["channels"]
-    assert [each["height_unit"] for each in found] == ["deg", "nm"]
+    channels = inspect_file(tmp_path / "map.dat")["channels"]
+    assert [channel["height_unit"] for channel in channels] == ["deg", "nm"]
     words = "Forward" + "\t" * 9 + "\n" + ROWS + "\nBackward\n" + cells(TWO)
     holds_nm(read(words, **GIVEN), ONE[::-1])
     holds_nm(read(words, **GIVEN, channel="Backward"), TWO[::-1])
@@ -52,23 +52,23 @@ def test_tables_with_headings_are_channels_in_their_units(read, refused, tmp_pat
 
 
 @pytest.mark.parametrize(
-    ("heading", "values", "wanted"),
+    ("heading", "values", "channel"),
     [
         ("X1 (um);Z1 (nm);X2 (um);Z2 (nm)", (X, ONE[0], X, TWO[0]), "Z2"),
         ("x [um];y [nm];x [um];y [nm]", (X, ONE[0], X, TWO[0]), "y (2)"),
         ("Distance (mm);Total (nm);Roughness (nm)", (X / 1e3, ONE[0], TWO[0]), "Roughness"),
     ],
 )
-def test_several_columns_of_heights_are_asked_about(read, refused, heading, values, wanted):
-    text, name = f"{heading}\n{columns(*values)}", re.escape(wanted)
-    for given in ({}, GIVEN):
+def test_several_columns_of_heights_are_asked_about(read, refused, heading, values, channel):
+    text, name = f"{heading}\n{columns(*values)}", re.escape(channel)
+    for options in ({}, GIVEN):
         refused(
             text,
-            rf"2 columns that may be heights: .*{wanted.split()[0]}'.*channel.* are '[^']*{name}",
-            **given,
+            rf"2 columns that may be heights: .*{channel.split()[0]}'.*channel.* are '[^']*{name}",
+            **options,
         )
     refused(text, rf"no channel is named 'all'; .* are '[^']*{name}", channel="all")
-    holds_nm(read(text, channel=wanted), TWO[:1])
+    holds_nm(read(text, channel=channel), TWO[:1])
 
 
 def test_points_that_a_column_calls_invalid_are_missing(read):
@@ -109,7 +109,7 @@ REFUSED = [
     ("n/d\t" * 9 + "n/d\n" + ROWS, WORDS_IN_ROW.format("n/d"), GIVEN),
     ("Foo\t" * 9 + "Foo\n" + ROWS, WORDS_IN_ROW.format("Foo"), GIVEN),
     (f"Z unit: nm\nValue units: µm\n{ROWS}", "line 1 says .*, line 2 says .*correct one", GIVEN),
-    (f"Z unit: µm\nHeight (nm)\n{ROWS}", "'Z unit: µm', line 2 says 'Height .nm.': their units", GIVEN),
+    (f"Z unit: µm\nHeight (nm)\n{ROWS}", "'Z unit: µm', line 2 says 'Height .nm.': they do not agree", GIVEN),
     ("x (µm);z (nm)\nmm;nm\n" + TRACE, "'x .µm.;z .nm.' and the units below it, 'µm' and 'mm'", GIVEN),
     (f"nx: 10\nColumns: 11\n{ROWS}", "line 1 says .*, line 2 says", GIVEN),
     (f"X unit: mm\nY unit: µm\n{ROWS}", "line 1 says .*, line 2 says", GIVEN),
@@ -132,9 +132,9 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("text", "words", "given"), REFUSED, ids=[words for _, words, _ in REFUSED])
-def test_what_may_be_several_things_or_contradicts_itself_is_refused(refused, text, words, given):
-    refused(text, words, **given)
+@pytest.mark.parametrize(("text", "words", "options"), REFUSED, ids=[words for _, words, _ in REFUSED])
+def test_what_may_be_several_things_or_contradicts_itself_is_refused(refused, text, words, options):
+    refused(text, words, **options)
 
 
 def test_a_title_names_no_columns(read):
@@ -203,12 +203,71 @@ def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, word
         ["X size: 5 µm", "Height: 2 µm", "Z inverted: no", "Bad pixels: 7"],
         ["dx: 0.5 µm +/- 0.01 µm", "dy: 0.25 µm"],
         ["Pixel size X: 0.5 µm", "Pixel size Y: 0.25 µm", "X range: 0 .. 5 µm"],
+        # both sides in one phrase, in either order
+        ["Pixel size: x 0.5 µm, y 0.25 µm"],
+        ["Pixel size: [0.5, 0.25] µm"],
+        ["Pixel size: 0.25 µm (y) x 0.5 µm (x)"],
+        ["Pixel size (y, x): 0.25 x 0.5 µm"],
+        ["dy, dx = 0.25, 0.5 µm"],
+        ["Spacing x=0.5 µm y=0.25 µm"],
+        ["Sampling: 0.5 µm in x, 0.25 µm in y"],
+        ["Sampling interval: 0.5 µm; line spacing: 0.25 µm"],
+        ["The pixels are 0.5 µm wide and 0.25 µm high", "Points: 8 x 10"],
+        ["Scan size (HxW): 2 x 5 µm", "Resolution: 10 x 8"],
+        ["Scan area 5 µm wide, 2 µm high"],
+        ["Hauteur x largeur: 2 x 5 µm"],
+        # an axis and a noun
+        ["Pixelgröße x: 0.5 µm", "Schrittweite y: 0.25 µm", "Width: 10"],
+        ["Pas d'échantillonnage X: 0.5 µm", "Pas Y: 0.25 µm"],
+        ["Messfeld X: 5 µm", "Extent in y: 2 µm"],
+        ["图像宽度: 5 µm", "图像高度: 2 µm"],
+        ["X方向像素尺寸: 0.5 µm", "Y間隔: 0.25 µm"],
+        ["가로: 5 µm", "세로: 2 µm"],
+        ["Шаг по X: 0.5 мкм", "Размер Y: 2 мкм"],
+        ["Axis X - Spacing: 0.5 µm", "Axis Y - Size: 8 lines", "dy_um=0.25"],
         ["幅： 5 µm", "高さ： 2 µm"],
         ["X Amplitude: 5000nm", "Y Amplitude: 2000nm", "Lens resolution: 0.35 µm"],
+        [r"Pixel size: 0.5 $\mu$m x 0.25 $\mu$m"],
+        ["Pixel width: 0.5 &micro;m", "Pixel height: 0.25 &micro;m"],
+        ["ScanWidth=5", "ScanHeight=2", "ScanUnit=µm"],
+        ["dx = 0.5 µm, dy = 0.25 µm, z in nm"],
     ],
 )
 def test_statements_that_agree_are_used(read, lines):
     holds_nm(read("\n".join([*lines, "Z unit: nm", ROWS])), ONE[::-1])
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *(
+            "# x,y in um; z in nm",
+            "x, y in µm, heights in nm",
+            "// # x,y in um; Höhe in nm",
+            "# x/um, y/um, z/nm",
+        ),
+        *(
+            "Units: um, um, nm",
+            "% Einheiten: um / um / nm",
+            "unit of x and y um, of z nm",
+            "// [um] [um] [nm]",
+        ),
+    ],
+)
+@pytest.mark.parametrize("separator", [" ", ",", ";", "\t"])
+def test_a_line_gives_the_units_of_the_axes(read, line, separator):
+    holds_nm(read(f"{line}\n{cells(points(ONE, 0.5, 0.25), separator)}"), ONE)
+
+
+def test_units_that_may_be_those_of_other_axes_are_asked_about(refused):
+    table = cells(points(ONE, 0.5, 0.25))
+    for line in ("Units: um, nm, nm", "Units: um, nm, um"):
+        refused(f"{line}\n{table}", "does not say its lateral unit")
+
+
+def test_units_of_three_axes_above_a_matrix_in_its_positions(read):
+    corner = "\t" + ABOVE.partition("\n")[0] + "\n" + BESIDE
+    holds_nm(read(f"FemtoScan Data File\num\tum\tnm\n{corner}"), ONE)
 
 
 def test_a_stated_size_is_that_of_all_lines(read):
@@ -237,15 +296,15 @@ def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, refus
     [
         ("Bad pixel: -9", "line 1 says 'Bad pixel: -9', and there are 2 points .* give missing_value"),
         ("Fehlwert -9", "2 points with that height"),
-        ("Z inverted: yes", "'Z inverted: yes', which is not followed: check first_row, the sign"),
-        ("Origin: bottom left", "which is not followed"),
-        ("Data: Deflection", "which is not followed"),
-        ("Aspect,0.5", "'Aspect,0.5', which is not followed"),
-        ("Binning: 2x2", "'Binning: 2x2', which is not followed: check the steps dx and dy"),
-        ("Pixel size: 0.5 µm\nAspect ratio: 2", "line 2 .* which is not followed: check the steps"),
+        ("Z inverted: yes", "'Z inverted: yes', which is not used: check first_row, the sign"),
+        ("Origin: bottom left", "which is not used"),
+        ("Data: Deflection", "which is not used"),
+        ("Aspect,0.5", "'Aspect,0.5', which is not used"),
+        ("Binning: 2x2", "'Binning: 2x2', which is not used: check the steps dx and dy"),
+        ("Pixel size: 0.5 µm\nAspect ratio: 2", "line 2 .* which is not used: check the steps"),
         ("Spacing: 0.5 µm", "line 1 says 'Spacing: 0.5 µm': taken as the step along x and along y"),
         ("dx: 0.5 µm\ndy: 250 nm", "the steps are stated in µm along x and in nm along y: check both"),
-        ("Surface 1 [µm]", "the unit in 'Surface 1 .µm.' is not used: check that of the heights"),
+        ("Surface 1 [µm]", "'Surface 1 .µm.', which is not used: check the units"),
         ("Channel: Phase", "channel 'Phase' is read as heights, which by its name it does not hold"),
     ],
 )
@@ -255,7 +314,7 @@ def test_statements_that_are_not_understood_are_said(read, line, words):
     assert re.search(words, warnings_of(height))
     holds_nm(height, heights[::-1])
     assert not re.search(
-        "not followed|that height|taken as",
+        "not used|that height|taken as",
         warnings_of(read("Bad pixels: 3\nInverted: no\nBinning: 1\nPixel size: 0.5 µm\n" + ROWS, **GIVEN)),
     )
 
@@ -275,6 +334,38 @@ def test_a_heading_of_changed_or_other_heights_is_said(read, name):
     assert f"the heights are those of the column '{name}', as they are" in warnings_of(height)
 
 
+PROFILE = list(zip(X, ONE[0], strict=True))
+
+
+@pytest.mark.parametrize("separator", [";", "\t", ","])
+@pytest.mark.parametrize(
+    ("heading", "cell", "words"),
+    [
+        ("remark", ["start"] + [""] * 9, "column 3 .'remark', 'start'. holds words and is left out"),
+        ("state", ["ok"] * 10, "column 3 .'state', 'ok'. holds words"),
+        ("state", ["", "0.5 late"] + [""] * 8, "column 3"),
+        ("", ["Ra|0.25", "Rz|1.5"] + ["|"] * 8, "column 3 .'', 'Ra'. holds words"),
+    ],
+)
+def test_words_beside_a_table_are_left_out_with_a_word(read, separator, heading, cell, words):
+    rows = [f"{x:g};{z:g};{word.replace('|', ';')}" for (x, z), word in zip(PROFILE, cell, strict=True)]
+    closing = ";" * ("|" in cell[0])
+    text = "\n".join([f"x [µm];z [nm];{heading}{closing}", *rows, ""])
+    height = read(text.replace(";", separator))
+    holds_nm(height, ONE[:1])
+    assert re.search(words, warnings_of(height))
+
+
+@pytest.mark.parametrize("word", ["over", ">250", "OL", "n.d.", "1.2*", "3.1 nm"])
+@pytest.mark.parametrize("row", [0, 1, 4])
+def test_a_word_for_a_height_drops_no_row(refused, word, row):
+    lines = cells(PROFILE, ";").splitlines()
+    lines[row] = lines[row].partition(";")[0] + ";" + word
+    refused("\n".join(lines), rf"line {row + 1} is no row of numbers \({re.escape(word)}\)", **NM)
+    if " " not in word:
+        refused("\n".join(lines).replace(";", " "), rf"line {row + 1} is no row of numbers", **NM)
+
+
 EMPTY, INDENTED = "\t" * 9 + "\n", "".join(f"\t{row}\n" for row in ROWS.splitlines())
 
 
@@ -287,18 +378,18 @@ def test_empty_cells_beside_a_matrix_are_said(read, text, what):
 
 
 def test_a_heading_that_contradicts_the_positions_is_said(read):
-    said = warnings_of(read(f"dx: 2 µm\nx (µm);z (nm)\n{TRACE}"))
-    assert "line 1 says 'dx: 2 µm'" in said
-    assert "the positions are used" in said
+    warnings = warnings_of(read(f"dx: 2 µm\nx (µm);z (nm)\n{TRACE}"))
+    assert "line 1 says 'dx: 2 µm'" in warnings
+    assert "the positions are used" in warnings
 
 
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("Z unit: µm", "line 1 says 'Z unit: µm', line 2 says '.*nm.*: their units do not agree"),
-        ("Unit: mm", "line 1 says 'Unit: mm', line 2 says"),
+        ("Z unit: µm", "line 1 says 'Z unit: µm', .* says '.*nm.*'.* do not agree; correct one"),
+        ("Unit: mm", "line 1 says 'Unit: mm', a heading says 'nm': their units do not agree; correct one"),
         ("Z factor: 0.1", "a column is in 'nm', and the header says a factor"),
-        ("Z factor: 1 µm", "a column is in 'nm', and the header says a factor"),
+        ("Z factor: 1 µm", "a column is in 'nm', and the header says a factor|'Z factor: 1 µm', line 2 says"),
     ],
 )
 @pytest.mark.parametrize("heading", ["x (µm);z (nm)", "z nm", "Height [nm]"])
@@ -320,8 +411,8 @@ def test_positions_in_the_first_row_and_column(read, refused):
     text = BOTH[1:].replace("\t", " ")  # without a corner
     closed = "y/x" + BOTH.replace("\n", "\t\n")
     german = ("y/x" + BOTH).replace("\t", ";").replace(".", ",")
-    for each in (text, closed, closed.replace("\t\n", "\n", 1), german):
-        holds_nm(read(each, **NM), ONE)
+    for variant in (text, closed, closed.replace("\t\n", "\n", 1), german):
+        holds_nm(read(variant, **NM), ONE)
     assert "'y (mm)' in the corner is not used: check" in warnings_of(read("y (mm)" + BOTH, **NM))
     refused(text.replace("1.5", "9", 1), "line 1 has 10 numbers where the others have 11", **NM)
     uneven = "the first {} of the table, from line 1 on, holds positions that are not even"
@@ -332,12 +423,12 @@ def test_positions_in_the_first_row_and_column(read, refused):
 
 def test_positions_and_steps_of_the_user_that_differ_are_said(read):
     text = "\t" + cells(np.column_stack([np.r_[9, Y / 1e3], [X / 1e3, *ONE]]))[2:]
-    said = "dx = 5e-07 m as given by the user, where the file says 5e-10 m"
-    assert said in warnings_of(read(text, **GIVEN))
+    message = "dx = 5e-07 m as given by the user, where the file says 5e-10 m"
+    assert message in warnings_of(read(text, **GIVEN))
     counted = cells(points(ONE))
     for names in ("", "X\tY\tValue\n"):
-        said = "count from 0 on: if they number the points, give dx and dy"
-        assert said in warnings_of(read(names + counted, **NM))
+        message = "count from 0 on: if they number the points, give dx and dy"
+        assert message in warnings_of(read(names + counted, **NM))
     holds_nm(read(counted, **GIVEN), ONE)
 
 
@@ -350,9 +441,9 @@ def test_positions_in_the_first_row_or_column_alone(read, refused):
     holds_nm(read(header.format(5) + ABOVE), ONE[::-1])
     words = r"taken as positions along x: line 4 says .*, line 1 says 'Width"
     refused(header.format(50) + ABOVE, words)
-    whole = read("nx: 10\nny: 9\n" + ABOVE, **GIVEN)
-    holds_nm(whole, np.array([X, *ONE])[::-1])
-    assert "may be positions along x" in warnings_of(whole)
+    height = read("nx: 10\nny: 9\n" + ABOVE, **GIVEN)
+    holds_nm(height, np.array([X, *ONE])[::-1])
+    assert "may be positions along x" in warnings_of(height)
 
 
 def test_lines_of_a_tilted_plane_are_heights(read):
@@ -361,3 +452,183 @@ def test_lines_of_a_tilted_plane_are_heights(read):
     holds_nm(height, plane[::-1])
     assert "positions" not in warnings_of(height)
     holds_nm(read(cells([X, *plane]), **GIVEN), plane[::-1])
+
+
+# ---------------------------------------------------------------- sources, and lines that nothing uses
+
+
+def matrix(*lines, heights=ONE):
+    return "\n".join([*lines, cells(heights)])
+
+
+SIZED = ("Width: 5 µm", "Height: 2 µm", "Z unit: nm")
+
+
+def test_what_a_map_needs_has_a_source(read, tmp_path):
+    height = read(matrix(*SIZED, "Operator 7"), missing_value=-9999)
+    origins = json.loads(height.attrs["ingest_sources"])
+    assert origins == inspect_file(tmp_path / "map.dat", missing_value=-9999)["sources"]
+    lines = {"dx": "line 1", "dy": "line 2", "unit": "line 1", "height_unit": "line 3"}
+    assert origins.items() >= lines.items()
+    assert origins["missing_value"] == "stated by the user"
+    assert origins["not used"] == ["line 4: Operator 7"]
+    profile = read(f"x [µm];z [nm]\n{TRACE}", first_row="top")
+    origins = json.loads(profile.attrs["ingest_sources"])
+    assert [origins[key] for key in ("dx", "unit", "height_unit")] == ["positions", "headings", "headings"]
+    assert "dy" not in origins
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "Sampling: 0.4 µm",
+        "Point distance: 400 nm",
+        "Δx = 0.4 µm",
+        "Step size (µm): 0.4",
+        "Pixel: 0.4 µm",
+        "Messpunktabstand: 0,4 µm",
+        "Pas d'échantillonnage: 0.4 µm",
+        "X-Resolution: 0.4 µm",
+        "Increment 0.4 µm",
+        "Grid of 40 x 40",
+        "fast pitch = 0.4 µm",
+        "Pixel size: 0.5 µm, binned to 1 µm",
+    ],
+)
+def test_a_step_of_any_name_that_the_size_contradicts_is_asked_about(read, refused, line):
+    refused(matrix(*SIZED, line), f"line 4 says {re.escape(repr(line))}, .* agree.*dx, dy and unit")
+    holds_nm(read(matrix(*SIZED, line), **GIVEN), ONE[::-1])
+
+
+@pytest.mark.parametrize(
+    ("line", "doubted"),
+    [
+        ("Size after cropping: 4 x 2 µm", True),
+        ("Thing: 0.4 µm", True),
+        ("Stitching: 3 x 2", True),
+        ("Sampling: 0.5 µm in x, 0.25 µm in y", False),
+        ("Tip radius: 10 nm", False),
+        ("Scan speed: 12.5 µm/s", False),
+        ("Points: 10 x 8", False),
+        ("Objective 50x, 3 averages", False),
+    ],
+)
+def test_a_length_that_nothing_uses_is_named(read, line, doubted):
+    height = read(matrix(*SIZED, line))
+    holds_nm(height, ONE[::-1])
+    assert (f"line 4 says '{line}', which is not used: check the steps" in warnings_of(height)) == doubted
+    assert "line 4" not in warnings_of(read(matrix(*SIZED, line), ignore_lines="4"))
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["all peaks are nm", "NB: nm", "Units: µm, mm, nm", "wafer, heights in nm, pixel 0.5 um"],
+)
+def test_a_unit_of_the_steps_is_not_that_of_heights_which_a_line_contradicts(read, refused, line):
+    for text, options in ((matrix("# " + line), {"dx": 0.5, "dy": 0.25}), ("# " + line + "\n" + POINTS, {})):
+        message = f"unit of its heights .line 1 says '# {line}', which is not used.*give .*height_unit"
+        refused(text, message)
+        refused(text, message, unit="um", **options)
+        holds_nm(read(text, **NM, **options, first_row="bottom"), ONE)
+
+
+def test_length_and_width_are_both_asked_about(read, refused):
+    text = matrix("Length: 5 µm", "Width: 2 µm", "Z unit: nm")
+    for options in ({}, {"dy": 0.25, "unit": "um"}):
+        refused(text, "line 1 says 'Length: 5 µm', which is not used.; give dx, dy, unit", **options)
+    holds_nm(read(text, **GIVEN), ONE[::-1])
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "Pixel size (y, x): 0.25 x 0.5 µm",
+        "Pixel size (dy, dx): 0.25, 0.5 µm",
+        "Scan size (HxW): 2 x 5 µm",
+        "Image size (height x width): 2 µm x 5 µm",
+        "Field (y × x): 2 × 5 µm",
+        "Pixel size (x, y): 0.5 x 0.25 µm",
+        "Pixel size: 0.5 µm | 0.25 µm",
+    ],
+)
+def test_the_order_of_two_sides_is_that_in_brackets(read, line):
+    holds_nm(read(matrix(line, "Z unit: nm")), ONE[::-1])
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "Z-Werte in 0,1 nm",
+        "1 Digit = 0,1 nm",
+        "Divide by 10 to get nm",
+        "Height in 0.1 nm",
+        "Height (nm/10)",
+        "Z sensitivity 0.1 nm/inc",
+        "z = counts * 0.1 nm",
+        "Heights in tenths of nanometres",
+        "Auflösung Z: 0,1 nm",
+        "LSB = 0.1 nm",
+        "Valeurs en dixièmes de nm",
+    ],
+)
+def test_a_factor_above_counts_is_asked_about_in_any_words(read, refused, line):
+    counts = np.round(100 * ONE)
+    refused(
+        matrix(line, heights=counts), f"line 1 says '{re.escape(line)}', and all heights are whole", **GIVEN
+    )
+    holds_nm(read(matrix(line, heights=counts), **GIVEN, ignore_lines=1), counts[::-1])
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "Replica: yes",
+        "Imprint: yes",
+        "Abdruck: ja",
+        "Abformung",
+        "Negative replica",
+        "Silicone cast of a shaft",
+        "Mirrored in z",
+        "depth below reference plane",
+        "Multiplied by -1",
+        "Réplique: oui",
+    ],
+)
+def test_hills_that_may_be_valleys_are_said(read, line):
+    message = f"line 4 says '{line}', which is not used: check first_row, the sign"
+    assert message in warnings_of(read(matrix(*SIZED, line)))
+
+
+def test_volts_are_no_lengths(refused):
+    witec = ["ScanUnit=µm", "ScanWidth=5", "ScanHeight=2", "DataUnit=V"]
+    refused(matrix(*witec), "values in V, no length", **GIVEN | {"height_unit": ""})
+    spip = ["x-length = 5000", "y-length = 2000", "Bit2nm = 1.0", "z-unit = V"]
+    refused(matrix(*spip), "line 3 says 'Bit2nm = 1.0', line 4 says 'z-unit = V'", unit="nm")
+
+
+def test_markers_of_programs(read):
+    heights = np.where(ONE < -1.5, -9999, ONE)
+    right = np.where(ONE < -1.5, np.nan, ONE)[::-1]
+    holds_nm(
+        read(
+            matrix(*SIZED, heights=np.where(heights < -999, -99999.9999, ONE)).replace(
+                "-100000", "-99999.9999"
+            )
+        ),
+        right,
+    )
+    arc = ["ncols 10.0000001", "nrows 8", "xllcorner 0", "yllcorner 0", "cellsize 0.25"]
+    height = read(matrix(*arc, heights=heights), **NM)
+    np.testing.assert_allclose(height.values, 1e-9 * right, rtol=1e-12)
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_wrapped_lines_are_asked_about(read, refused, count):
+    y, x = np.indices((12, 24))
+    smooth = 300 * np.sin(0.31 * x + 0.2) * np.cos(0.1 * y) + 7.3 * x
+    lines = ("Width: 12 µm", "Height: 12 µm", "Z unit: nm")
+    refused(
+        matrix(*lines, heights=smooth.reshape(12 * count, -1)),
+        f"{count} lines each go on where the one above",
+    )
+    read(matrix(*lines, heights=smooth))

@@ -6,9 +6,9 @@ from scipy.integrate import quad
 from scipy.special import ndtri
 
 import roughcontact as rc
-from roughcontact.configuration.resolve import resolve
-from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.statistics.conductance import gas_columns, resistances_and_joint
+from roughcontact.surface.synthetic import rough_reference_surface
 
 AIR = {"gas_conductivity": 0.026, "temperature_jump": "0.37 um"}
 
@@ -37,12 +37,12 @@ def test_gas_over_a_gaussian_gap_is_the_integral():
 def test_a_film_lies_in_series_with_the_spots_and_gas_beside_them():
     spots = {"thermal_conductance": np.array([2e4, np.inf])}
     columns = {"relative_contact_area": np.array([0.1, 1.0]), "gas_conductance": np.array([5e3, 0.0])}
-    with_film, without = (
+    with_film, bare = (
         resistances_and_joint(spots, columns, {"gas_conductivity": 0.026} | film)["joint_conductance"]
         for film in ({"film_thickness": 1e-6, "film_conductivity": 2.0}, {})
     )
     np.testing.assert_allclose(with_film, [5e3 + 1 / (1 / 2e4 + 5e-7 / 0.1), 2e6])
-    np.testing.assert_allclose(without, [2.5e4, np.inf])
+    np.testing.assert_allclose(bare, [2.5e4, np.inf])
 
 
 def test_the_statistics_have_the_joint():
@@ -78,25 +78,23 @@ def test_a_film_has_the_resistance_of_the_area_that_is_stated():
 
 
 @pytest.mark.parametrize(
-    ("joint", "said"),
+    ("joint", "message"),
     [
-        (
-            {"gas_conductivity": 0.026},
-            "joint has gas_conductivity: give",
-        ),
-        (AIR | {"film_thickness": "5 nm"}, "a film needs film_thickness and film_conductivity"),
+        ({"gas_conductivity": 0.026}, "joint: gas_conductivity and temperature_jump belong together"),
+        (AIR | {"film_thickness": "5 nm"}, "joint: film_thickness and film_conductivity belong together"),
+        (AIR | {"film": "5 nm"}, "joint has film: takes allowed_resistance, "),
     ],
 )
-def test_half_of_a_joint_is_refused(joint, said):
+def test_half_of_a_joint_is_refused(joint, message):
     contact = rc.solve_contact(rough_reference_surface(64), contact_modulus=1.0, mean_pressure=0.1)
-    with pytest.raises(rc.SettingsError, match=said):
+    with pytest.raises(rc.SettingsError, match=message):
         rc.contact_statistics(contact, joint=joint)
 
 
 @pytest.mark.parametrize(
     ("statistics", "message"),
     [
-        ({"joint": AIR}, "statistics.joint: needs the thermal_conductivity of both bodies"),
+        ({"joint": AIR}, "joint.gas_conductivity: needs the thermal_conductivity of both bodies"),
         ({"joint": AIR | {"film_thickness": "5 nm"}}, "joint.film_thickness: needs film_conductivity"),
         (
             {"flow": "never", "seal": {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 1e-3}},

@@ -93,8 +93,8 @@ def outs(fields):
 
 def weigh(engine, fields, factors, arrangement):
     """Weigh cells of six parts each, with a next coarser grid."""
-    given = fields["weight"], fields["share"], (2, 3), arrangement
-    engine.weigh(*given, fields["inner_out"], fields["other_out"], factors, *outs(fields))
+    weights = fields["weight"], fields["share"], (2, 3), arrangement
+    engine.weigh(*weights, fields["inner_out"], fields["other_out"], factors, *outs(fields))
 
 
 # every kernel, called with what it is for
@@ -185,15 +185,15 @@ def outcome(name, engine, fields, factors, cap, convert=np.array):
     return numbers, {key: np.asarray(field) for key, field in fields.items()}
 
 
-def assert_same(found, expected, precisions):
+def assert_same(actual, expected, precisions):
     """Equal to the rounding of the coarser precision; fields of order one."""
     eps = max(float(np.finfo(precision).eps) for precision in precisions)
     for key, field in expected[1].items():
-        assert found[1][key].dtype == field.dtype
-        np.testing.assert_allclose(found[1][key], field, rtol=16 * eps, atol=16 * eps, err_msg=key)
+        assert actual[1][key].dtype == field.dtype
+        np.testing.assert_allclose(actual[1][key], field, rtol=16 * eps, atol=16 * eps, err_msg=key)
     size = expected[1]["pressure"].size
-    assert len(found[0]) == len(expected[0])
-    for number, reference in zip(found[0], expected[0], strict=True):
+    assert len(actual[0]) == len(expected[0])
+    for number, reference in zip(actual[0], expected[0], strict=True):
         if isinstance(reference, int):
             assert number == reference
         else:
@@ -289,9 +289,9 @@ def test_the_same_bits_whatever_else_runs():
         return Compiled(threads).finish_restriction(field.copy(), passed, coarse, factors, active)
 
     for threads in (1, 2, 5):
-        alone = summed(threads)
+        result_alone = summed(threads)
         with ThreadPoolExecutor(4) as pool:
-            assert set(pool.map(summed, [threads] * 40)) == {alone}
+            assert set(pool.map(summed, [threads] * 40)) == {result_alone}
 
 
 ENGINES = {"plain": array_api, "one thread": Compiled(1), "two threads": Compiled(2)}
@@ -360,10 +360,10 @@ def test_points_that_are_foreseen_to_carry_nothing_leave_the_active_set(engine):
     assert cells[1] == pytest.approx(4 / 6)
     assert cells[2] == pytest.approx(6.5 / 6)
     np.testing.assert_array_equal(values, [[-2, -1, 0, 0, 0.5, 9]])
-    moved, taken = np.empty((1, 6)), np.zeros((1, 6))
-    step(engine, pressure, taken, 1.0, moved, values)
+    moved, removed = np.empty((1, 6)), np.zeros((1, 6))
+    step(engine, pressure, removed, 1.0, moved, values)
     np.testing.assert_array_equal(moved, [[0, 0, 0, 0, 0.5, 1]])
-    np.testing.assert_array_equal(taken, [[0, 0, 0.1, 0.1, 0, 0]])
+    np.testing.assert_array_equal(removed, [[0, 0, 0.1, 0.1, 0, 0]])
     np.testing.assert_array_equal(values, [[0, 0, 0, 0, 1, 0]])
 
 
@@ -387,10 +387,10 @@ def test_points_at_the_cap_are_there_in_the_precision_of_the_next_pressure(engin
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_missing_values_are_counted_wherever_they_lie(engine, value):
     for shape in ((1, 7), (5, 1), (6, 9)):
-        for place in np.ndindex(shape):
+        for index in np.ndindex(shape):
             field = np.ones(shape)
-            field[place] = field[0, 0] = value
-            assert engine.extent(field)[2] == (1 if place == (0, 0) else 2)
+            field[index] = field[0, 0] = value
+            assert engine.extent(field)[2] == (1 if index == (0, 0) else 2)
 
 
 @of_every_engine
@@ -417,17 +417,17 @@ def test_sums_and_means_are_transposes(engine, shape, factors):
 @pytest.mark.parametrize(("shape", "factors"), GRIDS)
 def test_passes_in_one_sweep_equal_the_passes_one_by_one(engine, shape, factors):
     f = make_fields(shape, factors, (DOUBLE, DOUBLE), np.inf)
-    mixed, found, expected = np.empty((3, *shape))
+    mixed, actual, expected = np.empty((3, *shape))
     empty = np.where(f["active"] == 0, 1.0, 0.0)
     array_api.mix(f["values"], empty, f["coarse"], factors, mixed)
     array_api.fill(f["values"], empty, mixed, WEIGHTS, expected)
-    engine.fill_from(f["values"], f["active"], f["coarse"], factors, WEIGHTS, found)
-    np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
+    engine.fill_from(f["values"], f["active"], f["coarse"], factors, WEIGHTS, actual)
+    np.testing.assert_allclose(actual, expected, rtol=1e-13, atol=1e-13)
     coarse, gathered = np.empty_like(f["coarse"]), np.empty_like(f["coarse"])
     array_api.empty_neighbours(f["field"], empty, WEIGHTS, expected)
     array_api.gather(expected, empty, factors, gathered)
-    engine.empty_from(f["field"], f["active"], WEIGHTS, found, factors, coarse)
-    np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
+    engine.empty_from(f["field"], f["active"], WEIGHTS, actual, factors, coarse)
+    np.testing.assert_allclose(actual, expected, rtol=1e-13, atol=1e-13)
     np.testing.assert_allclose(coarse, gathered, rtol=1e-13, atol=1e-13)
 
 
@@ -455,11 +455,11 @@ def test_neighbours_of_a_wave(engine):
     ny, nx, ky, kx = 12, 15, 5, 3
     y, x = 2 * np.pi * ky / ny, 2 * np.pi * kx / nx
     wave = np.cos(y * np.arange(ny)[:, None] + x * np.arange(nx)[None, :] + 0.3)
-    found = np.empty_like(wave)
-    engine.neighbours(wave, WEIGHTS, found)
+    actual = np.empty_like(wave)
+    engine.neighbours(wave, WEIGHTS, actual)
     across_y, across_x, diagonal = WEIGHTS
     symbol = 2 * across_y * np.cos(y) + 2 * across_x * np.cos(x) + 4 * diagonal * np.cos(y) * np.cos(x)
-    np.testing.assert_allclose(found, symbol * wave, atol=1e-14)
+    np.testing.assert_allclose(actual, symbol * wave, atol=1e-14)
 
 
 @pytest.mark.parametrize(

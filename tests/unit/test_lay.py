@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
-from roughcontact.references import synthetic
-from roughcontact.window.lay import lay_period, side_of_whole_periods
-from roughcontact.window.periodic_window import periodic_window
+from roughcontact.arguments.maps import height_map
+from roughcontact.surface import synthetic
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.window.lay import lay_period, side_of_whole_periods
+from roughcontact.surface.window.periodic_window import periodic_window
 
 
 def rough(shape, seed=0, **options):
@@ -29,18 +29,18 @@ def test_lay_period_of_grooves(period):
 
 
 def test_rough_surfaces_have_no_lay_period():
-    found = [lay_period(rough((512, 512), seed)[:200, :256], axis) for seed in range(8) for axis in (0, 1)]
-    assert sum(period is not None for period in found) <= 1
+    periods = [lay_period(rough((512, 512), seed)[:200, :256], axis) for seed in range(8) for axis in (0, 1)]
+    assert sum(period is not None for period in periods) <= 1
     assert lay_period(np.zeros((30, 40)), 1) is None
 
 
-@pytest.mark.parametrize(("power", "found"), [(0.25, False), (0.35, True)])
-def test_a_lay_shows_in_the_autocorrelation_by_0_3(power, found):
+@pytest.mark.parametrize(("power", "is_found"), [(0.25, False), (0.35, True)])
+def test_a_lay_shows_in_the_autocorrelation_by_0_3(power, is_found):
     """The wave makes up this share of the power; the rest is noise, alike nowhere."""
     noise = np.random.default_rng(0).standard_normal((64, 4000))
     wave = np.sqrt(2) * np.cos(2 * np.pi * np.arange(4000) / 40)
     period = lay_period(np.sqrt(power) * wave + np.sqrt(1 - power) * noise, 1)
-    assert (period == pytest.approx(40, rel=0.02)) if found else period is None
+    assert (period == pytest.approx(40, rel=0.02)) if is_found else period is None
 
 
 @pytest.mark.parametrize(("ratio", "period"), [(0.78, 40), (0.82, 20)])
@@ -51,9 +51,9 @@ def test_the_first_of_the_high_maxima_is_one_period_away(ratio, period):
     assert lay_period((np.cos(t) + a * np.cos(2 * t))[None, :], 1) == pytest.approx(period, rel=0.01)
 
 
-@pytest.mark.parametrize(("points", "found"), [(100, False), (104, True)])
-def test_more_than_four_periods_must_fit(points, found):
-    assert (lay_period(np.cos(2 * np.pi * np.arange(points) / 25)[None, :], 1) is not None) is found
+@pytest.mark.parametrize(("points", "is_found"), [(100, False), (104, True)])
+def test_more_than_four_periods_must_fit(points, is_found):
+    assert (lay_period(np.cos(2 * np.pi * np.arange(points) / 25)[None, :], 1) is not None) is is_found
 
 
 def test_a_side_is_a_whole_number_of_periods_to_a_tenth():
@@ -72,15 +72,19 @@ def test_sides_down_to_seven_tenths_are_tried():
 def test_the_window_has_a_whole_number_of_periods_across_grooves_alone():
     period = 37.6
     levelled = level(height_map(grooves((300, 290), period), 1e-6), outlier_threshold=None)
-    largest, whole = (periodic_window(levelled, placement=name) for name in ("largest", "whole-periods"))
-    assert whole.shape[0] == largest.shape[0]
-    assert abs(whole.shape[1] / period - round(whole.shape[1] / period)) <= 0.1
+    largest, whole_periods = (
+        periodic_window(levelled, placement=name) for name in ("largest", "whole-periods")
+    )
+    assert whole_periods.shape[0] == largest.shape[0]
+    assert abs(whole_periods.shape[1] / period - round(whole_periods.shape[1] / period)) <= 0.1
     assert abs(largest.shape[1] / period - round(largest.shape[1] / period)) > 0.1
-    assert "a whole number of periods of its texture" in whole.attrs["window_reason"]
+    assert "a whole number of periods of its texture" in whole_periods.attrs["window_reason"]
     assert "periods" not in largest.attrs["window_reason"]
 
 
 def test_without_a_period_the_window_is_the_largest():
     levelled = level(height_map(rough((512, 512), seed=5)[:282, :300], 1e-6))
-    largest, whole = (periodic_window(levelled, placement=name) for name in ("largest", "whole-periods"))
-    np.testing.assert_array_equal(whole.values, largest.values)
+    largest, whole_periods = (
+        periodic_window(levelled, placement=name) for name in ("largest", "whole-periods")
+    )
+    np.testing.assert_array_equal(whole_periods.values, largest.values)

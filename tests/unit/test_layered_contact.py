@@ -4,16 +4,17 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact.contact.dataset import elasticity_of, layers_of
+from roughcontact.arguments.maps import height_map, spacing
+from roughcontact.contact.dataset import recorded_elasticity, recorded_medium
+from roughcontact.contact.elasticity.energy import elastic_energy
+from roughcontact.contact.elasticity.halfspace import HalfSpace
+from roughcontact.contact.elasticity.influence import Elasticity
+from roughcontact.contact.elasticity.layers import elastic_medium
+from roughcontact.contact.elasticity.medium import HALF_SPACES
 from roughcontact.contact.response import linear_response
 from roughcontact.contact.solve import solve_contact
-from roughcontact.elasticity.energy import elastic_energy
-from roughcontact.elasticity.halfspace import HalfSpace
-from roughcontact.elasticity.influence import Elasticity
-from roughcontact.elasticity.layers import layered_pair
 from roughcontact.errors import SettingsError
-from roughcontact.maps import height_map, spacing
-from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
 
 STEEL = {"youngs_modulus": 2.0, "poissons_ratio": 0.3}
 RIGID = {"youngs_modulus": 1e20, "poissons_ratio": 0.3}
@@ -37,12 +38,12 @@ BODIES = {"sheet": [RUBBER_SHEET], "coated": [COATED, STEEL], "painted": [PAINTE
 def test_a_layer_like_its_base_is_the_half_space_bit_by_bit(influence):
     height = rough_reference_surface(64)
     like = STEEL | {"layers": [STEEL | {"thickness": 0.01}, STEEL | {"thickness": 0.2}]}
-    with_layers, without = (
+    with_layers, without_layers = (
         solve_contact(height, bodies=[body, STEEL], mean_pressure=[0.02, 0.3], influence=influence)
         for body in (like, STEEL)
     )
-    xr.testing.assert_identical(with_layers, without)
-    assert layers_of(with_layers) is None
+    xr.testing.assert_identical(with_layers, without_layers)
+    assert recorded_medium(with_layers) is HALF_SPACES
 
 
 def test_bodies_without_layers_are_their_contact_modulus():
@@ -56,18 +57,18 @@ def test_bodies_without_layers_are_their_contact_modulus():
 @pytest.mark.parametrize("influence", ["sampled", "elements"])
 def test_the_solution_obeys_the_conditions_of_contact(bodies, influence):
     height = rough_reference_surface(64)
-    found = solve_contact(
+    contact = solve_contact(
         height, bodies=bodies, mean_pressure=0.05, tolerance=1e-8, influence=influence
     ).isel(load=0)
-    layers = layers_of(found)
+    layers = recorded_medium(contact)
     assert layers is not None
-    halfspace = HalfSpace((64, 64), (1.0, 1.0), elasticity_of(found))
-    pressure = found["pressure"].values
+    halfspace = HalfSpace((64, 64), (1.0, 1.0), recorded_elasticity(contact))
+    pressure = contact["pressure"].values
     displaced = halfspace.displacement(pressure) / layers.modulus
     gap = displaced - height.values
     gap -= gap[pressure > 0].mean()
     scale = float(np.ptp(height.values))
-    np.testing.assert_allclose(gap, found["gap"], atol=1e-8 * scale)
+    np.testing.assert_allclose(gap, contact["gap"], atol=1e-8 * scale)
     assert np.abs(gap[pressure > 0]).max() < 1e-7 * scale
     assert gap.min() > -1e-7 * scale
     assert pressure.mean() == pytest.approx(0.05, rel=1e-12)
@@ -100,7 +101,7 @@ def test_the_bound_is_never_below_the_error(seed: int):
     window, bodies, load = random_problem(np.random.default_rng(seed))
     if 1 in window.shape:
         window = window.isel(y=[0])
-    pair = layered_pair(bodies)
+    pair = elastic_medium(bodies)
     assert pair is not None
     gradient = solve_contact(window, bodies=bodies, mean_pressure=load * pair.modulus)
     unit = float(load * pair.modulus / gradient["relative_pressure"][0]) / load
@@ -108,10 +109,10 @@ def test_the_bound_is_never_below_the_error(seed: int):
         solve_contact(window, bodies=bodies, mean_pressure=load * unit, tolerance=tolerance)
         for tolerance in (1e-2, 1e-10)
     ]
-    coarse, exact = (found["pressure"].values[0] for found in solutions)
+    coarse, exact = (solution["pressure"].values[0] for solution in solutions)
     steps = spacing(window)
     energy = [
-        elastic_energy(field, steps, Elasticity(pair.modulus, layers=pair))
+        elastic_energy(field, steps, Elasticity(pair.modulus, medium=pair))
         for field in (coarse - exact, exact)
     ]
     error = np.sqrt(energy[0] / energy[1])
@@ -127,27 +128,28 @@ def test_units_do_not_matter(bodies):
         if "youngs_modulus" in scaled:
             scaled["youngs_modulus"] *= stress
         layers = [
-            one | {"thickness": one["thickness"] * length, "youngs_modulus": one["youngs_modulus"] * stress}
-            for one in body.get("layers", [])
+            film
+            | {"thickness": film["thickness"] * length, "youngs_modulus": film["youngs_modulus"] * stress}
+            for film in body.get("layers", [])
         ]
         return scaled | {"layers": layers}
 
     small = (height * length).assign_coords({axis: height[axis] * length for axis in "xy"})
-    one = solve_contact(height, bodies=bodies, mean_pressure=0.05, tolerance=1e-6)
-    other = solve_contact(
+    reference = solve_contact(height, bodies=bodies, mean_pressure=0.05, tolerance=1e-6)
+    converted = solve_contact(
         small, bodies=[in_units(body) for body in bodies], mean_pressure=0.05 * stress, tolerance=1e-6
     )
-    np.testing.assert_allclose(other["pressure"] / stress, one["pressure"], atol=1e-9)
-    np.testing.assert_allclose(other["approach"] / length, one["approach"], rtol=1e-7)
+    np.testing.assert_allclose(converted["pressure"] / stress, reference["pressure"], atol=1e-9)
+    np.testing.assert_allclose(converted["approach"] / length, reference["approach"], rtol=1e-7)
 
 
 def test_the_approach_of_a_sheet_on_a_rigid_base_is_absolute():
     flat = height_map(np.zeros((8, 8)), 1.0)
     sheet = {"base": "rigid", "layers": [layer(0.5, 2.0, 0.3), layer(0.25, 1.0, 0.45)]}
-    found = solve_contact(flat, bodies=[sheet], mean_pressure=0.1)
-    both = ((0.5, 2.0, 0.3), (0.25, 1.0, 0.45))
-    springs = sum(t * (1 + nu) * (1 - 2 * nu) / (e * (1 - nu)) for t, e, nu in both)
-    assert found["approach"].item() == pytest.approx(-0.1 * springs, rel=1e-12)
+    contact = solve_contact(flat, bodies=[sheet], mean_pressure=0.1)
+    sheets = ((0.5, 2.0, 0.3), (0.25, 1.0, 0.45))
+    springs = sum(t * (1 + nu) * (1 - 2 * nu) / (e * (1 - nu)) for t, e, nu in sheets)
+    assert contact["approach"].item() == pytest.approx(-0.1 * springs, rel=1e-12)
 
 
 @pytest.mark.parametrize("influence", ["sampled", "elements"])
@@ -156,14 +158,14 @@ def test_the_stiffness_lies_between_the_differences_of_the_gap(bodies, influence
     height = rough_reference_surface(64)
     elastic = {"contact_modulus": 1.0} if bodies is None else {"bodies": bodies}
     loads = np.array([0.02, 0.0202])
-    found = solve_contact(height, mean_pressure=loads, tolerance=1e-9, influence=influence, **elastic)
-    touching = found["pressure"].values > 0
-    gaps = np.where(touching, 0.0, found["gap"].values).mean((1, 2))
-    pair = layers_of(found)
-    modulus = float(found["contact_modulus"])
+    contact = solve_contact(height, mean_pressure=loads, tolerance=1e-9, influence=influence, **elastic)
+    touching = contact["pressure"].values > 0
+    gaps = np.where(touching, 0.0, contact["gap"].values).mean((1, 2))
+    pair = recorded_medium(contact)
+    modulus = float(contact["contact_modulus"])
     stiffness = [
-        1 / linear_response(one, spacing(height), Elasticity(modulus, influence, pair), 1e-5)
-        for one in touching
+        1 / linear_response(contact_set, spacing(height), Elasticity(modulus, influence, pair), 1e-5)
+        for contact_set in touching
     ]
     between = np.diff(loads)[0] / -np.diff(gaps)[0]
     assert stiffness[0] * (1 - 1e-6) <= between <= stiffness[1] * (1 + 1e-6)
@@ -217,8 +219,8 @@ def test_a_layer_takes_at_most_half_as_many_transforms_more_than_a_half_space(ra
     for body in (STEEL, film):
         modulus = (STEEL if body is STEEL else film["layers"][0])["youngs_modulus"] / 0.91
         loads = [modulus * load for load in (0.003, 0.03, 0.3)]
-        found = solve_contact(height, bodies=[body, RIGID], mean_pressure=loads)
-        pairs.append(found["operator_applications"].values)
+        contact = solve_contact(height, bodies=[body, RIGID], mean_pressure=loads)
+        pairs.append(contact["operator_applications"].values)
     assert (pairs[1] <= 1.5 * pairs[0]).all()
 
 
@@ -229,11 +231,11 @@ def test_stiff_films_and_rigid_bases_stay_within_bounds(pixels):
     )
     sheet = {"base": "rigid", "layers": [layer(pixels / 256, 2.0)]}
     film = STEEL | {"layers": [layer(pixels / 256, 40.0)]}
-    for body, most in ((sheet, 16), (film, 40)):
+    for body, max_applications in ((sheet, 16), (film, 40)):
         modulus = body["layers"][0]["youngs_modulus"] / 0.91
         loads = [modulus * load for load in (0.003, 0.03, 0.3)]
-        found = solve_contact(height, bodies=[body, RIGID], mean_pressure=loads)
-        assert found["operator_applications"].max() <= most
+        contact = solve_contact(height, bodies=[body, RIGID], mean_pressure=loads)
+        assert contact["operator_applications"].max() <= max_applications
 
 
 @pytest.mark.parametrize(("ratio", "hardness"), [(60, 6.0), (150, 1.8), (500, 3.0)])
@@ -242,7 +244,7 @@ def test_a_stiff_film_that_yields_takes_tens_of_transforms(ratio, hardness):
         (128, 128), 1 / 128, hurst=0.8, shortest=6 / 128, longest=0.25, rms_gradient=1.0, seed=1
     )
     body = {"youngs_modulus": 0.91 / ratio, "poissons_ratio": 0.3, "layers": [layer(4 / 128, 0.91)]}
-    found = solve_contact(height, bodies=[body, RIGID], mean_pressure=0.03, hardness=0.03 * hardness)
-    assert found["yielded_area"] > 0
-    assert found["error_bound"] <= 1e-4
-    assert found["operator_applications"] <= 75
+    contact = solve_contact(height, bodies=[body, RIGID], mean_pressure=0.03, hardness=0.03 * hardness)
+    assert contact["yielded_area"] > 0
+    assert contact["error_bound"] <= 1e-4
+    assert contact["operator_applications"] <= 75

@@ -9,17 +9,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from roughcontact.elasticity.influence import Elasticity, elements
-from roughcontact.elasticity.layers import (
+from roughcontact.contact.elasticity.influence import Elasticity, elements
+from roughcontact.contact.elasticity.layers import (
     Layer,
     LayeredPair,
     Material,
     Stack,
+    body_stack,
     compliance_factor,
-    layered_pair,
-    stack_of,
+    elastic_medium,
 )
-from roughcontact.fourier import wavevectors
+from roughcontact.contact.elasticity.medium import HALF_SPACES
+from roughcontact.kernels.fourier import wavevectors
 
 RATIOS = (0.0, 0.01, 0.1, 0.5, 1.0, 2.0, 10.0, 100.0)  # of Young's moduli, layer over base; 0: rigid base
 DEPTHS = (1e-4, 1e-3, 0.03, 0.3, 0.999, 1.001, 3.0, 30.0, 1e3)  # |q| t
@@ -36,9 +37,9 @@ def one_layer(ratio: float, nu: float, base_nu: float, *, thickness: float = 1.0
 def test_one_layer_is_the_solution_of_naviers_equations(ratio: float, nu: float, base_nu: float):
     body = one_layer(ratio, nu, base_nu)
     base = None if body.base is None else tuple(body.base)
-    found = compliance_factor(np.array(DEPTHS), body)
+    factors = compliance_factor(np.array(DEPTHS), body)
     expected = [navier.surface_compliance(q, [(1.0, 1.0, nu)], base) * q / 2 / (1 - nu**2) for q in DEPTHS]
-    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    np.testing.assert_allclose(factors, expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -48,9 +49,9 @@ def test_any_stack_is_the_solution_of_naviers_equations(seed: int):
     base = None if seed % 3 == 0 else (float(10 ** rng.uniform(-2, 2)), float(rng.uniform(0, 0.5)))
     q = 10 ** rng.uniform(-3, 2, 3)
     body = Stack(tuple(Layer(t, Material(e, nu)) for t, e, nu in layers), base and Material(*base))
-    found = compliance_factor(q, body) * 2 / (q * body.surface.plane_modulus)
-    expected = [navier.surface_compliance(float(one), layers, base) for one in q]
-    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    compliances = compliance_factor(q, body) * 2 / (q * body.surface.plane_modulus)
+    expected = [navier.surface_compliance(float(wavenumber), layers, base) for wavenumber in q]
+    np.testing.assert_allclose(compliances, expected, rtol=1e-12)
 
 
 def closed_form(x: np.ndarray, nu: float, base_nu: float, shear_ratio: float) -> np.ndarray:
@@ -72,8 +73,8 @@ def closed_form(x: np.ndarray, nu: float, base_nu: float, shear_ratio: float) ->
 def test_one_layer_has_a_closed_form(ratio: float, nu: float, base_nu: float):
     x = np.geomspace(0.05, 50, 40)  # the closed form cancels below
     shear_ratio = ratio * (1 + base_nu) / (1 + nu)
-    found = compliance_factor(x, one_layer(ratio, nu, base_nu))
-    np.testing.assert_allclose(found, closed_form(x, nu, base_nu, shear_ratio), rtol=1e-9)
+    factors = compliance_factor(x, one_layer(ratio, nu, base_nu))
+    np.testing.assert_allclose(factors, closed_form(x, nu, base_nu, shear_ratio), rtol=1e-9)
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.45, 0.5])
@@ -85,9 +86,9 @@ def test_a_rigid_base_has_a_closed_form(nu: float):
 
 @pytest.mark.parametrize(("ratio", "nu"), list(itertools.product((0.0, 0.1, 50.0), (0.2, 0.5))))
 def test_a_layer_cut_into_three_is_the_layer(ratio: float, nu: float):
-    q, whole = np.geomspace(1e-3, 1e2, 60), one_layer(ratio, nu, 0.3)
-    cut = Stack(tuple(Layer(t, whole.layers[0].material) for t in (0.1, 0.6, 0.3)), whole.base)
-    np.testing.assert_allclose(compliance_factor(q, cut), compliance_factor(q, whole), rtol=1e-12)
+    q, layered = np.geomspace(1e-3, 1e2, 60), one_layer(ratio, nu, 0.3)
+    cut = Stack(tuple(Layer(t, layered.layers[0].material) for t in (0.1, 0.6, 0.3)), layered.base)
+    np.testing.assert_allclose(compliance_factor(q, cut), compliance_factor(q, layered), rtol=1e-12)
     assert len(cut.merged().layers) == 1
 
 
@@ -103,8 +104,8 @@ def test_long_waves_feel_the_base_and_short_ones_the_layer(ratio: float):
 def test_a_thin_layer_on_a_rigid_base_is_a_bed_of_springs():
     nu, x = 0.3, 1e-6
     springs = (1 + nu) * (1 - 2 * nu) / (1 - nu)  # t/E: no way to give way sideways
-    found = compliance_factor(np.array([x]), one_layer(0.0, nu, 0.3))[0] * 2 * (1 - nu**2) / x
-    assert found == pytest.approx(springs, rel=1e-10)
+    compliance = compliance_factor(np.array([x]), one_layer(0.0, nu, 0.3))[0] * 2 * (1 - nu**2) / x
+    assert compliance == pytest.approx(springs, rel=1e-10)
     pair = LayeredPair((one_layer(0.0, nu, 0.3),))
     assert pair.mean_compliance(elastic=False) == pytest.approx(springs, rel=1e-14)
 
@@ -114,20 +115,20 @@ def test_the_mean_compliance_is_the_limit_of_the_symbol(ratio: float):
     body = one_layer(ratio, 0.45, 0.25)
     assert body.base is not None
     q = 1e-5 / max(1, ratio)
-    beside = navier.surface_compliance(q, [(1.0, 1.0, 0.45)], tuple(body.base))
-    beside -= 2 / (q * body.base.plane_modulus)
+    difference = navier.surface_compliance(q, [(1.0, 1.0, 0.45)], tuple(body.base))
+    difference -= 2 / (q * body.base.plane_modulus)
     pair = LayeredPair((body,))
-    assert pair.mean_compliance(elastic=True) == pytest.approx(beside, rel=3e-3)
+    assert pair.mean_compliance(elastic=True) == pytest.approx(difference, rel=3e-3)
     assert pair.mean_compliance(elastic=False) == 0
 
 
 def test_two_bodies_add_their_displacements():
     film, rubber, steel = one_layer(20.0, 0.2, 0.3), one_layer(0.0, 0.5, 0.3), Stack((), Material(5.0, 0.3))
     q = np.geomspace(1e-2, 1e2, 30)
-    own = [compliance_factor(q, body) / body.surface.plane_modulus for body in (film, rubber)]
+    compliances = [compliance_factor(q, body) / body.surface.plane_modulus for body in (film, rubber)]
     for bodies, expected in (
-        ((film, rubber), own[0] + own[1]),
-        ((film, steel), own[0] + 1 / Material(5.0, 0.3).plane_modulus),
+        ((film, rubber), compliances[0] + compliances[1]),
+        ((film, steel), compliances[0] + 1 / Material(5.0, 0.3).plane_modulus),
     ):
         pair = LayeredPair(bodies)
         np.testing.assert_allclose(pair.factor(q) / pair.modulus, expected, rtol=1e-13)
@@ -143,11 +144,11 @@ def test_two_bodies_add_their_displacements():
 @settings(deadline=None, max_examples=200)
 def test_the_symbol_is_positive_and_between_those_of_its_materials(ratio, nu, base_nu, x, rigid):
     body = one_layer(0.0 if rigid else ratio, nu, base_nu)
-    found = compliance_factor(np.array([x]), body)[0]
-    assert math.isfinite(found)
-    assert found > 0
+    factor = compliance_factor(np.array([x]), body)[0]
+    assert math.isfinite(factor)
+    assert factor > 0
     if rigid:  # never softer than without the base
-        assert found <= max(1.0, 2 / (3 - 4 * nu)) * (1 + 1e-12)
+        assert factor <= max(1.0, 2 / (3 - 4 * nu)) * (1 + 1e-12)
 
 
 def test_many_wavenumbers_are_interpolated_to_rounding():
@@ -160,14 +161,14 @@ def test_many_wavenumbers_are_interpolated_to_rounding():
 def test_settings_and_layers_tell_the_same():
     body = {"base": "rigid", "layers": [{"thickness": 1e-3, "youngs_modulus": 2e6, "poissons_ratio": 0.5}]}
     steel = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
-    pair = layered_pair([body, steel])
+    pair = elastic_medium([body, steel])
     assert pair is not None
-    assert layered_pair(pair.as_settings()) == pair
+    assert elastic_medium(pair.as_settings()) == pair
     assert pair.scaled(1e-3).thinnest == 1.0
     assert pair.thickest == 1e-3
     like_its_base = steel | {"layers": [steel | {"thickness": 1e-6}]}
-    assert layered_pair([like_its_base, steel]) is None
-    assert stack_of(body).base is None
+    assert elastic_medium([like_its_base, steel]) is HALF_SPACES
+    assert body_stack(body).base is None
 
 
 @pytest.mark.parametrize(("ratio", "thickness"), [(0.0, 0.05), (20.0, 0.01), (0.1, 0.2)])
@@ -175,7 +176,7 @@ def test_elements_are_the_sum_over_the_aliases(ratio: float, thickness: float):
     shape, spacing = (96, 64), (1 / 96, 1 / 64)
     pair = LayeredPair((one_layer(ratio, 0.3, 0.4, thickness=thickness),))
     qy, qx = wavevectors(shape, spacing)
-    found = elements(qy, qx, spacing, pair)
+    compliances = elements(qy, qx, spacing, pair)
     orders = np.arange(-200, 201)
     weights = np.where(np.abs(orders) == 200, 0.5, 1.0)
     for row, column in ((0, 1), (1, 0), (3, 7), (40, 20), (48, 32)):
@@ -183,7 +184,7 @@ def test_elements_are_the_sum_over_the_aliases(ratio: float, thickness: float):
         alias = np.hypot(y[:, None], x)
         every = 2 / alias * np.concatenate([pair.factor(line) for line in alias]).reshape(alias.shape)
         shares = [np.sinc(q * d / (2 * np.pi)) * weights for q, d in zip((y, x), spacing, strict=True)]
-        assert found[row, column] == pytest.approx((every * np.outer(*shares)).sum(), rel=2e-6)
+        assert compliances[row, column] == pytest.approx((every * np.outer(*shares)).sum(), rel=2e-6)
 
 
 @pytest.mark.parametrize("influence", ["sampled", "elements"])
@@ -191,7 +192,7 @@ def test_a_layer_that_hardly_differs_has_nearly_the_symbol_of_the_half_space(inf
     shape, spacing = (40, 48), (1 / 40, 1 / 48)
     pair = LayeredPair((Stack((Layer(0.1, Material(1 + 1e-9, 0.3)),), Material(1.0, 0.3)),))
     qy, qx = wavevectors(shape, spacing)
-    with_layer, without = (
-        Elasticity(1.0, influence, layers).symbol(qy, qx, spacing) for layers in (pair, None)
+    with_layer, half_space = (
+        Elasticity(1.0, influence, medium).symbol(qy, qx, spacing) for medium in (pair, HALF_SPACES)
     )
-    np.testing.assert_allclose(with_layer.ravel()[1:], without.ravel()[1:], rtol=1e-6)
+    np.testing.assert_allclose(with_layer.ravel()[1:], half_space.ravel()[1:], rtol=1e-6)

@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pytest
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.levelling.forms import form_from_record
-from roughcontact.levelling.level import level
-from roughcontact.levelling.polynomial import fit_polynomial
-from roughcontact.maps import height_map
-from roughcontact.references import synthetic
+from roughcontact.surface import synthetic
+from roughcontact.surface.levelling.forms import form_from_record
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.levelling.polynomial import fit_polynomial
 
 
 def rough(shape=(96, 128), spacing=(2e-6, 1e-6), seed=0, rms=1e-7):
@@ -244,7 +244,7 @@ def test_options_without_meaning(options, message):
 
 def test_robust_fit_of_a_large_map_does_not_depend_on_its_start(monkeypatch):
     """A large map starts from a thinned one; the result is that of starting from all points."""
-    from roughcontact.levelling import polynomial
+    from roughcontact.surface.levelling import polynomial
 
     generator = np.random.default_rng(0)
     values = generator.standard_normal((700, 900)) + 0.01 * np.arange(900)
@@ -252,8 +252,8 @@ def test_robust_fit_of_a_large_map_does_not_depend_on_its_start(monkeypatch):
     coordinates = np.arange(700.0), np.arange(900.0)
     thinned, record = fit_polynomial(values, coordinates, order=2, robust=True)
     monkeypatch.setattr(polynomial, "_START_POINTS", values.size)
-    whole, _ = fit_polynomial(values, coordinates, order=2, robust=True)
-    np.testing.assert_allclose(thinned, whole, atol=1e-5)
+    full_fit, _ = fit_polynomial(values, coordinates, order=2, robust=True)
+    np.testing.assert_allclose(thinned, full_fit, atol=1e-5)
     assert record["slope_x"]["value"] == pytest.approx(0.01, abs=1e-4)
 
 

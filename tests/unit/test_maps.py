@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact.checking import check_choice, check_map
-from roughcontact.choices import Fill
+from roughcontact.arguments.checking import check_choice, check_map
+from roughcontact.arguments.choices import Fill
+from roughcontact.arguments.maps import height_map, pitches, refined, spacing
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.maps import height_map, pitches, refined, spacing
 
 
 def test_a_map_says_where_its_cells_are_and_what_is_missing():
@@ -46,8 +46,8 @@ def test_a_finer_grid_goes_through_the_points_and_holds_no_other_waves(shape, fa
     assert fine.shape == tuple(n * factor if n > 1 else 1 for n in shape)
     every = tuple(slice(None, None, factor if n > 1 else 1) for n in shape)
     np.testing.assert_allclose(fine.values[every], values, atol=1e-13)
-    for own, step, points in zip(spacing(height), spacing(fine), shape, strict=True):
-        assert step == pytest.approx(own / factor if points > 1 or min(shape) == 1 else own)
+    for own_step, step, points in zip(spacing(height), spacing(fine), shape, strict=True):
+        assert step == pytest.approx(own_step / factor if points > 1 or min(shape) == 1 else own_step)
     # waves shorter than the map's own Nyquist limit are none
     power = np.abs(np.fft.fft2(fine.values)) ** 2
     for axis, points in enumerate(shape):

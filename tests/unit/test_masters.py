@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.roughness.texture import texture_parameters
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.roughness.texture import texture_parameters
 from validation.masters import FAULTS, KINDS, cut_out, master_surface
 
 
@@ -39,18 +39,20 @@ def test_kinds_are_what_their_names_say():
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_map_is_a_part_of_its_master_with_a_fault(fault):
     master = master_surface("random", 192, longest=0.25, seed=2)
-    found = cut_out(master, 96, np.random.default_rng(5), fault=fault)
-    assert 0.01 <= float(found.isnull().mean()) < 0.05
+    cut = cut_out(master, 96, np.random.default_rng(5), fault=fault)
+    assert 0.01 <= float(cut.isnull().mean()) < 0.05
     # the place is the first that the generator gives
     start = np.random.default_rng(5).integers(0, 192, 2)
     part = np.roll(master.values, -start, (0, 1))[:96, :96]
     order = 2 if fault == "bow" else 1
     y, x = (axis / 96 - 0.5 for axis in np.mgrid[:96, :96])
     terms = [y**i * x**j for i in range(order + 1) for j in range(order + 1 - i)]
-    off, known = found.values - part, ~np.isnan(found.values)
-    matrix = np.column_stack([term[known] for term in terms])
-    left = off[known] - matrix @ np.linalg.lstsq(matrix, off[known], rcond=None)[0]
-    spikes = np.abs(left) > 3 * part.std()
+    deviation, is_measured = cut.values - part, ~np.isnan(cut.values)
+    matrix = np.column_stack([term[is_measured] for term in terms])
+    residual = (
+        deviation[is_measured] - matrix @ np.linalg.lstsq(matrix, deviation[is_measured], rcond=None)[0]
+    )
+    spikes = np.abs(residual) > 3 * part.std()
     assert spikes.sum() == (0 if fault != "spikes" else pytest.approx(10, abs=2))
     if fault != "spikes":
-        np.testing.assert_allclose(left, 0, atol=1e-9 * part.std())
+        np.testing.assert_allclose(residual, 0, atol=1e-9 * part.std())

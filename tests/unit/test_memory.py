@@ -9,35 +9,35 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.kernels.memory import MIN_BYTES, Store, store
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface
 
 MANY = 2 * MIN_BYTES
 
 
 def test_an_array_takes_the_memory_that_another_has_left():
     store = Store()
-    first = store.empty((MANY // 8,), np.float64)
-    address = first.ctypes.data
-    beside = store.empty((MANY,), np.uint8)
-    assert beside.ctypes.data >= address + MANY
-    del first
+    array = store.empty((MANY // 8,), np.float64)
+    address = array.ctypes.data
+    neighbour = store.empty((MANY,), np.uint8)
+    assert neighbour.ctypes.data >= address + MANY
+    del array
     assert store.bytes_in_use() == MANY
     larger = store.empty((2 * MANY,), np.uint8)
-    assert larger.ctypes.data >= beside.ctypes.data + MANY
-    second = store.empty((2, MANY // 8), np.float32)
-    assert second.ctypes.data == address
+    assert larger.ctypes.data >= neighbour.ctypes.data + MANY
+    second_array = store.empty((2, MANY // 8), np.float32)
+    assert second_array.ctypes.data == address
     assert store.bytes_in_use() == 4 * MANY
-    assert second.shape == (2, MANY // 8)
-    assert second.dtype == np.float32
-    assert second.flags.writeable
+    assert second_array.shape == (2, MANY // 8)
+    assert second_array.dtype == np.float32
+    assert second_array.flags.writeable
 
 
 def test_rooms_that_touch_are_one_room():
     store = Store()
-    held = [store.empty((MANY,), np.uint8) for _ in range(5)]
-    start = held[1].ctypes.data
+    arrays = [store.empty((MANY,), np.uint8) for _ in range(5)]
+    start = arrays[1].ctypes.data
     for number in (2, 1, 3):
-        held[number] = None
+        arrays[number] = None
     assert store.empty((3 * MANY,), np.uint8).ctypes.data == start
     assert store.bytes_in_use() == 2 * MANY
 
@@ -62,12 +62,12 @@ def test_memory_that_a_view_uses_is_not_lent_again(look_at):
 
 def test_small_arrays_and_those_without_room_lie_elsewhere():
     store = Store(limit=4 * MANY)
-    held = [store.empty((size,), np.uint8) for size in (MIN_BYTES - 8, 4 * MANY + 8)]
+    arrays = [store.empty((size,), np.uint8) for size in (MIN_BYTES - 8, 4 * MANY + 8)]
     assert store.bytes_in_use() == 0
-    held += [store.empty((size,), np.uint8) for size in (3 * MANY, 2 * MANY, MANY)]
+    arrays += [store.empty((size,), np.uint8) for size in (3 * MANY, 2 * MANY, MANY)]
     assert store.bytes_in_use() == 4 * MANY
-    assert [array.size for array in held] == [MIN_BYTES - 8, 4 * MANY + 8, 3 * MANY, 2 * MANY, MANY]
-    del held
+    assert [array.size for array in arrays] == [MIN_BYTES - 8, 4 * MANY + 8, 3 * MANY, 2 * MANY, MANY]
+    del arrays
     assert store.bytes_in_use() == 0
 
 
@@ -81,11 +81,11 @@ def test_memory_is_given_back_by_clear_and_by_an_array_above_the_limit(also_held
 
     def used():
         array = store.empty((2 * MANY,), np.uint8)
-        found = array.any()
+        result = array.any()
         array[:] = 1
-        return found
+        return result
 
-    held = store.empty((MANY,), np.uint8) if also_held else None
+    array = store.empty((MANY,), np.uint8) if also_held else None
     assert not used()
     assert used()  # nobody wipes what is kept
     if above_the_limit:
@@ -93,7 +93,7 @@ def test_memory_is_given_back_by_clear_and_by_an_array_above_the_limit(also_held
     else:
         store.clear()
     assert not used()
-    del held
+    del array
 
 
 def test_a_clear_leaves_arrays_alone():
@@ -120,12 +120,12 @@ def test_a_forked_process_has_a_copy_of_its_own():
 
 
 def test_who_finds_the_store_in_use_does_without():
-    store, found = Store(), []
+    store, results = Store(), []
     with store._turn:
-        worker = threading.Thread(target=lambda: found.append(store.empty((MANY,), np.uint8)))
+        worker = threading.Thread(target=lambda: results.append(store.empty((MANY,), np.uint8)))
         worker.start()
         worker.join()
-    assert found[0].size == MANY
+    assert results[0].size == MANY
     assert store.bytes_in_use() == 0
 
 
@@ -154,14 +154,14 @@ def test_the_next_solve_takes_up_the_memory_of_the_last_and_leaves_its_result_al
     def solve(load):
         return rc.solve_contact(height, contact_modulus=1e9, mean_pressure=load)
 
-    first = solve(3e6)
-    pressure, gap = first.pressure.values.copy(), first.gap.values.copy()
+    first_solution = solve(3e6)
+    pressure, gap = first_solution.pressure.values.copy(), first_solution.gap.values.copy()
     store.clear()
     assert (solve(3e6).pressure.values == pressure).all()
-    before = store.bytes_in_use()
+    bytes_before = store.bytes_in_use()
     # a solve works on two pressures in turn: the last one may be either
-    places = [solve(load).pressure.values.ctypes.data for load in 3 * (5e6, 5e6, 4e6)]
-    assert len(set(places)) <= 2
-    assert store.bytes_in_use() == before
-    assert (first.pressure.values == pressure).all()
-    assert (first.gap.values == gap).all()
+    addresses = [solve(load).pressure.values.ctypes.data for load in 3 * (5e6, 5e6, 4e6)]
+    assert len(set(addresses)) <= 2
+    assert store.bytes_in_use() == bytes_before
+    assert (first_solution.pressure.values == pressure).all()
+    assert (first_solution.gap.values == gap).all()

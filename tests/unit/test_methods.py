@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 from roughcontact import evaluate, self_affine_surface, write_dataset
-from roughcontact.command_line.program import main
-from roughcontact.quantities import quantity, with_interval
+from roughcontact.arguments.quantities import quantity, with_interval
+from roughcontact.interface.program import main
 from roughcontact.report.methods import methods_paragraph
 
 LOADS = [1e6, 5e6, 2e7, 8e7]
@@ -26,8 +26,8 @@ def test_the_numbers_are_those_of_the_file(statistics):
     text = methods_paragraph(statistics)
     for index in (0, 2, 3):  # the lowest load, one between, the highest
         load = statistics.isel(load=index)
-        ends = (float(load[f"relative_contact_area{end}"]) for end in ("", "_lower", "_upper"))
-        area = with_interval(*(100 * end for end in ends))
+        interval = (float(load[f"relative_contact_area{suffix}"]) for suffix in ("", "_lower", "_upper"))
+        area = with_interval(*(100 * suffix for suffix in interval))
         pressure = quantity(LOADS[index], "Pa")
         assert (
             f"A mean pressure of {pressure} gives a true contact area of {area} % of the nominal area" in text
@@ -47,9 +47,29 @@ def test_the_words_are_those_of_the_settings(statistics):
 
 
 def test_the_bound_is_never_rounded_down(statistics):
-    stated = statistics.assign(error_bound=("load", np.array([1.01e-5, 2e-6, 1e-6, 1e-7])))
-    assert "at most 1.1×10⁻⁵." in methods_paragraph(stated)
+    with_bounds = statistics.assign(error_bound=("load", np.array([1.01e-5, 2e-6, 1e-6, 1e-7])))
+    assert "at most 1.1×10⁻⁵." in methods_paragraph(with_bounds)
     assert "at most 2.0×10⁻⁵." in methods_paragraph(statistics.assign(error_bound=("load", np.full(4, 2e-5))))
+
+
+def test_the_paragraph_of_a_gap_of_atoms_has_no_digits_of_it(statistics):
+    gaps = {
+        "mean_gap": [5e-12] * 4,
+        "mean_gap_lower": [0.0] * 4,
+        "mean_gap_upper": [1e-10, 1e-9, 2e-9, np.nan],
+    }
+    atoms = statistics.assign({name: ("load", values) for name, values in gaps.items()})
+    text = methods_paragraph(atoms)
+    assert "a mean gap of less than 1.00 nm." in text
+    assert "a mean gap of less than 1.00 nm (at most 2.00 nm)." in text
+    assert " pm" not in text
+
+
+def test_the_command_takes_the_results_of_the_folder(statistics, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_dataset(statistics, tmp_path / "results/one/statistics.nc")
+    assert main(["methods"]) == 0
+    assert capsys.readouterr().out == f"{methods_paragraph(statistics)}\n"
 
 
 def test_the_command_prints_it_for_each_result(statistics, tmp_path, capsys):
@@ -63,7 +83,7 @@ def test_the_command_prints_it_for_each_result(statistics, tmp_path, capsys):
     assert capsys.readouterr().out == f"{methods_paragraph(statistics)}\n"
     (tmp_path / "empty").mkdir()
     assert main(["methods", str(tmp_path / "empty")]) == 2
-    assert "empty/statistics.nc: no such file; name the" in capsys.readouterr().err.replace("\\", "/")
+    assert "empty: is a folder; name the" in capsys.readouterr().err.replace("\\", "/")
     several = xr.concat([statistics, statistics], dim="surface", data_vars="all")
     write_dataset(several, tmp_path / "all.nc")
     assert main(["methods", str(tmp_path / "all.nc")]) == 2
@@ -98,17 +118,17 @@ def test_a_wider_body_has_its_radius_and_the_force_of_each_pressure():
 
 
 def test_the_paragraph_of_a_pair_names_both_files():
-    made = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=3.2e-5, rms_height=1e-7)
+    surface = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=3.2e-5, rms_height=1e-7)
     contact = {"contact_modulus": 1e9, "mean_pressure": 5e6}
-    statistics = evaluate(made, contact=contact, uncertainty={"sources": []})
+    statistics = evaluate(surface, contact=contact, uncertainty={"sources": []})
     text = methods_paragraph(statistics.assign_attrs(source_sha256=f"{'a1' * 32} + {'b2' * 32}"))
     assert "heights (SHA-256 a1a1a1a1… and b2b2b2b2…) were" in text
     assert "the two faces added at one of their relative positions." in text
 
 
 def test_of_profiles_the_paragraph_says_which_surfaces_were_solved():
-    made = self_affine_surface((128, 128), 1e-6, hurst=0.8, shortest=8e-6, longest=4e-5, rms_height=1e-7)
-    profiles = [made[[row]] for row in (10, 50, 90)]
+    surface = self_affine_surface((128, 128), 1e-6, hurst=0.8, shortest=8e-6, longest=4e-5, rms_height=1e-7)
+    profiles = [surface[[row]] for row in (10, 50, 90)]
     contact = {"contact_modulus": 1e9, "mean_pressure": 5e6}
     statistics = evaluate(profiles, lay="none", contact=contact, uncertainty={"sources": ["solver"]})
     text = methods_paragraph(statistics)
@@ -119,11 +139,11 @@ def test_of_profiles_the_paragraph_says_which_surfaces_were_solved():
 
 
 def test_the_paragraph_says_how_rows_scars_and_waves_were_treated():
-    made = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=4e-6, longest=3.2e-5, rms_height=1e-7)
+    surface = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=4e-6, longest=3.2e-5, rms_height=1e-7)
     rows = np.random.default_rng(1).normal(0, 1e-6, (64, 1))
     text = methods_paragraph(
         evaluate(
-            made + rows,
+            surface + rows,
             level={"robust": True, "line_alignment": "auto", "scar_threshold": 5},
             window={"reliable_band": True},
             instrument={"noise": "2 nm", "correct": True},
@@ -142,7 +162,7 @@ def test_the_paragraph_says_how_rows_scars_and_waves_were_treated():
     [(["solver", "material"], "this map alone"), (["solver", "window"], "the mean of maps of this size")],
 )
 def test_the_intervals_are_of_the_surface_where_they_include_it(sources, about):
-    made = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=3.2e-5, rms_height=1e-7)
+    surface = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=3.2e-5, rms_height=1e-7)
     contact = {"contact_modulus": 1e9, "mean_pressure": 5e6}
-    text = methods_paragraph(evaluate(made, contact=contact, uncertainty={"sources": sources}))
+    text = methods_paragraph(evaluate(surface, contact=contact, uncertainty={"sources": sources}))
     assert f"The intervals hold 95 % and are for {about}" in text

@@ -5,13 +5,22 @@ import re
 import numpy as np
 import pytest
 
-from roughcontact import evaluate, material, materials, solve_contact
-from roughcontact.command_line.options import bodies_of
-from roughcontact.configuration.resolve import resolve
+from roughcontact import evaluate, material, solve_contact
+from roughcontact.arguments import materials
+from roughcontact.arguments.named_materials import (
+    _properties,
+    _row,
+    material_names,
+    modulus_uncertainty,
+    named_bodies,
+)
+from roughcontact.arguments.ranges import ends, shares_of_range
+from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.errors import SettingsError
-from roughcontact.named_materials import _properties, _row, material_names, modulus_uncertainty, named_bodies
-from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.interface.command_line.options import parse_bodies
 from roughcontact.report.asked import bodies_in_words
+from roughcontact.statistics.conductance import conductivity_ranges
+from roughcontact.surface.synthetic import rough_reference_surface
 
 PURE = [
     "copper",
@@ -64,6 +73,19 @@ def test_moduli_of_elastomers_follow_from_their_hardness(name, shore):
     np.testing.assert_allclose(modulus, [gent(shore + offset) for offset in (0, -5, 5)], rtol=0.05)
 
 
+def test_an_elastomer_has_the_modulus_of_its_hardness():
+    """The row of the table is that of 70 Shore A; each five degrees are a quarter or more of the modulus."""
+    named, of_table = _properties("NBR 70 Shore A"), _properties("NBR")
+    np.testing.assert_allclose(named["youngs_modulus"], of_table["youngs_modulus"], rtol=0.02)
+    seal, plain = material("nitrile-60 ShA"), material("NBR")
+    assert seal["name"] == "NBR 60 Shore A"
+    assert {**plain, "name": "", "youngs_modulus": 0} == {**seal, "name": "", "youngs_modulus": 0}
+    assert parse_bodies([["NBR", "70", "Shore", "A"], ["steel"]]) == ["NBR 70 Shore A", "steel"]
+    for name, words in (("steel 70", "is no elastomer"), ("NBR 99 Shore A", "from 20 to 95")):
+        with pytest.raises(SettingsError, match=words):
+            material(name)
+
+
 @pytest.mark.parametrize(
     ("name", "key", "book"),
     [  # Incropera's table of metals (300 K), and tables of strength of Philpot (2017)
@@ -102,15 +124,16 @@ def test_a_layer_has_a_name_and_its_hardness_is_that_of_the_surface():
     assert contact["bodies"][0]["electrical_resistivity"] == copper["electrical_resistivity"]
     assert contact["hardness"] == min(gold["hardness"], hard["hardness"]) != copper["hardness"]
     assert contact["contact_modulus"] == pytest.approx(materials.contact_modulus([gold, hard]))
-    assert contact["contact_modulus_uncertainty"] == modulus_uncertainty(["gold", "hard-gold"], [gold, hard])
+    assert contact["contact_modulus_uncertainty"] == modulus_uncertainty(named_bodies(["gold", "hard-gold"]))
+    assert contact["hardness_uncertainty"] == shares_of_range(*_properties("gold")["hardness"])
     assert resolve({"contact": {"bodies": [coated | {"hardness": 2e9}, "copper"]}})[""]["contact"][
         "hardness"
     ] == min(2e9, copper["hardness"])
 
 
 def test_a_hardness_of_the_contact_goes_before_those_of_the_table():
-    stated = {"bodies": ["steel", {"material": "PEEK"}], "hardness": "1 GPa"}
-    contact = resolve({"contact": stated})[""]["contact"]
+    contact_settings = {"bodies": ["steel", {"material": "PEEK"}], "hardness": "1 GPa"}
+    contact = resolve({"contact": contact_settings})[""]["contact"]
     assert contact["hardness"] == 1e9
     assert [body["hardness"] for body in contact["bodies"]] == [None, None]
 
@@ -126,13 +149,64 @@ def test_a_layer_of_numbers_leaves_the_hardness_and_the_conductivities_of_its_ba
 def test_the_range_of_the_modulus_becomes_the_uncertainty_of_the_contact_modulus():
     contact = resolve({"contact": {"bodies": ["steel", "PTFE"]}})[""]["contact"]
     assert contact["contact_modulus_uncertainty"] == 0.15  # PTFE: 0.40 to 0.55 of 0.5 GPa, steel is stiff
-    alike = modulus_uncertainty(["steel", "steel"], named_bodies(["steel", "steel"]))
-    assert alike == pytest.approx(15 / 2 / 207 / np.sqrt(2), abs=6e-4)
-    stated = resolve({"contact": {"bodies": ["steel", "PTFE"], "contact_modulus_uncertainty": 0.02}})[""]
-    assert stated["contact"]["contact_modulus_uncertainty"] == 0.02
-    own = {"material": "PTFE", "youngs_modulus": "0.6 GPa"}
-    steel = resolve({"contact": {"bodies": ["steel", own]}})[""]["contact"]
+    equal_bodies = modulus_uncertainty(named_bodies(["steel", "steel"]))
+    assert equal_bodies == pytest.approx(15 / 2 / 207 / np.sqrt(2), abs=6e-4)
+    settings = resolve({"contact": {"bodies": ["steel", "PTFE"], "contact_modulus_uncertainty": 0.02}})[""]
+    assert settings["contact"]["contact_modulus_uncertainty"] == 0.02
+    own_body = {"material": "PTFE", "youngs_modulus": "0.6 GPa"}
+    steel = resolve({"contact": {"bodies": ["steel", own_body]}})[""]["contact"]
     assert steel["contact_modulus_uncertainty"] < 1e-3
+
+
+def test_a_range_is_stated_in_three_ways_and_goes_before_that_of_the_table():
+    for own in (
+        {"hardness": ["1.2 GPa", "1.8 GPa"]},
+        {"hardness": "1.2..1.8GPa"},
+        {"hardness": 1.5e9, "hardness_uncertainty": 0.2},
+    ):
+        contact = resolve({"contact": {"bodies": ["hard-gold", {"material": "steel", **own}]}})[""]["contact"]
+        assert contact["bodies"][1]["hardness"] == 1.5e9
+        lowest, highest = ends(contact["hardness"], contact["hardness_uncertainty"])
+        # the softer of the two: of hard gold, 1.3 to 2.1 GPa, and of this steel
+        assert (lowest, highest) == pytest.approx((1.2e9, 1.8e9), rel=1e-5)
+    exact = {"material": "steel", "hardness": "1.5 GPa"}
+    contact = resolve({"contact": {"bodies": [exact, exact]}})[""]["contact"]
+    assert contact["hardness_uncertainty"] is None
+    settings = {"bodies": ["steel", "steel"], "hardness_uncertainty": 0.1}
+    assert resolve({"contact": settings})[""]["contact"]["hardness_uncertainty"] == [0.1]
+
+
+def test_the_ranges_of_conductivities_are_of_the_mean_of_both_bodies():
+    """In series their resistances add: half the variances where both bodies have the same range."""
+    ranges = conductivity_ranges(named_bodies(["steel", "steel"]))
+    mean, lowest, highest = ranges["electrical_resistivity"]
+    assert (mean, lowest, highest) == pytest.approx(
+        (160e-9, 160e-9 - 20e-9 / np.sqrt(2), 160e-9 + 40e-9 / np.sqrt(2)), rel=1e-5
+    )
+    mean, lowest, highest = ranges["thermal_conductivity"]
+    resistance = np.array([1 / 45, 1 / 60]) - 1 / 52
+    assert (1 / lowest, 1 / highest) == pytest.approx(1 / 52 + resistance / np.sqrt(2), rel=1e-5)
+    with_film = {"material": "steel", "layers": [{"material": "hard-gold", "thickness": "2 um"}]}
+    mean, lowest, highest = conductivity_ranges(named_bodies([with_film, "steel"]))["electrical_resistivity"]
+    assert (lowest / mean, highest / mean) == pytest.approx((0.8, 4 / 3), rel=1e-5)  # of the gold
+    assert conductivity_ranges([{"electrical_resistivity": 1e-7}] * 2) == {}
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        (
+            {"hardness": ["1 GPa", "2 GPa"], "hardness_uncertainty": 0.1},
+            ": hardness is a range, and hardness_",
+        ),
+        ({"hardness_uncertainty": 0.1}, ".hardness_uncertainty: needs hardness, or leave it out"),
+        ({"hardness": 1e9, "hardness_uncertainty": [1, 2]}, ".hardness_uncertainty = [1, 2]: must be less"),
+    ],
+)
+def test_half_a_range_is_refused(body, message):
+    plain = {"youngs_modulus": 1e11, "poissons_ratio": 0.3}
+    with pytest.raises(SettingsError, match=rf"contact\.bodies\[1\]{re.escape(message)}"):
+        resolve({"contact": {"bodies": [plain, plain | body]}})
 
 
 def test_an_unknown_name_is_answered_with_the_nearest():
@@ -153,11 +227,11 @@ def test_symbols_of_textbooks_are_answered_with_the_key(symbol, key):
 
 
 def test_the_option_takes_a_name():
-    assert bodies_of([["steel"], ["4GPa", "0.4"]])[0] == "steel"
+    assert parse_bodies([["steel"], ["4GPa", "0.4"]])[0] == "steel"
     gold = {"material": "copper", "layers": [{"thickness": "2um", "material": "gold"}]}
-    assert bodies_of([["copper", "layer=2um,gold"], ["steel"]])[0] == gold
+    assert parse_bodies([["copper", "layer=2um,gold"], ["steel"]])[0] == gold
     with pytest.raises(SettingsError, match="210GPa: has 1 values; give the name of a material"):
-        bodies_of([["210GPa"], ["steel"]])
+        parse_bodies([["210GPa"], ["steel"]])
 
 
 @pytest.mark.parametrize("name", ["", " ", "-", None])

@@ -12,6 +12,6 @@ def test_every_pair_is_among_the_cases():
         (["only"], (1, 2, 3), "ab"),
     ):
         cases = every_pair(*options)
-        for (here, one), (there, other) in combinations(enumerate(options), 2):
-            assert {(case[here], case[there]) for case in cases} == set(product(one, other))
+        for (i, values_i), (j, values_j) in combinations(enumerate(options), 2):
+            assert {(case[i], case[j]) for case in cases} == set(product(values_i, values_j))
     assert len(every_pair("abcd", (1, 2, 3), (True, False), (0.1, 0.2, 0.3))) <= 14  # of 72

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.maps import height_map
+from roughcontact.arguments.maps import height_map
 
 SHAPE, PITCHES = (40, 32), (1.0, 0.75)
 LOADS = [0.02, 0.1, 0.4]
@@ -24,10 +24,10 @@ PRESSURES = {"Tamaas": COLUMNS[:3], "ContactMechanics": COLUMNS[3:]}
 def test_every_pixel_and_every_pressure_are_those_of_another_code(code, load):
     problem = {"contact_modulus": 1.0, "mean_pressure": LOADS[load], "tolerance": 1e-10}
     contact = rc.solve_contact(height_map(HEIGHTS, PITCHES), **problem)
-    found, other = contact["pressure"].values[0], PRESSURES[code][load]
-    assert 0.01 < (other > 0).mean() < 0.99
-    np.testing.assert_array_equal(found > 0, other > 0)
-    np.testing.assert_allclose(found, other, rtol=0, atol=2e-9 * other.max())
+    pressure, reference = contact["pressure"].values[0], PRESSURES[code][load]
+    assert 0.01 < (reference > 0).mean() < 0.99
+    np.testing.assert_array_equal(pressure > 0, reference > 0)
+    np.testing.assert_allclose(pressure, reference, rtol=0, atol=2e-9 * reference.max())
 
 
 def test_the_other_codes_agree_with_one_another():

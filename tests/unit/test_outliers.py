@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pytest
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.errors import SettingsError
-from roughcontact.levelling.level import level
-from roughcontact.levelling.outliers import find_outliers
-from roughcontact.maps import height_map
-from roughcontact.references import synthetic
+from roughcontact.surface import synthetic
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.levelling.outliers import find_outliers
 
 THRESHOLD = 6.0  # the default of `level`
 
@@ -151,9 +151,9 @@ def test_level_records_and_fills_what_it_rejects():
     assert json.loads(levelled.attrs["outlier_kinds"]) == {"spike": 1, "dead_line": 128}
     assert levelled["filled"].values[50, 60] == 1
     assert abs(levelled.values[50, 60]) < 5e-6
-    kept = level(height_map(values, 1e-6), outlier_threshold=None)
-    assert kept.attrs["outliers_rejected"] == 0
-    assert kept.values[50, 60] > 30e-6
+    unfiltered = level(height_map(values, 1e-6), outlier_threshold=None)
+    assert unfiltered.attrs["outliers_rejected"] == 0
+    assert unfiltered.values[50, 60] > 30e-6
 
 
 def test_one_spike_moves_the_plane_no_more_than_its_absence():
@@ -168,8 +168,8 @@ def test_spikes_up_and_down_beside_one_another_are_two_groups():
     height = rough(rms=1e-6)
     height[60:62, 60:64] += 40e-6  # eight points up, eight down: together they would pass for structure
     height[60:62, 64:68] -= 40e-6
-    outliers, found = find_outliers(height, threshold=THRESHOLD)
-    assert found == {"spike": 16}
+    outliers, counts = find_outliers(height, threshold=THRESHOLD)
+    assert counts == {"spike": 16}
     assert outliers[60:62, 60:68].all()
 
 
@@ -189,18 +189,18 @@ def grid_of_places(count, shape, seed):
     rows, columns = np.meshgrid(
         np.arange(12, shape[0] - 12, 22), np.arange(12, shape[1] - 12, 22), indexing="ij"
     )
-    places = np.stack([rows.ravel(), columns.ravel()], axis=1)[:count]
-    return places + np.random.default_rng(seed).integers(-4, 5, places.shape)
+    centres = np.stack([rows.ravel(), columns.ravel()], axis=1)[:count]
+    return centres + np.random.default_rng(seed).integers(-4, 5, centres.shape)
 
 
-def with_bells(values, places, *, height, width, seed):
+def with_bells(values, centres, *, height, width, seed):
     """Return a map with a Gaussian bell at each place, its top anywhere within the point."""
     values = values.copy()
     y, x = np.indices(values.shape)
-    for (row, column), off in zip(
-        places, np.random.default_rng(seed).uniform(-0.5, 0.5, (len(places), 2)), strict=True
+    for (row, column), offset in zip(
+        centres, np.random.default_rng(seed).uniform(-0.5, 0.5, (len(centres), 2)), strict=True
     ):
-        square = (y - row - off[0]) ** 2 + (x - column - off[1]) ** 2
+        square = (y - row - offset[0]) ** 2 + (x - column - offset[1]) ** 2
         values += height * np.exp(-square / (2 * width**2))
     return values
 
@@ -211,21 +211,21 @@ def with_bells(values, places, *, height, width, seed):
 )
 def test_narrow_grains_are_surface(height, width, spikes):
     """A hundred bells of one to two points, 5 to 40 rms heights tall: the load is theirs."""
-    places = grid_of_places(100, (256, 256), seed=1)
-    values = with_bells(rough((256, 256), 0.3, 2e-6), places, height=height, width=width, seed=2)
-    kept = ~find_outliers(values, threshold=THRESHOLD)[0]
-    tops = [kept[r - 1 : r + 2, c - 1 : c + 2].all() for r, c in places]
+    centres = grid_of_places(100, (256, 256), seed=1)
+    values = with_bells(rough((256, 256), 0.3, 2e-6), centres, height=height, width=width, seed=2)
+    is_kept = ~find_outliers(values, threshold=THRESHOLD)[0]
+    tops = [is_kept[r - 1 : r + 2, c - 1 : c + 2].all() for r, c in centres]
     assert np.mean(tops) >= 0.95
     # without their shape many would go
-    taken, _ = find_outliers(values, threshold=THRESHOLD, bumps=True)
-    assert sum(taken[r - 1 : r + 2, c - 1 : c + 2].any() for r, c in places) >= spikes
+    rejected_bumps, _ = find_outliers(values, threshold=THRESHOLD, bumps=True)
+    assert sum(rejected_bumps[r - 1 : r + 2, c - 1 : c + 2].any() for r, c in centres) >= spikes
 
 
 @pytest.mark.parametrize("block", [(1, 1), (1, 3), (2, 2), (2, 3)])
 def test_spikes_have_no_sides(block):
-    places = grid_of_places(100, (256, 256), seed=3)
+    centres = grid_of_places(100, (256, 256), seed=3)
     values, spikes = rough((256, 256)), np.zeros((256, 256), dtype=bool)
-    for row, column in places:
+    for row, column in centres:
         spikes[row : row + block[0], column : column + block[1]] = True
     values[spikes] += 15e-6
     outliers, _ = find_outliers(values, threshold=THRESHOLD)
@@ -233,8 +233,8 @@ def test_spikes_have_no_sides(block):
 
 
 def test_grains_and_spikes_are_told_apart_on_one_map():
-    places = grid_of_places(100, (256, 256), seed=5)
-    grains, spikes = places[::2], places[1::2]
+    centres = grid_of_places(100, (256, 256), seed=5)
+    grains, spikes = centres[::2], centres[1::2]
     values = with_bells(rough((256, 256)), grains, height=15e-6, width=1.1, seed=6)
     values[tuple(spikes.T)] += 15e-6
     outliers, _ = find_outliers(values, threshold=THRESHOLD)
@@ -267,15 +267,15 @@ def test_no_spike_is_left_that_the_rule_would_find(make, share):
     assert not outliers[~spikes].any()
     assert outliers.sum() >= share * spikes.sum()
     assert kinds == {"spike": outliers.sum()}
-    again, _ = find_outliers(np.where(outliers, np.nan, values), threshold=THRESHOLD)
-    assert not again.any()
+    second_outliers, _ = find_outliers(np.where(outliers, np.nan, values), threshold=THRESHOLD)
+    assert not second_outliers.any()
 
 
 def test_bumps_stay_beside_spikes_that_hide_one_another():
     values, spikes = disturbed_patch()
-    places = grid_of_places(60, values.shape, seed=5)
-    places = places[(np.abs(places - 70) > 20).any(axis=1)]
-    with_bumps = with_bells(values, places, height=15e-6, width=1.1, seed=6)
+    centres = grid_of_places(60, values.shape, seed=5)
+    centres = centres[(np.abs(centres - 70) > 20).any(axis=1)]
+    with_bumps = with_bells(values, centres, height=15e-6, width=1.1, seed=6)
     outliers, _ = find_outliers(with_bumps, threshold=THRESHOLD)
     assert outliers.any()
     assert not outliers[~spikes].any()
@@ -293,11 +293,11 @@ def test_dust_is_structure_and_stays():
 def test_scanned_streaks_are_no_bumps():
     """A bell along the line alone, nothing in the lines before and after."""
     values = rough((256, 256))
-    places = grid_of_places(50, values.shape, seed=8)
-    for row, column in places:
+    centres = grid_of_places(50, values.shape, seed=8)
+    for row, column in centres:
         values[row, column - 2 : column + 3] += 15e-6 * np.array([0.2, 0.6, 1.0, 0.6, 0.2])
     outliers, _ = find_outliers(values, threshold=THRESHOLD)
-    assert outliers[tuple(places.T)].all()
+    assert outliers[tuple(centres.T)].all()
 
 
 @pytest.mark.parametrize("row", [0, 1, 2, 5, 64, 126, 127])

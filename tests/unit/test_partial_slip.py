@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.elasticity.halfspace import HalfSpace
-from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.contact.elasticity.halfspace import HalfSpace
+from roughcontact.surface.synthetic import rough_reference_surface
 
 FRICTION, RATIO = 0.3, 0.3
 SHARES = [0.2, 0.5, 0.8, 1.0]
@@ -109,9 +109,9 @@ def test_the_bound_is_not_below_the_error(rough):
         )
         slip = rc.partial_slip(loose, friction_coefficient=FRICTION, tangential_load=[0.3, 0.7])
         for index in (0, 1):
-            known = exact["shear_traction"].values[index]
+            reference = exact["shear_traction"].values[index]
             traction = slip["shear_traction"].values[index]
-            assert norm(traction - known) / norm(traction) <= float(slip["tangential_error_bound"][index])
+            assert norm(traction - reference) / norm(traction) <= float(slip["tangential_error_bound"][index])
 
 
 def test_what_has_no_meaning_is_refused(rough):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.configuration.surfaces import read_surfaces
-from roughcontact.configuration.tiles import Tile, cut, tiles_of
+from roughcontact.study.surfaces import read_surfaces
+from roughcontact.study.tiles import Tile, cut, parse_tiles
 
 
 @pytest.fixture
@@ -80,7 +80,7 @@ def test_parts_cover_every_point_once_at_its_place(tmp_path):
     path = tmp_path / "map.npy"
     np.save(path, heights)
     height = rc.read_height_map(path, dx=1, dy=1, unit="um")
-    pieces = [cut(height, part) for part in tiles_of("3x2")]
+    pieces = [cut(height, part) for part in parse_tiles("3x2")]
     assert sorted(v for piece in pieces for v in piece.values.ravel() if v == v) == sorted(
         v for v in height.values.ravel() if v == v
     )

@@ -7,16 +7,16 @@ from scipy.integrate import quad
 from scipy.special import ellipe
 
 import roughcontact as rc
-from roughcontact.references.synthetic import (
+from roughcontact.arguments.variables import describe
+from roughcontact.results.collect import collect_statistics, summary_table
+from roughcontact.results.storage import write_dataset
+from roughcontact.statistics.sealing.connectivity import connected_regions, region_sizes
+from roughcontact.surface.roughness.heights import height_parameters
+from roughcontact.surface.synthetic import (
     product_wave_surface,
     rough_reference_surface,
     westergaard_surface,
 )
-from roughcontact.results.collect import collect_statistics, summary_table
-from roughcontact.results.storage import write_dataset
-from roughcontact.roughness.heights import height_parameters
-from roughcontact.sealing.connectivity import connected_regions, region_sizes
-from roughcontact.variables import describe
 from validation.closed_forms import (
     JGH_CONTACT_SHARE,
     jgh_full_contact_pressure,
@@ -86,11 +86,11 @@ def test_the_product_wave_touches_in_two_equal_patches():
 def test_developed_area_of_a_wave():
     """The closed form of its length by quadrature, and what the parameter makes of fine steps."""
     square = (2 * np.pi * 0.1) ** 2
-    known = 2 / np.pi * np.sqrt(1 + square) * ellipe(square / (1 + square)) - 1
+    reference = 2 / np.pi * np.sqrt(1 + square) * ellipe(square / (1 + square)) - 1
     length, _ = quad(lambda x: np.sqrt(1 + square * np.sin(2 * np.pi * x) ** 2), 0, 1)
-    assert known == pytest.approx(length - 1, rel=1e-10)
+    assert reference == pytest.approx(length - 1, rel=1e-10)
     wave = westergaard_surface((3, 4097), 1 / 4096, amplitude=0.1, wavelength=1.0)
-    assert height_parameters(wave)["Sdr"] == pytest.approx(known, rel=1e-6)
+    assert height_parameters(wave)["Sdr"] == pytest.approx(reference, rel=1e-6)
 
 
 def test_they_reach_the_table_of_all_surfaces(statistics, tmp_path):

@@ -7,12 +7,12 @@ import pytest
 from scipy import ndimage
 from scipy.optimize import brentq
 
-from roughcontact.choices import WindowMethod
-from roughcontact.levelling.level import level
-from roughcontact.references import synthetic
-from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.window import periodisation
-from roughcontact.window.periodic_window import periodic_window
+from roughcontact.arguments.choices import WindowMethod
+from roughcontact.surface import synthetic
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.window import periodisation
+from roughcontact.surface.window.periodic_window import periodic_window
 
 
 def rough(shape, seed=0, shortest=8.0, hurst=0.8):
@@ -35,9 +35,9 @@ def test_smooth_part_satisfies_the_equation_of_moisan(shape, spacing):
     source = np.zeros(shape)
     for axis, w in enumerate(weights):
         step = w * (np.take(values, -1, axis) - np.take(values, 0, axis))
-        for end, sign in ((0, 1), (-1, -1)):
+        for edge, sign in ((0, 1), (-1, -1)):
             index = [slice(None)] * 2
-            index[axis] = end
+            index[axis] = edge
             source[tuple(index)] += sign * step
     np.testing.assert_allclose(laplacian, source, atol=1e-11 * max(weights))
     assert smooth.mean() == pytest.approx(0, abs=1e-14)
@@ -95,11 +95,11 @@ def test_cross_fade_blends_the_end_into_the_beginning():
 def test_cross_fade_keeps_the_variance_of_unrelated_ends():
     values = np.random.default_rng(3).standard_normal((4000, 60)) + 5.0
     plain = periodisation.cross_fade(values, (0, 20)).std(axis=0)
-    kept = periodisation.cross_fade(values, (0, 20), keep_variance=True)
+    faded = periodisation.cross_fade(values, (0, 20), keep_variance=True)
     seam = [-1, 0]  # where both ends have the same weight
     assert plain[seam] == pytest.approx(np.sqrt(0.5) * np.ones(2), rel=0.05)
-    assert kept.std(axis=0) == pytest.approx(np.ones(40), rel=0.05)
-    assert kept.mean() == pytest.approx(5.0, abs=0.02)
+    assert faded.std(axis=0) == pytest.approx(np.ones(40), rel=0.05)
+    assert faded.mean() == pytest.approx(5.0, abs=0.02)
 
 
 def test_smooth_cross_fade_closes_the_seam_and_keeps_the_roughness():
@@ -179,12 +179,12 @@ def test_taper_is_the_tukey_window():
 
 @pytest.mark.parametrize("shape", [(128, 128), (100, 65), (1, 1024), (64, 200), (16, 256)])
 def test_periodic_maps_are_recognised(shape):
-    found = [
+    verdicts = [
         periodisation.is_periodic(rough(shape, seed, shortest, hurst).values)
         for seed in range(10)
         for shortest, hurst in ((4.0, 0.5), (8.0, 0.8), (8.0, 1.0))
     ]
-    assert np.mean(found) >= 29 / 30
+    assert np.mean(verdicts) >= 29 / 30
 
 
 @pytest.mark.parametrize("shape", [(128, 128), (100, 65), (64, 200)])
@@ -232,8 +232,8 @@ def test_how_steep_a_seam_may_be(rows):
         return max(np.sin(seam / 2) / np.sin(inside / 2), bend / (4 * np.sin(inside / 2) ** 2))
 
     for factor, periodic in ((0.999, True), (1.001, False)):
-        wanted = factor * (1.2 + 1.5 / np.sqrt(rows))
-        seam = brentq(lambda phase, wanted=wanted: steepness(phase) - wanted, 0.65, 2.0)
+        target = factor * (1.2 + 1.5 / np.sqrt(rows))
+        seam = brentq(lambda phase, target=target: steepness(phase) - target, 0.65, 2.0)
         inside = (2 * np.pi * turns - seam) / (columns - 1)
         values = line_waves(np.full(columns - 1, inside), rows)
         assert periodisation.is_periodic(values) is periodic
@@ -250,12 +250,12 @@ def test_a_seam_may_be_as_steep_as_the_steepest_twentieth_inside(steep, periodic
     assert periodisation.is_periodic(line_waves(steps, 2500)) is periodic
 
 
-@pytest.mark.parametrize("before", [True, False])
-def test_a_kink_on_one_side_of_the_seam_is_seen(before):
+@pytest.mark.parametrize("is_forward", [True, False])
+def test_a_kink_on_one_side_of_the_seam_is_seen(is_forward):
     """Steps shrink bit by bit from the first to the last, and the seam is like the first one; or reversed."""
     steps = np.linspace(10.0, 1.0, 60)
     steps *= 2 * np.pi / (steps.sum() + steps[0])
-    values = line_waves(steps if before else steps[::-1], 2500)
+    values = line_waves(steps if is_forward else steps[::-1], 2500)
     assert not periodisation.is_periodic(values)
 
 
@@ -295,10 +295,10 @@ def test_the_form_is_put_back_only_where_that_makes_the_map_periodic():
 def test_each_point_of_a_cross_fade(band):
     """The result starts in the middle of the band, rounded down."""
     values = np.random.default_rng(6).standard_normal((3, 20 + band))
-    place = np.arange(20) + band // 2
+    positions = np.arange(20) + band // 2
     weight = np.sin(np.pi / 2 * (np.arange(band) + 0.5) / band) ** 2
     expected = np.empty((3, 20))
-    for column, at in enumerate(place % 20):
+    for column, at in enumerate(positions % 20):
         expected[:, column] = values[:, at]
         if at < band:
             expected[:, column] = weight[at] * values[:, at] + (1 - weight[at]) * values[:, 20 + at]
@@ -310,15 +310,15 @@ def test_each_point_of_a_cross_fade(band):
 def test_variance_is_kept_whatever_the_correlation_of_the_ends(correlation):
     """Ends that are against one another count as unrelated, so that nothing blows up."""
     generator = np.random.default_rng(7)
-    values, other = generator.standard_normal((2, 20_000, 30))
-    values[:, 20:] = correlation * values[:, :10] + np.sqrt(1 - correlation**2) * other[:, :10]
-    kept = periodisation.cross_fade(values, (0, 10), keep_variance=True).std(axis=0)
+    values, partner = generator.standard_normal((2, 20_000, 30))
+    values[:, 20:] = correlation * values[:, :10] + np.sqrt(1 - correlation**2) * partner[:, :10]
+    deviations = periodisation.cross_fade(values, (0, 10), keep_variance=True).std(axis=0)
     weight = np.sin(np.pi / 2 * (np.arange(10) + 0.5) / 10) ** 2
     blended = np.ones(20)
     if correlation < 0:
-        both = 2 * weight * (1 - weight)
-        blended[:10] = np.sqrt((1 - both + both * correlation) / (1 - both))
-    np.testing.assert_allclose(kept, np.roll(blended, -5), rtol=0.03)
+        overlap = 2 * weight * (1 - weight)
+        blended[:10] = np.sqrt((1 - overlap + overlap * correlation) / (1 - overlap))
+    np.testing.assert_allclose(deviations, np.roll(blended, -5), rtol=0.03)
 
 
 def test_smooth_cross_fade_by_its_parts():
@@ -330,8 +330,8 @@ def test_smooth_cross_fade_by_its_parts():
     smooth = np.pad(inner - periodisation.periodic_plus_smooth(inner, (2.0, 1.0)), ((3, 3), (4, 4)), "edge")
     expected = periodisation.cross_fade(long_waves - 0.55 * smooth, band)
     expected += periodisation.cross_fade(values - long_waves, band, keep_variance=True)
-    found = periodisation.smooth_cross_fade(values, band, (2.0, 1.0))
-    np.testing.assert_allclose(found, expected, atol=1e-10)
+    faded = periodisation.smooth_cross_fade(values, band, (2.0, 1.0))
+    np.testing.assert_allclose(faded, expected, atol=1e-10)
 
 
 def test_taper_of_a_map_is_the_product_of_both_windows():
@@ -373,16 +373,16 @@ def test_gradient_of_cut_outs_against_the_truth():
     assert mean["taper"] == pytest.approx(1.0, abs=0.1)
 
 
-@pytest.mark.parametrize("beside", [-2, 0])
-def test_a_jump_between_the_two_points_beside_the_seam_is_not_at_the_seam(beside):
+@pytest.mark.parametrize("gap_width", [-2, 0])
+def test_a_jump_between_the_two_points_beside_the_seam_is_not_at_the_seam(gap_width):
     """A walk that ends one of its own steps from where it began; one jump is elsewhere."""
     steps = np.random.default_rng(10).standard_normal(400)
     steps[[-3, -2, -1, 0, 1]] = 0.1
-    steps[[beside, 200]] = 6.3, -6.3
+    steps[[gap_width, 200]] = 6.3, -6.3
     steps -= steps.mean()
     walk = np.cumsum(steps)
     assert periodisation.is_periodic(np.roll(walk, 1)[None, :])
-    assert not periodisation.is_periodic(np.roll(walk, -beside)[None, :])  # there it is the seam
+    assert not periodisation.is_periodic(np.roll(walk, -gap_width)[None, :])  # there it is the seam
 
 
 @pytest.mark.parametrize("last", [True, False])

@@ -7,9 +7,10 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact import pipeline
-from roughcontact.configuration.resolve import resolve
-from roughcontact.references.synthetic import self_affine_surface, westergaard_surface
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.evaluation import pipeline
+from roughcontact.evaluation.kinds import kind_of
+from roughcontact.surface.synthetic import self_affine_surface, westergaard_surface
 
 NO_BUDGET = {"sources": []}
 
@@ -26,32 +27,32 @@ def rough():
 def test_half_of_a_wave_touches_at_half_of_the_load_that_closes_it():
     """Westergaard (1939): it closes under π E* D/λ."""
     wave = westergaard_surface((1, 512), 1e-3 / 512, amplitude=1e-6, wavelength=1e-3)
-    found = rc.evaluate(
+    statistics = rc.evaluate(
         wave,
         level={"form": "none", "outlier_threshold": None},
         window={"method": "raw"},
         contact={"contact_modulus": "1 GPa", "mean_pressure": np.pi * 1e6 / 2},
         uncertainty=NO_BUDGET,
     )
-    assert found["relative_contact_area"].item() == pytest.approx(0.5, abs=2 / 512)
-    assert found["max_pressure"].item() == pytest.approx(np.sqrt(2) * np.pi * 1e6, rel=1e-3)
+    assert statistics["relative_contact_area"].item() == pytest.approx(0.5, abs=2 / 512)
+    assert statistics["max_pressure"].item() == pytest.approx(np.sqrt(2) * np.pi * 1e6, rel=1e-3)
 
 
 def test_the_numbers_are_those_of_the_verbs_one_by_one(rough):
     # loads not in the order of solving
     contact = {"contact_modulus": 1e9, "mean_pressure": [4e6, 1e6], "tolerance": 1e-4}
-    found = rc.evaluate(rough, contact=contact, uncertainty={"sources": ["solver", "discretisation"]})
+    result = rc.evaluate(rough, contact=contact, uncertainty={"sources": ["solver", "discretisation"]})
     levelled = rc.level(rough)
     window = rc.periodic_window(levelled)
-    alone = rc.contact_statistics(rc.solve_contact(window, **contact))
-    corrected = {str(name).removesuffix("_as_solved") for name in found if str(name).endswith("_as_solved")}
+    reference = rc.contact_statistics(rc.solve_contact(window, **contact))
+    corrected = {str(name).removesuffix("_as_solved") for name in result if str(name).endswith("_as_solved")}
     assert corrected == {"relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure"}
-    for name in alone.variables:
-        own = found[f"{name}_as_solved" if name in corrected else name]
+    for name in reference.variables:
+        values = result[f"{name}_as_solved" if name in corrected else name]
         if name != "max_pressure_over_modulus":
-            np.testing.assert_array_equal(own, alone[name], err_msg=name)
-    peak = found["max_pressure"] / found["contact_modulus"]
-    np.testing.assert_array_equal(found["max_pressure_over_modulus"], peak)
+            np.testing.assert_array_equal(values, reference[name], err_msg=name)
+    peak = result["max_pressure"] / result["contact_modulus"]
+    np.testing.assert_array_equal(result["max_pressure_over_modulus"], peak)
     budget = rc.error_budget(
         levelled,
         window,
@@ -64,19 +65,21 @@ def test_the_numbers_are_those_of_the_verbs_one_by_one(rough):
         "relative_contact_area_uncertainty",
         "mean_gap_estimate",
     ):
-        np.testing.assert_array_equal(found[name], budget[name], err_msg=name)
-    assert (found["mean_gap_lower"] < found["mean_gap"]).all()
-    words = [word for word, _ in json.loads(found.attrs["verdicts"])]
-    meanings = found["verdict"].attrs["flag_meanings"].split()
-    assert [meanings[code].replace("_", " ") for code in found["verdict"].values] == words
-    listed = json.loads(found.attrs["reasons"])
+        np.testing.assert_array_equal(result[name], budget[name], err_msg=name)
+    assert (result["mean_gap_lower"] < result["mean_gap"]).all()
+    words = [word for word, _ in json.loads(result.attrs["verdicts"])]
+    meanings = result["verdict"].attrs["flag_meanings"].split()
+    assert [meanings[code].replace("_", " ") for code in result["verdict"].values] == words
+    listed = json.loads(result.attrs["reasons"])
     assert all(entry.keys() == {"check", "loads", "text"} for entry in listed)
     doubted = {load for entry in listed for load in entry["loads"]}
-    answers = [name for name in found.data_vars if name.endswith("_verdict")]
+    answers = [name for name in result.data_vars if name.endswith("_verdict")]
     assert len(answers) == 7
-    assert doubted == {load for load in (0, 1) if any(found[name].values[load] for name in answers)}
-    both = [found[f"{name}_verdict"].values for name in ("relative_contact_area", "mean_contact_pressure")]
-    np.testing.assert_array_equal(found["verdict"], np.maximum(*both))
+    assert doubted == {load for load in (0, 1) if any(result[name].values[load] for name in answers)}
+    verdicts = [
+        result[f"{name}_verdict"].values for name in ("relative_contact_area", "mean_contact_pressure")
+    ]
+    np.testing.assert_array_equal(result["verdict"], np.maximum(*verdicts))
 
 
 def test_a_file_and_its_map_give_the_same(tmp_path, rough):
@@ -92,34 +95,62 @@ def test_a_file_and_its_map_give_the_same(tmp_path, rough):
 def test_fields_are_handed_on_and_not_kept(rough):
     (settings,) = resolve({"contact": {"contact_modulus": 1e9, "mean_pressure": [4e6, 1e6]}}).values()
     window = rc.periodic_window(rc.level(rough))
-    solver = pipeline.solver_arguments(window, settings)
-    kept: list[xr.Dataset] = []
+    solver = kind_of(window, settings).solver_arguments(window, settings)
+    pieces: list[xr.Dataset] = []
     solution, *_ = pipeline.solve_and_evaluate(
-        window, settings, solver, store=lambda piece: kept.append(piece.copy(deep=True))
+        window, settings, solver, store=lambda piece: pieces.append(piece.copy(deep=True))
     )
-    assert [float(piece["mean_pressure"][0]) for piece in kept] == [1e6, 4e6]
-    assert all(piece["pressure"].shape == (1, *window.shape) for piece in kept)
+    assert [float(piece["mean_pressure"][0]) for piece in pieces] == [1e6, 4e6]
+    assert all(piece["pressure"].shape == (1, *window.shape) for piece in pieces)
     assert "pressure" not in solution
     assert solution["mean_pressure"].values.tolist() == [4e6, 1e6]
 
 
 @pytest.mark.parametrize(
-    ("sections", "said"),
+    ("sections", "message"),
     [
         ({}, "no elasticity given"),
         ({"contact": {"contact_modulus": "115 mm"}}, "contact.contact_modulus"),
         ({"contact": {"contact_modulus": 1e9}, "level": {"ordre": 2}}, "did you mean order?"),
     ],
 )
-def test_settings_are_refused_as_those_of_a_configuration(rough, sections, said):
-    with pytest.raises(rc.SettingsError, match=said.replace("?", r"\?")):
+def test_settings_are_refused_as_those_of_a_configuration(rough, sections, message):
+    with pytest.raises(rc.SettingsError, match=message.replace("?", r"\?")):
         rc.evaluate(rough, **sections)
 
 
+def test_keys_of_the_contact_are_given_flat_as_to_the_solver(rough):
+    numbers = {"contact_modulus": "1 GPa", "relative_pressure": 0.1}
+    section = rc.evaluate(rough, contact={**numbers, "tolerance": 1e-5}, uncertainty=NO_BUDGET)
+    flat = rc.evaluate(rough, **numbers, contact={"tolerance": 1e-5}, uncertainty=NO_BUDGET)
+    assert flat.identical(section)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "message"),
+    [
+        (
+            {"shortest_wavelength": 1e-6},
+            r"shortest_wavelength: is no key .* window={'shortest_wavelength': ...}",
+        ),
+        ({"contact_modulu": 1e9}, r"contact_modulu: is no key .* did you mean contact_modulus\?"),
+        ({"contact_modulus": 1e9, "contact": {"contact_modulus": 1e9}}, "contact_modulus: is given twice"),
+        (
+            {"contact_modulus": 1e9, "contact": {"bodies": ["steel", "PEEK"]}},
+            "contact_modulus and bodies given",
+        ),
+        ({"contact_modulus": 1e9, "channel": "Height"}, "channel: of a file, the source is a map"),
+    ],
+)
+def test_other_keywords_are_answered_by_the_section_they_belong_to(rough, keywords, message):
+    with pytest.raises(rc.SettingsError, match=message):
+        rc.evaluate(rough, **keywords)
+
+
 def test_unloading_is_of_a_run(rough):
-    stated = {"contact_modulus": 1e9, "mean_pressure": 1e5, "hardness": 1e8, "unload": True}
+    contact = {"contact_modulus": 1e9, "mean_pressure": 1e5, "hardness": 1e8, "unload": True}
     with pytest.raises(rc.SettingsError, match=r"contact.unload: .* rc.unload, or leave it out"):
-        rc.evaluate(rough, contact=stated)
+        rc.evaluate(rough, contact=contact)
 
 
 def test_a_flat_map_under_a_relative_load_names_its_file():
@@ -128,7 +159,7 @@ def test_a_flat_map_under_a_relative_load_names_its_file():
         np.ones((8, 8)), dims=("y", "x"), coords={"y": np.arange(8) * 1e-6, "x": np.arange(8) * 1e-6}
     ).assign_attrs(source_file="flat.npy")
     with pytest.raises(rc.HeightMapError, match=r"^flat.npy: .*\(section contact\)"):
-        pipeline.solver_arguments(flat, settings)
+        kind_of(flat, settings).solver_arguments(flat, settings)
 
 
 @pytest.mark.parametrize(
@@ -194,8 +225,8 @@ def test_tables_and_comparisons_are_of_their_own_kind_of_dataset(rough):
     contact = rc.solve_contact(window, contact_modulus=1e9, mean_pressure=[1e6, 5e6])
     statistics = rc.contact_statistics(contact)
     assert len(rc.table(statistics)) == 2
-    for other in (contact, statistics.isel(load=0)):
+    for dataset in (contact, statistics.isel(load=0)):
         with pytest.raises(rc.SettingsError, match="give statistics with the dimension load"):
-            rc.table(other)
+            rc.table(dataset)
     with pytest.raises(rc.SettingsError, match="two results of group_statistics"):
         rc.compare_groups(statistics, statistics)

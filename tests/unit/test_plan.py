@@ -6,68 +6,70 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from roughcontact.configuration.plan import NO_NAME, Plan, regex_of_names
-from roughcontact.configuration.resolve import resolve
-from roughcontact.configuration.surfaces import Surface
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.study.plan import NO_NAME, Plan, regex_of_names
+from roughcontact.study.surfaces import Surface
 
 RAW = {"window": {"method": "raw"}}
 SOFT = {"contact": {"contact_modulus": 1e8}}
 PREPARED = ("height", "levelled", "window")
-RULES = ("prepare", "prepare_face", "superpose", "contact", "statistics")
+# of netCDF files; the rule `panel` has all results
+RULES = ("prepare", "prepare_with_overview", "prepare_face", "superpose", "contact", "statistics")
 
 
-def plan(cases=None, *, pair=False, path="ground.x3p", **sections):
-    """Return the plan of a single surface, or of a pair with two placements, under some cases."""
+def plan(cases=None, *, pair=False, path="ground.x3p", overview="", **sections):
+    """Return the plan of a surface, with an overview or not, or of a pair with two placements."""
     settings = {"contact": {"contact_modulus": 1e9, "mean_pressure": [1e6, 2e6]}} | sections
     if cases:
         settings["cases"] = cases
-    other = Path("other.x3p") if pair else None
+    counter_face = Path("other.x3p") if pair else None
     name = "seal" if pair else "ground"
-    surface = Surface(name, Path(path), "table.tsv, line 2", {"dx": 2.0}, other)
+    cells = {"dx": 2.0} | ({"overview": [{"path": overview}]} if overview else {})
+    surface = Surface(name, Path(path), "table.tsv, line 2", cells, counter_face)
     return Plan(resolve(settings | {"composite": {"shifts": 2}}), {name: surface})
 
 
-def used(made, result, *names):
+def used(plan_used, result, *names):
     """Return the folders of files that a result uses."""
-    return [made.file(name, result).rpartition("/")[0].removeprefix("results/") for name in names]
+    return [plan_used.file(name, result).rpartition("/")[0].removeprefix("results/") for name in names]
 
 
-def rules_of(made, result):
+def rules_of(plan_used, result):
     """Return the rules whose pattern has a result."""
-    return [rule for rule in RULES if re.fullmatch(made.pattern(rule), result)]
+    return [rule for rule in RULES if re.fullmatch(plan_used.pattern(rule), result)]
 
 
-def test_a_surface_has_two_jobs():
-    made = plan()
-    assert made.results == ["ground"]
-    assert rules_of(made, "ground") == ["prepare", "contact"]
-    assert used(made, "ground", *PREPARED, "contact", "statistics") == ["ground"] * 5
-    assert made.sources("prepare", "ground") == ["ground.x3p"]
-    assert made.sources("contact", "ground") == []
+def test_a_surface_has_two_jobs_before_its_panel():
+    study_plan = plan()
+    assert study_plan.results == ["ground"]
+    assert rules_of(study_plan, "ground") == ["prepare", "contact"]
+    assert used(study_plan, "ground", *PREPARED, "contact", "statistics") == ["ground"] * 5
+    assert study_plan.sources("prepare", "ground") == ["ground.x3p"]
+    assert study_plan.sources("contact", "ground") == []
 
 
 def test_the_first_case_prepares_for_all_that_agree():
-    made = plan({"hard": {}, "soft": SOFT, "same": {}})
-    assert rules_of(made, "soft/ground") == ["contact"]
-    assert used(made, "soft/ground", *PREPARED, "contact") == ["hard/ground"] * 3 + ["soft/ground"]
-    assert rules_of(made, "same/ground") == ["statistics"]
-    assert used(made, "same/ground", *PREPARED, "contact", "statistics") == ["hard/ground"] * 5
-    assert made.other_case("statistics", "same/ground") == "hard"
-    assert made.other_case("contact", "soft/ground") == ""
+    study_plan = plan({"hard": {}, "soft": SOFT, "same": {}})
+    assert rules_of(study_plan, "soft/ground") == ["contact"]
+    assert used(study_plan, "soft/ground", *PREPARED, "contact") == ["hard/ground"] * 3 + ["soft/ground"]
+    assert rules_of(study_plan, "same/ground") == ["statistics"]
+    assert used(study_plan, "same/ground", *PREPARED, "contact", "statistics") == ["hard/ground"] * 5
+    assert study_plan.other_case("statistics", "same/ground") == "hard"
+    assert study_plan.other_case("contact", "soft/ground") == ""
 
 
 def test_a_case_with_another_window_prepares_all_and_lends_it():
-    made = plan({"hard": {}, "raw": RAW, "raw-soft": RAW | SOFT})
-    assert rules_of(made, "raw/ground") == ["prepare", "contact"]
-    assert used(made, "raw/ground", *PREPARED) == ["raw/ground"] * 3
-    assert rules_of(made, "raw-soft/ground") == ["contact"]
-    assert used(made, "raw-soft/ground", *PREPARED) == ["raw/ground"] * 3
+    study_plan = plan({"hard": {}, "raw": RAW, "raw-soft": RAW | SOFT})
+    assert rules_of(study_plan, "raw/ground") == ["prepare", "contact"]
+    assert used(study_plan, "raw/ground", *PREPARED) == ["raw/ground"] * 3
+    assert rules_of(study_plan, "raw-soft/ground") == ["contact"]
+    assert used(study_plan, "raw-soft/ground", *PREPARED) == ["raw/ground"] * 3
 
 
 def test_a_case_with_other_bins_evaluates_the_solution_of_another():
-    made = plan({"base": {}, "binned": {"statistics": {"gap_bins": 5}}})
-    assert rules_of(made, "binned/ground") == ["statistics"]
-    assert used(made, "binned/ground", "contact", "uncertainty", "statistics") == [
+    study_plan = plan({"base": {}, "binned": {"statistics": {"gap_bins": 5}}})
+    assert rules_of(study_plan, "binned/ground") == ["statistics"]
+    assert used(study_plan, "binned/ground", "contact", "uncertainty", "statistics") == [
         "base/ground",
         "base/ground",
         "binned/ground",
@@ -75,31 +77,48 @@ def test_a_case_with_other_bins_evaluates_the_solution_of_another():
 
 
 def test_placements_of_a_pair_are_made_of_its_faces():
-    made = plan(pair=True)
-    assert made.results == made.solved == ["seal-1", "seal-2"]
-    assert rules_of(made, "seal-face") == rules_of(made, "seal-counter-face") == ["prepare_face"]
-    assert rules_of(made, "seal-2") == ["superpose", "contact"]
-    assert rules_of(made, "seal-3") == ["prepare", "contact"]  # another surface could have this name
-    files = {name: made.file(name, "seal-2") for name in ("height", "counter_height", "face", "counter_face")}
+    study_plan = plan(pair=True)
+    assert study_plan.results == study_plan.solved == ["seal-1", "seal-2"]
+    assert rules_of(study_plan, "seal-face") == rules_of(study_plan, "seal-counter-face") == ["prepare_face"]
+    assert rules_of(study_plan, "seal-2") == ["superpose", "contact"]
+    assert rules_of(study_plan, "seal-3") == ["prepare", "contact"]  # another surface could have this name
+    files = {
+        name: study_plan.file(name, "seal-2") for name in ("height", "counter_height", "face", "counter_face")
+    }
     assert files == {
         "height": "results/seal-face/height.nc",
         "counter_height": "results/seal-counter-face/height.nc",
         "face": "results/seal-face/levelled.nc",
         "counter_face": "results/seal-counter-face/levelled.nc",
     }
-    assert made.file("levelled", "seal-2") == "results/seal-2/levelled.nc"
-    assert made.file("levelled", "seal-face") == "results/seal-face/levelled.nc"
-    assert made.settings("window", "seal-2")["surface"]["number"] == 2
+    assert study_plan.file("levelled", "seal-2") == "results/seal-2/levelled.nc"
+    assert study_plan.file("levelled", "seal-face") == "results/seal-face/levelled.nc"
+    assert study_plan.settings("window", "seal-2")["surface"]["number"] == 2
     cells = {"dx": 2.0}
-    assert made.settings("statistics", "seal-2")["surface"]["sides"] == {
+    assert study_plan.settings("statistics", "seal-2")["surface"]["sides"] == {
         "seal-face": cells,
         "seal-counter-face": cells,
     }
-    assert made.all_sources("seal-2") == ["ground.x3p", "other.x3p"]
+    assert study_plan.all_sources("seal-2") == ["ground.x3p", "other.x3p"]
+
+
+def test_the_overview_of_a_surface_is_read_by_its_first_job_alone():
+    study_plan = plan({"hard": {}, "soft": SOFT, "raw": RAW}, overview="field.x3p")
+    assert rules_of(study_plan, "hard/ground") == ["prepare_with_overview", "contact"]
+    assert rules_of(study_plan, "hard/grounds") == ["prepare", "contact"]
+    assert study_plan.sources("prepare_with_overview", "hard/ground") == ["ground.x3p", "field.x3p"]
+    assert study_plan.sources("contact", "hard/ground") == []
+    folders = {case: study_plan.file("overview", f"{case}/ground") for case in ("hard", "soft", "raw")}
+    assert folders == {
+        case: f"results/{owner}/ground/overview.nc"
+        for case, owner in {"hard": "hard", "soft": "hard", "raw": "raw"}.items()
+    }
+    assert plan().file("overview", "ground") == ""
 
 
 OUTPUTS = {
     "prepare": PREPARED,
+    "prepare_with_overview": (*PREPARED, "overview"),
     "prepare_face": ("height", "levelled"),
     "superpose": ("levelled", "window"),
     "contact": ("contact", "uncertainty", "statistics"),
@@ -107,12 +126,12 @@ OUTPUTS = {
 }
 INPUTS = {
     "superpose": ("face", "counter_face"),
-    "contact": (*PREPARED, "counter_height"),
-    "statistics": (*PREPARED, "counter_height", "contact"),
+    "contact": (*PREPARED, "overview", "counter_height"),
+    "statistics": (*PREPARED, "overview", "counter_height", "contact"),
 }
 
 
-@pytest.mark.parametrize("pair", [False, True])
+@pytest.mark.parametrize("kind", [{}, {"pair": True}, {"overview": "field.x3p"}])
 @pytest.mark.parametrize(
     "cases",
     [
@@ -129,15 +148,15 @@ INPUTS = {
         },
     ],
 )
-def test_every_file_has_one_rule_and_is_made_before_it_is_read(pair, cases):
+def test_every_file_has_one_rule_and_is_made_before_it_is_read(kind, cases):
     """What the rules do by their patterns, followed from the results back to the measured files."""
-    made = plan(cases, pair=pair)
+    study_plan = plan(cases, **kind)
     producers = {}
-    for case in made.cases:
-        for name in [*made.measured, *made.placements]:
+    for case in study_plan.cases:
+        for name in [*study_plan.measured, *study_plan.placements]:
             result = f"{case}/{name}" if case else name
             for rule in RULES:
-                if re.fullmatch(made.pattern(rule), result):
+                if re.fullmatch(study_plan.pattern(rule), result):
                     for output in OUTPUTS[rule]:
                         assert producers.setdefault(f"results/{result}/{output}.nc", (rule, result)) == (
                             rule,
@@ -149,62 +168,71 @@ def test_every_file_has_one_rule_and_is_made_before_it_is_read(pair, cases):
         assert (rule, result) not in waiting
         names = [*INPUTS.get(rule, ())]
         if rule in ("contact", "statistics"):
-            names += [name for name in ("uncertainty", "statistics") if made.other_case(name, result)]
+            names += [name for name in ("uncertainty", "statistics") if study_plan.other_case(name, result)]
             names = names if rule == "statistics" else [name for name in names if name != "statistics"]
         jobs = {(rule, result)}
-        for read in filter(None, (made.file(name, result) for name in names)):
+        for read in filter(None, (study_plan.file(name, result) for name in names)):
             jobs |= follow(read, {*waiting, (rule, result)})
         return jobs
 
-    for result in made.results:
+    for result in study_plan.results:
         jobs = follow(f"results/{result}/statistics.nc", frozenset())
-        assert set(made.contributing(result)) <= jobs
+        assert re.fullmatch(study_plan.pattern("panel"), result)
+        assert set(study_plan.contributing(result)) <= {*jobs, ("panel", result)}
 
 
 def test_settings_of_a_file_are_all_that_it_depends_on():
-    made = plan({"hard": {}, "soft": SOFT})
-    assert made.settings("height", "soft/ground") == {"surface": {"name": "ground", "dx": 2.0}}
-    assert list(made.settings("window", "soft/ground")) == ["surface", "level", "window"]
-    assert set(made.report_arguments()["settings"]) == {"hard", "soft"}
+    study_plan = plan({"hard": {}, "soft": SOFT})
+    assert study_plan.settings("height", "soft/ground") == {"surface": {"name": "ground", "dx": 2.0}}
+    assert list(study_plan.settings("window", "soft/ground")) == ["surface", "level", "window"]
+    assert set(study_plan.report_arguments()["settings"]) == {"hard", "soft"}
     assert set(plan().report_arguments()["settings"]) > {"level", "window", "contact"}
 
 
 def test_memory_and_time_grow_with_the_map(tmp_path):
     np.save(tmp_path / "map.npy", np.zeros((1000, 1000)))
-    made = plan(path=tmp_path / "map.npy")
+    study_plan = plan(path=tmp_path / "map.npy")
     for part in ("prepare", "contact"):
-        small, large = (made.memory(part, "ground", points=points) for points in (1e6, 4e6))
+        small, large = (study_plan.memory(part, "ground", points=points) for points in (1e6, 4e6))
         assert 700 < small < large
-        small, large = (made.minutes(part, "ground", points=points) for points in (1e6, 4e6))
+        small, large = (study_plan.minutes(part, "ground", points=points) for points in (1e6, 4e6))
         assert 0 < small < large
-    assert made.memory("prepare", "ground", points=0) == pytest.approx(700 + 80, rel=0.01)  # the file of 8 MB
+    assert study_plan.memory("prepare", "ground", points=0) == pytest.approx(
+        700 + 80, rel=0.01
+    )  # the file of 8 MB
     flowing = plan(path=tmp_path / "map.npy", statistics={"flow": "always"})
-    assert flowing.memory("contact", "ground", points=1e6) > made.memory("contact", "ground", points=1e6)
+    assert flowing.memory("contact", "ground", points=1e6) > study_plan.memory(
+        "contact", "ground", points=1e6
+    )
     steel = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
     bodies = [steel, steel | {"layers": [steel | {"thickness": "2 um", "yield_stress": "7 GPa"}]}]
-    for stress, asked in (("never", 0), ("auto", 200)):  # bytes a point
+    for stress, bytes_per_point in (("never", 0), ("auto", 200)):  # bytes a point
         contact, statistics = {"bodies": bodies, "mean_pressure": [1e6]}, {"stress": stress}
         strained = plan(path=tmp_path / "map.npy", contact=contact, statistics=statistics)
-        more = strained.memory("contact", "ground", points=4e6) - made.memory("contact", "ground", points=4e6)
-        assert more == pytest.approx(4 * asked)
-    assert made.threads("ground") == 4
+        extra_memory = strained.memory("contact", "ground", points=4e6) - study_plan.memory(
+            "contact", "ground", points=4e6
+        )
+        assert extra_memory == pytest.approx(4 * bytes_per_point)
+    assert study_plan.threads("ground") == 4
     assert plan(path=tmp_path / "none.npy").threads("ground") == 1
 
 
 def test_logs_of_a_result_are_those_of_the_jobs_it_is_made_by():
     binned = {"statistics": {"gap_bins": 5}}
-    made = plan({"hard": {}, "soft": SOFT, "raw": RAW, "binned": binned}, pair=True)
+    study_plan = plan({"hard": {}, "soft": SOFT, "raw": RAW, "binned": binned}, pair=True)
     faces = ["seal-face/prepare_face", "seal-counter-face/prepare_face"]
     prepared = [f"logs/hard/{name}.log" for name in faces]
     for case, window in (("hard", "hard"), ("soft", "hard"), ("raw", "raw")):
-        own = [f"logs/{window}/seal-1/superpose.log", f"logs/{case}/seal-1/contact.log"]
-        assert made.log_files(f"{case}/seal-1") == [*prepared, *own]
-    assert made.log_files("binned/seal-1")[2:] == [
+        own_logs = [f"logs/{window}/seal-1/superpose.log"]
+        own_logs += [f"logs/{case}/seal-1/{rule}.log" for rule in ("contact", "panel")]
+        assert study_plan.log_files(f"{case}/seal-1") == [*prepared, *own_logs]
+    assert study_plan.log_files("binned/seal-1")[2:] == [
         "logs/hard/seal-1/superpose.log",
         "logs/hard/seal-1/contact.log",
         "logs/binned/seal-1/statistics.log",
+        "logs/binned/seal-1/panel.log",
     ]
-    assert plan().log_files("ground") == [f"logs/ground/{job}.log" for job in ("prepare", "contact")]
+    assert plan().log_files("ground") == [f"logs/ground/{job}.log" for job in ("prepare", "contact", "panel")]
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,8 @@
 
 import pytest
 
-from roughcontact import materials
-from roughcontact.configuration.resolve import resolve
+from roughcontact.arguments import materials
+from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.errors import SettingsError
 
 # Young's modulus, Poisson's ratio, hardness: figures of handbooks, rounded (Ashby 2011; Tabor 1951; Johnson
@@ -46,8 +46,8 @@ def lines(contact, **sections):
 @pytest.mark.parametrize("against", [*REAL, "rigid"])
 @pytest.mark.parametrize("material", REAL)
 def test_real_pairs_under_real_loads_are_never_doubted(material, against):
-    other = RIGID if against == "rigid" else body(against)
-    settings = resolve({"contact": {"bodies": [body(material), other]}})[""]["contact"]
+    counter_body = RIGID if against == "rigid" else body(against)
+    settings = resolve({"contact": {"bodies": [body(material), counter_body]}})[""]["contact"]
     modulus = settings["contact_modulus"]
     assert materials.doubt_of_modulus(modulus) is None
     loads = [max(100.0, 1e-8 * modulus * (1 + 1e-12)), 1e-4 * modulus, 0.01 * modulus, 0.3 * modulus]
@@ -62,8 +62,10 @@ def test_real_pairs_under_real_loads_are_never_doubted(material, against):
 def test_a_modulus_in_gigapascal_is_asked_for(material):
     stiffness, ratio, hardness = REAL[material]
     wrong = {"youngs_modulus": stiffness / 1e9, "poissons_ratio": ratio, "hardness": hardness / 1e9}
-    found = lines({"bodies": [body(material), wrong]})
-    for line, key, value in zip(found, ("youngs_modulus", "hardness"), (stiffness, hardness), strict=True):
+    questions = lines({"bodies": [body(material), wrong]})
+    for line, key, value in zip(
+        questions, ("youngs_modulus", "hardness"), (stiffness, hardness), strict=True
+    ):
         assert line.startswith(f"contact.bodies[1].{key} = ")
         assert materials.quantity(value, "Pa") in line.partition("did you mean ")[2].partition("?")[0]
 
@@ -170,15 +172,18 @@ def test_a_number_with_a_unit_is_taken_wherever_a_quantity_is_set():
         "composite": {"rotations": ["90 deg", 45, "3.141592653589793 rad"]},
     }
     settings = resolve(config)[""]
-    assert [each["youngs_modulus"] for each in settings["contact"]["bodies"]] == [2.1e11, 4e9]
+    assert [body_settings["youngs_modulus"] for body_settings in settings["contact"]["bodies"]] == [
+        2.1e11,
+        4e9,
+    ]
     assert settings["contact"]["hardness"] == 2e9
     assert settings["contact"]["mean_pressure"] == [1e6, 5e5, 3e6, 2e6]
     assert (settings["level"]["s_filter"], settings["level"]["l_filter"]) == (2.5e-6, 8e-4)
     assert settings["window"]["shortest_wavelength"] == 2e-6
     assert settings["window"]["longest_wavelength"] == 1e-4
     assert settings["composite"]["rotations"] == [90.0, 45.0, 180.0]
-    alone = resolve({"contact": {"contact_modulus": "115 GPa", "hardness": "7.5 GPa"}})[""]["contact"]
-    assert (alone["contact_modulus"], alone["hardness"]) == (115e9, 7.5e9)
+    contact = resolve({"contact": {"contact_modulus": "115 GPa", "hardness": "7.5 GPa"}})[""]["contact"]
+    assert (contact["contact_modulus"], contact["hardness"]) == (115e9, 7.5e9)
 
 
 @pytest.mark.parametrize(
@@ -231,10 +236,10 @@ def test_a_load_that_the_softer_body_does_not_bear_is_refused_before_anything_ru
 def test_the_softer_body_gives_the_hardness():
     for pair in ([body("peek"), body("bearing steel")], [body("bearing steel"), body("peek")]):
         assert resolve({"contact": {"bodies": pair}})[""]["contact"]["hardness"] == 3e8
-    one = [body("natural rubber"), body("bearing steel")]
-    assert resolve({"contact": {"bodies": one}})[""]["contact"]["hardness"] == 7.5e9
+    bodies = [body("natural rubber"), body("bearing steel")]
+    assert resolve({"contact": {"bodies": bodies}})[""]["contact"]["hardness"] == 7.5e9
     none = [body("natural rubber"), body("silicone")]
     assert resolve({"contact": {"bodies": none}})[""]["contact"]["hardness"] is None
     assert resolve({"contact": {"bodies": none, "hardness": 1e7}})[""]["contact"]["hardness"] == 1e7
-    (line,) = lines({"bodies": one, "hardness": 2e9})
+    (line,) = lines({"bodies": bodies, "hardness": 2e9})
     assert line.startswith("contact: hardness given of the contact and of a body")

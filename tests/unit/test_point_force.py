@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from roughcontact.elasticity.point_force import TAPER, PointForce, half_space_amplitudes
-from roughcontact.elasticity.subsurface import subsurface_stress
+from roughcontact.contact.elasticity.point_force import TAPER, PointForce, half_space_amplitudes
+from roughcontact.contact.elasticity.subsurface import subsurface_stress
 
 
 def huber(r, z, a, nu):
@@ -26,7 +26,7 @@ def test_hertz_on_and_off_the_axis(a, depth):
     x = (np.arange(n) + 0.5) / n - 0.5
     r = np.hypot(x[:, None], x)
     pressure = np.sqrt(np.maximum(1 - (r / a) ** 2, 0))
-    xx, yy, zz, yz, xz, xy = subsurface_stress(pressure, (1 / n, 1 / n), poissons_ratio=nu, free=True)(z)
+    xx, yy, zz, yz, xz, xy = subsurface_stress(pressure, (1 / n, 1 / n), poissons_ratio=nu, images=False)(z)
     rr, tt, normal, shear = huber(r, z, a, nu)
     cos, sin = x / r, x[:, None] / r
     expected = (rr * cos**2 + tt * sin**2, rr * sin**2 + tt * cos**2, normal, shear * sin, shear * cos)
@@ -44,7 +44,7 @@ def test_points_of_any_pressure_act_as_point_forces():
     """Four pixels below the surface the sum of Boussinesq's stresses, of an oblong map and uneven pixels."""
     shape, (dy, dx), nu, z = (20, 70), (1.0, 1.4), 0.25, 5.0
     pressure = np.random.default_rng(5).random(shape) * np.hanning(20)[:, None] * np.hanning(70)
-    stress = subsurface_stress(pressure, (dy, dx), poissons_ratio=nu, free=True)(z)
+    stress = subsurface_stress(pressure, (dy, dx), poissons_ratio=nu, images=False)(z)
     y, x = np.indices(shape) * np.array([dy, dx])[:, None, None]
     for row, column in ((0, 0), (9, 35), (19, 69), (4, 60)):
         across, along = y[row, column] - y, x[row, column] - x

@@ -9,17 +9,14 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.command_line.describe import _precision
-from roughcontact.quantities import Unit
-from roughcontact.references.synthetic import rough_reference_surface
-from roughcontact.report.glance import glance_rows
+from roughcontact.arguments.quantities import Unit
+from roughcontact.report.glance import glance_rows, interval_cell
 from roughcontact.results.collect import table
 from roughcontact.statistics.precision import (
-    gap_is_decided,
+    add_precision,
     precision_in_words,
-    with_precision,
-    yield_is_decided,
 )
+from roughcontact.surface.synthetic import rough_reference_surface
 
 PLAIN = Unit(1.0, "")
 
@@ -47,18 +44,38 @@ def statistics():
         (0.5, np.nan, "not by this map: at least 0.500 "),
         (0.0, np.nan, "not by this map"),
         (np.nan, np.nan, ""),
-        (1.0, 1.0, "exactly"),
+        (1.0, 1.0, "to ± 10 %"),
     ],
 )
 def test_words_follow_the_ends_of_the_interval(lower, upper, words):
     assert precision_in_words(1.0, lower, upper, PLAIN) == words
 
 
-def test_a_gap_that_is_closed_everywhere_is_known_exactly():
+def test_an_interval_that_rests_on_a_property_says_so():
+    """Where all of the contact flows the area is p/H, and its lower end that of this hardness."""
+    metal = {
+        "youngs_modulus": "200 GPa",
+        "poissons_ratio": 0.3,
+        "thermal_conductivity": 50,
+        "hardness": "2 GPa",
+    }
+    contact = {"bodies": [metal, metal], "relative_pressure": [1e-4, 0.02]}
+    result = rc.evaluate(0.1 * rough_reference_surface(64), contact=contact)
+    flows = result["load_share_above_hardness"].values > 0
+    assert flows.tolist() == [False, True]
+    for cells, limited in zip(glance_rows(result), flows, strict=True):
+        area, pressure, gap, conductance = (cells[column] for column in (1, 2, 3, 7))
+        for cell in (area, pressure):
+            assert cell.precision.endswith(", hardness taken as exact") == limited, cell
+        assert "exact" not in gap.precision
+        assert conductance.precision.endswith(", conductivity taken as exact")
+
+
+def test_a_gap_that_is_closed_everywhere_is_known():
     gaps = {"mean_gap": [0.0, 0.0], "mean_gap_lower": [0.0, 0.0], "mean_gap_upper": [0.0, 1e-9]}
-    known = with_precision(xr.Dataset({name: ("load", values) for name, values in gaps.items()}))
-    np.testing.assert_equal(known["mean_gap_known"].values, [0.0, np.nan])
-    assert precision_in_words(0.0, 0.0, 0.0, PLAIN) == "exactly"
+    precision = add_precision(xr.Dataset({name: ("load", values) for name, values in gaps.items()}))
+    np.testing.assert_equal(precision["mean_gap_known"].values, [0.0, np.nan])
+    assert precision_in_words(0.0, 0.0, 0.0, PLAIN) == "to ± 10 %"
     assert precision_in_words(0.0, 0.0, 1e-9, PLAIN) == "not by this map: at most 1.00×10⁻⁹ "
 
 
@@ -71,7 +88,7 @@ def test_all_of_the_area_is_no_bound():
 def test_the_files_hold_the_half_width_over_the_value(statistics):
     frame = table(statistics)
     for answer in ("relative_contact_area", "mean_contact_pressure", "mean_gap", "max_pressure"):
-        value, lower, upper = (statistics[f"{answer}{end}"].values for end in ("", "_lower", "_upper"))
+        value, lower, upper = (statistics[f"{answer}{suffix}"].values for suffix in ("", "_lower", "_upper"))
         expected = [
             max(v - low, high - v) / v if v > 0 else np.nan
             for v, low, high in zip(value, lower, upper, strict=True)
@@ -84,16 +101,12 @@ def test_the_files_hold_the_half_width_over_the_value(statistics):
     )
 
 
-def test_page_and_screen_say_what_the_files_say(statistics):
-    rows = glance_rows(statistics)
-    names = [str(name) for name, variable in statistics.variables.items() if variable.dims == ("load",)]
-    loads = [{name: float(statistics[name][load]) for name in names} for load in range(3)]
-    screen = next(line for line in _precision(loads) if "A/A0 known" in line).split("known")[1]
-    for load, (cells, words) in enumerate(zip(rows, screen.split(";"), strict=True)):
+def test_the_page_says_what_the_files_say(statistics):
+    for load, cells in enumerate(glance_rows(statistics)):
         known = float(statistics["relative_contact_area_known"][load])
-        assert " ".join(words.split()) == cells[1].precision
         if known <= 0.3:
-            assert cells[1].precision == f"to ± {max(10, 5 * math.ceil(20 * known))} %"
+            plain = cells[1].precision.removesuffix(", hardness taken as exact")
+            assert plain == f"to ± {max(10, 5 * math.ceil(20 * known))} %"
         else:
             assert not re.match(r"to ±", html.unescape(cells[1].precision))
 
@@ -105,18 +118,32 @@ def test_a_yes_or_no_is_known_where_its_interval_lies_on_one_side():
     }
     names |= {"max_pressure": [1e9, 5e8, 5e8], "max_pressure_lower": [9e8, 4e8, 4e8]}
     names |= {"max_pressure_upper": [1e9, 9e8, 1e9]}
-    names |= {f"critical_constriction_y_{end}": [0.0, 0.0, 0.0] for end in ("lower", "upper")}
+    names |= {f"critical_constriction_y_{side}": [0.0, 0.0, 0.0] for side in ("lower", "upper")}
     numbers = xr.Dataset({name: ("load", values) for name, values in names.items()} | {"hardness": 1e9})
     numbers = numbers.assign_coords(mean_pressure=("load", [3e6, 2e6, 1e6]))
-    assert gap_is_decided(numbers, "x").tolist() == [1, 1, 0]
-    assert yield_is_decided(numbers).tolist() == [0, 1, 0]
     everywhere = numbers.assign(max_pressure_parts=(("member", "load"), [[1e9, 5e8, 1e9], [1e9, 6e8, 2e8]]))
-    assert yield_is_decided(everywhere).tolist() == [1, 1, 0]
-    known = with_precision(everywhere)
-    np.testing.assert_array_equal(known["sealing_known"], [0.0, 0.0, np.nan])
-    np.testing.assert_array_equal(known["yield_known"], [0.0, 0.0, np.nan])
+    for answer in ("sealing_known", "yield_known"):  # 1 MPa is decided by 2 MPa
+        np.testing.assert_array_equal(add_precision(everywhere)[answer], [0.0, 0.0, 0.0])
+        np.testing.assert_array_equal(add_precision(everywhere.isel(load=[0, 2]))[answer], [0.0, np.nan])
 
 
 def test_without_an_interval_nothing_is_said():
     numbers = xr.Dataset({"mean_gap": ("load", [1e-6])}, {"mean_pressure": ("load", [1e6])})
-    assert not [name for name in with_precision(numbers) if str(name).endswith("_known")]
+    assert not [name for name in add_precision(numbers) if str(name).endswith("_known")]
+
+
+@pytest.mark.parametrize(
+    ("value", "lower", "upper", "closed"),
+    [
+        (5e-10, 1e-11, 4e-9, True),
+        (2e-9, 1e-9, 4e-9, False),
+        (0.0, 0.0, 0.0, True),
+        (2e-9, 0.0, np.nan, False),
+    ],
+)
+def test_a_mean_gap_of_some_atoms_is_closed(value, lower, upper, closed):
+    ends = {"mean_gap": [value], "mean_gap_lower": [lower], "mean_gap_upper": [upper]}
+    numbers = {name: np.array(each) for name, each in ends.items()}
+    cell = interval_cell(numbers, "mean_gap", {"mean_gap": Unit(1e9, "nm")}, 0)
+    assert (cell.text == "closed (< 1 nm)") is closed
+    assert ("up to" in cell.details) is (closed and upper > 1e-9)  # finer than atoms nothing is said

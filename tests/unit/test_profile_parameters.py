@@ -43,9 +43,9 @@ def test_hills_within_a_tenth_of_rz_make_no_element():
 
 
 def test_several_profiles_have_the_mean_of_each():
-    one, two = sine(1e-6), sine(3e-6)
-    both = rc.height_map(np.vstack([one.values, two.values]), PITCH)
-    assert rc.profile_parameters(both)["Pq"] == pytest.approx(2e-6 / np.sqrt(2), rel=1e-6)
+    low, high = sine(1e-6), sine(3e-6)
+    two_profiles = rc.height_map(np.vstack([low.values, high.values]), PITCH)
+    assert rc.profile_parameters(two_profiles)["Pq"] == pytest.approx(2e-6 / np.sqrt(2), rel=1e-6)
 
 
 def test_the_core_is_that_of_the_material_ratio_curve():

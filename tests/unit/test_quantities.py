@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact.quantities import Unit, number, percent, prefix, quantity, with_interval
+from roughcontact.arguments.quantities import Unit, number, percent, prefix, quantity, with_interval
 
 
 @pytest.mark.parametrize(
-    ("value", "unit", "factor", "shown"),
+    ("value", "unit", "factor", "symbol"),
     [
         (1500.0, "m", 1e-3, "km"),
         (1000.0, "m", 1e-3, "km"),
@@ -29,8 +29,8 @@ from roughcontact.quantities import Unit, number, percent, prefix, quantity, wit
         (np.inf, "m", 1.0, "m"),
     ],
 )
-def test_prefix(value, unit, factor, shown):
-    assert prefix(value, unit) == (factor, shown)
+def test_prefix(value, unit, factor, symbol):
+    assert prefix(value, unit) == (factor, symbol)
 
 
 @pytest.mark.parametrize(
@@ -157,8 +157,10 @@ def test_ends_of_an_interval(lower, upper, text):
 
 
 def test_no_digit_is_shown_below_the_finest_half_width():
-    shown = [with_interval(*each, finest=0.1) for each in ((0.0, -2e-4, 3e-4), (18.4731, 18.413, 18.519))]
-    assert shown == ["0.00", "18.47 −0.06 +0.05"]
+    texts = [
+        with_interval(*interval, finest=0.1) for interval in ((0.0, -2e-4, 3e-4), (18.4731, 18.413, 18.519))
+    ]
+    assert texts == ["0.00", "18.47 −0.06 +0.05"]
     assert with_interval(5.0, 4.0, 6.0, finest=0.1) == with_interval(5.0, 4.0, 6.0)
 
 

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.contact.solve import solve_contact
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.window.periodic_window import periodic_window
 
 PITCH, MODULUS, POINTS = 1e-6, 1e9, 256
 LEVEL = {"form": "polynomial", "order": 2, "line_alignment": "matched-steps", "s_filter": 2e-6}
@@ -48,7 +48,7 @@ def measure(surface, corner, seed):
 @pytest.mark.parametrize("placement", ["largest", "whole-periods"])
 def test_contact_area_of_faulty_measurements(placement):
     """Eight windows of two surfaces: the true area lies within their ±, and within what their spread says."""
-    ratios, stated = [], []
+    ratios, half_widths = [], []
     for seed in range(2):
         surface = self_affine_surface(
             (2 * POINTS, 2 * POINTS),
@@ -61,9 +61,9 @@ def test_contact_area_of_faulty_measurements(placement):
         )
         load = 0.1 * MODULUS * rms_gradient(surface)
         truth = contact_area(surface, load)
-        for place in range(4):
-            corner = [POINTS * n for n in divmod(place, 2)]
-            levelled = level(measure(surface, corner, seed=10 * seed + place), **LEVEL)
+        for quadrant in range(4):
+            corner = [POINTS * n for n in divmod(quadrant, 2)]
+            levelled = level(measure(surface, corner, seed=10 * seed + quadrant), **LEVEL)
             assert 35 <= levelled.attrs["outliers_rejected"] <= 45
             assert levelled.attrs["filled_share"] > 0.003
             window = periodic_window(levelled, placement=placement)
@@ -71,10 +71,10 @@ def test_contact_area_of_faulty_measurements(placement):
             contact = {"contact_modulus": MODULUS, "mean_pressure": [load]}
             settings = {"level": LEVEL, "window": {"placement": placement}, "contact": contact}
             budget = error_budget(levelled, window, settings)["relative_contact_area_uncertainty"]
-            stated.append(float(budget.sel(source="combined")[0]) / truth)
-    ratios, stated = np.array(ratios), np.array(stated)
-    assert (np.abs(ratios - 1) <= stated).mean() >= 7 / 8
-    assert np.median(stated) < 0.15
+            half_widths.append(float(budget.sel(source="combined")[0]) / truth)
+    ratios, half_widths = np.array(ratios), np.array(half_widths)
+    assert (np.abs(ratios - 1) <= half_widths).mean() >= 7 / 8
+    assert np.median(half_widths) < 0.15
     spread = ratios.std(ddof=1)
     assert spread < 0.1
     assert abs(ratios.mean() - 1) < 2 * spread / np.sqrt(ratios.size)

@@ -88,8 +88,10 @@ def test_westergaard_mean_displacement_of_the_wave_in_its_other_form():
     for ratio in (0.01, 0.4, 0.99):
         a = closed_forms.westergaard_contact_share(ratio) / 2
         sine = np.sin(np.pi * a)
-        other = -0.5 + np.cos(np.pi * a) ** 2 / 2 + sine**2 * np.log(sine)
-        assert (closed_forms.westergaard_mean_gap(D, ratio) - D) / (2 * D) == pytest.approx(other, rel=1e-12)
+        closed_form = -0.5 + np.cos(np.pi * a) ** 2 / 2 + sine**2 * np.log(sine)
+        assert (closed_forms.westergaard_mean_gap(D, ratio) - D) / (2 * D) == pytest.approx(
+            closed_form, rel=1e-12
+        )
 
 
 def test_westergaard_full_contact():
@@ -139,8 +141,8 @@ def test_lattice_constant_by_an_ewald_sum():
     n = np.arange(-6, 7)
     distance = np.hypot(*np.meshgrid(n, n))[np.hypot(*np.meshgrid(n, n)) > 0]
     # splitting width √π: both sums are then the same, and converge within a few shells
-    both = erfc(np.sqrt(np.pi) * distance) / distance
-    potential = 2 * both.sum() - 4
+    terms = erfc(np.sqrt(np.pi) * distance) / distance
+    potential = 2 * terms.sum() - 4
     assert potential == pytest.approx(-np.pi * closed_forms.LATTICE_CONSTANT, rel=1e-12)
 
 
@@ -158,13 +160,13 @@ def test_zero_frequency_of_nogi_and_kato_by_quadrature():
 
 
 def test_periodic_hertz_tends_to_hertz():
-    alone = closed_forms.hertz(1e-3, 1e-3, 1e9)
+    hertz = closed_forms.hertz(1e-3, 1e-3, 1e9)
     repeated = closed_forms.periodic_hertz(1e-3, 1e-3, 1e9, period=1.0)
     for name in ("contact_radius", "max_pressure"):
-        assert repeated[name] == pytest.approx(alone[name], rel=1e-9)
+        assert repeated[name] == pytest.approx(hertz[name], rel=1e-9)
     shift = closed_forms.LATTICE_CONSTANT * 1e-3 / (1e9 * 1.0)
-    assert repeated["approach"] == pytest.approx(alone["approach"] - shift, rel=1e-9)
-    assert repeated["energy"] == pytest.approx(alone["energy"] - 1e-3 * shift / 2, rel=1e-9)
+    assert repeated["approach"] == pytest.approx(hertz["approach"] - shift, rel=1e-9)
+    assert repeated["energy"] == pytest.approx(hertz["energy"] - 1e-3 * shift / 2, rel=1e-9)
 
 
 def test_periodic_hertz_energy_is_the_work_of_the_force():
@@ -197,8 +199,8 @@ def test_hertz_displacement_is_the_approach_less_the_sphere():
     force, radius, modulus = 0.7, 3e-3, 5e9
     hertz = closed_forms.hertz(force, radius, modulus)
     r = np.linspace(0, hertz["contact_radius"], 9)
-    found = closed_forms.hertz_displacement(r, hertz["contact_radius"], hertz["max_pressure"], modulus)
-    np.testing.assert_allclose(found, hertz["approach"] - r**2 / (2 * radius), rtol=1e-12)
+    displacement = closed_forms.hertz_displacement(r, hertz["contact_radius"], hertz["max_pressure"], modulus)
+    np.testing.assert_allclose(displacement, hertz["approach"] - r**2 / (2 * radius), rtol=1e-12)
 
 
 @pytest.mark.parametrize("wavenumber", [1e-2, 0.7, 3.0, 20.0])
@@ -256,20 +258,20 @@ def test_a_sphere_on_a_layer_between_hertz_and_springs(nu):
 def test_the_equation_of_a_sphere_on_a_layer_is_fulfilled_by_displacements():
     """The pressure that belongs to phi, by its Hankel transform, displaces the surface to the sphere."""
     a, radius, thickness, nu = 0.8, 3.0, 1.0, 0.4
-    known = sphere_on_layer(a, radius, thickness, nu)
+    solution = sphere_on_layer(a, radius, thickness, nu)
     x, weight = np.polynomial.legendre.leggauss(300)
     x, weight = (x + 1) * a / 2, weight * a / 2
     q, share = np.polynomial.legendre.leggauss(4000)
     q, share = (q + 1) * 100, share * 100
     factor = rigid_base_factor(q * thickness, nu)
     kernel = 2 / np.pi * ((1 - factor) * share * np.cos(np.outer(x, q))) @ np.cos(np.outer(q, x))
-    phi = np.linalg.solve(np.eye(300) - kernel * weight, (known.approach - x**2 / radius) / np.pi)
-    assert 2 * np.pi * weight @ phi == pytest.approx(known.force, rel=1e-6)
+    phi = np.linalg.solve(np.eye(300) - kernel * weight, (solution.approach - x**2 / radius) / np.pi)
+    assert 2 * np.pi * weight @ phi == pytest.approx(solution.force, rel=1e-6)
     # p(q) = 2 pi int phi cos(qx) dx transforms the pressure, u(r) = int 2 f p(q) J0(qr) dq / 2 pi
     transform = 2 * np.pi * np.cos(np.outer(q, x)) @ (phi * weight)
     for r in (0.0, 0.3, 0.6):
         displaced = (2 * factor * transform * special.j0(q * r) * share).sum() / (2 * np.pi)
-        assert displaced == pytest.approx(known.approach - r**2 / (2 * radius), rel=2e-3)
+        assert displaced == pytest.approx(solution.approach - r**2 / (2 * radius), rel=2e-3)
 
 
 @pytest.mark.parametrize(
@@ -277,9 +279,9 @@ def test_the_equation_of_a_sphere_on_a_layer_is_fulfilled_by_displacements():
 )
 def test_a_layer_stiffens_a_sphere_as_computed_elsewhere(nu, ratios):
     for size, expected in zip((0.5, 1.0, 1.6), ratios, strict=True):
-        found = sphere_on_layer(size, 10.0, 1.0, nu)
-        hertz = 4 / 3 * np.sqrt(10.0) * found.approach**1.5
-        assert found.force / hertz == pytest.approx(expected, abs=6e-4)
+        solution = sphere_on_layer(size, 10.0, 1.0, nu)
+        hertz = 4 / 3 * np.sqrt(10.0) * solution.approach**1.5
+        assert solution.force / hertz == pytest.approx(expected, abs=6e-4)
 
 
 def test_the_edge_of_a_uniform_pressure_closes_the_gap_of_a_flattened_summit():
@@ -305,10 +307,10 @@ def test_rings_give_hertz_and_the_flattened_sphere():
     body, radius, load = rings(np.linspace(0, 0.3, 601)), 2.0, 2e-3
     shape = -(body.radius**2) / (2 * radius)
     for period in (np.inf, 1.0):
-        alone = closed_forms.hertz(load, radius, 1.0)
+        hertz = closed_forms.hertz(load, radius, 1.0)
         repeated = closed_forms.periodic_hertz(load, radius, 1.0, 1.0)
         shift = closed_forms.LATTICE_CONSTANT * load  # the rings leave the uniform part out
-        reference = alone["approach"] if period == np.inf else repeated["approach"] + shift
+        reference = hertz["approach"] if period == np.inf else repeated["approach"] + shift
         contact = ring_contact(body, shape, load, period=period)
         assert contact.approach == pytest.approx(reference, rel=1e-5)
         assert not contact.depth.any()

@@ -2,15 +2,15 @@
 
 import numpy as np
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.contact.solve import solve_contact
-from roughcontact.faces.composite import composite
-from roughcontact.levelling.level import level
-from roughcontact.levelling.rejected import rejected_points, with_rejected_marked
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.faces.composite import composite
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.levelling.rejected import rejected_points, restore_rejected
+from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.rejected import rejected_load_share
-from roughcontact.window.periodic_window import periodic_window
 
 LOADS = [2e-3, 2e-2]
 PROBLEM = {"contact_modulus": 1.0, "mean_pressure": LOADS, "tolerance": 1e-4}
@@ -25,11 +25,11 @@ def rough(seed=0, shape=(96, 96)):
 def spiked(count=12, height=4.0, seed=1, surface=None):
     """Return a map with spikes far apart, and where they are."""
     values = (rough() if surface is None else surface).copy()
-    places = np.random.default_rng(seed).permutation(
+    indices = np.random.default_rng(seed).permutation(
         [(r, c) for r in range(8, 90, 12) for c in range(8, 90, 12)]
     )
     spikes = np.zeros(values.shape, dtype=bool)
-    spikes[tuple(places[:count].T)] = True
+    spikes[tuple(indices[:count].T)] = True
     values[spikes] += height
     return values, spikes
 
@@ -40,8 +40,8 @@ def test_levelling_keeps_what_it_rejected():
     np.testing.assert_array_equal(rejected_points(levelled), spikes)
     np.testing.assert_array_equal(~np.isnan(levelled["rejected_height"].values), spikes)
     # the plane of the others is off the rejected ones, too
-    kept = with_rejected_marked(levelled)
-    difference = values - kept.values
+    restored = restore_rejected(levelled)
+    difference = values - restored.values
     y, x = np.indices(values.shape)
     plane = np.linalg.lstsq(
         np.stack([np.ones(y.size), y.ravel(), x.ravel()]).T, difference.ravel(), rcond=None
@@ -50,7 +50,7 @@ def test_levelling_keeps_what_it_rejected():
         np.abs(np.stack([np.ones(y.size), y.ravel(), x.ravel()]).T @ plane[0] - difference.ravel()).max()
         < 1e-12
     )
-    np.testing.assert_array_equal(kept["filled"].values != 0, spikes)
+    np.testing.assert_array_equal(restored["filled"].values != 0, spikes)
     assert "rejected_height" not in level(height_map(rough(), 1.0)).coords
 
 
@@ -71,9 +71,9 @@ def test_share_of_the_load_is_that_of_a_solution_with_the_points_kept():
     levelled = level(height, form="none")
     assert 5 < rejected_points(levelled).sum() <= spikes.sum()
     share = rejected_load_share(levelled, window={}, contact=PROBLEM)
-    kept = periodic_window(level(height, form="none", outlier_threshold=None))
-    rows, columns = (np.rint(kept[d].values - 0.5).astype(int) for d in ("y", "x"))
-    pressure = solve_contact(kept, **PROBLEM)["pressure"].values
+    unfiltered = periodic_window(level(height, form="none", outlier_threshold=None))
+    rows, columns = (np.rint(unfiltered[d].values - 0.5).astype(int) for d in ("y", "x"))
+    pressure = solve_contact(unfiltered, **PROBLEM)["pressure"].values
     direct = pressure[:, rejected_points(levelled)[np.ix_(rows, columns)]].sum(axis=1) / pressure.sum(
         axis=(1, 2)
     )
@@ -93,8 +93,8 @@ def test_what_lies_low_or_is_kept_carries_nothing():
     assert level(height).attrs["outliers_rejected"] == 12
     np.testing.assert_array_equal(rejected_load_share(level(height), window={}, contact=PROBLEM), 0)
     height = height_map(spiked()[0], 1.0)
-    kept = level(height, outlier_threshold=None)
-    np.testing.assert_array_equal(rejected_load_share(kept, window={}, contact=PROBLEM), 0)
+    unfiltered = level(height, outlier_threshold=None)
+    np.testing.assert_array_equal(rejected_load_share(unfiltered, window={}, contact=PROBLEM), 0)
 
 
 def test_points_that_the_window_leaves_out_carry_nothing():
@@ -111,18 +111,18 @@ def test_the_budget_hands_it_on_whatever_its_sources():
     window, settings = periodic_window(levelled), {"level": {}, "window": {}, "contact": PROBLEM}
     expected = rejected_load_share(levelled, window={}, contact=PROBLEM)
     for sources in ([], ["solver"]):
-        found = error_budget(levelled, window, settings, sources=sources)
-        np.testing.assert_array_equal(found["rejected_load_share"], expected)
+        budget = error_budget(levelled, window, settings, sources=sources)
+        np.testing.assert_array_equal(budget["rejected_load_share"], expected)
     forgotten = levelled.drop_vars("rejected_height")
     assert error_budget(forgotten, window, settings, sources=[])["rejected_load_share"].isnull().all()
 
 
 def test_pairs_know_what_was_rejected_on_either_face():
     values, spikes = spiked()
-    face, other = level(height_map(values, 1.0)), level(height_map(rough(seed=3), 1.0))
-    for pair, mirrored in (((face, other), False), ((other, face), True)):
+    face, counter_face = level(height_map(values, 1.0)), level(height_map(rough(seed=3), 1.0))
+    for pair, mirrored in (((face, counter_face), False), ((counter_face, face), True)):
         together = composite(*pair)
         expected = spikes[:, ::-1] if mirrored else spikes
         np.testing.assert_array_equal(rejected_points(together), expected)
         assert (together["rejected_height"].values[expected] > 3 * float(together.std())).all()
-    assert "rejected_height" not in composite(other, other).coords
+    assert "rejected_height" not in composite(counter_face, counter_face).coords

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from roughcontact.errors import HeightMapError
-from roughcontact.levelling.repeats import noise_of_repeats
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.levelling.repeats import noise_of_repeats
+from roughcontact.surface.synthetic import self_affine_surface
 
 
 @pytest.fixture(scope="module")
@@ -15,9 +15,9 @@ def twice():
     """A function that measures a map, and another one of the same place, with 2 nm of white noise each."""
     generator = np.random.default_rng(7)
 
-    def measured(height, other=None):
-        both = height, height if other is None else other
-        return [each + 2e-9 * generator.standard_normal(height.shape) for each in both]
+    def measured(height, second_height=None):
+        pair = height, height if second_height is None else second_height
+        return [height_of_pair + 2e-9 * generator.standard_normal(height.shape) for height_of_pair in pair]
 
     return measured
 
@@ -30,8 +30,8 @@ def rough():
 
 
 def test_two_maps_with_white_noise_have_that_noise(rough, twice):
-    one, other = twice(rough)
-    noise, remark = noise_of_repeats(one, other + 1e-3 * other["x"])  # tilted
+    height, repeat = twice(rough)
+    noise, remark = noise_of_repeats(height, repeat + 1e-3 * repeat["x"])  # tilted
     assert noise == pytest.approx(2e-9, rel=0.1)
     assert remark == ""
 
@@ -80,14 +80,14 @@ def shifted(rough, pixels):
 
 
 def test_a_small_shift_is_left_out_of_the_noise_and_said(rough, twice):
-    one, other = twice(rough, shifted(rough, 0.1))
-    assert float((other - one).std()) > 1.5 * np.sqrt(2) * 2e-9
-    noise, remark = noise_of_repeats(one, other)
+    height, repeat = twice(rough, shifted(rough, 0.1))
+    assert float((repeat - height).std()) > 1.5 * np.sqrt(2) * 2e-9
+    noise, remark = noise_of_repeats(height, repeat)
     assert noise == pytest.approx(2e-9, rel=0.1)
-    found = re.fullmatch(
+    match = re.fullmatch(
         r"as by a shift of (-?0\.\d\d) along y, (0\.\d\d) along x \(pixels\), .* leaves out", remark
     )
-    assert [float(by) for by in found.groups()] == pytest.approx([0.0, 0.1], abs=0.02)
+    assert [float(by) for by in match.groups()] == pytest.approx([0.0, 0.1], abs=0.02)
 
 
 def test_a_shift_too_large_to_be_left_out_is_no_noise_and_said(rough, twice):
@@ -99,11 +99,13 @@ def test_a_shift_too_large_to_be_left_out_is_no_noise_and_said(rough, twice):
 
 
 def test_noise_is_found_beside_holes_and_on_rounded_heights(rough, twice):
-    one, other = twice(rough)
-    hole = one.where((one["x"] > 20e-6) | (one["y"] > 30e-6))
-    assert noise_of_repeats(hole, other)[0] == pytest.approx(2e-9, rel=0.1)
+    height, repeat = twice(rough)
+    hole = height.where((height["x"] > 20e-6) | (height["y"] > 30e-6))
+    assert noise_of_repeats(hole, repeat)[0] == pytest.approx(2e-9, rel=0.1)
     step = 6e-9  # rounding adds its own noise, step / sqrt(12)
-    noise, remark = noise_of_repeats(*(step * (each / step).round() for each in (one, other)))
+    noise, remark = noise_of_repeats(
+        *(step * (measured_map / step).round() for measured_map in (height, repeat))
+    )
     assert noise == pytest.approx(np.hypot(2e-9, step / np.sqrt(12)), rel=0.05)
     assert remark == ""
 

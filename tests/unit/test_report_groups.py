@@ -7,7 +7,7 @@ import xarray as xr
 import roughcontact as rc
 from roughcontact.report.gather import comparisons, map_comparisons
 from roughcontact.report.glance import Cell
-from roughcontact.report.groups import HEADINGS, _comparison, comparison_rows, group_pictures, group_rows
+from roughcontact.report.groups import HEADINGS, _comparison, comparison_rows, group_picture, group_rows
 from roughcontact.uncertainty.differences import compare_all
 from roughcontact.uncertainty.group_tables import NamedGroup
 
@@ -57,13 +57,13 @@ def test_a_group_says_the_verdicts_of_its_maps():
 
 
 def test_two_maps_are_a_range_and_parts_have_a_scatter_of_their_own():
-    two, nested = group_rows(
+    pair, nested = group_rows(
         [named("two", (1.0, 1.2)), named("nested", (1.0, 1.1, 1.2, 1.3, 0.9, 0.8), parts=list("aabbcc"))]
     )
-    gap = two["rows"][0][HEADINGS.index(HEADINGS[5])]
+    gap = pair["rows"][0][HEADINGS.index(HEADINGS[5])]
     assert gap.details == "range 2.00 to 2.40 µm"
-    assert two["rows"][0][2] == Cell("–")
-    assert two["remarks"][0].startswith("Two maps: a range")
+    assert pair["rows"][0][2] == Cell("–")
+    assert pair["remarks"][0].startswith("Two maps: a range")
     assert nested["of"] == "6 maps of 3 parts"
     assert nested["rows"][0][3].text.startswith("parts ")
     assert ", maps " in nested["rows"][0][3].text
@@ -73,8 +73,8 @@ def test_placements_and_differences_in_words():
     groups = [named("lapped", (0.9, 1.0, 1.1)), named("ground", (1.9, 2.0, 2.1))]
     (pair,) = group_rows([named("seal", (0.9, 1.0, 1.1), placements=True)])
     assert pair["of"] == "3 placements of two faces"
-    compared, left_out = compare_all({one.label: one.answer for one in groups})
-    assert left_out == []
+    compared, omissions = compare_all({group.label: group.answer for group in groups})
+    assert omissions == []
     (rows,) = comparison_rows(compared, groups)
     assert (rows["first"], rows["second"]) == ("lapped", "ground")
     row = rows["rows"][-1]
@@ -83,33 +83,36 @@ def test_placements_and_differences_in_words():
         "1.00 MPa",
         ["differ"],
     )
-    low, high = (float(end) for end in row["cells"][0].details.split(" to "))
+    low, high = (float(bound) for bound in row["cells"][0].details.split(" to "))
     assert low < float(row["cells"][0].text) < high
 
 
 def test_a_case_with_a_single_map_left_does_not_hide_the_differences_of_the_others():
     maps = {"a": (1.0,), "b": (0.9, 1.0, 1.2), "c": (1.8, 2.0, 2.3)}
-    found, left_out = comparisons([named("g", gaps)._replace(case=case) for case, gaps in maps.items()])
-    assert list(found) == [("g · b", "g · c")]
-    assert [text.partition(" has a single map")[0] for text in left_out] == ["g · a", "g · a"]
+    comparisons_found, omissions = comparisons(
+        [named("g", gaps)._replace(case=case) for case, gaps in maps.items()]
+    )
+    assert list(comparisons_found) == [("g · b", "g · c")]
+    assert [text.partition(" has a single map")[0] for text in omissions] == ["g · a", "g · a"]
 
 
 def test_maps_of_a_place_are_adjusted_over_the_pairs_of_a_case():
     def gap(value):
-        ends = {
-            f"mean_gap_{end}": ("load", [value * factor]) for end, factor in (("lower", 0.9), ("upper", 1.1))
+        bounds = {
+            f"mean_gap_{bound}": ("load", [value * factor])
+            for bound, factor in (("lower", 0.9), ("upper", 1.1))
         }
-        return xr.Dataset({"mean_gap": ("load", [value]), **ends, "mean_pressure": ("load", [1e6])})
+        return xr.Dataset({"mean_gap": ("load", [value]), **bounds, "mean_pressure": ("load", [1e6])})
 
     maps = {"new": gap(1.0), "worn": gap(1.2)}
-    alone, _ = map_comparisons({"": maps}, {}, [("new", "worn")])
-    known = alone["new", "worn"]["p_value"].item()
-    assert 0 < known < 0.05
-    both, left_out = map_comparisons({"soft": maps, "hard": maps}, {}, [("new", "worn")])
-    assert list(both) == [("new · soft", "worn · soft"), ("new · hard", "worn · hard")]
-    assert not left_out
-    for found in both.values():
-        assert found["p_value"].item() == pytest.approx(known)
+    single_case, _ = map_comparisons({"": maps}, {}, [("new", "worn")])
+    reference = single_case["new", "worn"]["p_value"].item()
+    assert 0 < reference < 0.05
+    two_cases, omissions = map_comparisons({"soft": maps, "hard": maps}, {}, [("new", "worn")])
+    assert list(two_cases) == [("new · soft", "worn · soft"), ("new · hard", "worn · hard")]
+    assert not omissions
+    for comparison in two_cases.values():
+        assert comparison["p_value"].item() == pytest.approx(reference)
 
 
 def test_pressures_at_the_hardness_have_no_interval_and_no_difference():
@@ -119,38 +122,38 @@ def test_pressures_at_the_hardness_have_no_interval_and_no_difference():
     ]
     lapped, ground = group_rows(limited)
     peak = HEADINGS.index("largest pressure")
-    assert [cells[peak].details == "the hardness" for cells in ground["rows"]] == [True, True]
-    assert [cells[peak].details == "the hardness" for cells in lapped["rows"]] == [False, True]
-    (rows,) = comparison_rows(compare_all({one.label: one.answer for one in limited})[0], limited)
+    assert [cells[peak].details == "the hardness, taken as exact" for cells in ground["rows"]] == [True, True]
+    assert [cells[peak].details == "the hardness, taken as exact" for cells in lapped["rows"]] == [
+        False,
+        True,
+    ]
+    (rows,) = comparison_rows(compare_all({group.label: group.answer for group in limited})[0], limited)
     assert rows["rows"][-1]["outcomes"][1] == "both the hardness"
     assert rows["rows"][-1]["cells"][1] == Cell("–")
     upper = limited[0].answer["max_pressure_next_upper"]
     assert upper.values == pytest.approx([5.4e7, 5.4e7])  # of the first load the hardness ends the interval
-    apart = named("lapped", (0.9, 1.0, 1.1)).answer["max_pressure_next_upper"]
-    assert (apart > 6e7).all()
+    upper_bounds = named("lapped", (0.9, 1.0, 1.1)).answer["max_pressure_next_upper"]
+    assert (upper_bounds > 6e7).all()
 
 
 def test_pictures_show_every_map():
     groups = [named("lapped", (0.9, 1.0, 1.1)), named("ground", (1.9, 2.0, 2.1))]
-    values, curves = (image for image, _ in group_pictures(groups))
+    values, _ = group_picture(groups)
     marks = values.count("scale(3.4)")
     assert marks == 2 * (3 * 2 + 2) + 2  # of two groups three maps and a mean at two loads, and the legend
-    assert curves.count("fill-opacity=%22.18%22") == 2  # the bands
-    at_one_load = [group._replace(answer=group.answer.isel(load=[0])) for group in groups]
-    assert len(group_pictures(at_one_load)) == 1  # one load has neither line nor band
 
 
 @pytest.mark.parametrize("gaps", [[0.05, 0.2], [0.0, 0.2]])
 def test_a_number_that_is_not_positive_leaves_no_answer_at_its_load(gaps):
-    one = named("one", (1.0, 1.1, 1.2)).answer
-    maps = [one.isel(map=k).drop_vars(["map", "part"]) for k in range(3)]
-    maps = [each.assign(mean_gap=("load", gaps)) for each in maps]
-    found = rc.group_statistics([each[["mean_gap", "contact_modulus"]] for each in maps])
-    assert np.isfinite(found["mean_gap"].values).tolist() == [value > 0 for value in gaps]
+    group = named("one", (1.0, 1.1, 1.2)).answer
+    maps = [group.isel(map=k).drop_vars(["map", "part"]) for k in range(3)]
+    maps = [map_data.assign(mean_gap=("load", gaps)) for map_data in maps]
+    statistics = rc.group_statistics([map_data[["mean_gap", "contact_modulus"]] for map_data in maps])
+    assert np.isfinite(statistics["mean_gap"].values).tolist() == [value > 0 for value in gaps]
 
 
 @pytest.mark.parametrize(
-    ("ratio", "shown"),
+    ("ratio", "cell_texts"),
     [
         ((0.8263, 0.641, 1.0742), ("0.83", "0.641 to 1.07")),
         ((1.00001, 1.00000999, 1.00001001), ("1.0000", "1.0000 to 1.0000")),
@@ -160,8 +163,8 @@ def test_a_number_that_is_not_positive_leaves_no_answer_at_its_load(gaps):
         ((18.0, 4.03, np.nan), ("18", "4.03 or more")),
     ],
 )
-def test_a_ratio_and_its_ends_have_the_digits_that_the_interval_carries(ratio, shown):
+def test_a_ratio_and_its_ends_have_the_digits_that_the_interval_carries(ratio, cell_texts):
     names = ("ratio", "ratio_lower", "ratio_upper")
-    found = xr.Dataset({name: ("load", [value]) for name, value in zip(names, ratio, strict=True)})
-    found = found.assign(outcome=("load", ["differ"]))
-    assert _comparison(found, "mean_gap", [False])["cells"] == [Cell(*shown)]
+    comparison = xr.Dataset({name: ("load", [value]) for name, value in zip(names, ratio, strict=True)})
+    comparison = comparison.assign(outcome=("load", ["differ"]))
+    assert _comparison(comparison, "mean_gap", [False])["cells"] == [Cell(*cell_texts)]

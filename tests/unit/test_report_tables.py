@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from roughcontact.arguments.answers import UNITS
+from roughcontact.arguments.variables import VARIABLES
 from roughcontact.report.glance import Cell, glance_rows, loads_to_compare
-from roughcontact.report.tables import UNITS, number_tables
+from roughcontact.report.tables import number_tables
 from roughcontact.report.units import unit_of
-from roughcontact.variables import VARIABLES
 
 # of one load: variable -> value in SI, and as the tables of a steel part of 1 mm write it, with its unit
 SHOWN = {
@@ -51,24 +52,24 @@ SURFACE = {
 }
 
 
-def one_load(**more):
+def one_load(**further):
     """Return the statistics of the load that `SHOWN` has."""
     data = {name: ("load", [value]) for name, (value, *_) in SHOWN.items()}
-    return xr.Dataset(data | SURFACE | more)
+    return xr.Dataset(data | SURFACE | further)
 
 
 def test_every_number_is_in_the_unit_of_its_column():
     tables = number_tables(one_load(), [["coarse patches", "not converged"]])
-    found = {}
+    cells_by_title = {}
     for table in tables:
         (row,) = table["rows"]
         assert row["flags"] == "coarse patches, not converged"
-        assert table["header"][0][0] == "mean pressure p̄"
+        assert table["header"][0][0] == "mean pressure"
         for (title, unit, meaning), cell in zip(table["header"], row["cells"], strict=True):
             assert meaning
-            found[title] = cell, unit
-    assert list(found.values()) == [(cell, unit) for _, cell, unit in SHOWN.values()]
-    assert list(found)[-2:] == ["error bound of the pressure", "contact on filled points"]
+            cells_by_title[title] = cell, unit
+    assert list(cells_by_title.values()) == [(cell, unit) for _, cell, unit in SHOWN.values()]
+    assert list(cells_by_title)[-2:] == ["error bound of the pressure", "contact on filled points"]
     titles = ["Contact", "Pressure", "Stress below the surface", "Gap and conductance", "Sealing", "Solution"]
     assert [table["title"] for table in tables] == titles
     profile = number_tables(one_load(Std=np.nan, window_length_y=np.nan), [[]])
@@ -77,8 +78,8 @@ def test_every_number_is_in_the_unit_of_its_column():
 
 def test_columns_hold_their_loads_and_intervals():
     loads = {"mean_pressure": ("load", [1e6, 4e6]), "mean_gap": ("load", [2e-6, 1e-6])}
-    ends = {"mean_gap_lower": ("load", [1.8e-6, 0.7e-6]), "mean_gap_upper": ("load", [2.2e-6, 1.01e-6])}
-    (table,) = number_tables(xr.Dataset(loads | ends), [[], ["coarse patches"]])
+    bounds = {"mean_gap_lower": ("load", [1.8e-6, 0.7e-6]), "mean_gap_upper": ("load", [2.2e-6, 1.01e-6])}
+    (table,) = number_tables(xr.Dataset(loads | bounds), [[], ["coarse patches"]])
     assert table["rows"] == [
         {"cells": ["1.00", "2.00 ± 0.20"], "flags": ""},
         {"cells": ["4.00", "1.000 −0.30 +0.010"], "flags": "coarse patches"},
@@ -86,17 +87,17 @@ def test_columns_hold_their_loads_and_intervals():
 
 
 @pytest.mark.parametrize(
-    ("left_out", "conducts"),
+    ("variables_dropped", "conducts"),
     [
         ((), Cell("8400 kW/(m² K)", "heat")),
         (("thermal_conductance",), Cell("5500 GS/m²", "current")),
         (("thermal_conductance", "electrical_conductance"), Cell("917 mm⁻¹", "by conductivity")),
     ],
 )
-def test_the_answers_at_a_glance(left_out, conducts):
+def test_the_answers_at_a_glance(variables_dropped, conducts):
     limits = {"hardness": 8.76e8, "mean_gap_lower": ("load", [1.6e-6]), "mean_gap_upper": ("load", [1.8e-6])}
     open_along_y = {"gap_percolates_x": ("load", [0.0]), "gap_percolates_y": ("load", [1.0])}
-    (row,) = glance_rows(one_load(**limits, **open_along_y).drop_vars(left_out))
+    (row,) = glance_rows(one_load(**limits, **open_along_y).drop_vars(variables_dropped))
     space = "\N{NO-BREAK SPACE}"
     assert row == [
         Cell("2.50 MPa"),
@@ -108,23 +109,25 @@ def test_the_answers_at_a_glance(left_out, conducts):
             f"leak rate 0.0180{space}ml/(h{space}m) (y); narrowest place 0.830{space}µm (y)",
         ),
         Cell("yes", "25.0 % of the load flows"),
-        Cell("876 MPa", "the hardness"),
+        Cell("876 MPa", "the hardness, taken as exact"),
         conducts,
+        Cell("not judged"),  # the radius of a body of finite size
+        Cell("not judged"),  # friction
     ]
 
 
 def test_surfaces_are_compared_at_the_load_that_is_nearest_by_ratio():
     """Of 10 % of contact; one without contact is the farthest away."""
-    one, other = (
+    areas_a, areas_b = (
         xr.Dataset({"relative_contact_area": ("load", areas)}) for areas in ([0.0, 0.03, 0.25], [0.01, 0.2])
     )
-    assert loads_to_compare([one, other]) == [2, 1]
-    assert loads_to_compare([one, one * 0.8]) == [2, 2]
+    assert loads_to_compare([areas_a, areas_b]) == [2, 1]
+    assert loads_to_compare([areas_a, areas_a * 0.8]) == [2, 2]
 
 
 def test_a_largest_pressure_below_the_hardness_has_its_interval():
     limits = {"hardness": 1e9, "max_pressure_lower": ("load", [8.6e8]), "max_pressure_upper": ("load", [9e8])}
-    (row,) = glance_rows(one_load(**limits))
+    (row,) = glance_rows(one_load(**limits, load_share_above_hardness=("load", [0.0])))
     assert row[6] == Cell("876 MPa", "−16 +24", precision="to ± 10 %")
 
 

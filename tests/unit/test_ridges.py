@@ -7,9 +7,9 @@ import pytest
 
 import roughcontact as rc
 from data_samples.make_samples import blasted_surface
-from roughcontact.maps import height_map
-from roughcontact.profiles.ridges import ridge_contrast
-from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.arguments.maps import height_map
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.uncertainty.profiles.ridges import ridge_contrast
 from roughcontact.uncertainty.scales import AREA, GAP
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
@@ -49,7 +49,7 @@ def test_the_members_have_the_band_of_the_window():
         contact={"contact_modulus": "1 GPa", "mean_pressure": "5 MPa"},
         uncertainty={"sources": ["solver", "window"]},
     )
-    low, value, high = (float(result[f"{AREA}{end}"][0]) for end in ("_lower", "", "_upper"))
+    low, value, high = (float(result[f"{AREA}{suffix}"][0]) for suffix in ("_lower", "", "_upper"))
     assert value == pytest.approx(true, rel=0.2)
     assert 0.4 * value < low < true < high < 2.2 * value
 

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from roughcontact.maps import height_map
-from roughcontact.references import synthetic
-from roughcontact.roughness import parameters
-from roughcontact.roughness.summits import summit_statistics
-from roughcontact.window import periodisation
+from roughcontact.arguments.maps import height_map
+from roughcontact.surface import synthetic
+from roughcontact.surface.roughness import parameters
+from roughcontact.surface.roughness.summits import summit_statistics
+from roughcontact.surface.window import periodisation
 
 
 def waves(shape, spacing, terms):
@@ -62,11 +62,11 @@ def test_smooth_surface_against_finite_differences():
     )
     z = height.values
     # fourth-order differences, periodic
-    first = lambda axis, d: (8 * (np.roll(z, -1, axis) - np.roll(z, 1, axis))  # noqa: E731
+    gradient_along = lambda axis, d: (8 * (np.roll(z, -1, axis) - np.roll(z, 1, axis))  # noqa: E731
                              - np.roll(z, -2, axis) + np.roll(z, 2, axis)) / (12 * d)  # fmt: skip
-    second = lambda axis, d: (np.roll(z, -1, axis) - 2 * z + np.roll(z, 1, axis)) / d**2  # noqa: E731
-    gradient = np.sqrt(np.mean(first(0, 2e-6) ** 2 + first(1, 1e-6) ** 2))
-    curvature = np.sqrt(np.mean((second(0, 2e-6) + second(1, 1e-6)) ** 2)) / 2
+    curvature_along = lambda axis, d: (np.roll(z, -1, axis) - 2 * z + np.roll(z, 1, axis)) / d**2  # noqa: E731
+    gradient = np.sqrt(np.mean(gradient_along(0, 2e-6) ** 2 + gradient_along(1, 1e-6) ** 2))
+    curvature = np.sqrt(np.mean((curvature_along(0, 2e-6) + curvature_along(1, 1e-6)) ** 2)) / 2
     assert parameters.rms_gradient(height) == pytest.approx(gradient, rel=2e-5)
     assert parameters.rms_curvature(height) == pytest.approx(curvature, rel=5e-3)
 
@@ -84,9 +84,9 @@ def test_full_contact_pressure_is_half_the_gradient(shape):
 @pytest.mark.parametrize("shape", [(32, 32), (31, 48), (1, 64), (5, 1)])
 def test_interior_gradient_is_that_of_the_mirrored_map(shape):
     values = np.random.default_rng(2).standard_normal(shape)
-    alone, mirrored = (height_map(v, (3.0, 2.0)) for v in (values, periodisation.mirror(values)))
+    original, mirrored = (height_map(v, (3.0, 2.0)) for v in (values, periodisation.mirror(values)))
     expected = parameters.rms_gradient(mirrored)
-    assert parameters.interior_rms_gradient(alone) == pytest.approx(expected, rel=1e-12)
+    assert parameters.interior_rms_gradient(original) == pytest.approx(expected, rel=1e-12)
 
 
 def test_interior_gradient_counts_no_step_at_the_edges():
@@ -125,14 +125,14 @@ def test_noise_reaches_two_pixels(shape):
     assert parameters.shortest_wavelength(height) == pytest.approx(2e-6)
 
 
-@pytest.mark.parametrize(("rest", "cut_off"), [(0.05, 60), (0.15, 100)])
-def test_the_cut_off_is_the_edge_beyond_the_last_hundredth(rest, cut_off):
+@pytest.mark.parametrize(("remaining_power", "cut_off"), [(0.05, 60), (0.15, 100)])
+def test_the_cut_off_is_the_edge_beyond_the_last_hundredth(remaining_power, cut_off):
     """Mean square gradient of 100 in each of 20 waves, of 1 up to the 60th, then of 0.05 or 0.15.
 
     The last 1 % begin at the 46th; the waves around it go on down to a tenth of theirs.
     """
     k = np.arange(1, 101)
-    gradient = np.select([k <= 20, k <= 60], [100.0, 1.0], rest)
+    gradient = np.select([k <= 20, k <= 60], [100.0, 1.0], remaining_power)
     x = 2 * np.pi * np.arange(200) / 200
     # at the Nyquist limit a cosine is its own mirror image and counts twice
     amplitude = np.sqrt(gradient * np.where(k < 100, 2, 1)) / k
@@ -174,11 +174,16 @@ def test_summits_of_a_wave_in_closed_form():
 @pytest.mark.parametrize("shape", [(7, 5), (64, 64), (1, 33)])
 def test_flat_map_is_exactly_flat(shape, level):
     flat = height_map(np.full(shape, level), 1e-6)
-    found = parameters.roughness_parameters(flat)
-    assert found["rms_height"] == found["rms_gradient"] == found["rms_curvature"] == 0
+    parameters_of_flat = parameters.roughness_parameters(flat)
+    assert (
+        parameters_of_flat["rms_height"]
+        == parameters_of_flat["rms_gradient"]
+        == parameters_of_flat["rms_curvature"]
+        == 0
+    )
     assert parameters.interior_rms_gradient(flat) == 0
-    assert math.isnan(found["nayak_parameter"])
-    assert math.isnan(found["points_per_shortest_wavelength"])
+    assert math.isnan(parameters_of_flat["nayak_parameter"])
+    assert math.isnan(parameters_of_flat["points_per_shortest_wavelength"])
     assert math.isnan(summit_statistics(flat)["mean_radius"])
 
 

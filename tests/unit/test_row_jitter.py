@@ -7,25 +7,25 @@ import pytest
 import xarray as xr
 from scipy import stats
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.contact.solve import solve_contact
 from roughcontact.io.instrument_kinds import PROBE
-from roughcontact.levelling.level import level
-from roughcontact.levelling.row_jitter import find_row_jitter
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface, turned_surface
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.map_checks import scan_lines
 from roughcontact.statistics.outcome import PASSED, REVIEW
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.levelling.row_jitter import find_row_jitter
+from roughcontact.surface.synthetic import self_affine_surface, turned_surface
+from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
-from roughcontact.window.periodic_window import periodic_window
 
 ROWS = 192
 
 
 def rough(hurst=0.8, shortest=6.0, longest=96.0, seed=0, stretch=1.0):
     """Return heights of a part of a larger surface, of unit rms height."""
-    whole = self_affine_surface(
+    surface = self_affine_surface(
         (2 * ROWS, 2 * ROWS),
         1.0,
         hurst=hurst,
@@ -35,7 +35,7 @@ def rough(hurst=0.8, shortest=6.0, longest=96.0, seed=0, stretch=1.0):
         seed=seed,
         stretch=stretch,
     )
-    part = whole.values[:ROWS, :ROWS]
+    part = surface.values[:ROWS, :ROWS]
     return part / part.std()
 
 
@@ -76,9 +76,9 @@ def laid():
 @pytest.mark.parametrize("longest", [30.0, 200.0])
 def test_surfaces_without_shifts_are_left_alone(hurst, shortest, longest):
     for seed in range(6):
-        found = find_row_jitter(rough(hurst, shortest, longest, seed=seed))
-        assert (found.evidence, found.rms) == ("none", 0.0)
-        assert not found.offsets.any()
+        jitter = find_row_jitter(rough(hurst, shortest, longest, seed=seed))
+        assert (jitter.evidence, jitter.rms) == ("none", 0.0)
+        assert not jitter.offsets.any()
 
 
 @pytest.mark.parametrize("name", laid())
@@ -96,9 +96,9 @@ def test_a_lay_along_the_rows_is_no_jitter(name):
 def test_random_shifts_are_measured(size, hurst):
     for seed in range(4):
         moved = shifts(size, seed=seed + 10)
-        found = find_row_jitter(rough(hurst, seed=seed) + moved[:, None])
-        assert found.evidence == "clear"
-        assert found.rms == pytest.approx(moved.std(), rel=0.25)
+        jitter = find_row_jitter(rough(hurst, seed=seed) + moved[:, None])
+        assert jitter.evidence == "clear"
+        assert jitter.rms == pytest.approx(moved.std(), rel=0.25)
 
 
 @pytest.mark.parametrize("surface", ["isotropic", "lay along y", "lay along x"])
@@ -115,8 +115,8 @@ def test_the_estimate_leaves_a_fourteenth_of_the_rms_height(surface):
 def test_large_shifts_hide_little_of_the_surface():
     """Shifts of five rms heights: what is left of them is below the surface."""
     moved = shifts(5.0, seed=3)
-    found = find_row_jitter(rough() + moved[:, None])
-    assert np.std(moved - found.offsets) < 1.0
+    jitter = find_row_jitter(rough() + moved[:, None])
+    assert np.std(moved - jitter.offsets) < 1.0
 
 
 def test_shifts_among_missing_points_and_of_missing_rows():
@@ -125,26 +125,26 @@ def test_shifts_among_missing_points_and_of_missing_rows():
     values[np.random.default_rng(1).random(values.shape) < 0.2] = np.nan
     values[60:63] = np.nan
     values[:20, :40] = np.nan
-    found = find_row_jitter(values)
-    assert found.evidence == "clear"
-    assert np.isfinite(found.offsets).all()
-    others = np.r_[:55, 68:ROWS]
-    assert np.std((found.offsets - moved)[others]) < 0.6 * moved.std()
+    jitter = find_row_jitter(values)
+    assert jitter.evidence == "clear"
+    assert np.isfinite(jitter.offsets).all()
+    measured_rows = np.r_[:55, 68:ROWS]
+    assert np.std((jitter.offsets - moved)[measured_rows]) < 0.6 * moved.std()
 
 
 def test_small_maps_and_profiles_say_nothing():
     for shape in ((1, 500), (500, 1), (20, 200), (200, 20)):
         values = np.random.default_rng(0).standard_normal(shape[0])[:, None] + np.zeros(shape)
-        found = find_row_jitter(values)
-        assert (found.evidence, found.rms) == ("none", 0.0)
-        assert found.offsets.shape == (shape[0],)
+        jitter = find_row_jitter(values)
+        assert (jitter.evidence, jitter.rms) == ("none", 0.0)
+        assert jitter.offsets.shape == (shape[0],)
 
 
 def test_units_and_offsets_do_not_matter():
     values = rough() + shifts(0.1)[:, None]
-    one, other = find_row_jitter(values), find_row_jitter(1e-9 * values + 1e-3)
-    assert other.rms == pytest.approx(1e-9 * one.rms, rel=1e-5)
-    np.testing.assert_allclose(other.offsets, 1e-9 * one.offsets, atol=1e-15)
+    jitter, scaled = find_row_jitter(values), find_row_jitter(1e-9 * values + 1e-3)
+    assert scaled.rms == pytest.approx(1e-9 * jitter.rms, rel=1e-5)
+    np.testing.assert_allclose(scaled.offsets, 1e-9 * jitter.offsets, atol=1e-15)
 
 
 def probed(values):
@@ -157,7 +157,7 @@ def drifting():
 
 
 def test_drift_is_in_doubt_where_an_instrument_scans():
-    assert find_row_jitter(drifting(), scanned=True).evidence == "doubtful"
+    assert find_row_jitter(drifting(), is_scan=True).evidence == "doubtful"
     for height, evidence in ((probed(drifting()), "doubtful"), (height_map(drifting(), 1.0), "none")):
         levelled = level(height)
         assert levelled.attrs["row_jitter_evidence"] == evidence
@@ -168,14 +168,14 @@ def test_drift_is_in_doubt_where_an_instrument_scans():
 def test_levelling_aligns_by_default_where_it_is_clear():
     clean, moved = rough(seed=4), shifts(0.1, seed=2)
     height = height_map(clean + moved[:, None], 1.0)
-    levelled, kept = level(height), level(height, line_alignment="none")
-    for each, done, by in ((levelled, "jitter", "default"), (kept, "none", "user")):
-        assert each.attrs["line_alignment"] == done
-        assert each.attrs["line_alignment_by"] == by
-        assert each.attrs["row_jitter_evidence"] == "clear"
-        assert each.attrs["row_jitter"] == pytest.approx(moved.std() / clean.std(), rel=0.2)
+    levelled, unaligned = level(height), level(height, line_alignment="none")
+    for height_map_levelled, alignment, by in ((levelled, "jitter", "default"), (unaligned, "none", "user")):
+        assert height_map_levelled.attrs["line_alignment"] == alignment
+        assert height_map_levelled.attrs["line_alignment_by"] == by
+        assert height_map_levelled.attrs["row_jitter_evidence"] == "clear"
+        assert height_map_levelled.attrs["row_jitter"] == pytest.approx(moved.std() / clean.std(), rel=0.2)
     plain = level(height_map(clean, 1.0)).values
-    assert np.std(levelled.values - plain) < 0.5 * np.std(kept.values - plain)
+    assert np.std(levelled.values - plain) < 0.5 * np.std(unaligned.values - plain)
     np.testing.assert_allclose(
         levelled.attrs["line_shift_rms"], np.sqrt(np.mean(levelled["line_offset"] ** 2)), rtol=1e-12
     )
@@ -183,8 +183,8 @@ def test_levelling_aligns_by_default_where_it_is_clear():
     together = levelled.values + levelled["line_offset"].values[:, None] - height.values
     y, x = np.indices(together.shape)
     plane = np.stack([np.ones(y.size), y.ravel(), x.ravel()]).T
-    rest = together.ravel() - plane @ np.linalg.lstsq(plane, together.ravel(), rcond=None)[0]
-    assert np.abs(rest).max() < 1e-12
+    residual = together.ravel() - plane @ np.linalg.lstsq(plane, together.ravel(), rcond=None)[0]
+    assert np.abs(residual).max() < 1e-12
     assert json.loads(levelled.attrs["outlier_kinds"]) == {}
 
 
@@ -201,7 +201,7 @@ def test_levelling_aligns_by_default_where_it_is_clear():
     ],
 )
 def test_the_check_says_what_was_found_and_done(attributes, outcome, word):
-    found = scan_lines(
+    check = scan_lines(
         {
             "row_jitter": attributes.get("jitter", 0.1) if attributes else 0.0,
             "row_jitter_evidence": attributes.get("evidence", "none"),
@@ -209,8 +209,8 @@ def test_the_check_says_what_was_found_and_done(attributes, outcome, word):
             "line_alignment_by": attributes.get("by", "default"),
         }
     )
-    assert found.outcome == outcome
-    assert word in found.sentence
+    assert check.outcome == outcome
+    assert word in check.sentence
 
 
 @pytest.mark.parametrize(
@@ -223,9 +223,9 @@ def test_the_check_says_what_was_found_and_done(attributes, outcome, word):
     ],
 )
 def test_a_lay_along_the_rows_is_said_to_hide_shifts(texture, hidden):
-    found = scan_lines({"row_jitter_evidence": "none"}, xr.Dataset(texture))
-    assert found.outcome == PASSED
-    assert ("would not show" in found.sentence) == hidden
+    check = scan_lines({"row_jitter_evidence": "none"}, xr.Dataset(texture))
+    assert check.outcome == PASSED
+    assert ("would not show" in check.sentence) == hidden
 
 
 def test_statistics_carry_the_figure():
@@ -267,8 +267,8 @@ def masters():
     yield "dimples", 0.3 * whole(8) - 2 * np.exp(-((np.hypot(y % 48 - 24, x % 48 - 24) / 9) ** 4))
     grains = 0.3 * whole(9, 0.5, 4.0, 64.0)
     for row, column in np.random.default_rng(0).uniform(0, size, (250, 2)):
-        off = [(axis - place + size / 2) % size - size / 2 for axis, place in ((y, row), (x, column))]
-        grains += 1.5 * np.exp(-(off[0] ** 2 + off[1] ** 2) / (2 * 1.6**2))
+        distances = [(axis - centre + size / 2) % size - size / 2 for axis, centre in ((y, row), (x, column))]
+        grains += 1.5 * np.exp(-(distances[0] ** 2 + distances[1] ** 2) / (2 * 1.6**2))
     yield "grains", grains
 
 
@@ -276,7 +276,7 @@ def masters():
 def test_the_interval_of_a_map_with_shifted_rows_covers_the_surface_behind_it():
     """Twelve surfaces, a quarter of each measured with shifts of 0.1 Sq: the area is held in 11 of 12."""
     problem = {"contact_modulus": 1.0, "mean_pressure": [0.002, 0.01, 0.04], "tolerance": 1e-4}
-    held = []
+    coverage = []
     for number, (_, heights) in enumerate(masters()):
         steps = [np.roll(heights, 1, axis) - heights for axis in (0, 1)]
         surface = 0.1 * (heights - heights.mean()) / np.sqrt(np.mean(steps[0] ** 2 + steps[1] ** 2))
@@ -290,11 +290,11 @@ def test_the_interval_of_a_map_with_shifted_rows_covers_the_surface_behind_it():
         window = periodic_window(levelled)
         solved = solve_contact(window, **problem, reduce=budget_inputs)
         budget = error_budget(levelled, window, {"level": {}, "window": {}, "contact": problem})
-        held.append(
+        coverage.append(
             [
                 np.abs(solved[name] - truth[name]).values
                 <= budget[f"{name}_uncertainty"].sel(source="combined").values
                 for name in ("relative_contact_area", "mean_contact_pressure")
             ]
         )
-    assert (np.sum(np.all(held, axis=2), axis=0) >= 11).all()
+    assert (np.sum(np.all(coverage, axis=2), axis=0) >= 11).all()

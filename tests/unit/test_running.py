@@ -15,16 +15,18 @@ import pytest
 import snakemake.io
 import yaml
 
-from roughcontact.command_line import records, running
-from roughcontact.command_line.program import main
-from roughcontact.command_line.run_lock import run_lock
-from roughcontact.configuration.messages import name_mistake
-from roughcontact.configuration.resolve import resolve
-from roughcontact.configuration.surfaces import read_surfaces
-from roughcontact.configuration.yaml_text import check_yaml
+from roughcontact.arguments.maps import height_map
+from roughcontact.arguments.settings.messages import name_mistake
+from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.errors import SettingsError
-from roughcontact.maps import height_map
+from roughcontact.interface.program import main
 from roughcontact.results.storage import write_dataset
+from roughcontact.study import records, running
+from roughcontact.study.plan import Plan
+from roughcontact.study.run_lock import run_lock
+from roughcontact.study.study import read_study
+from roughcontact.study.surfaces import read_surfaces
+from roughcontact.study.yaml_text import check_yaml
 
 CHECKOUT = Path(__file__).parents[2]
 BODIES = ("--body", "210GPa", "0.3", "--body", "4GPa", "0.4", "0.3GPa")
@@ -48,8 +50,20 @@ def test_init_writes_settings_and_a_table_that_can_be_run(folder, capsys):
     assert {name: str(row.path) for name, row in surfaces.items()} == {
         "Ground-1": "Ground 1.txt",
         "Ground-1-2": "Ground-1.nc",
-        "surface": "ß.x3p",
+        "ß": "ß.x3p",
     }
+
+
+def test_init_takes_forces_a_form_a_group_and_looks_into_the_files(folder, capsys):
+    np.save(folder / "a.npy", np.random.default_rng(0).normal(size=(16, 16)))
+    words = ["--force", "5", "10", "N", "--form-radius", "5", "mm", "--group", "balls", "--lay", "none"]
+    assert main(["init", "a.npy", *BODIES, *words]) == 0
+    assert "a.npy: a map of 16 x 16 points that does not say its size" in capsys.readouterr().out
+    (settings,) = resolve(yaml.safe_load((folder / "config/config.yaml").read_text())).values()
+    assert settings["contact"]["force"] == [5.0, 10.0]
+    assert (settings["contact"]["boundary"], settings["form"]["radius"]) == ("free", [5e-3])
+    table = (folder / "config/surfaces.tsv").read_text().splitlines()
+    assert table[-2:] == ["surface\tpath\tgroup\tlay", "a\ta.npy\tballs\tnone"]
 
 
 def test_init_takes_resistivity_layers_and_a_film(folder):
@@ -60,16 +74,16 @@ def test_init_takes_resistivity_layers_and_a_film(folder):
     ball = ("--body", "gold", "thermal_conductivity=310")
     assert main(["init", "pad.npy", *pad, *ball, "--joint", *joint]) == 0
     (settings,) = resolve(yaml.safe_load((folder / "config/config.yaml").read_text())).values()
-    first, second = settings["contact"]["bodies"]
-    assert (first["name"], first["youngs_modulus"]) == ("pad: gold, hard", 115e9)
-    assert (first["electrical_resistivity"], second["thermal_conductivity"]) == (1.7e-8, 310.0)
-    (layer,) = first["layers"]
+    body_a, body_b = settings["contact"]["bodies"]
+    assert (body_a["name"], body_a["youngs_modulus"]) == ("pad: gold, hard", 115e9)
+    assert (body_a["electrical_resistivity"], body_b["thermal_conductivity"]) == (1.7e-8, 310.0)
+    (layer,) = body_a["layers"]
     assert (layer["youngs_modulus"], layer["electrical_resistivity"]) == (79e9, 2.2e-8)
     assert settings["statistics"]["joint"]["film_thickness"] == 5e-9
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         (("--body", "gold", "hardness=1GPa", "hardness=2GPa"), "hardness=2GPa: give material, then KEY"),
         (("--body", "gold", "layer=2um,79GPa,0.42,3GPa"), "--body layer 2um 79GPa 0.42 3GPa: give th"),
@@ -79,9 +93,9 @@ def test_init_takes_resistivity_layers_and_a_film(folder):
         (("--body", "gold", "--seal", "width=3mm"), "statistics.seal.viscosity: missing"),
     ],
 )
-def test_init_refuses_properties_that_are_unclear(folder, capsys, options, said):
+def test_init_refuses_properties_that_are_unclear(folder, capsys, options, message):
     assert main(["init", "--body", "gold", *options]) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert not (folder / "config").exists()
 
 
@@ -106,8 +120,8 @@ def test_snakemake_takes_every_name_that_is_admitted(folder, name):
     """With the suffixes of a pair, and as the name of a case."""
     assert not name_mistake(name)
     detector = snakemake.io.PeriodicityDetector()
-    ends = ("", "-1", "-11", "-111", "-face", "-counter-face")
-    assert not any(detector.is_periodic(f"{name}{end}") for end in ends)
+    suffixes = ("", "-1", "-11", "-111", "-face", "-counter-face")
+    assert not any(detector.is_periodic(f"{name}{suffix}") for suffix in suffixes)
 
 
 def test_names_of_64_letters_are_planned_by_snakemake(folder, capfd):
@@ -134,25 +148,25 @@ def test_a_run_asks_for_materials_that_are_not_stated(folder, capfd):
     assert main(["init", "a.npy"]) == 0
     assert "under `contact`" in capfd.readouterr().out
     assert main(["run"]) != 0
-    said = capfd.readouterr().err
-    assert "mistakes in config/config.yaml:\n  contact: no elasticity given; " in said
+    message = capfd.readouterr().err
+    assert "mistakes in config/config.yaml:\n  contact: no elasticity given; " in message
     # what it says to write is accepted
-    example = re.search(r"bodies: \[.*\]", said)[0]
+    example = re.search(r"bodies: \[.*\]", message)[0]
     resolve(yaml.safe_load(f"contact: {{{example}}}"))
     assert not (folder / "results").exists()
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         (BODIES[:3], "--body is given once; give it twice, one for each body"),
         (("--body", "210", "0.3", *BODIES[3:]), "--body[0].youngs_modulus = '210': "),
         (("--mean-pressure", "2MPa"), "contact: no elasticity given"),
     ],
 )
-def test_init_refuses_materials_that_a_run_would_refuse(folder, capsys, options, said):
+def test_init_refuses_materials_that_a_run_would_refuse(folder, capsys, options, message):
     assert main(["init", *options]) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert not (folder / "config").exists()
 
 
@@ -163,10 +177,10 @@ def test_init_takes_all_files_of_a_folder(folder, capsys):
     (folder / "measured/CATALOG.tsv").write_text("file\tnx\none.txt\t2\n")
     (folder / "measured/three.txt").write_text("nan 2\n1 No Data\n")  # a point is missing in each row
     assert main(["init", "measured"]) == 0
-    said = capsys.readouterr().out
-    assert "3 surfaces" in said
-    others = (f"measured{os.sep}{name}" for name in ("CATALOG.tsv", "README.md", "values.json"))
-    assert f"left out, as no measurements: {', '.join(others)}" in said
+    output = capsys.readouterr().out
+    assert "3 surfaces" in output
+    file_names = (f"measured{os.sep}{name}" for name in ("CATALOG.tsv", "README.md", "values.json"))
+    assert f"left out, as no measurements: {', '.join(file_names)}" in output
     rows = (folder / "config/surfaces.tsv").read_text().splitlines()[-3:]
     assert rows == [f"{name}\tmeasured{os.sep}{name}.txt" for name in ("one", "three", "two")]
 
@@ -178,16 +192,16 @@ def test_init_names_a_file_that_is_not_there(folder, capsys):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["--configfile", "nowhere.yaml"], "--configfile nowhere.yaml: no such file"),
-        ([], "there is no config/config.yaml"),
+        ([], "(no config/config.yaml): `roughcontact init FILE ...` begins one"),
     ],
 )
-def test_a_run_that_cannot_begin_is_refused_in_a_sentence(monkeypatch, tmp_path, capsys, arguments, said):
+def test_a_run_that_cannot_begin_is_refused_in_a_sentence(monkeypatch, tmp_path, capsys, arguments, message):
     monkeypatch.setattr(running, "workflow_file", lambda: tmp_path / "package/workflow/Snakefile")
     assert main(["run", *arguments]) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert not list(tmp_path.glob(".snakemake"))
 
 
@@ -254,33 +268,36 @@ def test_options_of_a_run_go_to_snakemake(folder, capfd):
     assert not (folder / "results").exists()
 
 
-def test_a_run_says_which_settings_it_takes_and_what_an_earlier_table_left(folder, capfd):
+def test_a_run_says_what_an_earlier_table_left(folder, capfd):
+    (folder / "ground.txt").write_text("1 2\n3 4\n")
+    assert main(["init", "ground.txt", *BODIES]) == 0
     for earlier in ("seat", "ground", "soft/seat"):
         (folder / "results" / earlier).mkdir(parents=True)
         (folder / "results" / earlier / "panel.html").touch()
     assert main(["run", "-n"]) == 0
-    said = capfd.readouterr().out
-    assert f"no config/config.yaml here: settings of {CHECKOUT / 'config/config.yaml'}, surfaces of " in said
-    assert f"{CHECKOUT / 'config/surfaces.tsv'} (5 maps)." in said
-    assert "Not in the table: results/seat, results/soft/seat. They stay" in said  # ground is
+    output = capfd.readouterr().out
+    assert "Not in the table: results/seat, results/soft/seat. They stay" in output  # ground is
 
 
 def test_results_of_another_folder_are_known_by_what_the_last_run_has_left(folder):
-    result = folder / "results/soft/seat/statistics.nc"
+    np.save(folder / "a.npy", np.ones((4, 4)))
+    assert main(["init", "a.npy", *BODIES]) == 0
+    config = yaml.safe_load((folder / "config/config.yaml").read_text())
+    plan = Plan(*read_study(config, ["."], measured_in=["."]))
+    result = folder / "results/a/statistics.nc"
     write_dataset(height_map(np.eye(16), 1e-6), result)
-    assert records.lost_records().startswith("came without .snakemake")
-    records.note_results()
-    assert records.lost_records() == ""
+    assert records.renew_records(plan) == ["results/a/statistics.nc"], "came without .snakemake"
+    assert result.stat().st_mtime < 2, "so that Snakemake makes it again"
+    records.note_results(plan)
+    assert records.renew_records(plan) == []
     shutil.copytree(folder, folder.with_name("moved"))
-    begun = records.RECORDS.read_text()
     write_dataset(height_map(np.ones((16, 16)), 1e-6), result)
-    assert "results/soft/seat/statistics.nc differs" in records.lost_records()
-    assert records.RECORDS.read_text() != begun, "of which Snakemake makes all results again"
+    assert records.renew_records(plan) == ["results/a/statistics.nc"]
     for unknown in ("{", "{}"):  # as an interrupted run leaves it
         records.LAST_RESULTS.write_text(unknown)
-        assert records.lost_records() == ""
+        assert records.renew_records(plan) == []
     os.chdir(folder.with_name("moved"))
-    assert records.lost_records() == ""
+    assert records.renew_records(plan) == []
 
 
 def test_a_dry_run_lists_the_jobs_with_their_files(folder, capfd):
@@ -292,14 +309,14 @@ def test_a_dry_run_lists_the_jobs_with_their_files(folder, capfd):
     files = {rule: (inputs.split(", "), outputs.split(", ")) for rule, inputs, outputs in jobs}
     prepared = [f"results/a/{name}.nc" for name in ("height", "levelled", "window")]
     assert files["prepare"] == (["a.npy", ".snakemake/roughcontact-records"], prepared)
-    assert files["contact"][0] == prepared
+    assert files["contact"][0] == [".snakemake/roughcontact-records", *prepared]
     assert "results/report.html" in files["report"][1]
     assert main(["run", "-n", "--quiet", "rules"]) == 0
     assert "rule prepare" not in "".join(capfd.readouterr())
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (b"a: [1,\n b: }\n", "settings.yaml, line 2: is not valid YAML"),
         (b"contact:\n\tmean_pressure: 1\n", "settings.yaml, line 2: is not valid YAML"),
@@ -311,10 +328,10 @@ def test_a_dry_run_lists_the_jobs_with_their_files(folder, capfd):
         (b"cases:\n  soft: {}\n  soft: {}\n", "line 2: soft occurs twice"),
     ],
 )
-def test_a_configuration_that_cannot_be_read_is_named(folder, capsys, content, said):
+def test_a_configuration_that_cannot_be_read_is_named(folder, capsys, content, message):
     (folder / "settings.yaml").write_bytes(content)
     assert main(["run", "--configfile", "settings.yaml"]) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def bomb(levels, times, line):
@@ -327,7 +344,7 @@ def bomb(levels, times, line):
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (
             bomb(8, 20, "{<<: [ALIASES]}").replace("{<<: [1]}", "{a: 1}"),
@@ -365,19 +382,19 @@ def bomb(levels, times, line):
         ("level:\n  order: 1:30\n", ["line 2: level.order = 1:30:", "90", "put it in quotes"]),
     ],
 )
-def test_a_configuration_that_grows_or_hides_a_value_is_refused_at_once(folder, capsys, content, said):
+def test_a_configuration_that_grows_or_hides_a_value_is_refused_at_once(folder, capsys, content, message):
     (folder / "settings.yaml").write_text(content)
-    begin = time.process_time()
+    start = time.process_time()
     tracemalloc.start()
     try:
         assert main(["run", "--configfile", "settings.yaml"]) == 2
         assert tracemalloc.get_traced_memory()[1] < 50e6
     finally:
         tracemalloc.stop()
-    assert time.process_time() - begin < 1 + 3  # tracing makes it slower
+    assert time.process_time() - start < 1 + 3  # tracing makes it slower
     text = capsys.readouterr().err
     assert "settings.yaml" in text
-    for words in said:
+    for words in message:
         assert words in text
     assert len(text.splitlines()) == 1
     assert len(text) < 400
@@ -401,23 +418,3 @@ def test_a_configuration_of_aliases_is_looked_at_once(folder, capsys):
     (folder / "settings.yaml").write_text("\n".join(lines))
     assert main(["run", "--configfile", "settings.yaml"]) == 2
     assert "settings.yaml, line 1: mean_pressure occurs twice in the same group" in capsys.readouterr().err
-
-
-def test_no_run_begins_over_damaged_results(folder, capsys):
-    """It would leave them as they are, and end well."""
-    (folder / "map.npy").touch()
-    assert main(["init", "map.npy"]) == 0
-    paths = [folder / f"results/{name}" for name in ("a/contact.nc", "a/window.nc", "statistics.nc")]
-    for path in paths:
-        write_dataset(height_map(np.eye(16), 1e-6), path)
-    for path in paths[::2]:
-        content = bytearray(path.read_bytes())
-        content[len(content) // 2] ^= 1
-        path.write_bytes(content)
-    assert main(["run", "--cores", "1"]) == 2
-    lines = capsys.readouterr().err.splitlines()
-    assert [line.partition(": damaged")[0].rpartition("results/")[2] for line in lines] == [
-        "a/contact.nc",
-        "statistics.nc",
-    ]
-    assert all(line.endswith("; delete it (of a surface: its folder) and run again") for line in lines)

@@ -4,6 +4,7 @@ import re
 from xml.etree import ElementTree
 
 import numpy as np
+import openpyxl
 import pandas as pd
 import pytest
 import tifffile
@@ -11,11 +12,12 @@ import xarray as xr
 from PIL import Image
 
 import roughcontact as rc
-from roughcontact.command_line.program import main
-from roughcontact.configuration.resolve import resolve
-from roughcontact.pipeline import run_chain
-from roughcontact.quantities import percent
-from roughcontact.results.exchange import write_tiff
+from roughcontact.arguments.answers import AREA, TITLES
+from roughcontact.arguments.quantities import percent
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.evaluation.pipeline import run_chain
+from roughcontact.interface.program import main
+from roughcontact.results.exchange import write_tiff, write_workbook
 
 CONTACT = {"contact_modulus": 1e9, "mean_pressure": [2e7, 5e6]}
 OPTIONS = ["--contact-modulus", "1e9", "--mean-pressure", "2e7", "5e6", "--uncertainty-sources", "solver"]
@@ -35,28 +37,28 @@ def saved(measured, folder, ending):
     """Return the file that the program has written, the only one of its folder."""
     path = folder / f"new/result{ending}"
     assert main(["solve", str(measured), *OPTIONS, "-o", str(path)]) == 0
-    assert [each.name for each in path.parent.iterdir()] == [path.name]
+    assert [entry.name for entry in path.parent.iterdir()] == [path.name]
     return path
 
 
 def test_numbers_are_those_of_evaluate(measured, tmp_path):
-    found = rc.evaluate(measured, contact=CONTACT, uncertainty={"sources": ["solver"]})
+    statistics = rc.evaluate(measured, contact=CONTACT, uncertainty={"sources": ["solver"]})
     path = saved(measured, tmp_path, ".nc")
-    assert rc.read_dataset(path).broadcast_equals(found)
-    assert "roughcontact.read_statistics(path)" in found.attrs["comment"]
+    assert rc.read_dataset(path).broadcast_equals(statistics)
+    assert "roughcontact.read_statistics(path)" in statistics.attrs["comment"]
     chosen = rc.read_statistics(path).sel(mean_pressure=4e6, method="nearest")  # as it says
-    assert chosen["mean_gap"].item() == found["mean_gap"][1].item()
+    assert chosen["mean_gap"].item() == statistics["mean_gap"][1].item()
     table = pd.read_csv(saved(measured, tmp_path / "csv", ".csv"))
     assert set(table["surface"]) == {"small-1"}
     for name in ("mean_pressure", "mean_gap_lower", "max_pressure"):
         unit = "m" if "gap" in name else "Pa"
-        assert table[f"{name}_{unit}"].values == pytest.approx(found[name].values, rel=1e-9)
+        assert table[f"{name}_{unit}"].values == pytest.approx(statistics[name].values, rel=1e-9)
 
 
 def test_the_page_stands_by_itself(measured, tmp_path):
     text = saved(measured, tmp_path, ".html").read_text(encoding="utf-8")
-    found = rc.evaluate(measured, contact=CONTACT, uncertainty={"sources": []})
-    assert percent(float(found["relative_contact_area_pixels"][0])).replace(" ", "") in re.sub(
+    statistics = rc.evaluate(measured, contact=CONTACT, uncertainty={"sources": []})
+    assert percent(float(statistics["relative_contact_area_pixels"][0])).replace(" ", "") in re.sub(
         r"\s", "", text
     )
     assert "small-1" in text
@@ -74,8 +76,8 @@ def test_the_figure_is_drawn(measured, tmp_path):
 def test_maps_are_those_of_the_solver(measured, tmp_path):
     window = rc.periodic_window(rc.level(rc.read_height_map(measured)))
     solved = rc.solve_contact(window, **CONTACT)
-    wanted = [solved["height"].values]
-    wanted += [solved[name].values[load] for load in (0, 1) for name in ("pressure", "gap", "contact")]
+    expected_maps = [solved["height"].values]
+    expected_maps += [solved[name].values[load] for load in (0, 1) for name in ("pressure", "gap", "contact")]
     size = tuple(reversed(window.shape))
 
     head, _, data = saved(measured, tmp_path, ".vti").read_bytes().partition(b"\n_")
@@ -86,14 +88,14 @@ def test_maps_are_those_of_the_solver(measured, tmp_path):
     assert [float(load) for load in image.find("FieldData/DataArray").text.split()] == [2e7, 5e6]
     arrays = image.findall("Piece/PointData/DataArray")
     assert [array.get("Name") for array in arrays] == MAPS
-    for array, values in zip(arrays, wanted, strict=True):
+    for array, values in zip(arrays, expected_maps, strict=True):
         start = int(array.get("offset"))
         (room,) = np.frombuffer(data, "<u8", 1, start)
         assert room == 8 * values.size
         assert (np.frombuffer(data, "<f8", values.size, start + 8).reshape(values.shape) == values).all()
 
     with tifffile.TiffFile(saved(measured, tmp_path / "tiff", ".tiff")) as file:
-        for page, name, values in zip(file.pages, MAPS, wanted, strict=True):
+        for page, name, values in zip(file.pages, MAPS, expected_maps, strict=True):
             assert page.description.startswith(name.partition("_")[0])
             assert (page.asarray()[::-1] == values.astype(np.float32)).all()
             assert page.resolutionunit == 3  # by centimetre
@@ -101,15 +103,29 @@ def test_maps_are_those_of_the_solver(measured, tmp_path):
         assert "at a mean pressure of 5e+06 Pa" in file.pages[4].description
 
 
+def test_the_first_sheet_of_the_workbook_has_the_answers_for_people(measured, tmp_path):
+    statistics = rc.read_statistics(saved(measured, tmp_path / "nc", ".nc"))
+    sheets = pd.read_excel(saved(measured, tmp_path, ".xlsx"), sheet_name=None)
+    assert next(iter(sheets)) == "answers"
+    answers = sheets["answers"]
+    areas = answers[answers["answer"] == TITLES[AREA]]
+    order = statistics["mean_pressure"].argsort().values
+    value, upper = (100 * statistics[f"{AREA}{end}"].values[order] for end in ("", "_upper"))
+    assert areas["value"].astype(float).to_numpy() == pytest.approx(value)
+    assert set(areas["unit"]) == {"%"}
+    assert areas["+"].to_numpy() == pytest.approx(upper - value)
+    assert "seals?" in set(answers["answer"])
+
+
 def test_the_workbook_has_the_columns_of_the_summary_and_the_settings(measured, tmp_path):
     sheets = pd.read_excel(saved(measured, tmp_path, ".xlsx"), sheet_name=None)
-    assert list(sheets) == ["summary", "uncertainty", "settings"]
+    assert list(sheets) == ["answers", "summary", "uncertainty", "settings"]
     summary = pd.read_csv(saved(measured, tmp_path / "csv", ".csv"))
     pd.testing.assert_frame_equal(sheets["summary"], summary, check_dtype=False, rtol=1e-9)
     assert {"solver", "combined"} == set(sheets["uncertainty"]["source"])
-    stated = sheets["settings"].set_index("setting")["value"]
-    assert stated["level.form"] == "plane"
-    assert float(stated["contact.contact_modulus"]) == 1e9
+    settings = sheets["settings"].set_index("setting")["value"]
+    assert settings["level.form"] == "plane"
+    assert float(settings["contact.contact_modulus"]) == 1e9
 
 
 def test_the_simple_field_is_the_pressure_at_the_largest_load(measured, tmp_path):
@@ -134,14 +150,14 @@ def test_maps_of_a_kept_file_are_written_too(tmp_path, monkeypatch):
         contact_modulus=1.0,
         mean_pressure=1.0,
     )
-    monkeypatch.setattr("roughcontact.results.exchange._LARGEST_TIFF", 1000)
+    monkeypatch.setattr("roughcontact.results.exchange._MAX_TIFF_BYTES", 1000)
     with pytest.raises(rc.SettingsError, match=r"1.02e-06 GB, a TIFF holds 4 GB: choose .vti"):
         write_tiff(solved, tmp_path / "maps.tiff")
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
-    ("files", "output", "said"),
+    ("files", "output", "message"),
     [
         (1, "result.doc", "end it with one of .nc, .csv, .xlsx, .html, .png, .vti, .tiff, .gsf"),
         (1, "result", "end it with one of .nc"),
@@ -155,14 +171,14 @@ def test_maps_of_a_kept_file_are_written_too(tmp_path, monkeypatch):
     ],
 )
 def test_what_cannot_be_written_is_refused_before_anything_is_solved(
-    measured, capsys, monkeypatch, files, output, said
+    measured, capsys, monkeypatch, files, output, message
 ):
     monkeypatch.chdir(measured.parent)
     (measured.parent / "folder.nc").mkdir(exist_ok=True)
-    before = measured.read_bytes()
+    content_before = measured.read_bytes()
     assert main(["solve", *[str(measured)] * files, *OPTIONS, "-o", output]) == 2
-    assert capsys.readouterr() == ("", f"roughcontact: -o {output}: {said}\n") or said.endswith(".nc")
-    assert measured.read_bytes() == before
+    assert capsys.readouterr() == ("", f"roughcontact: -o {output}: {message}\n") or message.endswith(".nc")
+    assert measured.read_bytes() == content_before
 
 
 def test_a_load_that_misses_the_tolerance_writes_nothing(measured, tmp_path, capsys):
@@ -186,11 +202,29 @@ def test_a_finished_run_is_exported_as_solve_writes_it(measured, tmp_path, endin
         for name, sheet in pd.read_excel(of_solve, sheet_name=None).items():
             pd.testing.assert_frame_equal(pd.read_excel(path, sheet_name=name), sheet)
     elif ending == ".png":  # its title is the name of the file there, of the surface here
-        with Image.open(path) as picture, Image.open(of_solve) as other:
-            assert picture.size == other.size
-            assert np.mean(np.asarray(picture) != np.asarray(other)) < 0.01
+        with Image.open(path) as picture, Image.open(of_solve) as picture_of_solve:
+            assert picture.size == picture_of_solve.size
+            assert np.mean(np.asarray(picture) != np.asarray(picture_of_solve)) < 0.01
     else:
         assert path.read_bytes() == of_solve.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("word", "cell"),
+    [
+        ('=HYPERLINK("http://evil","c")', '\'=HYPERLINK("http://evil","c")'),
+        ("+1", "'+1"),
+        ("@SUM(1)", "'@SUM(1)"),
+        ("a\x1b[31mb\x00", "a\ufffd[31mb\ufffd"),
+        ("\x1b=1", "\ufffd=1"),
+        ("not UTF-8 \udcff, \uffff", "not UTF-8 \ufffd, \ufffd"),
+        ("two\nlines", "two\nlines"),
+    ],
+)
+def test_a_word_of_a_file_is_no_formula_and_no_control_character_in_a_workbook(tmp_path, word, cell):
+    write_workbook({"settings": pd.DataFrame({"setting": ["channel"], "value": [word]})}, tmp_path / "a.xlsx")
+    (_, (_, written)) = openpyxl.load_workbook(tmp_path / "a.xlsx")["settings"].iter_rows()
+    assert (written.data_type, written.value) == ("s", cell)
 
 
 def test_the_workbook_has_the_instrument_of_the_table(measured, tmp_path):
@@ -199,22 +233,24 @@ def test_the_workbook_has_the_instrument_of_the_table(measured, tmp_path):
     chain = run_chain(rc.read_height_map(measured, instrument={"noise": 5e-9}), settings)
     rc.write_dataset(chain.statistics, tmp_path / "small-1/statistics.nc")
     assert main(["export", str(tmp_path / "small-1"), "-o", str(tmp_path / "small.xlsx")]) == 0
-    stated = pd.read_excel(tmp_path / "small.xlsx", sheet_name="settings").set_index("setting")["value"]
-    assert float(stated["instrument.noise"]) == 2e-9
-    assert float(stated["instrument.noise of this map"]) == 5e-9
+    setting_values = pd.read_excel(tmp_path / "small.xlsx", sheet_name="settings").set_index("setting")[
+        "value"
+    ]
+    assert float(setting_values["instrument.noise"]) == 2e-9
+    assert float(setting_values["instrument.noise of this map"]) == 5e-9
 
 
 @pytest.mark.parametrize(
-    ("output", "said"),
+    ("output", "message"),
     [
         ("one.html", "-o one.html: end it with one of .csv, .xlsx, .png, .vti, .tiff, .gsf"),
         ("one.csv", "nowhere: has no statistics.nc; name the folder of a surface in the results"),
     ],
 )
-def test_what_cannot_be_exported(tmp_path, capsys, monkeypatch, output, said):
+def test_what_cannot_be_exported(tmp_path, capsys, monkeypatch, output, message):
     monkeypatch.chdir(tmp_path)
     assert main(["export", "nowhere", "-o", output]) == 2
-    assert capsys.readouterr().err == f"roughcontact: {said}\n"
+    assert capsys.readouterr().err == f"roughcontact: {message}\n"
 
 
 def test_the_folder_of_a_whole_run_is_no_single_result(tmp_path, capsys):
@@ -224,7 +260,10 @@ def test_the_folder_of_a_whole_run_is_no_single_result(tmp_path, capsys):
     assert not (tmp_path / "all.csv").exists()
     rc.write_dataset(xr.Dataset(coords={"mean_pressure": ("load", [1e6])}), tmp_path / "statistics.nc")
     assert main(["export", str(tmp_path), "-o", str(tmp_path / "maps.vti")]) == 2
-    assert "has no contact.nc; cases with the same" in capsys.readouterr().err
+    assert (
+        "has no contact.nc; name the folder of the first case with the same contact"
+        in capsys.readouterr().err
+    )
 
 
 def test_maps_that_a_run_has_not_kept(measured, tmp_path, capsys):

@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pytest
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.errors import SettingsError
-from roughcontact.levelling.level import level
-from roughcontact.levelling.scan_lines import find_scars, line_offsets
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface, turned_surface
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.levelling.scan_lines import find_scars, line_offsets
+from roughcontact.surface.synthetic import self_affine_surface, turned_surface
 
 
 def rough(seed=0, shape=(96, 128)):
@@ -35,10 +35,10 @@ def test_matched_steps_are_not_deceived_by_a_valley():
     shifted = values + shifts[:, None]
     shifts -= shifts.mean()
     # the steps in and out of the valley are shared by most points, the others are right
-    found = line_offsets(shifted, method="matched-steps")
+    offsets = line_offsets(shifted, method="matched-steps")
     median = line_offsets(shifted, method="median")
     inside = slice(21, 40)
-    np.testing.assert_allclose(np.diff(found[inside]), np.diff(shifts[inside]), atol=1e-12)
+    np.testing.assert_allclose(np.diff(offsets[inside]), np.diff(shifts[inside]), atol=1e-12)
     assert np.abs(median - shifts).max() > 2
 
 
@@ -56,11 +56,13 @@ def test_missing_points_and_missing_lines(method):
     values = np.cos(np.arange(300) / 9)[None, :] + shifts[:, None]
     values[generator.random(values.shape) < 0.2] = np.nan
     values[10:12] = np.nan
-    found = line_offsets(values, method=method)
-    known = np.delete(np.arange(40), [10, 11])
-    assert (found[10:12] == 0).all()
+    offsets = line_offsets(values, method=method)
+    measured_rows = np.delete(np.arange(40), [10, 11])
+    assert (offsets[10:12] == 0).all()
     tolerance = 1e-12 if method == "matched-steps" else 0.3  # the missing points move the medians
-    np.testing.assert_allclose(found[known], shifts[known] - shifts[known].mean(), atol=tolerance)
+    np.testing.assert_allclose(
+        offsets[measured_rows], shifts[measured_rows] - shifts[measured_rows].mean(), atol=tolerance
+    )
 
 
 def test_lines_that_share_no_point_are_not_shifted():

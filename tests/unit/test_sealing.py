@@ -1,6 +1,7 @@
 """The gap as a path: regions around the period, the narrowest place, flow factors, leak rate."""
 
 import itertools
+import json
 
 import numpy as np
 import pytest
@@ -11,15 +12,15 @@ from scipy.optimize import brentq
 from scipy.sparse.linalg import splu
 
 import roughcontact as rc
-from roughcontact.configuration.resolve import resolve
+from roughcontact.arguments.maps import height_map
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.arguments.variables import describe
 from roughcontact.kernels.compiled import Regions
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
-from roughcontact.sealing.connectivity import connected_regions, percolates, region_sizes
-from roughcontact.sealing.flow import flow_columns, leak_columns
-from roughcontact.sealing.multigrid import multigrid
-from roughcontact.sealing.percolation import half_way_levels, percolation_columns
-from roughcontact.variables import describe
+from roughcontact.statistics.sealing.connectivity import connected_regions, percolates, region_sizes
+from roughcontact.statistics.sealing.flow import flow_columns, leak_columns
+from roughcontact.statistics.sealing.multigrid import multigrid
+from roughcontact.statistics.sealing.percolation import half_way_levels, percolation_columns
+from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
 from validation import closed_forms
 
 SQUARE = (1e-6, 1e-6)
@@ -36,7 +37,7 @@ def rough_gap(points, *, closed, seed=0):
 def directions_of_loops(inside):
     """Return along which axes a walker can come back to where it started in another copy of the map."""
     ny, nx = inside.shape
-    found = [False, False]
+    wraps = [False, False]
     for start in itertools.product(range(ny), range(nx)):
         if not inside[start]:
             continue
@@ -44,17 +45,17 @@ def directions_of_loops(inside):
         while stack:
             y, x = stack.pop()
             for step_y, step_x in ((0, 1), (1, 0), (0, -1), (-1, 0)):
-                place = y + step_y, x + step_x
-                cell = place[0] % ny, place[1] % nx
+                position = y + step_y, x + step_x
+                cell = position[0] % ny, position[1] % nx
                 if not inside[cell]:
                     continue
                 if cell not in seen:
-                    seen[cell] = place
-                    stack.append(place)
+                    seen[cell] = position
+                    stack.append(position)
                 else:
-                    found[0] |= seen[cell][0] != place[0]
-                    found[1] |= seen[cell][1] != place[1]
-    return tuple(found)
+                    wraps[0] |= seen[cell][0] != position[0]
+                    wraps[1] |= seen[cell][1] != position[1]
+    return tuple(wraps)
 
 
 @pytest.mark.parametrize("seed", range(60))
@@ -98,11 +99,11 @@ def test_the_constriction_is_the_highest_level_that_is_open(seed):
     """Against every level in turn."""
     generator = np.random.default_rng(seed)
     gap = np.maximum(generator.random((9, 7)) - 0.2, 0)
-    found = percolation_columns(gap)
+    columns = percolation_columns(gap)
     for axis, name in ((0, "y"), (1, "x")):
         levels = [level for level in np.unique(gap[gap > 0]) if directions_of_loops(gap >= level)[axis]]
-        assert found[f"critical_constriction_{name}"] == max(levels, default=0.0)
-        assert found[f"gap_percolates_{name}"] == bool(levels)
+        assert columns[f"critical_constriction_{name}"] == max(levels, default=0.0)
+        assert columns[f"gap_percolates_{name}"] == bool(levels)
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -134,24 +135,24 @@ def test_half_ways_lead_from_edge_to_edge(seed):
 
 
 def test_half_of_a_single_row_is_a_point():
-    found = half_way_levels(np.array([[1.0, 3.0, 2.0, 4.0]]))
-    assert found == {"critical_constriction_x": 2.0, "critical_constriction_y": 4.0}
+    levels = half_way_levels(np.array([[1.0, 3.0, 2.0, 4.0]]))
+    assert levels == {"critical_constriction_x": 2.0, "critical_constriction_y": 4.0}
 
 
 def test_random_points_percolate_at_the_published_threshold():
     """Sites of a square lattice percolate from a share of 0.5927 on (Stauffer and Aharony 1994)."""
-    found = percolation_columns(np.random.default_rng(5).random((700, 700)))
-    assert found["critical_constriction_x"] == pytest.approx(1 - 0.5927, abs=0.012)
-    assert found["critical_constriction_y"] == pytest.approx(1 - 0.5927, abs=0.012)
+    columns = percolation_columns(np.random.default_rng(5).random((700, 700)))
+    assert columns["critical_constriction_x"] == pytest.approx(1 - 0.5927, abs=0.012)
+    assert columns["critical_constriction_y"] == pytest.approx(1 - 0.5927, abs=0.012)
 
 
 def test_constriction_of_crossed_waves_is_their_saddle():
     """Of 1 + (cos x + cos y)/2: between two valleys, where one cosine is 1 and the other -1."""
     x = 2 * np.pi * np.arange(200) / 200
     gap = 1 + 0.5 * (np.cos(x)[None, :] + np.cos(x)[:, None])
-    found = percolation_columns(gap)
-    assert found["critical_constriction_x"] == pytest.approx(1.0, abs=1e-12)
-    assert found["critical_constriction_y"] == found["critical_constriction_x"]
+    columns = percolation_columns(gap)
+    assert columns["critical_constriction_x"] == pytest.approx(1.0, abs=1e-12)
+    assert columns["critical_constriction_y"] == columns["critical_constriction_x"]
 
 
 @pytest.mark.parametrize("depth", [0.0, 0.3, 0.9])
@@ -160,10 +161,10 @@ def test_sinusoidal_channel_along_and_across(depth, steps):
     """Along <g³>/ū³ = 1 + 3ε²/2; across 1/(ū³ <g⁻³>) = (1 − ε²)^(5/2)/(1 + ε²/2)."""
     gap = 2e-7 * (1 + depth * np.cos(2 * np.pi * np.arange(128) / 128)) * np.ones((6, 1))
     along, across = closed_forms.channel_flow_factors(depth)
-    found = flow_columns(gap, steps, tolerance=1e-10)
-    assert found["flow_factor_yy"] == pytest.approx(along, rel=1e-9)
-    assert found["flow_factor_xx"] == pytest.approx(across, rel=1e-9)
-    assert found["flow_factor_xy"] == pytest.approx(0, abs=1e-9)
+    columns = flow_columns(gap, steps, tolerance=1e-10)
+    assert columns["flow_factor_yy"] == pytest.approx(along, rel=1e-9)
+    assert columns["flow_factor_xx"] == pytest.approx(across, rel=1e-9)
+    assert columns["flow_factor_xy"] == pytest.approx(0, abs=1e-9)
     turned = flow_columns(gap.T, steps[::-1], tolerance=1e-10)
     assert turned["flow_factor_xx"] == pytest.approx(along, rel=1e-9)
 
@@ -180,11 +181,11 @@ def test_channels_at_an_angle_lead_the_flow_aside():
     """Channels along the diagonal: half the sum of both factors, and half their difference beside it."""
     points, depth = 256, 0.5
     phase = 2 * np.pi * (np.arange(points)[:, None] + np.arange(points)[None, :]) / points
-    found = flow_columns(1 + depth * np.cos(phase), SQUARE, tolerance=1e-8)
+    columns = flow_columns(1 + depth * np.cos(phase), SQUARE, tolerance=1e-8)
     along, across = closed_forms.channel_flow_factors(depth)
-    assert found["flow_factor_xx"] == pytest.approx((along + across) / 2, rel=1e-3)
-    assert found["flow_factor_yy"] == pytest.approx((along + across) / 2, rel=1e-3)
-    assert found["flow_factor_xy"] == pytest.approx((across - along) / 2, rel=1e-3)
+    assert columns["flow_factor_xx"] == pytest.approx((along + across) / 2, rel=1e-3)
+    assert columns["flow_factor_yy"] == pytest.approx((along + across) / 2, rel=1e-3)
+    assert columns["flow_factor_xy"] == pytest.approx((across - along) / 2, rel=1e-3)
 
 
 def test_checkerboard_conducts_the_geometric_mean():
@@ -193,9 +194,9 @@ def test_checkerboard_conducts_the_geometric_mean():
     for points in (32, 128):
         board = np.indices((points, points)) // (points // 2)
         gap = np.where(board.sum(axis=0) % 2, 1.0, 3.0) ** (1 / 3)
-        found = flow_columns(gap, SQUARE, tolerance=1e-9)
-        deviations.append(found["flow_factor_xx"] * gap.mean() ** 3 / np.sqrt(3.0) - 1)
-        assert found["flow_factor_yy"] == pytest.approx(found["flow_factor_xx"], rel=1e-6)
+        columns = flow_columns(gap, SQUARE, tolerance=1e-9)
+        deviations.append(columns["flow_factor_xx"] * gap.mean() ** 3 / np.sqrt(3.0) - 1)
+        assert columns["flow_factor_yy"] == pytest.approx(columns["flow_factor_xx"], rel=1e-6)
     assert abs(deviations[1]) < 2e-3
     assert abs(deviations[1]) < abs(deviations[0]) / 3
 
@@ -208,11 +209,11 @@ def test_keller_duality_on_a_rough_gap():
     results = []
     for sign in (1, -1):
         gap = np.exp(sign * height / 3)
-        found = flow_columns(gap, SQUARE, tolerance=1e-8)
-        results.append([found[f"flow_factor_{name}"] * gap.mean() ** 3 for name in ("xx", "yy", "xy")])
-    first, second = np.array(results)
-    determinant = first[0] * first[1] - first[2] ** 2
-    np.testing.assert_allclose(second, first / determinant, atol=3e-3)
+        columns = flow_columns(gap, SQUARE, tolerance=1e-8)
+        results.append([columns[f"flow_factor_{name}"] * gap.mean() ** 3 for name in ("xx", "yy", "xy")])
+    conductances, dual = np.array(results)
+    determinant = conductances[0] * conductances[1] - conductances[2] ** 2
+    np.testing.assert_allclose(dual, conductances / determinant, atol=3e-3)
 
 
 def dense_flow(gap):
@@ -223,48 +224,48 @@ def dense_flow(gap):
     rows, drops = [], []
     for axis in (0, 1):
         ahead, target = np.roll(cubed, -1, axis), np.roll(number, -1, axis)
-        for place in itertools.product(range(ny), range(nx)):
-            if cubed[place] > 0 and ahead[place] > 0:
-                root = np.sqrt(2 / (1 / cubed[place] + 1 / ahead[place]))
+        for index in itertools.product(range(ny), range(nx)):
+            if cubed[index] > 0 and ahead[index] > 0:
+                root = np.sqrt(2 / (1 / cubed[index] + 1 / ahead[index]))
                 row = np.zeros(gap.size)
-                row[number[place]] -= root
-                row[target[place]] += root
+                row[number[index]] -= root
+                row[target[index]] += root
                 rows.append(row)
                 drops.append([root * (axis == 0), root * (axis == 1)])
     rows, drops = np.array(rows), np.array(drops, float)
     pressure = np.linalg.lstsq(rows, -drops, rcond=1e-13)[0]
-    left = drops + rows @ pressure
-    return left.T @ left / gap.size
+    flow_field = drops + rows @ pressure
+    return flow_field.T @ flow_field / gap.size
 
 
 @pytest.mark.parametrize(("closed", "seed"), [(0.0, 1), (0.15, 2), (0.3, 0), (0.35, 5), (0.4, 3)])
 def test_rough_gap_with_contact_against_a_dense_solution(closed, seed):
     gap = rough_gap(24, closed=closed, seed=seed)
-    known = dense_flow(gap)
-    found = flow_columns(gap, SQUARE, tolerance=1e-10)
-    scale = max(known[0, 0], known[1, 1])
-    assert found["flow_factor_xx"] == pytest.approx(known[1, 1], rel=1e-6, abs=1e-9 * scale)
-    assert found["flow_factor_yy"] == pytest.approx(known[0, 0], rel=1e-6, abs=1e-9 * scale)
-    assert found["flow_factor_xy"] == pytest.approx(known[0, 1], abs=1e-6 * scale)
+    reference = dense_flow(gap)
+    columns = flow_columns(gap, SQUARE, tolerance=1e-10)
+    scale = max(reference[0, 0], reference[1, 1])
+    assert columns["flow_factor_xx"] == pytest.approx(reference[1, 1], rel=1e-6, abs=1e-9 * scale)
+    assert columns["flow_factor_yy"] == pytest.approx(reference[0, 0], rel=1e-6, abs=1e-9 * scale)
+    assert columns["flow_factor_xy"] == pytest.approx(reference[0, 1], abs=1e-6 * scale)
 
 
 def test_the_preconditioner_knows_no_unit_of_the_conductance():
     """Of links over nine powers of ten, and of the same a million times as strong."""
     points, generator = 40, np.random.default_rng(6)
-    places = np.argwhere(np.ones((points, points)))
+    positions = np.argwhere(np.ones((points, points)))
     number = np.arange(points**2).reshape(points, points)
-    ends = np.concatenate(
+    link_ends = np.concatenate(
         [np.stack([number, np.roll(number, -1, axis)]).reshape(2, -1) for axis in (0, 1)], 1
     )
-    link = np.arange(ends.shape[1])
+    link = np.arange(link_ends.shape[1])
     root = 10 ** generator.uniform(-4.5, 0, link.size)
     residual = generator.standard_normal((points**2, 1))
     residual -= residual.mean()
     corrections = []
     for factor in (1.0, 1024.0):
         values = np.concatenate([-root, root]) * factor
-        network = sp.coo_array((values, (np.tile(link, 2), ends.ravel()))).tocsr()
-        _, cycle = multigrid(network, places)
+        network = sp.coo_array((values, (np.tile(link, 2), link_ends.ravel()))).tocsr()
+        _, cycle = multigrid(network, positions)
         corrections.append(cycle(residual) * factor**2)
     np.testing.assert_allclose(
         corrections[1], corrections[0], rtol=1e-6, atol=1e-9 * np.abs(corrections[0]).max()
@@ -276,7 +277,7 @@ def test_near_the_percolation_threshold_against_a_direct_solution():
     gap = rough_gap(96, closed=0.41, seed=2)
     around = percolation_columns(gap)
     assert around["gap_percolates_x"] or around["gap_percolates_y"]
-    found = flow_columns(gap, SQUARE, tolerance=1e-7)
+    columns = flow_columns(gap, SQUARE, tolerance=1e-7)
     region, winds = connected_regions(gap > 0)
     is_open = winds[region].any(axis=-1)
     number = np.cumsum(is_open).reshape(gap.shape) - 1
@@ -289,7 +290,7 @@ def test_near_the_percolation_threshold_against_a_direct_solution():
         c = 2 / (1 / cubed[linked] + 1 / ahead[linked])
         links.append((axis, number[linked], target[linked], c))
         forces[:, axis] += np.bincount(number[linked], c, size) - np.bincount(target[linked], c, size)
-    weights = sum(sp.coo_array((c, (start, end)), shape=(size, size)).tocsr() for _, start, end, c in links)
+    weights = sum(sp.coo_array((c, (start, stop)), shape=(size, size)).tocsr() for _, start, stop, c in links)
     weights = weights + weights.T
     matrix = (sp.diags_array(weights.sum(axis=1)) - weights).tocsc()[1:, 1:]
     scale = sp.diags_array(1 / np.sqrt(matrix.diagonal()))
@@ -298,31 +299,31 @@ def test_near_the_percolation_threshold_against_a_direct_solution():
     solution[1:] = scale @ factors.solve(scale @ forces[1:])
     for axis, name in ((0, "yy"), (1, "xx")):
         flux = 0.0
-        for other, start, end, c in links:
-            drop = solution[end, axis] - solution[start, axis] + (other == axis)
+        for link_axis, start, stop, c in links:
+            drop = solution[stop, axis] - solution[start, axis] + (link_axis == axis)
             flux += (c * drop**2).sum()
-        known = flux / gap.size
+        reference = flux / gap.size
         if around[f"gap_percolates_{name[0]}"]:
-            assert found[f"flow_factor_{name}"] == pytest.approx(known, rel=1e-4)
+            assert columns[f"flow_factor_{name}"] == pytest.approx(reference, rel=1e-4)
         else:
-            assert found[f"flow_factor_{name}"] == 0
-            assert known < 1e-12
+            assert columns[f"flow_factor_{name}"] == 0
+            assert reference < 1e-12
 
 
 def test_tripps_factor_is_what_channels_along_and_across_let_through():
     """Half the waves along and half across, to second order: σ² = ε²/2 of each."""
     depth = 1e-3
     along, across = closed_forms.channel_flow_factors(depth)
-    known = closed_forms.isotropic_flow_factor(depth / np.sqrt(2))
-    assert (along + across) / 2 - 1 == pytest.approx(known - 1, rel=1e-5)
+    reference = closed_forms.isotropic_flow_factor(depth / np.sqrt(2))
+    assert (along + across) / 2 - 1 == pytest.approx(reference - 1, rel=1e-5)
 
 
 def test_effective_medium_of_two_phases():
     """Half of each conducts their geometric mean (Dykhne 1970), whatever the contrast; and it closes."""
     for high in (2.0, 1e4):
         gap = np.cbrt(np.where(np.arange(100) % 2, 1.0, high))[:, None]
-        found = closed_forms.effective_medium_flow_factor(gap) * gap.mean() ** 3
-        assert found == pytest.approx(np.sqrt(high), rel=1e-9)
+        factor = closed_forms.effective_medium_flow_factor(gap) * gap.mean() ** 3
+        assert factor == pytest.approx(np.sqrt(high), rel=1e-9)
     assert closed_forms.effective_medium_flow_factor(np.array([1.0, 0.0, 0.0])) == 0
     assert closed_forms.effective_medium_flow_factor(np.ones(5)) == pytest.approx(1)
 
@@ -340,8 +341,8 @@ def test_parallel_plates_and_nothing_at_all():
 
 def test_units_do_not_matter():
     gap = rough_gap(48, closed=0.2, seed=1)
-    first, second = flow_columns(gap, SQUARE), flow_columns(1e-9 * gap, (1e3, 1e3))
-    assert second == pytest.approx(first, rel=1e-9)
+    reference, scaled = flow_columns(gap, SQUARE), flow_columns(1e-9 * gap, (1e3, 1e3))
+    assert scaled == pytest.approx(reference, rel=1e-9)
 
 
 def test_a_gap_of_single_precision_has_the_same_flow():
@@ -351,15 +352,15 @@ def test_a_gap_of_single_precision_has_the_same_flow():
 
 def test_leak_rate_of_a_seal():
     """Poiseuille: a slit of width b lets b h³ Δp/(12 η w) through."""
-    found = leak_columns(
+    columns = leak_columns(
         np.array([2e-6]),
         {"flow_factor_xx": np.array([0.5]), "flow_factor_yy": np.array([0.0])},
         viscosity=1e-3,
         pressure_difference=4e5,
         width=5e-3,
     )
-    assert found["leak_rate_x"] == pytest.approx(0.5 * 8e-18 * 4e5 / (12 * 1e-3 * 5e-3))
-    assert found["leak_rate_y"] == 0
+    assert columns["leak_rate_x"] == pytest.approx(0.5 * 8e-18 * 4e5 / (12 * 1e-3 * 5e-3))
+    assert columns["leak_rate_y"] == 0
 
 
 @pytest.fixture(scope="module")
@@ -384,10 +385,9 @@ def test_sealing_in_the_statistics(contact):
 
 def test_the_flow_is_solved_for_where_that_is_asked_for(contact):
     assert "flow_factor_xx" not in rc.contact_statistics(contact, flow="never")
-    assert "flow_factor_xx" in rc.contact_statistics(contact)
-    large = height_map(np.zeros((300, 300)), 1e-6)
-    flat = rc.solve_contact(large, contact_modulus=1e9, mean_pressure=1e6)
-    assert "flow_factor_xx" not in rc.contact_statistics(flat)
+    assert "flow_factor_xx" not in rc.contact_statistics(contact)
+    flat_map = height_map(np.zeros((300, 300)), 1e-6)
+    flat = rc.solve_contact(flat_map, contact_modulus=1e9, mean_pressure=1e6)
     assert "flow_factor_xx" in rc.contact_statistics(flat, flow="always")
     seal = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 1e-3}
     assert rc.contact_statistics(flat, seal=seal)["leak_rate_y"].item() == 0
@@ -396,11 +396,10 @@ def test_the_flow_is_solved_for_where_that_is_asked_for(contact):
 
 
 def test_a_seal_in_the_settings():
-    given = {"viscosity": "20 mPa s", "pressure_difference": "200 bar", "width": "0.5 mm"}
-    settings = resolve({"contact": {"contact_modulus": 1e9}, "statistics": {"seal": given}})[""]
-    assert settings["statistics"]["seal"] == pytest.approx(
-        {"viscosity": 0.02, "pressure_difference": 2e7, "width": 5e-4}
-    )
+    seal = {"viscosity": "20 mPa s", "pressure_difference": "200 bar", "width": "0.5 mm"}
+    settings = resolve({"contact": {"contact_modulus": 1e9}, "statistics": {"seal": seal}})[""]
+    stated = {key: value for key, value in settings["statistics"]["seal"].items() if value is not None}
+    assert stated == pytest.approx({"viscosity": 0.02, "pressure_difference": 2e7, "width": 5e-4})
 
 
 def test_a_gap_closes_near_42_percent_of_contact():
@@ -435,3 +434,45 @@ def test_where_rounding_stops_the_iteration_there_is_no_flow_factor():
     for name in ("flow_factor_xx", "flow_factor_yy"):
         assert clean[name] > 0
         assert np.isnan(noisy[name]) or noisy[name] == pytest.approx(clean[name], rel=1e-4), name
+
+
+@pytest.mark.parametrize(
+    ("viscosity", "difference", "doubted", "words"),
+    [
+        (1e-3, 9e5, [], ""),
+        (1e-3, 1.1e6, [0], "The fluid presses with up to 1.10 MPa, more than the bodies at 1 of 3 loads"),
+        (1e-3, 1e8, [0, 1, 2], "more than the bodies at 3 of 3 loads"),
+        (1.8e-5, 1.0133e5, [0, 1, 2], "State the outlet_pressure and the mean_free_path of the gas"),
+        (1.8e-5, 1.1e6, [0, 1, 2], "more than the bodies at 1 of 3 loads"),
+    ],
+)
+def test_a_fluid_that_lifts_the_seal_or_is_a_gas_is_named(viscosity, difference, doubted, words):
+    seal = {"viscosity": viscosity, "pressure_difference": difference, "width": 1e-3}
+    height = self_affine_surface(
+        (64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=32e-6, rms_height=1e-7, seed=0
+    )
+    contact = {"contact_modulus": 1e9, "mean_pressure": [1e6, 5e6, 2e7]}
+    statistics = rc.evaluate(height, contact=contact, statistics={"seal": seal}, uncertainty={"sources": []})
+    reasons = [reason for reason in json.loads(statistics.attrs["reasons"]) if reason["check"] == "Fluid"]
+    assert [load for reason in reasons for load in reason["loads"]] == doubted
+    assert words in "".join(reason["text"] for reason in reasons)
+    lifted = statistics["mean_pressure"].values < difference
+    assert (statistics["verdict"].values[lifted] >= 1).all()
+    assert (statistics["sealing_verdict"].values[doubted] >= 1).all()
+    if viscosity < 1e-4:  # the contact of a gas's seal is what it is
+        flags_elsewhere = [
+            json.loads(statistics.attrs["verdicts"])[load][1] for load in np.flatnonzero(~lifted)
+        ]
+        assert all(any("viscosity of a gas" in text for text in flags) for flags in flags_elsewhere)
+
+
+def test_a_solution_reduced_to_its_statistics_keeps_the_fluid():
+    fluid = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 1e-3}
+    problem = {"contact_modulus": 1e9, "mean_pressure": [1e6, 1e7]}
+    statistics = rc.solve_contact(
+        rough_reference_surface(48),
+        **problem,
+        reduce=lambda contact: rc.contact_statistics(contact, seal=fluid),
+    )
+    assert {key: statistics.attrs[f"seal_{key}"] for key in fluid} == fluid
+    assert statistics.attrs["tolerance"] == 1e-4

@@ -9,19 +9,19 @@ import pytest
 import yaml
 from pydantic import ValidationError
 
-from roughcontact.configuration.generated import default_yaml, json_schema
-from roughcontact.configuration.models import Contact, Settings
-from roughcontact.configuration.resolve import contact_modulus, resolve
+from roughcontact.arguments.settings.generated import default_yaml, json_schema
+from roughcontact.arguments.settings.models import Contact, Settings
+from roughcontact.arguments.settings.resolve import contact_modulus, resolve
 from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
-from roughcontact.faces.positions import relative_positions
-from roughcontact.levelling.level import level
 from roughcontact.report.page import write_report
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.targets import target_loads
+from roughcontact.surface.faces.positions import relative_positions
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.window.periodic_window import periodic_window
 
 ROOT = Path(__file__).parents[2]
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
@@ -47,7 +47,7 @@ def mistakes(config):
 )
 def test_generated_files_are_in_step(name, generate):
     assert (ROOT / name).read_text(encoding="utf-8") == generate(), (
-        f"{name} is old: run `PYTHONPATH=workflow/lib python -m roughcontact.configuration .`"
+        f"{name} is old: run `PYTHONPATH=workflow/lib python -m roughcontact.arguments.settings .`"
     )
     assert generate().endswith("}\n")  # a file of lines: `cat` and `printf >>` go on below
 
@@ -63,11 +63,11 @@ def test_default_configuration_says_nothing_but_the_defaults():
             assert field.description.split()[0] in documented
 
 
-@pytest.mark.parametrize("stated", [None, {}])
-def test_the_template_has_every_key_of_the_schema(stated):
+@pytest.mark.parametrize("values_by_section", [None, {}])
+def test_the_template_has_every_key_of_the_schema(values_by_section):
     """Each under the one that holds it: keys of bodies and of their layers, too."""
     schema = json.loads(json_schema())
-    text = default_yaml(stated=stated).replace("# ", "")  # a key may be a comment
+    text = default_yaml(values=values_by_section).replace("# ", "")  # a key may be a comment
     keys = re.findall(r"^( *)([a-z_]+):(?: |$)", text, re.MULTILINE)
     above, documented = [], set()
     for indent, key in keys:
@@ -106,7 +106,11 @@ def test_a_section_is_the_keyword_arguments_of_its_verb(section, verb):
 
 def test_composite_section_is_the_keyword_arguments_of_the_ensemble():
     parameters = inspect.signature(relative_positions).parameters.values()
-    arguments = {each.name: each.default for each in parameters if each.kind is each.KEYWORD_ONLY}
+    arguments = {
+        parameter.name: parameter.default
+        for parameter in parameters
+        if parameter.kind is parameter.KEYWORD_ONLY
+    }
     assert Settings().composite.model_dump() == arguments | {"rotations": list(arguments["rotations"])}
 
 
@@ -115,17 +119,19 @@ def test_uncertainty_section_is_the_keyword_arguments_of_its_verb():
     defaults = Settings.model_fields["uncertainty"].annotation().model_dump()
     assert tuple(defaults["sources"]) == arguments["sources"].default
     assert defaults["windows"] == arguments["windows"].default
-    of_the_chain = {"solved", "scatter_of"}
+    of_the_chain = {"solved", "scatter_of", "refine"}
     named = {n for n, p in arguments.items() if p.kind is p.KEYWORD_ONLY}
     assert set(defaults) == named - of_the_chain
 
 
 def test_contact_section_is_the_keyword_arguments_of_its_verbs():
     verbs = (plan_loads, target_loads, solve_contact)
-    arguments = {name: each for verb in verbs for name, each in inspect.signature(verb).parameters.items()}
+    arguments = {
+        name: parameter for verb in verbs for name, parameter in inspect.signature(verb).parameters.items()
+    }
     of_the_run = {"window", "solver", "bodies", "fields", "reduce", "arrays", "threads", "progress"}
     of_the_load = {"area"}  # mean pressure is force by area
-    of_the_budget = {"contact_modulus_uncertainty", "mean_pressure_uncertainty"}
+    of_the_budget = {f"{name}_uncertainty" for name in ("contact_modulus", "mean_pressure", "hardness")}
     assert (
         set(Contact.model_fields) - {"bodies", "keep_fields", "unload", *of_the_budget, *of_the_load}
         == set(arguments) - of_the_run
@@ -157,7 +163,7 @@ def test_two_bodies_give_the_contact_modulus():
 
 
 @pytest.mark.parametrize(
-    ("config", "said"),
+    ("config", "parts_of_message"),
     [
         ({"contact": {"contact_modulus": 1e9}, "casse": {}}, ["casse: unknown key, did you mean cases?"]),
         (
@@ -207,9 +213,9 @@ def test_two_bodies_give_the_contact_modulus():
         ({"contact": {"contact_modulus": 1e9}, "report": {"title": 7}}, ["report.title = 7", "text"]),
     ],
 )
-def test_a_mistake_names_key_value_and_way_out(config, said):
+def test_a_mistake_names_key_value_and_way_out(config, parts_of_message):
     (line,) = mistakes(config)
-    for part in said:
+    for part in parts_of_message:
         assert part in line
 
 
@@ -283,7 +289,7 @@ def test_mistakes_in_cases_are_named_once_and_where_they_stand():
 
 
 @pytest.mark.parametrize(
-    ("cases", "said"),
+    ("cases", "message"),
     [
         ({"a b": {}}, "cases.a b: "),
         ({"a": 3}, "cases.a = 3"),
@@ -291,9 +297,9 @@ def test_mistakes_in_cases_are_named_once_and_where_they_stand():
         (["a"], "cases = ['a']: must be a mapping"),
     ],
 )
-def test_cases_that_are_none(cases, said):
+def test_cases_that_are_none(cases, message):
     (line,) = mistakes({"contact": {"contact_modulus": 1e9}, "cases": cases})
-    assert line.startswith(said)
+    assert line.startswith(message)
 
 
 def test_schema_is_json_and_knows_every_key():
@@ -310,6 +316,8 @@ def test_schema_is_json_and_knows_every_key():
         ("level", "outlier_threshold", 4.0, 0),
         ("instrument", "numerical_aperture", 1.6, 1.7),
         ("contact", "mean_pressure_uncertainty", 0.0, 1.0),
+        ("contact", "hardness", ["1 GPa", 2e9], ["1 GPa"]),
+        ("contact", "hardness_uncertainty", [0.2, 1.5], [0.1, 0.2, 0.3]),
         ("contact", "target_area", 0.1, 1.0),
         ("contact", "target_area", [0.1, 0.2], [1.0]),
         ("contact", "target", "percolation", "yield"),
@@ -353,9 +361,11 @@ def test_names_of_cases_are_names_of_folders(name, line):
 
 
 def test_cases_that_are_one_folder_on_other_systems_are_named():
-    found = mistakes({"contact": {"contact_modulus": 1e9}, "cases": {"soft": {}, "hard": {}, "Soft": {}}})
-    said = "another case has this name but for capitals; rename one"
-    assert found == [f"cases.soft: {said}", f"cases.Soft: {said}"]
+    lines_of_message = mistakes(
+        {"contact": {"contact_modulus": 1e9}, "cases": {"soft": {}, "hard": {}, "Soft": {}}}
+    )
+    message = "another case has this name but for capitals; rename one"
+    assert lines_of_message == [f"cases.soft: {message}", f"cases.Soft: {message}"]
 
 
 @pytest.mark.parametrize("key", ["surfaces", "composite", "report", "cases"])
@@ -377,8 +387,8 @@ def test_groups_that_are_empty_in_the_file_have_their_defaults():
 
 def test_a_case_replaces_what_it_excludes_and_nothing_else():
     above = {"contact": {"bodies": [STEEL, STEEL], "relative_pressure": [0.1, 0.2], "tolerance": 0.1}}
-    own = {"contact": {"contact_modulus": 5e9, "mean_pressure": None}}
-    config = above | {"cases": {"own": own, "as-above": {}}}
+    own_case = {"contact": {"contact_modulus": 5e9, "mean_pressure": None}}
+    config = above | {"cases": {"own": own_case, "as-above": {}}}
     cases = resolve(config)
     assert cases["own"]["contact"]["bodies"] is None
     assert cases["own"]["contact"]["contact_modulus"] == 5e9
@@ -386,7 +396,7 @@ def test_a_case_replaces_what_it_excludes_and_nothing_else():
     assert cases["own"]["contact"]["tolerance"] == 0.1
     assert cases["as-above"] == only(above)
     assert "cases" not in cases["own"]
-    assert config == above | {"cases": {"own": own, "as-above": {}}}  # as it was
+    assert config == above | {"cases": {"own": own_case, "as-above": {}}}  # as it was
     assert cases["own"]["window"] is not cases["as-above"]["window"]
 
 
@@ -442,9 +452,9 @@ def test_force_and_area_are_another_way_to_state_the_mean_pressure():
     cases = resolve(
         {"contact": bolt, "cases": {f"case-{i}": {"contact": load} for i, load in enumerate(loads)}}
     )
-    stated = [case["contact"] for case in cases.values()]
-    assert [case["mean_pressure"] for case in stated] == [[1e6], None, pytest.approx([2e5])]
-    assert [case["area"] for case in stated] == [None, None, pytest.approx(3e-4)]
+    contacts = [case["contact"] for case in cases.values()]
+    assert [case["mean_pressure"] for case in contacts] == [[1e6], None, pytest.approx([2e5])]
+    assert [case["area"] for case in contacts] == [None, None, pytest.approx(3e-4)]
 
 
 @pytest.mark.parametrize(
@@ -457,19 +467,23 @@ def test_force_and_area_are_another_way_to_state_the_mean_pressure():
             r"mean_pressure \(Pa\) and force \(N\) given",
         ),
         ({"mean_pressure": ["1 MPa", "2 MPa", 1e6]}, r"contact.mean_pressure: 1000000.0 occurs twice"),
+        (
+            {"mean_pressure": [*range(90_000)]},
+            r"\[0, 1, [0-9, ]+1[0-9,]+ \.\.\.: a list of 90000, more than the 1000",
+        ),
         ({"target_gap": ["1 um", "1000 nm"]}, "contact.target_gap: 1e-06 occurs twice"),
         ({"target": ["percolation"] * 2}, "contact.target: percolation occurs twice"),
         ({"force": "50 kg", "area": "3 cm2"}, r"force\[0\] = '50 kg': unknown force unit 'kg'"),
         ({"force": "50 N", "area": "3 cm"}, r"area = '3 cm': unknown area unit 'cm'; did you mean 'cm2'"),
     ],
 )
-def test_a_force_without_its_area_is_a_question(contact, sentence):
+def test_loads_that_cannot_be_meant_are_a_question(contact, sentence):
     with pytest.raises(SettingsError, match=sentence):
         resolve({"contact": {"contact_modulus": "1 GPa"} | contact})
 
 
 @pytest.mark.parametrize(
-    ("contact", "said"),
+    ("contact", "message"),
     [
         ({"unload": True}, "contact.unload: needs a hardness"),
         (
@@ -480,15 +494,15 @@ def test_a_force_without_its_area_is_a_question(contact, sentence):
         ({"unload": "later", "hardness": "2 GPa"}, r"contact.unload\[0\] = 'later'"),
     ],
 )
-def test_a_load_that_cannot_be_taken_off_is_refused(contact, said):
-    with pytest.raises(SettingsError, match=said.replace("+", r"\+")):
+def test_a_load_that_cannot_be_taken_off_is_refused(contact, message):
+    with pytest.raises(SettingsError, match=message.replace("+", r"\+")):
         resolve({"contact": {"contact_modulus": "100 GPa", "mean_pressure": "10 MPa"} | contact})
 
 
 def test_unload_names_loads_or_the_largest():
-    given = {"contact_modulus": "100 GPa", "mean_pressure": "10 MPa", "hardness": "2 GPa"}
+    contact = {"contact_modulus": "100 GPa", "mean_pressure": "10 MPa", "hardness": "2 GPa"}
     read = [
-        resolve({"contact": given | {"unload": value}})[""]["contact"]["unload"]
+        resolve({"contact": contact | {"unload": value}})[""]["contact"]["unload"]
         for value in (True, False, "5 MPa", ["5 MPa", 1e7])
     ]
     assert read == [[], None, [5e6], [5e6, 1e7]]

@@ -7,11 +7,13 @@ from typing import get_args, get_origin
 import pytest
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
 
-from roughcontact.choices import SMALLEST_TOLERANCE
-from roughcontact.configuration.fields import section_of
-from roughcontact.configuration.models import Section, Settings
-from roughcontact.configuration.plausible import Range
-from roughcontact.configuration.resolve import resolve
+from roughcontact.arguments import checking
+from roughcontact.arguments.choices import MIN_TOLERANCE
+from roughcontact.arguments.ranges import OF_BODIES, name_of_range
+from roughcontact.arguments.settings.fields import section_model
+from roughcontact.arguments.settings.models import Section, Settings
+from roughcontact.arguments.settings.plausible import Range
+from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.errors import SettingsError
 
 SMALLEST = math.ulp(0.0)
@@ -21,18 +23,22 @@ ABOVE_ONE, BELOW_ONE = math.nextafter(1, 2), math.nextafter(1, 0)
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": None}
 # what else may be said of a body, where it is said of both
 MORE = {"yield_stress": 4e8, "thermal_conductivity": 50.0, "electrical_resistivity": 2e-7}
-MORE |= {"name": "steel", "base": None, "layers": None}
+MORE |= {"name": "steel", "base": None, "layers": None} | {name_of_range(name): None for name in OF_BODIES}
 COATING = {"thickness": 1e-6, "youngs_modulus": 2e11, "poissons_ratio": 0.2}
 COATING |= {"thermal_conductivity": 2.0, "electrical_resistivity": 1e-3}
-SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}
+SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3, "perimeter": 0.1}
+SEAL |= {"outlet_pressure": 1e5}
 JOINT = {
+    "area": 1e-4,
+    "heat_flow": 1.0,
     "gas_conductivity": 0.026,
     "temperature_jump": 4e-7,
     "film_thickness": 1e-8,
     "film_conductivity": 2.0,
 }
 FRICTION = {"coefficient": 0.2, "shear_strength": "50 MPa", "speed": "1 m/s"}
-NESTED = {"seal": SEAL, "joint": JOINT, "friction": FRICTION}
+REQUIREMENT = {"gap": 1e-6}
+NESTED = {"seal": SEAL, "joint": JOINT, "friction": FRICTION, "requirement": REQUIREMENT}
 ENDLESS = [math.inf, -math.inf, math.nan]
 
 # setting: what is just within its limits, what is just beyond
@@ -54,7 +60,7 @@ LIMITS = {
     "form.radius": ([1e-6, [1e-6], [1.0, 2.0]], [0, [], [1, -1], [1, 2, 3]]),
     "contact.contact_modulus": ([SMALLEST_PRESSURE], [0, -1]),
     "contact.bodies": ([[STEEL | MORE] * 2], [[], [STEEL], [STEEL] * 3]),
-    "contact.bodies.youngs_modulus": ([SMALLEST_PRESSURE], [0, -1]),
+    "contact.bodies.youngs_modulus": ([f"{checking.SMALLEST} Pa"], [0, -1]),
     "contact.bodies.poissons_ratio": ([math.nextafter(-1, 0), 0.5], [-1, math.nextafter(0.5, 1)]),
     "contact.bodies.layers.thickness": ([1e-9], [0, -1]),
     "contact.bodies.layers.youngs_modulus": ([1e9], [0, -1]),
@@ -81,8 +87,8 @@ LIMITS = {
     "contact.unload": ([[SMALLEST_PRESSURE], [1e5, 2e5], None], [0, [0], [1e6, -1]]),
     "contact.target": ([["percolation"], None], [[], "yield"]),
     "contact.tolerance": (
-        [SMALLEST_TOLERANCE, BELOW_ONE],
-        [math.nextafter(SMALLEST_TOLERANCE, 0), 1],
+        [MIN_TOLERANCE, BELOW_ONE],
+        [math.nextafter(MIN_TOLERANCE, 0), 1],
     ),
     "contact.hardness": ([SMALLEST_PRESSURE, None], [0, -1]),
     "statistics.pressure_bins": ([1, 1000], [0, 1001, 1e19]),
@@ -91,17 +97,36 @@ LIMITS = {
     "statistics.seal.viscosity": ([f"{SMALLEST} Pa s"], [0, -1]),
     "statistics.seal.pressure_difference": ([SMALLEST_PRESSURE], [0, -1]),
     "statistics.seal.width": ([SMALLEST_LENGTH], [0, -1]),
+    "statistics.seal.perimeter": ([SMALLEST_LENGTH, None], [0, -1]),
+    "statistics.seal.allowed_leak": ([f"{SMALLEST} m3/s", None], [0, -1]),
+    "statistics.seal.outlet_pressure": ([SMALLEST_PRESSURE, None], [0, -1]),
+    "statistics.seal.mean_free_path": ([SMALLEST_LENGTH, None], [0, -1]),
+    "statistics.allowed_pressure": ([SMALLEST_PRESSURE, None], [0, -1]),
+    "statistics.joint.area": ([f"{SMALLEST} m2"], [0, -1]),
+    "statistics.joint.heat_flow": ([f"{SMALLEST} W", None], [0, -1]),
+    "statistics.joint.allowed_resistance": ([f"{SMALLEST} Ohm", None], [0, -1]),
+    "statistics.joint.allowed_temperature_drop": ([f"{SMALLEST} K", None], [0, -1]),
     "statistics.joint.gas_conductivity": ([f"{SMALLEST} W/(m K)"], [0, -1]),
     "statistics.joint.temperature_jump": ([SMALLEST_LENGTH], [0, -1]),
     "statistics.joint.film_thickness": ([SMALLEST_LENGTH], [0, -1]),
     "statistics.joint.film_conductivity": ([f"{SMALLEST} W/(m K)"], [0, -1]),
+    "statistics.requirement.thermal_resistance": (
+        [f"{SMALLEST} m2 K/W", None],
+        [0, -1],
+    ),
+    "statistics.requirement.contact_resistance": ([f"{SMALLEST} Ohm m2", None], [0, -1]),
+    "statistics.requirement.gap": ([SMALLEST_LENGTH, None], [0, -1, ">= 1 um"]),
+    "statistics.requirement.contact_area": ([SMALLEST, BELOW_ONE, None], [0, 1, "<= 0.5"]),
+    "statistics.requirement.leak": ([f"{SMALLEST} m3/s", None], [0, -1]),
+    "statistics.requirement.resistance": ([f"{SMALLEST} Ohm", None], [0, -1]),
+    "statistics.requirement.temperature_drop": ([f"{SMALLEST} K", None], [0, -1]),
+    "statistics.requirement.pressure": ([SMALLEST_PRESSURE, None], [0, -1]),
     "statistics.friction.coefficient": ([SMALLEST, None], [0, -1]),
     "statistics.friction.tangential_load": ([[SMALLEST], [1], None], [0, [], ABOVE_ONE]),
     "statistics.friction.shear_strength": ([SMALLEST_PRESSURE, None], [0, -1]),
     "statistics.friction.speed": ([f"{SMALLEST} m/s", None], [0, -1]),
     "statistics.friction.thermal_diffusivity": ([f"{SMALLEST} m2/s", None], [0, -1]),
     "uncertainty.windows": ([4, 400], [3, 401]),
-    "uncertainty.extent": ([1, 3.5], [BELOW_ONE, 0]),
     "uncertainty.sources": ([[], ["window"]], [["lens"], "window"]),
     "instrument.noise": ([SMALLEST_LENGTH, None], [0, -1]),
     "instrument.resolution": ([SMALLEST_LENGTH, None], [0, -1]),
@@ -113,6 +138,31 @@ LIMITS = {
     "instrument.finer_spectrum": (["patch.nid", None], [""]),
     "contact.contact_modulus_uncertainty": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
     "contact.mean_pressure_uncertainty": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
+    **dict.fromkeys(
+        (
+            "contact.hardness_uncertainty",
+            "contact.bodies.youngs_modulus_uncertainty",
+            "contact.bodies.hardness_uncertainty",
+            "contact.bodies.thermal_conductivity_uncertainty",
+            "contact.bodies.electrical_resistivity_uncertainty",
+            "contact.bodies.layers.youngs_modulus_uncertainty",
+            "contact.bodies.layers.thermal_conductivity_uncertainty",
+            "contact.bodies.layers.electrical_resistivity_uncertainty",
+            "statistics.friction.shear_strength_uncertainty",
+        ),
+        ([[0], [BELOW_ONE], [0.5, 3], None], [1, [], [1, 1]]),
+    ),
+    "wear.coefficient": ([f"{SMALLEST} 1/Pa"], [0, -1]),
+    "wear.coefficient_factor": ([1, 3.5], [BELOW_ONE, 0]),
+    "wear.distance": ([f"{SMALLEST} m", [f"{SMALLEST} m"], [1.0, 2.0]], [0, [], [1, -1]]),
+    "wear.mean_pressure": ([SMALLEST_PRESSURE, None], [0, -1]),
+    "sliding.relaxation": (["dma.csv"], [""]),
+    "sliding.poissons_ratio": ([-1 + 1e-9, 0.5], [-1, 0.51]),
+    "sliding.wlf": ([[8.86, 101.6]], [[8.86], [0, 1], [1, 2, 3]]),
+    "sliding.face_conductivity": ([f"{SMALLEST} W/(m K)", None], [0, -1]),
+    "sliding.rubber_conductivity": ([f"{SMALLEST} W/(m K)", None], [0, -1]),
+    "sliding.speed": ([f"{SMALLEST} m/s", [f"{SMALLEST} m/s"], [1.0, 2.0]], [0, [], [1, -1]]),
+    "sliding.mean_pressure": ([SMALLEST_PRESSURE, None], [0, -1]),
     "surfaces": (["s"], [""]),
 }
 OTHERS = {
@@ -121,6 +171,8 @@ OTHERS = {
     "contact.target",
     "uncertainty.sources",
     "instrument.finer_spectrum",
+    "sliding.relaxation",
+    "sliding.wlf",
     "surfaces",
 }
 NUMBERS = [key for key in LIMITS if key not in OTHERS]
@@ -142,12 +194,14 @@ def configured(key, value):
         layer = COATING | {key.rpartition(".")[2]: value}
         return {"contact": {"bodies": [STEEL | MORE, STEEL | MORE | {"layers": [layer]}]}}
     if key.startswith("contact.bodies."):
-        return {"contact": {"bodies": [STEEL | MORE, STEEL | MORE | {key.rpartition(".")[2]: value}]}}
+        hard = {"hardness": 1e9} if key.endswith("hardness_uncertainty") else {}
+        return {"contact": {"bodies": [STEEL | MORE, STEEL | MORE | hard | {key.rpartition(".")[2]: value}]}}
     if key.startswith("statistics.") and key.count(".") == 2:
         _, section, name = key.split(".")
+        needed = {"seal": SEAL, "joint": JOINT} if section == "requirement" else {}
         return {
             "contact": {"bodies": [STEEL | MORE] * 2},
-            "statistics": {section: NESTED[section] | {name: value}},
+            "statistics": needed | {section: NESTED[section] | {name: value}},
         }
     config = {"contact": {"contact_modulus": 1e9}}
     if key == "form.radius":
@@ -155,8 +209,15 @@ def configured(key, value):
         return {"form": {"radius": value}, "contact": free}
     if key in ("contact.force", "contact.area"):
         config["contact"] |= {"force": "1 N", "area": "1e-6 m2"}
-    if key == "contact.unload":
+    if key in ("contact.unload", "contact.hardness_uncertainty"):
         config["contact"] |= {"hardness": 1e10}
+    if key.startswith("wear."):
+        config["wear"] = {"coefficient": 1e-16, "distance": 1.0}
+    if key.startswith("sliding."):
+        temperatures = {"wlf": [8.86, 101.6], "reference_temperature": 20.0, "temperature": 5.0}
+        heat = {"face_conductivity": 1.5, "rubber_conductivity": 0.25}
+        heat = heat if value is not None else {}
+        config["sliding"] = {"relaxation": "dma.csv", "speed": 1.0} | temperatures | heat
     *section, name = key.split(".")
     (config.setdefault(section[0], {}) if section else config)[name] = value
     return config
@@ -165,7 +226,7 @@ def configured(key, value):
 def without_unit(value):
     """Return a value in a base unit, or each of a list, without that unit."""
     if isinstance(value, list):
-        return [without_unit(each) for each in value]
+        return [without_unit(entry) for entry in value]
     written = isinstance(value, str) and value[:1].isdigit() and " " in value
     return float(value.partition(" ")[0]) if written else value
 
@@ -198,25 +259,32 @@ def limited(section=Settings, above=""):
 def all_fields(section=Settings, above=""):
     """Yield name, field, and all that type and field say of each setting, of sections below as well."""
     for name, field in section.model_fields.items():
-        kinds, said = [field.annotation], list(field.metadata)
+        kinds, constraints = [field.annotation], list(field.metadata)
         while kinds:
             kind = kinds.pop()
-            said += [kind, *getattr(kind, "__metadata__", ())]
+            constraints += [kind, *getattr(kind, "__metadata__", ())]
             kinds += get_args(kind)
             if isinstance(kind, type) and issubclass(kind, Section):
                 yield from all_fields(kind, f"{above}{name}.")
-        limits = [limit for each in said for limit in getattr(each, "metadata", [each])]
-        yield f"{above}{name}", field, said + limits
+        limits = [
+            limit for constraint in constraints for limit in getattr(constraint, "metadata", [constraint])
+        ]
+        yield f"{above}{name}", field, constraints + limits
 
 
 def test_every_setting_with_a_unit_has_a_range_in_which_bare_numbers_are_plausible():
     """A new key with a unit in its description, or a type with a unit, needs one."""
-    ranges = {name: each for name, _, said in all_fields() for each in said if isinstance(each, Range)}
+    ranges = {
+        name: constraint
+        for name, _, constraints in all_fields()
+        for constraint in constraints
+        if isinstance(constraint, Range)
+    }
     assert len(ranges) >= 25
     for name, field, _ in all_fields():
         text = f"{field.description or ''},"
         units = re.search(r"\b(Pa s|Pa|m|degrees|W m-1 K-1|Ohm m|J m-2)\b[,:;)]", text)
-        if units and not section_of(field) and "no unit" not in field.description:
+        if units and not section_model(field) and "no unit" not in field.description:
             assert name in ranges, name
     for name, plausible in ranges.items():
         for slip in (plausible.highest * 1e6, plausible.lowest / 1e6 if plausible.lowest > 0 else -1e4):
@@ -228,6 +296,8 @@ def test_every_setting_with_a_unit_has_a_range_in_which_bare_numbers_are_plausib
                 "form.radius",
                 "contact.target_gap",
                 "contact.unload",
+                "wear.distance",
+                "sliding.speed",
                 "composite.rotations",
             )
             (line, _) = said(configured(name, [slip] if listed else slip))
@@ -240,14 +310,14 @@ def test_every_setting_with_a_unit_has_a_range_in_which_bare_numbers_are_plausib
 def test_every_count_and_every_list_has_an_upper_limit():
     """But for words, which may be given once each, and bodies, of which there are two."""
     counted = 0
-    for name, _, said in all_fields():
-        if int in said:
+    for name, _, constraints in all_fields():
+        if int in constraints:
             counted += 1
-            assert any(isinstance(each, Le | Lt) for each in said), name
-            assert any(isinstance(each, Ge | Gt) for each in said), name
-        if any(get_origin(each) is list for each in said):
+            assert any(isinstance(constraint, Le | Lt) for constraint in constraints), name
+            assert any(isinstance(constraint, Ge | Gt) for constraint in constraints), name
+        if any(get_origin(constraint) is list for constraint in constraints):
             counted += 1
-            assert any(isinstance(each, MaxLen) for each in said), name
+            assert any(isinstance(constraint, MaxLen) for constraint in constraints), name
     assert counted >= 15
 
 
@@ -280,11 +350,16 @@ def test_the_table_names_every_setting_that_has_a_limit():
 @pytest.mark.parametrize("key", LIMITS)
 def test_what_is_within_the_limits_is_kept(key):
     for value in LIMITS[key][0]:
-        found = resolve(configured(key, value))[""]
+        settings = resolve(configured(key, value))[""]
         for part in key.split("."):
-            found = found[-1][part] if isinstance(found, list) else found[part]
-        loads = key.endswith(("_pressure", "force", "form.radius")) and isinstance(value, float | str)
-        assert found == without_unit([value] if loads else value)
+            settings = settings[-1][part] if isinstance(settings, list) else settings[part]
+        several = (
+            key.endswith(("_pressure", "force", "form.radius", "distance", "sliding.speed"))
+            and key not in ("wear.mean_pressure", "sliding.mean_pressure")
+            and not key.startswith("statistics")
+        )
+        loads = several and isinstance(value, float | str)
+        assert settings == without_unit([value] if loads else value)
 
 
 @pytest.mark.parametrize("key", LIMITS)
@@ -320,8 +395,8 @@ def test_a_count_is_a_whole_number(key):
     assert f"{key} = 5.5: must be a whole number" in said(configured(key, 5.5))[0]
     assert f"{key} = 'many': " in said(configured(key, "many"))[0]
     section, name = key.split(".")
-    least, most = LIMITS[key][0]
-    assert resolve(configured(key, str(most)))[""][section][name] == most > least
+    lowest, highest = LIMITS[key][0]
+    assert resolve(configured(key, str(highest)))[""][section][name] == highest > lowest
 
 
 @pytest.mark.parametrize(
@@ -362,6 +437,18 @@ def test_a_count_is_a_whole_number(key):
             "contact.bodies[1].poison: unknown key, did you mean poissons_ratio?",
         ),
         ("level.Fill", "none", "level.Fill: unknown key, did you mean fill?"),
+        *(
+            (
+                key,
+                3,
+                (
+                    f"{key}: is a setting no longer: the ± is of the surface in the band of the map. Leave "
+                    "it out; an overview (column overview of the table, --overview) measures what a longer "
+                    "joint has"
+                ),
+            )
+            for key in ("uncertainty.extent", "uncertainty.measurand")
+        ),
         (
             "statistics.colour",
             1,

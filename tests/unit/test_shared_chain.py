@@ -13,15 +13,15 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, HeightMapWarning, InputFileError
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
-from roughcontact.levelling.level import level
-from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics import checks
 from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
-from roughcontact.statistics.outcome import REVIEW, verdict_of
+from roughcontact.statistics.outcome import REVIEW, worst_result
 from roughcontact.statistics.outcome import VERDICTS as WORDS
 from roughcontact.statistics.theory import persson_area
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.window.periodic_window import periodic_window
 
 pytestmark = pytest.mark.shared_data
 
@@ -76,8 +76,12 @@ def test_a_file_that_is_silent_says_what_to_give(name):
     with pytest.raises(InputFileError, match="in the table of surfaces") as caught:
         read_height_map(DATA / name)
     words = str(caught.value).partition("; give ")[2].partition(" in the table")[0]
-    asked = set(words.replace("(or unit)", "").replace(",", " ").split())
-    assert asked <= {*FILES[name]["given"], "unit"}
+    arguments_asked = set(words.replace("(or unit)", "").replace(",", " ").split())
+    assert arguments_asked <= {
+        *FILES[name]["given"],
+        "unit",
+        "height_unit",
+    }  # that of heights has an answer of its own
     assert inspect_file(DATA / name)["problem"] == str(caught.value)
 
 
@@ -89,12 +93,12 @@ def test_a_map_that_is_mostly_missing_is_refused_with_its_share():
 
 @pytest.mark.parametrize("name", [name for name in READ if name != "sur-3.sur"])
 def test_from_the_file_to_the_verdict(name, catalogue):
-    given = FILES[name].get("given", {})
+    options = FILES[name].get("given", {})
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # nothing that a user could not read
         warnings.simplefilter("ignore", HeightMapWarning)  # of maps of a few points
-        height = read_height_map(DATA / name, **given)
-        found = inspect_file(DATA / name, **given)
+        height = read_height_map(DATA / name, **options)
+        contents = inspect_file(DATA / name, **options)
         part = _middle(height)
         levelled = level(part)
         window = periodic_window(levelled)
@@ -103,11 +107,11 @@ def test_from_the_file_to_the_verdict(name, catalogue):
         statistics = solve_contact(window, **contact, reduce=contact_statistics)
         budget = error_budget(levelled, window, {"level": {}, "window": {}, "contact": contact}, sources=[])
         statistics = with_uncertainty(statistics, budget)
-    assert found["problem"] is None
-    wanted = float(
+    assert contents["problem"] is None
+    rms_height = float(
         FILES[name].get("otherwise", {}).get("rms") or float(catalogue[name]["rms_height_um"]) * 1e-6
     )
-    assert float(np.nanstd(height)) == pytest.approx(wanted, rel=1e-4)
+    assert float(np.nanstd(height)) == pytest.approx(rms_height, rel=1e-4)
     # off its plane, and without what stands out, a part has no more than there was
     assert 0 < levelled.attrs["Sq"] <= float(np.nanstd(part)) * 1.0001
     assert levelled.attrs["outliers_rejected"] < 0.01 * part.size
@@ -128,7 +132,7 @@ def test_from_the_file_to_the_verdict(name, catalogue):
     if name in VERDICTS:
         verdict, wanted_looks = VERDICTS[name]
         of_the_file = [check for check in outcome if check.name not in OF_THE_PART]
-        assert WORDS[verdict_of(of_the_file)] == verdict
+        assert WORDS[worst_result(of_the_file)] == verdict
         assert wanted_looks <= looks
     assert json.loads(levelled.attrs["form_removed"])["slope_x"]["units"] == "1" or 1 in height.shape
 

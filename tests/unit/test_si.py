@@ -7,25 +7,27 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact import units
-from roughcontact.configuration.fields import base_of, section_of
-from roughcontact.configuration.models import Settings
+from roughcontact.arguments import units
+from roughcontact.arguments.settings.fields import section_model, setting_base
+from roughcontact.arguments.settings.models import Settings
+from roughcontact.arguments.si import QUANTITIES, labelled_in_si
 from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness import heights, parameters, spectrum, summits, texture, traces
-from roughcontact.si import QUANTITIES, labelled_in_si
+from roughcontact.surface.roughness import heights, parameters, spectrum, summits, texture, traces
+from roughcontact.surface.synthetic import self_affine_surface
 
-LENGTHS = units._spellings("m")
+LENGTHS = units.spellings("m")
 CONTACT = {"contact_modulus": 1e9, "mean_pressure": 2e7}
 SOLVER_ONLY = {"sources": ["solver"]}
 
 
 @pytest.fixture(scope="module")
 def surface():
-    made = self_affine_surface((24, 30), 1e-6, hurst=0.8, shortest=4e-6, longest=24e-6, rms_height=2e-7)
+    surface_map = self_affine_surface(
+        (24, 30), 1e-6, hurst=0.8, shortest=4e-6, longest=24e-6, rms_height=2e-7
+    )
     # no wave is rounding alone
-    noise = 1e-9 * np.random.default_rng(0).standard_normal(made.shape)
-    return made.copy(data=made.values + noise).assign_attrs(source_file="made")
+    noise = 1e-9 * np.random.default_rng(0).standard_normal(surface_map.shape)
+    return surface_map.copy(data=surface_map.values + noise).assign_attrs(source_file="made")
 
 
 def restated(surface, lateral, of_heights, y=None):
@@ -60,8 +62,8 @@ def test_an_array_and_its_file_give_the_same_numbers_in_every_unit(surface, late
     array = restated(surface, lateral, of_heights)
     array.to_netcdf(tmp_path / "array.nc")
     for source in (array, tmp_path / "array.nc"):
-        found = numbers(rc.evaluate(source, contact=CONTACT, uncertainty=SOLVER_ONLY))
-        np.testing.assert_allclose(found, expected, rtol=1e-9)
+        values = numbers(rc.evaluate(source, contact=CONTACT, uncertainty=SOLVER_ONLY))
+        np.testing.assert_allclose(values, expected, rtol=1e-9)
 
 
 def every_verb(height, levelled, window, contact):
@@ -69,7 +71,7 @@ def every_verb(height, levelled, window, contact):
     problem = {"level": {}, "window": {}, "contact": CONTACT}
     solved = rc.solve_contact(window, **CONTACT)
     at = {"shift": (2e-6, 3e-6), "rotation": 0.0}
-    found = {
+    results = {
         "level": rc.level(height).values,
         "periodic_window": rc.periodic_window(levelled).values,
         "solve_contact": solved["pressure"].values,
@@ -87,8 +89,8 @@ def every_verb(height, levelled, window, contact):
                 result = function(window)
                 result = tuple(result.values()) if isinstance(result, dict) else result
                 parts = result if isinstance(result, tuple) else (result,)
-                found[name] = np.concatenate([np.ravel(part) for part in parts])
-    return found
+                results[name] = np.concatenate([np.ravel(part) for part in parts])
+    return results
 
 
 def test_every_public_function_converts_maps(surface):
@@ -96,16 +98,16 @@ def test_every_public_function_converts_maps(surface):
     window = rc.periodic_window(levelled)
     contact = rc.solve_contact(window, **CONTACT)
     expected = every_verb(surface, levelled, window, contact)
-    maps = [restated(each, "mm", "nm", y="um") for each in (surface, levelled, window)]
+    maps = [restated(height, "mm", "nm", y="um") for height in (surface, levelled, window)]
     gap = contact["gap"].copy(data=contact["gap"].values * 1e9).assign_attrs(units="nm")
     pressure = contact["pressure"].copy(data=contact["pressure"].values * 1e-6).assign_attrs(units="MPa")
     axes = {a: (a, contact[a].values * 1e6, {"units": "um"}) for a in "xy"}
-    other = contact.assign(gap=gap, pressure=pressure).assign_coords(axes)
-    found = every_verb(*maps, other)
-    assert len(found) >= 25
+    other_units = contact.assign(gap=gap, pressure=pressure).assign_coords(axes)
+    results = every_verb(*maps, other_units)
+    assert len(results) >= 25
     for name, values in expected.items():
         np.testing.assert_allclose(
-            found[name], values, rtol=1e-6, atol=1e-9 * np.nanmax(np.abs(values)), err_msg=name
+            results[name], values, rtol=1e-6, atol=1e-9 * np.nanmax(np.abs(values)), err_msg=name
         )
 
 
@@ -129,15 +131,15 @@ def test_without_units_numbers_are_taken_as_they_are(surface):
         np.testing.assert_array_equal(rc.level(bare).values, rc.level(surface).values)
         rc.level(surface - surface.mean())  # arithmetic drops the units of the heights, m beside m
     with pytest.warns(HeightMapWarning, match="the heights of the map: no attribute units, taken in m"):
-        found = rc.level(restated(surface, "um", "m").assign_attrs(units=""))
-    np.testing.assert_allclose(found.values, rc.level(surface).values, atol=1e-18)
+        levelled_map = rc.level(restated(surface, "um", "m").assign_attrs(units=""))
+    np.testing.assert_allclose(levelled_map.values, rc.level(surface).values, atol=1e-18)
 
 
 def test_the_map_that_is_given_stays_as_it_is(surface):
-    other = restated(surface, "um", "nm")
-    kept = other.copy(deep=True)
-    rc.level(other)
-    xr.testing.assert_identical(other, kept)
+    height = restated(surface, "um", "nm")
+    original = height.copy(deep=True)
+    rc.level(height)
+    xr.testing.assert_identical(height, original)
 
 
 @pytest.mark.parametrize(
@@ -195,11 +197,11 @@ def test_numbers_may_be_text_with_a_unit(surface):
     bodies = [{"youngs_modulus": "1 GPa", "poissons_ratio": 0.3, "layers": [layer]}]
     plain = {"youngs_modulus": 2e9, "poissons_ratio": 0.3, "thickness": 3e-6}
     in_pascal = [{"youngs_modulus": 1e9, "poissons_ratio": 0.3, "layers": [plain]}]
-    found = rc.solve_contact(window, bodies=bodies, mean_pressure=["1 MPa", 2e6], hardness="1 GPa")
+    contact = rc.solve_contact(window, bodies=bodies, mean_pressure=["1 MPa", 2e6], hardness="1 GPa")
     expected = rc.solve_contact(window, bodies=in_pascal, mean_pressure=[1e6, 2e6], hardness=1e9)
-    np.testing.assert_array_equal(found["pressure"], expected["pressure"])
-    first = rc.first_yield_pressure(window, contact_modulus="1 GPa", hardness="300 MPa")
-    assert first == rc.first_yield_pressure(window, contact_modulus=1e9, hardness=3e8)
+    np.testing.assert_array_equal(contact["pressure"], expected["pressure"])
+    first_yield = rc.first_yield_pressure(window, contact_modulus="1 GPa", hardness="300 MPa")
+    assert first_yield == rc.first_yield_pressure(window, contact_modulus=1e9, hardness=3e8)
     settings = {"level": {}, "window": {}, "contact": {"contact_modulus": "1 GPa", "mean_pressure": "20 MPa"}}
     budget = rc.error_budget(levelled, window, settings, sources=["solver"])
     assert budget["mean_pressure"].item() == 2e7
@@ -210,19 +212,20 @@ def test_numbers_may_be_text_with_a_unit(surface):
 
 
 def test_the_names_of_quantities_are_those_of_the_settings():
-    known = {}
+    quantities = {}
 
     def walk(section, inside=""):
         for name, field in section.model_fields.items():
-            if base := base_of(field):
-                known[f"{inside}{name}"] = base
-            if below := section_of(field):
-                walk(below, f"{name}." if name in ("seal", "joint") else "")
+            if base := setting_base(field):
+                quantities[f"{inside}{name}"] = base
+            if below := section_model(field):
+                walk(below, f"{name}." if name in ("seal", "joint", "requirement") else "")
 
     walk(Settings)
-    missing = {name: base for name, base in known.items() if QUANTITIES.get(name) != base}
-    # not arguments of a public function that takes a map
-    assert missing.keys() <= {"target_gap", "force", "area", "unload", "radius"}, missing
+    missing = {name: base for name, base in quantities.items() if QUANTITIES.get(name) != base}
+    # not arguments of a public function that takes a map; run_in has wear_coefficient, sliding_distance
+    of_runs = {"target_gap", "force", "area", "unload", "radius", "coefficient", "distance"}
+    assert missing.keys() <= of_runs, missing
 
 
 def test_settings_below_sections_keep_the_units_of_their_arrays():
@@ -237,15 +240,15 @@ def test_settings_below_sections_keep_the_units_of_their_arrays():
         rc.evaluate(
             surface,
             contact={
-                "bodies": [{"youngs_modulus": stated["youngs_modulus"], "poissons_ratio": 0.3}, "steel"],
-                "mean_pressure": [stated["pressure"]],
+                "bodies": [{"youngs_modulus": quantity["youngs_modulus"], "poissons_ratio": 0.3}, "steel"],
+                "mean_pressure": [quantity["pressure"]],
             },
             statistics={
-                "seal": {"viscosity": stated["viscosity"], "pressure_difference": 1e5, "width": 1e-3}
+                "seal": {"viscosity": quantity["viscosity"], "pressure_difference": 1e5, "width": 1e-3}
             },
             uncertainty={"sources": []},
         )
-        for stated in (text, array)
+        for quantity in (text, array)
     )
     np.testing.assert_allclose(numbers(by_array), numbers(by_text), rtol=1e-9)
     assert by_text["leak_rate_x"].item() > 0
@@ -259,3 +262,81 @@ def test_statistics_are_of_a_solution(surface):
     ):
         with pytest.raises(SettingsError, match=f"{text}.*solution of solve_contact"):
             rc.contact_statistics(wrong)
+
+
+# --- a unit that nobody states -----------------------------------------------------------------------------
+
+
+def bare(surface, factor):
+    """Return a surface with positions and heights times a factor, without a unit."""
+    positions = {axis: surface[axis].values * factor for axis in "yx"}
+    return xr.DataArray(surface.values * factor, positions, ("y", "x"))
+
+
+def as_array(height):
+    return rc.height_map(height.values, float(height["x"][1] - height["x"][0]))
+
+
+ENTRANCES = {
+    "evaluate": lambda height: rc.evaluate(height, contact=CONTACT, uncertainty=SOLVER_ONLY),
+    "level": rc.level,
+    "periodic_window": rc.periodic_window,
+    "height_map": as_array,
+}
+
+
+@pytest.mark.parametrize("entrance", ENTRANCES)
+def test_micrometres_without_a_unit_are_warned_of(surface, entrance):
+    with pytest.warns(
+        HeightMapWarning, match=r"a field of 29 m with heights of 0\.2 m .*unit='um'"
+    ) as caught:
+        ENTRANCES[entrance](bare(surface, 1e6))
+    assert [warning.filename for warning in caught] == [__file__]
+
+
+@pytest.mark.parametrize("entrance", ENTRANCES)
+def test_metres_and_stated_units_are_not(surface, entrance):
+    large = restated(bare(surface, 1e6), "m", "m")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", HeightMapWarning)
+        ENTRANCES[entrance](bare(surface, 1.0))
+        if entrance != "height_map":
+            ENTRANCES[entrance](large)
+        rc.height_map(large.values, 1.0, unit="m")
+        rc.solve_contact(bare(surface, 1e6), contact_modulus=1.0, mean_pressure=0.02)  # in any units
+
+
+def test_a_map_of_dask_is_the_same_map(surface):
+    pytest.importorskip("dask")  # no dependency: with it every import takes longer
+    in_pieces = surface.chunk(y=7)
+    assert rc.solve_contact(in_pieces, **CONTACT).identical(rc.solve_contact(surface, **CONTACT))
+    expected = rc.evaluate(surface, contact=CONTACT, uncertainty=SOLVER_ONLY)
+    assert rc.evaluate(in_pieces, contact=CONTACT, uncertainty=SOLVER_ONLY).identical(expected)
+
+
+class Quantity(np.ndarray):
+    """An array as those of pint are."""
+
+    magnitude = None
+
+
+def test_quantities_of_pint_are_refused_with_the_way_to_their_units(surface):
+    with pytest.raises(SettingsError, match="quantities of pint would lose their unit"):
+        rc.height_map(surface.values.view(Quantity), 1e-6)
+    with pytest.raises(SettingsError, match="quantities of pint would lose their unit"):
+        rc.height_map(surface.values, np.array(1.0).view(Quantity))
+
+
+@pytest.mark.parametrize(
+    ("change", "way"),
+    [
+        (lambda height: height.rename(y="northing", x="easting"), "rename.*'northing': 'y', 'easting': 'x'"),
+        (lambda height: height.rename(x="column"), r"rename\({'column': 'x'}\)"),
+        (lambda height: height.expand_dims("time"), r"select one map, height\.isel\(time=0\)"),
+        (lambda height: height.T, r"transpose it to \('y', 'x'\)"),
+        (lambda height: height[0], "dimensions \\('x',\\)"),
+    ],
+)
+def test_other_dimensions_are_answered_by_what_makes_a_map_of_them(surface, change, way):
+    with pytest.raises(HeightMapError, match=way):
+        rc.level(change(surface))

@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.contact.certificate import (
     bound_without_transform,
     error_bound,
     relative_bound,
     rounding_floor,
 )
+from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import Iterate, first_guess_on_grid, solve_on_grid
 from roughcontact.contact.line_search import LineSearch, minimize_between
@@ -21,10 +23,8 @@ from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.projected_gradient import project_to_load, projected_gradient_step
 from roughcontact.contact.state import contact_mean, norm, scale_below_cap, scale_to_load
 from roughcontact.contact.sweep import sweep
-from roughcontact.elasticity.influence import Elasticity
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, empty, namespace
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
 
 LENGTHS = (1.0, 1.0)
 EPS = {SINGLE: 2.0**-23, DOUBLE: 2.0**-52}
@@ -68,10 +68,10 @@ def test_the_bound_is_never_below_the_error_and_hardly_above(load, steps):
     """Far from convergence, too; twice the bound, or nine tenths of it, would not pass."""
     grid = Grid(rough(64), LENGTHS)
     exact = solved(grid, load).pressure
-    found = solve_on_grid(grid, np.full(grid.shape, load), load, tolerance=1e-12, max_steps=steps)
-    error = energy_norm(found.state.pressure - exact) / energy_norm(found.state.pressure)
+    iterate = solve_on_grid(grid, np.full(grid.shape, load), load, tolerance=1e-12, max_steps=steps)
+    error = energy_norm(iterate.state.pressure - exact) / energy_norm(iterate.state.pressure)
     assert 1e-7 < error < 1
-    assert 1.0 <= found.error_bound / error < 1.6
+    assert 1.0 <= iterate.error_bound / error < 1.6
 
 
 def test_the_bound_of_ten_maps_is_sharp_in_the_mean():
@@ -79,9 +79,9 @@ def test_the_bound_of_ten_maps_is_sharp_in_the_mean():
     for seed in range(10):
         grid = Grid(rough(64, seed), LENGTHS)
         exact = solved(grid, 0.1).pressure
-        found = solve_on_grid(grid, np.full(grid.shape, 0.1), 0.1, tolerance=1e-2)
-        error = energy_norm(found.state.pressure - exact) / energy_norm(found.state.pressure)
-        ratios.append(found.error_bound / error)
+        iterate = solve_on_grid(grid, np.full(grid.shape, 0.1), 0.1, tolerance=1e-2)
+        error = energy_norm(iterate.state.pressure - exact) / energy_norm(iterate.state.pressure)
+        ratios.append(iterate.error_bound / error)
     assert min(ratios) >= 1
     assert np.median(ratios) < 1.05
     assert max(ratios) < 1.1
@@ -92,14 +92,14 @@ def test_the_norm_that_the_bound_takes_is_that_of_a_residual_that_certifies():
     grid = Grid(rough(), LENGTHS)
     state, _ = grid.evaluate(scale_to_load(np.random.default_rng(0).random(grid.shape) - 0.5, 0.2))
     residual = grid.residual(state, precision=DOUBLE)
-    interpolated = grid.interpolation_in(DOUBLE).field.copy()
+    interpolated = grid.interpolator(DOUBLE).field.copy()
     assert np.sqrt(residual.energy) == pytest.approx(energy_norm(interpolated, inverse=True), rel=1e-10)
     allowed = np.where(state.pressure > 0, state.gap, np.minimum(interpolated, state.gap))
-    found = error_bound(grid, state, residual) * state.norm
+    bound = error_bound(grid, state, residual) * state.norm
     exact = energy_norm(allowed, inverse=True)
     floor = rounding_floor(grid.halfspace, state) * state.norm
-    assert found - floor >= exact * (1 + 1e-4) * (1 - 1e-10)
-    assert found - floor <= exact * 1.2
+    assert bound - floor >= exact * (1 + 1e-4) * (1 - 1e-10)
+    assert bound - floor <= exact * 1.2
 
 
 def test_the_bound_without_a_transform_is_a_bound_from_the_stiffest_wave():
@@ -145,8 +145,10 @@ def test_the_floor_is_the_norm_of_white_noise_of_the_size_of_rounding(precision,
     transforms = state.size * np.sqrt(stiffness.mean()) + pressure * np.sqrt(compliance.mean())
     by_unit = pressure * np.sqrt(compliance.max() / free)
     expected = (np.sqrt(np.log2(state.pressure.size)) * transforms + by_unit) / state.norm
-    for given, eps in ((None, EPS[precision]), (SINGLE, EPS[SINGLE])):
-        assert rounding_floor(grid.halfspace, state, given) == pytest.approx(eps * expected, rel=1e-3)
+    for precision_asked, eps in ((None, EPS[precision]), (SINGLE, EPS[SINGLE])):
+        assert rounding_floor(grid.halfspace, state, precision_asked) == pytest.approx(
+            eps * expected, rel=1e-3
+        )
     noise = np.random.default_rng(0).standard_normal((64, *grid.shape))
     for inverse, values in ((True, stiffness), (False, compliance)):
         norms = [energy_norm(field - field.mean(), inverse=inverse) ** 2 for field in noise]
@@ -196,11 +198,11 @@ def test_the_line_search_finds_the_least_energy_between_two_states():
     heights = rough()
     grid = Grid(heights, LENGTHS)
     rng = np.random.default_rng(3)
-    before, _ = grid.evaluate(scale_to_load(rng.random(grid.shape) - 0.5, 0.2))
-    after, line = grid.evaluate(scale_to_load(heights - 0.5 * heights.max(), 0.2), before=before)
+    start, _ = grid.evaluate(scale_to_load(rng.random(grid.shape) - 0.5, 0.2))
+    stop, line = grid.evaluate(scale_to_load(heights - 0.5 * heights.max(), 0.2), former=start)
 
     def energy(share):
-        moved = before.pressure + share * (after.pressure - before.pressure)
+        moved = start.pressure + share * (stop.pressure - start.pressure)
         return elastic_energy(grid, moved, heights)
 
     step = 1e-4
@@ -209,7 +211,7 @@ def test_the_line_search_finds_the_least_energy_between_two_states():
     best = minimize_scalar(energy, bracket=(0, 1)).x
     assert line.minimizer == pytest.approx(best, abs=1e-6)
     assert line.descends == (energy(1) < energy(0))
-    lower = minimize_between(before, after, line, cap=np.inf)
+    lower = minimize_between(start, stop, line, cap=np.inf)
     fresh, _ = grid.evaluate(lower.pressure)
     np.testing.assert_allclose(lower.separation, fresh.separation, atol=1e-13)
     assert lower.norm == pytest.approx(fresh.norm, rel=1e-10)
@@ -217,11 +219,11 @@ def test_the_line_search_finds_the_least_energy_between_two_states():
 
 
 @pytest.mark.parametrize(
-    ("slope", "after", "minimizer", "descends"),
+    ("slope", "curvature", "minimizer", "descends"),
     [(-1.0, -0.5, 2.0, True), (-1.0, 1.0, 0.5, False), (-1.0, 3.0, 0.25, False), (-2.0, -2.0, np.inf, True)],
 )
-def test_minimizer_and_descent_of_known_parabolas(slope, after, minimizer, descends):
-    line = LineSearch(slope, after)
+def test_minimizer_and_descent_of_known_parabolas(slope, curvature, minimizer, descends):
+    line = LineSearch(slope, curvature)
     assert line.minimizer == minimizer
     assert line.descends is descends
 
@@ -262,10 +264,14 @@ def test_scaling_to_a_load(pressure, load, cap, expected):
 def test_scaling_keeps_points_at_the_cap_through_a_change_of_precision(cap):
     assert float(np.float32(0.3)) > 0.3
     assert float(np.float32(0.9)) < 0.9
-    for before, after in (("float32", "float64"), ("float64", "float32"), ("float32", "float32")):
-        pressure = np.array([0.0, 0.1 * cap, 0.2 * cap, cap, cap], before)
-        scaled = scale_to_load(pressure, 0.55 * cap, cap=cap, precision=after)
-        assert scaled.dtype == after
+    for precision_before, precision_after in (
+        ("float32", "float64"),
+        ("float64", "float32"),
+        ("float32", "float32"),
+    ):
+        pressure = np.array([0.0, 0.1 * cap, 0.2 * cap, cap, cap], precision_before)
+        scaled = scale_to_load(pressure, 0.55 * cap, cap=cap, precision=precision_after)
+        assert scaled.dtype == precision_after
         np.testing.assert_array_equal(scaled >= cap, [False, False, False, True, True])
         np.testing.assert_allclose(scaled / cap, [0, 0.25, 0.5, 1, 1], rtol=1e-6)
         assert not np.shares_memory(scaled, pressure)
@@ -312,13 +318,15 @@ def test_the_factor_below_the_cap_that_makes_up_the_load(pressure, load, expecte
 @pytest.mark.parametrize("spread", [1e-3, 1.0, 1e3])
 def test_projection_to_a_load_is_the_nearest_feasible_field(precision, cap, spread):
     """What it takes is the same where the pressure is free, no more at zero, and no less at the cap."""
-    wanted = spread * np.random.default_rng(5).standard_normal((30, 40)).astype(precision)
-    found = project_to_load(wanted, 0.2, cap=cap)
-    assert found.dtype == precision
-    assert found.mean(dtype=float) == pytest.approx(0.2, rel=4 * EPS[precision] * max(1, spread))
-    assert ((found >= 0) & (found <= cap)).all()
-    taken = (wanted - found).astype(float)
-    assert taken[found < cap].max() <= taken[found > 0].min() + 8 * EPS[precision] * (spread + 1)
+    target = spread * np.random.default_rng(5).standard_normal((30, 40)).astype(precision)
+    projection = project_to_load(target, 0.2, cap=cap)
+    assert projection.dtype == precision
+    assert projection.mean(dtype=float) == pytest.approx(0.2, rel=4 * EPS[precision] * max(1, spread))
+    assert ((projection >= 0) & (projection <= cap)).all()
+    difference = (target - projection).astype(float)
+    assert difference[projection < cap].max() <= difference[projection > 0].min() + 8 * EPS[precision] * (
+        spread + 1
+    )
 
 
 def test_a_load_at_the_cap_is_refused():
@@ -343,8 +351,8 @@ def test_the_projection_is_the_nearest_feasible_field(cap):
     assert projected.min() >= 0
     assert projected.max() <= cap
     for _ in range(200):  # no feasible direction leads nearer
-        other = project_to_load(rng.standard_normal(40), load, cap=cap)
-        assert np.vdot(field - projected, other - projected) <= 1e-12
+        feasible = project_to_load(rng.standard_normal(40), load, cap=cap)
+        assert np.vdot(field - projected, feasible - projected) <= 1e-12
     assert 0 < np.count_nonzero(projected) < 40
 
 
@@ -426,16 +434,16 @@ def test_a_residual_that_leaves_points_out_certifies_nothing():
     start = np.random.default_rng(0).random(grid.shape)
     iterate = Iterate(grid, start, 0.1, tolerance=1.0, finish=SINGLE)
     plain = grid.residual(iterate.state, precision=SINGLE)
-    values = grid.interpolation_in(SINGLE).values
+    values = grid.interpolator(SINGLE).values
     active = np.count_nonzero(values)
-    whole = error_bound(grid, iterate.state, plain)
+    full_bound = error_bound(grid, iterate.state, plain)
     iterate.measure(0)
     assert not iterate.residual.certifies
     assert np.count_nonzero(values) < active
-    assert iterate.bound < 0.98 * whole
+    assert iterate.bound < 0.98 * full_bound
     assert not iterate.has_stalled(0)
     iterate.certify()
-    assert iterate.bound == pytest.approx(whole, rel=1e-6)
+    assert iterate.bound == pytest.approx(full_bound, rel=1e-6)
     long_pixels = Grid(rough(64), (8.0, 0.125))
     state, _ = long_pixels.evaluate(start)
     assert long_pixels.residual(state, precision=DOUBLE, predict=True).certifies
@@ -453,7 +461,7 @@ def test_the_contact_that_is_predicted_is_nearer_to_the_true_one():
     wrong = []
     for predict in (False, True):
         grid.residual(state, precision=DOUBLE, predict=predict)
-        wrong.append(np.count_nonzero((grid.interpolation_in(DOUBLE).values != 0) != contact))
+        wrong.append(np.count_nonzero((grid.interpolator(DOUBLE).values != 0) != contact))
     assert wrong[1] < 0.75 * wrong[0]
 
 
@@ -483,8 +491,8 @@ def test_a_first_guess_is_as_good_as_it_is_said_to_be():
     assert steps > 0
     assert guess.mean() == pytest.approx(0.1, rel=1e-5)
     assert energy_norm(guess - exact) < 0.15 * energy_norm(exact)
-    found, _ = first_guess_on_grid(fine, guess, 0.1, tolerance=COARSE_TOLERANCE)
-    assert energy_norm(found - exact) < 2 * COARSE_TOLERANCE * energy_norm(exact)
+    guess_improved, _ = first_guess_on_grid(fine, guess, 0.1, tolerance=COARSE_TOLERANCE)
+    assert energy_norm(guess_improved - exact) < 2 * COARSE_TOLERANCE * energy_norm(exact)
 
 
 def test_a_sweep_counts_every_application_and_solves_each_load_as_if_alone():
@@ -493,10 +501,10 @@ def test_a_sweep_counts_every_application_and_solves_each_load_as_if_alone():
     loads = [0.05, 0.1, 3.0]
     together = list(sweep(problem, loads, tolerance=1e-5, threads=1))
     for load, solution in zip(loads, together, strict=True):
-        (alone,) = sweep(problem, [load], tolerance=1e-5, threads=1)
-        np.testing.assert_array_equal(solution.state.pressure, alone.state.pressure)
-        assert solution.steps == alone.steps
-        assert solution.error_bound == alone.error_bound <= 1e-5
+        (single,) = sweep(problem, [load], tolerance=1e-5, threads=1)
+        np.testing.assert_array_equal(solution.state.pressure, single.state.pressure)
+        assert solution.steps == single.steps
+        assert solution.error_bound == single.error_bound <= 1e-5
         assert solution.state.pressure.mean() == pytest.approx(load, rel=1e-10)
     full = together[-1]
     assert full.steps == 0  # closed form

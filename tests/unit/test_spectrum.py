@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
-from roughcontact.maps import height_map, spacing
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness.spectrum import angular_spectrum, areal_spectrum, isotropic_spectrum
+import roughcontact as rc
+from roughcontact.arguments.maps import height_map, spacing
+from roughcontact.surface.roughness.spectrum import angular_spectrum, areal_spectrum, isotropic_spectrum
+from roughcontact.surface.synthetic import self_affine_surface
 
 
 def area(height):
@@ -20,6 +21,22 @@ def test_the_waves_make_up_the_mean_square_height(shape):
     height = height_map(np.random.default_rng(0).standard_normal(shape) + 5, (2e-6, 1e-6))
     _, _, power = areal_spectrum(height)
     assert power.sum() / area(height) == pytest.approx(height.values.var(), rel=1e-12)
+
+
+@pytest.mark.parametrize("shape", [(96, 128), (1, 256), (256, 1)])
+def test_the_public_spectrum_makes_up_the_mean_square_height(shape):
+    """The integral of C q dq / (2 pi), of a profile of C dq / pi."""
+    length = max(shape) * 1e-6
+    height = self_affine_surface(
+        shape, 1e-6, hurst=0.8, shortest=4e-6, longest=length / 8, rms_height=2e-7, seed=3
+    )
+    in_micrometres = height.copy(data=1e6 * height.values).assign_attrs(units="um")
+    spectrum = rc.power_spectrum(in_micrometres)
+    weight = spectrum["wavenumber"] / (2 * np.pi) if 1 not in shape else 1 / np.pi
+    mean_square = float((spectrum * weight).sum()) * 2 * np.pi / length
+    assert mean_square == pytest.approx(4e-14, rel=1e-9 if 1 in shape else 0.03)
+    assert spectrum.attrs["units"] == ("m3" if 1 in shape else "m4")
+    assert spectrum.sel(wavenumber=1.5e6, method="nearest") > 0
 
 
 @pytest.mark.parametrize("shape", [(32, 48), (33, 40), (30, 41), (27, 35), (1, 64), (1, 9), (64, 1)])
@@ -36,19 +53,22 @@ def test_directions_are_those_of_the_whole_plane(shape):
     noise = np.fft.fft2(np.random.default_rng(2).standard_normal(shape))
     qy, qx = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(shape, (2e-6, 1e-6), strict=True))
     dqy, dqx = (2 * np.pi / (n * d) for n, d in zip(shape, (2e-6, 1e-6), strict=True))
-    least, most = min(dqy, dqx), max(dqy, dqx)
+    min_step, max_step = min(dqy, dqx), max(dqy, dqx)
     # without those longer than the shorter side, which are counted otherwise
-    noise[np.hypot(qy[:, None], qx[None, :]) < most * (1 - 1e-9)] = 0
+    noise[np.hypot(qy[:, None], qx[None, :]) < max_step * (1 - 1e-9)] = 0
     height = height_map(np.fft.ifft2(noise).real, (2e-6, 1e-6))
     _, _, power = areal_spectrum(height)
-    radius = np.arange(1, np.pi / 2e-6 / least) * least
-    radius = radius[radius >= most * (1 - 1e-9)]
-    theta, found = angular_spectrum(height, step=7.5)
+    radius = np.arange(1, np.pi / 2e-6 / min_step) * min_step
+    radius = radius[radius >= max_step * (1 - 1e-9)]
+    theta, power_by_angle = angular_spectrum(height, step=7.5)
     across = np.deg2rad(theta)[:, None]
-    places = [radius * np.sin(across) / dqy + shape[0] // 2, radius * np.cos(across) / dqx + shape[1] // 2]
-    rays = map_coordinates(np.fft.fftshift(power), places, order=1, mode="nearest")
-    expected = 2 * (rays * radius).sum(axis=1) * least / (2 * np.pi) ** 2
-    np.testing.assert_allclose(found, expected, rtol=1e-9)
+    coordinates = [
+        radius * np.sin(across) / dqy + shape[0] // 2,
+        radius * np.cos(across) / dqx + shape[1] // 2,
+    ]
+    rays = map_coordinates(np.fft.fftshift(power), coordinates, order=1, mode="nearest")
+    expected = 2 * (rays * radius).sum(axis=1) * min_step / (2 * np.pi) ** 2
+    np.testing.assert_allclose(power_by_angle, expected, rtol=1e-9)
 
 
 @pytest.mark.parametrize("shape", [(12, 120), (13, 121), (30, 120), (3, 120), (120, 12), (121, 13), (2, 9)])
@@ -56,17 +76,19 @@ def test_waves_longer_than_the_shorter_side_keep_their_power_and_run_along_the_l
     longer, shorter = max(shape), min(shape)
     orders = np.arange(1, min((longer - 1) // shorter, longer // 2) + 1)
     amplitudes = np.random.default_rng(3).uniform(0.5, 1, orders.size)
-    place = np.arange(longer)
-    wave = sum(a * np.cos(2 * np.pi * k * place / longer) for a, k in zip(amplitudes, orders, strict=True))
+    coordinate = np.arange(longer)
+    wave = sum(
+        a * np.cos(2 * np.pi * k * coordinate / longer) for a, k in zip(amplitudes, orders, strict=True)
+    )
     lines = np.broadcast_to(wave, (shorter, longer))
     theta, power = angular_spectrum(height_map(lines if shape[1] == longer else lines.T, 1e-6), step=0.01)
     assert theta[np.argmax(power)] == (0 if shape[1] == longer else 90)
     assert power.sum() * np.deg2rad(0.01) == pytest.approx(wave.var(), rel=1e-4)
     # nothing farther off than the next wave that the map could tell from the longest one
     middle = 0 if shape[1] == longer else 90
-    off = np.abs((theta - middle + 90) % 180 - 90)
-    beyond = off > np.rad2deg(np.arctan(longer / shorter)) + 0.01
-    assert (power[beyond] < 1e-12 * power.max()).all()
+    angle = np.abs((theta - middle + 90) % 180 - 90)
+    is_outside = angle > np.rad2deg(np.arctan(longer / shorter)) + 0.01
+    assert (power[is_outside] < 1e-12 * power.max()).all()
 
 
 def test_a_single_wave():
@@ -90,8 +112,8 @@ def test_slope_of_a_self_affine_surface(hurst):
         height = self_affine_surface(shape, (1.5e-6, 1e-6), **options)
         q, power = isotropic_spectrum(height)
         inside = (q > 2 * np.pi / 100e-6) & (q < 2 * np.pi / 10e-6)
-        found = np.polyfit(np.log(q[inside]), np.log(power[inside]), 1)[0]
-        assert found == pytest.approx(slope, abs=0.05)
+        exponent = np.polyfit(np.log(q[inside]), np.log(power[inside]), 1)[0]
+        assert exponent == pytest.approx(slope, abs=0.05)
 
 
 def test_other_software_finds_the_same_spectrum():
@@ -138,9 +160,9 @@ def test_directions_turn_with_the_map():
         (values.T, (2e-6, 1e-6), 90 - theta),
         (values[:, ::-1], (1e-6, 2e-6), -theta),
     ):
-        _, found = angular_spectrum(height_map(seen, steps))
+        _, spectrum = angular_spectrum(height_map(seen, steps))
         order = np.argsort(direction % 180)
-        np.testing.assert_allclose(found, power[order], rtol=1e-12)
+        np.testing.assert_allclose(spectrum, power[order], rtol=1e-12)
 
 
 def test_white_noise_is_the_same_in_all_directions():

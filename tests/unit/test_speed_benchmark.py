@@ -11,11 +11,11 @@ import speed
 import speed_tables
 
 import roughcontact as rc
+from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.kernels import fft
-from roughcontact.maps import height_map, spacing
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.roughness.spectrum import isotropic_spectrum
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.roughness.spectrum import isotropic_spectrum
+from roughcontact.surface.synthetic import self_affine_surface
 
 
 def test_a_made_surface_is_what_the_page_says():
@@ -35,9 +35,9 @@ def test_an_enlarged_map_has_the_spectrum_of_the_window():
     assert spacing(large) == pytest.approx((2e-6, 2e-6))
     assert float(large.std()) == pytest.approx(1e-7, rel=0.1)
     q, power = isotropic_spectrum(large)
-    known_q, known = isotropic_spectrum(window)
+    known_q, power_known = isotropic_spectrum(window)
     inside = (known_q > 2 * np.pi / 5e-5) & (known_q < 2 * np.pi / 2e-5)
-    assert np.interp(known_q[inside], q, power) == pytest.approx(known[inside], rel=0.5)
+    assert np.interp(known_q[inside], q, power) == pytest.approx(power_known[inside], rel=0.5)
 
 
 def test_hard_maps_are_what_they_are_called():
@@ -51,7 +51,7 @@ def test_hard_maps_are_what_they_are_called():
     walk = maps["profile of 100 000 points, random walk"].values[0]
     assert np.abs(np.diff(walk)).max() < 1.1
     assert abs(walk[0] - walk[-1]) < 1.1
-    assert all(np.isfinite(one).all() for one in maps.values())
+    assert all(np.isfinite(hard_map).all() for hard_map in maps.values())
 
 
 def test_maps_that_cannot_be_solved_are_left_out(tmp_path):
@@ -61,23 +61,23 @@ def test_maps_that_cannot_be_solved_are_left_out(tmp_path):
     text = "# Width: 100 µm\n# Height: 80 µm\n# Value units: m\n"
     np.savetxt(tmp_path / "rough.txt", rough.values, header=text, comments="")
     np.savetxt(tmp_path / "bare.txt", rough.values * 1e6)  # the work does not depend on the scale
-    found = {name: (window, square) for name, window, square in cases.measured_maps([tmp_path])}
-    assert set(found) == {"rough.txt", "bare.txt"}
-    window, square = found["rough.txt"]
+    cases_by_name = {name: (window, square) for name, window, square in cases.measured_maps([tmp_path])}
+    assert set(cases_by_name) == {"rough.txt", "bare.txt"}
+    window, square = cases_by_name["rough.txt"]
     assert window.shape != square.shape
     assert square.shape[0] == square.shape[1]
 
 
-@pytest.mark.parametrize("first", [2.0**-4, 2.0**-20])
-def test_the_loosest_tolerance_is_found_from_above_and_from_below(first):
-    asked = []
+@pytest.mark.parametrize("first_tolerance", [2.0**-4, 2.0**-20])
+def test_the_loosest_tolerance_is_found_from_above_and_from_below(first_tolerance):
+    tolerances = []
 
     def run(tolerance):
-        asked.append(tolerance)
+        tolerances.append(tolerance)
         return {"true_error": 0.01 * tolerance}
 
-    assert race.loosest(run, first) == {"tolerance": 2.0**-7, "true_error": 0.01 * 2.0**-7}
-    assert len(asked) == len(set(asked))
+    assert race.loosest(run, first_tolerance) == {"tolerance": 2.0**-7, "true_error": 0.01 * 2.0**-7}
+    assert len(tolerances) == len(set(tolerances))
 
 
 def test_no_tolerance_is_found_where_none_does_and_a_code_that_fails_is_not_asked_for_more():
@@ -93,18 +93,18 @@ def test_long_solves_are_timed_less_often():
 
 
 def test_the_coarsest_grid_of_aspher_is_its_grid_over_a_power_of_two():
-    found = [race.options_of("ASPHER", n)["coarsest"] for n in (256, 432, 270, 576, 2048)]
-    assert found == [32, 27, 135, 36, 32]
+    coarsest = [race.options_of("ASPHER", n)["coarsest"] for n in (256, 432, 270, 576, 2048)]
+    assert coarsest == [32, 27, 135, 36, 32]
     assert race.options_of("Tamaas", 256) == {}
 
 
 def test_every_transform_is_counted(monkeypatch):
     """The pairs of a solve are the transforms that were made, each by the points of its grid."""
-    made = []
+    transform_sizes = []
 
     def counting(transform):
         def counted(self, *arguments, **options):
-            made.append(np.prod(self.shape))
+            transform_sizes.append(np.prod(self.shape))
             return transform(self, *arguments, **options)
 
         return counted
@@ -117,9 +117,11 @@ def test_every_transform_is_counted(monkeypatch):
                 monkeypatch.setattr(kind, name, counting(vars(kind)[name]))
     window = self_affine_surface((60, 96), 1.0, hurst=0.8, shortest=4.0, longest=30.0, rms_gradient=1.0)
     for load in (0.003, 0.3, 10.0):
-        made.clear()
+        transform_sizes.clear()
         contact = rc.solve_contact(window, contact_modulus=1.0, mean_pressure=load)
-        assert float(contact["operator_applications"][0]) == pytest.approx(0.5 * sum(made) / window.size)
+        assert float(contact["operator_applications"][0]) == pytest.approx(
+            0.5 * sum(transform_sizes) / window.size
+        )
 
 
 def kept_records():
@@ -178,37 +180,37 @@ def kept_records():
         "memory": [{"code": "roughcontact", "size": 512, "bytes_per_point": 44.2}],
     }
     about = {"machine": {"cores": 2}, "versions": {"roughcontact": {"roughcontact": "0.1.0"}}}
-    return {part: dict(enumerate(found)) for part, found in records.items()} | {"about": about}
+    return {part: dict(enumerate(case_records)) for part, case_records in records.items()} | {"about": about}
 
 
 def test_the_tables_have_the_numbers_of_the_records():
     tables = speed_tables.tables(kept_records())
-    found = {name: frame.to_csv(index=False).splitlines() for name, frame in tables.items()}
-    assert found["race"][1:] == [
+    lines_by_table = {name: frame.to_csv(index=False).splitlines() for name, frame in tables.items()}
+    assert lines_by_table["race"][1:] == [
         "1,synthetic,2,512,0.03,10,60,2000,6.0,200.0",  # geometric means
         "1,a_map.sur,1,432,0.03,10,60,,6.0,",
         "2,synthetic,1,512,0.03,5,40,,8.0,",
     ]
-    assert '1,ASPHER,all,3,6.0,4.0,"synthetic, 512², seed 0",0.03' in found["ratios"]
-    assert "1e-4,all,9.8,9.8,13.0,13.0" in found["pairs"]
-    assert "1e-8,0.3,16.5,16.5,20.9,22.0" in found["pairs"]
-    assert found["hardest"][1] == "b.sur,4 × 5,0.003,13.0,22.0"
-    assert found["settings"][1:] == ["single precision,9.0,9.0,9.0,9.0,2,2"]
-    assert found["made"][1::2] == ["1e-4,128²,6.5,6.5,6.5,6.5", "1e-4,all,7.5,7.5,8.3,8.5"]
-    assert found["dense"][1] == "10,1.020,1.020,1.020,0"
-    assert found["bounds"][1] == "1e-4,8,1.020,1.020,1.020,0"
-    assert found["hard"][1] == "primes,6.5,11.0,1,0"
-    assert found["growth"][3] == "synthetic,0.03,1e-4,8.0,16.0,2.00"
-    assert found["growth"][6] == "measured,0.003,1e-8,11.0,11.0,"
-    assert found["starts"][1:] == ["pip,9000", "first,500", "imports,300"]
-    assert found["pair"][1] == "1024,1,6.5,8.0"
-    assert found["sweep"][1] == "1024,1230,50"
-    assert found["memory"][1] == "roughcontact,44"
+    assert '1,ASPHER,all,3,6.0,4.0,"synthetic, 512², seed 0",0.03' in lines_by_table["ratios"]
+    assert "1e-4,all,9.8,9.8,13.0,13.0" in lines_by_table["pairs"]
+    assert "1e-8,0.3,16.5,16.5,20.9,22.0" in lines_by_table["pairs"]
+    assert lines_by_table["hardest"][1] == "b.sur,4 × 5,0.003,13.0,22.0"
+    assert lines_by_table["settings"][1:] == ["single precision,9.0,9.0,9.0,9.0,2,2"]
+    assert lines_by_table["made"][1::2] == ["1e-4,128²,6.5,6.5,6.5,6.5", "1e-4,all,7.5,7.5,8.3,8.5"]
+    assert lines_by_table["dense"][1] == "10,1.020,1.020,1.020,0"
+    assert lines_by_table["bounds"][1] == "1e-4,8,1.020,1.020,1.020,0"
+    assert lines_by_table["hard"][1] == "primes,6.5,11.0,1,0"
+    assert lines_by_table["growth"][3] == "synthetic,0.03,1e-4,8.0,16.0,2.00"
+    assert lines_by_table["growth"][6] == "measured,0.003,1e-8,11.0,11.0,"
+    assert lines_by_table["starts"][1:] == ["pip,9000", "first,500", "imports,300"]
+    assert lines_by_table["pair"][1] == "1024,1,6.5,8.0"
+    assert lines_by_table["sweep"][1] == "1024,1230,50"
+    assert lines_by_table["memory"][1] == "roughcontact,44"
 
 
 def test_this_solver_alone_has_no_ratios():
-    alone = {"race": {"a": kept_records()["race"][2] | {"codes": {"roughcontact": {"seconds": 0.01}}}}}
-    tables = speed_tables.tables(alone)
+    results = {"race": {"a": kept_records()["race"][2] | {"codes": {"roughcontact": {"seconds": 0.01}}}}}
+    tables = speed_tables.tables(results)
     assert tables.keys() == {"race"}
     assert tables["race"].columns.tolist()[-1] == "roughcontact (ms)"
 
@@ -230,15 +232,20 @@ def test_the_dense_solution_is_that_of_a_wave():
 
 @pytest.mark.parametrize("solve", [certificate.random_solve, certificate.dense_solve])
 def test_a_random_solve_is_held_against_its_reference(solve):
-    found = solve(np.random.default_rng(3))
-    assert found["converged"]
-    assert 0 < found["true_error"] <= found["bound"] + found["reference_error"]
+    record = solve(np.random.default_rng(3))
+    assert record["converged"]
+    assert 0 < record["true_error"] <= record["bound"] + record["reference_error"]
 
 
 def test_a_busy_machine_is_told():
     results = kept_records()
-    told = speed_tables.about(results)
-    assert (told["points"], told["one load (ms)"], told["maps"], told["busy"]) == (512, "10", 2, False)
+    description = speed_tables.about(results)
+    assert (
+        description["points"],
+        description["one load (ms)"],
+        description["maps"],
+        description["busy"],
+    ) == (512, "10", 2, False)
     results["about"]["load"] = {"pair": 0.1, "race": 11.6}
     assert speed_tables.about(results)["busy"]
 
@@ -270,8 +277,8 @@ def test_a_stopped_measurement_goes_on(tmp_path):
     assert runs == ["a", "b", "b", "c"]
     study().measure("trial", again=True)
     assert runs[4:] == ["a", "b", "c"]
-    kept = json.loads((tmp_path / "speed.json").read_text())
-    assert kept["trial"] == {name: {"of": name} for name in "abc"}
+    stored = json.loads((tmp_path / "speed.json").read_text())
+    assert stored["trial"] == {name: {"of": name} for name in "abc"}
     del speed.PARTS["trial"]
 
 
@@ -279,8 +286,8 @@ def test_a_window_that_has_changed_drops_what_is_known_of_it(tmp_path):
     study = speed.Study(speed.parse(["--work", str(tmp_path), "--rivals", str(tmp_path / "none")]))
     path = study.measured("a.sur", np.zeros((4, 4)))
     truth = study.surfaces / f"truth 0.03 {path.name}"
-    other = study.surfaces / "truth 0.03 measured b.sur.npy"
-    for file in (truth, other):
+    other_truth = study.surfaces / "truth 0.03 measured b.sur.npy"
+    for file in (truth, other_truth):
         file.touch()
     study.results["rungs"] = {"a.sur 0.03 ASPHER": {}, "b.sur 0.03 ASPHER": {}}
     study.measured("a.sur", np.zeros((4, 4)))
@@ -288,7 +295,7 @@ def test_a_window_that_has_changed_drops_what_is_known_of_it(tmp_path):
     assert len(study.results["rungs"]) == 2
     study.measured("a.sur", np.ones((4, 4)))
     assert not truth.exists()
-    assert other.exists()
+    assert other_truth.exists()
     assert list(study.results["rungs"]) == ["b.sur 0.03 ASPHER"]
 
 
@@ -299,8 +306,8 @@ def test_a_case_of_the_race_from_end_to_end(tmp_path):
     study.results["about"] = {}
     with study.workers:
         name, job = next(race.race(study))
-        found = job()
+        result = job()
     assert name == "made 64 0 0.003 threads 1"
-    of_code = found["codes"]["roughcontact"]
+    of_code = result["codes"]["roughcontact"]
     assert 0 < of_code["true_error"] <= 1e-4
     assert 0 < of_code["seconds"] < 5

@@ -1,7 +1,7 @@
 """Two cases share a stage where all settings up to it are equal."""
 
-from roughcontact.configuration.resolve import resolve
-from roughcontact.configuration.stages import SECTIONS, owner, settings_of
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.arguments.settings.stages import SECTIONS, owner, stage_settings
 
 
 def owners(overrides, **contact):
@@ -13,17 +13,17 @@ def owners(overrides, **contact):
 
 
 def test_a_case_owns_what_it_changes_and_all_that_follows():
-    assert owners({}) == ["base"] * 6
-    assert owners({"statistics": {"gap_bins": 5}}) == ["base"] * 5 + ["other"]
-    assert owners({"uncertainty": {"sources": []}}) == ["base"] * 4 + ["other"] * 2
-    assert owners({"contact": {"tolerance": 0.1}}) == ["base"] * 3 + ["other"] * 3
-    assert owners({"window": {"method": "raw"}}) == ["base"] * 2 + ["other"] * 4
-    assert owners({"level": {"form": "mean"}}) == ["base"] + ["other"] * 5
+    assert owners({}) == ["base"] * 7
+    assert owners({"statistics": {"gap_bins": 5}}) == ["base"] * 6 + ["other"]
+    assert owners({"uncertainty": {"sources": []}}) == ["base"] * 5 + ["other"] * 2
+    assert owners({"contact": {"tolerance": 0.1}}) == ["base"] * 4 + ["other"] * 3
+    assert owners({"window": {"method": "raw"}}) == ["base"] * 2 + ["other"] * 5
+    assert owners({"level": {"form": "mean"}}) == ["base"] + ["other"] * 6
 
 
 def test_a_value_that_is_written_out_is_the_default():
     assert (
-        owners({"level": {"form": "plane"}, "contact": {"contact_modulus": "1000000000.0"}}) == ["base"] * 6
+        owners({"level": {"form": "plane"}, "contact": {"contact_modulus": "1000000000.0"}}) == ["base"] * 7
     )
 
 
@@ -34,8 +34,8 @@ def test_without_fields_contact_and_statistics_are_one():
 
 def test_settings_of_a_stage_leave_out_what_comes_later():
     (settings,) = resolve({"contact": {"contact_modulus": 1e9}}).values()
-    assert settings_of(settings, "height") == {}
-    assert list(settings_of(settings, "window")) == ["level", "window"]
+    assert stage_settings(settings, "height") == {}
+    assert list(stage_settings(settings, "window")) == ["level", "window"]
 
 
 def test_whether_fields_are_kept_is_nothing_to_the_error_budget():

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.response import linear_response
-from roughcontact.elasticity.influence import Elasticity
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface
 
 MODULUS, GRADIENT, STEP = 1e9, 0.1, 2e-3
 
@@ -21,12 +21,12 @@ def rough(shape, spacing, seed):
 def around(load, height, **settings):
     """Return the statistics at a load and just below and above it, and -dp̄/dū between these two."""
     loads = [load * (1 - STEP), load, load * (1 + STEP)]
-    found = rc.contact_statistics(
+    statistics = rc.contact_statistics(
         rc.solve_contact(height, contact_modulus=MODULUS, mean_pressure=loads, tolerance=1e-9, **settings),
         flow="never",
     )
-    below, _, above = found["mean_gap"].values
-    return found.isel(load=1), (loads[2] - loads[0]) / (below - above)
+    below, _, above = statistics["mean_gap"].values
+    return statistics.isel(load=1), (loads[2] - loads[0]) / (below - above)
 
 
 @pytest.mark.parametrize(
@@ -37,10 +37,10 @@ def around(load, height, **settings):
 def test_further_loading_as_in_differences_of_solved_loads(shape, spacing, seed, load, hardness):
     """At constant hardness, with a tenth to nearly all of the load on points that have yielded."""
     unit = MODULUS * GRADIENT
-    found, slope = around(load * unit, rough(shape, spacing, seed), hardness=hardness * unit)
-    assert 0.05 < found["load_share_above_hardness"] < 0.98
-    assert found["loading_stiffness"].item() == pytest.approx(slope, rel=0.015)
-    assert found["contact_stiffness"].item() > 1.02 * slope
+    statistics, slope = around(load * unit, rough(shape, spacing, seed), hardness=hardness * unit)
+    assert 0.05 < statistics["load_share_above_hardness"] < 0.98
+    assert statistics["loading_stiffness"].item() == pytest.approx(slope, rel=0.015)
+    assert statistics["contact_stiffness"].item() > 1.02 * slope
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
@@ -55,24 +55,26 @@ def test_unloading_is_that_of_the_flattened_surface(seed):
     displacement = np.fft.ifft2(2 / (MODULUS * q) * np.fft.fft2(pressure)).real
     flattened = height.copy(data=displacement + solved["approach"].item() - solved["gap"].values[0])
     assert (flattened - height).max() < 1e-6 * height.std()
-    found = rc.contact_statistics(solved, flow="never")
-    again, slope = around(load, flattened)
-    assert again["max_pressure"].item() == pytest.approx(0.3 * unit, rel=1e-6)
-    assert found["contact_stiffness"].item() == pytest.approx(slope, rel=0.01)
-    assert found["loading_stiffness"].item() < 0.6 * slope
-    np.testing.assert_array_equal(found["conductance_per_conductivity"], found["contact_stiffness"] / MODULUS)
+    statistics = rc.contact_statistics(solved, flow="never")
+    second_statistics, slope = around(load, flattened)
+    assert second_statistics["max_pressure"].item() == pytest.approx(0.3 * unit, rel=1e-6)
+    assert statistics["contact_stiffness"].item() == pytest.approx(slope, rel=0.01)
+    assert statistics["loading_stiffness"].item() < 0.6 * slope
+    np.testing.assert_array_equal(
+        statistics["conductance_per_conductivity"], statistics["contact_stiffness"] / MODULUS
+    )
 
 
 def test_both_are_one_where_no_point_has_yielded():
     height, unit = rough((64, 64), (1e-6, 1e-6), 0), MODULUS * GRADIENT
     problem = {"contact_modulus": MODULUS, "mean_pressure": [0.02 * unit, 100 * unit]}
     hard = rc.solve_contact(height, hardness=1000 * unit, **problem)
-    found = rc.contact_statistics(hard, flow="never")
-    np.testing.assert_array_equal(found["loading_stiffness"], found["contact_stiffness"])
-    assert found["contact_stiffness"][1] == np.inf  # full contact
+    statistics = rc.contact_statistics(hard, flow="never")
+    np.testing.assert_array_equal(statistics["loading_stiffness"], statistics["contact_stiffness"])
+    assert statistics["contact_stiffness"][1] == np.inf  # full contact
     elastic = rc.contact_statistics(hard.drop_vars("hardness"), flow="never")
     assert "loading_stiffness" not in elastic
-    np.testing.assert_array_equal(elastic["contact_stiffness"], found["contact_stiffness"])
+    np.testing.assert_array_equal(elastic["contact_stiffness"], statistics["contact_stiffness"])
 
 
 def test_a_hardness_that_single_precision_rounds_is_met():
@@ -92,14 +94,14 @@ def test_where_all_of_the_contact_has_yielded_no_contact_set_tells():
     height, unit = rough((64, 64), (1e-6, 1e-6), 0), MODULUS * GRADIENT
     solved = rc.solve_contact(height, contact_modulus=MODULUS, mean_pressure=0.1 * unit, hardness=0.2 * unit)
     solved["pressure"] = solved["pressure"].where(solved["pressure"] == 0, 0.2 * unit)
-    found = rc.contact_statistics(solved, flow="never")
-    assert np.isnan(found["loading_stiffness"].item())
-    assert np.isfinite(found["contact_stiffness"].item())
+    statistics = rc.contact_statistics(solved, flow="never")
+    assert np.isnan(statistics["loading_stiffness"].item())
+    assert np.isfinite(statistics["contact_stiffness"].item())
 
 
 def test_full_contact_does_not_give_way_whatever_has_yielded():
     touching = np.ones((8, 8), bool)
     yielded = np.arange(64).reshape(8, 8) < 20
-    assert linear_response(touching, (1e-6, 1e-6), Elasticity(MODULUS), yielded=yielded) == 0
+    assert linear_response(touching, (1e-6, 1e-6), Elasticity(MODULUS), yielding=yielded) == 0
     with pytest.raises(ValueError, match="no point in contact is elastic"):
-        linear_response(yielded, (1e-6, 1e-6), Elasticity(MODULUS), yielded=yielded)
+        linear_response(yielded, (1e-6, 1e-6), Elasticity(MODULUS), yielding=yielded)

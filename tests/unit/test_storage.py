@@ -15,6 +15,7 @@ import pytest
 import xarray as xr
 
 import roughcontact
+from roughcontact.arguments.maps import height_map
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import (
     ConvergenceError,
@@ -24,20 +25,18 @@ from roughcontact.errors import (
     SettingsError,
 )
 from roughcontact.io.read import read_height_map
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.results.selection import read_statistics
 from roughcontact.results.storage import (
     opened_dataset,
     provenance,
     read_arrays,
     read_dataset,
-    read_table,
     write_dataset,
     write_table,
     write_text,
     written_load_by_load,
 )
+from roughcontact.surface.synthetic import rough_reference_surface
 
 
 def small():
@@ -57,10 +56,10 @@ def test_lengths_in_another_unit_are_converted(tmp_path, as_dataset):
     axes = {axis: (axis, [0.0, 0.5, 1.0], {"units": "um"}) for axis in "yx"}
     height = xr.DataArray(np.eye(3), axes, ("y", "x"), "height", {"units": "nm"})
     write_dataset(height.to_dataset() if as_dataset else height, tmp_path / "map.nc")
-    found = read_dataset(tmp_path / "map.nc")
-    np.testing.assert_allclose(found["height"], 1e-9 * np.eye(3))
-    np.testing.assert_allclose(found["x"], [0.0, 5e-7, 1e-6])
-    assert found.attrs.get("units", "m") == "m"
+    dataset = read_dataset(tmp_path / "map.nc")
+    np.testing.assert_allclose(dataset["height"], 1e-9 * np.eye(3))
+    np.testing.assert_allclose(dataset["x"], [0.0, 5e-7, 1e-6])
+    assert dataset.attrs.get("units", "m") == "m"
 
 
 def test_equal_content_gives_equal_bytes(tmp_path):
@@ -72,13 +71,13 @@ def test_equal_content_gives_equal_bytes(tmp_path):
 def test_a_failure_leaves_what_was_there(tmp_path):
     path = tmp_path / "gap.nc"
     write_dataset(small(), path)
-    before = path.read_bytes()
+    content_before = path.read_bytes()
     with pytest.raises(RoughContactError, match=r"no description for the output variables \['slope'\]"):
         write_dataset(small().rename(gap="slope"), path)
     unwritable = small().assign_attrs(note=object())
     with pytest.raises(TypeError):
         write_dataset(unwritable, path)
-    assert path.read_bytes() == before
+    assert path.read_bytes() == content_before
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -111,14 +110,19 @@ def test_a_name_that_looks_like_a_formula_is_text_to_a_spreadsheet(tmp_path):
     read = pd.read_csv(tmp_path / "summary.csv", keep_default_na=False)
     assert list(read["surface"]) == ["'-1-HYP", "'=cmd()", "'+1", "'@A1", "ground-1", ""]
     assert read["load"][0] == "-1.5"  # a number stays one
-    assert list(read_table(tmp_path / "summary.csv")["surface"].fillna("")) == names
+
+
+@pytest.mark.skipif(os.name == "nt", reason="the separator of the system")
+def test_a_folder_that_netcdf_cannot_name_is_the_reason(tmp_path):
+    with pytest.raises(OutputFileError, match="backslash in its path for a separator: rename that folder"):
+        write_dataset(small(), tmp_path / "a\\b" / "gap.nc")
 
 
 def test_a_full_disk_is_named_and_what_was_there_stays(disk):
     small_disk = disk("size=64k")
     large = xr.Dataset({"gap": (("y", "x"), np.random.default_rng(0).random((100, 200)))})
     write_dataset(small(), small_disk / "gap.nc")
-    before = (small_disk / "gap.nc").read_bytes()
+    content_before = (small_disk / "gap.nc").read_bytes()
     with pytest.raises(OutputFileError, match=r"gap.nc: cannot be written, the disk is full \(.* MB free\)"):
         write_dataset(large, small_disk / "gap.nc")
     height = height_map(np.zeros((100, 200)), 1e-6)
@@ -131,20 +135,20 @@ def test_a_full_disk_is_named_and_what_was_there_stays(disk):
     with pytest.raises(OutputFileError, match=r"a.txt: .*disk is full"):
         write_text("a" * 100_000, small_disk / "a.txt")
     assert [path.name for path in small_disk.iterdir()] == ["gap.nc"]
-    assert (small_disk / "gap.nc").read_bytes() == before
+    assert (small_disk / "gap.nc").read_bytes() == content_before
 
 
 def test_the_limit_of_the_size_of_files_is_named(tmp_path):
     """As a shell sets it by `ulimit -f`; netCDF says of it that there is an error of HDF."""
     large = xr.Dataset({"gap": (("y", "x"), np.random.default_rng(0).random((100, 200)))})
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))
+    limit_before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, limit_before[1]))
     try:
         for write in (lambda path: write_dataset(large, path), lambda path: write_text("a" * 30_000, path)):
             with pytest.raises(OutputFileError, match=r"gap.nc: cannot be written, a limit .*ulimit -f"):
                 write(tmp_path / "gap.nc")
     finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        resource.setrlimit(resource.RLIMIT_FSIZE, limit_before)
     assert not list(tmp_path.iterdir())
 
 
@@ -157,14 +161,16 @@ def test_a_read_only_folder_is_named(disk):
 
 
 def test_a_damaged_result_is_named(tmp_path):
-    """Whichever bit is turned, by every function that reads results; also for the reader of measured maps."""
+    """Whichever bit of its content is turned, by all that reads results and by the reader of maps."""
     path = tmp_path / "height.nc"
     heights = np.random.default_rng(0).random((16, 16))
     write_dataset(height_map(heights, 1e-6), path)
     undamaged = path.read_bytes()
-    for place in np.random.default_rng(1).integers(0, len(undamaged) - 7, 60):
+    for position in np.random.default_rng(1).integers(0, undamaged.rindex(b"\nroughcontact"), 60):
         path.write_bytes(
-            undamaged[:place] + bytes([undamaged[place] ^ 1 << int(place) % 8]) + undamaged[place + 1 :]
+            undamaged[:position]
+            + bytes([undamaged[position] ^ 1 << int(position) % 8])
+            + undamaged[position + 1 :]
         )
         for read in (read_dataset, read_arrays, lambda path: opened_dataset(path).__enter__()):
             with pytest.raises(InputFileError, match=r"height\.nc: .*; delete it .* and run again"):
@@ -175,19 +181,13 @@ def test_a_damaged_result_is_named(tmp_path):
             read(path)
 
 
-def test_a_result_that_another_program_has_changed_is_named_and_one_that_it_wrote_is_read(tmp_path):
+def test_a_result_that_another_program_has_written_is_read(tmp_path):
     path = tmp_path / "gap.nc"
     write_dataset(small(), path)
-    assert "digest" not in read_dataset(path).attrs
     read_dataset(path).to_netcdf(tmp_path / "own.nc")
     xr.testing.assert_identical(read_dataset(tmp_path / "own.nc"), read_dataset(path))
-    with h5py.File(path, "r+") as file:
+    with h5py.File(path, "r+") as file:  # which cuts off the checksum
         file["gap"][0, 0] = 7.0
-    for read in (read_dataset, read_arrays):
-        with pytest.raises(InputFileError, match=r"gap\.nc: .* not there.*remove its attribute `digest`"):
-            read(path)
-    with h5py.File(path, "r+") as file:
-        del file.attrs["digest"]
     assert read_dataset(path)["gap"][0, 0] == 7.0
 
 
@@ -201,14 +201,14 @@ def test_an_error_of_something_else_within_an_open_file_passes_as_it_is(tmp_path
 def test_a_file_says_what_it_is_and_what_computed_it():
     settings = [{"level": 1, "contact": 2}, {"contact": 2, "level": 1}]
     assert provenance(settings[0]) == provenance(settings[1])
-    first = provenance({}, stage="height", subject="ground")
-    made = provenance({}, stage="window", subject="ground", history=first["history"])
-    assert made["title"] == "Periodic window: ground"
-    assert made["history"].splitlines() == [
-        f"Heights as measured by {made['source']}",
-        f"Periodic window by {made['source']}",
+    attrs_of_height = provenance({}, stage="height", subject="ground")
+    attrs = provenance({}, stage="window", subject="ground", history=attrs_of_height["history"])
+    assert attrs["title"] == "Periodic window: ground"
+    assert attrs["history"].splitlines() == [
+        f"Heights as measured by {attrs['source']}",
+        f"Periodic window by {attrs['source']}",
     ]
-    assert {"numpy", "scipy", "h5py", "SurfaceTopography", "python"} <= set(json.loads(made["versions"]))
+    assert {"numpy", "scipy", "h5py", "SurfaceTopography", "python"} <= set(json.loads(attrs["versions"]))
 
 
 def test_the_commit_is_that_of_the_checkout_and_of_no_folder_around_it(tmp_path):
@@ -216,18 +216,20 @@ def test_the_commit_is_that_of_the_checkout_and_of_no_folder_around_it(tmp_path)
     package = Path(roughcontact.__file__).parent
     git = ["git", "-c", "user.name=a", "-c", "user.email=a@b"]
     ask = "from roughcontact.results.storage import provenance; print(provenance({}).get('commit'))"
-    for place, known in (("workflow/lib", True), ("venv/lib/site-packages", False)):
-        checkout = tmp_path / place.partition("/")[0]
-        copy = tmp_path / checkout / place / "roughcontact"
+    for location, is_checkout in (("workflow/lib", True), ("venv/lib/site-packages", False)):
+        checkout = tmp_path / location.partition("/")[0]
+        copy = tmp_path / checkout / location / "roughcontact"
         shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__"))
         subprocess.run([*git, "init", "-q", checkout], check=True)
         subprocess.run([*git, "commit", "-q", "--allow-empty", "-m", "a"], check=True, cwd=checkout)
         ask_git = ["git", "-C", checkout, "rev-parse", "HEAD"]
         head = subprocess.run(ask_git, capture_output=True, text=True, check=True)
         command = [sys.executable, "-c", ask]
-        there = os.environ | {"PYTHONPATH": str(copy.parent)}
-        said = subprocess.run(command, env=there, capture_output=True, text=True, check=True).stdout.strip()
-        assert said == (head.stdout.strip() if known else "None")
+        variables = os.environ | {"PYTHONPATH": str(copy.parent)}
+        commit = subprocess.run(
+            command, env=variables, capture_output=True, text=True, check=True
+        ).stdout.strip()
+        assert commit == (head.stdout.strip() if is_checkout else "None")
 
 
 def test_axes_are_named_and_bounds_are_described_by_their_bins(tmp_path):
@@ -260,9 +262,9 @@ def test_loads_come_in_any_order_and_may_be_alike(tmp_path):
         file.complete(solved.assign(height=height))
     at_once = solve_contact(height, **problem)
     write_dataset(at_once, tmp_path / "at_once.nc")
-    with opened_dataset(path) as found:
-        assert found["pressure"].encoding["chunksizes"] == (1, 96, 96)
-        xr.testing.assert_identical(found.load(), read_dataset(tmp_path / "at_once.nc"))
+    with opened_dataset(path) as dataset:
+        assert dataset["pressure"].encoding["chunksizes"] == (1, 96, 96)
+        xr.testing.assert_identical(dataset.load(), read_dataset(tmp_path / "at_once.nc"))
 
 
 @pytest.mark.parametrize("shape", [(520, 1030), (512, 1024), (1, 5000), (3, 2)])
@@ -281,15 +283,15 @@ def test_maps_are_read_as_they_were_whoever_reads_them(tmp_path, shape, dtype):
             file.write_maps(
                 xr.Dataset(fields, coords={"mean_pressure": ("load", [load])} | dict(height.coords))
             )
-        rest = xr.Dataset(coords={"mean_pressure": ("load", [2.0, 1.0])})
-        file.complete(rest.assign(height=height))
-    found = read_dataset(tmp_path / "contact.nc")
-    with h5py.File(tmp_path / "contact.nc") as other:
+        numbers = xr.Dataset(coords={"mean_pressure": ("load", [2.0, 1.0])})
+        file.complete(numbers.assign(height=height))
+    dataset = read_dataset(tmp_path / "contact.nc")
+    with h5py.File(tmp_path / "contact.nc") as file_of_hdf5:
         for name, values in maps.items():
             for load, sign in ((1, 1), (0, -1)):
-                assert found[name].dtype == values.dtype
-                np.testing.assert_array_equal(found[name][load], sign * values)
-                np.testing.assert_array_equal(other[name][load], sign * values)
+                assert dataset[name].dtype == values.dtype
+                np.testing.assert_array_equal(dataset[name][load], sign * values)
+                np.testing.assert_array_equal(file_of_hdf5[name][load], sign * values)
 
 
 def test_what_repeats_takes_little_room(tmp_path):

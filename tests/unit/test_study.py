@@ -4,8 +4,8 @@ import time
 
 import pytest
 
-from roughcontact.configuration.study import read_study
 from roughcontact.errors import SettingsError
+from roughcontact.study.study import read_study
 
 GOOD = {"surfaces": "surfaces.tsv", "contact": {"contact_modulus": 1e9}}
 
@@ -40,7 +40,7 @@ def test_the_mistakes_of_both_are_in_one_message(tmp_path):
         "  line 2, unit: unknown length unit 'torr'",
         "  line 2, resample = 'cubic': choose linear",
         "  line 3, surface = ground: occurs twice",
-        "  line 4, path = nowhere.x3p: no such file; correct the path or put # before the row",
+        "  line 4, path = 'nowhere.x3p': no such file; correct the path or put # before the row",
     ):
         assert any(line.startswith(start) for line in lines), (start, lines)
 
@@ -52,11 +52,11 @@ def test_a_billion_aliases_are_refused_in_a_second(tmp_path, where):
         leaves = [leaves] * 10
     loop = {}
     loop["again"] = loop
-    begin = time.process_time()
+    start = time.process_time()
     for value in ({"s_filter": leaves}, {"a": {"contact": {"mean_pressure": leaves}}}, loop):
         with pytest.raises(SettingsError, match="more than 100000 values: look for aliases"):
             study(tmp_path, GOOD | {where: value}, "ground\tground.txt\tum\t")
-    assert time.process_time() - begin < 1
+    assert time.process_time() - start < 1
 
 
 @pytest.mark.parametrize(("shifts", "clash"), [(3, True), (2, False), (0, False)])
@@ -77,6 +77,6 @@ def test_a_first_row_that_is_no_place_is_named(tmp_path):
     (tmp_path / "ground.txt").write_text("1 2\n3 4\n")
     with pytest.raises(SettingsError) as caught:
         read_study(GOOD, [tmp_path], measured_in=[tmp_path])
-    said = str(caught.value)
-    assert "line 2, first_row = 'up': choose top or bottom" in said
-    assert "line 2, counter_face_first_row = 'left': choose top or bottom" in said
+    message = str(caught.value)
+    assert "line 2, first_row = 'up': choose top or bottom" in message
+    assert "line 2, counter_face_first_row = 'left': choose top or bottom" in message

@@ -8,16 +8,17 @@ import scipy
 import xarray as xr
 
 import roughcontact as rc
+from roughcontact.arguments.maps import height_map
+from roughcontact.arguments.quantities import percent
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.fourier import halfplane_weights
-from roughcontact.maps import height_map
-from roughcontact.profiles import finish
-from roughcontact.profiles.finish import draw, finish_of
-from roughcontact.profiles.spectrum import ProfileFit
-from roughcontact.profiles.surface import levelled_heights, profile_pieces, solved_window, stacked
-from roughcontact.quantities import percent
-from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.kernels.fourier import halfplane_weights
 from roughcontact.statistics import map_checks
+from roughcontact.surface.preparation.profiles import ProfilesPreparation
+from roughcontact.surface.profiles import finish
+from roughcontact.surface.profiles.finish import draw, fit_statistics
+from roughcontact.surface.profiles.spectrum import ProfileFit
+from roughcontact.surface.profiles.surface import profile_pieces, stacked
+from roughcontact.surface.roughness.parameters import rms_gradient
 
 SIDE = 256
 BAND = {"hurst": 0.8, "shortest": 6.0, "longest": 40.0, "rms_height": 1.0}
@@ -64,14 +65,14 @@ def test_long_waves_that_levelling_took_from_each_line_are_put_back():
     basis = np.linalg.qr(np.vander(np.arange(length), 3))[0]
     spectra = {}
     for order in (0, 2):
-        taken = basis[:, 2 - order :]
-        spectra[order] = ProfileFit([(pieces - (pieces @ taken) @ taken.T, 1.0)], order)
+        removed = basis[:, 2 - order :]
+        spectra[order] = ProfileFit([(pieces - (pieces @ removed) @ removed.T, 1.0)], order)
     assert spectra[2].measured[0] < 0.5 * spectra[0].measured[0]
     f, density = density_of(surface.values)
     for low, high in ((1 / 256, 1 / 64), (1 / 64, 1 / 16)):
         ring = (f > low) & (f < high)
-        found = np.mean(spectra[2].best.at(f[ring]))
-        assert found == pytest.approx(np.mean(density[ring]), rel=0.2)
+        level_of_waves = np.mean(spectra[2].best.at(f[ring]))
+        assert level_of_waves == pytest.approx(np.mean(density[ring]), rel=0.2)
 
 
 def test_the_density_along_a_line_is_the_integral_in_closed_form():
@@ -99,9 +100,9 @@ def test_a_surface_keeps_the_spectra_of_its_profiles_and_of_the_fit():
     pieces, pitch = profile_pieces(profiles)
     taper = np.sin(np.pi * (np.arange(SIDE) + 0.5) / SIDE) ** 2
     frequency, density = scipy.signal.periodogram(pieces, 1 / pitch, window=taper, detrend=False)
-    alone = slice(1, 6)
-    np.testing.assert_allclose(spectra["wavenumber"][:5], 2 * np.pi * frequency[alone], rtol=1e-12)
-    np.testing.assert_allclose(spectra["profiles"][:5], density.mean(axis=0)[alone] / 2, rtol=1e-9)
+    resolved_waves = slice(1, 6)
+    np.testing.assert_allclose(spectra["wavenumber"][:5], 2 * np.pi * frequency[resolved_waves], rtol=1e-12)
+    np.testing.assert_allclose(spectra["profiles"][:5], density.mean(axis=0)[resolved_waves] / 2, rtol=1e-9)
     powers = [scipy.integrate.trapezoid(spectra[key], spectra["wavenumber"]) for key in ("profiles", "fit")]
     assert powers[1] == pytest.approx(powers[0], rel=0.1)  # the scatter of single waves is not fitted
 
@@ -119,8 +120,8 @@ def test_normal_heights_stay_normal_and_skewed_ones_stay_skewed():
 
 def test_the_tail_is_extrapolated_linearly_over_the_score():
     heights = finish._heights(np.random.default_rng(0).exponential(size=400), 40.0)
-    beyond = -scipy.special.ndtri(0.5 / 40) < finish._SCORES
-    steps = np.diff(heights[beyond])
+    tail = -scipy.special.ndtri(0.5 / 40) < finish._SCORES
+    steps = np.diff(heights[tail])
     assert steps.min() > 0
     np.testing.assert_allclose(steps, steps[0], rtol=1e-6)
 
@@ -129,10 +130,10 @@ def test_a_drawn_surface_has_the_amplitudes_and_the_skewness():
     surface = rough()
     plateaus = surface.copy(data=-np.exp(-0.6 * surface.values))
     fit = fitted(plateaus, 20)
-    told = finish_of(fit)
-    drawn = draw(told, SIDE, 1.0, np.random.default_rng(0))
+    profile_statistics = fit_statistics(fit)
+    drawn = draw(profile_statistics, SIDE, 1.0, np.random.default_rng(0))
     f, density = density_of(drawn)
-    expected = told.spectrum.at(f)
+    expected = profile_statistics.spectrum.at(f)
     np.testing.assert_allclose(density, expected, atol=1e-9 * expected.max())
     # the amplitudes, which come last, take a part of it
     skewness = [scipy.stats.skew(heights, axis=None) for heights in (drawn, plateaus.values)]
@@ -156,9 +157,9 @@ def test_the_pitch_of_a_surface_is_chosen_and_its_spectrum_kept():
 
 def test_the_seed_makes_the_surface():
     profiles = rows(rough())
-    first, again, other = (rc.surface_from_profiles(profiles, seed=seed) for seed in (1, 1, 2))
-    xr.testing.assert_identical(first, again)
-    assert np.corrcoef(first.values.ravel(), other.values.ravel())[0, 1] < 0.2
+    surface, repetition, other_seed = (rc.surface_from_profiles(profiles, seed=seed) for seed in (1, 1, 2))
+    xr.testing.assert_identical(surface, repetition)
+    assert np.corrcoef(surface.values.ravel(), other_seed.values.ravel())[0, 1] < 0.2
 
 
 def test_profiles_of_several_lengths_and_with_missing_points():
@@ -180,7 +181,7 @@ def test_columns_are_profiles_as_well():
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         (lambda profiles: [], "profiles: have no points"),
         (lambda profiles: [rough()], "profiles: have 256 x 256 points; give one-row maps"),
@@ -189,21 +190,21 @@ def test_columns_are_profiles_as_well():
         (lambda profiles: [0 * profiles[0]], "is flat"),
     ],
 )
-def test_profiles_without_a_surface(change, said):
-    with pytest.raises(HeightMapError, match=said):
+def test_profiles_without_a_surface(change, message):
+    with pytest.raises(HeightMapError, match=message):
         rc.surface_from_profiles(change(rows(rough())))
 
 
 @pytest.mark.parametrize(
-    ("lay", "said"),
+    ("lay", "message"),
     [
         ("along", "runs on one ridge and shows nothing of the others"),
         ("isotropic", "choose across or none"),
         ("across", "are ridges, and are solved as they are"),
     ],
 )
-def test_other_lays_have_no_surface(lay, said):
-    with pytest.raises(SettingsError, match=said):
+def test_other_lays_have_no_surface(lay, message):
+    with pytest.raises(SettingsError, match=message):
         rc.surface_from_profiles(rows(rough()), lay=lay)
 
 
@@ -226,8 +227,10 @@ def test_sizes_that_are_none():
 def test_a_pitch_may_be_text_and_a_surface_small():
     profiles = rows(rough())
     assert rc.surface_from_profiles(profiles, points=4).shape == (4, 4)
-    stated, plain = (rc.surface_from_profiles(profiles, points=64, spacing=step) for step in ("500 mm", 0.5))
-    np.testing.assert_array_equal(stated, plain)
+    with_unit, plain = (
+        rc.surface_from_profiles(profiles, points=64, spacing=step) for step in ("500 mm", 0.5)
+    )
+    np.testing.assert_array_equal(with_unit, plain)
 
 
 def warnings_of(profiles):
@@ -319,18 +322,18 @@ def answers():
 def test_the_contact_of_the_surface_behind_profiles(answers):
     true = answers["surface"]
     for name in ("five", "one"):
-        found = answers[name]
+        result = answers[name]
         for quantity in ("relative_contact_area", "mean_gap"):
-            assert (found[f"{quantity}_lower"] < true[quantity]).all()
-            assert (true[quantity] < found[f"{quantity}_upper"]).all()
-        assert "surfaces with this spectrum" in found.attrs["window_reason"]
+            assert (result[f"{quantity}_lower"] < true[quantity]).all()
+            assert (true[quantity] < result[f"{quantity}_upper"]).all()
+        assert "surfaces with this spectrum" in result.attrs["window_reason"]
     area = answers["five"]["relative_contact_area"] / true["relative_contact_area"]
     assert np.abs(area - 1).max() < 0.15
     assert (answers["across"]["relative_contact_area"] > 1.3 * true["relative_contact_area"]).all()
 
 
 @pytest.fixture(scope="module")
-def both():
+def both_directions():
     """Return a surface with a lay, and its contact by profiles across the lay and along it."""
     lay = rough(2, stretch=4.0).assign_coords(x=np.arange(SIDE) * 1e-6, y=np.arange(SIDE) * 1e-6) * 3e-7
     across = [lay[[row]] for row in (20, 70, 120, 170, 220)]
@@ -339,13 +342,13 @@ def both():
     return lay, rc.evaluate(across, along=along, **options), rc.evaluate(across[0], along=along[0], **options)
 
 
-def test_the_contact_of_the_surface_behind_profiles_of_both_directions(both):
-    lay, several, single = both
+def test_the_contact_of_the_surface_behind_profiles_of_both_directions(both_directions):
+    lay, several, single = both_directions
     true = rc.evaluate(lay, contact=CONTACT, uncertainty={"sources": []})
-    for found in (several, single):
+    for result in (several, single):
         for quantity in ("relative_contact_area", "mean_gap"):
-            assert (found[f"{quantity}_lower"] < true[quantity]).all()
-            assert (true[quantity] < found[f"{quantity}_upper"]).all()
+            assert (result[f"{quantity}_lower"] < true[quantity]).all()
+            assert (true[quantity] < result[f"{quantity}_upper"]).all()
     area = several["relative_contact_area"] / true["relative_contact_area"]
     assert np.abs(area - 1).max() < 0.15
     assert several.attrs["lay"] == "both"
@@ -358,8 +361,8 @@ def test_profiles_along_keep_their_pitch_beside_those_across():
     lay = rough(stretch=4.0)
     across, along = rows(lay, 3), [height_map(lay.values[::2, column], 2.0) for column in (40, 140)]
     options = {"form": "plane", "l_filter": 100.0}
-    levelled = levelled_heights(stacked(across, along), options)
-    window = solved_window(levelled, {"window": {}})
+    levelled = ProfilesPreparation().level(stacked(across, along), options)
+    window = ProfilesPreparation().window(levelled, {"window": {}})
     expected = rc.surface_from_profiles(
         [rc.level(profile, **options) for profile in across],
         along=[rc.level(profile, **options) for profile in along],
@@ -376,8 +379,8 @@ def test_the_scatter_of_both_directions_is_larger_by_that_of_the_stretch():
     lay = rough(stretch=4.0).values
     across, along = lay[:200:40], lay[:, :200:40].T
     fit = ProfileFit([(across, 1.0), (along, 1.0)], 1)
-    drawn = [finish_of(fit, np.random.default_rng(seed)) for seed in range(30)]
-    stretches = np.log([each.stretch / fit.stretch for each in drawn])
+    drawn = [fit_statistics(fit, np.random.default_rng(seed)) for seed in range(30)]
+    stretches = np.log([fit_drawn.stretch / fit.stretch for fit_drawn in drawn])
     # the chance of the rms slope, from the mean square slopes of the pieces of both directions
     pieces = [np.diff(profiles[:, :255].reshape(25, -1)) for profiles in (across, along)]
     chances = [np.mean(piece**2, axis=1).std() / np.mean(piece**2) / 2 / np.sqrt(25) for piece in pieces]
@@ -407,7 +410,7 @@ def test_the_lay_decides_and_is_asked_for(answers):
     assert "State lay = across" in reasons("unstated")["Lay"]
     assert (answers["unstated"]["verdict"] >= 1).all()
     ridges, isotropic = (
-        answers["unstated"][f"relative_contact_area{end}"].values for end in ("", "_if_isotropic")
+        answers["unstated"][f"relative_contact_area{suffix}"].values for suffix in ("", "_if_isotropic")
     )
     np.testing.assert_allclose(ridges, answers["across"]["relative_contact_area"])
     np.testing.assert_allclose(isotropic, answers["one"]["relative_contact_area"], rtol=0.25)

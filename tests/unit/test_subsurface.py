@@ -6,25 +6,25 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 import roughcontact as rc
-from roughcontact.configuration.resolve import resolve
-from roughcontact.elasticity.subsurface import subsurface_stress, tresca, von_mises
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import (
-    rough_reference_surface,
-    self_affine_surface,
-    westergaard_surface,
-)
+from roughcontact.arguments.maps import height_map
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.arguments.variables import describe
+from roughcontact.contact.elasticity.subsurface import subsurface_stress, tresca, von_mises
 from roughcontact.results.collect import collect_statistics, summary_table
 from roughcontact.results.storage import write_dataset
 from roughcontact.statistics.subsurface import (
+    add_subsurface_yield,
     profile_depths,
     strained_body,
     strained_body_in_words,
     stress_columns,
-    with_subsurface_yield,
 )
 from roughcontact.statistics.targets import target_loads
-from roughcontact.variables import describe
+from roughcontact.surface.synthetic import (
+    rough_reference_surface,
+    self_affine_surface,
+    westergaard_surface,
+)
 from validation import closed_forms, depth_integral
 
 SOFT = {"youngs_modulus": 2e9, "poissons_ratio": 0.4, "yield_stress": 5e7}
@@ -48,10 +48,10 @@ def test_wave(ratio, along_x):
     )
     for depth in (0.0, 0.2 / q, 1 / q, 2.5 / q):
         stress = stress_at(depth)
-        known = closed_forms.wave_von_mises(q * depth, ratio)
-        assert von_mises(stress).max() == pytest.approx(known, rel=1e-12, abs=1e-14)
-        known = closed_forms.wave_tresca(q * depth, ratio)
-        assert tresca(stress).max() == pytest.approx(known, rel=1e-12, abs=1e-14)
+        reference = closed_forms.wave_von_mises(q * depth, ratio)
+        assert von_mises(stress).max() == pytest.approx(reference, rel=1e-12, abs=1e-14)
+        reference = closed_forms.wave_tresca(q * depth, ratio)
+        assert tresca(stress).max() == pytest.approx(reference, rel=1e-12, abs=1e-14)
     assert np.abs(stress_at(1 / q)[4 if along_x else 3]).max() == pytest.approx(np.exp(-1), rel=1e-12)
 
 
@@ -76,12 +76,12 @@ def test_stresses_are_in_equilibrium():
     def along(field, axis):
         return np.fft.ifft2(np.fft.fft2(field) * (qy[:, None] if axis == "y" else qx)).real
 
-    for left in (
+    for divergence in (
         along(xx, "x") + along(xy, "y") + slope[4],
         along(xy, "x") + along(yy, "y") + slope[3],
         along(xz, "x") + along(yz, "y") + slope[2],
     ):
-        assert np.abs(left).max() < 1e-7 * np.abs(slope).max()
+        assert np.abs(divergence).max() < 1e-7 * np.abs(slope).max()
     assert np.abs(zz).max() > 0
 
 
@@ -90,13 +90,13 @@ def test_stresses_turn_with_the_pressure(shape):
     """With all waves of the grid, those at the Nyquist limit included."""
     pressure, (dy, dx) = rough_pressure(shape), (1.0, 0.7)
     xx, yy, zz, yz, xz, xy = subsurface_stress(pressure, (dy, dx), poissons_ratio=0.3)(0.4)
-    for turned, steps, known in (
+    for turned, steps, reference in (
         (pressure.T, (dx, dy), [part.T for part in (yy, xx, zz, xz, yz, xy)]),
         (pressure[:, ::-1], (dy, dx), [part[:, ::-1] for part in (xx, yy, zz, yz, -xz, -xy)]),
         (pressure[::-1], (dy, dx), [part[::-1] for part in (xx, yy, zz, -yz, xz, -xy)]),
     ):
-        found = subsurface_stress(turned, steps, poissons_ratio=0.3)(0.4)
-        np.testing.assert_allclose(found, known, atol=1e-12)
+        stresses = subsurface_stress(turned, steps, poissons_ratio=0.3)(0.4)
+        np.testing.assert_allclose(stresses, reference, atol=1e-12)
 
 
 def test_invariants_of_any_stress():
@@ -112,11 +112,11 @@ def test_invariants_of_any_stress():
 
 def test_closed_form_of_hertz_has_the_numbers_of_johnson():
     """0.62 p0 at 0.48 a for ν = 0.3 (Johnson 1985, section 3.4)."""
-    found = minimize_scalar(
+    optimum = minimize_scalar(
         lambda z: -closed_forms.hertz_von_mises(z, 0.3), bounds=(0.1, 2), method="bounded"
     )
-    assert -found.fun == pytest.approx(0.62, abs=5e-3)
-    assert found.x == pytest.approx(0.48, abs=5e-3)
+    assert -optimum.fun == pytest.approx(0.62, abs=5e-3)
+    assert optimum.x == pytest.approx(0.48, abs=5e-3)
 
 
 @pytest.mark.parametrize("ratio", [0.3, 0.45])
@@ -125,19 +125,19 @@ def test_hertz(ratio):
     points, radius = 256, 0.06
     x = (np.arange(points) + 0.27) / points - 0.5
     pressure = np.sqrt(np.maximum(1 - (x[:, None] ** 2 + x[None, :] ** 2) / radius**2, 0))
-    found = stress_columns(pressure, (1 / points, 1 / points), poissons_ratio=ratio)
+    columns = stress_columns(pressure, (1 / points, 1 / points), poissons_ratio=ratio)
     best = minimize_scalar(
         lambda z: -closed_forms.hertz_von_mises(z, ratio), bounds=(0.1, 2), method="bounded"
     )
-    assert found["max_von_mises_stress"] == pytest.approx(-best.fun, abs=0.004)
-    assert found["max_von_mises_depth"] == pytest.approx(best.x * radius, rel=0.02)
-    assert found["max_tresca_stress"] == pytest.approx(-best.fun, abs=0.004)
-    assert found["max_von_mises_x"] == pytest.approx(0.5, abs=0.01)
-    assert found["max_von_mises_y"] == pytest.approx(0.5, abs=0.01)
+    assert columns["max_von_mises_stress"] == pytest.approx(-best.fun, abs=0.004)
+    assert columns["max_von_mises_depth"] == pytest.approx(best.x * radius, rel=0.02)
+    assert columns["max_tresca_stress"] == pytest.approx(-best.fun, abs=0.004)
+    assert columns["max_von_mises_x"] == pytest.approx(0.5, abs=0.01)
+    assert columns["max_von_mises_y"] == pytest.approx(0.5, abs=0.01)
     axis = profile_depths(pressure.shape, (1 / points, 1 / points)) / radius
     inside = (axis > 0.3) & (axis < 1.5)
-    known = closed_forms.hertz_von_mises(axis[inside], ratio)
-    np.testing.assert_allclose(found["von_mises_profile"][inside], known, atol=0.006)
+    reference = closed_forms.hertz_von_mises(axis[inside], ratio)
+    np.testing.assert_allclose(columns["von_mises_profile"][inside], reference, atol=0.006)
 
 
 @pytest.mark.parametrize("length", [2, 5, 16, 512], ids="{} points long".format)
@@ -149,12 +149,12 @@ def test_volume_above_yield_of_a_wave(limit, length):
     """
     wave = np.cos(2 * np.pi * np.arange(512 - 512 % length) / length)[None, :]
     q = 2 * np.pi / length
-    found = stress_columns(wave, (1.0, 1.0), poissons_ratio=0.5, yield_stress=limit)
+    columns = stress_columns(wave, (1.0, 1.0), poissons_ratio=0.5, yield_stress=limit)
     z = np.linspace(0, 8, 100001)
     between = z[np.sqrt(3) * z * np.exp(-z) > limit]
-    known = closed_forms.wave_volume_above(limit)
-    assert known == pytest.approx(between[-1] - between[0], rel=1e-3)
-    assert found["volume_above_yield"] * q == pytest.approx(known, rel=0.005)
+    reference = closed_forms.wave_volume_above(limit)
+    assert reference == pytest.approx(between[-1] - between[0], rel=1e-3)
+    assert columns["volume_above_yield"] * q == pytest.approx(reference, rel=0.005)
 
 
 @pytest.mark.parametrize("share", [0.6, 0.8, 0.95])
@@ -164,14 +164,14 @@ def test_volume_above_yield_that_changes_along_a_wave(share):
     wave = np.cos(q * np.arange(360))[None, :]
     reduced = np.linspace(0, 8, 8001)
     limit = share * closed_forms.wave_von_mises(reduced, ratio).max()
-    found = stress_columns(wave, (1.0, 1.0), poissons_ratio=ratio, yield_stress=limit)
+    columns = stress_columns(wave, (1.0, 1.0), poissons_ratio=ratio, yield_stress=limit)
 
     def share_above(z):
-        least = ((limit * np.exp(z)) ** 2 - 3 * z**2) / (1 - 2 * ratio) ** 2
-        return 2 / np.pi * np.arccos(np.sqrt(np.clip(least, 0, 1)))
+        cosine_squared = ((limit * np.exp(z)) ** 2 - 3 * z**2) / (1 - 2 * ratio) ** 2
+        return 2 / np.pi * np.arccos(np.sqrt(np.clip(cosine_squared, 0, 1)))
 
-    known = quad(share_above, 0, 8, limit=500, epsabs=1e-4)[0]
-    assert found["volume_above_yield"] * q == pytest.approx(known, rel=0.005)
+    reference = quad(share_above, 0, 8, limit=500, epsabs=1e-4)[0]
+    assert columns["volume_above_yield"] * q == pytest.approx(reference, rel=0.005)
 
 
 def test_sum_over_depths_has_the_volume_of_a_wave():
@@ -183,14 +183,14 @@ def test_sum_over_depths_has_the_volume_of_a_wave():
             wave * np.ones(shape), along, poissons_ratio=0.5, limits=limits
         )
         assert largest == pytest.approx(np.sqrt(3) / np.e, rel=1e-4)
-        known = [closed_forms.wave_volume_above(limit) for limit in limits]
-        np.testing.assert_allclose(volumes * 2 * np.pi / 64, known, rtol=2e-3)
+        reference = [closed_forms.wave_volume_above(limit) for limit in limits]
+        np.testing.assert_allclose(volumes * 2 * np.pi / 64, reference, rtol=2e-3)
     for shape in ((24, 31), (15, 16)):
         pressure, steps = rough_pressure(shape), (1.3, 0.7)
         stress_at = subsurface_stress(pressure, steps, poissons_ratio=0.27)
         for depth in (0.0, 0.4, 3.0):
-            found = depth_integral.von_mises_below(pressure, steps, depth, poissons_ratio=0.27)
-            np.testing.assert_allclose(found, von_mises(stress_at(depth)), atol=1e-14)
+            stress = depth_integral.von_mises_below(pressure, steps, depth, poissons_ratio=0.27)
+            np.testing.assert_allclose(stress, von_mises(stress_at(depth)), atol=1e-14)
 
 
 def rough_contact(shape, step, load, **surface):
@@ -215,18 +215,20 @@ def rough_contact(shape, step, load, **surface):
 )
 def test_rough_maps_have_the_stresses_of_hundreds_of_depths(shape, step, load, surface):
     pressure, steps, ratio = rough_contact(shape, step, load, **surface), (np.max(step), 1.0), 0.3
-    found = stress_columns(pressure, steps, poissons_ratio=ratio)
-    limits = [share * found["max_von_mises_stress"] for share in (0.6, 0.8, 0.95)]
+    columns = stress_columns(pressure, steps, poissons_ratio=ratio)
+    limits = [share * columns["max_von_mises_stress"] for share in (0.6, 0.8, 0.95)]
     largest, volumes = depth_integral.volume_above(pressure, steps, poissons_ratio=ratio, limits=limits)
-    assert found["max_von_mises_stress"] == pytest.approx(largest, rel=1e-3)
+    assert columns["max_von_mises_stress"] == pytest.approx(largest, rel=1e-3)
     for limit, volume in zip(limits, volumes, strict=True):
         above = stress_columns(pressure, steps, poissons_ratio=ratio, yield_stress=limit)
         assert above["volume_above_yield"] == pytest.approx(volume, rel=0.005)
     stress_at = subsurface_stress(pressure, steps, poissons_ratio=ratio)
-    least = 0.86 * found["max_von_mises_stress"]  # √3/2 of the largest stress of Tresca, or more
-    beside = map(stress_at, found["max_von_mises_depth"] * np.geomspace(0.3, 3, 120))
-    shears = [tresca(stress[:, von_mises(stress) >= least]).max(initial=0) for stress in beside]
-    assert found["max_tresca_stress"] == pytest.approx(max(shears), rel=1e-3)
+    least_stress = 0.86 * columns["max_von_mises_stress"]  # √3/2 of the largest stress of Tresca, or more
+    stresses_nearby = map(stress_at, columns["max_von_mises_depth"] * np.geomspace(0.3, 3, 120))
+    shears = [
+        tresca(stress[:, von_mises(stress) >= least_stress]).max(initial=0) for stress in stresses_nearby
+    ]
+    assert columns["max_tresca_stress"] == pytest.approx(max(shears), rel=1e-3)
 
 
 @pytest.mark.parametrize("shape", [(12, 120), (120, 12), (24, 120), (60, 120), (120, 120), (1, 120)])
@@ -236,11 +238,11 @@ def test_a_wave_in_a_window_of_any_shape(shape):
     axis = shape.index(length) if shape[0] != shape[1] else 1
     wave = np.expand_dims(np.cos(2 * np.pi * np.arange(length) / length), 1 - axis) * np.ones(shape)
     limit = 0.8 * np.sqrt(3) / np.e
-    found = stress_columns(2e8 + 1e8 * wave, (step, step), poissons_ratio=0.5, yield_stress=1e8 * limit)
+    columns = stress_columns(2e8 + 1e8 * wave, (step, step), poissons_ratio=0.5, yield_stress=1e8 * limit)
     q = 2 * np.pi / (length * step)
-    assert found["max_von_mises_stress"] == pytest.approx(1e8 * np.sqrt(3) / np.e, rel=1e-4)
-    assert found["max_von_mises_depth"] == pytest.approx(1 / q, rel=0.01)
-    assert found["volume_above_yield"] * q == pytest.approx(closed_forms.wave_volume_above(limit), rel=0.01)
+    assert columns["max_von_mises_stress"] == pytest.approx(1e8 * np.sqrt(3) / np.e, rel=1e-4)
+    assert columns["max_von_mises_depth"] == pytest.approx(1 / q, rel=0.01)
+    assert columns["volume_above_yield"] * q == pytest.approx(closed_forms.wave_volume_above(limit), rel=0.01)
 
 
 @pytest.mark.parametrize(
@@ -250,17 +252,17 @@ def test_a_wave_in_a_window_of_any_shape(shape):
 )
 def test_an_extruded_profile_has_the_stresses_of_the_profile(rows, dy):
     profile = rough_contact((1, 200), 1.0, 0.05, hurst=0.8, shortest=4, longest=200)
-    known = stress_columns(profile, (1.0, 1.0), poissons_ratio=0.3)
-    limit = 0.8 * known["max_von_mises_stress"]
-    known = stress_columns(profile, (1.0, 1.0), poissons_ratio=0.3, yield_stress=limit)
-    found = stress_columns(
+    reference = stress_columns(profile, (1.0, 1.0), poissons_ratio=0.3)
+    limit = 0.8 * reference["max_von_mises_stress"]
+    reference = stress_columns(profile, (1.0, 1.0), poissons_ratio=0.3, yield_stress=limit)
+    columns = stress_columns(
         np.repeat(profile, rows, axis=0), (dy, 1.0), poissons_ratio=0.3, yield_stress=limit
     )
     for name in ("max_von_mises_stress", "max_tresca_stress"):
-        assert found[name] == pytest.approx(known[name], rel=2e-4)
-    assert found["max_von_mises_x"] == known["max_von_mises_x"]
-    assert found["max_von_mises_depth"] == pytest.approx(known["max_von_mises_depth"], rel=0.01)
-    assert found["volume_above_yield"] == pytest.approx(known["volume_above_yield"], rel=0.005)
+        assert columns[name] == pytest.approx(reference[name], rel=2e-4)
+    assert columns["max_von_mises_x"] == reference["max_von_mises_x"]
+    assert columns["max_von_mises_depth"] == pytest.approx(reference["max_von_mises_depth"], rel=0.01)
+    assert columns["volume_above_yield"] == pytest.approx(reference["volume_above_yield"], rel=0.005)
 
 
 def test_stresses_below_ridges_are_those_of_their_waves():
@@ -277,9 +279,9 @@ def test_stresses_below_ridges_are_those_of_their_waves():
         along = -lateral - (waves * (1 - reduced) * np.exp(-reduced)).sum(axis=0)
         crest = -lateral - 2 * ratio * (waves * np.exp(-reduced)).sum(axis=0)
         none = np.zeros_like(z)
-        known = von_mises(np.array([along, crest, across, none, none, none]))
+        reference = von_mises(np.array([along, crest, across, none, none, none]))
         np.testing.assert_allclose(
-            closed_forms.westergaard_von_mises(z, load, ratio), known, rtol=1e-4, atol=1e-6
+            closed_forms.westergaard_von_mises(z, load, ratio), reference, rtol=1e-4, atol=1e-6
         )
 
 
@@ -299,9 +301,9 @@ def test_the_load_of_first_yield_in_a_long_window(ridges):
     (load,) = target_loads(height, contact_modulus=1e9, target="first_yield", bodies=bodies)
     assert load / full == pytest.approx(0.2, rel=5e-3)
     contact = rc.solve_contact(height, contact_modulus=1e9, mean_pressure=[0.15 * full, 0.25 * full])
-    found = with_subsurface_yield(rc.contact_statistics(contact, bodies=bodies, flow="never"), bodies)
-    assert found["first_subsurface_yield_pressure"].item() / full == pytest.approx(0.2, rel=0.01)
-    np.testing.assert_array_equal(found["depth"], profile_depths(height.shape, (1e-6, 1e-6)))
+    statistics = add_subsurface_yield(rc.contact_statistics(contact, bodies=bodies, flow="never"), bodies)
+    assert statistics["first_subsurface_yield_pressure"].item() / full == pytest.approx(0.2, rel=0.01)
+    np.testing.assert_array_equal(statistics["depth"], profile_depths(height.shape, (1e-6, 1e-6)))
 
 
 def test_depths_reach_below_the_longest_wave_and_begin_within_the_first_pixel():
@@ -334,22 +336,23 @@ def test_the_mean_pressure_strains_all_of_the_body_or_nothing():
     assert stress == pytest.approx(7 * 0.4 / 0.7)
     wave = flat + np.cos(2 * np.pi * np.arange(32) / 32)
     for pressure in (flat, wave):
-        found = stress_columns(pressure, (1.0, 1.0), poissons_ratio=0.3, yield_stress=0.99 * stress)
-        assert found["volume_above_yield"] == np.inf
+        columns = stress_columns(pressure, (1.0, 1.0), poissons_ratio=0.3, yield_stress=0.99 * stress)
+        assert columns["volume_above_yield"] == np.inf
     assert (
         stress_columns(flat, (1.0, 1.0), poissons_ratio=0.3, yield_stress=1.01 * stress)["volume_above_yield"]
         == 0
     )
-    found = stress_columns(wave, (1.0, 1.0), poissons_ratio=0.3, yield_stress=1.01 * stress)
-    assert 0 < found["volume_above_yield"] < 64
+    columns = stress_columns(wave, (1.0, 1.0), poissons_ratio=0.3, yield_stress=1.01 * stress)
+    assert 0 < columns["volume_above_yield"] < 64
 
 
 def test_the_body_that_yields_first():
     assert strained_body([HARD, SOFT]) is SOFT
-    without = {name: value for name, value in HARD.items() if name != "yield_stress"}
-    assert strained_body([without, SOFT | {"yield_stress": None}])["youngs_modulus"] == 2e9
+    without_yield = {name: value for name, value in HARD.items() if name != "yield_stress"}
+    assert strained_body([without_yield, SOFT | {"yield_stress": None}])["youngs_modulus"] == 2e9
     assert (
-        strained_body([without | {"yield_stress": 1e8}, SOFT | {"yield_stress": None}])["yield_stress"] == 1e8
+        strained_body([without_yield | {"yield_stress": 1e8}, SOFT | {"yield_stress": None}])["yield_stress"]
+        == 1e8
     )
     assert strained_body(None) is None
 
@@ -393,7 +396,7 @@ def contact():
 def test_stresses_in_the_statistics(contact, tmp_path):
     limit = {"poissons_ratio": 0.4, "yield_stress": 3e8}
     stats = rc.contact_statistics(contact, bodies=[limit, {"poissons_ratio": 0.3}], flow="never")
-    stats = describe(with_subsurface_yield(stats, [limit, {}]))
+    stats = describe(add_subsurface_yield(stats, [limit, {}]))
     assert stats["von_mises_profile"].dims == ("load", "depth")
     assert (stats["von_mises_profile"].max("depth") <= stats["max_von_mises_stress"] * (1 + 1e-12)).all()
     assert (stats["max_von_mises_stress"] < stats["max_pressure"]).all()
@@ -401,11 +404,11 @@ def test_stresses_in_the_statistics(contact, tmp_path):
     assert stats["depth"].attrs["units"] == "m"
     assert contact["x"].min() <= stats["max_von_mises_x"].min()
     assert stats["max_von_mises_x"].max() <= contact["x"].max()
-    first = stats["first_subsurface_yield_pressure"].item()
+    first_yield = stats["first_subsurface_yield_pressure"].item()
     stress = stats["max_von_mises_stress"].values
     bracket = int(np.argmax(stress >= 3e8))
     assert 1 <= bracket <= 2
-    assert contact["mean_pressure"][bracket - 1] < first < contact["mean_pressure"][bracket]
+    assert contact["mean_pressure"][bracket - 1] < first_yield < contact["mean_pressure"][bracket]
     write_dataset(stats, tmp_path / "statistics.nc")
     collected = collect_statistics([{"surface": "a", "case": None, "statistics": tmp_path / "statistics.nc"}])
     np.testing.assert_allclose(collected["profile_depth"].isel(surface=0), stats["depth"])
@@ -416,29 +419,32 @@ def test_stresses_in_the_statistics(contact, tmp_path):
 
 def test_load_by_load_is_all_at_once(contact):
     bodies = [SOFT, HARD]
-    whole = rc.contact_statistics(contact, bodies=bodies, flow="never")
+    statistics = rc.contact_statistics(contact, bodies=bodies, flow="never")
     for load in range(3):
-        one = rc.contact_statistics(contact.isel(load=[load]), bodies=bodies, flow="never")
-        assert one["max_von_mises_stress"].item() == whole["max_von_mises_stress"][load].item()
-        np.testing.assert_array_equal(one["depth"], whole["depth"])
+        statistics_of_load = rc.contact_statistics(contact.isel(load=[load]), bodies=bodies, flow="never")
+        assert (
+            statistics_of_load["max_von_mises_stress"].item()
+            == statistics["max_von_mises_stress"][load].item()
+        )
+        np.testing.assert_array_equal(statistics_of_load["depth"], statistics["depth"])
 
 
 def test_no_yield_between_the_loads(contact):
     for limit in (1.0, 1e15):
         bodies = [{"poissons_ratio": 0.3, "yield_stress": limit}] * 2
         stats = rc.contact_statistics(contact, bodies=bodies, flow="never")
-        assert np.isnan(with_subsurface_yield(stats, bodies)["first_subsurface_yield_pressure"])
+        assert np.isnan(add_subsurface_yield(stats, bodies)["first_subsurface_yield_pressure"])
 
 
 def test_stresses_are_computed_where_they_are_asked_for(contact):
     plain = [{"poissons_ratio": 0.3}] * 2
     assert "max_von_mises_stress" not in rc.contact_statistics(contact, bodies=plain, flow="never")
-    asked = rc.contact_statistics(contact, bodies=plain, flow="never", stress="always")
-    assert "max_von_mises_stress" in asked
-    assert with_subsurface_yield(asked, plain).identical(asked)
+    statistics = rc.contact_statistics(contact, bodies=plain, flow="never", stress="always")
+    assert "max_von_mises_stress" in statistics
+    assert add_subsurface_yield(statistics, plain).identical(statistics)
     never = rc.contact_statistics(contact, bodies=[SOFT, HARD], flow="never", stress="never")
     assert "max_von_mises_stress" not in never
-    assert with_subsurface_yield(never, [SOFT, HARD]).identical(never)
+    assert add_subsurface_yield(never, [SOFT, HARD]).identical(never)
     with pytest.raises(rc.SettingsError, match="stress = 'always' needs bodies"):
         rc.contact_statistics(contact, stress="always")
 
@@ -446,5 +452,5 @@ def test_stresses_are_computed_where_they_are_asked_for(contact):
 def test_settings_that_cannot_give_stresses():
     with pytest.raises(rc.SettingsError, match=r"statistics.stress = 'always': needs contact.bodies"):
         resolve({"contact": {"contact_modulus": 1e9}, "statistics": {"stress": "always"}})
-    given = {"contact": {"bodies": [HARD, SOFT]}, "statistics": {"stress": "always"}}
-    assert resolve(given)[""]["contact"]["bodies"][1]["yield_stress"] == 5e7
+    config = {"contact": {"bodies": [HARD, SOFT]}, "statistics": {"stress": "always"}}
+    assert resolve(config)[""]["contact"]["bodies"][1]["yield_stress"] == 5e7

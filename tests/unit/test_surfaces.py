@@ -5,15 +5,23 @@ import re
 
 import pytest
 
-from roughcontact.command_line.program import FILE_OPTIONS
-from roughcontact.configuration.study import _mistakes_in
-from roughcontact.configuration.surfaces import (
+from roughcontact.arguments.settings.messages import NAME, name_mistake
+from roughcontact.errors import SettingsError
+from roughcontact.interface.command_line.project import surface_names, write_project
+from roughcontact.io.inspection import inspect_file
+from roughcontact.io.read import read_height_map
+from roughcontact.io.request import FILE_OPTIONS
+from roughcontact.study.study import _find_mistakes
+from roughcontact.study.surfaces import (
     BEFORE,
     COLUMNS,
     GROUP,
     INSTRUMENT,
+    OVERVIEW,
+    OVERVIEW_POSITION,
     PAIR,
     PAIR_FIRST_ROW,
+    REGION,
     REPEAT,
     REQUIRED,
     SPECIMEN,
@@ -23,10 +31,8 @@ from roughcontact.configuration.surfaces import (
     placements,
     read_surfaces,
     same_area_pairs,
+    table_text,
 )
-from roughcontact.errors import SettingsError
-from roughcontact.io.inspection import inspect_file
-from roughcontact.io.read import read_height_map
 
 
 @pytest.fixture
@@ -41,10 +47,10 @@ def table(tmp_path):
     return write
 
 
-def mistakes(path):
+def mistakes(path, **options):
     """Return the message that reading `path` provokes."""
     with pytest.raises(SettingsError) as caught:
-        read_surfaces(path)
+        read_surfaces(path, **options)
     return str(caught.value)
 
 
@@ -79,10 +85,13 @@ def test_a_row_with_a_counter_face_is_a_pair(table, tmp_path):
     assert files["seal-counter-face"].path == tmp_path / "b.txt"
     assert files["seal-face"].read_arguments == files["seal-counter-face"].read_arguments == {"unit": "mm"}
     assert files["seal-face"].origin == f"{path}, line 3"
-    found = placements(surfaces, 2)
-    assert list(found) == ["seal-1", "seal-2"]
-    assert (found["seal-2"].pair, found["seal-2"].number) == ("seal", 2)
-    assert (found["seal-2"].face, found["seal-2"].counter_face) == ("seal-face", "seal-counter-face")
+    placements_by_name = placements(surfaces, 2)
+    assert list(placements_by_name) == ["seal-1", "seal-2"]
+    assert (placements_by_name["seal-2"].pair, placements_by_name["seal-2"].number) == ("seal", 2)
+    assert (placements_by_name["seal-2"].face, placements_by_name["seal-2"].counter_face) == (
+        "seal-face",
+        "seal-counter-face",
+    )
 
 
 @pytest.mark.parametrize(("name", "clash"), [("seal-2", True), ("seal-face", True), ("seal-3", False)])
@@ -122,23 +131,23 @@ def test_all_mistakes_at_once(table):
         "d\td.txt\t1\t1\textra",
         "d\te.txt\tinf\t",
     )
-    said = mistakes(path)
+    message = mistakes(path)
     for part in (
         "line 2, surface = 'a b'",
-        "line 3, path: is empty",
+        "line 3, path = '': names no file; give that of surface c",
         "line 3, dx = '0,5': ",
         "line 3, dy = '-1'",
         "line 4: 5 cells, the header has 4",
         "line 5, surface = d: occurs twice",
         "line 5, dx = 'inf'",
     ):
-        assert f"\n  {part}" in said
-    assert said.split("\n")[0] == f"mistakes in the table of surfaces {path}:"
-    assert len(said.split("\n")) == 8
+        assert f"\n  {part}" in message
+    assert message.split("\n")[0] == f"mistakes in the table of surfaces {path}:"
+    assert len(message.split("\n")) == 8
 
 
 @pytest.mark.parametrize(
-    ("lines", "said"),
+    ("lines", "message"),
     [
         (["surface\tpaht", "a\tb"], "column 'paht': unknown, did you mean path?"),
         (["surface", "a"], "column 'path': missing"),
@@ -148,8 +157,8 @@ def test_all_mistakes_at_once(table):
         ([""], "surfaces.tsv: is empty; write a header (surface, path) and one row each"),
     ],
 )
-def test_tables_that_are_none(table, lines, said):
-    assert said in mistakes(table(*lines))
+def test_tables_that_are_none(table, lines, message):
+    assert message in mistakes(table(*lines))
 
 
 def test_a_missing_table_is_named(tmp_path):
@@ -161,7 +170,20 @@ def test_a_missing_table_is_named(tmp_path):
 @pytest.mark.parametrize("verb", [read_height_map, inspect_file])
 def test_columns_and_options_are_the_arguments_of_reading(verb):
     arguments = [name for name in inspect.signature(verb).parameters if name not in ("path", "instrument")]
-    of_the_study = {*REQUIRED, GROUP, SPECIMEN, TILES, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT}
+    of_the_study = {
+        *REQUIRED,
+        GROUP,
+        SPECIMEN,
+        TILES,
+        PAIR,
+        PAIR_FIRST_ROW,
+        BEFORE,
+        REPEAT,
+        OVERVIEW,
+        OVERVIEW_POSITION,
+        OVERVIEW_POSITION,
+        *REGION,
+    }
     assert set(COLUMNS) - of_the_study - {*INSTRUMENT} == set(arguments)
     assert [name.replace("-", "_") for name in FILE_OPTIONS] == arguments
 
@@ -182,14 +204,14 @@ def test_each_file_of_a_pair_has_its_own_first_row(table):
 
 
 def test_a_row_that_ends_early_is_named(table):
-    said = mistakes(table("path\tsurface", "a.txt"))
-    assert said.split("\n")[1:] == [
+    message = mistakes(table("path\tsurface", "a.txt"))
+    assert message.split("\n")[1:] == [
         "  line 2, surface = '': a name has letters, digits and hyphens only (it becomes a folder)"
     ]
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "message"),
     [
         ("g" * 65, "at most 64 characters, this one has 65; shorten it"),
         ("a" * 20, "ends with a 19 times or more; Snakemake refuses it, change it"),
@@ -199,10 +221,10 @@ def test_a_row_that_ends_early_is_named(table):
         ("Pages", "results/pages is the folder of the report's own pages; choose another name"),
     ],
 )
-def test_names_that_snakemake_cannot_take_are_named(table, name, said):
+def test_names_that_snakemake_cannot_take_are_named(table, name, message):
     text = mistakes(table("surface\tpath", f"{name}\ta.txt"))
     assert f"line 2, surface = '{name}': " in text
-    assert said in text
+    assert message in text
 
 
 def test_cells_are_stripped_and_empty_ones_beyond_the_header_are_none(table):
@@ -228,15 +250,15 @@ def test_further_folders_come_after_that_of_the_table(table, tmp_path, monkeypat
 
 @pytest.mark.parametrize("number", ["0", "-0.0", "nan", "inf", "1 parsec", "-1 um", "0 um", "1,5 um", "true"])
 def test_pitches_are_positive_numbers(table, number):
-    said = mistakes(table("surface\tpath\tdx", f"a\ta.txt\t{number}"))
-    assert f"line 2, dx = '{number}': " in said
+    message = mistakes(table("surface\tpath\tdx", f"a\ta.txt\t{number}"))
+    assert f"line 2, dx = '{number}': " in message
 
 
 def test_pitches_may_carry_their_unit(table):
     path = table("surface\tpath\tdx\tdy\tunit", "a\ta.txt\t1.5 um\t2\tmm", "b\tb.txt\t3\t0.5 µm\t")
-    given = {name: surface.read_arguments for name, surface in read_surfaces(path).items()}
-    assert given["a"] == {"unit": "mm", "dx": "1.5 um", "dy": 2.0}
-    assert given["b"] == {"dx": 3.0, "dy": "0.5 µm"}
+    arguments_by_name = {name: surface.read_arguments for name, surface in read_surfaces(path).items()}
+    assert arguments_by_name["a"] == {"unit": "mm", "dx": "1.5 um", "dy": 2.0}
+    assert arguments_by_name["b"] == {"dx": 3.0, "dy": "0.5 µm"}
 
 
 def test_a_name_that_stands_twice_is_named_with_its_first_line(table):
@@ -246,8 +268,8 @@ def test_a_name_that_stands_twice_is_named_with_its_first_line(table):
 
 def test_names_that_are_one_folder_on_other_systems_are_named(table):
     path = table("surface\tpath", "Ab\ta.txt", "aB\tb.txt")
-    said = f"line 3, surface = aB: occurs twice but for capitals, as Ab (also {path}, line 2); rename one"
-    assert said in mistakes(path)
+    message = f"line 3, surface = aB: occurs twice but for capitals, as Ab (also {path}, line 2); rename one"
+    assert message in mistakes(path)
 
 
 def test_a_table_that_is_no_text_is_named(tmp_path):
@@ -257,12 +279,83 @@ def test_a_table_that_is_no_text_is_named(tmp_path):
         ("surface\tpath\na\ta.txt\nb\tmäß.txt\n".encode("cp1252"), 3),
     ):
         path.write_bytes(content)
-        said = mistakes(path)
-        assert said.startswith(f"table of surfaces {path}, line {line}: is no text in UTF-8 (")
-        assert said.endswith("save it as UTF-8")
+        message = mistakes(path)
+        assert message.startswith(f"table of surfaces {path}, line {line}: is no text in UTF-8 (")
+        assert message.endswith("save it as UTF-8")
     path.unlink()
     path.mkdir()
-    assert mistakes(path).endswith("name a tab-separated text as `surfaces`")
+    assert f"{path}: not readable (" in mistakes(path)
+
+
+BLANKS = [
+    "two  blanks.npy",
+    " before.npy",
+    "after.npy ",
+    "a\u00a0b.npy",
+    "\u00a0.npy",
+    "a\u2028b.npy",
+    "a\x0cb",
+]
+MARKS = ['"quoted"', '"', '""', 'a "b".npy', '"a" and "b"', "#a", "a, b.npy", "'a", "=1+1.npy", "$(id).npy"]
+
+
+@pytest.mark.parametrize("name", [*BLANKS[:-1], *MARKS])
+def test_names_of_files_and_channels_stay_as_they_are(name, tmp_path, monkeypatch):
+    """The name with single blanks, with which a table once took another file, is there as well."""
+    monkeypatch.chdir(tmp_path)
+    for file_name in {name, " ".join(name.split()), name.strip('"')} - {""}:
+        (tmp_path / file_name).write_text(file_name)
+    for written, path in ((write_project([name])[1], name), (tmp_path / "t.tsv", f"./{name}")):
+        row = {"surface": "a", "path": path, "channel": name, "counter_face": name, "unit": " um "}
+        if written.name == "t.tsv":
+            written.write_text(table_text([row]), encoding="utf-8")
+        read = read_surfaces(written)
+        (surface,) = read.values()
+        assert surface.path.read_text() == name
+        if written.name == "t.tsv":
+            assert surface.counter_face.read_text() == name
+            assert surface.read_arguments == {"channel": name, "unit": "um"}
+
+
+@pytest.mark.parametrize("name", ["a\tb", "a\nb", "a\rb", BLANKS[-1], "\x1b[31m", "a\0", "a\x85"])
+def test_names_that_no_table_can_hold_are_refused(name):
+    for column in ("path", "counter_face", "channel"):
+        with pytest.raises(SettingsError, match="no cell has a tab or another control character; rename it"):
+            table_text([{"surface": "a", "path": "a.npy", column: name}])
+
+
+def test_a_table_as_excel_saves_text_with_tabs_is_read(table):
+    plain = "surface\tpath\tunit", "a\ta, b.txt\tum", 'c\tan "inch".txt\t'
+    excel = (
+        '"# one row, and a file"\t\t',
+        "surface\tpath\tunit\t\t",
+        'a\t"a, b.txt"\tum\t',
+        'c\t"an ""inch"".txt"\t\t\t',
+        "\t\t\t",
+    )
+    quoted = ["\t".join('"' + cell.replace('"', '""') + '"' for cell in line.split("\t")) for line in plain]
+    expected = [(row.name, row.path, row.read_arguments) for row in read_surfaces(table(*plain)).values()]
+    for lines in (excel, quoted):
+        read = read_surfaces(table(*lines)).values()
+        assert [(row.name, row.path, row.read_arguments) for row in read] == expected
+
+
+def test_no_control_character_of_a_table_reaches_the_terminal(table):
+    cells = "\x1b[31mred", "\x1b]0;title\x07", "\x9b31m"
+    path = table("surface\tpath\tgroup\tpart", *(f"{cell}\t{cell}\t{cell}\t{cell}" for cell in cells))
+    message = mistakes(path, check=_find_mistakes)
+    assert "no such file" in message
+    assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f-\x9f]", message)
+
+
+@pytest.mark.parametrize("path", [".", "./", ".."])
+@pytest.mark.parametrize("column", ["path", "counter_face"])
+def test_a_folder_is_no_file(table, column, path):
+    cells = {"path": "test_surfaces.py", column: path}
+    message = mistakes(
+        table("surface\tpath\tcounter_face", f"a\t{cells['path']}\t{path}"), check=_find_mistakes
+    )
+    assert re.search(rf"line 2, {column} = '(\.|\./|\.\.)': (no such file|names no file)", message)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
@@ -274,7 +367,9 @@ def test_a_table_is_read_in_the_encoding_that_it_marks(tmp_path, encoding):
 
 def test_a_path_too_long_for_any_file_is_no_such_file(table):
     path = table("surface\tpath", f"a\t{'a' * 5000}.txt")
-    assert f"path = {'a' * 5000}.txt: no such file" in "\n".join(_mistakes_in(read_surfaces(path)["a"]))
+    ((column, sentence),) = _find_mistakes(read_surfaces(path)["a"])
+    assert column == "path"
+    assert sentence.startswith(f"path = '{'a' * 5000}.txt': no such file")
 
 
 @pytest.mark.parametrize("name", ["seal-counter-face", "seal-face", "seal-1"])
@@ -292,10 +387,10 @@ def test_the_pair_that_needs_a_name_is_named(table, name):
 
 
 def test_an_unknown_column_hides_no_mistake_in_the_rows(table):
-    said = mistakes(table("surface\tpath\tdx\tcolour", "a\ta.txt\t-1\tred", "a\ta.txt\t1\tred"))
-    assert "column 'colour': unknown, valid are surface" in said
-    assert "line 2, dx = '-1': must be a number" in said
-    assert "line 3, surface = a: occurs twice" in said
+    message = mistakes(table("surface\tpath\tdx\tcolour", "a\ta.txt\t-1\tred", "a\ta.txt\t1\tred"))
+    assert "column 'colour': unknown, valid are surface" in message
+    assert "line 2, dx = '-1': must be a number" in message
+    assert "line 3, surface = a: occurs twice" in message
 
 
 def test_repeats_know_each_other(table):
@@ -308,10 +403,10 @@ def test_repeats_know_each_other(table):
 def test_repeats_in_a_group_are_of_one_part(table):
     rows = ["a\ta.npy\tb\tground\t", "b\tb.npy\t\tground\t", "c\tc.npy\t\tground\t"]
     surfaces = read_surfaces(table("surface\tpath\trepeat_of\tgroup\tpart", *rows))
-    assert [each.specimen for each in surfaces.values()] == ["b", "b", ""]
+    assert [surface.specimen for surface in surfaces.values()] == ["b", "b", ""]
     rows[0] += "left"  # what is stated stays
     surfaces = read_surfaces(table("surface\tpath\trepeat_of\tgroup\tpart", *rows))
-    assert [each.specimen for each in surfaces.values()] == ["left", "", ""]
+    assert [surface.specimen for surface in surfaces.values()] == ["left", "", ""]
 
 
 def test_profiles_across_a_lay_are_solved_with_those_along_it(table):
@@ -321,22 +416,24 @@ def test_profiles_across_a_lay_are_solved_with_those_along_it(table):
     along = [{"path": "y.csv", "lay": "across"}, {"path": "x.csv", "channel": "z3", "lay": "across"}]
     assert single.read_arguments == {"channel": "z1; z2", "lay": "across", "along": along}
     assert single.group == ""
-    more = read_surfaces(table("surface\tpath\tchannel\tgroup\tlay", *rows, "w\tw.csv\t\tturned\tacross"))
-    assert [(name, row.group) for name, row in more.items()] == [("x", "turned"), ("w", "turned")]
-    assert more["w"].read_arguments["along"] == along
+    more_surfaces = read_surfaces(
+        table("surface\tpath\tchannel\tgroup\tlay", *rows, "w\tw.csv\t\tturned\tacross")
+    )
+    assert [(name, row.group) for name, row in more_surfaces.items()] == [("x", "turned"), ("w", "turned")]
+    assert more_surfaces["w"].read_arguments["along"] == along
 
 
 @pytest.mark.parametrize(
-    ("row", "said"),
+    ("row", "message"),
     [
         ("y\ty.csv\t\talong\t", "line 3, lay = along: a profile along the lay runs on one ridge"),
         ("y\ty.csv\tground\talong\t", "give it the group of profiles with lay = across"),
         ("y\ty.csv\tturned\talong\tx", "line 3, lay = along: y is not solved by itself; leave counter_face"),
     ],
 )
-def test_profiles_along_a_lay_are_no_surfaces(table, row, said):
-    found = mistakes(table("surface\tpath\tgroup\tlay\trepeat_of", "x\tx.csv\tturned\tacross\t", row))
-    assert said in found
+def test_profiles_along_a_lay_are_no_surfaces(table, row, message):
+    table_message = mistakes(table("surface\tpath\tgroup\tlay\trepeat_of", "x\tx.csv\tturned\tacross\t", row))
+    assert message in table_message
 
 
 def test_every_repeat_of_a_place_is_of_one_part(table):
@@ -346,12 +443,12 @@ def test_every_repeat_of_a_place_is_of_one_part(table):
 
 
 @pytest.mark.parametrize("column", ["repeat_of", "before"])
-@pytest.mark.parametrize("other", ["a", "nobody", "pair"])
-def test_a_place_that_is_no_other_surface_is_refused(table, column, other):
-    rows = f"a\ta.npy\t{other}\t", "b\tb.npy\t\t", "pair\tp.npy\t\tq.npy"
+@pytest.mark.parametrize("surface_named", ["a", "nobody", "pair"])
+def test_a_place_that_is_no_other_surface_is_refused(table, column, surface_named):
+    rows = f"a\ta.npy\t{surface_named}\t", "b\tb.npy\t\t", "pair\tp.npy\t\tq.npy"
     reasons = {"a": "is the name of this row", "pair": r"pair is a pair \(counter_face\)"}
-    reason = reasons.get(other, "is no other surface of the table; valid are b")
-    with pytest.raises(SettingsError, match=f"line 2, {column} = '{other}': {reason}"):
+    reason = reasons.get(surface_named, "is no other surface of the table; valid are b")
+    with pytest.raises(SettingsError, match=f"line 2, {column} = '{surface_named}': {reason}"):
         read_surfaces(table(f"surface\tpath\t{column}\tcounter_face", *rows))
 
 
@@ -364,7 +461,7 @@ def test_a_place_before_pairs_surfaces_and_gives_no_noise(table):
 
 
 @pytest.mark.parametrize(
-    ("rows", "said"),
+    ("rows", "message"),
     [
         (("a\ta\tb\t\t", "b\tb\ta\t\t"), r"repeat_of, before: (a -> b -> a|b -> a -> b) is a circle"),
         (("a\ta\t\tb\t", "b\tb\t\ta\t"), r"repeat_of, before: (a -> b -> a|b -> a -> b) is a circle"),
@@ -380,21 +477,21 @@ def test_a_place_before_pairs_surfaces_and_gives_no_noise(table):
         (("a\ta\t\t\tg", "b\ta\t\t\tg"), "line 2, group = g: a and b are the same file, a; leave one out"),
     ],
 )
-def test_places_that_contradict_one_another_are_refused_with_their_names(table, rows, said):
-    found = mistakes(table("surface\tpath\trepeat_of\tbefore\tgroup", *rows))
-    assert re.search(said if "->" in said else re.escape(said), found)
+def test_places_that_contradict_one_another_are_refused_with_their_names(table, rows, message):
+    table_message = mistakes(table("surface\tpath\trepeat_of\tbefore\tgroup", *rows))
+    assert re.search(message if "->" in message else re.escape(message), table_message)
 
 
 @pytest.mark.parametrize(
-    ("rows", "said"),
+    ("rows", "message"),
     [
         (("a\ta\t\t", "b\ta\t\t2x2"), "a and b-1-1 are the same file, a; leave one out"),
         (("a\ta\tz1; z2\t", "b\ta\tz2;z3\t"), "a and b are the same file, a z2; leave one out"),
     ],
 )
-def test_what_maps_of_a_group_have_in_common_is_measured_once(table, rows, said):
+def test_what_maps_of_a_group_have_in_common_is_measured_once(table, rows, message):
     header = "surface\tpath\tchannel\tparts\tgroup"
-    assert said in mistakes(table(header, *(f"{row}\tg" for row in rows)))
+    assert message in mistakes(table(header, *(f"{row}\tg" for row in rows)))
     assert len(read_surfaces(table(header, "a\ta\tz1; z2\t\tg", "b\ta\tz3\t2x2\tg"))) == 5
 
 
@@ -409,3 +506,42 @@ def test_what_maps_of_a_group_have_in_common_is_measured_once(table, rows, said)
 def test_a_noise_that_is_no_length_is_refused(table, cell, rule):
     with pytest.raises(SettingsError, match=rf"line 2, noise = '{cell}': {rule}.*\(measurement noise"):
         read_surfaces(table("surface\tpath\tnoise", f"a\ta.npy\t{cell}"))
+
+
+def test_names_keep_the_letters_of_any_script(table):
+    files = [f"m/{name}.x3p" for name in ("Dichtung Prüfling Nr. 3", "é_1", "表", "u\u0308", "ü", "___")]
+    names = surface_names(files)
+    assert names == ["Dichtung-Prüfling-Nr-3", "é-1", "表", "ü", "ü-2", "surface"]
+    lines = [f"{name}\t{number}.x3p" for number, name in enumerate(names)]
+    assert [*read_surfaces(table("surface\tpath", *lines))] == names
+    assert all(name_mistake(name) for name in ("a_b", "a b", "u\u0308", "a/b", "ü.", "", "表\n"))
+    assert re.fullmatch(NAME, "a" * 64)
+
+
+def test_positions_of_overviews_are_one_for_each_file(table):
+    path = table(
+        "surface\tpath\toverview\toverview_position",
+        "a\ta.txt\tb.txt; c.txt\t300 250 um; elsewhere",
+        "d\td.txt\tb.txt\t",
+    )
+    surfaces = read_surfaces(path)
+    assert surfaces["a"].read_arguments["overview"] == [
+        {"path": "b.txt", "position": "300 250 um"},
+        {"path": "c.txt", "position": "elsewhere"},
+    ]
+    assert surfaces["d"].read_arguments["overview"] == [{"path": "b.txt"}]
+
+
+@pytest.mark.parametrize(
+    ("overview", "position", "mistake"),
+    [
+        ("b.txt; c.txt", "elsewhere", "1 positions for 2 overviews; give one for each, between semicolons"),
+        ("", "elsewhere", "1 positions for 0 overviews"),
+        ("b.txt", "300, 250 um", "must be x and y of the middle of the map, from the lower left corner"),
+        ("b.txt", "300 250 bar", "bar"),
+    ],
+)
+def test_a_wrong_position_of_an_overview_is_a_mistake_of_the_table(table, overview, position, mistake):
+    path = table("surface\tpath\toverview\toverview_position\tunit", f"a\ta.txt\t{overview}\t{position}\tum")
+    with pytest.raises(SettingsError, match=f"line 2, overview_position = .*{mistake}"):
+        read_surfaces(path)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.errors import SettingsError
-from roughcontact.maps import height_map, spacing
-from roughcontact.references import synthetic
-from roughcontact.roughness.parameters import rms_gradient, rms_height
+from roughcontact.surface import synthetic
+from roughcontact.surface.roughness.parameters import rms_gradient, rms_height
 
 
 @pytest.mark.parametrize("points", [33, 64, 100, 256])

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.configuration.resolve import resolve
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
-from roughcontact.sealing.connectivity import percolates
+from roughcontact.arguments.maps import height_map
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.statistics.sealing.connectivity import percolates
 from roughcontact.statistics.subsurface import stress_columns
 from roughcontact.statistics.targets import target_loads, wanted_loads
+from roughcontact.surface.synthetic import rough_reference_surface, westergaard_surface
 from validation import closed_forms
 
 ROUGH = rough_reference_surface(64)
@@ -17,9 +17,9 @@ D, WAVELENGTH, MODULUS = 1e-6, 1e-3, 1e9
 FULL = closed_forms.westergaard_full_contact_pressure(D, WAVELENGTH, MODULUS)
 
 
-def solved(load, **more):
+def solved(load, **options):
     """Return the statistics of the rough map at a load."""
-    contact = rc.solve_contact(ROUGH, contact_modulus=1.0, mean_pressure=load, **more)
+    contact = rc.solve_contact(ROUGH, contact_modulus=1.0, mean_pressure=load, **options)
     return rc.contact_statistics(contact, flow="never")
 
 
@@ -40,10 +40,10 @@ def test_area_and_gap_of_a_wave(wave, ratio):
 
 def test_the_contact_has_the_area_and_the_gap_that_were_wanted():
     loads = target_loads(ROUGH, contact_modulus=1.0, target_area=[0.1, 0.5, 0.95], target_gap=[2e-2, 2e-3])
-    for load, wanted in zip(loads[:3], (0.1, 0.5, 0.95), strict=True):
-        assert solved(load)["relative_contact_area"].item() == pytest.approx(wanted, rel=4e-3)
-    for load, wanted in zip(loads[3:], (2e-2, 2e-3), strict=True):
-        assert solved(load)["mean_gap"].item() == pytest.approx(wanted, rel=1e-3)
+    for load, target in zip(loads[:3], (0.1, 0.5, 0.95), strict=True):
+        assert solved(load)["relative_contact_area"].item() == pytest.approx(target, rel=4e-3)
+    for load, target in zip(loads[3:], (2e-2, 2e-3), strict=True):
+        assert solved(load)["mean_gap"].item() == pytest.approx(target, rel=1e-3)
 
 
 def test_the_gap_closes_at_the_load_and_not_before():
@@ -64,8 +64,8 @@ def test_first_yield_below_the_surface():
     bodies = [{"poissons_ratio": 0.3, "yield_stress": 0.25}, {"poissons_ratio": 0.3, "yield_stress": 0.5}]
     (load,) = target_loads(ROUGH, contact_modulus=1.0, target="first_yield", bodies=bodies)
     pressure = rc.solve_contact(ROUGH, contact_modulus=1.0, mean_pressure=load)["pressure"].values[0]
-    found = stress_columns(pressure, (1 / 64, 1 / 64), poissons_ratio=0.3)
-    assert found["max_von_mises_stress"] == pytest.approx(0.25, rel=2e-3)
+    columns = stress_columns(pressure, (1 / 64, 1 / 64), poissons_ratio=0.3)
+    assert columns["max_von_mises_stress"] == pytest.approx(0.25, rel=2e-3)
 
 
 def test_first_yield_of_a_wave_by_its_hardness(wave):
@@ -81,14 +81,14 @@ def test_a_hardness_limits_the_pressure_on_the_way():
 
 
 def test_units_do_not_matter():
-    (known,) = target_loads(ROUGH, contact_modulus=1.0, target_area=0.3)
+    (reference,) = target_loads(ROUGH, contact_modulus=1.0, target_area=0.3)
     small = height_map(1e-6 * ROUGH.values, 1e-6 / 64)
-    (found,) = target_loads(small, contact_modulus=1e11, target_area=0.3)
-    assert found / 1e11 == pytest.approx(known, rel=1e-6)
+    (load,) = target_loads(small, contact_modulus=1e11, target_area=0.3)
+    assert load / 1e11 == pytest.approx(reference, rel=1e-6)
 
 
 @pytest.mark.parametrize(
-    ("asked", "words"),
+    ("targets", "words"),
     [
         ({"target_gap": 10.0}, "target_gap = 10 m: must be less than the mean gap of the unloaded"),
         ({"target_area": 1.0}, "target_area = 1: must be less than 1"),
@@ -103,9 +103,9 @@ def test_units_do_not_matter():
         ({"target": "percolate"}, "did you mean 'percolation'"),
     ],
 )
-def test_targets_that_no_load_reaches(asked, words):
+def test_targets_that_no_load_reaches(targets, words):
     with pytest.raises(rc.SettingsError, match=words):
-        target_loads(ROUGH, contact_modulus=1.0, **asked)
+        target_loads(ROUGH, contact_modulus=1.0, **targets)
 
 
 def test_a_flat_map_has_no_load_to_find():
@@ -119,9 +119,9 @@ def test_loads_of_the_settings():
         return wanted_loads(height_map(1e-6 * ROUGH.values, 1e-6 / 64), settings)
 
     assert len(loads_of()) == 8
-    (found,) = loads_of(target_area=0.3)
-    both = loads_of(mean_pressure=["2 MPa"], target_area=0.3)
-    assert both == [2e6, found]
+    (load,) = loads_of(target_area=0.3)
+    loads = loads_of(mean_pressure=["2 MPa"], target_area=0.3)
+    assert loads == [2e6, load]
     assert len(loads_of(target_area=[0.1, 0.3], target="percolation")) >= 3
     assert not percolates(np.zeros((2, 2), bool))[0]
 
@@ -147,6 +147,6 @@ def test_first_yield_in_the_settings_needs_a_limit():
 def test_the_load_of_first_yield_stands_before_those_at_which_the_gap_closes():
     """Of the latter there are one or two, and placements of two faces are joined load by load."""
     names, bodies = ["percolation", "first_yield"], {"contact_modulus": 1.0, "hardness": 1.0}
-    found, other = (target_loads(ROUGH, target=order, **bodies) for order in (names, names[::-1]))
-    assert found == other
-    assert found[0] == target_loads(ROUGH, target="first_yield", **bodies)[0]
+    loads, loads_reversed = (target_loads(ROUGH, target=order, **bodies) for order in (names, names[::-1]))
+    assert loads == loads_reversed
+    assert loads[0] == target_loads(ROUGH, target="first_yield", **bodies)[0]

@@ -13,15 +13,14 @@ import pytest
 from PIL import Image
 from read_charts import read_chart
 
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.arguments.maps import height_map
 from roughcontact.report import texture_plots
 from roughcontact.report.charts import COLOURS, DASHED, DOTTED
-from roughcontact.roughness.parameters import shortest_wavelength
-from roughcontact.roughness.spectrum import areal_spectrum, isotropic_spectrum
-from roughcontact.roughness.texture import autocorrelation, decay_lengths
-from roughcontact.window.periodic_window import periodic_window
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.roughness.parameters import shortest_wavelength
+from roughcontact.surface.roughness.spectrum import areal_spectrum, isotropic_spectrum
+from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact.surface.window.periodic_window import periodic_window
 
 
 def window(shape=(96, 128), *, longest=60e-6, **options):
@@ -60,29 +59,29 @@ def test_the_spectrum_is_drawn_where_its_axes_say():
         rough = self_affine_surface(
             shape, 1e-6, hurst=0.8, shortest=4e-6, longest=30e-6, rms_height=2e-6, seed=2
         )
-        made = periodic_window(level(rough, outlier_threshold=None))
-        drawn = read_chart(texture_plots.spectrum(made), log="xy")
+        window_map = periodic_window(level(rough, outlier_threshold=None))
+        drawn = read_chart(texture_plots.spectrum(window_map), log="xy")
         assert {f"C(q) ({unit})", "wavenumber q (rad/µm)", "wavelength (µm)"} <= set(drawn.texts)
-        (line,) = [each for each in drawn.lines if each.colour == COLOURS[0]]
-        q, power = isotropic_spectrum(made)
+        (line,) = [curve for curve in drawn.lines if curve.colour == COLOURS[0]]
+        q, power = isotropic_spectrum(window_map)
         # waves that the map does not have are rounding, and not drawn
-        held = power > 1e-9 * power.max()
-        assert line.x == pytest.approx(q[held] * 1e-6, rel=0.01)
-        assert np.log10(line.y) == pytest.approx(np.log10(power[held] * factor), abs=0.03)
+        is_drawn = power > 1e-9 * power.max()
+        assert line.x == pytest.approx(q[is_drawn] * 1e-6, rel=0.01)
+        assert np.log10(line.y) == pytest.approx(np.log10(power[is_drawn] * factor), abs=0.03)
 
 
 def test_the_band_of_the_spectrum_is_marked_at_its_wavelengths():
-    made = window(shortest_wavelength=12e-6, longest_wavelength=40e-6)
-    drawn = read_chart(texture_plots.spectrum(made), log="xy")
+    window_map = window(shortest_wavelength=12e-6, longest_wavelength=40e-6)
+    drawn = read_chart(texture_plots.spectrum(window_map), log="xy")
     marked = {line.style: line.x for line in drawn.lines if line.style}
     assert marked[DASHED] == pytest.approx(2 * np.pi / 2, rel=0.01)  # of two pixels, 2 µm
-    assert marked[DOTTED] == pytest.approx(2 * np.pi / (1e6 * shortest_wavelength(made)), rel=0.01)
-    longest, shortest = (2e-6 * np.pi / made.attrs[f"band_{end}"] for end in ("longest", "shortest"))
+    assert marked[DOTTED] == pytest.approx(2 * np.pi / (1e6 * shortest_wavelength(window_map)), rel=0.01)
+    longest, shortest = (2e-6 * np.pi / window_map.attrs[f"band_{side}"] for side in ("longest", "shortest"))
     assert sorted(drawn.bands) == [
         (pytest.approx(drawn.x_ends[0], rel=0.01), pytest.approx(longest, rel=0.02)),
         (pytest.approx(shortest, rel=0.02), pytest.approx(drawn.x_ends[1], rel=0.01)),
     ]
-    (line,) = [each for each in drawn.lines if each.colour == COLOURS[0]]
+    (line,) = [curve for curve in drawn.lines if curve.colour == COLOURS[0]]
     assert 2 * np.pi / line.x.max() == pytest.approx(12, rel=0.1)
     assert 2 * np.pi / line.x.min() == pytest.approx(40, rel=0.1)
 
@@ -91,7 +90,6 @@ def test_the_same_picture_a_second_time():
     for draw in (
         texture_plots.spectrum,
         texture_plots.directional_spectrum,
-        texture_plots.autocorrelation_map,
     ):
         assert draw(window()) == draw(window())
 
@@ -111,7 +109,7 @@ def reading(uri):
     return json.loads(html.unescape(re.search("data-reading='([^']*)'", svg(uri))[1]))
 
 
-def test_pictures_of_waves_and_shifts_have_their_middle_at_zero():
+def test_pictures_of_waves_have_their_middle_at_zero():
     """And end half a wave, or half a step, beyond the last one that is drawn."""
     made = window(longest=16e-6)
     for draw, label, step in (
@@ -120,7 +118,6 @@ def test_pictures_of_waves_and_shifts_have_their_middle_at_zero():
             "q along {} (rad/µm)",
             [2 * np.pi / n for n in made.shape[::-1]],
         ),
-        (texture_plots.autocorrelation_map, "shift along {} (µm)", [1.0, 1.0]),
     ):
         read = reading(draw(made))
         for axis, points, width in zip("xy", read["points"], step, strict=True):
@@ -129,28 +126,12 @@ def test_pictures_of_waves_and_shifts_have_their_middle_at_zero():
             assert sorted((low, high)) == pytest.approx([-points * width / 2, points * width / 2], rel=1e-6)
 
 
-def test_the_autocorrelation_is_drawn_to_three_decay_lengths_and_its_line_at_the_longest():
-    made = window(longest=16e-6)
-    shortest, longest, *_ = decay_lengths(autocorrelation(made), (1e-6, 1e-6))
-    read = reading(texture_plots.autocorrelation_map(made))
-    assert read["value"][0] == "autocorrelation"
-    assert read["value"][2] == 1.0
-    assert max(read["x"][1:]) == pytest.approx(3e6 * longest, abs=1.0)
-    (line,) = [
-        one for one in read_chart(texture_plots.autocorrelation_map(made)).lines if one.colour == "#ffffff"
-    ]
-    distance = np.hypot(line.x, line.y)
-    assert distance.min() == pytest.approx(1e6 * shortest, abs=0.5)
-    near = distance[distance < 2e6 * longest]
-    assert near.max() == pytest.approx(1e6 * longest, abs=1.0)
-
-
 def test_colours_of_the_waves_span_six_powers_of_ten():
-    made = window()
-    _, low, high = reading(texture_plots.directional_spectrum(made))["value"]
+    window_map = window()
+    _, low, high = reading(texture_plots.directional_spectrum(window_map))["value"]
     assert high - low == pytest.approx(6)
     # the mean over 3 x 3 waves of m^4, in nm² µm²
-    _, _, power = areal_spectrum(made)
+    _, _, power = areal_spectrum(window_map)
     smooth = sum(np.roll(power, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1)) / 9
     assert high == pytest.approx(np.log10(smooth.max() * 1e30), rel=1e-6)
 
@@ -159,13 +140,11 @@ def test_colours_of_the_waves_span_six_powers_of_ten():
 def test_profiles_are_drawn_as_lines(shape):
     rough = self_affine_surface((1, 300), 1e-6, hurst=0.8, shortest=6e-6, longest=60e-6, rms_height=2e-7)
     profile = periodic_window(level(height_map(rough.values.reshape(shape), 1e-6), outlier_threshold=None))
-    assert "0.2: Sal" in svg(texture_plots.autocorrelation_map(profile))
     assert "wavenumber q" in svg(texture_plots.spectrum(profile))
 
 
 @pytest.mark.parametrize("shape", [(8, 8), (9, 200), (5, 7)])
 def test_small_and_long_maps_are_drawn(shape):
     height = periodic_window(level(height_map(np.random.default_rng(0).standard_normal(shape), 1e-6)))
-    for draw in (texture_plots.directional_spectrum, texture_plots.autocorrelation_map):
-        assert pixels(draw(height)).shape[2] == 3
+    assert pixels(texture_plots.directional_spectrum(height)).shape[2] == 3
     assert svg(texture_plots.spectrum(height))

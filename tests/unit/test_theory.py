@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import erf
 
-from roughcontact.references.closed_forms import hertz
+from roughcontact.contact.elasticity.closed_forms import hertz
 from roughcontact.statistics import theory
 
 
@@ -53,8 +53,8 @@ def test_greenwood_williamson_against_quadrature(separation):
     scale = SUMMITS["density"] * SUMMITS["mean_radius"] * SUMMITS["height_std"]
     area = np.pi * scale * moment(1)
     pressure = 4 / 3 * MODULUS * scale * np.sqrt(SUMMITS["height_std"] / SUMMITS["mean_radius"]) * moment(1.5)
-    found = theory.greenwood_williamson_area(pressure, SUMMITS, contact_modulus=MODULUS)
-    assert found == pytest.approx(area, rel=1e-5)
+    areas = theory.greenwood_williamson_area(pressure, SUMMITS, contact_modulus=MODULUS)
+    assert areas == pytest.approx(area, rel=1e-5)
 
 
 def test_greenwood_williamson_rises_and_ends_at_full_contact():
@@ -113,6 +113,12 @@ def test_greenwood_tripp_of_hard_balls():
     assert ball["contact_area"] == pytest.approx(2 * np.pi * spread * area * moment(2, t) / 2, rel=3e-3)
 
 
-def test_greenwood_tripp_needs_a_spread_of_summits():
-    flat = {"density": 0.0, "mean_radius": np.nan, "height_std": 0.0}
-    assert np.isnan([*theory.greenwood_tripp(1.0, 1.0, flat, contact_modulus=1.0).values()]).all()
+@pytest.mark.parametrize(
+    "summits",
+    [
+        {"density": 0.0, "mean_radius": np.nan, "height_std": 0.0},
+        {"density": 6e10, "mean_radius": 1e9, "height_std": 9e-23},  # rounding
+    ],
+)
+def test_greenwood_tripp_needs_a_spread_of_summits(summits):
+    assert np.isnan([*theory.greenwood_tripp(0.5, 3e-3, summits, contact_modulus=1e11).values()]).all()

@@ -7,7 +7,7 @@ PROGRAM = """
 import os, sys
 from concurrent.futures import ThreadPoolExecutor
 import roughcontact as rc
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface
 
 band = {"hurst": 0.8, "shortest": 8e-6, "longest": 64e-6}
 height = self_affine_surface((256, 256), 1e-6, **band, rms_gradient=0.1, seed=1)
@@ -30,5 +30,5 @@ print("held")
 
 def test_threads_of_a_caller_and_a_forked_process_solve_the_same():
     command = [sys.executable, "-c", PROGRAM]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-    assert done.stdout == "held\n", done.stderr
+    process = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert process.stdout == "held\n", process.stderr

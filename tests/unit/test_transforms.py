@@ -32,14 +32,14 @@ def _threads_for_fields_of_any_size(monkeypatch):
 @pytest.mark.parametrize("shape", SHAPES)
 def test_there_and_back(shape, precision):
     field = shown(shape).astype(precision)
-    plan, kept = plan_of(field, precision), field.copy()
+    plan, original = plan_of(field, precision), field.copy()
     exact = np.fft.rfft2(field.astype(np.longdouble))
     # the error of one number is that of a sum of log2 n of them, each about as large as the whole transform
     error = 2 * np.finfo(precision).eps * np.sqrt(np.log2(field.size)) * field.std()
     spectrum = plan.forward(field)
     assert spectrum.dtype == np.result_type(precision, np.complex64)
     assert np.abs(spectrum - exact).max() <= 2 * error * np.sqrt(field.size)
-    np.testing.assert_array_equal(field, kept)
+    np.testing.assert_array_equal(field, original)
     back = np.full_like(field, np.nan)
     plan.inverse(spectrum, back)
     assert np.abs(back - field).max() <= 4 * error
@@ -59,28 +59,28 @@ def test_what_is_imaginary_in_real_waves_is_left_out_as_numpy_does(precision):
 
 def test_arrays_may_lie_in_memory_in_any_order_and_be_read_only():
     field = shown((32, 40))
-    plan, kept = plan_of(field, DOUBLE), field.copy()
+    plan, original = plan_of(field, DOUBLE), field.copy()
     expected = plan.forward(field).copy()
     field.flags.writeable = False
     np.testing.assert_array_equal(plan.forward(field), expected)
     np.testing.assert_array_equal(plan.forward(np.asfortranarray(field)), expected)
     back = np.full((40, 32), np.nan).T
     plan.inverse(np.asfortranarray(expected), back)
-    np.testing.assert_allclose(back, kept, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(back, original, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("precision", [SINGLE, DOUBLE])
 def test_no_digit_depends_on_the_threads(precision):
     field = shown((250, 384)).astype(precision)
-    found = []
+    transforms = []
     for allowed in (1, 2, 3):
         plan, back = plan_of(field, precision, allowed=allowed), np.empty_like(field)
         spectrum = plan.forward(field).copy()
         plan.inverse(plan.spectrum, back)
-        found.append((spectrum, back))
-    for spectrum, back in found[1:]:
-        np.testing.assert_array_equal(spectrum, found[0][0])
-        np.testing.assert_array_equal(back, found[0][1])
+        transforms.append((spectrum, back))
+    for spectrum, back in transforms[1:]:
+        np.testing.assert_array_equal(spectrum, transforms[0][0])
+        np.testing.assert_array_equal(back, transforms[0][1])
 
 
 @pytest.mark.parametrize("shape", [(1, 512), (512, 8), (128, 7 * 16), (131, 128)])
@@ -103,11 +103,11 @@ def test_a_solve_of_a_usual_map_imports_nothing_of_scipy():
     program = """
 import sys
 import roughcontact as rc
-from roughcontact.maps import height_map
+from roughcontact.arguments.maps import height_map
 import numpy as np
 heights = np.random.default_rng(0).standard_normal((48, 64))
 rc.solve_contact(height_map(heights, 1.0), contact_modulus=1.0, mean_pressure=0.1)
 print([name for name in sys.modules if name.partition(".")[0] == "scipy"])
 """
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout == "[]\n"
+    process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert process.stdout == "[]\n"

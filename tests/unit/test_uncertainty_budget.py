@@ -4,22 +4,22 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.quantities import with_interval
 from roughcontact.contact.dataset import joined
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
-from roughcontact.levelling.level import level
-from roughcontact.maps import spacing
-from roughcontact.quantities import with_interval
-from roughcontact.references import synthetic
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.results.collect import summary_table
 from roughcontact.results.storage import read_dataset, write_dataset
 from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
+from roughcontact.surface import synthetic
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import SOURCES, error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
-from roughcontact.uncertainty.headline import fields_of, quantities_of
+from roughcontact.uncertainty.headline import headline_values, iterate_fields
 from roughcontact.uncertainty.scales import QUANTITIES
-from roughcontact.window.periodic_window import periodic_window
 from validation.coverage import measured_cases
 from validation.masters import FAULTS
 
@@ -69,14 +69,15 @@ def test_every_source_has_its_place(budget):
 
 
 def test_sources_may_be_left_out(maps, budget):
-    few = error_budget(*maps, SETTINGS, sources=["discretisation"])
+    partial_budget = error_budget(*maps, SETTINGS, sources=["discretisation"])
     name = "mean_gap_uncertainty"
-    assert np.isnan(few[name].sel(source=["solver", "window"])).all()
+    assert np.isnan(partial_budget[name].sel(source=["solver", "window"])).all()
     xr.testing.assert_allclose(
-        few[name].sel(source="discretisation"), budget[name].sel(source="discretisation")
+        partial_budget[name].sel(source="discretisation"), budget[name].sel(source="discretisation")
     )
     xr.testing.assert_equal(
-        few[name].sel(source="discretisation", drop=True), few[name].sel(source="combined", drop=True)
+        partial_budget[name].sel(source="discretisation", drop=True),
+        partial_budget[name].sel(source="combined", drop=True),
     )
     assert list(error_budget(*maps, SETTINGS, sources=[]).data_vars) == ["rejected_load_share"]
     with pytest.raises(SettingsError, match="did you mean 'window'"):
@@ -93,47 +94,53 @@ def test_the_file_of_the_budget_is_whole(budget, tmp_path):
 
 def test_statistics_and_summary_carry_the_budget(statistics, budget):
     xr.testing.assert_equal(statistics["mean_gap_uncertainty"], budget["mean_gap_uncertainty"])
-    one = statistics.expand_dims("surface").assign_coords(surface_name=("surface", np.array(["a"], object)))
-    table = summary_table(one)
+    expanded = statistics.expand_dims("surface").assign_coords(
+        surface_name=("surface", np.array(["a"], object))
+    )
+    table = summary_table(expanded)
     combined = budget["max_pressure_uncertainty"].sel(source="combined").values
     np.testing.assert_array_equal(table["max_pressure_uncertainty_Pa"], combined)
-    for end in ("lower", "upper"):
-        np.testing.assert_array_equal(table[f"mean_gap_{end}_m"], budget[f"mean_gap_{end}"].values)
+    for side in ("lower", "upper"):
+        np.testing.assert_array_equal(table[f"mean_gap_{side}_m"], budget[f"mean_gap_{side}"].values)
     area = budget["relative_contact_area_uncertainty"]
     for source in SOURCES:
         column = table[f"relative_contact_area_uncertainty_from_{source}"]
         np.testing.assert_array_equal(column, area.sel(source=source).values)
-    other = budget.assign_coords(mean_pressure=("load", [1.0, 2.0]))
+    budget_of_others = budget.assign_coords(mean_pressure=("load", [1.0, 2.0]))
     with pytest.raises(SettingsError, match="other loads"):
-        with_uncertainty(statistics, other)
+        with_uncertainty(statistics, budget_of_others)
 
 
 def test_the_budget_belongs_to_the_numbers_of_the_statistics(maps, budget, statistics):
     contact, names = solve_contact(maps[1], **CONTACT), QUANTITIES
-    found = [quantities_of(*fields, names, steps=spacing(maps[1])) for fields in fields_of(contact)]
+    quantities = [
+        headline_values(*fields, names, steps=spacing(maps[1])) for fields in iterate_fields(contact)
+    ]
     for name in QUANTITIES:
-        as_solved = [of_load[name] for of_load in found]
+        as_solved = [of_load[name] for of_load in quantities]
         np.testing.assert_allclose(as_solved, budget[f"{name}_as_solved"], rtol=1e-12)
         np.testing.assert_array_equal(statistics[name], budget[f"{name}_estimate"])
 
 
 def test_the_report_says_what_the_uncertainty_is_made_of(statistics):
-    shown = shown_budget(statistics)
-    assert len(shown["rows"]) == 2
+    budget_on_page = shown_budget(statistics)
+    assert len(budget_on_page["rows"]) == 2
     area = 100 * float(statistics["relative_contact_area"][0])
-    ends = (100 * float(statistics[f"relative_contact_area_{end}"][0]) for end in ("lower", "upper"))
-    assert shown["rows"][0][1] == with_interval(area, *ends)
-    assert any("the mean of maps of this size all over the surface" in note for note in shown["notes"])
-    assert shown["rows"][0][-1] in shown["header"]
-    assert len(shown["images"]) == 4
-    assert len(shown["magnification"]) == 5  # and the conductance
-    assert all(image.startswith("data:image/svg") for _, image in shown["images"])
-    left_out = statistics.copy(deep=True)
-    del left_out.attrs["window_reason"]
+    bounds = (100 * float(statistics[f"relative_contact_area_{side}"][0]) for side in ("lower", "upper"))
+    assert budget_on_page["rows"][0][1] == with_interval(area, *bounds)
+    assert any(
+        "the mean of maps of this size all over the surface" in note for note in budget_on_page["notes"]
+    )
+    assert budget_on_page["rows"][0][-1] in budget_on_page["header"]
+    assert len(budget_on_page["images"]) == 4
+    assert len(budget_on_page["magnification"]) == 5  # and the conductance
+    assert all(image.startswith("data:image/svg") for _, image in budget_on_page["images"])
+    without_window = statistics.copy(deep=True)
+    del without_window.attrs["window_reason"]
     for name in QUANTITIES:
-        left_out[f"{name}_uncertainty"].loc[{"source": "window"}] = np.nan
-    assert "window" not in shown_budget(left_out)["header"]
-    assert any("Not in the ±: window" in note for note in shown_budget(left_out)["notes"])
+        without_window[f"{name}_uncertainty"].loc[{"source": "window"}] = np.nan
+    assert "window" not in shown_budget(without_window)["header"]
+    assert any("Not in the ±: window" in note for note in shown_budget(without_window)["notes"])
     assert shown_budget(statistics.drop_dims("source")) is None
 
 
@@ -162,10 +169,10 @@ def test_a_solution_that_is_counted_is_not_solved_again(maps, budget):
 
     solve_contact(maps[1], **CONTACT, reduce=count)
     solved = joined(inputs[::-1])  # counted from the lower load up
-    found = error_budget(*maps, SETTINGS, solved=solved)
+    result = error_budget(*maps, SETTINGS, solved=solved)
     for name in QUANTITIES:
-        for end in ("lower", "upper"):
-            np.testing.assert_allclose(found[f"{name}_{end}"], budget[f"{name}_{end}"], rtol=1e-12)
-    for end in ("lower", "upper"):
-        name = f"conductance_per_conductivity_{end}"
-        np.testing.assert_allclose(found[name], budget[name], rtol=0.02)
+        for side in ("lower", "upper"):
+            np.testing.assert_allclose(result[f"{name}_{side}"], budget[f"{name}_{side}"], rtol=1e-12)
+    for side in ("lower", "upper"):
+        name = f"conductance_per_conductivity_{side}"
+        np.testing.assert_allclose(result[name], budget[name], rtol=0.02)

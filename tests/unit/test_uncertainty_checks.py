@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from roughcontact.contact.solve import solve_contact
-from roughcontact.references import synthetic
 from roughcontact.statistics import checks, map_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
-from roughcontact.statistics.outcome import FAILED, NOT_MADE, NOTE, PASSED, REVIEW, verdict_of
+from roughcontact.statistics.outcome import FAILED, NOT_MADE, NOTE, PASSED, REVIEW, worst_result
+from roughcontact.surface import synthetic
 from roughcontact.uncertainty.combination import SOURCES
 
 
@@ -21,9 +21,9 @@ def found(longest, window=(), budget=None, *, levelled=(), statistics=(), **cont
     solved = solve_contact(height, contact_modulus=1e9, mean_pressure=2e7, **contact)
     statistics = contact_statistics(solved).assign(dict(statistics))
     if budget is not None:
-        known = [[0.01 if source in budget else np.nan for source in SOURCES]]
+        half_widths = [[0.01 if source in budget else np.nan for source in SOURCES]]
         statistics = statistics.assign_coords(source=list(SOURCES))
-        statistics["relative_contact_area_uncertainty"] = (("load", "source"), known)
+        statistics["relative_contact_area_uncertainty"] = (("load", "source"), half_widths)
     outcome = checks.surface_checks(
         statistics, height={}, levelled=dict(levelled), window=dict(window), points=96 * 96
     )
@@ -43,7 +43,7 @@ def test_what_the_interval_includes_is_a_note():
     edges = {"periodisation": "mirror", "rms_gradient_before": 1.0, "rms_gradient_after": 0.5}
     assert found(0.2, edges, budget=["solver"])["Periodic window"].outcome == REVIEW
     assert found(0.2, edges, budget=["window"])["Periodic window"].outcome == NOTE
-    assert verdict_of([check]) == PASSED
+    assert worst_result([check]) == PASSED
 
 
 @pytest.mark.parametrize("budget", [None, ["solver", "discretisation"]])
@@ -53,7 +53,7 @@ def test_rejected_points_are_a_note_with_and_without_an_interval(budget):
     check = found(0.2, budget=budget, levelled=levelled, statistics=statistics)["Outliers"]
     assert check.outcome == NOTE
     assert "depends on whether they are errors" in check.sentence
-    assert verdict_of([check]) == PASSED
+    assert worst_result([check]) == PASSED
 
 
 @pytest.mark.parametrize(("share", "outcome"), [(0.005, PASSED), (0.05, NOTE), (0.2, FAILED)])
@@ -74,7 +74,7 @@ def test_coarse_patches_are_a_note(budget, words):
 
 
 @pytest.mark.parametrize(
-    ("exponent", "share", "stated", "outcome"),
+    ("exponent", "share", "instrument", "outcome"),
     [
         (-1.0, 0.6, {}, REVIEW),
         (-1.0, 0.4, {}, NOTE),
@@ -82,9 +82,9 @@ def test_coarse_patches_are_a_note(budget, words):
         (-1.0, 0.6, {"instrument_noise": 2e-9}, NOTE),
     ],
 )
-def test_noise_is_a_note_unless_it_is_a_guess_and_most_of_the_gradient(exponent, share, stated, outcome):
+def test_noise_is_a_note_unless_it_is_a_guess_and_most_of_the_gradient(exponent, share, instrument, outcome):
     white = {"top_exponent": exponent, "noise_floor": 2e-9, "noise_gradient_share": share}
-    assert found(0.2, white | stated, budget=["instrument"])["Noise"].outcome == outcome
+    assert found(0.2, white | instrument, budget=["instrument"])["Noise"].outcome == outcome
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ from scipy import special
 from roughcontact.uncertainty.combination import (
     added_up,
     component_from_units,
-    ends_of,
     half_widths,
+    interval_bounds,
     limited,
     monotonic,
     one_sided,
@@ -21,41 +21,41 @@ ONE, NONE = np.ones(1), np.zeros(1)
 def test_half_widths_add_as_squares_and_shifts_as_they_are():
     """Logarithms of 3 and 4 are 5 together; a shift of 1 upwards comes on top."""
     parts = [half_widths(3 * ONE, 3 * ONE), half_widths(4 * ONE, 4 * ONE), one_sided(ONE)]
-    lower, upper = ends_of(GAP, NONE, added_up(parts))
+    lower, upper = interval_bounds(GAP, NONE, added_up(parts))
     assert (lower.item(), upper.item()) == pytest.approx((np.exp(-5), np.exp(6)))
 
 
 def test_the_area_is_combined_as_its_inverse_error_function():
     middle = to_scale(AREA, np.array([0.2]))
-    lower, upper = ends_of(AREA, middle, half_widths(0.3 * ONE, 0.4 * ONE))
+    lower, upper = interval_bounds(AREA, middle, half_widths(0.3 * ONE, 0.4 * ONE))
     x = special.erfinv(0.2)
-    ends = special.erf(x * np.exp(-0.3)), special.erf(x * np.exp(0.4))
-    assert (lower.item(), upper.item()) == pytest.approx(ends)
+    bounds = special.erf(x * np.exp(-0.3)), special.erf(x * np.exp(0.4))
+    assert (lower.item(), upper.item()) == pytest.approx(bounds)
     assert from_scale(AREA, middle + 50).item() <= 1
 
 
 @pytest.mark.parametrize(
-    ("arms", "ends"),
+    ("arms", "expected_bounds"),
     [
         ((3.0, 4.0), (-5.0, np.hypot(4, 4))),  # beside a half-width of 4
         ((-1.0, 4.0), (1 - 4.0, 1 + np.hypot(4, 3))),  # the truth lies 1 to 4 above: the result moves to 1
         ((4.0, -1.0), (-1 - np.hypot(4, 3), -1 + 4.0)),
     ],
 )
-def test_arms_beside_the_result_move_it_to_the_nearer_end(arms, ends):
+def test_arms_beside_the_result_move_it_to_the_nearer_end(arms, expected_bounds):
     window = half_widths(*(arm * ONE for arm in arms))
-    found = ends_of(GAP, NONE, added_up([half_widths(4 * ONE, 4 * ONE), window]))
-    assert [np.log(end.item()) for end in found] == pytest.approx(ends)
+    interval = interval_bounds(GAP, NONE, added_up([half_widths(4 * ONE, 4 * ONE), window]))
+    assert [np.log(bound.item()) for bound in interval] == pytest.approx(expected_bounds)
 
 
 def test_infinite_arms_leave_the_physical_limits():
     load, value = np.array([0.1]), {AREA: 0.2, GAP: 1.0, PEAK: 3.0, PRESSURE: 0.5, CONSTRICTIONS[0]: 2.0}
-    known = {AREA: (0, 1), GAP: (0, np.nan), PEAK: (0.1, np.nan), PRESSURE: (0.1, np.nan)}
-    for name, limits in (known | {CONSTRICTIONS[0]: (0, np.nan)}).items():
+    limits_by_name = {AREA: (0, 1), GAP: (0, np.nan), PEAK: (0.1, np.nan), PRESSURE: (0.1, np.nan)}
+    for name, limits in (limits_by_name | {CONSTRICTIONS[0]: (0, np.nan)}).items():
         result = np.array([value[name]])
-        ends = ends_of(name, to_scale(name, result), half_widths(np.inf * ONE, np.inf * ONE))
-        ends = limited(name, ends, value=result, load=load, hardness=np.inf)
-        np.testing.assert_array_equal(np.concatenate(ends), limits)
+        bounds = interval_bounds(name, to_scale(name, result), half_widths(np.inf * ONE, np.inf * ONE))
+        bounds = limited(name, bounds, value=result, load=load, hardness=np.inf)
+        np.testing.assert_array_equal(np.concatenate(bounds), limits)
     _, upper = limited(PEAK, (ONE, 20 * ONE), value=3 * ONE, load=load, hardness=10.0)
     assert upper.item() == 10
 
@@ -72,5 +72,5 @@ def test_one_load_bounds_the_others_as_far_as_the_quantity_is_monotonic():
 
 def test_units_and_scales_are_the_same_half_widths():
     sides = half_widths(ONE, 2 * ONE) + one_sided(np.inf * ONE)
-    found = component_from_units(GAP, np.array([2.0]), sides)
-    assert [side.item() for side in found] == pytest.approx([np.log(2), np.log(2), 0, np.inf])
+    component = component_from_units(GAP, np.array([2.0]), sides)
+    assert [side.item() for side in component] == pytest.approx([np.log(2), np.log(2), 0, np.inf])

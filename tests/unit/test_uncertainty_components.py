@@ -7,12 +7,11 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.command_line import describe
+from roughcontact.arguments.maps import height_map
 from roughcontact.errors import HeightMapError
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.statistics.contact_statistics import with_uncertainty
+from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.combination import uncertainty_table
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, PEAK, PRESSURE, to_scale
@@ -50,14 +49,14 @@ def test_the_interval_is_that_of_its_components(stated, name):
     assert set(rows["source"]) >= {"discretisation", "window", "instrument", "material", "unresolved"}
     (combined,) = table[(table["quantity"] == name) & (table["source"] == "combined")].to_dict("records")
     value = combined["value"]
-    for end, sign in (("lower", -1), ("upper", 1)):
+    for side, sign in (("lower", -1), ("upper", 1)):
 
         def moved(by, sign=sign):
             return sign * (to_scale(name, value + sign * by) - to_scale(name, np.float64(value)))
 
-        widths = moved(rows["coverage_factor"] * rows[f"standard_uncertainty_{end}"])
-        total = np.sqrt(np.sum(widths**2)) + np.sum(moved(rows[f"one_sided_{end}"]))
-        assert sign * (to_scale(name, combined[end]) - to_scale(name, value)) == pytest.approx(total)
+        widths = moved(rows["coverage_factor"] * rows[f"standard_uncertainty_{side}"])
+        total = np.sqrt(np.sum(widths**2)) + np.sum(moved(rows[f"one_sided_{side}"]))
+        assert sign * (to_scale(name, combined[side]) - to_scale(name, value)) == pytest.approx(total)
 
 
 def test_a_band_chosen_in_the_settings_has_no_unresolved_waves(rough):
@@ -69,16 +68,16 @@ def test_a_band_chosen_in_the_settings_has_no_unresolved_waves(rough):
     assert by_pixels[f"{AREA}_octave_lower"].item() < by_pixels[f"{AREA}_lower"].item()
     for name in (AREA, GAP, PEAK, PRESSURE):
         assert not chosen[f"{name}_components"].sel(source="unresolved").any()
-        for end in ("lower", "upper"):
-            assert chosen[f"{name}_octave_{end}"].item() == chosen[f"{name}_{end}"].item()
+        for side in ("lower", "upper"):
+            assert chosen[f"{name}_octave_{side}"].item() == chosen[f"{name}_{side}"].item()
 
 
 def test_an_octave_that_nothing_tells_of_has_no_interval(rough):
     """Neither where `unresolved` is not asked for, nor on a map too small to leave its last octave out."""
     levelled = rc.level(rough)
     settings = {"level": {}, "window": {}, "contact": CONTACT}
-    asked = error_budget(levelled, levelled, settings, sources=["solver"])
-    for budget in (asked, budget_of(rough[:14, :14])):
+    with_solver = error_budget(levelled, levelled, settings, sources=["solver"])
+    for budget in (with_solver, budget_of(rough[:14, :14])):
         for name in (AREA, GAP, PEAK, PRESSURE):
             assert np.isfinite(budget[f"{name}_map_lower"]).all()
             assert np.isnan(budget[f"{name}_octave_lower"]).all()
@@ -89,20 +88,20 @@ def test_grooves_leave_the_narrowest_place_without_upper_end():
     """Deep grooves along y: elsewhere they may be wider; on this map they are what they are."""
     x = np.arange(96)
     ridges = -3.0 * np.exp(-(((x % 24) - 12) ** 2) / 4) + 0.05 * rough_reference_surface(96).values
-    found = budget_of(height_map(ridges, 1.0))
-    assert "Grooves or valleys lead out of the map along y" in found.attrs["window_reason"]
-    assert np.isnan(found["critical_constriction_y_upper"].item())
-    assert np.isfinite(found["critical_constriction_y_map_upper"].item())
-    assert np.isfinite(found["critical_constriction_x_upper"].item())
+    result = budget_of(height_map(ridges, 1.0))
+    assert "Grooves or valleys lead out of the map along y" in result.attrs["window_reason"]
+    assert np.isnan(result["critical_constriction_y_upper"].item())
+    assert np.isfinite(result["critical_constriction_y_map_upper"].item())
+    assert np.isfinite(result["critical_constriction_x_upper"].item())
 
 
 def test_a_surface_that_is_its_own_mirror_image_has_equal_ends_along_x_and_y():
     rough = rough_reference_surface(96).values
-    found = budget_of(height_map(rough + rough.T, 1.0 / 96))
-    for end in ("lower", "upper", "next_lower", "next_upper"):
-        ends = [found[f"critical_constriction_{axis}_{end}"].item() for axis in "xy"]
-        assert ends[0] == pytest.approx(ends[1], rel=1e-3)
-    assert found["critical_constriction_x_lower"].item() < found["critical_constriction_x_upper"].item()
+    result = budget_of(height_map(rough + rough.T, 1.0 / 96))
+    for side in ("lower", "upper", "next_lower", "next_upper"):
+        bounds = [result[f"critical_constriction_{axis}_{side}"].item() for axis in "xy"]
+        assert bounds[0] == pytest.approx(bounds[1], rel=1e-3)
+    assert result["critical_constriction_x_lower"].item() < result["critical_constriction_x_upper"].item()
 
 
 def test_leak_rates_go_as_the_cube_of_the_narrowest_place_and_conductances_as_theirs():
@@ -111,16 +110,16 @@ def test_leak_rates_go_as_the_cube_of_the_narrowest_place_and_conductances_as_th
     numbers = {"critical_constriction_x": [2e-6, 0.0], "leak_rate_x": [8e-12, 0.0]}
     numbers |= {"leak_rate_by_cube": [1e6, 1e6], CONDUCTANCE: [1e4, 2e4], "thermal_conductance": [3e5, 6e5]}
     statistics = xr.Dataset({name: ("load", values) for name, values in numbers.items()}, coords=loads)
-    ends = {"critical_constriction_x_lower": [1e-6, 0.0], "critical_constriction_x_upper": [3e-6, 1e-6]}
-    ends |= {f"{CONDUCTANCE}_lower": [5e3, 1e4], f"{CONDUCTANCE}_upper": [4e4, np.nan]}
-    budget = xr.Dataset({name: ("load", values) for name, values in ends.items()}, coords=loads)
-    found = with_uncertainty(statistics, budget)
-    np.testing.assert_allclose(found["leak_rate_x_lower"], [1e-12, 0.0])
-    np.testing.assert_allclose(found["leak_rate_x_upper"], [27e-12, 1e-12])
-    np.testing.assert_allclose(found["thermal_conductance_lower"], [1.5e5, 3e5])
-    np.testing.assert_allclose(found["thermal_conductance_upper"], [1.2e6, np.nan])
-    np.testing.assert_allclose(found["thermal_resistance_lower"], [1 / 1.2e6, 0.0])
-    np.testing.assert_allclose(found["thermal_resistance_upper"], [1 / 1.5e5, 1 / 3e5])
+    bounds = {"critical_constriction_x_lower": [1e-6, 0.0], "critical_constriction_x_upper": [3e-6, 1e-6]}
+    bounds |= {f"{CONDUCTANCE}_lower": [5e3, 1e4], f"{CONDUCTANCE}_upper": [4e4, np.nan]}
+    budget = xr.Dataset({name: ("load", values) for name, values in bounds.items()}, coords=loads)
+    result = with_uncertainty(statistics, budget)
+    np.testing.assert_allclose(result["leak_rate_x_lower"], [1e-12, 0.0])
+    np.testing.assert_allclose(result["leak_rate_x_upper"], [27e-12, 1e-12])
+    np.testing.assert_allclose(result["thermal_conductance_lower"], [1.5e5, 3e5])
+    np.testing.assert_allclose(result["thermal_conductance_upper"], [1.2e6, np.nan])
+    np.testing.assert_allclose(result["thermal_resistance_lower"], [1 / 1.2e6, 0.0])
+    np.testing.assert_allclose(result["thermal_resistance_upper"], [1 / 1.5e5, 1 / 3e5])
 
 
 def test_a_map_that_was_not_levelled_is_told_from_the_one_of_the_window(rough):
@@ -140,14 +139,10 @@ def test_a_map_that_was_not_levelled_is_told_from_the_one_of_the_window(rough):
 
 
 def test_page_and_screen_say_what_lies_beyond_the_map(rough):
-    """A line each: shorter waves, a longer surface, the next map, with the ends of the result."""
-    found = rc.evaluate(rough, contact={"contact_modulus": "1 GPa", "mean_pressure": "15 MPa"})
-    lines = shown_budget(found, loads=[0])["beyond"]
-    words = ("With waves one octave shorter", "Over 3 times the length", "Of the next map")
+    """A line each: shorter waves, the next map, with the ends of the result."""
+    result = rc.evaluate(rough, contact={"contact_modulus": "1 GPa", "mean_pressure": "15 MPa"})
+    lines = shown_budget(result, loads=[0])["beyond"]  # the screen has them of `wider_intervals`, too
+    words = ("With waves one octave shorter", "Of the next map")
     assert [line.split(":")[0] for line in lines] == list(words)
-    ends = [100 * found[f"{AREA}_next_{end}"].item() for end in ("lower", "upper")]
-    assert [float(text) for text in re.findall(r"[\d.]+", lines[2])[:2]] == pytest.approx(ends, abs=0.06)
-    loads = {name: found[name].item() for name in found.variables if found[name].dims == ("load",)}
-    screen = [" ".join(line.split()) for line in describe._wider_intervals([loads], 3.0)]
-    assert [line.split(" % ")[1] for line in screen] == [word[0].lower() + word[1:] for word in words]
-    assert [float(text) for text in re.findall(r"[\d.]+", screen[2])[1:]] == pytest.approx(ends, abs=0.06)
+    bounds = [100 * result[f"{AREA}_next_{side}"].item() for side in ("lower", "upper")]
+    assert [float(text) for text in re.findall(r"[\d.]+", lines[1])[:2]] == pytest.approx(bounds, abs=0.06)

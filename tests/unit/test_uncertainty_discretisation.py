@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from roughcontact.arguments.maps import height_map, refined
 from roughcontact.contact.solve import solve_contact
-from roughcontact.maps import height_map, refined
-from roughcontact.references import synthetic
 from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
+from roughcontact.surface import synthetic
 from roughcontact.uncertainty import discretisation
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.discretisation import _edge_noise, discretisation_error
@@ -20,8 +20,8 @@ def corrected(window, loads, names=NAMES):
     """Return the results on their scales, the corrections and the half-widths, by quantity."""
     contact = {"contact_modulus": 1.0, "mean_pressure": loads, "tolerance": 1e-6}
     solved = solve_contact(window, **contact)
-    found, peak = budget_inputs(solved), int(solved["pressure"][-1].values.argmax())
-    values = {name: found[name].values for name in NAMES}
+    inputs, peak = budget_inputs(solved), int(solved["pressure"][-1].values.argmax())
+    values = {name: inputs[name].values for name in NAMES}
     share = (solved["pressure"].values > 0).mean((1, 2))
     result = Result(window, contact, values)
     correction, width = discretisation_error(result, pixel_share=share, peak_index=peak)
@@ -30,7 +30,7 @@ def corrected(window, loads, names=NAMES):
 
 def test_the_correction_leads_nearer_to_a_finer_solution():
     """The median error, on pixels a quarter as large, of smooth and rough surfaces and a profile."""
-    before, after = {name: [] for name in NAMES}, {name: [] for name in NAMES}
+    error_plain, error_corrected = {name: [] for name in NAMES}, {name: [] for name in NAMES}
     for shape, hurst, shortest, seed in (
         ((64, 64), 0.8, 8.0, 1),
         ((64, 64), 0.8, 4.0, 2),
@@ -47,10 +47,10 @@ def test_the_correction_leads_nearer_to_a_finer_solution():
         )
         for name, (plain, correction, _) in corrected(window, loads).items():
             truth = to_scale(name, fine[name].values)
-            before[name].extend(np.abs(plain - truth))
-            after[name].extend(np.abs(plain + correction - truth))
+            error_plain[name].extend(np.abs(plain - truth))
+            error_corrected[name].extend(np.abs(plain + correction - truth))
     for name in NAMES:
-        assert np.median(after[name]) < 0.7 * np.median(before[name]), name
+        assert np.median(error_corrected[name]) < 0.7 * np.median(error_plain[name]), name
 
 
 @pytest.mark.parametrize("height", [0.1, 1.0, 4.0])
@@ -87,19 +87,21 @@ def test_narrowest_places_are_not_corrected_and_what_is_flat_has_nothing_to_corr
     assert [correction[name].item() for name in values] == pytest.approx([0.0] * 4, abs=1e-6)
     rough = synthetic.rough_reference_surface(48)
     values = {AREA: np.full(1, 0.3), GAP: np.full(1, 0.1), CONSTRICTIONS[0]: np.full(1, 0.1)}
-    correction, found = discretisation_error(
+    correction, components = discretisation_error(
         Result(rough, contact | {"mean_pressure": [0.05]}, values),
         pixel_share=np.full(1, 0.32),
         peak_index=0,
     )
-    width = found[CONSTRICTIONS[0]][1].item()
+    width = components[CONSTRICTIONS[0]][1].item()
     assert correction[CONSTRICTIONS[0]].item() == 0 < width
     # a length scales with the heights, whatever the unit
     low = rough * 1e-6
     small = {name: values[name] * (1 if name == AREA else 1e-6) for name in values}
     problem = contact | {"mean_pressure": [0.05e-6]}
-    _, found = discretisation_error(Result(low, problem, small), pixel_share=np.full(1, 0.32), peak_index=0)
-    assert found[CONSTRICTIONS[0]][1].item() == pytest.approx(1e-6 * width, rel=1e-3)
+    _, components = discretisation_error(
+        Result(low, problem, small), pixel_share=np.full(1, 0.32), peak_index=0
+    )
+    assert components[CONSTRICTIONS[0]][1].item() == pytest.approx(1e-6 * width, rel=1e-3)
 
 
 def test_the_part_of_a_large_window_surrounds_the_peak():

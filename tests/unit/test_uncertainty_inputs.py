@@ -6,18 +6,22 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from roughcontact.arguments.ranges import ends
+from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
-from roughcontact.references.synthetic import self_affine_surface, westergaard_surface
+from roughcontact.evaluation.evaluate import evaluate
+from roughcontact.surface.synthetic import self_affine_surface, westergaard_surface
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.ensemble import Result
-from roughcontact.uncertainty.headline import quantities_in
+from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.inputs import STIFFNESS, input_uncertainty
 from roughcontact.uncertainty.scales import ANSWERS, AREA, CONSTRICTIONS, QUANTITIES, from_scale, to_scale
 
 MODULUS, GRADIENT, THICKNESS = 1e9, 0.1, 3e-6
-INPUTS = ("mean_pressure", "contact_modulus", "amplification_z", "amplification_xy")
+INPUTS = ("mean_pressure", "contact_modulus", "amplification_z", "amplification_xy", "hardness")
+SOURCES_OF_INPUTS = {"material": INPUTS[:2], "instrument": INPUTS[2:4], "hardness": INPUTS[4:]}
 PROBLEMS = ("elastic", "hardness", "layers")
 LOADS = {"one": [0.13], "many": [0.3, 0.05, 0.13]}  # over E* g; in any order
 
@@ -34,18 +38,18 @@ def problem(kind: str, loads: list[float], source: str = "", factor: float = 1.0
     """Return the keyword arguments of `solve_contact`, with load or modulus `factor` times as large."""
     scale = {source: factor}
     modulus = scale.get("contact_modulus", 1.0) * MODULUS
-    found = {
+    arguments = {
         "contact_modulus": modulus,
-        "mean_pressure": [scale.get("mean_pressure", 1.0) * each * MODULUS * GRADIENT for each in loads],
+        "mean_pressure": [scale.get("mean_pressure", 1.0) * load * MODULUS * GRADIENT for load in loads],
         "tolerance": 1e-6,
     }
     if kind == "hardness":
-        found["hardness"] = 0.6 * MODULUS * GRADIENT
+        arguments["hardness"] = scale.get("hardness", 1.0) * 0.6 * MODULUS * GRADIENT
     if kind == "layers":  # on a base four times as stiff; both incompressible
         moduli = {"youngs_modulus": 0.75 * modulus, "poissons_ratio": 0.5}
         stiff = {"youngs_modulus": 3 * modulus, "poissons_ratio": 0.5}
-        found["bodies"] = [stiff | {"layers": [moduli | {"thickness": THICKNESS}]}]
-    return found
+        arguments["bodies"] = [stiff | {"layers": [moduli | {"thickness": THICKNESS}]}]
+    return arguments
 
 
 def solved_at(window: xr.DataArray, kind: str, loads: list[float], source: str, factor: float) -> xr.Dataset:
@@ -65,60 +69,60 @@ def budget_of(window: xr.DataArray, kind: str, loads: list[float], source: str, 
     else:
         contact[f"{source}_uncertainty"] = width
     settings = {"level": {}, "window": {}, "contact": contact, "instrument": instrument}
-    return error_budget(window, window, settings, sources=["material", "instrument"])
+    return error_budget(window, window, settings, sources=[*SOURCES_OF_INPUTS])
 
 
 @pytest.mark.parametrize("loads", LOADS)
 @pytest.mark.parametrize("kind", PROBLEMS)
 @pytest.mark.parametrize("source", INPUTS)
 def test_the_half_widths_are_the_changes_to_both_ends(surface, source, kind, loads):
-    width = 0.05
-    found = budget_of(surface, kind, LOADS[loads], source, width)
+    width = 0.3 if source == "hardness" else 0.05  # that of the hardness is solved more coarsely
+    result = budget_of(surface, kind, LOADS[loads], source, width)
     base, lower, upper = (
         solved_at(surface, kind, LOADS[loads], source, f) for f in (1.0, 1 - width, 1 + width)
     )
-    other = {"material": "instrument", "instrument": "material"}
-    of = "instrument" if source.startswith("amplification") else "material"
-    assert found["relative_contact_area_uncertainty"].sel(source=other[of]).isnull().all()
+    (source_of_input,) = (key for key, inputs in SOURCES_OF_INPUTS.items() if source in inputs)
+    others = [key for key in SOURCES_OF_INPUTS if key != source_of_input]
+    assert result["relative_contact_area_uncertainty"].sel(source=others).isnull().all()
     for name in (*QUANTITIES, *ANSWERS):
         if kind == "layers" and name == ANSWERS[0]:  # is not known of layers
             continue
-        parts = found[f"{name}_components"].sel(source=of)
-        changes = np.stack([end[name] - base[name] for end in (lower, upper)])
-        changes *= (found[f"{name}_estimate"] / base[name]).values if name == "mean_contact_pressure" else 1
-        whole = np.ptp(np.vstack([changes, 0 * changes[:1]]), axis=0)
+        parts = result[f"{name}_components"].sel(source=source_of_input)
+        changes = np.stack([result_at_end[name] - base[name] for result_at_end in (lower, upper)])
+        changes *= (result[f"{name}_estimate"] / base[name]).values if name == "mean_contact_pressure" else 1
+        full_range = np.ptp(np.vstack([changes, 0 * changes[:1]]), axis=0)
         share = 0.2 if name in CONSTRICTIONS else 0.05
         rounding = 1e-9 * base[name].values.max()
         expected = {"down": -changes.min(axis=0), "up": changes.max(axis=0)}
         for side, change in expected.items():
-            off = np.abs(parts.sel(component=side).values - np.maximum(change, 0.0))
-            assert (off <= share * whole + rounding).all(), (name, side)
+            deviation = np.abs(parts.sel(component=side).values - np.maximum(change, 0.0))
+            assert (deviation <= share * full_range + rounding).all(), (name, side)
 
 
 @pytest.mark.parametrize("loads", LOADS)
 @pytest.mark.parametrize("kind", PROBLEMS)
-@pytest.mark.parametrize("stated", ["", "contact_modulus", "mean_pressure"])
-def test_published_sensitivities_are_slopes_or_unknown(surface, kind, loads, stated):
-    found = budget_of(surface, kind, LOADS[loads], stated or INPUTS[0], 0.04 if stated else 0)
-    assert list(found["input"].values) == list(INPUTS)
+@pytest.mark.parametrize("input_name", ["", "contact_modulus", "mean_pressure"])
+def test_published_sensitivities_are_slopes_or_unknown(surface, kind, loads, input_name):
+    result = budget_of(surface, kind, LOADS[loads], input_name or INPUTS[0], 0.04 if input_name else 0)
+    assert list(result["input"].values) == list(INPUTS)
     for source in INPUTS:
-        less, more = (solved_at(surface, kind, LOADS[loads], source, f) for f in (0.96, 1.04))
+        smaller, larger = (solved_at(surface, kind, LOADS[loads], source, f) for f in (0.96, 1.04))
         for name in (*QUANTITIES, *ANSWERS):
             with np.errstate(divide="ignore", invalid="ignore"):
-                true = np.log((more[name] / less[name]).values) / math.log(1.04 / 0.96)
-            slope = found[f"{name}_sensitivity"].sel(input=source).values
-            known = np.isfinite(slope)
-            assert slope[known] == pytest.approx(true[known], rel=0.05, abs=0.06), (source, name)
-            assert known.all() or source != stated or name not in QUANTITIES
-    gap = found["mean_gap_sensitivity"]
+                true = np.log((larger[name] / smaller[name]).values) / math.log(1.04 / 0.96)
+            slope = result[f"{name}_sensitivity"].sel(input=source).values
+            is_known = np.isfinite(slope)
+            assert slope[is_known] == pytest.approx(true[is_known], rel=0.05, abs=0.06), (source, name)
+            assert is_known.all() or source != input_name or name not in QUANTITIES
+    gap = result["mean_gap_sensitivity"]
     assert gap.sel(input="mean_pressure").notnull().all()  # -1/K
     assert gap.sel(input="amplification_z").notnull().all() == (kind != "hardness")
     assert gap.sel(input="amplification_xy").notnull().all() == (kind == "elastic")
-    others = found[[f"{name}_sensitivity" for name in QUANTITIES if name != "mean_gap"]].to_array()
-    if not stated:
-        assert others.isnull().all()  # no constant stands for a slope
+    sensitivities = result[[f"{name}_sensitivity" for name in QUANTITIES if name != "mean_gap"]].to_array()
+    if not input_name:
+        assert sensitivities.isnull().all()  # no constant stands for a slope
     elif kind != "hardness":  # p̄/(E* g) decides, so that one input leads to another
-        assert others.sel(input="amplification_z").notnull().all()
+        assert sensitivities.sel(input="amplification_z").notnull().all()
 
 
 def test_a_wave_has_the_slopes_of_westergaard():
@@ -127,27 +131,70 @@ def test_a_wave_has_the_slopes_of_westergaard():
     ratio = np.array([0.1, 0.5])
     contact = {"contact_modulus": 1.0, "mean_pressure": ratio * math.pi * 0.01, "tolerance": 1e-6}
     solved = solve_contact(wave, **contact, reduce=budget_inputs)
-    stated = dict.fromkeys(INPUTS, 0.1)
-    sensitivities, components = input_uncertainty(Result(wave, contact, {}), solved, stated)
+    uncertainties = dict.fromkeys(INPUTS[:4], 0.1)
+    sensitivities, components = input_uncertainty(Result(wave, contact, {}), solved, uncertainties)
     solved_area = to_scale(AREA, solved[AREA].values)
 
     def area(load):
         return 2 / np.pi * np.arcsin(np.sqrt(load))
 
     slope = np.sqrt(ratio / (1 - ratio)) / (np.pi * area(ratio))
-    for column, (source, power) in enumerate(zip(INPUTS, (1, -1, -1, 1), strict=True)):
+    for column, (source, power) in enumerate(zip(INPUTS[:4], (1, -1, -1, 1), strict=True)):
         assert sensitivities[AREA][:, column] == pytest.approx(power * slope, rel=0.02), source
-        ends = np.sort([area(ratio * factor**power) for factor in (0.9, 1.1)], axis=0)
-        for sign, half_width, end in zip((-1, 1), components[source][AREA][:2], ends, strict=True):
+        areas = np.sort([area(ratio * factor**power) for factor in (0.9, 1.1)], axis=0)
+        for sign, half_width, area_at_end in zip((-1, 1), components[source][AREA][:2], areas, strict=True):
             moved = np.abs(from_scale(AREA, solved_area + sign * half_width) - solved[AREA].values)
-            assert moved == pytest.approx(np.abs(end - area(ratio)), rel=0.02), (source, sign)
+            assert moved == pytest.approx(np.abs(area_at_end - area(ratio)), rel=0.02), (source, sign)
 
 
 def test_a_load_that_may_exceed_the_hardness_reaches_full_contact(surface):
-    found = budget_of(surface, "hardness", [0.57], "mean_pressure", 0.1)
-    assert found["relative_contact_area_upper"].item() == pytest.approx(1.0, abs=1e-3)
-    assert found["mean_gap_lower"].item() == pytest.approx(0.0, abs=1e-3 * found["mean_gap_estimate"].item())
-    assert found["mean_contact_pressure_upper"].item() <= 0.6 * MODULUS * GRADIENT
+    result = budget_of(surface, "hardness", [0.57], "mean_pressure", 0.1)
+    assert result["relative_contact_area_upper"].item() == pytest.approx(1.0, abs=1e-3)
+    assert result["mean_gap_lower"].item() == pytest.approx(
+        0.0, abs=1e-3 * result["mean_gap_estimate"].item()
+    )
+    assert result["mean_contact_pressure_upper"].item() <= 0.6 * MODULUS * GRADIENT
+
+
+@pytest.mark.parametrize("load", [0.13, 0.3])
+def test_load_modulus_and_hardness_make_up_all_scales_of_pressure(surface, load):
+    """All three times c: pressures are c times as large, areas, gaps and places are the same."""
+    contact = problem("hardness", [load])
+    solved = solve_contact(surface, **contact, reduce=budget_inputs)
+    values = {name: solved[name].values for name in headline_names(solved) if name != "mean_contact_pressure"}
+    ranges = dict.fromkeys(("mean_pressure", "contact_modulus", "hardness"), 0.1)
+    slopes, _ = input_uncertainty(Result(surface, contact, values), solved, ranges)
+    columns = [INPUTS.index(source) for source in ranges]
+    for name in QUANTITIES:
+        power = 1 if name in ("max_pressure", "mean_contact_pressure") else 0
+        assert slopes[name][0, columns].sum() == pytest.approx(power, abs=0.06), name
+    assert slopes[AREA][0, INPUTS.index("hardness")] < -0.1
+
+
+@pytest.mark.parametrize("metal", ["steel", "copper", "gold"])
+def test_intervals_of_metals_hold_the_solutions_at_the_ends_of_their_hardness(metal):
+    """Steep summits flow: A = p/H, whose ends are those of the table."""
+    steep = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=32e-6, rms_gradient=0.5)
+    bodies = [metal, metal]
+    stated = resolve({"contact": {"bodies": bodies}})[""]["contact"]
+    lowest, highest = ends(stated["hardness"], stated["hardness_uncertainty"])
+    loads = [0.02 * lowest, 0.2 * lowest]
+    result = evaluate(steep, contact={"bodies": bodies, "mean_pressure": loads})
+    for hardness in (lowest, highest):
+        exact = {"contact_modulus": stated["contact_modulus"], "hardness": hardness, "mean_pressure": loads}
+        at_end = evaluate(steep, contact=exact, uncertainty={"sources": ["solver", "discretisation"]})
+        for name in QUANTITIES:
+            rounding = 2e-3 * at_end[name]
+            assert (at_end[name] >= result[f"{name}_lower"] - rounding).all(), (name, hardness)
+            assert (at_end[name] <= result[f"{name}_upper"] + rounding).all(), (name, hardness)
+    flows = result["load_share_above_hardness"] > 0.95
+    assert flows.all()
+    by_hardness = result["relative_contact_area_components"].sel(source="hardness")
+    share = by_hardness / result["relative_contact_area"]
+    assert share.sel(component="up").values == pytest.approx(stated["hardness"] / lowest - 1, rel=0.02)
+    assert share.sel(component="down").values == pytest.approx(1 - stated["hardness"] / highest, rel=0.02)
+    widths = result["relative_contact_area_uncertainty"].isel(load=-1, source=slice(-1))
+    assert widths["source"][widths.argmax("source")] == "hardness"
 
 
 def test_an_end_that_cannot_be_solved_bounds_nothing(surface):
@@ -158,7 +205,7 @@ def test_an_end_that_cannot_be_solved_bounds_nothing(surface):
     sensitivities, components = input_uncertainty(
         Result(surface, beyond_rounding, {}), solved, {"contact_modulus": 0.1}
     )
-    for name in quantities_in(solved):
+    for name in headline_names(solved):
         assert np.isinf(components["contact_modulus"][name][:2]).all(), name
         assert np.isnan(sensitivities[name][:, INPUTS.index("contact_modulus")]).all(), name
 

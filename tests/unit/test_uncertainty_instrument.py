@@ -6,14 +6,25 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import noisy
 from scipy.ndimage import grey_dilation
 
 import roughcontact as rc
+from roughcontact.arguments.maps import height_map, refined, spacing
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
-from roughcontact.maps import height_map, refined, spacing
-from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
-from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.surface.window.instrument import check_instrument, stated_instrument
+from roughcontact.surface.window.transfer import (
+    eroded,
+    reliability_length,
+    restored,
+    shortest_transmitted,
+    transfer,
+    undone,
+    unrounded,
+)
 from roughcontact.uncertainty.budget import _summed
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.calibration import octave_arms
@@ -25,18 +36,7 @@ from roughcontact.uncertainty.unresolved import (
     hidden_waves,
     magnification_curve,
     next_octave,
-    without_shortest_waves,
-)
-from roughcontact.window.instrument import check_instrument, stated_instrument
-from roughcontact.window.transfer import (
-    eroded,
-    reliability_length,
-    restored,
-    shortest_transmitted,
-    transfer,
-    undone,
-    unrounded,
-    with_noise,
+    remove_shortest_waves,
 )
 
 MODULUS = 1e9
@@ -75,13 +75,13 @@ def shifts(window, pressures, seen, instrument):
     return _summed(causes)
 
 
-def reaches(found, seen, truth, names=(AREA, GAP, PEAK)):
+def reaches(components, seen, truth, names=(AREA, GAP, PEAK)):
     """Hold that the truth lies between the shifted ends."""
     for name in names:
-        off = to_scale(name, truth[name].values) - to_scale(name, seen[name].values)
-        down, up, shift_down, shift_up = found[name]
-        assert (off >= -shift_down - down - 1e-3).all(), name
-        assert (off <= shift_up + up + 1e-3).all(), name
+        deviation = to_scale(name, truth[name].values) - to_scale(name, seen[name].values)
+        down, up, shift_down, shift_up = components[name]
+        assert (deviation >= -shift_down - down - 1e-3).all(), name
+        assert (deviation <= shift_up + up + 1e-3).all(), name
 
 
 def test_a_lens_transmits_what_goodman_says():
@@ -97,10 +97,10 @@ def test_the_interval_of_a_blurred_map_reaches_the_sharp_one(surface):
     blurred = surface.copy(data=np.fft.irfft2(np.fft.rfft2(surface.values) * share, s=surface.shape))
     pressures = loads(surface, 0.02, 0.1)
     truth, seen = results(surface, pressures), results(blurred, pressures)
-    found = shifts(blurred, pressures, seen, LENS)
+    components = shifts(blurred, pressures, seen, LENS)
     assert (truth["relative_contact_area"] < 0.95 * seen["relative_contact_area"]).all()
-    reaches(found, seen, truth)
-    assert (found[AREA][3] == 0).all()
+    reaches(components, seen, truth)
+    assert (components[AREA][3] == 0).all()
 
 
 def test_the_interval_of_rounded_heights_reaches_the_true_ones(surface):
@@ -112,57 +112,59 @@ def test_the_interval_of_rounded_heights_reaches_the_true_ones(surface):
     assert rms_gradient(smooth) < rms_gradient(surface) < rms_gradient(rounded)
     pressures = loads(surface, 0.02, 0.1)
     truth, seen = results(surface, pressures), results(rounded, pressures)
-    found = shifts(rounded, pressures, seen, {})
+    components = shifts(rounded, pressures, seen, {})
     assert (truth["relative_contact_area"] > 1.02 * seen["relative_contact_area"]).all()
-    reaches(found, seen, truth)
-    assert (found[AREA][2] == 0).all()
+    reaches(components, seen, truth)
+    assert (components[AREA][2] == 0).all()
     fine = rounded.assign_attrs(quantisation_step=0.2 * step)  # 2 % of the rms height: nothing is done
     assert shifts(fine, pressures, seen, {}) == {}
 
 
 def test_restoring_stops_at_the_noise(surface):
-    noisy, _ = with_noise(surface, 0.05 * float(surface.std()))
-    careful = restored(noisy, {"resolution": 1e-6}, noise=0.05 * float(surface.std()))
-    careless = restored(noisy, {"resolution": 1e-6})
+    noise = 0.05 * float(surface.std())
+    measured = noisy(surface, noise)
+    careful = restored(measured, {"resolution": 1e-6}, noise=noise)
+    careless = restored(measured, {"resolution": 1e-6})
     assert rms_gradient(careful) < 0.7 * rms_gradient(careless)
 
 
 def test_the_interval_of_a_noisy_map_reaches_the_true_one(surface):
     noise = 0.01 * float(surface.std())
-    noisy = surface.copy(data=surface.values + noise * np.random.default_rng(1).standard_normal((160, 160)))
+    measured = noisy(surface, noise, 1)
     pressures = loads(surface, 0.02, 0.1)
-    truth, seen = results(surface, pressures), results(noisy, pressures)
-    found = shifts(noisy, pressures, seen, {"noise": noise})
+    truth, seen = results(surface, pressures), results(measured, pressures)
+    components = shifts(measured, pressures, seen, {"noise": noise})
     assert (truth[AREA] > 1.005 * seen[AREA]).all()
-    reaches(found, seen, truth)
-    off = to_scale(AREA, truth[AREA].values) - to_scale(AREA, seen[AREA].values)
-    assert (found[AREA][3] < 4 * off).all()
+    reaches(components, seen, truth)
+    deviation = to_scale(AREA, truth[AREA].values) - to_scale(AREA, seen[AREA].values)
+    assert (components[AREA][3] < 4 * deviation).all()
 
 
-def test_chance_of_noise_is_part_of_the_interval(surface):
+def test_chance_of_noise_is_part_of_the_interval():
     """The largest pressure is that of one point, and its noise lowers it nearly as often as it raises it."""
-    small, noise = surface[:80, :80], 0.01 * float(surface.std())
-    pressures = loads(small, 0.02, 0.1)
-    truth, inside, raised = results(small, pressures), [], []
+    inside, raised = [], []
     for seed in range(20):
-        noisy, _ = with_noise(small, noise, seed=100 + seed)
-        seen = results(noisy, pressures)
-        off = to_scale(PEAK, truth[PEAK].values) - to_scale(PEAK, seen[PEAK].values)
-        down, up, shift_down, shift_up = shifts(noisy, pressures, seen, {"noise": noise})[PEAK]
-        inside += [*((off >= -shift_down - down) & (off <= shift_up + up))]
-        raised += [*(off > 0)]
+        waves = {"hurst": 0.8, "shortest": 1.6e-6, "longest": 16e-6, "rms_gradient": 0.1}
+        true = self_affine_surface((80, 80), 0.4e-6, **waves, seed=seed)
+        noise, pressures = 0.01 * float(true.std()), loads(true, 0.02, 0.1)
+        measured = noisy(true, noise, 100 + seed)
+        truth, seen = results(true, pressures), results(measured, pressures)
+        deviation = to_scale(PEAK, truth[PEAK].values) - to_scale(PEAK, seen[PEAK].values)
+        down, up, shift_down, shift_up = shifts(measured, pressures, seen, {"noise": noise})[PEAK]
+        inside += [*((deviation >= -shift_down - down) & (deviation <= shift_up + up))]
+        raised += [*(deviation > 0)]
     assert 0.2 < np.mean(raised) < 0.8
     assert np.mean(inside) >= 0.9
 
 
 def test_noise_that_is_all_of_the_gradient_leaves_no_upper_end(surface):
-    smooth = without_shortest_waves(surface, 6.4e-6)
+    smooth = remove_shortest_waves(surface, 6.4e-6)
     noise = 0.5 * float(smooth.std())
-    noisy, _ = with_noise(smooth, noise)
-    pressures = loads(noisy, 0.05)
-    solved = results(noisy, pressures)
-    found = shifts(noisy, pressures, solved, {"noise": 2 * noise})
-    assert np.isinf(found[AREA][3]).all()
+    measured = noisy(smooth, noise)
+    pressures = loads(measured, 0.05)
+    solved = results(measured, pressures)
+    components = shifts(measured, pressures, solved, {"noise": 2 * noise})
+    assert np.isinf(components[AREA][3]).all()
 
 
 def _tip(radius: float, step: float) -> np.ndarray:
@@ -188,15 +190,15 @@ def test_erosion_takes_the_full_tip_however_many_pixels_it_has():
     away = [np.minimum(np.arange(n), n - np.arange(n)) * step for n in shape]  # from the nearest copy
     square = away[0][:, None] ** 2 + away[1] ** 2
     tip = np.where(square < radius**2, radius - np.sqrt(np.maximum(radius**2 - square, 0.0)), np.inf)
-    places = list(np.ndindex(shape))
-    traced = np.max([values[at] - np.roll(tip, at, (0, 1)) for at in places], axis=0)
-    known = np.min([traced[at] + np.roll(tip, at, (0, 1)) for at in places], axis=0)
+    positions = list(np.ndindex(shape))
+    traced = np.max([values[at] - np.roll(tip, at, (0, 1)) for at in positions], axis=0)
+    reference = np.min([traced[at] + np.roll(tip, at, (0, 1)) for at in positions], axis=0)
     back = eroded(height_map(traced, step), radius).values
-    assert np.allclose(back, known, rtol=0, atol=1e-20)
+    assert np.allclose(back, reference, rtol=0, atol=1e-20)
     assert (back >= values - 1e-20).all()
     profile = eroded(height_map(traced[:1], step), radius).values[0]
-    alone = np.min([traced[0, k] + np.roll(tip[0], k) for k in range(shape[1])], axis=0)
-    assert np.allclose(profile, alone, rtol=0, atol=1e-20)
+    profile_reference = np.min([traced[0, k] + np.roll(tip[0], k) for k in range(shape[1])], axis=0)
+    assert np.allclose(profile, profile_reference, rtol=0, atol=1e-20)
 
 
 def test_the_reliability_length_is_that_of_the_tips_cusps(surface):
@@ -213,12 +215,12 @@ def shortest_wave(height: xr.DataArray) -> float:
 
 
 def test_coarser_maps_keep_the_longer_waves(surface):
-    coarse = without_shortest_waves(surface, 3.2e-6)
+    coarse = remove_shortest_waves(surface, 3.2e-6)
     assert coarse.shape == (60, 60)  # three points to a wave
     q = np.abs(np.fft.fft2(surface.values))[:15, :15] / surface.size
     assert np.allclose(np.abs(np.fft.fft2(coarse.values))[:15, :15] / coarse.size, q, rtol=0, atol=1e-15)
     assert shortest_wave(coarse) == pytest.approx(3.2e-6, rel=0.02)  # in all directions
-    profile = without_shortest_waves(surface[:1], 1.6e-6)
+    profile = remove_shortest_waves(surface[:1], 1.6e-6)
     assert profile.shape == (1, 120)
     assert spacing(profile) == pytest.approx((160 / 120 * 0.4e-6,) * 2)
 
@@ -235,16 +237,16 @@ def test_the_cut_off_is_the_shortest_wave_that_is_kept(shape, pitch):
         if octave:
             area = math.pi / (math.sqrt(math.pi * math.prod(pitch)) * 2**octave) ** 2
             assert area == pytest.approx(1 / math.prod(pitch) / 4**octave)  # as many waves as of such pixels
-            kept = without_shortest_waves(window, cutoff)
-            assert shortest_wave(kept) == pytest.approx(cutoff, rel=1e-9)
-            assert rms_gradient(kept) == pytest.approx(gradient, rel=1e-12)
+            filtered = remove_shortest_waves(window, cutoff)
+            assert shortest_wave(filtered) == pytest.approx(cutoff, rel=1e-9)
+            assert rms_gradient(filtered) == pytest.approx(gradient, rel=1e-12)
             assert cutoff == pytest.approx(math.sqrt(math.pi * math.prod(pitch)) * 2**octave, rel=0.02)
 
 
 def test_a_band_that_the_settings_cut_off_begins_the_magnification_curve():
     window = rc.periodic_window(rough_reference_surface(96), shortest_wavelength=5 / 96)
     problem = {"contact_modulus": 1.0, "mean_pressure": loads(window, 0.1)}
-    problem["mean_pressure"] = [each / MODULUS for each in problem["mean_pressure"]]
+    problem["mean_pressure"] = [pressure / MODULUS for pressure in problem["mean_pressure"]]
     solved = solve_contact(window, **problem, reduce=budget_inputs)
     curve = magnification_curve(result_of(window, problem["mean_pressure"], solved, modulus=1.0))
     assert curve["cutoff_wavelength"][1][:2] == pytest.approx(5 / 96, rel=0.02)
@@ -272,7 +274,7 @@ def test_results_by_wave_are_those_of_the_same_waves_on_a_fine_grid(hurst):
         spectrum = np.fft.rfft2(window.values) * (q <= 1.0001 / cutoff)
         fine = refined(window.copy(data=np.fft.irfft2(spectrum, s=window.shape)), 2)
         expected = results(fine, pressures)
-        found = {name: curve[f"{name}_at_cutoff"][1][:, entry] for name in QUANTITIES}
+        values_at_cutoff = {name: curve[f"{name}_at_cutoff"][1][:, entry] for name in QUANTITIES}
         pressure = expected["mean_pressure"] / expected["relative_contact_area"]
         for name, value, tolerance in (
             ("relative_contact_area", expected["relative_contact_area"], 0.05),
@@ -280,14 +282,14 @@ def test_results_by_wave_are_those_of_the_same_waves_on_a_fine_grid(hurst):
             ("mean_gap", expected["mean_gap"], 0.03),
             ("max_pressure", expected["max_pressure"], 0.1),
         ):
-            assert found[name] == pytest.approx(value.values, rel=tolerance), (name, entry)
+            assert values_at_cutoff[name] == pytest.approx(value.values, rel=tolerance), (name, entry)
 
 
 def test_a_finer_spectrum_tells_the_true_gradient_and_a_profile_how_well_it_does():
     fine = self_affine_surface(
         (512, 512), 1e-6, hurst=0.6, shortest=4e-6, longest=128e-6, rms_gradient=0.1, seed=5
     )
-    coarse = without_shortest_waves(fine, 16e-6)
+    coarse = remove_shortest_waves(fine, 16e-6)
     true = math.log(rms_gradient(fine) / rms_gradient(coarse))
     growth, limit = growth_by_finer_spectrum(coarse, fine[:256, :256])
     assert growth == limit == pytest.approx(true, rel=0.1)
@@ -298,7 +300,7 @@ def test_a_finer_spectrum_tells_the_true_gradient_and_a_profile_how_well_it_does
 
 
 @pytest.mark.parametrize(
-    ("stated", "words"),
+    ("statement", "words"),
     [
         ({"noise": -1e-9}, "instrument.noise = -1e-09"),
         ({"noise": 1.0}, "larger than the rms height"),
@@ -306,15 +308,16 @@ def test_a_finer_spectrum_tells_the_true_gradient_and_a_profile_how_well_it_does
         ({"resolution": 1e-7}, "finer than two pixels"),
     ],
 )
-def test_a_statement_that_cannot_be_true_is_refused(surface, stated, words):
+def test_a_statement_that_cannot_be_true_is_refused(surface, statement, words):
     with pytest.raises(SettingsError, match=words):
-        check_instrument(surface, stated)
+        check_instrument(surface, statement)
 
 
 def test_the_table_prevails_over_the_settings_and_both_over_the_file(surface):
     file = surface.assign_attrs(instrument=json.dumps({"numerical_aperture": 0.4}))
-    assert stated_instrument(file, {}) == {"numerical_aperture": 0.4}
-    assert stated_instrument(file, {"tip_radius": 2e-6}) == {"tip_radius": 2e-6}
+    assert stated_instrument(file, {}) == {}  # the ± of a file without metadata is no narrower
+    assert stated_instrument(file, {"correct": True}) == {"numerical_aperture": 0.4}
+    assert stated_instrument(file, {"correct": True, "tip_radius": 2e-6}) == {"tip_radius": 2e-6}
     row = file.assign_attrs(instrument_noise=1e-9)
     assert stated_instrument(row, {"noise": 3e-9})["noise"] == 1e-9
 
@@ -336,10 +339,10 @@ def evaluated() -> xr.Dataset:
 
 def test_every_source_has_its_part(evaluated):
     parts = evaluated["relative_contact_area_uncertainty"]
-    assert np.isfinite(parts.drop_sel(source=["unresolved", "combined"])).all()
-    for end in ("lower", "upper"):
-        wide, narrow = (evaluated[f"mean_contact_pressure_{kind}{end}"] for kind in ("", "map_"))
-        assert ((wide <= narrow) if end == "lower" else (wide >= narrow)).all()
+    assert np.isfinite(parts.drop_sel(source=["hardness", "unresolved", "combined"])).all()
+    for side in ("lower", "upper"):
+        wide, narrow = (evaluated[f"mean_contact_pressure_{kind}{side}"] for kind in ("", "map_"))
+        assert ((wide <= narrow) if side == "lower" else (wide >= narrow)).all()
 
 
 def curve_of(gradients):
@@ -354,13 +357,13 @@ def curve_of(gradients):
 @pytest.mark.parametrize(("shortest", "octaves"), [(2.0, 0), (4.0, 1), (8.0, 2), (16.0, np.inf)])
 def test_hidden_waves_continue_the_trend_over_two_octaves_at_most(shortest, octaves):
     window = height_map(np.random.default_rng(0).standard_normal((64, 64)), 1.0)
-    stated = {"resolution": shortest / shortest_transmitted({"resolution": 1.0})}
-    found = hidden_waves(window, curve_of([0.4, 0.3, 0.2, 0.1, 0.0]), stated, {})
+    instrument = {"resolution": shortest / shortest_transmitted({"resolution": 1.0})}
+    components = hidden_waves(window, curve_of([0.4, 0.3, 0.2, 0.1, 0.0]), instrument, {})
     if not octaves:
-        assert found == {}
+        assert components == {}
         return
-    assert found[PEAK][3].item() == pytest.approx(0.1 * octaves)
-    assert found[PEAK][2].item() == 0
+    assert components[PEAK][3].item() == pytest.approx(0.1 * octaves)
+    assert components[PEAK][2].item() == 0
 
 
 def test_the_next_octave_follows_a_finer_spectrum_where_one_is_known():
@@ -368,11 +371,11 @@ def test_the_next_octave_follows_a_finer_spectrum_where_one_is_known():
     fine = self_affine_surface(
         (256, 256), 1e-6, hurst=0.6, shortest=4e-6, longest=64e-6, rms_gradient=0.1, seed=5
     )
-    coarse = without_shortest_waves(fine, 16e-6)
+    coarse = remove_shortest_waves(fine, 16e-6)
     curve = curve_of([0.4, 0.3, 0.2, 0.1, 0.0])
     growth, _ = growth_by_finer_spectrum(coarse, rc.level(fine))
-    known, guessed = next_octave(coarse, curve, fine), next_octave(coarse, curve)
-    assert known[PEAK][0].item() == pytest.approx(0.1 * min(growth / 0.1, 4.0))
+    from_spectrum, guessed = next_octave(coarse, curve, fine), next_octave(coarse, curve)
+    assert from_spectrum[PEAK][0].item() == pytest.approx(0.1 * min(growth / 0.1, 4.0))
     assert guessed[PEAK][0].item() == 0
     assert (guessed[PEAK][1][:2] > 0).all()
 

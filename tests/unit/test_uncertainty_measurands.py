@@ -1,52 +1,41 @@
-"""What the ± is for: the surface in the band of the map, or a longer one."""
+"""What the intervals are for: which sources belong to which, what is known without other places."""
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from roughcontact.errors import SettingsError
-from roughcontact.levelling.level import level
-from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.synthetic import rough_reference_surface
+from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.uncertainty.combination import uncertainty_table
-from roughcontact.window.periodic_window import periodic_window
+from roughcontact.uncertainty.calibration import JOINT, MEASURANDS
+from roughcontact.uncertainty.combination import one_sided
+from roughcontact.uncertainty.ensemble import Result
+from roughcontact.uncertainty.intervals import interval_columns
+from roughcontact.uncertainty.scales import AREA, GAP, from_scale, to_scale
+from roughcontact.uncertainty.subwindows import Scatter
 
 QUANTITIES = ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure")
 SETTINGS = {"window": {}, "contact": {"contact_modulus": 1.0, "mean_pressure": [0.02, 0.1]}}
 
 
-@pytest.fixture(scope="module")
-def budgets():
-    """Budgets of one surface for both measurands, with an `extent` that is not the default."""
-    height = level(rough_reference_surface(96))
-    window = periodic_window(height)
-    return {
-        measurand: error_budget(
-            height, window, SETTINGS, sources=["solver", "window"], measurand=measurand, extent=5.0
-        )
-        for measurand in ("surface", "longer")
-    }
-
-
-@pytest.mark.parametrize("name", QUANTITIES)
-def test_the_longer_surface_can_be_asked_for(budgets, name):
-    surface, longer = budgets["surface"], budgets["longer"]
-    for end in ("lower", "upper"):
-        np.testing.assert_array_equal(longer[f"{name}_{end}"], surface[f"{name}_longer_{end}"])
-        for kept in ("next", "longer", "map"):  # the others stay what they are
-            np.testing.assert_array_equal(longer[f"{name}_{kept}_{end}"], surface[f"{name}_{kept}_{end}"])
-    assert not np.array_equal(longer[f"{name}_upper"], surface[f"{name}_upper"])
-    ends = (
-        longer[f"{name}_estimate"] - longer[f"{name}_lower"],
-        longer[f"{name}_upper"] - longer[f"{name}_estimate"],
+@pytest.mark.parametrize("measurand", ["", "next_", "map_", "joint_"])
+def test_waves_of_the_band_that_the_instrument_hides_belong_to_every_measurand(measurand):
+    area, gap, nothing = np.array([0.05]), np.array([1e-7]), (np.zeros(1), np.zeros(1))
+    arms = {key: {AREA: nothing, GAP: nothing} for key in (*MEASURANDS, JOINT)}
+    equal_members = Scatter({GAP: gap[None]}, arms=arms)  # all places give the same
+    hidden = one_sided(np.array([-0.3]))  # a tip: the true area is smaller
+    columns = interval_columns(
+        Result(xr.DataArray(), {"mean_pressure": [0.01]}, {AREA: area, GAP: gap}),
+        {AREA: area, GAP: gap},
+        {AREA: to_scale(AREA, area), GAP: to_scale(GAP, gap)},
+        {"unresolved": {AREA: hidden}},
+        scatter=equal_members,
+        octave={},
     )
-    half = longer[f"{name}_uncertainty"].sel(source="combined")
-    np.testing.assert_allclose(half, np.fmax(*ends), rtol=1e-12)
-
-
-def test_components_are_those_of_the_measurand(budgets):
-    tables = {key: uncertainty_table(budget).set_index("source") for key, budget in budgets.items()}
-    of_window = {key: table.loc["window", "standard_uncertainty_upper"] for key, table in tables.items()}
-    assert not np.array_equal(of_window["surface"], of_window["longer"])
+    lower, upper = (columns[f"{AREA}_{measurand}{side}"][1] for side in ("lower", "upper"))
+    np.testing.assert_allclose(lower, from_scale(AREA, to_scale(AREA, area) - 0.3), rtol=1e-12)
+    np.testing.assert_allclose(upper, area, rtol=1e-12)
 
 
 def test_without_other_places_there_is_no_interval_for_them():
@@ -54,17 +43,6 @@ def test_without_other_places_there_is_no_interval_for_them():
     budget = error_budget(height, periodic_window(height), SETTINGS, sources=["solver"])
     for name in QUANTITIES:
         assert np.isfinite(budget[f"{name}_map_upper"]).all()
-        for key in ("next", "longer"):
-            assert budget[f"{name}_{key}_lower"].isnull().all()
-            assert budget[f"{name}_{key}_upper"].isnull().all()
-
-
-def test_the_sentence_says_what_it_is_for(budgets):
-    assert "all over the surface" in budgets["surface"].attrs["window_reason"]
-    assert "for the surface over 5 times the length of the map." in budgets["longer"].attrs["window_reason"]
-
-
-def test_an_unknown_measurand_is_named():
-    height = rough_reference_surface(64)
-    with pytest.raises(SettingsError, match=r"uncertainty\.measurand.*'map'.*longer"):
-        error_budget(height, height, SETTINGS, measurand="map")
+        assert budget[f"{name}_next_lower"].isnull().all()
+        assert budget[f"{name}_next_upper"].isnull().all()
+        assert f"{name}_joint_lower" not in budget  # of which only an overview tells

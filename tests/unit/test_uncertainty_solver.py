@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from roughcontact.contact.solve import solve_contact
-from roughcontact.references import synthetic
 from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.surface import synthetic
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.discretisation import CORRECTED
 from roughcontact.uncertainty.solver import points_within_reach, solver_uncertainty
@@ -44,12 +44,12 @@ def test_the_interval_of_the_solver_covers_converged_solutions():
         truth = solve_contact(window, **problem, tolerance=1e-9, reduce=budget_inputs)
         for tolerance in (1e-1, 1e-2, 1e-3, 1e-4):
             contact = solve_contact(window, **problem, tolerance=tolerance)
-            found, half_widths = budget_inputs(contact), widths_of(contact)
+            inputs, half_widths = budget_inputs(contact), widths_of(contact)
             for name, width in half_widths.items():
-                error = np.abs(found[name].values - truth[name].values)
+                error = np.abs(inputs[name].values - truth[name].values)
                 inside[name].append(error <= width + 1e-9 * truth[name].values)
             # a quarter of the proved bound is used: the bound itself holds without exception
-            error = np.abs(found["mean_gap"].values - truth["mean_gap"].values)
+            error = np.abs(inputs["mean_gap"].values - truth["mean_gap"].values)
             gap_shares.append(error <= 4 * half_widths["mean_gap"] + 1e-12)
     assert np.all(gap_shares)
     for name, cases in inside.items():

@@ -4,22 +4,22 @@ import numpy as np
 import pytest
 from known_surfaces import GRADIENT, contact, surface
 
+from roughcontact.arguments.maps import height_map
 from roughcontact.errors import SettingsError
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty import sample, subwindows
 from roughcontact.uncertainty.ensemble import Result, solve_member
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, at_all_loads, to_scale
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, extend_to_loads, to_scale
 from roughcontact.uncertainty.subwindows import divided, scatter_of_subwindows
-from roughcontact.window.periodic_window import periodic_window
 
 NAMES = (AREA, GAP, PEAK, *CONSTRICTIONS)
 
 
-def crop(master, points, place):
+def crop(master, points, number):
     """Return one of the squares of a master that lie side by side, levelled."""
-    row, column = (points * n for n in divmod(place, master.shape[1] // points))
+    row, column = (points * n for n in divmod(number, master.shape[1] // points))
     return level(height_map(master.values[row : row + points, column : column + points], 1.0))
 
 
@@ -34,15 +34,15 @@ def scattered(levelled, problem, **options):
 
 def flag(levelled):
     """Return what the subwindows of a map do not tell."""
-    return sample.attributes_of(scattered(levelled, contact(0.1))[1], levelled)["window_flag"]
+    return sample.sample_attributes(scattered(levelled, contact(0.1))[1], levelled)["window_flag"]
 
 
 def test_subwindows_lie_side_by_side_in_the_window():
     levelled = crop(surface(256, longest=32.0), 128, 1)
     window = periodic_window(levelled)
-    _, found = scattered(levelled, contact(0.1))
+    _, scatter = scattered(levelled, contact(0.1))
     covered = np.zeros(levelled.shape, dtype=int)
-    for part in found.slices:
+    for part in scatter.slices:
         covered[part["y"], part["x"]] += 1
     y, x = (round(window.attrs[f"window_offset_{d}"]) for d in "yx")
     assert (covered[y : y + 108, x : x + 108] == 1).all()
@@ -69,38 +69,42 @@ def test_the_cut_is_square_and_no_part_too_small(sides, step, number, shortest, 
 
 def test_each_subwindow_is_solved_as_if_it_had_been_measured_alone():
     levelled, problem = crop(surface(256, longest=32.0), 128, 2), contact(0.05, 0.2)
-    _, found = scattered(levelled, problem)
+    _, scatter = scattered(levelled, problem)
     for index in (0, 4):
-        alone = level(levelled.isel(found.slices[index]), form="plane")
-        own = solve_member(periodic_window(alone), problem, tolerance=1e-4, names=NAMES)
+        cut = level(levelled.isel(scatter.slices[index]), form="plane")
+        reference = solve_member(periodic_window(cut), problem, tolerance=1e-4, names=NAMES)
         for name in (AREA, GAP):
-            np.testing.assert_allclose(found.members[name][index], own[name], rtol=0.02)
+            np.testing.assert_allclose(scatter.members[name][index], reference[name], rtol=0.02)
 
 
 def test_scatter_and_trend_are_those_of_the_members_on_the_scale():
-    values, found = scattered(crop(surface(256, longest=64.0), 128, 0), contact(0.02, 0.1))
-    for name in (AREA, GAP, PEAK):
-        deviations = to_scale(name, found.members[name]) - to_scale(name, values[name])
-        spread = np.hypot(deviations.std(axis=0, ddof=1), 0.02)
-        np.testing.assert_allclose(found.features[name]["scatter"], np.log(spread), rtol=1e-6)
-        np.testing.assert_allclose(found.features[name]["trend"], deviations.mean(axis=0), rtol=1e-6)
+    values, scatter = scattered(crop(surface(256, longest=64.0), 128, 0), contact(0.02, 0.1))
+    deviations = {
+        name: to_scale(name, scatter.members[name]) - to_scale(name, values[name]) for name in (AREA, PEAK)
+    }
+    spread = np.hypot(deviations[AREA].std(axis=0, ddof=1), 0.02)
+    trend = deviations[PEAK].mean(axis=0)
+    for name in (AREA, GAP, PEAK):  # the scatter of the area counts for all
+        np.testing.assert_allclose(scatter.features[name]["scatter"], np.log(spread), rtol=1e-6)
+    np.testing.assert_allclose(scatter.features[PEAK]["trend"], trend, rtol=1e-6)
+    assert "trend" not in scatter.features[GAP]
 
 
 def test_copies_of_a_tile_do_not_scatter():
     tile = surface(64, longest=32.0).values
-    _, found = scattered(level(height_map(np.tile(tile, (3, 3)), 1.0)), contact(0.05, 0.2))
+    _, scatter = scattered(level(height_map(np.tile(tile, (3, 3)), 1.0)), contact(0.05, 0.2))
     for name in (AREA, GAP, PEAK):
-        np.testing.assert_allclose(found.features[name]["scatter"], np.log(0.02), atol=0.05)
+        np.testing.assert_allclose(scatter.features[name]["scatter"], np.log(0.02), atol=0.05)
 
 
 def test_variances_of_independent_samples_lead_to_that_of_the_map():
     """var(n) = a + b n: a stationary surface has a = 0, one whose places differ on every length b = 0."""
     numbers = (4, 9, 16, 36)
-    stationary = subwindows._at_the_size_of_the_map({n: 0.01 * n for n in numbers})
+    stationary = subwindows._extrapolate_deviation({n: 0.01 * n for n in numbers})
     assert stationary == pytest.approx(0.5 * np.log(0.01 + 1e-4))
-    different = subwindows._at_the_size_of_the_map(dict.fromkeys(numbers, 0.09))
+    different = subwindows._extrapolate_deviation(dict.fromkeys(numbers, 0.09))
     assert different == pytest.approx(0.5 * np.log(0.09 + 1e-4))
-    assert subwindows._at_the_size_of_the_map({4: 0.3}) == pytest.approx(np.log(0.1))
+    assert subwindows._extrapolate_deviation({4: 0.3}) == pytest.approx(np.log(0.1))
 
 
 def test_the_scatter_of_the_gradient_tells_a_stationary_surface_from_one_whose_places_differ():
@@ -118,32 +122,32 @@ def test_the_scatter_of_the_gradient_tells_a_stationary_surface_from_one_whose_p
 @pytest.mark.parametrize("method", ["mirror", "periodic-plus-smooth", "raw"])
 def test_any_way_to_make_periodic(method):
     levelled = crop(surface(256, longest=32.0), 96, 1)
-    _, found = scattered(levelled, contact(0.1), arguments={"method": method})
-    assert len(found.slices) == 9
-    assert np.isfinite(found.members[AREA]).all()
+    _, scatter = scattered(levelled, contact(0.1), arguments={"method": method})
+    assert len(scatter.slices) == 9
+    assert np.isfinite(scatter.members[AREA]).all()
 
 
 def test_profile_is_cut_into_nine():
     profile = self_affine_surface(
         (1, 1024), 1.0, hurst=0.8, shortest=8.0, longest=64.0, rms_gradient=GRADIENT, seed=3
     )
-    _, found = scattered(level(profile[:, :700]), contact(0.1))
-    assert len(found.slices) == 9
-    assert found.features[AREA]["lay"] == 0.5  # a profile has none
-    assert np.isfinite(found.features[AREA]["gradient"])
+    _, scatter = scattered(level(profile[:, :700]), contact(0.1))
+    assert len(scatter.slices) == 9
+    assert scatter.features[AREA]["lay"] == 0.5  # a profile has none
+    assert np.isfinite(scatter.features[AREA]["gradient"])
 
 
 def test_a_small_map_has_few_parts_and_a_smaller_one_none():
     problem = contact(0.1)
-    _, few = scattered(crop(surface(128, longest=16.0), 32, 5), problem)
-    assert len(few.slices) == 4
+    _, few_parts = scattered(crop(surface(128, longest=16.0), 32, 5), problem)
+    assert len(few_parts.slices) == 4
     levelled = crop(surface(64, longest=16.0), 16, 5)
     _, none = scattered(levelled, problem)
     assert len(none.slices) == 1
     assert none.features == {}
-    said = sample.attributes_of(none, levelled)
-    assert "too small" in said["window_reason"]
-    assert "Measure more places" in said["window_flag"]
+    attrs = sample.sample_attributes(none, levelled)
+    assert "too small" in attrs["window_reason"]
+    assert "Measure more places" in attrs["window_flag"]
     with pytest.raises(SettingsError, match="windows = 3"):
         scattered(levelled, problem, number=3)
 
@@ -153,30 +157,30 @@ def test_isolated_features_are_noticed():
     smooth = surface(256, longest=32.0)[:128, :128]
     y, x = np.mgrid[:128, :128]
     pit = -20 * float(smooth.std()) * np.exp(-((y - 70) ** 2 + (x - 60) ** 2) / 18)
-    said = []
+    flags = []
     for heights in (smooth, smooth + pit):
         levelled = level(heights)
-        said.append(flag(levelled))
-    assert said[0] == ""
-    assert "Sku" in said[1]
+        flags.append(flag(levelled))
+    assert flags[0] == ""
+    assert "Sku" in flags[1]
 
 
 def test_a_lay_leaves_few_independent_parts():
     ridges = surface(256, longest=16.0)[:192, 100].values[:, None]
     roughness = 0.05 * surface(256, longest=32.0, seed=3)[:192, :192].values
-    said = []
+    flags = []
     for heights in (ridges + roughness, 10 * roughness):
         levelled = level(height_map(heights, 1.0))
-        said.append(flag(levelled))
-    assert "no more than three independent ones" in said[0]
-    assert said[1] == ""
+        flags.append(flag(levelled))
+    assert "no more than three independent ones" in flags[0]
+    assert flags[1] == ""
 
 
 def test_a_member_that_misses_its_tolerance_is_no_result():
     levelled, problem = crop(surface(64, longest=32.0), 64, 0), contact(0.1)
     window = periodic_window(levelled)
-    found = solve_member(window, problem | {"tolerance": 1e-15}, tolerance=1e-15, names=NAMES)
-    assert all(np.isnan(found[name]).all() for name in NAMES)
+    results = solve_member(window, problem | {"tolerance": 1e-15}, tolerance=1e-15, names=NAMES)
+    assert all(np.isnan(results[name]).all() for name in NAMES)
 
 
 def test_a_window_that_is_flat_up_to_rounding_is_flat():
@@ -206,7 +210,7 @@ def test_few_loads_have_both_ends_and_even_steps():
 
 def test_numbers_between_loads_are_linear_in_the_logarithm_of_the_load():
     load, solved = np.array([100.0, 1.0, 10.0]), np.array([0, 1])
-    np.testing.assert_allclose(at_all_loads(np.array([4.0, 2.0]), solved, load), [4.0, 2.0, 3.0])
+    np.testing.assert_allclose(extend_to_loads(np.array([4.0, 2.0]), solved, load), [4.0, 2.0, 3.0])
     load, gap = np.array([1.0, 1.1, 10.0, 100.0]), np.array([1.0, 1.2, 2.0, 4.0])
     result = Result(surface(64, longest=32.0), {"mean_pressure": load}, {GAP: gap})
     carried = result.carried({GAP: np.array([3.0, 6.0, 12.0])})[GAP]

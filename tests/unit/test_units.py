@@ -2,7 +2,7 @@
 
 import pytest
 
-from roughcontact.units import carries_unit, in_base_unit, unknown_unit
+from roughcontact.arguments.units import carries_unit, convert_to_base_unit, unknown_unit
 
 
 @pytest.mark.parametrize(
@@ -45,24 +45,25 @@ from roughcontact.units import carries_unit, in_base_unit, unknown_unit
 )
 def test_a_number_with_its_unit(text, base, value):
     assert carries_unit(text)
-    assert in_base_unit(text, base) == pytest.approx(value, rel=1e-15)
+    assert convert_to_base_unit(text, base) == pytest.approx(value, rel=1e-15)
 
 
 @pytest.mark.parametrize("bare", ["1e9", "1e9 ", 5, 5.0, None, True, [1], "soft", "", "GPa", "nan", "-inf"])
 def test_what_carries_no_unit_is_left_as_it_is(bare):
     assert not carries_unit(bare)
-    assert in_base_unit(bare, "Pa") is bare
+    assert convert_to_base_unit(bare, "Pa") is bare
 
 
 def test_decimal_units_give_the_number_that_was_written():
     for text, value in [("2.5 um", 2.5e-6), ("0.3 nm", 3e-10), ("0.7 mm", 7e-4), ("1.1 MPa", 1.1e6)]:
-        assert in_base_unit(text, "Pa" if "Pa" in text else "m") == value
+        assert convert_to_base_unit(text, "Pa" if "Pa" in text else "m") == value
 
 
 @pytest.mark.parametrize(
     ("text", "base", "words"),
     [
         ("115 Gpa", "Pa", "unknown pressure unit 'Gpa'; did you mean 'GPa'?"),
+        ("1 MBAR", "Pa", "did you mean 'Mbar' or 'mbar'?"),
         ("1 mPa", "Pa", "did you mean 'MPa'?"),  # a millipascal is never meant
         ("1 mm", "Pa", "unknown pressure unit 'mm'; accepted are Pa, kPa, MPa, GPa"),
         ("1 MPa", "m", "unknown length unit 'MPa'"),
@@ -72,7 +73,7 @@ def test_decimal_units_give_the_number_that_was_written():
 )
 def test_a_unit_that_is_none_is_said(text, base, words):
     with pytest.raises(ValueError) as caught:
-        in_base_unit(text, base)
+        convert_to_base_unit(text, base)
     assert words in str(caught.value)
 
 

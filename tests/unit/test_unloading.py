@@ -6,11 +6,11 @@ from read_charts import read_chart
 from scipy.optimize import brentq
 
 import roughcontact as rc
-from roughcontact.references.synthetic import rough_reference_surface
-from roughcontact.report.tables import TITLES
-from roughcontact.report.unloading import unloading_of
+from roughcontact.arguments.answers import TITLES
+from roughcontact.report.unloading import unloading_section
 from roughcontact.results.storage import write_dataset
-from roughcontact.statistics.after_load import after_the_load
+from roughcontact.statistics.after_load import evaluate_unloading
+from roughcontact.surface.synthetic import rough_reference_surface
 
 HARDNESS = 0.4
 
@@ -97,9 +97,11 @@ def test_the_residual_heights_are_a_map(cycle):
     assert (down["plastic_depth"] >= 0).all()
     assert float(down["max_plastic_depth"]) == down["plastic_depth"].max()
     assert float(down["plastic_volume"]) == pytest.approx(float(down["mean_plastic_depth"]))  # window: 1 m2
-    again = rc.solve_contact(down["residual_height"], contact_modulus=1.0, mean_pressure=0.03, tolerance=1e-8)
-    known = rc.unload(up, mean_pressure=0.03, tolerance=1e-8)
-    np.testing.assert_allclose(again["pressure"], known["pressure"], atol=1e-6 * HARDNESS)
+    second_contact = rc.solve_contact(
+        down["residual_height"], contact_modulus=1.0, mean_pressure=0.03, tolerance=1e-8
+    )
+    unloading = rc.unload(up, mean_pressure=0.03, tolerance=1e-8)
+    np.testing.assert_allclose(second_contact["pressure"], unloading["pressure"], atol=1e-6 * HARDNESS)
 
 
 def test_what_flows_of_a_profile_has_no_volume():
@@ -144,10 +146,10 @@ def test_the_area_of_each_load_is_that_of_the_statistics(cycle):
 def both_ways(folder, statistics, contact, peak):
     """Return the words and the chart of the area of a page, with a correction of the areas of loading."""
     settings = {"contact": {"unload": [peak], "contact_modulus": 1.0, "bodies": None}, "statistics": {}}
-    write_dataset(after_the_load(contact, contact["height"], settings), folder / "residual.nc")
+    write_dataset(evaluate_unloading(contact, contact["height"], settings), folder / "residual.nc")
     corrected = {"relative_contact_area_as_solved": statistics["relative_contact_area"]}
     corrected["relative_contact_area"] = 0.9 * statistics["relative_contact_area"]
-    page = unloading_of("ground", statistics.assign(corrected), folder / "residual.nc", folder)
+    page = unloading_section("ground", statistics.assign(corrected), folder / "residual.nc", folder)
     return page["sentences"][0], read_chart(page["images"][TITLES["relative_contact_area"]], log="xy")
 
 

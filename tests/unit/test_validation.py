@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from roughcontact.arguments.maps import spacing
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
-from roughcontact.maps import spacing
-from roughcontact.references import synthetic
+from roughcontact.surface import synthetic
 from validation import __main__ as command
 from validation import closed_forms, convergence, page, paper
 from validation.lines import Evidence, Line, LineText, Section, compare
@@ -153,15 +153,17 @@ def test_consistency_of_the_closed_forms():
 def test_the_page_of_the_documentation_shows_the_kept_lines_as_the_page_of_the_validation_does(monkeypatch):
     """Each row of the kept table is shown, rounded as the page rounds it, and holds."""
     monkeypatch.syspath_prepend(ROOT / "docs")
-    shown = importlib.import_module("generated").validation()
+    page_table = importlib.import_module("generated").validation()
     with (ROOT / "docs/explanation/validation.csv").open(newline="", encoding="utf-8") as file:
-        kept = list(csv.DictReader(file))
-    table = [[cell.strip() for cell in row.split(" | ")] for row in shown.split("\n") if row.startswith("| ")]
+        kept_rows = list(csv.DictReader(file))
+    table = [
+        [cell.strip() for cell in row.split(" | ")] for row in page_table.split("\n") if row.startswith("| ")
+    ]
     table = {row[0].removeprefix("| "): [cell.removesuffix(" |") for cell in row[1:]] for row in table}
-    for row in kept:
+    for row in kept_rows:
         values = [float(row[name]) for name in ("reference", "value", "deviation")]
         line = Line(row["what"], *values, row["measure"], float(row["tolerance"]), row["reason"], EVIDENCE)
         cells = page.cells(line)
-        wanted = [cells[name] for name in ("reference", "value", "deviation", "tolerance")]
-        assert table[row["what"].replace("*", "\\*")] == wanted
+        expected_cells = [cells[name] for name in ("reference", "value", "deviation", "tolerance")]
+        assert table[row["what"].replace("*", "\\*")] == expected_cells
         assert line.holds

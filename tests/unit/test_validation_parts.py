@@ -50,9 +50,9 @@ def test_the_evidence_of_every_line_is_there(parts):
 def test_every_evidence_of_the_table_has_a_line(parts):
     table = ROOT / "validation/tables/evidence.tsv"
     with table.open(newline="", encoding="utf-8") as file:
-        kept = [row[2:] for row in csv.reader(file, delimiter="\t", quoting=csv.QUOTE_NONE)][1:]
+        table_rows = [row[2:] for row in csv.reader(file, delimiter="\t", quoting=csv.QUOTE_NONE)][1:]
     used = {line.evidence for part in parts.values() for line in part.lines}
-    assert {tuple(row) for row in kept} == {(e.formula, e.source, e.code, e.test) for e in used}
+    assert {tuple(row) for row in table_rows} == {(e.formula, e.source, e.code, e.test) for e in used}
 
 
 def test_the_papers_figures_carry_their_deviation(parts):
@@ -86,17 +86,17 @@ def test_the_table_keeps_every_digit(parts, tmp_path):
 
 
 def test_a_part_is_the_same_twice(parts):
-    again = validate("hertz", finest_grid=256)
-    assert again == parts["hertz"]
+    second_time = validate("hertz", finest_grid=256)
+    assert second_time == parts["hertz"]
 
 
 def test_the_kept_table_has_the_lines_of_this_version(parts):
     """The kept table is a copy of results/validation/lines.csv: copy it again where this fails."""
     with (ROOT / "docs/explanation/validation.csv").open(newline="", encoding="utf-8") as file:
-        kept = [row["what"] for row in csv.DictReader(file)]
+        kept_names = [row["what"] for row in csv.DictReader(file)]
 
     def without_sizes(names):
         return [re.sub(r"\d+ to \d+ points|at \d+ points", "", name) for name in names]
 
     names = [line.what for part in parts.values() for line in part.lines]
-    assert without_sizes(kept) == without_sizes(names)
+    assert without_sizes(kept_names) == without_sizes(names)

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 from shared_data import DATA
 
-from roughcontact.choices import Placement, WindowMethod
+from roughcontact.arguments.choices import Placement, WindowMethod
+from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.io.read import read_height_map
-from roughcontact.levelling.level import level
-from roughcontact.maps import height_map, spacing
-from roughcontact.references import synthetic
-from roughcontact.roughness.parameters import rms_gradient, rms_height
 from roughcontact.statistics.map_checks import FORM
-from roughcontact.window.periodic_window import periodic_window
-from roughcontact.window.rectangle import largest_rectangle
-from roughcontact.window.sides import friendly_sides
+from roughcontact.surface import synthetic
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.roughness.parameters import rms_gradient, rms_height
+from roughcontact.surface.window.periodic_window import periodic_window
+from roughcontact.surface.window.rectangle import largest_rectangle
+from roughcontact.surface.window.sides import friendly_sides
 
 METHODS = get_args(WindowMethod)
 
@@ -140,13 +140,13 @@ def test_record_of_each_method(method):
     fades = ("cross-fade", "smooth-cross-fade")
     shapes = {"mirror": (200, 256)} | dict.fromkeys(fades, (90, 108))
     assert window.shape == shapes.get(method, (100, 128))
-    kept = 100 * 120 if method in fades else 100 * 128
-    assert attrs["window_share"] == pytest.approx(kept / 13000)
+    used_points = 100 * 120 if method in fades else 100 * 128
+    assert attrs["window_share"] == pytest.approx(used_points / 13000)
     assert f"made periodic by {method}" in attrs["window_reason"] or method == "raw"
     if method != "mirror":
-        first = {d: float(window[d][0] - levelled[d][0]) for d in "yx"}
-        assert attrs["window_offset_x"] == pytest.approx(first["x"], abs=1e-15)
-        assert attrs["window_offset_y"] == pytest.approx(first["y"], abs=1e-15)
+        offset = {d: float(window[d][0] - levelled[d][0]) for d in "yx"}
+        assert attrs["window_offset_x"] == pytest.approx(offset["x"], abs=1e-15)
+        assert attrs["window_offset_y"] == pytest.approx(offset["y"], abs=1e-15)
 
 
 def test_raw_window_is_a_plain_cut():
@@ -161,13 +161,13 @@ def test_raw_window_is_a_plain_cut():
 @pytest.mark.parametrize("method", METHODS)
 def test_gradient_before_is_that_of_the_inside(method):
     window = periodic_window(level(cut_out((256, 300))), method=method)
-    before, after = (window.attrs[f"rms_gradient_{when}"] for when in ("before", "after"))
+    gradient_before, gradient_after = (window.attrs[f"rms_gradient_{when}"] for when in ("before", "after"))
     if method == "mirror":
-        assert before == pytest.approx(after, rel=1e-12)
+        assert gradient_before == pytest.approx(gradient_after, rel=1e-12)
     elif method == "raw":
-        assert after > 1.2 * before
+        assert gradient_after > 1.2 * gradient_before
     else:
-        assert before == pytest.approx(after, rel=0.03 if "smooth" in method else 0.1)
+        assert gradient_before == pytest.approx(gradient_after, rel=0.03 if "smooth" in method else 0.1)
 
 
 @pytest.mark.parametrize("shape", [(96, 128), (1, 200)])
@@ -294,7 +294,7 @@ def test_the_window_lies_in_the_middle_of_the_rectangle():
     window = periodic_window(levelled, method="raw")
     assert window.shape == (100, 100)
     heights = levelled.values
-    step = [np.sum((heights[:, first + 99] - heights[:, first]) ** 2) for first in (3, 4)]
+    step = [np.sum((heights[:, start + 99] - heights[:, start]) ** 2) for start in (3, 4)]
     assert window.attrs["window_offset_x"] == pytest.approx((3 + np.argmin(step)) * 1e-6)
     mirrored = periodic_window(level(levelled.copy(data=heights[:, ::-1])), method="raw")
     np.testing.assert_allclose(mirrored.values, window.values[:, ::-1], atol=1e-15)
@@ -344,10 +344,10 @@ def test_real_files_get_a_window(file, kinds, least_share):
     assert kinds <= set(json.loads(levelled.attrs["outlier_kinds"]))
     assert levelled.attrs["outliers_rejected"] < 0.005 * levelled.size
     # without a band for blending, which costs friendly sides
-    whole = periodic_window(levelled, method="periodic-plus-smooth")
-    assert whole.attrs["window_share"] > least_share
+    full_window = periodic_window(levelled, method="periodic-plus-smooth")
+    assert full_window.attrs["window_share"] > least_share
     shortened = periodic_window(levelled, placement="whole-periods")
-    for window, part in ((whole, 0.7), (periodic_window(levelled), 0.7), (shortened, 0.7**2)):
+    for window, part in ((full_window, 0.7), (periodic_window(levelled), 0.7), (shortened, 0.7**2)):
         assert np.isfinite(window.values).all()
         assert window.attrs["window_share"] > part * least_share
         gradients = [window.attrs[f"rms_gradient_{when}"] for when in ("before", "after")]

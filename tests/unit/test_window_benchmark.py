@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import window
 
-from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.surface.roughness.parameters import rms_gradient
 
 
 @pytest.mark.parametrize("kind", [*window.KINDS, *window.REPEATING])

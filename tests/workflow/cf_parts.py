@@ -32,13 +32,13 @@ def divide(path: Path, folder: Path) -> None:
     with netCDF4.Dataset(path) as file:
         file.set_auto_maskandscale(False)
         names = [*file.variables]
-        for first in range(0, len(names), AT_ONCE):
-            written = folder / f"{'-'.join(path.with_suffix('').parts)}-{first}.nc"
+        for start in range(0, len(names), AT_ONCE):
+            written = folder / f"{'-'.join(path.with_suffix('').parts)}-{start}.nc"
             with netCDF4.Dataset(written, "w") as part:
                 part.setncatts(file.__dict__)
                 for dimension in file.dimensions.values():
                     part.createDimension(dimension.name, dimension.size)
-                for name in with_references(file, names[first : first + AT_ONCE]):
+                for name in with_references(file, names[start : start + AT_ONCE]):
                     source, attributes = file[name], dict(file[name].__dict__)
                     fill = attributes.pop("_FillValue", None)
                     variable = part.createVariable(name, source.dtype, source.dimensions, fill_value=fill)

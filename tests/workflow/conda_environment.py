@@ -22,9 +22,9 @@ NAMES = {"matplotlib-base": "matplotlib"}
 def installed(python: str) -> dict[str, str]:
     """Return the versions of all packages beside a Python, and its own."""
     listed = subprocess.check_output([python, "-m", "pip", "list", "--format=json"])
-    own = subprocess.check_output([python, "-c", "import platform; print(platform.python_version())"])
-    found = {package["name"].lower(): package["version"] for package in json.loads(listed)}
-    return found | {"python": own.decode().strip()}
+    version = subprocess.check_output([python, "-c", "import platform; print(platform.python_version())"])
+    packages = {package["name"].lower(): package["version"] for package in json.loads(listed)}
+    return packages | {"python": version.decode().strip()}
 
 
 def main(python: str) -> int:

@@ -105,7 +105,7 @@ run || show
 [ ! -e "$folder/executed" ] || { cat "$folder/executed"; exit 1; }
 echo "the samples ran through SLURM: $(squeue --version), $(submitted) jobs, $(killed) killed for want of memory"
 [ "$(killed)" = 0 ]
-[ "$(submitted)" = 11 ] # two for each of five surfaces, and the report
+[ "$(submitted)" = 19 ] # three for each of six surfaces, and the report
 
 # jobs that ask for too little at first: they are killed, say why and are tried again, while the others go on
 rm -r results

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface
 
 ROOT = Path(__file__).parents[2]
 SETTINGS = {
@@ -31,13 +31,14 @@ class Project:
 
     def write(self, settings=SETTINGS, table=TABLE):
         """Write the settings and the table of surfaces."""
+        self.settings = settings
         (self.folder / "settings.yaml").write_text(yaml.safe_dump(settings, sort_keys=False))
         (self.folder / "surfaces.tsv").write_text("\n".join(table) + "\n")
 
     def command(self, *arguments):
         """Return the command that runs the workflow here, from any folder."""
-        here = ["--directory", self.folder, "--configfile", self.folder / "settings.yaml"]
-        words = [sys.executable, "-m", "snakemake", "--snakefile", self.checkout / "Snakefile", *here]
+        options = ["--directory", self.folder, "--configfile", self.folder / "settings.yaml"]
+        words = [sys.executable, "-m", "snakemake", "--snakefile", self.checkout / "Snakefile", *options]
         return [str(word) for word in (*words, "--cores", "2", *arguments)]
 
     def run(self, *arguments) -> subprocess.CompletedProcess:
@@ -65,7 +66,17 @@ def counted(run) -> dict[str, int]:
 
 def write_maps(folder: Path):
     """Write two small measured maps in micrometres: an array of NumPy, and a matrix in text."""
-    wanted = {"hurst": 0.8, "shortest": 8, "longest": 32, "rms_gradient": 0.1}
-    ground, turned = (self_affine_surface((64, 64), 1.0, **wanted, seed=seed).values for seed in (1, 2))
+    parameters = {"hurst": 0.8, "shortest": 8, "longest": 32, "rms_gradient": 0.1}
+    ground, turned = (self_affine_surface((64, 64), 1.0, **parameters, seed=seed).values for seed in (1, 2))
     np.save(folder / "ground.npy", ground)
     np.savetxt(folder / "turned.txt", turned, fmt="%.6g")
+
+
+def project_of_cases(folder, checkout, contact, cases):
+    """A project of one map without a ±, under cases that differ in what follows the contact."""
+    project = Project(folder, checkout)
+    write_maps(project.path("measured"))
+    settings = {key: value for key, value in SETTINGS.items() if key != "contact"}
+    settings |= {"contact": contact, "cases": cases, "uncertainty": {"sources": []}}
+    project.write(settings, TABLE[:2])
+    return project

@@ -30,13 +30,13 @@ def run(tmp_path, checkout):
 
 def files(project):
     """Return the netCDF files of each case of a surface, and those of earlier cases that it names."""
-    own, used = {}, {}
+    own_files, used = {}, {}
     for folder in sorted(project.path("results").glob("*/ground")):
         case = folder.parent.name
-        own[case] = {path.stem for path in folder.glob("*.nc")}
+        own_files[case] = {path.stem for path in folder.glob("*.nc")}
         attrs = read_dataset(folder / "statistics.nc").attrs
         used[case] = json.loads(attrs.get("files_of_cases", "{}"))
-    return own, used
+    return own_files, used
 
 
 @pytest.mark.slow
@@ -51,11 +51,11 @@ def test_a_failure_stays_in_its_surface_its_case_and_its_part(run):
     project = run(cases, table, empty=["empty.txt"])
     assert project.last.returncode != 0
     assert "Traceback" not in project.last.stderr
-    for said in (
+    for pattern in (
         r"\[prepare base/empty\] ERROR: measured/empty.txt",
         r"\[contact soft/ground\] ERROR: .*hardness",
     ):
-        assert re.search(said, project.last.stderr), project.last.stderr
+        assert re.search(pattern, project.last.stderr), project.last.stderr
     for case, names in (("base", FILES), ("binned", ["uncertainty", "statistics"])):
         for name in (*(f"{file}.nc" for file in names), "panel.html", "panel.json"):
             assert project.path(f"results/{case}/ground/{name}").exists(), (case, name)
@@ -76,7 +76,7 @@ def test_cases_share_what_they_agree_in(run):
     }
     project = run(cases)
     assert project.last.returncode == 0, project.last.stderr
-    own, used = files(project)
+    own_files, used = files(project)
     of_base = dict.fromkeys(("height", "levelled", "window"), "base")
     assert used == {
         "base": {},
@@ -87,7 +87,7 @@ def test_cases_share_what_they_agree_in(run):
         "same": of_base | dict.fromkeys(("contact", "uncertainty", "statistics"), "base"),
     }
     solved = {"contact", "uncertainty", "statistics"}
-    assert own == {
+    assert own_files == {
         "base": {*FILES},
         "raw": {*FILES},
         "raw-soft": solved,
@@ -101,7 +101,7 @@ def test_cases_share_what_they_agree_in(run):
     assert base.equals(same)
     assert "Nothing to be done" in project.run().stderr
     project.path("results").rename(project.path("before"))
-    assert project.jobs() == {"prepare": 2, "contact": 4, "statistics": 2, "report": 1}
+    assert project.jobs() == {"prepare": 2, "contact": 4, "statistics": 2, "panel": 6, "report": 1}
 
 
 @pytest.mark.slow
@@ -109,11 +109,11 @@ def test_what_is_counted_anew_is_what_is_counted_while_solving(run):
     """The case that has other bins counts in the solution of another one, that without fields in its own."""
     bins = {"statistics": {"gap_bins": 5}}
     project = run({"base": {}, "kept": bins, "lean": bins | {"contact": {"keep_fields": False}}})
-    kept, lean = (
+    with_fields, lean = (
         read_dataset(project.path(f"results/{case}/ground/statistics.nc")) for case in ("kept", "lean")
     )
     assert not project.path("results/kept/ground/contact.nc").exists()
-    assert kept.equals(lean)
+    assert with_fields.equals(lean)
 
 
 @pytest.mark.slow
@@ -129,6 +129,7 @@ def test_faces_and_placements_of_pairs_share_as_well(run):
         "prepare_face": 4,
         "superpose": 4,
         "contact": 6,
+        "panel": 6,
         "report": 1,
     }
     assert "Nothing to be done" in project.run().stderr

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from roughcontact.command_line.program import main
+from roughcontact.interface.program import main
 
 ROOT = Path(__file__).parents[2]
 
@@ -22,27 +22,27 @@ def study(tmp_path):
 
 
 def command(folder, *arguments):
-    program = [sys.executable, "-m", "roughcontact.command_line", *arguments]
+    program = [sys.executable, "-m", "roughcontact.interface", *arguments]
     return subprocess.run(program, cwd=folder, capture_output=True, text=True, check=False)
 
 
 @pytest.mark.slow
 def test_the_crate_of_the_samples_repeats_the_run_in_an_empty_folder(study, tmp_path):
     pytest.importorskip("rocrate")
-    assert (done := command(study, "run")).returncode == 0, done.stderr
+    assert (process := command(study, "run")).returncode == 0, process.stderr
     assert (
-        done := command(study, "crate", "results", "--configfile", "config/config.yaml")
-    ).returncode == 0, done
+        process := command(study, "crate", "results", "--configfile", "config/config.yaml")
+    ).returncode == 0, process
     empty = tmp_path / "empty"
     empty.mkdir()
     shutil.move(study / "results", empty / "crate")
     shutil.rmtree(study)
-    done = command(empty, "run", "--configfile", "crate/run_inputs/config.yaml")
-    assert done.returncode == 0, done.stderr
+    process = command(empty, "run", "--configfile", "crate/run_inputs/config.yaml")
+    assert process.returncode == 0, process.stderr
     for table in ("summary.csv", "uncertainty.csv"):
         assert (empty / "results" / table).read_bytes() == (empty / "crate" / table).read_bytes()
-    done = command(empty, "compare", "crate/statistics.nc", "results/statistics.nc", "--share", "0")
-    assert done.returncode == 0, done.stdout
+    process = command(empty, "compare", "crate/statistics.nc", "results/statistics.nc", "--share", "0")
+    assert process.returncode == 0, process.stdout
 
 
 @pytest.mark.slow
@@ -55,18 +55,20 @@ def test_a_measured_file_that_has_changed_does_not_go_into_the_crate(tmp_path, m
         "surfaces: surfaces.tsv\ncontact: {contact_modulus: 1 GPa, relative_pressure: [0.05]}\n"
         "uncertainty: {sources: []}\n"
     )
-    assert (done := command(tmp_path, "run", "--configfile", "settings.yaml")).returncode == 0, done.stderr
+    assert (process := command(tmp_path, "run", "--configfile", "settings.yaml")).returncode == 0, (
+        process.stderr
+    )
     assert main(["crate", "results", "--configfile", "settings.yaml"]) == 0
     (copy,) = Path("results/run_inputs/measured").rglob("*.nc")
     assert copy.read_bytes() == Path("map.nc").read_bytes()
-    first = Path("results/ro-crate-metadata.json").read_bytes()
+    first_crate = Path("results/ro-crate-metadata.json").read_bytes()
     assert main(["crate", "results", "--configfile", "settings.yaml"]) == 0
-    assert Path("results/ro-crate-metadata.json").read_bytes() == first
-    assert b'"run_inputs/config.yaml"' in first
+    assert Path("results/ro-crate-metadata.json").read_bytes() == first_crate
+    assert b'"run_inputs/config.yaml"' in first_crate
     capsys.readouterr()
     shutil.copy(ROOT / "data_samples/ground.txt", "map.nc")
     assert main(["crate", "results", "--configfile", "settings.yaml"]) == 2
     assert "map.nc: is not the file that the run has read; repeat the run first" in capsys.readouterr().err
     Path("map.nc").unlink()
     assert main(["crate", "results", "--configfile", "settings.yaml"]) == 2
-    assert "map.nc: no such file beside results" in capsys.readouterr().err
+    assert "map.nc': no such file" in capsys.readouterr().err

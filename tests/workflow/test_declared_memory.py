@@ -10,9 +10,9 @@ import psutil
 import pytest
 from small_project import ROOT, SETTINGS, Project, write_maps
 
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface
 
-JOBS = ("prepare", "contact", "report")
+JOBS = ("prepare", "contact", "panel", "report")
 LOADS = [0.02, 0.1, 0.3]
 
 
@@ -22,8 +22,8 @@ def peak(pid: int) -> float:
         status = Path(f"/proc/{pid}/status").read_text()
     except OSError:
         return 0.0
-    found = re.search(r"VmHWM:\s+(\d+) kB", status)
-    return int(found[1]) * 1024 / 1e6 if found else 0.0
+    match = re.search(r"VmHWM:\s+(\d+) kB", status)
+    return int(match[1]) * 1024 / 1e6 if match else 0.0
 
 
 def measured(project: Project) -> dict[str, tuple[int, float]]:
@@ -31,10 +31,10 @@ def measured(project: Project) -> dict[str, tuple[int, float]]:
 
     There each job is a Snakemake that starts another one, which starts the script.
     """
-    own = dict.fromkeys(JOBS, 0.0)
+    peaks = dict.fromkeys(JOBS, 0.0)
     snakemake = 0.0
-    with project.path("said").open("w+") as said:
-        run = subprocess.Popen(project.command("--cores", "1"), stdout=said, stderr=said)
+    with project.path("said").open("w+") as output:
+        run = subprocess.Popen(project.command("--cores", "1"), stdout=output, stderr=output)
         while run.poll() is None:
             snakemake = max(snakemake, peak(run.pid))
             for child in psutil.Process(run.pid).children(recursive=True):
@@ -42,17 +42,17 @@ def measured(project: Project) -> dict[str, tuple[int, float]]:
                     command = " ".join(child.cmdline())
                 except psutil.Error:
                     continue
-                if (script := re.search(r"\.(\w+)\.py\b", command)) and script[1] in own:
-                    own[script[1]] = max(own[script[1]], peak(child.pid))
+                if (script := re.search(r"\.(\w+)\.py\b", command)) and script[1] in peaks:
+                    peaks[script[1]] = max(peaks[script[1]], peak(child.pid))
             time.sleep(0.05)
-        said.seek(0)
-        text = said.read()
+        output.seek(0)
+        text = output.read()
     assert run.returncode == 0, text
     declared = {}
     for rule, lines in re.findall(r"^(?:local)?rule (\w+):\n((?: .*\n)+)", text, re.MULTILINE):
-        if asked := re.search(r"mem_mb=(\d+)", lines):
-            declared[rule] = int(asked[1])
-    return {job: (declared[job], own[job] + 2 * snakemake) for job in JOBS}
+        if memory_match := re.search(r"mem_mb=(\d+)", lines):
+            declared[rule] = int(memory_match[1])
+    return {job: (declared[job], peaks[job] + 2 * snakemake) for job in JOBS}
 
 
 def of_map(folder: Path, size: int) -> dict[str, tuple[int, float]]:
@@ -74,13 +74,13 @@ def on_the_page() -> dict[str, dict[int, int]]:
     page = (ROOT / "docs/how-to/cluster.md").read_text(encoding="utf-8")
     heading, _, *rows = re.findall(r"^\| (.*) \|$", page, re.MULTILINE)
     sizes = [int(size) for size in re.findall(r"(\d+)²", heading)]
-    found = {}
+    declared_on_page = {}
     for row in rows:
         job, *cells = row.split(" | ")
-        found[job.strip("`")] = {
+        declared_on_page[job.strip("`")] = {
             size: int(cell.split(" / ")[0]) for size, cell in zip(sizes, cells, strict=True)
         }
-    return found
+    return declared_on_page
 
 
 def test_memory_and_time_are_known_before_anything_ran(tmp_path):
@@ -88,18 +88,18 @@ def test_memory_and_time_are_known_before_anything_ran(tmp_path):
     write_maps(project.path("measured"))
     project.write()
     run = project.run("--dry-run")
-    asked = re.findall(r"^ *resources: .*mem_mb=.*$", run.stderr, re.MULTILINE)
-    assert len(asked) == 2 * len(JOBS[:-1]) + 1
-    assert [line for line in asked if "TBD" in line or "runtime=" not in line] == []
+    resource_lines = re.findall(r"^ *resources: .*mem_mb=.*$", run.stderr, re.MULTILINE)
+    assert len(resource_lines) == 2 * len(JOBS[:-1]) + 1
+    assert [line for line in resource_lines if "TBD" in line or "runtime=" not in line] == []
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("size", [128, 1024])
 def test_jobs_declare_what_they_take_within_a_factor_of_two(tmp_path, size):
-    found, page = of_map(tmp_path, size), on_the_page()
-    declared = {job: declared for job, (declared, _) in found.items()}
+    measured_jobs, page = of_map(tmp_path, size), on_the_page()
+    declared = {job: declared for job, (declared, _) in measured_jobs.items()}
     assert declared == pytest.approx({job: page[job][size] for job in JOBS}, rel=0.02)
-    shares = {job: declared / taken for job, (declared, taken) in found.items()}
+    shares = {job: declared / memory for job, (declared, memory) in measured_jobs.items()}
     assert {job: share for job, share in shares.items() if not 1 <= share <= 2} == {}
 
 

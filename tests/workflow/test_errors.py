@@ -53,16 +53,16 @@ def test_a_broken_surface_stops_itself_alone(project):
         assert word not in run.stderr
     # every file that cannot be read is known before anything else begins
     (log,) = project.path(".snakemake/log").glob("*.snakemake.log")
-    begun = re.findall(r"^(?:local)?rule (\w+):", log.read_text(), re.MULTILINE)
-    assert set(begun[: len(BROKEN) + 1]) == {"prepare"}
-    assert begun.count("prepare") == len(BROKEN) + 1
-    assert begun.count("contact") > 0
-    for name, (_, said) in BROKEN.items():
+    rules_begun = re.findall(r"^(?:local)?rule (\w+):", log.read_text(), re.MULTILINE)
+    assert set(rules_begun[: len(BROKEN) + 1]) == {"prepare"}
+    assert rules_begun.count("prepare") == len(BROKEN) + 1
+    assert rules_begun.count("contact") > 0
+    for name, (_, message_parts) in BROKEN.items():
         lines = [line for line in run.stderr.split("\n") if f" {name}] ERROR: " in line]
         assert len(lines) == 1
         line = lines[0]
         assert len(line) < 500
-        for part in said:
+        for part in message_parts:
             assert part in line, line
         logs = [log.read_text() for log in project.path(f"logs/{name}").iterdir()]
         assert sum("Traceback" in log for log in logs) == 1
@@ -80,12 +80,12 @@ def test_a_broken_surface_stops_itself_alone(project):
     assert float(rows["ground"]["relative_contact_area"]) > 0
     failed = json.loads(read_dataset(project.path("results/statistics.nc")).attrs["failed"])
     assert [failure["surface"] for failure in failed] == list(BROKEN)
-    for name, (_, said) in BROKEN.items():
+    for name, (_, message_parts) in BROKEN.items():
         assert rows[name]["verdict"] == "failed"
-        shown = re.search(f'<tr class="failure"><td class="text">{name}</td>.*?</tr>', page)[0]
-        for part in said:
+        row = re.search(f'<tr class="failure"><td class="text">{name}</td>.*?</tr>', page)[0]
+        for part in message_parts:
             assert part in rows[name]["reasons"]
-            assert html.escape(part) in shown
+            assert html.escape(part) in row
     # rows that are left out leave it as well
     project.write(table=[HEADER, GOOD, *(f"#{row}" for row in rows)])
     assert counted(project.run()) == {"report": 1}
@@ -94,7 +94,7 @@ def test_a_broken_surface_stops_itself_alone(project):
 
 
 @pytest.mark.parametrize(
-    ("settings", "table", "said"),
+    ("settings", "table", "parts_of_message"),
     [
         (
             SETTINGS | {"contact": {"contact_modulus": -1, "mean_pressure": []}, "levle": {}},
@@ -122,7 +122,7 @@ def test_a_broken_surface_stops_itself_alone(project):
             [
                 "statistics.gap_bins = 0: must not be less than 1",
                 "line 4, surface = ground: occurs twice",
-                "line 5, path = measured/nowhere.npy: no such file",
+                "line 5, path = 'measured/nowhere.npy': no such file",
                 "line 5, unit: unknown length unit 'furlong'",
                 "line 5, dx = 'one': must be a number",
                 "line 6, surface = turned: occurs twice",
@@ -130,11 +130,13 @@ def test_a_broken_surface_stops_itself_alone(project):
         ),
     ],
 )
-def test_a_mistake_in_settings_or_table_is_found_before_anything_runs(project, settings, table, said):
+def test_a_mistake_in_settings_or_table_is_found_before_anything_runs(
+    project, settings, table, parts_of_message
+):
     project.write(settings, table)
     run = project.run()
     assert run.returncode != 0
-    for part in said:
+    for part in parts_of_message:
         assert part in run.stderr
     for word in ("Traceback", "WorkflowError", "common.smk"):
         assert word not in run.stderr
@@ -148,21 +150,21 @@ def bomb():
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         (bomb(), "line 6: the configuration has more than 100000 values"),
         ("contact: &c\n  level: {again: *c}\n", "a value contains an alias (*name) of itself"),
         ("contact: {mean_pressure: " + "9" * 5000 + "}\n", "a whole number of 5000 digits"),
     ],
 )
-def test_plain_snakemake_refuses_a_configuration_that_grows_before_it_reads_it(project, text, said):
+def test_plain_snakemake_refuses_a_configuration_that_grows_before_it_reads_it(project, text, message):
     project.path("config").mkdir()
     project.path("config/config.yaml").write_text(text)
     words = [sys.executable, "-m", "snakemake", "--snakefile", str(project.checkout / "Snakefile"), "-n"]
     run = subprocess.run(words, cwd=project.folder, capture_output=True, text=True, check=False, timeout=60)
     assert run.returncode == 1
     assert run.stderr.startswith("config/config.yaml, line ")
-    assert said in run.stderr
+    assert message in run.stderr
     assert "Traceback" not in run.stderr
     assert len(run.stderr.splitlines()) == 1
 
@@ -190,8 +192,8 @@ def test_something_else_than_a_folder_in_the_place_of_the_results_is_named(proje
 def started(project, word, *arguments):
     """Start the workflow and return its process as soon as the log of the contact has `word`."""
     command = project.command("results/ground/contact.nc", *arguments)
-    with project.path("said").open("w") as said:
-        process = subprocess.Popen(command, stdout=said, stderr=said, start_new_session=True)
+    with project.path("said").open("w") as output:
+        process = subprocess.Popen(command, stdout=output, stderr=output, start_new_session=True)
     log = project.path("logs/ground/contact.log")
     while not (log.exists() and word in log.read_text()):
         assert process.poll() is None, project.path("said").read_text()
@@ -224,14 +226,13 @@ def test_what_was_cut_off_leaves_nothing_and_is_taken_up_again(lengthy):
     solvers[-1].kill()  # the job alone
     process.wait(timeout=60)
     assert process.returncode != 0
-    said, log = lengthy.path("said").read_text(), lengthy.path("logs/ground/contact.log")
+    output, log = lengthy.path("said").read_text(), lengthy.path("logs/ground/contact.log")
     killed = r"^\[contact ground\] ERROR: killed; .* it had asked for \d{3} MB\."
-    for text in (said, log.read_text()):
-        assert re.search(killed, text, re.MULTILINE)
+    assert re.search(killed, output, re.MULTILINE)
     for word in SNAKEMAKES_OWN:
-        assert word not in said
-    before = ["height.nc", "levelled.nc", "window.nc"]
-    assert sorted(path.name for path in lengthy.path("results/ground").iterdir()) == before
+        assert word not in output
+    files_before = ["height.nc", "levelled.nc", "window.nc"]
+    assert sorted(path.name for path in lengthy.path("results/ground").iterdir()) == files_before
     assert lengthy.jobs("results/ground/contact.nc") == {"contact": 1}
 
     log.unlink()

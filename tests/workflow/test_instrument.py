@@ -9,11 +9,14 @@ import pytest
 import yaml
 from small_project import SETTINGS, Project
 
-from roughcontact.configuration.plan import Plan
-from roughcontact.configuration.study import read_study
-from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.report.partial import write_partial_results
+from roughcontact.errors import InputFileError
+from roughcontact.io.guards import sha256
 from roughcontact.results.storage import read_dataset
+from roughcontact.study.crate import write_crate
+from roughcontact.study.failures import report_finished
+from roughcontact.study.plan import Plan
+from roughcontact.study.study import read_study
+from roughcontact.surface.synthetic import self_affine_surface
 
 NOISE = 5e-9  # m
 
@@ -30,8 +33,8 @@ def project(tmp_path_factory, checkout):
         np.save(project.path(f"measured/{name}.npy"), 1e6 * (surface + noise))
     table = ["surface\tpath\tunit\tdx\tdy\trepeat_of\tnoise"]
     table += [
-        f"{name}\tmeasured/{name}.npy\tum\t1\t1\t{rest}"
-        for name, rest in (("first", "second\t"), ("second", "\t"), ("third", "\t20 nm"))
+        f"{name}\tmeasured/{name}.npy\tum\t1\t1\t{cells}"
+        for name, cells in (("first", "second\t"), ("second", "\t"), ("third", "\t20 nm"))
     ]
     finer = self_affine_surface((64, 64), 1e-7, **waves | {"shortest": 4e-7, "longest": 3.2e-6}).values
     np.savetxt(
@@ -73,26 +76,47 @@ def test_all_sources_are_in_every_table(project):
     assert combined["lower"].to_numpy() == pytest.approx(summary["mean_gap_lower_m"].to_numpy(), rel=1e-12)
 
 
+def test_the_results_name_all_that_was_read_and_a_crate_packs_it(project, monkeypatch):
+    pytest.importorskip("rocrate")
+    monkeypatch.chdir(project.folder)
+    read = {path.stem: sha256(path) for path in Path("measured").iterdir()}
+    for file, further in (
+        ("first/height", "second"),
+        ("second/window", "first"),
+        ("third/height", None),
+        ("third/statistics", "finer"),
+    ):
+        assert read_dataset(f"results/{file}.nc").attrs.get("further_sha256") == read.get(further), file
+    write_crate("results", configuration="settings.yaml")
+    copies = [path for path in Path("results/run_inputs/measured").rglob("*") if path.is_file()]
+    assert sorted(map(sha256, copies)) == sorted(read.values())
+    Path("measured/finer.txt").rename("aside")
+    Path("measured/finer.txt").write_bytes(Path("aside").read_bytes() + b"\n")
+    with pytest.raises(InputFileError, match=r"finer\.txt: is not the file that the run has read"):
+        write_crate("results", configuration="settings.yaml")
+    Path("aside").rename("measured/finer.txt")
+
+
 def test_a_finer_map_that_is_replaced_by_an_older_one_is_read_again(project):
     path = project.path("measured/finer.txt")
-    before = path.read_text()
-    path.write_text(before.replace("-", "", 1))
+    text_before = path.read_text()
+    path.write_text(text_before.replace("-", "", 1))
     os.utime(path, (1e9, 1e9))
-    assert project.jobs() == {"contact": 3, "report": 1}
-    path.write_text(before)
+    assert project.jobs() == {"contact": 3, "panel": 3, "report": 1}
+    path.write_text(text_before)
     assert project.jobs() == {}
 
 
 def test_of_a_finer_map_that_was_replaced_no_result_is_in_a_partial_report(project, monkeypatch):
     monkeypatch.chdir(project.folder)
     plan = Plan(*read_study(yaml.safe_load(Path("settings.yaml").read_text()), ["."], measured_in=["."]))
-    assert write_partial_results(plan) == []
-    path, before = Path("measured/finer.txt"), Path("measured/finer.txt").read_text()
-    path.write_text(before.replace("-", "", 1))
+    assert report_finished(plan) == []
+    path, text_before = Path("measured/finer.txt"), Path("measured/finer.txt").read_text()
+    path.write_text(text_before.replace("-", "", 1))
     os.utime(path, (1e9, 1e9))
-    failures = write_partial_results(plan)
-    path.write_text(before)
-    assert [(each["surface"], each["reason"]) for each in failures] == [
+    failures = report_finished(plan)
+    path.write_text(text_before)
+    assert [(failure["surface"], failure["reason"]) for failure in failures] == [
         (name, "not finished") for name in ("first", "second", "third")
     ]
 

@@ -11,7 +11,7 @@ import psutil
 import pytest
 from small_project import Project
 
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface
 
 SIDE = 32
 CASES = {
@@ -29,16 +29,16 @@ SETTINGS = {
 
 def followed(project, *arguments):
     """Run the workflow; return exit status, what was said, and the CPU time (s) of Snakemake alone."""
-    own = 0.0
-    with project.path("said").open("w+", encoding="utf-8") as said:
-        run = subprocess.Popen(project.command(*arguments), stdout=said, stderr=said)
+    scheduling_time = 0.0
+    with project.path("said").open("w+", encoding="utf-8") as output:
+        run = subprocess.Popen(project.command(*arguments), stdout=output, stderr=output)
         while run.poll() is None:
             with suppress(psutil.Error):
                 times = psutil.Process(run.pid).cpu_times()
-                own = max(own, times.user + times.system)
+                scheduling_time = max(scheduling_time, times.user + times.system)
             time.sleep(0.2)
-        said.seek(0)
-        return run.returncode, said.read(), own
+        output.seek(0)
+        return run.returncode, output.read(), scheduling_time
 
 
 @pytest.mark.slow
@@ -52,12 +52,12 @@ def test_a_study_of_many_surfaces_goes_to_its_index(tmp_path, checkout, number):
         np.save(project.path(f"measured/{seed}.npy"), heights)
         table.append(f"s{seed}\tmeasured/{seed}.npy\tum\t1\t1")
     project.write(SETTINGS, table)
-    status, said, scheduling = followed(project, "--logger", "roughcontact")
-    assert status == 0, said
+    status, output, scheduling = followed(project, "--logger", "roughcontact")
+    assert status == 0, output
     assert scheduling < 10  # some 4 s, and 40 s where each job starts a clock of its own
     # preparing is shared by the cases; the report and the target
-    jobs = number * (1 + len(CASES)) + 2
-    lines = said.splitlines()
+    jobs = number * (1 + 2 * len(CASES)) + 2
+    lines = output.splitlines()
     results = number * len(CASES)
     assert f"{results} results, {jobs} jobs" in lines
     assert len([line for line in lines if re.match(r"\w+/s\d+: done", line)]) == results

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import yaml
 from small_project import ROOT, SETTINGS, TABLE, write_maps
+from test_app import in_time, opened, served
 
 PROGRAMS = Path(sys.executable).parent
 MODULES = sorted({*sys.stdlib_module_names, *packages_distributions(), "_job", "_preparing"})
@@ -32,10 +33,10 @@ def executed(folder):
 def run_in(folder, *command):
     """Run a program in a folder, and return its exit status and all that it says."""
     variables = {name: value for name, value in os.environ.items() if name != "PYTHONSAFEPATH"}
-    done = subprocess.run(
+    process = subprocess.run(
         list(map(str, command)), cwd=folder, env=variables, capture_output=True, text=True, check=False
     )
-    return done.returncode, done.stdout + done.stderr
+    return process.returncode, process.stdout + process.stderr
 
 
 @pytest.fixture
@@ -54,22 +55,49 @@ def study(tmp_path):
 
 
 def test_a_run_its_jobs_and_the_partial_report_import_nothing_of_the_study(study):
-    status, said = run_in(study, PROGRAMS / "roughcontact", "run", "-n")
+    status, output = run_in(study, PROGRAMS / "roughcontact", "run", "-n")
     assert (status, executed(study)) == (0, [])
-    status, said = run_in(study, PROGRAMS / "roughcontact", "run", "--cores", "2")
+    status, output = run_in(study, PROGRAMS / "roughcontact", "run", "--cores", "2")
     assert executed(study) == []
     assert status == 1
-    assert "Not finished: empty." in said
+    assert "Not finished: empty." in output
     assert (study / "results/ground/statistics.nc").stat().st_size
     assert "empty" in (study / "results/report.html").read_text()
+
+
+def test_the_page_imports_nothing_of_the_study(study):
+    """Neither it itself nor the run and the exports that it starts; maps and report are drawn."""
+    program, variables = [PROGRAMS / "roughcontact"], {**os.environ}
+    variables.pop("PYTHONSAFEPATH", None)
+    settings = {
+        "contact.contact_modulus": "1 GPa",
+        "contact.relative_pressure": "0.05",
+        "surfaces": "surfaces.tsv",
+    }
+    row = {"surface": "ground", "path": "measured/ground.npy", "unit": "um", "dx": "2", "dy": "1"}
+    form = settings | {f"rows.0.{name}": cell for name, cell in row.items()} | {"page.path": "measured"}
+    with served(study, program=program, cwd=study, env=variables) as address:
+        press = opened(address)
+        assert press("check", form)[0] == 200
+        assert "2 added" in press("add", form)[1]
+        assert press("start", form)[0] == 200
+        in_time(lambda: 'id="state" role="status">done' in press("state", form)[1], seconds=300)
+        assert executed(study) == []
+        for name in ("methods", "table", "crate", ".xlsx", ".png"):
+            chosen = {"page.result": "ground", "page.before": "ground", "page.form": name}
+            assert press("export", form | chosen)[0] == 200
+            assert executed(study) == []
+    assert (study / "results/report.html").stat().st_size
+    assert (study / "exports/ground.png").stat().st_size
+    assert executed(study) == []
 
 
 def test_snakemake_itself_imports_nothing_of_a_study_in_the_checkout(checkout, study):
     """Its jobs neither; Snakemake puts the folder of the Snakefile on its path."""
     (study / "Snakefile").write_bytes((checkout / "Snakefile").read_bytes())
     (study / "workflow").symlink_to(checkout / "workflow")
-    status, said = run_in(study, PROGRAMS / "snakemake", "--cores", "2", "results/ground/statistics.nc")
-    assert (status, executed(study)) == (0, []), said
+    status, output = run_in(study, PROGRAMS / "snakemake", "--cores", "2", "results/ground/statistics.nc")
+    assert (status, executed(study)) == (0, []), output
     assert (study / "results/ground/statistics.nc").stat().st_size
 
 
@@ -79,8 +107,8 @@ def test_run_py_imports_nothing_of_a_study_in_the_checkout(tmp_path):
     for name in ("run.py", "setup.py"):
         (tmp_path / name).write_bytes((ROOT / name).read_bytes())
     (tmp_path / "pyproject.toml").write_text("not a table")
-    status, said = run_in(tmp_path, sys.executable, "run.py", "-n")
+    status, output = run_in(tmp_path, sys.executable, "run.py", "-n")
     assert executed(tmp_path) == []
     assert status == 1
-    assert "failed: " in said
-    assert "install --editable" in said
+    assert "failed: " in output
+    assert "install --editable" in output

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from small_project import SETTINGS, Project, counted, write_maps
 
-from roughcontact.faces.composite import composite
-from roughcontact.faces.positions import relative_positions
 from roughcontact.results.storage import read_dataset
+from roughcontact.surface.faces.composite import composite
+from roughcontact.surface.faces.positions import relative_positions
 
 PAIR = (
     "surface\tpath\tcounter_face\tunit\tdx\tdy",
@@ -26,6 +26,7 @@ FIRST = {
     "prepare_face": 2,
     "superpose": 2,
     "contact": 3,
+    "panel": 3,
     "report": 1,
 }
 
@@ -74,8 +75,8 @@ def test_members_are_the_composites_of_the_ensemble(paired):
         for name in ("ground.npy", "turned.txt")
     )
     for member, position in zip(MEMBERS, positions, strict=True):
-        found = read_dataset(paired.path(f"results/{member}/levelled.nc"))
-        np.testing.assert_array_equal(found["height"], composite(*faces, **position))
+        member_map = read_dataset(paired.path(f"results/{member}/levelled.nc"))
+        np.testing.assert_array_equal(member_map["height"], composite(*faces, **position))
         attrs = read_dataset(paired.path(f"results/{member}/statistics.nc")).attrs
         assert attrs["source_sha256"] == checksums
         recorded = json.loads(attrs["settings"])["surface"]
@@ -102,18 +103,18 @@ def test_mean_and_spread_over_the_members(paired):
         assert (row["group"], row["maps"]) == ("seal", "2")
         load = np.log(float(row["mean_pressure_Pa"]))
         for name, unit in (("relative_contact_area", ""), ("max_pressure", "_Pa")):
-            for end, outermost in (("lower", min), ("upper", max)):
-                column = f"{name}_{end}{unit}"
-                if row[f"{name}_{end}"] and all(one[column] for one in members):
-                    ends = (
+            for side, outermost in (("lower", min), ("upper", max)):
+                column = f"{name}_{side}{unit}"
+                if row[f"{name}_{side}"] and all(member_row[column] for member_row in members):
+                    bounds = (
                         np.interp(
                             load,
-                            [np.log(float(one["mean_pressure_Pa"])) for one in member],
-                            [float(one[column]) for one in member],
+                            [np.log(float(member_row["mean_pressure_Pa"])) for member_row in member],
+                            [float(member_row[column]) for member_row in member],
                         )
                         for member in of_members
                     )
-                    assert float(row[f"{name}_{end}"]) == pytest.approx(outermost(ends), rel=1e-6)
+                    assert float(row[f"{name}_{side}"]) == pytest.approx(outermost(bounds), rel=1e-6)
     for part in ("Counter-face, as measured", "turned.txt, its middle at", "turned by 90°"):
         assert part in page
 
@@ -137,7 +138,7 @@ def test_an_edited_counter_face_reruns_its_members_and_not_the_rest(paired):
     jobs = paired.jobs()
     path.write_text(text)
     os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
-    assert jobs == {"prepare_face": 1, "superpose": 2, "contact": 2, "report": 1}
+    assert jobs == {"prepare_face": 1, "superpose": 2, "contact": 2, "panel": 2, "report": 1}
 
 
 @pytest.mark.slow
@@ -148,8 +149,8 @@ def test_cases_share_the_faces_and_the_composites(tmp_path, checkout):
     project.write(settings(shifts=2, rotations=[0]) | {"cases": cases}, (PAIR[0], PAIR[2]))
     run = project.run()
     assert run.returncode == 0, run.stderr
-    done = counted(run)
-    assert done == {"prepare_face": 2, "superpose": 4, "contact": 4, "report": 1}
+    job_counts = counted(run)
+    assert job_counts == {"prepare_face": 2, "superpose": 4, "contact": 4, "panel": 4, "report": 1}
     rows = table(project, "pairs.csv")
     assert [(row["case"], row["surface"]) for row in rows] == [("base", "seal")] * 2 + [("raw", "seal")] * 2
     assert not project.path("results/raw/seal-face").exists()
@@ -168,5 +169,5 @@ def test_a_missing_counter_face_is_named_before_anything_runs(project):
     project.write(settings(), [row.replace("turned.txt", "nothing.x3p") for row in PAIR])
     run = project.run("--keep-going", *(f"results/{name}/window.nc" for name in ("ground", "seal-1")))
     assert run.returncode != 0
-    assert "measured/nothing.x3p: no such file" in run.stderr
+    assert "counter_face = 'measured/nothing.x3p': no such file" in run.stderr
     assert not project.path("results").exists()

@@ -10,10 +10,10 @@ import time
 import pytest
 from small_project import SETTINGS, Project, counted, write_maps
 
-from roughcontact.configuration.plan import Plan
-from roughcontact.configuration.study import read_study
-from roughcontact.report.partial import write_partial_results
 from roughcontact.results.storage import read_dataset
+from roughcontact.study.failures import report_finished
+from roughcontact.study.plan import Plan
+from roughcontact.study.study import read_study
 
 QUICK = SETTINGS | {"uncertainty": {"sources": []}}
 REPORT = ("results/statistics.nc", "results/summary.csv", "results/uncertainty.csv", "results/report.html")
@@ -25,13 +25,13 @@ def finished(tmp_path_factory, checkout):
     project = Project(tmp_path_factory.mktemp("finished") / "project", checkout)
     write_maps(project.path("measured"))
     project.write(QUICK)
-    first = project.run()
-    assert first.returncode == 0, first.stderr
+    first_run = project.run()
+    assert first_run.returncode == 0, first_run.stderr
     return project
 
 
 @pytest.fixture
-def done(tmp_path, checkout, finished, monkeypatch):
+def study(tmp_path, checkout, finished, monkeypatch):
     """A copy of that folder, as the working directory."""
     shutil.copytree(finished.folder, tmp_path / "project", symlinks=True)
     project = Project(tmp_path / "project", checkout)
@@ -49,44 +49,44 @@ def contents(project):
     return {name: project.path(name).read_bytes() for name in REPORT}
 
 
-def test_what_is_mended_is_in_the_next_report_though_it_is_as_before(done):
+def test_what_is_mended_is_in_the_next_report_though_it_is_as_before(study):
     """Snakemake compares contents of small files with those of the last report that it has made itself."""
-    complete, measured = contents(done), done.path("measured/turned.txt")
+    complete, measured = contents(study), study.path("measured/turned.txt")
     times, text = measured.stat(), measured.read_bytes()
     start = time.time()
     measured.write_bytes(b"")
-    failed = done.run("--keep-going")
+    failed = study.run("--keep-going")
     assert failed.returncode != 0
     assert "Not finished: turned." in failed.stderr
     changed = "; contact.tolerance: 1.0e-06; uncertainty.sources: []</p>"
     assert changed in complete[REPORT[-1]].decode()
-    assert changed in contents(done)[REPORT[-1]].decode()
-    assert done.path("results/report.html").stat().st_mtime > start - 1
-    partial = read_dataset(done.path("results/statistics.nc"))
+    assert changed in contents(study)[REPORT[-1]].decode()
+    assert study.path("results/report.html").stat().st_mtime > start - 1
+    partial = read_dataset(study.path("results/statistics.nc"))
     assert partial["surface"].values.tolist() == ["ground"]
     (failure,) = json.loads(partial.attrs["failed"])
     assert (failure["surface"], failure["case"]) == ("turned", None)
     assert "measured/turned.txt: the file is empty" in failure["reason"]
     measured.write_bytes(text)
     os.utime(measured, ns=(times.st_atime_ns, times.st_mtime_ns))
-    assert not done.path("results/turned/window.nc").exists()  # of the failed job
-    assert counted(done.run("--rerun-incomplete")) == {"prepare": 1, "contact": 1, "report": 1}
-    assert done.path("results/turned/window.nc").exists()
-    assert contents(done) == complete
-    assert "Nothing to be done" in done.run().stderr
+    assert not study.path("results/turned/window.nc").exists()  # of the failed job
+    assert counted(study.run("--rerun-incomplete")) == {"prepare": 1, "contact": 1, "panel": 1, "report": 1}
+    assert study.path("results/turned/window.nc").exists()
+    assert contents(study) == complete
+    assert "Nothing to be done" in study.run().stderr
 
 
-def test_a_partial_report_is_made_again_whatever_its_date(done):
-    done.path("logs/turned/contact.log").write_text("[contact turned] load 1 of 2\n")
-    assert write_partial_results(plan())
-    os.utime(done.path("results/uncertainty.csv"))  # as a copy does
-    assert done.jobs() == {"report": 1}
+def test_a_partial_report_is_made_again_whatever_its_date(study):
+    study.path("logs/turned/contact.json").write_text('{"done": false}')
+    assert report_finished(plan())
+    os.utime(study.path("results/uncertainty.csv"))  # as a copy does
+    assert study.jobs() == {"report": 1}
 
 
-def test_where_all_is_finished_nothing_is_written(done):
-    before = contents(done)
-    assert write_partial_results(plan()) == []
-    assert contents(done) == before
+def test_where_all_is_finished_nothing_is_written(study):
+    contents_before = contents(study)
+    assert report_finished(plan()) == []
+    assert contents(study) == contents_before
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,7 @@ def test_where_all_is_finished_nothing_is_written(done):
         lambda folder: (folder / "results/turned/panel.html").unlink(),
         lambda folder: (folder / "results/turned/panel.json").unlink(),
         lambda folder: (folder / "results/turned/statistics.nc").write_bytes(b"not netCDF"),
-        lambda folder: (folder / "logs/turned/contact.log").write_text("[contact turned] load 1 of 2\n"),
+        lambda folder: (folder / "logs/turned/contact.json").write_text('{"done": false}'),
     ],
     ids=[
         "another measurement",
@@ -108,47 +108,47 @@ def test_where_all_is_finished_nothing_is_written(done):
         "a job that was killed",
     ],
 )
-def test_a_result_that_is_not_of_this_run_is_not_in_it(done, edit):
-    edit(done.folder)
-    (failure,) = write_partial_results(plan())
+def test_a_result_that_is_not_of_this_run_is_not_in_it(study, edit):
+    edit(study.folder)
+    (failure,) = report_finished(plan())
     assert (failure["surface"], failure["case"]) == ("turned", None)
     assert failure["reason"].startswith(
         ("not finished", "ended without a word, as a job does that is killed")
     )
-    page = done.path("results/report.html").read_text()
+    page = study.path("results/report.html").read_text()
     assert 'id="surface-ground"' in page
     assert 'id="surface-turned"' not in page
 
 
-def test_results_of_other_settings_are_not_in_it(done):
-    before = contents(done)
-    failures = write_partial_results(plan(contact=SETTINGS["contact"] | {"tolerance": 1e-5}))
+def test_results_of_other_settings_are_not_in_it(study):
+    contents_before = contents(study)
+    failures = report_finished(plan(contact=SETTINGS["contact"] | {"tolerance": 1e-5}))
     assert [failure["surface"] for failure in failures] == ["ground", "turned"]
-    assert contents(done) == before
+    assert contents(study) == contents_before
 
 
 @pytest.mark.parametrize("partial", [True, False])
-def test_files_of_an_earlier_table_with_groups_and_pairs_do_not_stay_beside_it(done, partial):
+def test_files_of_an_earlier_table_with_groups_and_pairs_do_not_stay_beside_it(study, partial):
     earlier = [
-        done.path(f"results/{name}") for name in ("groups.nc", "groups.csv", "pairs.csv", "pages/x.html")
+        study.path(f"results/{name}") for name in ("groups.nc", "groups.csv", "pairs.csv", "pages/x.html")
     ]
     for path in earlier:
         path.parent.mkdir(exist_ok=True)
         path.write_text("of an earlier run")
     if partial:
-        done.path("results/turned/panel.html").unlink()
-        assert write_partial_results(plan())
+        study.path("results/turned/panel.html").unlink()
+        assert report_finished(plan())
     else:
-        done.write(QUICK | {"report": {"title": "Without groups"}})
-        assert done.run().returncode == 0
+        study.write(QUICK | {"report": {"title": "Without groups"}})
+        assert study.run().returncode == 0
     assert not any(path.exists() for path in earlier)
-    assert done.path("results/summary.csv").exists()
+    assert study.path("results/summary.csv").exists()
 
 
-def test_the_command_says_that_the_page_is_older_where_nothing_is_finished(done):
+def test_the_command_says_that_the_page_is_older_where_nothing_is_finished(study):
     config = QUICK | {"contact": SETTINGS["contact"] | {"tolerance": 1e-5}}
     run = subprocess.run(
-        [sys.executable, "-m", "roughcontact.command_line.unfinished"],
+        [sys.executable, "-m", "roughcontact.study.failures"],
         input=json.dumps({"config": config, "folders": ["."], "measured_in": ["."]}),
         capture_output=True,
         text=True,
@@ -158,35 +158,35 @@ def test_the_command_says_that_the_page_is_older_where_nothing_is_finished(done)
     assert run.stderr.endswith("results/report.html and the tables beside it are of an earlier run.\n")
 
 
-def test_the_command_says_what_is_missing(done):
-    done.path("logs/ground/contact.log").write_text("[contact ground] ERROR: killed; out of memory\n")
-    done.path("results/ground/panel.html").unlink()
-    stated = {"config": QUICK, "folders": ["."], "measured_in": ["."]}
+def test_the_command_says_what_is_missing(study):
+    study.path("logs/ground/contact.json").write_text('{"error": "killed; out of memory"}')
+    study.path("results/ground/panel.html").unlink()
+    request = {"config": QUICK, "folders": ["."], "measured_in": ["."]}
     run = subprocess.run(
-        [sys.executable, "-m", "roughcontact.command_line.unfinished"],
-        input=json.dumps(stated),
+        [sys.executable, "-m", "roughcontact.study.failures"],
+        input=json.dumps(request),
         capture_output=True,
         text=True,
         check=True,
     )
     assert run.stderr.startswith("Not finished: ground. The lines with ERROR above give the reasons")
     assert "results/report.html and results/summary.csv have the others" in run.stderr
-    failed = json.loads(read_dataset(done.path("results/statistics.nc")).attrs["failed"])
+    failed = json.loads(read_dataset(study.path("results/statistics.nc")).attrs["failed"])
     assert failed[0]["reason"] == "killed; out of memory"
 
 
-def test_a_file_that_is_gone_since_the_run_began_keeps_no_other_from_the_report(done):
-    done.path("measured/turned.txt").unlink()
-    stated = {"config": QUICK, "folders": ["."], "measured_in": ["."]}
+def test_a_file_that_is_gone_since_the_run_began_keeps_no_other_from_the_report(study):
+    study.path("measured/turned.txt").unlink()
+    request = {"config": QUICK, "folders": ["."], "measured_in": ["."]}
     run = subprocess.run(
-        [sys.executable, "-m", "roughcontact.command_line.unfinished"],
-        input=json.dumps(stated),
+        [sys.executable, "-m", "roughcontact.study.failures"],
+        input=json.dumps(request),
         capture_output=True,
         text=True,
         check=True,
     )
     assert run.stderr.startswith("Not finished: turned. ")
-    statistics = read_dataset(done.path("results/statistics.nc"))
+    statistics = read_dataset(study.path("results/statistics.nc"))
     assert statistics["surface_name"].values.tolist() == ["ground"]
     (failed,) = json.loads(statistics.attrs["failed"])
     assert failed["reason"] == "measured/turned.txt: is gone since the run began; put it back and run again"

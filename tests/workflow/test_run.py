@@ -19,7 +19,7 @@ import xarray as xr
 from small_project import ROOT, SETTINGS, TABLE, Project, counted, write_maps
 
 from roughcontact import evaluate, read_height_map
-from roughcontact.configuration.resolve import resolve
+from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.results.storage import read_dataset, write_dataset
 
 EPSILON = np.finfo(float).eps
@@ -32,7 +32,8 @@ FILES = [
     "report.html",
     *(f"{s}/{f}" for s in ("ground", "turned") for f in EACH),
 ]
-FROM_CONTACT = {"contact": 2, "report": 1}
+DRAWN = {"panel": 2, "report": 1}
+FROM_CONTACT = {"contact": 2, **DRAWN}
 FROM_PREPARE = {"prepare": 2, **FROM_CONTACT}
 OF_ONE = dict.fromkeys(FROM_PREPARE, 1)
 
@@ -59,7 +60,7 @@ def test_a_run_leaves_every_file_and_no_other(finished):
 
 
 def test_a_run_shows_how_far_it_has_come(finished):
-    for line in ("[contact ground] load 1 of 2", "[contact turned] load 2 of 2", "6 of 6 steps (100%) done"):
+    for line in ("[contact ground] load 1 of 2", "[contact turned] load 2 of 2", "8 of 8 steps (100%) done"):
         assert line in finished.first.stderr
     assert "load 2 of 2" in finished.path("logs/ground/contact.log").read_text()
 
@@ -69,29 +70,29 @@ def test_the_short_screen_has_a_line_for_each_surface(project):
     files = [f"results/{name}/panel.html" for name in ("ground", "turned")]
     run = project.run(*files, "--logger", "roughcontact")
     assert run.returncode == 0, run.stderr
-    said = run.stderr.partition("2 results, 4 jobs\n")[2]
+    output = run.stderr.partition("2 results, 6 jobs\n")[2]
     assert re.fullmatch(
-        r"(ground|turned): done \(1 of 2.*\)\n(ground|turned): done \(2 of 2\)\ndone in .*\n", said
+        r"(ground|turned): done \(1 of 2.*\)\n(ground|turned): done \(2 of 2\)\ndone in .*\n", output
     )
 
 
 def test_the_numbers_are_those_of_evaluate(finished):
     (settings,) = resolve(SETTINGS).values()
     sections = {name: settings[name] for name in ("level", "window", "statistics", "uncertainty")}
-    found = evaluate(
+    statistics = evaluate(
         read_height_map(finished.path("measured/turned.txt"), unit="um", dx=1.0, dy=1.0),
         contact=SETTINGS["contact"],
         **sections,
     )
     written = read_dataset(finished.path("results/turned/statistics.nc"))
-    assert {*found.variables} == {*written.variables}
-    for name in found.variables:
+    assert {*statistics.variables} == {*written.variables}
+    for name in statistics.variables:
         if written[name].dtype.kind == "f":  # sums of the flow depend on where arrays lie in memory
-            np.testing.assert_allclose(found[name], written[name], rtol=4 * EPSILON, err_msg=name)
+            np.testing.assert_allclose(statistics[name], written[name], rtol=4 * EPSILON, err_msg=name)
         else:
-            np.testing.assert_array_equal(found[name], written[name], err_msg=name)
-    assert found.attrs["verdicts"] == written.attrs["verdicts"]
-    assert found.attrs["reasons"] == written.attrs["reasons"]
+            np.testing.assert_array_equal(statistics[name], written[name], err_msg=name)
+    assert statistics.attrs["verdicts"] == written.attrs["verdicts"]
+    assert statistics.attrs["reasons"] == written.attrs["reasons"]
     assert written["verdict"].attrs["flag_meanings"] == "use review do_not_use"
 
 
@@ -126,16 +127,16 @@ def test_the_summary_has_a_row_for_each_surface_and_load(finished):
     # E* = 1 GPa, no hardness: at p' = 0.2 and g = 0.1 metals would flow, and the table says so of every load
     assert {row["verdict"] for row in rows} <= {"use", "review", "do not use"}
     for row in rows:
-        beyond = float(row["mean_contact_pressure_Pa"]) > 1e7 or float(row["max_pressure_Pa"]) > 3e7
-        assert ("Plasticity: At " in row["reasons"]) == beyond
+        flows = float(row["mean_contact_pressure_Pa"]) > 1e7 or float(row["max_pressure_Pa"]) > 3e7
+        assert ("Plasticity: At " in row["reasons"]) == flows
         assert (row["verdict"] == "use") == (row["reasons"] == "")
     assert "metals would flow" in rows[-1]["reasons"]
 
 
 def test_a_second_run_does_nothing(finished):
-    again = finished.run()
-    assert again.returncode == 0
-    assert "Nothing to be done" in again.stderr
+    second_run = finished.run()
+    assert second_run.returncode == 0
+    assert "Nothing to be done" in second_run.stderr
 
 
 def test_results_without_the_records_of_snakemake_are_made_again(finished, tmp_path, checkout):
@@ -146,7 +147,7 @@ def test_results_without_the_records_of_snakemake_are_made_again(finished, tmp_p
     copy.write(SETTINGS | {"contact": SETTINGS["contact"] | {"contact_modulus": "2e9"}})
     run = copy.run("--dry-run")
     assert counted(run) == FROM_PREPARE
-    assert "results/ came without .snakemake" in run.stderr
+    assert "Not left by the last run here, made again: 'results/ground/height.nc', " in run.stderr
     assert copy.jobs() == FROM_PREPARE
     complete = shutil.copytree(finished.folder, tmp_path / "complete")
     assert Project(complete, checkout).jobs().keys() <= {"report"}  # whose panels are too large to compare
@@ -154,8 +155,8 @@ def test_results_without_the_records_of_snakemake_are_made_again(finished, tmp_p
     statistics = complete / "results/ground/statistics.nc"
     write_dataset(read_dataset(statistics).assign_attrs(settings="{}"), statistics)
     run = Project(complete, checkout).run("--dry-run")
-    assert counted(run) == FROM_PREPARE
-    assert "the last run here has left (results/ground/statistics.nc differs): all results are" in run.stderr
+    assert counted(run) == {"contact": 1, "panel": 1, "report": 1}
+    assert "Not left by the last run here, made again: 'results/ground/statistics.nc'\n" in run.stderr
 
 
 def test_a_result_that_was_deleted_is_made_again(finished, tmp_path, checkout):
@@ -173,7 +174,7 @@ def test_a_run_that_ended_after_the_window_goes_on_whatever_the_dates(finished, 
     assert run.returncode == 0, run.stderr
     for name in ("contact.nc", "uncertainty.nc", "statistics.nc", "panel.html", "panel.json"):
         os.utime(folder / "results/turned" / name)
-    assert project.jobs() == {"contact": 1, "report": 1}
+    assert project.jobs() == {"contact": 1, "panel": 1, "report": 1}
 
 
 def test_planning_a_run_imports_nothing_that_computes():
@@ -191,7 +192,7 @@ def test_planning_a_run_imports_nothing_that_computes():
 
 def test_the_jobs_import_parts_of_scipy_only_where_they_use_them():
     """Each takes a tenth of a second and more of every job; `import scipy` imports none of them."""
-    program = "import sys, roughcontact.pipeline, roughcontact.report.page; print(*sys.modules)"
+    program = "import sys, roughcontact.evaluation.pipeline, roughcontact.report.page; print(*sys.modules)"
     environment = os.environ | {"PYTHONPATH": str(ROOT / "workflow/lib")}
     run = subprocess.run(
         [sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True
@@ -258,11 +259,14 @@ def test_pitches_that_changed_places_rerun_that_surface(finished):
 @pytest.mark.parametrize(
     ("module", "expected"),
     [
-        ("levelling/level.py", FROM_PREPARE),
+        ("surface/levelling/level.py", FROM_PREPARE),
         ("contact/solve.py", FROM_CONTACT),
         ("uncertainty/discretisation.py", FROM_CONTACT),
         ("report/page.py", {"report": 1}),
-        ("configuration/models.py", {}),
+        ("report/panel.py", DRAWN),
+        ("io/readers/npy.py", OF_ONE),
+        ("io/readers/sdf.py", {}),
+        ("arguments/settings/models.py", {}),
     ],
 )
 def test_an_edited_module_reruns_what_depends_on_it(finished, checkout, module, expected):
@@ -280,11 +284,11 @@ def test_an_edited_measurement_reruns_that_surface(finished):
 @contextmanager
 def replaced(path, *, seconds):
     """Put another map of the same size and that date in the place of one, and put it back at the end."""
-    aside, other = path.with_name("aside.npy"), path.with_name("another.npy")
-    np.save(other, 5 * np.load(path))
-    os.utime(other, (seconds, seconds))
+    aside, replacement = path.with_name("aside.npy"), path.with_name("another.npy")
+    np.save(replacement, 5 * np.load(path))
+    os.utime(replacement, (seconds, seconds))
     path.replace(aside)
-    other.replace(path)
+    replacement.replace(path)
     yield
     aside.replace(path)
 
@@ -308,9 +312,9 @@ def test_a_measurement_that_was_only_touched_reruns_nothing(finished):
 def test_a_measurement_that_is_replaced_at_work_leaves_no_result(project):
     path = project.path("measured/turned.txt")
     target = "results/turned/levelled.nc"
-    with project.path("said.txt").open("w") as said:
-        run = subprocess.Popen(project.command(target), stdout=said, stderr=said)
-    while not (jobs := [each for each in family(run) if ".prepare.py" in " ".join(each)]):
+    with project.path("said.txt").open("w") as output:
+        run = subprocess.Popen(project.command(target), stdout=output, stderr=output)
+    while not (jobs := [process for process in family(run) if ".prepare.py" in " ".join(process)]):
         assert run.poll() is None, project.path("said.txt").read_text()
         time.sleep(0.002)
     os.kill(int(jobs[0][0]), signal.SIGSTOP)
@@ -318,22 +322,22 @@ def test_a_measurement_that_is_replaced_at_work_leaves_no_result(project):
     os.utime(path, (1e9, 1e9))
     os.kill(int(jobs[0][0]), signal.SIGCONT)
     assert run.wait()
-    said = project.path("said.txt").read_text()
-    assert "[prepare turned] ERROR: measured/turned.txt: changed while " in said
+    output = project.path("said.txt").read_text()
+    assert "[prepare turned] ERROR: measured/turned.txt: changed while " in output
     assert not list(project.path("results").rglob("*.nc"))
-    again = project.run(target)
-    assert again.returncode == 0, again.stderr
+    second_run = project.run(target)
+    assert second_run.returncode == 0, second_run.stderr
     checksum = hashlib.sha256(path.read_bytes()).hexdigest()
     assert read_dataset(project.path(target)).attrs["source_sha256"] == checksum
 
 
 def family(run):
     """Return number and command line of all processes that a run has started."""
-    found = []
+    processes = []
     for process in psutil.Process(run.pid).children(recursive=True):
         with suppress(psutil.Error):
-            found.append([str(process.pid), *process.cmdline()])
-    return found
+            processes.append([str(process.pid), *process.cmdline()])
+    return processes
 
 
 CASES = {
@@ -355,7 +359,7 @@ def study(tmp_path_factory, checkout):
 
 
 def test_a_case_computes_only_what_it_changes(study):
-    assert counted(study.first) == {"prepare": 1, "contact": 2, "statistics": 1, "report": 1}
+    assert counted(study.first) == {"prepare": 1, "contact": 2, "statistics": 1, "panel": 3, "report": 1}
     assert "Nothing to be done" in study.run().stderr
 
 
@@ -408,19 +412,19 @@ def test_a_change_of_one_case_reruns_that_case(study):
     study.write(SETTINGS | {"cases": changed}, TABLE[:2])
     jobs = study.jobs()
     study.write(SETTINGS | {"cases": CASES}, TABLE[:2])
-    assert jobs == {"statistics": 1, "report": 1}
+    assert jobs == {"statistics": 1, "panel": 1, "report": 1}
 
 
 def test_a_case_that_shares_again_has_no_file_of_its_own_of_before(study, tmp_path, checkout):
     """`export` would draw its maps."""
     project = Project(shutil.copytree(study.folder, tmp_path / "copy"), checkout)
-    own, shared = (project.path(f"results/{case}/ground/contact.nc") for case in ("binned", "base"))
-    shutil.copy(shared, own)
+    own_contact, shared = (project.path(f"results/{case}/ground/contact.nc") for case in ("binned", "base"))
+    shutil.copy(shared, own_contact)
     project.write(SETTINGS | {"cases": CASES | {"binned": {"statistics": {"gap_bins": 7}}}}, TABLE[:2])
     run = project.run()
     assert run.returncode == 0, run.stderr
     assert shared.exists()
-    assert not own.exists()
+    assert not own_contact.exists()
 
 
 def test_braces_in_names_of_files_and_in_the_title_stay(project):
@@ -441,4 +445,4 @@ def test_braces_in_names_of_files_and_in_the_title_stay(project):
     assert np.ptp(height) == pytest.approx(2e-6 * np.ptp(heights))
     assert project.jobs() == {}
     np.save(project.path("measured/{surface}.npy"), heights)
-    assert project.jobs() == {"prepare": 1, "contact": 1, "report": 1}
+    assert project.jobs() == {"prepare": 1, "contact": 1, "panel": 1, "report": 1}

@@ -6,7 +6,7 @@ import xarray as xr
 from small_project import SETTINGS, TABLE, Project, write_maps
 
 import roughcontact as rc
-from roughcontact.references.closed_forms import hertz
+from roughcontact.contact.elasticity.closed_forms import hertz
 from roughcontact.results.storage import read_dataset
 
 FREE = {"contact_modulus": "1 GPa", "boundary": "free", "force": ["1 mN", "2 mN"]}

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from small_project import SETTINGS, Project
 
-from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.results.storage import read_dataset
+from roughcontact.surface.synthetic import self_affine_surface
 
 HEADER = "surface\tpath\tunit\tdx\tdy\tgroup\tpart"
 GRADIENTS = {"fine": (0.08, 0.09, 0.085), "coarse": (0.15, 0.17, 0.16)}
@@ -31,8 +31,8 @@ def grouped(tmp_path, checkout):
     project = Project(tmp_path / "project", checkout)
     for group, gradients in GRADIENTS.items():
         for number, gradient in enumerate(gradients):
-            wanted = {"hurst": 0.8, "shortest": 8, "longest": 16, "rms_gradient": gradient}
-            height = self_affine_surface((32, 32), 1.0, **wanted, seed=number)
+            parameters = {"hurst": 0.8, "shortest": 8, "longest": 16, "rms_gradient": gradient}
+            height = self_affine_surface((32, 32), 1.0, **parameters, seed=number)
             np.save(project.path(f"measured/{group}-{number}.npy"), height.values)
     project.write(QUICK, [HEADER, *ROWS])
     return project
@@ -54,12 +54,14 @@ def test_groups_have_their_files_and_stand_first_on_the_page(grouped):
     summary = table(grouped, "summary.csv")
     for row in rows:
         of_maps = [
-            float(one["relative_contact_area"])
-            for one in summary
-            if one["surface"].startswith(row["group"][:-1])
-            and one["mean_pressure_Pa"] == row["mean_pressure_Pa"]
+            float(row_of_map["relative_contact_area"])
+            for row_of_map in summary
+            if row_of_map["surface"].startswith(row["group"][:-1])
+            and row_of_map["mean_pressure_Pa"] == row["mean_pressure_Pa"]
         ]
-        low, value, high = (float(row[f"relative_contact_area{end}"]) for end in ("_lower", "", "_upper"))
+        low, value, high = (
+            float(row[f"relative_contact_area{suffix}"]) for suffix in ("_lower", "", "_upper")
+        )
         assert low < min(of_maps) * 1.05
         assert min(of_maps) < value < max(of_maps)
         assert high > max(of_maps) * 0.95
@@ -96,8 +98,8 @@ def test_maps_that_are_cut_are_groups_of_their_parts(grouped):
         ("milled", "4", "4"),
     }
     part = read_dataset(grouped.path("results/lapped-2-1/height.nc"))["height"]
-    whole = np.load(grouped.path("measured/lapped.npy"))
-    np.testing.assert_allclose(part.values, whole[:32, 32:] * 1e-6, rtol=1e-6)
+    full_map = np.load(grouped.path("measured/lapped.npy"))
+    np.testing.assert_allclose(part.values, full_map[:32, 32:] * 1e-6, rtol=1e-6)
     area = [r for r in table(grouped, "comparisons.csv") if r["quantity"] == "relative_contact_area"]
     assert {row["outcome"] for row in area} == {"differ"}
     page = grouped.path("results/report.html").read_text()
@@ -117,15 +119,15 @@ def test_a_group_of_different_pixels_is_named_and_the_rest_goes_on(grouped):
     grouped.write(QUICK | cases, [HEADER, *rows])
     run = grouped.run()
     assert run.returncode == 0, run.stderr
-    said = "its maps hold different waves, the shortest of fine-1 is 2.00 µm, that of fine-0 4.00 µm"
-    assert said in run.stderr
-    assert said in grouped.path("results/report.html").read_text()
+    message = "its maps hold different waves, the shortest of fine-1 is 2.00 µm, that of fine-0 4.00 µm"
+    assert message in run.stderr
+    assert message in grouped.path("results/report.html").read_text()
     assert table(grouped, "groups.csv") == table(grouped, "comparisons.csv") == []
 
 
 @pytest.mark.slow
 def test_repeats_and_placements_are_compared_and_folded_below_their_pair(grouped):
-    rows = [f"{row}\t\t{again}" for row, again in zip(ROWS[:2], ("", "fine-0"), strict=True)]
+    rows = [f"{row}\t\t{repeat_of}" for row, repeat_of in zip(ROWS[:2], ("", "fine-0"), strict=True)]
     rows = [row.replace("\tfines\t", "\t\t") for row in rows]
     np.save(grouped.path("measured/fine-1.npy"), 1.001 * np.load(grouped.path("measured/fine-0.npy")))
     grouped.write(
@@ -138,14 +140,14 @@ def test_repeats_and_placements_are_compared_and_folded_below_their_pair(grouped
         ("seal-1", "seal-2")
     ] * 2
     # heights 1.001 times as large have a gap that is larger by about as much
-    ratios = [float(compared[0][f"ratio{end}"]) for end in ("_lower", "", "_upper")]
+    ratios = [float(compared[0][f"ratio{suffix}"]) for suffix in ("_lower", "", "_upper")]
     assert ratios == sorted(ratios)
     assert 1.0005 < ratios[1] < 1.002
     assert ratios[2] - ratios[0] < 0.01
     page = grouped.path("results/report.html").read_text()
     folded = '<details class="group"><summary>seal, map by map: seal-1, seal-2</summary>'
-    said = re.search(r"<b>seal</b>: 2 placements of two faces \((use|review) 2\)\.", page)
-    assert said.start() < page.index('<section id="glance">')
+    match = re.search(r"<b>seal</b>: 2 placements of two faces \((use|review) 2\)\.", page)
+    assert match.start() < page.index('<section id="glance">')
     assert page.index('<a href="#surface-fine-0">', page.index('<section id="glance">')) < page.index(folded)
     assert page.index('<details class="group"><summary>seal-1, of seal</summary>') < page.index(
         'id="surface-seal-1"'
@@ -165,7 +167,7 @@ def test_cases_of_a_group_are_compared_map_by_map(grouped):
 
 
 @pytest.mark.parametrize(
-    ("rows", "said"),
+    ("rows", "message"),
     [
         ([ROWS[0], ROWS[3], ROWS[4]], "line 2, group = fines: has fine-0 alone; name further maps"),
         (
@@ -181,9 +183,9 @@ def test_cases_of_a_group_are_compared_map_by_map(grouped):
         ([*ROWS[3:], "one\tmeasured/fine-0.npy\tum\t1\t1\t\tp1"], "line 5, part = p1: is in no group"),
     ],
 )
-def test_tables_that_cannot_be_right(grouped, rows, said):
+def test_tables_that_cannot_be_right(grouped, rows, message):
     rows = rows if rows[0].startswith(HEADER) else [HEADER, *rows]
     grouped.write(QUICK | {"cases": {"soft": {}, "stiff": {"contact": {"tolerance": 1e-3}}}}, rows)
     run = grouped.run("--dry-run")
     assert run.returncode != 0
-    assert said in run.stderr
+    assert message in run.stderr

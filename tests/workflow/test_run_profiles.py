@@ -8,8 +8,8 @@ import pytest
 from small_project import SETTINGS, Project
 
 from roughcontact import evaluate, read_height_map
-from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.results.storage import read_dataset
+from roughcontact.surface.synthetic import self_affine_surface
 
 
 @pytest.fixture(scope="module")
@@ -47,11 +47,13 @@ def test_the_lay_decides_what_is_solved(project):
 
 def test_the_report_asks_for_the_lay_with_both_numbers(project):
     statistics = read_dataset(project.path("results/unstated/statistics.nc"))
-    reasons = [each["text"] for each in json.loads(statistics.attrs["reasons"]) if each["check"] == "Lay"]
+    reasons = [
+        reason["text"] for reason in json.loads(statistics.attrs["reasons"]) if reason["check"] == "Lay"
+    ]
     assert "of an isotropic surface" in reasons[0]
     assert "State lay = across" in project.path("results/report.html").read_text()
-    known = read_dataset(project.path("results/ridges/statistics.nc"))
-    assert not [each for each in json.loads(known.attrs["reasons"]) if each["check"] == "Lay"]
+    with_lay = read_dataset(project.path("results/ridges/statistics.nc"))
+    assert not [reason for reason in json.loads(with_lay.attrs["reasons"]) if reason["check"] == "Lay"]
 
 
 def test_profiles_along_a_lay_stretch_the_surface_of_those_across_it(project):
@@ -73,14 +75,14 @@ def test_profiles_along_a_lay_stretch_the_surface_of_those_across_it(project):
     assert set(rows["surface"]) == {"over"}
     across = [read_height_map(project.path("measured/stylus.csv"), channel=z) for z in ("z1", "z2")]
     along = read_height_map(project.path("measured/along.csv"))
-    given = {name: settings[name] for name in ("level", "contact", "uncertainty") if name in settings}
-    python = evaluate(across, along=along, lay="across", **given)
+    sections = {name: settings[name] for name in ("level", "contact", "uncertainty") if name in settings}
+    python = evaluate(across, along=along, lay="across", **sections)
     statistics = read_dataset(project.path("results/over/statistics.nc"))
     for name in ("relative_contact_area", "relative_contact_area_upper", "mean_gap"):
         np.testing.assert_allclose(statistics[name], python[name], rtol=1e-6)
     measured = project.path("measured/along.csv")
     pd.read_csv(measured).assign(**{"z (um)": 2 * heights}).to_csv(measured, index=False)
-    assert project.jobs() == {"prepare": 1, "contact": 1, "report": 1}
+    assert project.jobs() == {"prepare": 1, "contact": 1, "panel": 1, "report": 1}
 
 
 def test_mistakes_in_the_lay_are_named_before_anything_runs(project):

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from small_project import SETTINGS, Project
 
-from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.results.storage import read_dataset
+from roughcontact.surface.synthetic import self_affine_surface
 
 NOISE = 2e-9  # m
-HEADER = "surface\tpath\tunit\tdx\tdy\tbefore\trepeat_of"
-ROWS = {name: f"{name}\tmeasured/{name}.npy\tum\t1\t1\t" for name in ("new", "again", "worn")}
+HEADER = "surface\tpath\tunit\theight_unit\tdx\tdy\tbefore\trepeat_of"
+ROWS = {name: f"{name}\tmeasured/{name}.npy\tum\tum\t1\t1\t" for name in ("new", "again", "worn")}
 PLACES = [HEADER, f"{ROWS['new']}\t", f"{ROWS['again']}\tnew", f"{ROWS['worn']}new\t"]
 AS_REPEAT = [HEADER, f"{ROWS['new']}\t", f"{ROWS['worn']}\tnew"]
 LOADS = SETTINGS | {"contact": {"contact_modulus": "10 MPa", "mean_pressure": ["20 kPa", "100 kPa"]}}
@@ -43,7 +43,7 @@ def table(project, name):
 
 def areas(project):
     """Return the area of the worn surface at each load, with the ends of its interval."""
-    keys = [f"relative_contact_area{end}" for end in ("_lower", "", "_upper")]
+    keys = [f"relative_contact_area{suffix}" for suffix in ("_lower", "", "_upper")]
     rows = [row for row in table(project, "summary.csv") if row["surface"] == "worn"]
     return [[float(row[key]) for key in keys] for row in rows]
 
@@ -68,7 +68,7 @@ def test_wear_is_a_difference_and_no_noise(worn):
     worn.write(LOADS, [*PLACES[:3], f"{ROWS['worn']}again\t"])
     assert worn.jobs() == {"report": 1}
     worn.write(LOADS, [*PLACES[:2], f"{ROWS['again']}\t", PLACES[3]])
-    assert worn.jobs() == {"prepare": 2, "contact": 2, "report": 1}
+    assert worn.jobs() == {"prepare": 2, "contact": 2, "panel": 2, "report": 1}
     with_before = areas(worn)
     # as if nothing were known of another map of this place
     worn.write(LOADS, [HEADER, f"{ROWS['worn']}\t"])
@@ -80,16 +80,16 @@ def test_wear_is_a_difference_and_no_noise(worn):
 @pytest.mark.slow
 def test_wear_that_is_called_a_repeat_is_named_and_gives_no_noise(worn):
     worn.write(LOADS, AS_REPEAT)
-    assert worn.jobs() == {"prepare": 2, "contact": 2, "report": 1}
+    assert worn.jobs() == {"prepare": 2, "contact": 2, "panel": 2, "report": 1}
     run = worn.run()
     assert run.returncode == 0, run.stderr
-    for name, other in (("new", "worn"), ("worn", "new")):
+    for name, partner in (("new", "worn"), ("worn", "new")):
         attrs = stated(worn, name)
         assert "instrument_noise" not in attrs
-        (said,) = json.loads(attrs["ingest_warnings"])
-        assert said.startswith(f"the repeats {name} and {other} differ by ")
-        assert "not as by noise: " in said
-        assert f"warning: {said}" in run.stderr
+        (message,) = json.loads(attrs["ingest_warnings"])
+        assert message.startswith(f"the repeats {name} and {partner} differ by ")
+        assert "not as by noise: " in message
+        assert f"warning: {message}" in run.stderr
     (reason,) = {row["reasons"] for row in table(worn, "summary.csv") if row["surface"] == "worn"}
     assert reason.startswith("Reading the file: The repeats worn and new differ by ")
     assert "The repeats worn and new differ by " in worn.path("results/report.html").read_text()
@@ -100,11 +100,11 @@ def test_copies_in_a_group_have_no_answer(worn):
     header = HEADER.replace("before\trepeat_of", "group")
     for name in "abcd":
         shutil.copy(worn.path("measured/new.npy"), worn.path(f"measured/{name}.npy"))
-    rows = [f"{name}\tmeasured/{name}.npy\tum\t1\t1\tfinish" for name in "abcd"]
+    rows = [f"{name}\tmeasured/{name}.npy\tum\tum\t1\t1\tfinish" for name in "abcd"]
     worn.write(LOADS | {"uncertainty": {"sources": ["solver"]}}, [header, *rows])
     run = worn.run()
     assert run.returncode == 0, run.stderr
-    said = "group finish: a and b have the same results, as copies of one map have"
-    assert said in run.stderr
-    assert said in worn.path("results/report.html").read_text()
+    message = "group finish: a and b have the same results, as copies of one map have"
+    assert message in run.stderr
+    assert message in worn.path("results/report.html").read_text()
     assert table(worn, "groups.csv") == []

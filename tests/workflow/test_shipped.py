@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from roughcontact.configuration.resolve import resolve
-from roughcontact.configuration.surfaces import read_surfaces
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.study.surfaces import read_surfaces
 
 ROOT = Path(__file__).parents[2]
 
@@ -29,13 +29,13 @@ def test_the_conda_environment_has_the_packages_of_the_project():
     environment = yaml.safe_load((ROOT / "workflow/envs/roughcontact.yaml").read_text())["dependencies"]
     lines = [line for line in environment if isinstance(line, str)] + environment[-1]["pip"]
     names = {"matplotlib-base": "matplotlib"}
-    found = {}
+    versions = {}
     for line in lines:
         name, lowest = re.fullmatch(r"([\w-]+) *(>=[\d.]+)?.*", line).groups()
-        found[names.get(name, name).lower()] = lowest
-    wanted = [f"python{project['requires-python']}", *project["dependencies"]]
-    lowest_wanted = dict(re.match(r"([\w-]+)(>=[\d.]+)", line).groups() for line in wanted)
-    assert found == {name.lower(): lowest for name, lowest in lowest_wanted.items()} | {"pip": None}
+        versions[names.get(name, name).lower()] = lowest
+    requirements = [f"python{project['requires-python']}", *project["dependencies"]]
+    lowest_wanted = dict(re.match(r"([\w-]+)(>=[\d.]+)", line).groups() for line in requirements)
+    assert versions == {name.lower(): lowest for name, lowest in lowest_wanted.items()} | {"pip": None}
 
 
 def test_the_recipe_has_the_packages_of_the_project():
@@ -43,11 +43,11 @@ def test_the_recipe_has_the_packages_of_the_project():
     recipe = yaml.safe_load((ROOT / "recipe/recipe.yaml").read_text())
     assert recipe["context"]["version"] == project["version"]
     names = {"matplotlib-base": "matplotlib", "snakemake-minimal": "snakemake"}
-    found = dict(line.split(" ", 1) for line in recipe["requirements"]["run"])
-    wanted = [*project["dependencies"], *project["optional-dependencies"]["workflow"]]
-    limits = dict(re.match(r"([\w-]+)(>=[\d.]+(?:,<[\d.]+)?)", line).groups() for line in wanted)
+    limits_of_recipe = dict(line.split(" ", 1) for line in recipe["requirements"]["run"])
+    requirements = [*project["dependencies"], *project["optional-dependencies"]["workflow"]]
+    limits = dict(re.match(r"([\w-]+)(>=[\d.]+(?:,<[\d.]+)?)", line).groups() for line in requirements)
     limits["python"] = project["requires-python"]
-    assert {names.get(name, name): limit for name, limit in found.items()} == {
+    assert {names.get(name, name): limit for name, limit in limits_of_recipe.items()} == {
         name.lower(): limit for name, limit in limits.items()
     }
 
@@ -62,9 +62,9 @@ def test_the_version_is_the_same_everywhere():
     assert archive["title"] == citation["title"]
     assert archive["keywords"] == citation["keywords"]
     assert archive["license"] == citation["license"]
-    authors = [each["name"] for each in citation["authors"]]
-    assert [each["name"] for each in archive["creators"]] == authors
-    assert [each["name"] for each in paper["authors"]] == authors
+    authors = [author["name"] for author in citation["authors"]]
+    assert [author["name"] for author in archive["creators"]] == authors
+    assert [author["name"] for author in paper["authors"]] == authors
 
 
 def test_the_paper_is_short_and_every_source_has_an_entry():
@@ -93,7 +93,7 @@ def test_every_platform_of_setup_is_run_before_a_release():
     targets = (ROOT / "setup.py").read_text().partition("TARGETS = {")[2].partition("}")[0]
     workflow = yaml.safe_load((ROOT / ".github/workflows/release.yml").read_text())["jobs"]
     matrices = [workflow[job]["strategy"]["matrix"]["include"] for job in ("run", "run-musl")]
-    assert sorted(each["wheel"] for rows in matrices for each in rows) == sorted(
+    assert sorted(row_of_matrix["wheel"] for rows in matrices for row_of_matrix in rows) == sorted(
         re.findall(r'"(\w+)":', targets)
     )
     assert set(workflow["publish"]["needs"]) == {"run", "run-musl"}
@@ -121,10 +121,10 @@ def test_pull_requests_run_on_the_three_systems():
 
 def test_the_lowest_versions_are_the_same_everywhere():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    wanted = " ".join(project["optional-dependencies"]["workflow"])
+    requirements = " ".join(project["optional-dependencies"]["workflow"])
     lowest = {
         "Python": project["requires-python"].removeprefix(">="),
-        "Snakemake": re.match(r"snakemake>=([\d.]+),<\d+ ", wanted)[1],
+        "Snakemake": re.match(r"snakemake>=([\d.]+),<\d+$", requirements)[1],
     }
     assert f'\nmin_version("{lowest["Snakemake"]}")\n' in (ROOT / "workflow/Snakefile").read_text()
     pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")]

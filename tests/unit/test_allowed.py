@@ -1,0 +1,185 @@
+"""What is allowed of a seal, a joint and a pressure: where it holds, from which load on, and the totals."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from roughcontact import evaluate
+from roughcontact.arguments.answers import ALLOWED_VALUES, TOTALS
+from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.arguments.variables import VARIABLES
+from roughcontact.errors import SettingsError
+from roughcontact.report.allowed import allowed_in_words
+from roughcontact.statistics.allowed import compare, with_allowed
+
+LOADS = np.array([1.0, 2.0, 4.0, 8.0])
+
+
+def power_law(exponent, factor=2.0):
+    """Return a number that is 1 at a load of 3, and both ends of its interval."""
+    value = (LOADS / 3) ** exponent
+    return value, value / factor, value * factor
+
+
+def test_a_power_law_holds_from_the_load_of_its_closed_form():
+    """With (p/3)^-2, known to a factor 2, the ends pass 1 at 3/√2 and 3√2."""
+    found = compare(LOADS, power_law(-2.0), allowed=1.0)
+    np.testing.assert_array_equal(found.holds, [0, 0, np.nan, 1])
+    np.testing.assert_allclose(found[1:], [3.0, 3 / 2**0.5, 3 * 2**0.5])
+
+
+def test_a_number_that_rises_holds_up_to_a_load():
+    found = compare(LOADS, power_law(2.0), allowed=1.0, trend=1)
+    np.testing.assert_array_equal(found.holds, [1, 1, np.nan, 0])
+    np.testing.assert_allclose(found[1:], [3.0, 3 / 2**0.5, 3 * 2**0.5])
+
+
+@pytest.mark.parametrize(
+    ("trend", "allowed", "expected"),
+    [
+        (-1, 1e3, (1.0, 0.0, 1.0)),  # at all loads: perhaps at lighter ones, too
+        (-1, 1e-3, (np.nan, 8.0, np.nan)),  # at none: at heavier ones, if at all
+        (1, 1e3, (8.0, 8.0, np.nan)),
+        (1, 1e-3, (np.nan, 0.0, 1.0)),
+    ],
+)
+def test_beyond_the_loads_the_bounds_are_what_the_loads_prove(trend, allowed, expected):
+    found = compare(LOADS, power_law(2.0 * trend), allowed=allowed, trend=trend)
+    np.testing.assert_array_equal(found.holds, float(allowed > 1))
+    np.testing.assert_array_equal(found[1:], expected)
+
+
+def test_ends_that_are_not_known_bound_nothing_and_a_closed_gap_bounds_the_load():
+    nan = np.full(4, np.nan)
+    found = compare(LOADS, (power_law(-2.0)[0], nan, nan), allowed=1.0)
+    assert np.isnan(found.holds).all()
+    np.testing.assert_allclose(found[1:], [3.0, 0.0, np.nan])
+    closes = np.array([4.0, 2.0, 0.0, 0.0])
+    found = compare(LOADS, (closes, closes, closes), allowed=1.0)
+    np.testing.assert_allclose(found[1:], [4.0, 2.0, 4.0])  # between them no power law is
+
+
+def test_what_one_load_decides_heavier_and_lighter_ones_share():
+    """In 200 random results no load that is heavier than one that holds does not, in any order of loads."""
+    random = np.random.default_rng(5)
+    for _ in range(200):
+        loads = random.permutation(np.geomspace(1, 100, 6))
+        value = random.lognormal(size=6)
+        ends = value / random.uniform(1, 3, 6), value * random.uniform(1, 3, 6)
+        trend = random.choice([-1, 1])
+        holds = compare(loads, (value, *ends), allowed=1.0, trend=trend).holds[np.argsort(-trend * loads)]
+        decided = holds[~np.isnan(holds)]
+        assert (np.diff(decided) >= 0).all()
+
+
+def test_each_allowed_value_and_each_total_has_names_that_the_statistics_know():
+    for allowed in ALLOWED_VALUES.values():
+        assert all(number in VARIABLES for number in allowed.numbers)
+    assert all(total in VARIABLES for total in TOTALS)
+
+
+def joint(end, resistance):
+    return {
+        f"electrical_resistance{end}": ("load", resistance),
+        f"thermal_resistance{end}": ("load", resistance),
+    }
+
+
+def test_the_totals_of_a_joint_are_ohms_law_and_fouriers():
+    """1e-9 Ω m² on 4 mm² are 0.25 mΩ; 1e-5 m² K/W on 4 mm² under 5 W are 12.5 K."""
+    statistics = xr.Dataset(
+        joint("", [1e-9]) | {"thermal_resistance": ("load", [1e-5])}, {"mean_pressure": ("load", [1e6])}
+    )
+    found = with_allowed(statistics, {"joint": {"area": 4e-6, "heat_flow": 5.0}})
+    assert found["total_electrical_resistance"].item() == pytest.approx(0.25e-3)
+    assert found["total_thermal_resistance"].item() == pytest.approx(2.5)
+    assert found["temperature_drop"].item() == pytest.approx(12.5)
+    assert found["total_force"].item() == pytest.approx(4.0)
+    by_contact = with_allowed(statistics, {"joint": None}, area=4e-6)
+    assert by_contact["total_electrical_resistance"].item() == pytest.approx(0.25e-3)
+
+
+def test_gas_and_film_are_in_the_totals_and_in_their_ends():
+    conductance = {
+        f"joint_conductance{end}": ("load", [value]) for end, value in (("", 2e4), ("_lower", 1e4))
+    }
+    statistics = xr.Dataset(conductance | joint("", [1.0]), {"mean_pressure": ("load", [1e6])})
+    found = with_allowed(statistics, {"joint": {"area": 1e-4}})
+    assert found["total_thermal_resistance"].item() == pytest.approx(0.5)
+    assert found["total_thermal_resistance_upper"].item() == pytest.approx(1.0)
+    assert "total_thermal_resistance_lower" not in found
+
+
+@pytest.mark.parametrize(
+    ("section", "text"),
+    [
+        ({"seal": {"allowed_leak": "1 ml/h"}}, "seal.allowed_leak: needs the perimeter"),
+        ({"joint": {"allowed_resistance": "1 mOhm"}}, "joint.allowed_resistance: needs the area"),
+        ({"joint": {"allowed_temperature_drop": "2 K", "area": "1 cm2"}}, "needs the heat_flow"),
+        ({"joint": {"gas_conductivity": 0.026}}, "needs temperature_jump, or leave both out"),
+        ({"seal": {"mean_free_path": "68 nm"}}, "is of a gas; give its outlet_pressure"),
+        ({"seal": {"allowed_leak": "1 ml/hour", "perimeter": "1 m"}}, "unknown leak unit 'ml/hour'"),
+    ],
+)
+def test_what_an_allowed_value_needs_is_said(section, text):
+    if "seal" in section:
+        section["seal"] |= {"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"}
+    with pytest.raises(SettingsError, match=text):
+        resolve({"contact": {"bodies": ["steel", "copper"], "mean_pressure": "1 MPa"}, "statistics": section})
+
+
+@pytest.fixture(scope="module")
+def rubber():
+    """Return a rubber seal on a rough steel seat under two loads."""
+    from roughcontact import self_affine_surface
+
+    seat = self_affine_surface(
+        (64, 64), (1e-6, 1e-6), hurst=0.8, rms_height=5e-7, shortest=8e-6, longest=3.2e-5
+    )
+    seal = {"viscosity": "1 mPa s", "pressure_difference": "0.5 bar", "width": "3 mm"}
+    return evaluate(
+        seat,
+        contact={"bodies": ["NBR", "steel"], "mean_pressure": ["60 kPa", "1 MPa"]},
+        statistics={
+            "seal": seal | {"perimeter": "120 mm", "allowed_leak": "0.1 ml/h"},
+            "allowed_pressure": "1 GPa",
+        },
+    )
+
+
+def test_a_seal_says_in_all_files_whether_and_from_which_load_on_it_holds(rubber, tmp_path):
+    from roughcontact import table
+
+    np.testing.assert_allclose(rubber["total_leak_rate_x"], 0.12 * rubber["leak_rate_x"])
+    assert rubber["leak_holds"].values[1] == rubber["pressure_holds"].values[0] == 1
+    assert rubber["leak_holds_from"].attrs["units"] == "Pa"
+    frame = table(rubber)
+    assert {"leak_holds", "leak_holds_from_Pa", "leak_holds_from_upper_Pa", "allowed_leak_m3_per_s"} <= {
+        *frame
+    }
+    assert allowed_in_words(rubber, "leak", 1).startswith("leak of at most 0.100 ml/h: holds, ")
+    assert allowed_in_words(rubber, "pressure", 1).endswith("holds, up to 1000 kPa at least")
+
+
+def numbers_of(holds, crossing, lower, upper):
+    columns = {"mean_pressure": [1e6, 5e6], "leak_holds": [holds, holds]}
+    ends = dict(zip(("", "_lower", "_upper"), (crossing, lower, upper), strict=True))
+    return xr.Dataset(
+        {name: ("load", values) for name, values in columns.items()}
+        | {f"leak_holds_from{end}": value for end, value in ends.items()}
+        | {"allowed_leak": 1 / 3.6e9, "contact_modulus": 1e11}
+    )
+
+
+@pytest.mark.parametrize(
+    ("numbers", "text"),
+    [
+        ((1, 1.8e6, 1.2e6, 3.4e6), "holds, from 1.80 MPa on (1.20 MPa to 3.40 MPa)"),
+        ((0, 1.8e6, 1.2e6, np.nan), "does not hold, would from 1.80 MPa on (1.20 MPa or more)"),
+        ((np.nan, 1.8e6, 0.0, 3.4e6), "not decided, would be from 1.80 MPa on (3.40 MPa or less)"),
+        ((np.nan, 1e6, 0.0, 3.4e6), "not decided, would be at 1.00 MPa already (3.40 MPa or less)"),
+        ((0, np.nan, 5e6, np.nan), "does not hold, would beyond the loads solved (5.00 MPa or more)"),
+    ],
+)
+def test_the_answer_in_words(numbers, text):
+    assert allowed_in_words(numbers_of(*numbers), "leak", 0) == f"leak of at most 1.00 ml/h: {text}"

@@ -1,0 +1,104 @@
+"""Whatever a reader raises leaves as one sentence on the file, through every door."""
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import roughcontact
+from roughcontact.errors import InputFileError
+from roughcontact.interface.program import main
+from roughcontact.io.channels import Channel, MeasuredFile
+from roughcontact.io.folder import list_measurements
+from roughcontact.io.inspection import inspect_file
+from roughcontact.io.read import read_height_map
+from roughcontact.io.registry import readers
+
+ERRORS = [
+    ValueError("not enough values to unpack"),
+    TypeError("object of type 'int' has no len()"),
+    IndexError("list index out of range"),
+    KeyError("dx"),
+    AttributeError("'NoneType' object has no attribute 'shape'"),
+    ZeroDivisionError("float division by zero"),
+    RecursionError("maximum recursion depth exceeded"),
+    MemoryError(),
+    OSError(5, "Input/output error"),
+    UnicodeDecodeError("utf-8", b"\xff", 0, 1, "invalid start byte"),
+    np.linalg.LinAlgError("SVD did not converge"),
+    StopIteration(),
+    ImportError("no module of that name"),
+    ExceptionGroup("several", [ValueError("one")]),
+]
+
+
+def raises(error):
+    def function(*arguments):
+        raise error
+
+    return function
+
+
+def file_of(read):
+    """Return a file of one channel, which is read so."""
+    return lambda path: MeasuredFile("kind", [Channel("z", (2, 2), read, "m", 1.0, 1.0, "m")], "top")
+
+
+@pytest.fixture(params=[name for name, _ in readers()])
+def reader(request, monkeypatch):
+    """A function that replaces parts of a registered reader, which then takes every file that is left."""
+    module = import_module(f"roughcontact.io.readers.{request.param}")
+
+    def replaced(**parts):
+        parts = {"recognises": lambda path, head: True, "memory_per_byte": 0, "binary": False} | parts
+        monkeypatch.setattr(module, "READER", replace(module.READER, **parts))
+
+    return replaced
+
+
+@pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
+@pytest.mark.parametrize("stage", ["recognises", "read", "channel"])
+def test_every_error_of_every_reader_is_a_sentence_on_its_file(tmp_path, capsys, reader, error, stage):
+    path = tmp_path / "map.dat"
+    path.write_bytes(b"1 2\n3 4\n\0")  # with a row of numbers, but no text
+    reader(**{"read": file_of(raises(error))} if stage == "channel" else {stage: raises(error)})
+    with pytest.raises(InputFileError, match=r"needs more memory|cannot be read") as caught:
+        read_height_map(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert ("damaged" in str(caught.value)) != isinstance(error, OSError | ImportError | MemoryError)
+    if stage == "channel":
+        content = inspect_file(path)
+        assert content["problem"] == str(caught.value) == content["channels"][0]["reason"]
+    assert path in list_measurements(tmp_path)[0]
+    assert main(["inspect", str(tmp_path), str(path)]) == (0 if stage == "channel" else 2)
+    output = capsys.readouterr()
+    assert output.out.count("cannot be read") + output.out.count("needs more memory") >= 1
+    assert "Traceback" not in output.err
+
+
+def test_a_package_that_is_not_complete_is_named(tmp_path):
+    """As dask without a package that it needs: the file is not damaged."""
+    (tmp_path / "dask").mkdir()
+    (tmp_path / "dask/__init__.py").write_text("import one_of_its_own")
+    sample = Path(__file__).parents[2] / "data_samples/periodic.nc"
+    environment = os.environ | {
+        "PYTHONPATH": f"{tmp_path}{os.pathsep}{Path(roughcontact.__file__).parents[1]}"
+    }
+    module = "roughcontact.interface"
+    inspected = subprocess.run(
+        [sys.executable, "-m", module, "inspect", sample],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    message = (
+        "cannot be read, as the package dask is not complete (No module named 'one_of_its_own'); install it"
+    )
+    assert message in inspected.stdout + inspected.stderr
+    assert "damaged" not in inspected.stdout + inspected.stderr

@@ -1,0 +1,84 @@
+"""Two loads are the same, or are not, for every comparison alike."""
+
+import itertools
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import roughcontact as rc
+from roughcontact.report.cases import case_table
+from roughcontact.results.comparison import compare_statistics
+from roughcontact.statistics.load_pairs import SAME_LOAD, common_loads, interpolated, paired_loads
+from roughcontact.uncertainty.differences import compare_maps
+
+LOADS = np.array([1e6, 2e6, 5e6])
+
+
+def result(loads, factor=1.0, **more):
+    """Return the statistics of a map whose numbers are powers of the load, times a factor."""
+    loads = np.asarray(loads, float)
+    numbers = {
+        "relative_contact_area": factor * loads / 1e8,
+        "mean_contact_pressure": factor * loads**0.1,
+        "mean_gap": factor * loads**-0.5,
+        "max_pressure": factor * loads**0.2,
+    }
+    columns = {name: ("load", values) for name, values in numbers.items()}
+    ends = {"lower": 0.9, "upper": 1.1}
+    columns |= {
+        f"{name}_{end}": ("load", numbers[name] * way) for name in numbers for end, way in ends.items()
+    }
+    return xr.Dataset({**columns, "contact_modulus": 1e9, **more}, {"mean_pressure": ("load", loads)})
+
+
+@pytest.mark.parametrize(("shift", "same"), [(0.5 * SAME_LOAD, True), (3 * SAME_LOAD, False)])
+def test_every_comparison_takes_the_same_loads_for_the_same(shift, same):
+    first, second = result(LOADS), result(LOADS * (1 + shift), 2.0)
+    assert paired_loads(first, second)[0].size == (3 if same else 0)
+    runs = compare_statistics(first, second, share=0.01)
+    assert ("mean_pressure" in set(runs["quantity"])) == (not same)
+    table = case_table({"one": first, "two": second})
+    assert bool(table["groups"]) == same
+    assert bool(table["apart"]) == (not same)
+    group = rc.group_statistics([first, second])
+    interpolates = any("interpolated" in text for text in [group.attrs["remarks"]])
+    assert interpolates == (not same)
+    compared, skipped = compare_maps({("one", "two"): (first, second)})
+    assert skipped == []
+    gaps = compared["one", "two"].sel(quantity="mean_gap")["ratio"].values
+    exact = 2 * (1 + shift) ** -0.5  # of the loads themselves
+    assert (np.abs(gaps / exact - 1) < 1e-12).all() == same
+
+
+@pytest.mark.parametrize("order", itertools.permutations(range(3)))
+def test_loads_are_paired_by_what_they_are(order):
+    first, second = result(LOADS), result(LOADS[list(order)])
+    mine, partners = paired_loads(first, second)
+    np.testing.assert_array_equal(LOADS[mine], LOADS[list(order)][partners])
+    assert mine.tolist() == [0, 1, 2]
+
+
+def test_relative_loads_pair_where_more_of_them_agree_and_the_rest_by_pressure():
+    stiff = result([2e6, 4e6, 1e7, 3e5], contact_modulus=2e9)
+    soft = result([1e6, 2e6, 5e6, 3e5])
+    assert [indices.tolist() for indices in paired_loads(soft, stiff)] == [[0, 1, 2, 3], [0, 1, 2, 3]]
+    equally_stiff = result([2e6, 4e6, 1e7, 3e5])
+    assert [indices.tolist() for indices in paired_loads(soft, equally_stiff)] == [[1, 3], [0, 3]]
+
+
+def test_stated_loads_are_paired_as_stated_only_where_all_have_them():
+    first = result([1e6, 2e6, 3e6], place=("load", [1, 0, 2]))
+    second = result([4e6, 5e6, 6e6], place=("load", [0, 1, 2]))
+    places = [indices.tolist() for indices in paired_loads(first, second, as_stated=True)]
+    assert places == [[1, 0, 2], [0, 1, 2]]
+    assert paired_loads(first, second.isel(load=[0, 1]), as_stated=True)[0].size == 0
+
+
+def test_between_loads_a_power_law_stays_one():
+    loads = common_loads("both", "ab", [result(LOADS), result([1e6, 3e6, 5e6])])
+    assert loads.tolist() == pytest.approx([1e6, 5e6**0.5 * 1e3, 5e6])
+    powers = interpolated(np.log(LOADS) * 0 + LOADS, loads, np.log(LOADS))  # a line over ln p
+    np.testing.assert_allclose(powers, np.log(loads), rtol=1e-12)
+    with pytest.raises(rc.SettingsError, match="no load in common, b begins at 6"):
+        common_loads("both", "ab", [result(LOADS), result([6e6])])

@@ -1,0 +1,83 @@
+"""Relaxation of a rubber: tables of a DMA, Prony series, the shift to another temperature."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from roughcontact.arguments.relaxation import MAX_MISFIT, read_relaxation, relaxation_of
+from roughcontact.errors import SettingsError
+
+SERIES = {"long_time_modulus": 3e6, "moduli": [1e7, 5e7, 2e8], "times": [1e-2, 1e-4, 1e-6]}
+
+
+def table(frequency=None):
+    frequency = np.geomspace(1e-1, 1e7, 49) if frequency is None else frequency
+    young = relaxation_of(SERIES).contact_modulus(2 * np.pi * frequency) * 0.75
+    return pd.DataFrame({"frequency": frequency, "storage_modulus": young.real, "loss_modulus": young.imag})
+
+
+def test_a_series_is_that_of_maxwell():
+    """A single term has E' = E1 (ωτ)²/(1 + (ωτ)²), E'' = E1 ωτ/(1 + (ωτ)²) above the plateau."""
+    rubber = relaxation_of({"long_time_modulus": 1e6, "moduli": [4e6], "times": [0.5]}, poissons_ratio=0.0)
+    omega = np.array([0.0, 2.0, -2.0])
+    np.testing.assert_allclose(rubber.contact_modulus(omega), [1e6, 3e6 + 2e6j, 3e6 - 2e6j])
+
+
+def test_a_table_gives_back_its_material():
+    rubber = relaxation_of(table())
+    assert rubber.misfit < 0.01
+    omega = 2 * np.pi * np.geomspace(1, 1e6, 31)
+    np.testing.assert_allclose(
+        rubber.contact_modulus(omega), relaxation_of(SERIES).contact_modulus(omega), rtol=0.03
+    )
+    assert rubber.frequencies == pytest.approx((2 * np.pi * 0.1, 2 * np.pi * 1e7))
+
+
+def test_moduli_that_no_causal_material_has_are_told():
+    """A loss of ten times what the slope of the storage modulus allows."""
+    broken = table().assign(loss_modulus=lambda rows: 10 * rows["loss_modulus"])
+    assert relaxation_of(broken).misfit > MAX_MISFIT > relaxation_of(table()).misfit
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_headings_state_units(tmp_path, separator):
+    path = tmp_path / "dma.csv"
+    rows = table(np.array([1.0, 10.0, 100.0]))
+    moduli = rows[["storage_modulus", "loss_modulus"]] / 1e6
+    moduli.insert(0, "ω (rad/s)", 2 * np.pi * rows["frequency"])
+    moduli.columns = ["ω (rad/s)", "E' [MPa]", "E'' [MPa]"]
+    moduli.insert(0, "temperature", 20.0)
+    moduli.to_csv(path, index=False, sep=separator)
+    read = read_relaxation(path)
+    expected = rows.assign(frequency=2 * np.pi * rows["frequency"])
+    np.testing.assert_allclose(read, expected)
+
+
+def test_the_shift_is_that_of_williams_landel_and_ferry():
+    shift = {"wlf": [8.86, 101.6], "reference_temperature": 20.0, "temperature": 40.0}
+    warm, cold = relaxation_of(SERIES | shift), relaxation_of(SERIES)
+    factor = 10 ** (-8.86 * 20 / 121.6)
+    omega = np.geomspace(1, 1e6, 7)
+    np.testing.assert_allclose(warm.contact_modulus(omega), cold.contact_modulus(omega * factor))
+
+
+@pytest.mark.parametrize(
+    ("relaxation", "text"),
+    [
+        ({"moduli": [1e6], "times": [1.0]}, "relaxation.long_time_modulus: missing"),
+        (SERIES | {"times": [1.0]}, "3 moduli and 1 times"),
+        (SERIES | {"wlf": [8.86, 101.6]}, "needs wlf = .C1, C2"),
+        (
+            SERIES | {"wlf": [8.86, 101.6], "reference_temperature": 20, "temperature": -90},
+            "110 K below its reference",
+        ),
+        (SERIES | {"tau": [1.0]}, "relaxation.tau: unknown"),
+        ("nowhere.csv", "relaxation = nowhere.csv: not read"),
+        (pd.DataFrame({"f": [1.0], "E'": [1e6]}), "no column 'loss_modulus'"),
+        (pd.DataFrame({"f": [1.0], "E' (MPA)": [1.0], "E''": [1.0]}), "unit 'MPA'"),
+        (table().head(2), "2 rows of numbers"),
+    ],
+)
+def test_mistakes_are_named(relaxation, text):
+    with pytest.raises(SettingsError, match=text):
+        relaxation_of(relaxation)

@@ -1,0 +1,88 @@
+"""Running-in in a run: the ± of its answers, and its part of the page."""
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.arguments.quantities import number
+from roughcontact.report.wear import wear_of
+from roughcontact.results.storage import write_dataset
+from roughcontact.uncertainty.running_in import ANSWERS, worn_in_a_run
+from roughcontact.uncertainty.scales import to_scale
+
+LOAD, WEAR = 5e6, 1e-15
+
+
+def face(points=96, seed=3):
+    return rc.self_affine_surface(
+        (points, points), 1e-6, hurst=0.8, rms_gradient=0.1, longest=24e-6, shortest=6e-6, seed=seed
+    )
+
+
+def settings(window, *, factor=1.0):
+    far = float(window.std()) / (WEAR * LOAD)
+    wear = {
+        "coefficient": WEAR,
+        "coefficient_factor": factor,
+        "distance": (far * np.geomspace(1e-2, 10, 7)).tolist(),
+    }
+    contact = {"contact_modulus": 1e9, "bodies": None, "hardness": None, "influence": "sampled"}
+    return {"wear": wear, "contact": contact, "statistics": {"flow": "never"}}
+
+
+@pytest.fixture(scope="module")
+def worn():
+    window = face()
+    return worn_in_a_run(window, settings(window), mean_pressure=LOAD)
+
+
+def test_the_interval_holds_another_face_of_the_same_finish(worn):
+    """Faces of one spectrum: nearly all answers of a second one lie within both their intervals together."""
+    other = face(seed=4)
+    options = settings(other)["wear"]
+    again = rc.run_in(
+        other,
+        contact_modulus=1e9,
+        mean_pressure=LOAD,
+        wear_coefficient=WEAR,
+        sliding_distance=[0.0, *worn["sliding_distance"].values[1:].tolist()],
+        statistics={"flow": "never"},
+    )
+    assert options["distance"][0] == pytest.approx(float(worn["sliding_distance"][1]), rel=0.2)
+    inside = []
+    for name in ANSWERS:
+        middle, lower, upper = (
+            to_scale(name, worn[f"{name}{end}"].values) for end in ("", "_lower", "_upper")
+        )
+        apart = to_scale(name, again[name].values) - middle
+        known = worn["relative_contact_area"].values < 0.99  # beyond, all faces are flat
+        assert known.sum() >= 5, name
+        assert (lower <= middle)[known].all()
+        inside += [*(np.abs(apart) <= np.sqrt(2) * (upper - middle))[known]]
+    assert np.mean(inside) > 0.85
+
+
+def test_the_coefficient_moves_the_distances_alone(worn):
+    window = face()
+    wider = worn_in_a_run(window, settings(window, factor=3.0), mean_pressure=LOAD)
+    name = "running_in_distance"
+    assert float(wider[f"{name}_lower"]) == pytest.approx(float(worn[f"{name}_lower"]) / 3)
+    assert float(wider[f"{name}_upper"]) == pytest.approx(float(worn[f"{name}_upper"]) * 3)
+    for answer in ANSWERS:
+        np.testing.assert_array_equal(wider[f"{answer}_upper"], worn[f"{answer}_upper"])
+
+
+def test_the_page_says_when_it_is_run_in(worn, tmp_path):
+    write_dataset(worn, tmp_path / "worn.nc")
+    part = wear_of("ground", tmp_path / "worn.nc", tmp_path)
+    (text,) = part["sentences"]
+    low, high = (float(worn[f"running_in_distance_{end}"]) for end in ("lower", "upper"))
+    assert low < float(worn["running_in_distance"]) < high
+    low, middle, high = map(number, (low, float(worn["running_in_distance"]), high))
+    assert text.startswith(f"Run in after about {middle} m ({low} to {high}): ")
+    assert part["link"] == "worn.nc"
+    assert [*part["images"]][:2] == [
+        "heights before wear",
+        f"heights after {worn['sliding_distance'].values[-1]:.3g} m",
+    ]
+    assert "contact area over the distance" in part["images"]

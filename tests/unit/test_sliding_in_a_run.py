@@ -1,0 +1,89 @@
+"""Sliding rubber in a run: the ± of its answers, and its part of the page."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import roughcontact as rc
+from roughcontact.arguments.answers import FRICTION
+from roughcontact.arguments.quantities import number
+from roughcontact.report.sliding import sliding_section
+from roughcontact.results.storage import write_dataset
+from roughcontact.uncertainty.scales import to_scale
+from roughcontact.uncertainty.sliding import ANSWERS, slid_in_a_run
+
+LOAD, SPEEDS = 5e4, [1e-3, 1e-2, 1e-1]
+
+
+def face(points=96, seed=3):
+    return rc.self_affine_surface(
+        (points, points), 1e-6, hurst=0.8, rms_gradient=0.1, longest=24e-6, shortest=6e-6, seed=seed
+    )
+
+
+def table(highest=1e7):
+    frequency = np.geomspace(1, highest, 60)
+    phase = 2j * np.pi * frequency * 1e-4
+    young = 3e6 + 27e6 * phase / (1 + phase)
+    return pd.DataFrame({"frequency": frequency, "storage_modulus": young.real, "loss_modulus": young.imag})
+
+
+def settings(highest=1e7):
+    shift = dict.fromkeys(("wlf", "reference_temperature", "temperature"))
+    rubber = {"relaxation": table(highest), "poissons_ratio": 0.5, "speed": SPEEDS, "direction": 0.0}
+    rubber |= {"face_conductivity": 1.5, "rubber_conductivity": 0.25}
+    return {
+        "sliding": rubber | shift,
+        "statistics": {"friction": {"shear_strength": 1e6}, "seal": None},
+    }
+
+
+@pytest.fixture(scope="module")
+def slid():
+    return slid_in_a_run(face(), settings(), mean_pressure=LOAD)
+
+
+def test_the_interval_holds_other_faces_of_the_same_finish(slid):
+    """Faces of one spectrum: nearly all answers lie within both their intervals together."""
+    inside = []
+    for seed in (4, 5, 6):
+        again = rc.sliding_friction(
+            face(seed=seed), relaxation=table(), speed=SPEEDS, mean_pressure=LOAD, tolerance=1e-3
+        )
+        for name in ANSWERS:
+            middle, lower, upper = (
+                to_scale(name, slid[f"{name}{end}"].values) for end in ("", "_lower", "_upper")
+            )
+            assert (np.diff([lower, middle, upper], axis=0) > 0).all(), name
+            apart = to_scale(name, again[name].values) - middle
+            inside += [*(np.abs(apart) <= np.sqrt(2) * (upper - middle))]
+    assert np.mean(inside) > 0.85
+
+
+def test_what_the_table_does_not_reach_is_in_the_interval(slid):
+    short = slid_in_a_run(face(), settings(highest=5e2), mean_pressure=LOAD)
+    share = short["friction_share_beyond_table"].values
+    assert share[2] > 0.5 > slid["friction_share_beyond_table"].values[2]
+    half = np.log(short[f"{FRICTION}_upper"] / short[FRICTION]).values
+    assert (half >= share).all()
+
+
+def test_the_page_says_where_friction_is_highest(slid, tmp_path):
+    write_dataset(slid, tmp_path / "sliding.nc")
+    part = sliding_section("ground", tmp_path / "sliding.nc", tmp_path)
+    (text,) = part["sentences"]
+    speed = SPEEDS[int(slid[FRICTION].values.argmax())]
+    assert f"the friction of the hysteresis is highest at {speed:.2g}" in text.replace("0.0100", "0.01")
+    assert "Proven: the solver leaves no error of μ above" in text
+    assert "The friction warms the contact by less than 10 K at all speeds." in text
+    assert part["link"] == "sliding.nc"
+    hot = slid.assign(max_flash_temperature=("speed", [1.0, 100.0, 1e4]))
+    write_dataset(hot, tmp_path / "hot.nc")
+    (text,) = sliding_section("ground", tmp_path / "hot.nc", tmp_path)["sentences"]
+    from_speed = number(10**-2.5)  # half way between 1 mm/s and 10 mm/s
+    assert f"by up to 10 K from {from_speed} m/s on" in text
+    assert [*part["images"]][:3] == [
+        "coefficient of friction over the speed",
+        f"pressure at {speed:.3g} m/s",
+        "share of the friction by wavelength",
+    ]

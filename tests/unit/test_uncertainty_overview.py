@@ -1,0 +1,205 @@
+"""An overview as a control variate: what it shows of other places, against the surface that is known."""
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.errors import HeightMapError
+from roughcontact.surface.faces.placing import overview_with_place, recorded_place
+from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact.uncertainty.calibration import overview_arms, table
+from roughcontact.uncertainty.ensemble import Result, solve_member
+from roughcontact.uncertainty.overview import (
+    field_ratios,
+    transfers_of,
+    window_of_place,
+    windows_of_places,
+)
+from roughcontact.uncertainty.scales import AREA, GAP, to_scale
+
+PITCH = 1e-6
+NAMES = (AREA, GAP, "conductance_per_conductivity")
+PLACE = (slice(96, 192), slice(96, 192))
+SOURCES = {"sources": ["solver", "discretisation", "window"]}
+
+
+@pytest.fixture(scope="module")
+def field():
+    """Return a rough field of 3 x 3 maps, whose longest waves one map does not hold."""
+    options = {"hurst": 0.8, "shortest": 6 * PITCH, "longest": 250 * PITCH, "rms_height": 1e-6, "seed": 11}
+    return self_affine_surface((360, 360), PITCH, **options)[:288, :288]
+
+
+@pytest.fixture(scope="module")
+def answers(field):
+    """Return the statistics of the middle of the field by itself, and with the field at a quarter."""
+    load = {"contact_modulus": 1e9, "relative_pressure": [0.02, 0.1], "uncertainty": SOURCES}
+    overview = field.coarsen(y=3, x=3).mean()
+    return [rc.evaluate(field[PLACE], overview=each, **load) for each in (None, overview)]
+
+
+def test_it_moves_the_gap_towards_that_of_the_other_places_and_narrows_it(field, answers):
+    alone, both = answers
+    loads = {"contact_modulus": 1e9, "mean_pressure": alone["mean_pressure"].values}
+    parts = [field[y : y + 96, x : x + 96] for y in (0, 96, 192) for x in (0, 96, 192)]
+    windows = [rc.periodic_window(rc.level(part)) for part in parts]
+    truth = np.mean([to_scale(GAP, solve_member(w, loads, names=[GAP])[GAP]) for w in windows], axis=0)
+    errors = [np.abs(np.log(each["mean_gap"].values) - truth) for each in answers]
+    assert (errors[1] < errors[0]).all()
+    assert errors[1] == pytest.approx(0, abs=0.1)
+    widths = [np.log(each["mean_gap_upper"] / each["mean_gap_lower"]).values for each in answers]
+    assert (widths[1] < 0.6 * widths[0]).all()
+    low, high = (np.log(both[f"mean_gap_{end}"].values) for end in ("lower", "upper"))
+    assert ((low < truth) & (truth < high)).all()
+
+
+def test_the_joint_as_large_as_the_overview_is_an_answer_of_its_own(field, answers):
+    _, both = answers
+    loads = {"contact_modulus": 1e9, "mean_pressure": both["mean_pressure"].values}
+    whole = solve_member(rc.periodic_window(rc.level(field)), loads, names=[GAP])[GAP]
+    assert np.log(both["mean_gap_joint"].values / whole) == pytest.approx(0, abs=0.15)
+    assert (both["mean_gap_joint_lower"] < whole).all()
+    assert (whole < both["mean_gap_joint_upper"]).all()
+
+
+def test_what_this_map_gives_by_itself_stays_in_the_result(answers):
+    alone, both = answers
+    for end in ("lower", "upper"):
+        assert np.allclose(both[f"mean_gap_alone_{end}"], alone[f"mean_gap_{end}"], rtol=1e-6)
+        assert np.allclose(both[f"mean_gap_map_{end}"], alone[f"mean_gap_map_{end}"], rtol=1e-6)
+    assert both["mean_gap_as_solved"].values == pytest.approx(alone["mean_gap_as_solved"].values)
+
+
+def test_stiffness_and_conductance_stay_one_number(answers):
+    for each in answers:
+        ratio = each["contact_stiffness"] / each["conductance_per_conductivity"]
+        assert ratio.values == pytest.approx(1e9)
+
+
+def test_one_line_says_what_it_has_brought(answers):
+    alone, both = answers
+    assert "overview" not in alone.attrs
+    assert both.attrs["overview"].startswith("gap known to ")
+    assert "without the overview" in both.attrs["overview"]
+    assert "3.0 × 3.0 fields" in both.attrs["window_reason"]
+    assert both.attrs["overview_correlation"] > 0.99
+    offsets = [both.attrs[f"overview_offset_{axis}"] for axis in "xy"]
+    assert offsets == pytest.approx([96 * PITCH] * 2, abs=PITCH)
+    assert both.attrs["overview_scale"] == pytest.approx(1, abs=0.02)  # of 32 points
+
+
+def test_gap_and_conductance_are_narrower_and_the_largest_pressure_stays(answers):
+    alone, both = answers
+    assert both["max_pressure"].values == pytest.approx(alone["max_pressure"].values)
+    for end in ("lower", "upper"):  # its arms are read at the area, which the overview moves
+        of_peak = [each[f"max_pressure_{end}"].values for each in answers]
+        assert of_peak[1] == pytest.approx(of_peak[0], rel=1e-2)
+    for name in NAMES[1:]:  # at light loads the area is not
+        ends = [both[f"{name}{key}_{end}"].values for key in ("", "_alone") for end in ("lower", "upper")]
+        low, high, low_alone, high_alone = (to_scale(name, each) for each in ends)
+        assert (high - low <= (high_alone - low_alone) * (1 + 1e-9)).all()
+
+
+@pytest.fixture(scope="module")
+def of_some(field):
+    """Return what several overviews, and those of other positions, leave of the gap (its estimate, width)."""
+    load = {"contact_modulus": 1e9, "relative_pressure": [0.1], "uncertainty": SOURCES}
+    coarse, coarser = (field.coarsen(y=n, x=n).mean() for n in (3, 4))
+    kinds = {
+        "around": ([coarse], ""),
+        "two": ([coarse, coarser], ""),
+        "elsewhere": ([coarse], "elsewhere"),
+        "alike": ([coarse, coarse], "; elsewhere"),
+        "stated": ([coarse], "144 144 um"),
+    }
+    found = {
+        key: rc.evaluate(field[PLACE], overview=overviews, overview_position=position, **load)
+        for key, (overviews, position) in kinds.items()
+    }
+    return {
+        key: (
+            float(each["mean_gap"][0]),
+            float(np.log(each["mean_gap_upper"] / each["mean_gap_lower"])[0]),
+            each.attrs["window_reason"],
+        )
+        for key, each in found.items()
+    }
+
+
+def test_two_overviews_are_averaged(of_some):
+    (gap, width, reason), (one, width_of_one, _) = of_some["two"], of_some["around"]
+    assert gap == pytest.approx(one, rel=0.1)
+    assert gap != one
+    assert 0.5 * width_of_one < width < 2 * width_of_one
+    assert reason.count("An overview") == 2
+
+
+def test_one_of_another_position_counts_with_its_larger_interval(of_some):
+    (gap, width, reason), (placed_gap, placed_width, _) = of_some["elsewhere"], of_some["around"]
+    assert gap == pytest.approx(placed_gap, rel=0.1)  # no lens lies between them
+    assert width > 1.2 * placed_width
+    assert "another position of the face" in reason
+
+
+def test_one_of_another_position_is_held_against_one_around_the_map_with_its_pixels(of_some):
+    assert of_some["alike"][:2] == pytest.approx(of_some["around"][:2], rel=1e-6)
+
+
+def test_a_stated_place_is_that_which_is_found(of_some):
+    assert of_some["stated"][:2] == pytest.approx(of_some["around"][:2], rel=1e-6)
+
+
+def test_places_are_windows_as_large_as_the_map(field):
+    fine, overview = rc.level(field[PLACE]), rc.level(field.coarsen(y=3, x=3).mean())
+    shown = overview_with_place(fine, overview)
+    own = window_of_place(fine, shown, recorded_place(shown))
+    places = windows_of_places((32, 32), shown)
+    assert own == {"y": slice(32, 64), "x": slice(32, 64)}
+    assert len(places) == 9
+    assert {(each["y"].stop - each["y"].start) for each in places} == {32}
+    assert field_ratios(fine, shown) == pytest.approx((3, 3))
+
+
+def test_what_an_overview_shows_has_no_unit(field):
+    fine, overview = rc.level(field[PLACE]), rc.level(field.coarsen(y=3, x=3).mean())
+    window = rc.periodic_window(fine)
+    contact = {"contact_modulus": 1.0, "mean_pressure": [0.01, 0.03]}
+    result = Result(window, contact, solve_member(window, contact, names=NAMES))
+    shown = overview_with_place(fine, overview)
+    own = shown.isel(window_of_place(fine, shown, recorded_place(shown)))
+    transfers = transfers_of(result, 1, own, shown, {})
+    assert set(transfers) == set(NAMES)
+    for transfer in transfers.values():
+        assert np.isfinite(np.array(transfer)).all()
+        assert (transfer.places > 0).all()
+    scaled = Result(window, contact | {"contact_modulus": 5.0, "mean_pressure": [0.05, 0.15]}, result.values)
+    again = transfers_of(scaled, 1, own, shown, {})
+    assert again[GAP].surface == pytest.approx(transfers[GAP].surface, abs=2e-3)
+
+
+def test_arms_between_the_pixels_of_the_bank_lie_between():
+    known = table()["overview"]["surface"][GAP]
+    area = np.array([0.1])
+    ends = [overview_arms("surface", GAP, pixels, area) for pixels in (1.5, 2.0, 3.0, 4.0, 20.0, 8.0, 9.0)]
+    assert ends[0][0] == ends[1][0] == known["2"]["share"]
+    assert min(ends[1][0], ends[3][0]) <= ends[2][0] <= max(ends[1][0], ends[3][0])
+    for side in (1, 2):
+        low, middle, high = sorted(float(ends[index][side][0]) for index in (1, 2, 3))
+        assert low <= middle <= high
+        assert middle == pytest.approx(float(ends[2][side][0]))
+        assert np.isinf(ends[4][side])  # the bank has no such pixels
+        assert ends[6][side] == pytest.approx(ends[5][side])
+
+
+def test_a_body_of_finite_size_has_no_overview(field):
+    with pytest.raises(
+        HeightMapError, match="overview: is of a map of a surface that goes on, not of a finite body"
+    ):
+        rc.evaluate(
+            field[PLACE],
+            overview=field.coarsen(y=3, x=3).mean(),
+            contact_modulus=1e9,
+            boundary="free",
+            force=1e-3,
+            form={"radius": 1e-3},
+        )

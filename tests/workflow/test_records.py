@@ -1,0 +1,136 @@
+"""No old numbers with exit status 0: lost records of Snakemake, files of another run, damaged ones."""
+
+import csv
+import os
+import shutil
+from base64 import urlsafe_b64encode
+
+import numpy as np
+import pytest
+from small_project import SETTINGS, TABLE, Project, write_maps
+
+from roughcontact.results.storage import read_dataset, write_dataset
+from roughcontact.study.records import LAST_RESULTS
+
+QUICK = SETTINGS | {"uncertainty": {"sources": []}}
+DRAWN = {"panel": 1, "report": 1}  # of one surface
+SOLVED = {"contact": 1, **DRAWN}
+PREPARED = {"prepare": 1, **SOLVED}
+
+
+def numbers(project):
+    """Return the numbers of the summary for the first load."""
+    with project.path("results/summary.csv").open(newline="") as file:
+        return next(csv.DictReader(file))
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory, checkout):
+    """A project with two surfaces in which the workflow has run."""
+    project = Project(tmp_path_factory.mktemp("finished") / "project", checkout)
+    write_maps(project.path("measured"))
+    project.write(QUICK)
+    first_run = project.run()
+    assert first_run.returncode == 0, first_run.stderr
+    return project
+
+
+@pytest.fixture
+def study(tmp_path, checkout, finished):
+    """A copy of that folder."""
+    return Project(shutil.copytree(finished.folder, tmp_path / "project"), checkout)
+
+
+def another_load(project):
+    project.write(QUICK | {"contact": SETTINGS["contact"] | {"relative_pressure": [0.1]}}, TABLE[:2])
+    return "relative_pressure", 2
+
+
+def another_pixel(project):
+    project.write(QUICK, [TABLE[0], TABLE[1].replace("2\t1", "4\t2")])
+    return "rms_gradient", 1 / 2
+
+
+def another_file_of_an_old_date(project):
+    project.write(QUICK, TABLE[:2])
+    heights = project.path("measured/ground.npy")
+    np.save(heights, 3 * np.load(heights))
+    os.utime(heights, (1e9, 1e9))
+    return "rms_height_m", 3
+
+
+def empty(path):
+    path.write_bytes(b"")
+
+
+@pytest.mark.parametrize(
+    ("lose", "change"),
+    [
+        (empty, another_load),
+        (empty, another_pixel),
+        (os.unlink, another_pixel),
+        (os.unlink, another_file_of_an_old_date),
+    ],
+)
+def test_where_records_are_lost_the_numbers_are_of_the_present_input(study, lose, change):
+    """Without a record Snakemake compares dates alone."""
+    for path in filter(os.path.isfile, study.path(".snakemake/metadata").rglob("*")):
+        lose(path)
+    numbers_before, (name, factor) = numbers(study), change(study)
+    run = study.run()
+    assert run.returncode == 0, run.stderr
+    assert float(numbers(study)[name]) == pytest.approx(factor * float(numbers_before[name]), rel=0.02)
+    assert study.jobs() == {}
+
+
+def test_one_lost_record_is_enough(study):
+    """Of a job with several files Snakemake compares no settings where the record of one is missing."""
+    empty(study.path(".snakemake/metadata") / urlsafe_b64encode(b"results/ground/statistics.nc").decode())
+    assert study.jobs() == SOLVED
+
+
+def copied(path):
+    """Put the file of another surface in the place of one, under the date that this had."""
+    date = path.stat().st_mtime_ns
+    shutil.copy(path.parents[1] / "turned" / path.name, path)
+    os.utime(path, ns=(date, date))
+
+
+def of_other_settings(path):
+    write_dataset(read_dataset(path).assign_attrs(settings="{}"), path)
+
+
+@pytest.mark.parametrize(
+    ("replace", "names", "expected"),
+    [
+        (copied, ["ground/window.nc"], PREPARED),
+        (copied, ["ground/contact.nc"], SOLVED),
+        (empty, ["ground/panel.html"], DRAWN),
+        (of_other_settings, ["statistics.nc"], {"report": 1}),
+        (empty, ["summary.csv", "report.html"], {"report": 1}),
+        (os.unlink, ["ground/levelled.nc"], PREPARED),
+        (os.unlink, ["ground/contact.nc"], SOLVED),
+        (os.unlink, ["uncertainty.csv"], {"report": 1}),
+    ],
+)
+def test_what_is_not_as_the_last_run_has_left_it_is_made_again(study, replace, names, expected):
+    for name in names:
+        replace(study.path(f"results/{name}"))
+    assert study.jobs() == expected
+
+
+@pytest.mark.parametrize(
+    ("replace", "name", "message"),
+    [
+        (copied, "ground/window.nc", "belongs to other settings or another measured file"),
+        (of_other_settings, "ground/statistics.nc", "belongs to other settings or another"),
+    ],
+)
+def test_where_the_last_run_has_noted_nothing_that_is_refused(study, replace, name, message):
+    """As where it was killed: the jobs compare what the files say."""
+    study.path(LAST_RESULTS).unlink()
+    replace(study.path(f"results/{name}"))
+    run = study.run("--forcerun", *(["contact"] if "window" in name else ["report"]))
+    assert run.returncode != 0
+    assert f"] ERROR: results/{name}: {message}" in run.stderr
+    assert "run again" in run.stderr

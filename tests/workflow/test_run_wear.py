@@ -1,0 +1,39 @@
+"""A face slides in a run: worn.nc, its section of the page, the worn surface solved again."""
+
+import numpy as np
+import pytest
+from small_project import project_of_cases
+
+from roughcontact.io.read import read_height_map
+from roughcontact.results.storage import read_dataset
+
+CONTACT = {"contact_modulus": "100 GPa", "mean_pressure": ["20 MPa", "100 MPa"]}
+WEAR = {"coefficient": "1e-7 mm³/(N m)", "distance": ["1 mm", "10 mm", "100 mm"]}
+CASES = {"plain": {}, "worn": {"wear": WEAR}}
+
+
+@pytest.mark.slow
+def test_wear_goes_from_the_settings_to_the_page(tmp_path, checkout):
+    project = project_of_cases(tmp_path / "project", checkout, CONTACT, CASES)
+    run = project.run()
+    assert run.returncode == 0, run.stderr
+    # the cases differ in what follows the contact, which is solved once
+    assert not project.path("results/plain/ground/worn.nc").exists()
+    assert not project.path("results/worn/ground/contact.nc").exists()
+    loaded = read_dataset(project.path("results/plain/ground/statistics.nc"))
+    worn = read_dataset(project.path("results/worn/ground/worn.nc"))
+    assert worn["sliding_distance"].values.tolist() == [0.0, 1e-3, 1e-2, 0.1]
+    before, area = (data["relative_contact_area_pixels"].values for data in (loaded, worn))
+    assert area[0] == pytest.approx(before[1], rel=1e-3)  # at the largest load
+    np.testing.assert_allclose(worn["worn_volume"], 1e-16 * 1e8 * worn["sliding_distance"], rtol=1e-12)
+    assert (worn["relative_contact_area_lower"] <= worn["relative_contact_area"]).all()
+    page = project.path("results/report.html").read_text()
+    section = page[page.index('<section id="wear">') :]
+    assert section.count("the face has lost 1.00 nm in the mean") == 1
+    assert "contact area over the distance" in section
+    assert 'href="worn/ground/worn.nc"' in section
+    assert project.jobs() == {}
+    # the worn heights are a map like any other, which a study can solve
+    file, last = project.path("results/worn/ground/worn.nc"), "height[sliding_distance=3]"
+    height = read_height_map(file, channel=last)
+    np.testing.assert_array_equal(height.values, worn["height"].values[-1])
