@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Set up the environment and run: `python3 run.py` the workflow, `python3 run.py test` the tests.
+"""Set up the environment and run: `python3 run.py app` the page of a study, `python3 run.py` the workflow.
+
+`python3 run.py app FOLDER` opens the study in a folder, by default `study`; app.bat and app.command do so by
+a double-click. `python3 run.py test` runs the tests.
 
 Needs only Python 3.11 or later. The environment is .venv beside this file; it is installed once, and again
 only after pyproject.toml, setup.py or the C source has changed. Further arguments are passed to Snakemake
@@ -47,6 +50,8 @@ def main(arguments):
         del os.environ["PYTHONSAFEPATH"]  # tests and benchmarks import what lies beside them
         return jobs[arguments[0]](*arguments[1:])
     install("")
+    if arguments and arguments[0] == "app":
+        return run([BIN / "roughcontact", "app", *(arguments[1:] or ["study"])])
     if arguments and arguments[0] in EVIDENCE:
         os.environ["PYTHONPATH"] = str(ROOT)
         return run([BIN / "python", "-m", EVIDENCE[arguments[0]], *arguments[1:]])
@@ -70,10 +75,7 @@ def install(group):
     """Install the package (editable) and a group of pyproject.toml into .venv, unless installed already."""
     if not (VENV.exists() or os.access(ROOT, os.W_OK)):
         sys.exit(f"{ROOT} is read-only, but .venv is created in it: copy it to a writable folder")
-    sources = sorted((PACKAGE / "kernels/c").glob("*.[ch]"))
-    files = [ROOT / "pyproject.toml", ROOT / "setup.py", *sources]
-    settings = b"".join(file.read_bytes() for file in files) + sys.version.encode() + str(ROOT).encode()
-    state = hashlib.sha256(settings).hexdigest()
+    state = state_of_sources()
     stamps = {name: VENV / f"installed.{name or 'workflow'}" for name in ("", group)}
     current = {name for name, stamp in stamps.items() if stamp.exists() and stamp.read_text() == state}
     if group in current:
@@ -83,7 +85,7 @@ def install(group):
         print(NO_COMPILER, file=sys.stderr, flush=True)
     pip = [BIN / "python", "-m", "pip", "-qq", "--disable-pip-version-check", "install"]
     steps = [] if current else [[sys.executable, "-m", "venv", "--clear", VENV]]
-    wanted = ["--editable", f"{ROOT}[workflow]"]
+    wanted = ["--editable", f"{ROOT}[workflow,app{',slurm' if group else ''}]"]  # slurm.sh tests it
     if group:
         steps.append([*pip, "pip>=25.1"])  # the first version with groups
         wanted += ["--group", f"{ROOT / 'pyproject.toml'}:{group}"]
@@ -94,6 +96,14 @@ def install(group):
             sys.exit(f"failed: {' '.join(map(str, step))}")
     for stamp in stamps.values():
         stamp.write_text(state)
+
+
+def state_of_sources():
+    """Return a text that changes with what an installation depends on."""
+    sources = sorted((PACKAGE / "kernels/c").glob("*.[ch]"))
+    files = [ROOT / "pyproject.toml", ROOT / "setup.py", *sources]
+    settings = b"".join(file.read_bytes() for file in files) + sys.version.encode() + str(ROOT).encode()
+    return hashlib.sha256(settings).hexdigest()
 
 
 def work(*arguments):
@@ -149,7 +159,7 @@ def lowest(*arguments):
     """Run the tests of package and workflow with the lowest versions, in an environment of their own."""
     programs = LOWEST / BIN.name
     python = programs / "python"
-    wanted = ["--resolution", "lowest-direct", "--editable", f"{ROOT}[workflow]", "--group", "test"]
+    wanted = ["--resolution", "lowest-direct", "--editable", f"{ROOT}[workflow,slurm]", "--group", "test"]
     tests = ["tests/unit", "tests/property", "tests/workflow", *side_by_side(), *arguments]
     return (
         run([sys.executable, "-m", "venv", "--clear", LOWEST])
@@ -164,8 +174,7 @@ def run(command, programs=BIN):
     A termination of this program is handed on to the command, and ends both.
     """
     environment = os.environ | {"PATH": f"{programs}{os.pathsep}{os.environ.get('PATH', '')}"}
-    prepare = end_with_this_program()
-    process = subprocess.Popen(command, env=environment, preexec_fn=prepare)  # noqa: PLW1509 - no threads
+    process = subprocess.Popen(command, env=environment)
     terminated = []
 
     def terminate(*_):
@@ -182,22 +191,6 @@ def run(command, programs=BIN):
         if terminated:
             sys.exit(128 + signal.SIGTERM)
         return code
-
-
-def end_with_this_program():
-    """Return a function for a child to run first: Linux then terminates it when this program is killed."""
-    if sys.platform != "linux":
-        return None
-    import ctypes
-
-    library, parent = ctypes.CDLL(None), os.getpid()
-
-    def prepare():
-        library.prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
-        if os.getppid() != parent:  # it has ended before
-            os._exit(1)
-
-    return prepare
 
 
 if __name__ == "__main__":

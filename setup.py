@@ -27,8 +27,8 @@ from setuptools.command.sdist import sdist
 from setuptools.errors import CompileError, SetupError
 
 SOURCES = Path("workflow/lib/roughcontact/kernels/c")
-# what a wheel needs to run the workflow; in a checkout it lies where it is
-WORKFLOW = ["workflow/Snakefile"]
+# what a wheel needs to run the workflow, and two of the samples; in a checkout they lie where they are
+WORKFLOW = ["workflow/Snakefile", "data_samples/sandblasted.x3p", "data_samples/stylus-profile.csv"]
 WORKFLOW += [f"workflow/{folder}/*" for folder in ("envs", "profiles/*", "report", "rules", "scripts")]
 # where the commit is noted in a wheel, and in a source distribution below MODULES
 COMMIT = "roughcontact/_commit.txt"

@@ -56,7 +56,7 @@ def main(distribution, *, passes_only):
             f"surface\tpath\nperiodic\t{ROOT / 'data_samples/periodic.nc'}\n"
         )
         Path(study, "settings.yaml").write_text(SETTINGS)
-        run(python, "-m", "roughcontact.command_line", "run", "--configfile", "settings.yaml")
+        run(python, "-m", "roughcontact.interface", "run", "--configfile", "settings.yaml")
         if not (study / "results/report.html").stat().st_size:
             sys.exit("the report is empty")
         size = sum(path.lstat().st_size for path in environment.rglob("*") if path.is_file())
