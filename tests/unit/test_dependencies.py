@@ -12,7 +12,7 @@ from roughcontact.study import dependencies, readers
 
 ROOT = Path(__file__).parents[2]
 PAGES = {"panel", "report"}
-SOLVERS = {"contact", "panel", "report", "slide", "unload", "wear"}
+SOLVERS = {"contact", "panel", "slide", "unload", "wear"}  # the report of all surfaces reads what is stored
 READERS = {"prepare", "contact"}
 UNITS = {*READERS, "panel"}
 WINDOWS = {*UNITS, "superpose", "slide", "wear"}
