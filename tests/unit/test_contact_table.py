@@ -321,15 +321,16 @@ BLOCKS = """\
 *MATERIAL, NAME=STEEL
 *ELASTIC
 210000., 0.
+*CONDUCTIVITY
+50.
 *SOLID SECTION, ELSET=BLOCKS, MATERIAL=STEEL
 *SURFACE, NAME=LOWER
 1, S2
 *SURFACE, NAME=UPPER
 2, S1
 *SURFACE INTERACTION, NAME=ROUGH
-*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR
 {law}
-*CONTACT PAIR, INTERACTION=ROUGH, TYPE=NODE TO SURFACE
+*CONTACT PAIR, INTERACTION=ROUGH, TYPE={kind} TO SURFACE
 UPPER, LOWER
 *NSET, NSET=BOTTOM
 1, 2, 3, 4
@@ -337,51 +338,86 @@ UPPER, LOWER
 13, 14, 15, 16
 *NSET, NSET=FACES
 5, 9
+*INITIAL CONDITIONS, TYPE=TEMPERATURE
+ALL, 0.
 *BOUNDARY
 ALL, 1, 2
 BOTTOM, 3, 3
+BOTTOM, 11, 11, 0.
 *STEP, INC=1000, NLGEOM
-*STATIC
+*COUPLED TEMPERATURE-DISPLACEMENT, STEADY STATE
 0.1, 1., 1e-6, 0.1
 *BOUNDARY
 TOP, 3, 3, {closing:.9g}
+TOP, 11, 11, 100.
 *NODE PRINT, NSET=TOP, TOTALS=ONLY
-RF
+RF, RFL
 *NODE PRINT, NSET=FACES
-U
+U, NT
 *END STEP
 """
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="needs CalculiX (Debian: calculix-ccx)")
-def test_finite_elements_return_the_contact_law(tmp_path):
-    """Two blocks in CalculiX that are pressed together; lengths in µm, forces in µN, pressures in MPa."""
-    window = rough_reference_surface(64) * 1e-6
-    law = rc.contact_table(window, contact_modulus="1 GPa", loads=12, tolerance=1e-3)
+@pytest.mark.parametrize("hardness", ["none", "200 MPa"])
+def test_finite_elements_return_the_contact_law(tmp_path, hardness):
+    """Two blocks in CalculiX that are pressed together, the upper one warm, in mm, N, MPa, mW."""
+    body = {"youngs_modulus": "2 GPa", "poissons_ratio": 0.0, "thermal_conductivity": 50.0}
+    bodies = [body | ({} if hardness == "none" else {"hardness": hardness}), body]
+    loads = np.geomspace(5e-4, 0.3, 12).tolist()
+    waves = {"hurst": 0.8, "longest": 3e-5, "shortest": 4e-6}
+    face = rc.self_affine_surface((64, 64), 1e-6, **waves, rms_height=4e-7, seed=1)
+    result = rc.evaluate(
+        face,
+        contact={"bodies": bodies, "relative_pressure": loads, "tolerance": 1e-3},
+        statistics={"flow": "always"},
+        window={"method": "raw"},
+        uncertainty={"sources": []},
+    )
+    rc.write_dataset(result, tmp_path / "result.nc")
+    assert main(["table", str(tmp_path / "result.nc"), "-o", str(tmp_path / "law.inp")]) == 0
+    law = tabulate_by_gap(result)
     touch = (law["approach"] + law["mean_pressure"] / law["contact_stiffness"]).values[0]
     pressure = np.append(0, law["mean_pressure"]) * 1e-6
-    overclosure = np.append(0, touch - law["approach"]) * 1e6
-    side, corners = 10.0, ((0, 0), (1, 0), (1, 1), (0, 1))
-    points = [(x * side, y * side, z * side) for z in (-1, 0, 0, 1) for x, y in corners]
-    text = BLOCKS.format(
-        nodes="\n".join(f"{number}, {x}, {y}, {z}" for number, (x, y, z) in enumerate(points, start=1)),
-        law="\n".join(f"{p:.9g}, {c:.9g}" for p, c in zip(pressure, overclosure, strict=True)),
-        closing=-overclosure[6],
-    )
-    (tmp_path / "blocks.inp").write_text(text)
-    subprocess.run(["ccx", "blocks"], cwd=tmp_path, check=True, capture_output=True)
-    printed = (tmp_path / "blocks.dat").read_text()
-    forces = -np.array([float(z) for z in re.findall(r"total force.*\n\n(?:\s+\S+){2}\s+(\S+)", printed)])
-    lower, upper = (
-        np.array([float(z) for z in re.findall(rf"\n\s+{node}(?:\s+\S+){{2}}\s+(\S+)", printed)])
-        for node in (5, 9)
-    )
-    assert len(forces) == len(lower) == len(upper) == 10
-    expected = np.interp(lower - upper, overclosure, pressure)
-    assert forces.max() > 0.9 * side**2 * pressure[6]
+    overclosure = np.append(0, touch - law["approach"]) * 1e3
+    corners = ((0, 0), (1, 0), (1, 1), (0, 1))
+    points = [(x, y, z) for z in (-1, 0, 0, 1) for x, y in corners]
+    nodes = "\n".join(f"{number}, {x}, {y}, {z}" for number, (x, y, z) in enumerate(points, start=1))
+
+    def pressed(rows, kind, closing):
+        """Return what CalculiX prints: pressure, what the faces have come closer, heat over difference."""
+        (tmp_path / "blocks.inp").write_text(
+            BLOCKS.format(nodes=nodes, law=rows, kind=kind, closing=-closing)
+        )
+        subprocess.run(["ccx", "blocks"], cwd=tmp_path, check=True, capture_output=True)
+        printed = (tmp_path / "blocks.dat").read_text()
+
+        def numbers(pattern):
+            found = [float(number) for number in re.findall(pattern, printed)]
+            assert len(found) == 10
+            return np.array(found)
+
+        forces = -numbers(r"total force.*\n\n(?:\s+\S+){2}\s+(\S+)")
+        heat = numbers(r"total heat.*\n\n\s+(\S+)")
+        lower, upper = (numbers(rf"\n +{node}(?: +\S+){{2}} +(\S+)") for node in (5, 9))
+        colder, warmer = (numbers(rf"\n +{node} +(\S+)(?=\n)") for node in (5, 9))
+        return forces, lower - upper, heat / (warmer - colder)
+
+    compression = 2 * pressure[8] / 210000
+    forces, closer, _ = pressed("*INCLUDE, INPUT=law.inp", "NODE", overclosure[8] + compression)
+    assert forces.max() > 0.99 * pressure[8]
     # digits of the printed displacements
-    np.testing.assert_allclose(forces / side**2, expected, rtol=1e-5)
+    np.testing.assert_allclose(forces, np.interp(closer, overclosure, pressure), rtol=1e-5)
+    # CalculiX 2.20 knows the pressure of a conductance from a linear law between surfaces alone
+    conducts = (tmp_path / "law.inp").read_text().partition("*GAP CONDUCTANCE")
+    stiff = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1e5\n"
+    forces, _, conductance = pressed(
+        stiff + "".join(conducts[1:]), "SURFACE", pressure[8] / 1e5 + compression
+    )
+    assert forces.max() > 0.99 * pressure[8]
+    expected = np.interp(forces, pressure[1:], law["thermal_conductance"] * 1e-3)
+    np.testing.assert_allclose(conductance, expected, rtol=1e-5)
 
 
 def test_the_rows_of_the_window_stay_where_they_are():

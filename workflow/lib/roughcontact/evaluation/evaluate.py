@@ -193,8 +193,9 @@ def contact_table(
     -------
     Dataset
         over `mean_gap` (m), falling: `mean_pressure` (Pa), `relative_contact_area`, `contact_stiffness` (Pa
-        m-1), `conductance_per_conductivity` (m-1), `pressure_flow_factor_x`, `_y` and `shear_flow_factor_x`,
-        `_y` [1]_ [2]_, with `{name}_lower` and `_upper`. Those of area and conductance are of the load of the
+        m-1), `conductance_per_conductivity` (m-1), `thermal_conductance` (W m-2 K-1) where the bodies state
+        their conductivity, `pressure_flow_factor_x`, `_y` and `shear_flow_factor_x`, `_y` [1]_ [2]_, with
+        `{name}_lower` and `_upper`. Those of area and conductance are of the load of the
         row, those of the stiffness follow from the conductance, to which it is proportional [3]_. Pressure
         and flow factors are those of a gap: their ends enclose the values of all loads whose interval of the
         mean gap holds that of the row. NaN: no ±, as of the pressure above that of the heaviest load.
@@ -250,7 +251,9 @@ def tabulate_by_gap(statistics: xr.Dataset) -> xr.Dataset:
     statistics = statistics.sortby("mean_gap", ascending=False)
     gap, sigma = statistics["mean_gap"].values, float(statistics["rms_height"])
     columns = {"mean_pressure": _interpolate_to_gaps(statistics, "mean_pressure", at_contact=np.nan, far=0.0)}
-    for name in ("relative_contact_area", "contact_stiffness", "conductance_per_conductivity"):
+    of_load = ("relative_contact_area", "contact_stiffness", "conductance_per_conductivity")
+    of_load += tuple(name for name in ("thermal_conductance", "joint_conductance") if name in statistics)
+    for name in of_load:
         columns[name] = _value_and_bounds(statistics, name)
     conductance, *conductance_ends = columns["conductance_per_conductivity"]
     with np.errstate(invalid="ignore"):  # both are infinite in full contact

@@ -205,7 +205,7 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
 
     table = add_verb("table", _table, f"print {saving.EXPORTS['table'][0]}")
     table.add_argument("file", metavar="RESULT", help=f"{_RESULT} (statistics.flow: always)")
-    table.add_argument("-o", "--output", type=Path, metavar="TABLE", help="write it, as .csv or .nc")
+    table.add_argument("-o", "--output", type=Path, metavar="TABLE", help="write it, as .csv, .nc or .inp")
 
     compare = add_verb("compare", _compare, f"list {saving.EXPORTS['compare'][0]}")
     for name in ("before", "after"):
@@ -502,16 +502,18 @@ def _table(options: argparse.Namespace) -> int:
     """Print or write the table of a result over the mean gap."""
     from roughcontact.evaluation.evaluate import tabulate_by_gap
     from roughcontact.results.collect import column_name
+    from roughcontact.results.exchange import write_contact_law
     from roughcontact.results.storage import table_text, write_dataset, write_table
 
     if options.output is not None:
-        saving.check_ending(options.output, (".csv", ".nc"))
+        saving.check_ending(options.output, (".csv", ".nc", ".inp"))
     try:
         table = tabulate_by_gap(_read_run_statistics(options.file, single=True))
     except SettingsError as error:
         raise InputFileError(f"{options.file}: {error}") from error
-    if options.output is not None and options.output.suffix.lower() == ".nc":
-        write_dataset(table, options.output)
+    writers = {".nc": write_dataset, ".inp": write_contact_law}
+    if options.output is not None and (write := writers.get(options.output.suffix.lower())):
+        write(table, options.output)
         return 0
     headings = {str(name): column_name(str(name), table[name].attrs["units"]) for name in table.variables}
     frame = table.to_dataframe().reset_index().rename(columns=headings)

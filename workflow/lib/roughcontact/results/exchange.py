@@ -1,4 +1,4 @@
-"""Results as files of other programs: VTK for ParaView, TIFF, Gwyddion's simple field, workbooks.
+"""Results as files of other programs: VTK for ParaView, TIFF, Gwyddion's simple field, workbooks, CalculiX.
 
 Files of maps hold the height of the window and, for each load, pressure, gap and contact, in SI units.
 """
@@ -14,7 +14,7 @@ import xarray as xr
 
 from roughcontact.arguments.maps import spacing
 from roughcontact.errors import SettingsError
-from roughcontact.results.storage import as_words, atomic_write
+from roughcontact.results.storage import as_words, atomic_write, write_text
 
 _UNITS = {"height": "m", "pressure": "Pa", "gap": "m", "contact": "1"}
 _MAX_TIFF_BYTES = 2**32 - 2**20  # bytes, whose places have 32 bits
@@ -203,6 +203,57 @@ def write_workbook(sheets: Mapping[str, pd.DataFrame], path: str | Path) -> None
                 frame.map(as_words).to_excel(book, sheet_name=name, index=False, freeze_panes=(1, 0))
     with atomic_write(path, size=content.tell()) as partial:
         partial.write_bytes(content.getvalue())
+
+
+def write_contact_law(table: xr.Dataset, path: str | Path) -> None:
+    """Write a contact law as rows of CalculiX and Abaqus, in mm, N, s, MPa and mW/(mm2 K), to be included.
+
+    Parameters
+    ----------
+    table : Dataset
+        of `contact_table`.
+    path : str or Path
+
+    Notes
+    -----
+    `*SURFACE BEHAVIOR` has the pressure over what the bodies have come closer, flow included, from where the
+    tangent at the lightest load comes to no pressure. `*GAP CONDUCTANCE` has `joint_conductance`, else
+    `thermal_conductance`, over the pressure, and its tangent at the lightest load down to no pressure.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> law = {"mean_pressure": [1e6, 2e6], "contact_stiffness": [1e12, 2e12], "approach": [3e-6, 2.4e-6]}
+    >>> table = xr.Dataset({name: ("mean_gap", row) for name, row in law.items()})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_contact_law(table, f"{folder}/law.inp")
+    ...     print(*Path(folder, "law.inp").read_text().splitlines()[2:6], sep="; ")
+    *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR; 0, 0; 1, 0.001; 2, 0.0016
+    """
+    pressure, stiffness, approach = (
+        table[name].values for name in ("mean_pressure", "contact_stiffness", "approach")
+    )
+    closer = approach[0] + pressure[0] / stiffness[0] - approach
+    lines = [
+        "** mm, N, s, MPa, mW/(mm2 K); include it in *SURFACE INTERACTION",
+        "** pressure, overclosure from where both faces touch",
+        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR",
+        *_rows(np.append(0.0, pressure) * 1e-6, np.append(0.0, closer) * 1e3),
+    ]
+    names = [name for name in ("joint_conductance", "thermal_conductance") if name in table]
+    if names and pressure.size > 1:
+        conductance = table[names[0]].values
+        slope = (conductance[1] - conductance[0]) / (pressure[1] - pressure[0])
+        unloaded = max(0.0, conductance[0] - slope * pressure[0])
+        known = np.append(True, np.isfinite(conductance))
+        rows = np.append(unloaded, conductance)[known] * 1e-3, np.append(0.0, pressure)[known] * 1e-6
+        lines += ["** conductance, pressure", "*GAP CONDUCTANCE, PRESSURE", *_rows(*rows)]
+    write_text("\n".join(lines) + "\n", path)
+
+
+def _rows(*columns: np.ndarray) -> list[str]:
+    """Return lines of numbers."""
+    return [", ".join(f"{value:.9g}" for value in row) for row in zip(*columns, strict=True)]
 
 
 def _maps(contact: xr.Dataset) -> Iterator[tuple[str, int | None, xr.DataArray]]:
