@@ -119,6 +119,14 @@ def test_gas_and_film_are_in_the_totals_and_in_their_ends():
         ({"joint": {"gas_conductivity": 0.026}}, "needs temperature_jump, or leave both out"),
         ({"seal": {"mean_free_path": "68 nm"}}, "is of a gas; give its outlet_pressure"),
         ({"seal": {"allowed_leak": "1 ml/hour", "perimeter": "1 m"}}, "unknown leak unit 'ml/hour'"),
+        (
+            {"seal": {"allowed_leak": "1 ml/h", "perimeter": "1 m"}, "requirement": {"leak": "5 ml/h"}},
+            r"seal\.allowed_leak: is the same limit as requirement\.leak; state one of them",
+        ),
+        (
+            {"allowed_pressure": "1 GPa", "requirement": {"pressure": "1 GPa"}},
+            r"statistics\.allowed_pressure: is the same limit as requirement\.pressure",
+        ),
     ],
 )
 def test_what_an_allowed_value_needs_is_said(section, text):

@@ -1,9 +1,11 @@
 """Friction in the statistics: stick and slip, the coefficient from the area, flash temperatures."""
 
 import json
+import re
 
 import numpy as np
 import pytest
+import yaml
 
 import roughcontact as rc
 from roughcontact.statistics.friction import slip_in_words
@@ -125,8 +127,11 @@ def test_sliding_of_a_shear_strength_heats_by_the_corrected_area(options):
 
 
 def test_stick_and_slip_of_bodies_that_flow_are_refused_before_the_solve():
-    with pytest.raises(rc.SettingsError, match="stick and slip are of elastic bodies"):
-        statistics_with({"coefficient": 0.2, "tangential_load": 0.5}, hardness="2 GPa")
+    wanted = {"coefficient": 0.2, "tangential_load": 0.5}
+    with pytest.raises(rc.SettingsError, match="are of elastic bodies") as caught:
+        statistics_with(wanted, bodies=["steel", "copper"])
+    elastic = yaml.safe_load(re.search(r"\{.*\}", str(caught.value))[0])  # as the sentence says
+    assert "stick_share" in statistics_with(wanted, bodies=[elastic, elastic])
 
 
 def test_stick_and_slip_of_coated_bodies_are_refused_before_the_solve():

@@ -180,8 +180,14 @@ def _mistakes_in_statistics(settings: Mapping[str, Any]) -> Iterator[SettingsErr
         yield _mistake(
             "statistics.friction.tangential_load",
             f": stick and slip are of elastic bodies, and the hardness is "
-            f"{contact['hardness']:g} Pa; leave tangential_load out, or give moduli without a hardness",
+            f"{contact['hardness']:g} Pa; leave tangential_load out, or the hardness, which of a material by "
+            "its name is {material: steel, hardness: null}",
         )
+    for name in (key.partition(".")[2] for key in given_keys if key.startswith("requirement.")):
+        if stated := [key for key in given_keys if key.rpartition(".")[2] == f"allowed_{name}"]:
+            yield _mistake(
+                f"statistics.{stated[0]}", f": is the same limit as requirement.{name}; state one of them"
+            )
 
 
 def _mistakes_in_wear(wear: Mapping[str, Any], contact: Mapping[str, Any]) -> Iterator[SettingsError]:
