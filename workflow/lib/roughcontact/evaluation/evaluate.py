@@ -251,8 +251,8 @@ def tabulate_by_gap(statistics: xr.Dataset) -> xr.Dataset:
     statistics = statistics.sortby("mean_gap", ascending=False)
     gap, sigma = statistics["mean_gap"].values, float(statistics["rms_height"])
     columns = {"mean_pressure": _interpolate_to_gaps(statistics, "mean_pressure", at_contact=np.nan, far=0.0)}
-    of_load = ("relative_contact_area", "contact_stiffness", "conductance_per_conductivity")
-    of_load += tuple(name for name in ("thermal_conductance", "joint_conductance") if name in statistics)
+    of_load = ["relative_contact_area", "contact_stiffness", "conductance_per_conductivity"]
+    of_load += [name for name in ("thermal_conductance", "joint_conductance") if name in statistics]
     for name in of_load:
         columns[name] = _value_and_bounds(statistics, name)
     conductance, *conductance_ends = columns["conductance_per_conductivity"]
