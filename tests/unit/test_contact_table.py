@@ -439,7 +439,11 @@ def test_statistics_without_flow_are_refused(statistics):
         ({"loads": 2.5}, rc.SettingsError, "loads = 2.5: give a whole number"),
         ({"loads": "4"}, rc.SettingsError, "loads = '4': give a whole number"),
         ({"loads": 0}, rc.SettingsError, "loads = 0: give a whole number"),
-        ({"boundary": "free", "force": 1.0}, rc.SettingsError, "boundary = 'free': .*periodic map"),
+        (
+            {"boundary": "free", "force": 1.0},
+            rc.SettingsError,
+            "contact_table, boundary 'free': .*periodic map",
+        ),
         ({}, rc.HeightMapError, "flat"),
     ],
 )

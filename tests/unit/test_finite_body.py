@@ -11,7 +11,8 @@ from scipy.interpolate import CubicSpline
 from scipy.special import ellipk
 
 import roughcontact as rc
-from roughcontact.arguments.maps import height_map, recover_roughness
+from roughcontact.arguments.finite_body import recover_roughness
+from roughcontact.arguments.maps import height_map
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.settings.stages import stage_settings
 from roughcontact.contact.elasticity.closed_forms import hertz, hertz_ellipse

@@ -43,6 +43,8 @@ class KindFacts:
         whether a fluid flows through its gap, and theories of endless surfaces hold.
     noun : str
         what is solved, where that is no window of a map.
+    own_numbers : collection of str
+        numbers of each load that only this kind has; by the first of them its results are told.
     scaled_columns : collection of str
         numbers of the solution that are relative to the roughness of its map.
     scales_heights : bool
@@ -81,6 +83,7 @@ class KindFacts:
     has_flow: bool = True
     has_theories: bool = True
     noun: str = ""
+    own_numbers: Collection[str] = ()
     scaled_columns: Collection[str] = ("relative_pressure",)
     scales_heights: bool = True
     form_is_meant: bool = False
@@ -226,6 +229,7 @@ FINITE_BODY = FiniteBodyFacts(
     has_flow=False,
     has_theories=False,
     noun="a body of finite size",
+    own_numbers=("contact_radius", "force"),
     scaled_columns=(),  # the gradient of the map is that of the form
     scales_heights=False,
     form_is_meant=True,
@@ -281,6 +285,11 @@ def facts_of(attrs: Mapping[str, Any]) -> KindFacts:
     """
     word = attrs.get("boundary")
     return next((facts for facts in (PERIODIC_MAP, FINITE_BODY) if facts.boundary == word), PERIODIC_MAP)
+
+
+def sections_on_form(radius: Collection[float]) -> dict[str, dict[str, Any]]:
+    """Return the sections of settings of a map that is the roughness of a form of one radius or two (m)."""
+    return {"contact": {"boundary": FINITE_BODY.boundary}, "form": {"radius": radius}} if radius else {}
 
 
 def number_of_faces(attrs: Mapping[str, Any]) -> int:

@@ -12,8 +12,6 @@ from roughcontact.arguments.si import convert_quantity, unit_of, warn_of_metres
 from roughcontact.arguments.units import carries_unit, unit_factor, unknown_unit
 from roughcontact.errors import HeightMapError, SettingsError
 
-_ROUNDING = 8 * np.finfo(float).eps  # of the range of a map whose form was added and taken off
-
 
 def height_map(
     values: npt.ArrayLike,
@@ -182,11 +180,6 @@ def refined(window: xr.DataArray, factor: int) -> xr.DataArray:
     return height_map(values, steps, unit="m")
 
 
-def form_radii(body: xr.DataArray) -> list[float]:
-    """Return the radii (m; along x, y) of the form of a body of finite size, none of a map without one."""
-    return [body.attrs[f"form_radius_{axis}"] for axis in "xy" if f"form_radius_{axis}" in body.attrs]
-
-
 def sides_around(points: np.ndarray, margin: Callable[[int], int]) -> tuple[slice, slice]:
     """Return rows and columns of the rectangle around points (ny, nx; bool), with a margin by its width."""
     sides = []
@@ -195,15 +188,3 @@ def sides_around(points: np.ndarray, margin: Callable[[int], int]) -> tuple[slic
         wider = margin(last - start)
         sides.append(slice(max(start - wider, 0), min(last + wider + 1, n)))
     return sides[0], sides[1]
-
-
-def recover_roughness(body: xr.DataArray) -> xr.DataArray:
-    """Return the map (y, x; m) of which `window.finite_body` made a body, without its form."""
-    if not (radii := form_radii(body)):
-        return body
-    y, x = (body[axis] - (body[axis][0] + body[axis][-1]) / 2 for axis in "yx")
-    form = x**2 / (2 * radii[0]) + y**2 / (2 * radii[1])
-    roughness = (body + form).transpose("y", "x").assign_attrs(body.attrs)
-    if np.ptp(roughness.values) <= _ROUNDING * float(abs(body).max()):  # a flat map, and noise of the sum
-        roughness.values[...] = roughness.values.mean()
-    return roughness

@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.maps import form_radii, sides_around
+from roughcontact.arguments.finite_body import form_radii
+from roughcontact.arguments.maps import sides_around
 from roughcontact.contact.dataset import FieldsInUnits, limit_to_hardness
 from roughcontact.contact.elasticity.energy import elastic_energy
 from roughcontact.contact.elasticity.fade import FADE
@@ -85,7 +86,7 @@ def free_solutions(
     for force in forces:
         solution = body.solve(force, tolerance=tolerance)
         if not window.attrs.get("form_edges"):  # beyond which there is nothing
-            body.check_border(solution.pressure, force, form_radii(window))
+            body.check_border(solution.pressure, force, form_radii(window.attrs))
         pressure, gap = solution.pressure, solution.gap
         yield_share = limit_to_hardness(pressure, gap, material.hardness)
         contact, total = (pressure > 0).astype(np.int8), float(pressure.sum())

@@ -219,8 +219,7 @@ def contact_table(
     """
     if not isinstance(loads, int | np.integer) or loads < 1:
         raise SettingsError(f"loads = {loads!r}: give a whole number of rows, 1 or more", keys=["loads"])
-    if reason := facts_of(contact).reason_against("contact_table"):
-        raise SettingsError(f"boundary = {contact['boundary']!r}: {reason}", keys=["boundary"])
+    facts_of(contact).check_arguments(["contact_table"])
     window = labelled_in_si(check_labelled(window))
     warn_of_seams(window, rms_gradient(window), stacklevel=3)
     contact |= {"contact_modulus": contact_modulus, "bodies": bodies}

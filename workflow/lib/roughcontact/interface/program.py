@@ -413,6 +413,7 @@ def _warnings_in_words() -> Iterator[None]:
 
 def _init(options: argparse.Namespace) -> int:
     """Write settings and table, and print the next steps."""
+    from roughcontact.arguments.kinds import sections_on_form
     from roughcontact.interface.command_line.options import keyed, message_with_options, parse_bodies
     from roughcontact.interface.command_line.project import collect_files, problems, write_project
 
@@ -420,16 +421,14 @@ def _init(options: argparse.Namespace) -> int:
     contact: dict[str, Any] = {"bodies": parse_bodies(options.body)} if options.body else {}
     contact |= {name: value for name in ("mean_pressure", "force") if (value := getattr(options, name))}
     contact |= {"area": options.area[0]} if options.area else {}
-    contact |= {"boundary": "free"} if options.form_radius else {}
-    form = {"radius": options.form_radius} if options.form_radius else {}
     columns = {name: value for name in _COLUMNS if (value := getattr(options, name))}
-    statistics = {
+    sections = sections_on_form(options.form_radius)
+    sections["contact"] = contact | sections.get("contact", {})
+    sections["statistics"] = {
         name: keyed(f"--{name}", words) for name in _DERIVED if (words := getattr(options, name)) is not None
     }
     try:
-        settings, table = write_project(
-            files, sections={"contact": contact, "form": form, "statistics": statistics}, columns=columns
-        )
+        settings, table = write_project(files, sections=sections, columns=columns)
     except SettingsError as error:
         raise SettingsError(message_with_options(error)) from error
     if not options.body:

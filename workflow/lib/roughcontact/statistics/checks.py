@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.finite_body import form_radii
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.measurement import Instrument, json_attributes
 from roughcontact.arguments.variables import describe, values_at_load
 from roughcontact.statistics import contact_checks, instrument_checks, map_checks
 from roughcontact.statistics.contact_checks import CONTACT_POINTS, OVERCOUNT, overcount
 from roughcontact.statistics.kinds import OMITTED_CHECKS
+from roughcontact.statistics.local_scale import local_scale
 from roughcontact.statistics.map_checks import FILLED_IN_CONTACT, REJECTED_LOAD, Attributes
 from roughcontact.statistics.outcome import (
     ANSWERS,
@@ -85,7 +87,7 @@ def surface_checks(
         CheckName.RESOLUTION: contact_checks.resolution(statistics),
         CheckName.LAYERS: contact_checks.layers(statistics, points),
         CheckName.MEAN_FREE_PATH: contact_checks.mean_free_path(statistics),
-        CheckName.LOCAL_SCALE: contact_checks.local_scale(statistics),
+        CheckName.LOCAL_SCALE: local_scale(statistics),
         CheckName.FLUID: contact_checks.fluid(statistics),
         CheckName.SMOOTHED: instrument_checks.smoothed(window),
         CheckName.NOISE: instrument_checks.noise(statistics, window),
@@ -123,7 +125,7 @@ def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
     limits: dict[str, Callable[[Attributes], bool]] = {
         CheckName.NOISE: instrument_checks.is_mostly_noise,
         CheckName.QUANTISATION: instrument_checks.is_too_coarse,
-        CheckName.FORM: lambda window: "form_radius_x" in window,
+        CheckName.FORM: lambda window: bool(form_radii(window)),
     }
     if check.outcome != REVIEW or (check.name in limits and limits[check.name](window)):
         return check

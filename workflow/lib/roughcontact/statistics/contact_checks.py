@@ -19,7 +19,6 @@ from roughcontact.statistics.sealing.gas import MIN_INVERSE_KNUDSEN, path_at_mea
 
 CONTACT_POINTS = 100  # fewer contact points are too few for statistics
 LAYER_PIXELS = 4  # thickness from which the contact of a pixel is that of a half-space
-_ROUGHNESS_OF_FORM = 0.05  # rms height over Hertz's approach
 _BALLISTIC = 0.1  # of the resistance, added by the mean free path: less hides in most intervals
 # Ohm m2, resistivity times mean free path of the electrons: 3e-16 to 9e-16 in metals of contacts (Gall 2016,
 # J. Appl. Phys. 119, 085101)
@@ -320,29 +319,6 @@ def mean_free_path(statistics: xr.Dataset) -> Check | None:
     if increase < _BALLISTIC:
         return passed(f"{text}.")
     return review(f"{text} and is not in the ±.", advice="Add it.")
-
-
-def local_scale(statistics: xr.Dataset) -> Check | None:
-    """Check that the rms height is below 0.05 of the approach of a form (Johnson 1985, section 13.5)."""
-    if "local_contact_area" not in statistics:
-        return None
-    last = statistics.isel(load=int(statistics["force"].values.argmax()))
-    ratio = float(statistics["rms_height"] / statistics["hertz_approach"].min())
-    share = float(last["local_contact_area"] / (np.pi * last["hertz_radius"] ** 2))
-    force, radius, gap = (
-        quantity(float(last[name]), unit)
-        for name, unit in (("force", "N"), ("hertz_radius", "m"), ("local_mean_gap", "m"))
-    )
-    text = (
-        "Each place of the smooth contact (Hertz) has the contact of this map under the nominal pressure "
-        f"there: at {force}, radius {radius}, {percent(share)} of the area and a mean gap of {gap}. "
-        f"Roughness has to be small against the form: its rms height is {percent(ratio)} of the least "
-        "approach."
-    )
-    lengths = [statistics[f"window_length_{axis}"] for axis in "xy"]
-    if ratio <= _ROUGHNESS_OF_FORM and np.nanmax(lengths) < 2 * statistics["hertz_radius"].min():
-        return noted(text)
-    return review(text, advice="Solve a map that is larger than the contact, with boundary: free.")
 
 
 def fluid(statistics: xr.Dataset) -> Check | None:

@@ -10,8 +10,9 @@ import xarray as xr
 from roughcontact.arguments.bodies import check_bodies, properties_of_bodies
 from roughcontact.arguments.checking import check_choice, check_keys, check_solution, warn_of_map
 from roughcontact.arguments.choices import Extra
+from roughcontact.arguments.finite_body import recover_roughness
 from roughcontact.arguments.kinds import KindFacts, facts_of
-from roughcontact.arguments.maps import areal_only, recover_roughness, spacing
+from roughcontact.arguments.maps import areal_only, spacing
 from roughcontact.arguments.materials import top_material
 from roughcontact.arguments.named_materials import named_bodies
 from roughcontact.arguments.si import as_si

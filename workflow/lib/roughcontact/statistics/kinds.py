@@ -24,9 +24,9 @@ _NUMBERS: Mapping[str, Callable[..., dict[str, Any]]] = {FINITE_BODY.name: finit
 
 
 def facts_of_numbers(numbers: Numbers) -> KindFacts:
-    """Return the facts of the kind of problem of numbers; only a finite body has a contact radius."""
-    radius = np.asarray(numbers.get("contact_radius", np.nan), float)
-    return FINITE_BODY if np.isfinite(radius).any() else PERIODIC_MAP
+    """Return the facts of the kind of problem of numbers, by those that only one kind has."""
+    own = np.asarray(numbers.get(FINITE_BODY.own_numbers[0], np.nan), float)
+    return FINITE_BODY if np.isfinite(own).any() else PERIODIC_MAP
 
 
 def load_in_words(pressure: float, numbers: Numbers) -> tuple[str, str]:

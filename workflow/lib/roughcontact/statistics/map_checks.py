@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.checking import MAX_GRADIENT
+from roughcontact.arguments.finite_body import form_radii
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.measurement import Measurement, json_attribute
 from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
@@ -133,7 +134,7 @@ def form(attrs: Attributes, window: Attributes) -> Check | None:
     >>> form({"form": "plane"}, {"form_share": 0.9}).outcome
     'review'
     """
-    share, is_added = window.get("form_share", 0.0), "form_radius_x" in window
+    share, is_added = window.get("form_share", 0.0), bool(form_radii(window))
     if facts_of(window).form_is_meant and not is_added:
         return None
     text = (

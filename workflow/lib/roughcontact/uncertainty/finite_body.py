@@ -14,7 +14,8 @@ import scipy
 import xarray as xr
 
 from roughcontact.arguments.choices import UncertaintySource
-from roughcontact.arguments.maps import form_radii, height_map, recover_roughness, spacing
+from roughcontact.arguments.finite_body import ends_at_edges, form_radii, recover_roughness
+from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.contact.elasticity.closed_forms import hertz_ellipse
 from roughcontact.surface.window.finite_body import finite_body
 from roughcontact.uncertainty.budget import error_budget
@@ -39,7 +40,7 @@ def finite_body_budget(
 ) -> xr.Dataset:
     """Return the `error_budget` of a body (y, x; m) from its `budget_inputs`."""
     roughness, steps = recover_roughness(window), spacing(window)
-    form: dict[str, Any] = {"radius": form_radii(window), "edges": "form_edges" in window.attrs}
+    form: dict[str, Any] = {"radius": form_radii(window.attrs), "edges": ends_at_edges(window.attrs)}
     contact = {**settings["contact"], "mean_pressure": solved["mean_pressure"].values}
     contact |= {"on_form": partial(finite_body, **form), "area": window.size * steps[0] * steps[1]}
     shifts = [] if form["edges"] else _shifts(roughness, contact, form["radius"], windows - 1)

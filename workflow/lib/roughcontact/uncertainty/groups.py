@@ -15,10 +15,12 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.kinds import FINITE_BODY
 from roughcontact.arguments.measurement import json_attributes
 from roughcontact.arguments.quantities import quantity
 from roughcontact.errors import SettingsError
 from roughcontact.io.instrument_kinds import of_name
+from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.statistics.load_pairs import common_loads, interpolated, same_load
 from roughcontact.surface.window.band import is_limited_by_grid
 from roughcontact.uncertainty.calibration import scatter_between_maps
@@ -93,7 +95,7 @@ def needed_for_groups(names: Iterable[str]) -> list[str]:
     suffixes = ("", "_lower", "_upper", "_components", "_parts")
     endings = {f"{name}{suffix}" for name in (*QUANTITIES, *ANSWERS) for suffix in suffixes}
     needed_names = {*endings, "mean_pressure", "contact_modulus", "rms_height", *_OF_HARDNESS}
-    needed_names |= {"force", "contact_radius"}  # of bodies of finite size
+    needed_names |= {*FINITE_BODY.own_numbers}
     return [name for name in names if name in needed_names]
 
 
@@ -371,10 +373,10 @@ def check_sizes(label: str, datasets: Sequence[xr.Dataset]) -> None:
 
 def _body_size(data: xr.Dataset) -> float:
     """Return the size (m²) of the maps of a body of finite size; NaN for a periodic map."""
-    if "contact_radius" not in data:
+    kind = facts_of_numbers(data)
+    if not kind.own_numbers:
         return float(data.attrs.get("body_size", np.nan))
-    size = data["force"] / data["mean_pressure"]
-    return float(size.where(np.isfinite(data["contact_radius"]))[0])
+    return float((data[kind.load] / data["mean_pressure"])[0])
 
 
 def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:

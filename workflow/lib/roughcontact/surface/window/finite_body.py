@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.finite_body import form_attributes
 from roughcontact.arguments.maps import spacing
 
 
@@ -16,6 +17,4 @@ def finite_body(
     if radius:
         y, x = ((np.arange(n) - (n - 1) / 2) * d for n, d in zip(heights.shape, steps, strict=True))
         heights = heights - x**2 / (2 * radius[0]) - y[:, None] ** 2 / (2 * radius[-1])
-    form_attrs = {"form_radius_x": radius[0], "form_radius_y": radius[-1]} if radius else {}
-    form_attrs |= {"form_edges": 1} if edges else {}
-    return roughness.copy(data=heights).assign_attrs(form_attrs | {"boundary": "free"})
+    return roughness.copy(data=heights).assign_attrs(form_attributes(radius, edges))
